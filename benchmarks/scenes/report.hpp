@@ -1,0 +1,135 @@
+#pragma once
+// What the benchmark programs share besides the scenes: options, CPU time, one flat JSON object.
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace bench {
+
+/// CPU seconds of all threads of this process so far.
+inline double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// CPU time of single steps, for a mean (the cost) and a median (robust on a shared machine).
+class stopwatch {
+ public:
+  template <class F>
+  void time(F&& f) {
+    const double start = cpu_seconds();
+    f();
+    ms_.push_back(1e3 * (cpu_seconds() - start));
+  }
+  [[nodiscard]] double mean() const {
+    double sum = 0;
+    for (const double x : ms_) sum += x;
+    return ms_.empty() ? 0 : sum / static_cast<double>(ms_.size());
+  }
+  [[nodiscard]] double median() const { return quantile(0.5); }
+  [[nodiscard]] double fastest() const { return quantile(0); }
+
+ private:
+  [[nodiscard]] double quantile(double q) const {
+    if (ms_.empty()) return 0;
+    auto sorted = ms_;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))];
+  }
+  std::vector<double> ms_;
+};
+
+/// `--name value` options: ask for each with its default, then `done()` rejects what nobody asked
+/// for.
+class arguments {
+ public:
+  arguments(int argc, char** argv) : given_(argv + 1, argv + argc) {}
+
+  std::string text(const std::string& name, const std::string& fallback) {
+    help_ += "  --" + name + "  (" + (fallback.empty() ? "none" : fallback) + ")\n";
+    const auto it = std::find(given_.begin(), given_.end(), "--" + name);
+    if (it == given_.end()) return fallback;
+    if (it + 1 == given_.end()) throw std::invalid_argument("--" + name + " needs a value");
+    const std::string value = *(it + 1);
+    given_.erase(it, it + 2);
+    return value;
+  }
+
+  std::uint64_t count(const std::string& name, std::uint64_t fallback) {
+    const std::string value = text(name, std::to_string(fallback));
+    if (value.empty() || value.size() > 18 || value.find_first_not_of("0123456789") != value.npos)
+      throw std::invalid_argument("--" + name + " needs a whole number, not '" + value + "'");
+    return std::stoull(value);
+  }
+
+  /// False when help was asked for and printed; throws for anything left over.
+  bool done() const {
+    if (given_.empty()) return true;
+    if (given_.front() != "--help")
+      throw std::invalid_argument("unknown option '" + given_.front() + "'; the options are\n" +
+                                  help_);
+    std::cout << help_;
+    return false;
+  }
+
+ private:
+  std::vector<std::string> given_;
+  std::string help_;
+};
+
+/// A flat JSON object; keys keep the order in which they were added.
+class record {
+ public:
+  template <class Value>
+  void add(const std::string& key, const Value& value) {
+    if constexpr (std::is_same_v<Value, bool>) {
+      fields_.emplace_back(key, value ? "true" : "false");
+    } else if constexpr (std::is_integral_v<Value>) {
+      fields_.emplace_back(key, std::to_string(value));
+    } else if constexpr (std::is_floating_point_v<Value>) {
+      char text[32];
+      std::snprintf(text, sizeof text, "%.6g", static_cast<double>(value));
+      fields_.emplace_back(key, std::isfinite(value) ? text : "null");
+    } else {
+      std::string text = "\"";
+      for (const char c : std::string(value)) {
+        if (c == '"' || c == '\\') text += '\\';
+        text += c;
+      }
+      fields_.emplace_back(key, text + '"');
+    }
+  }
+
+  [[nodiscard]] std::string json() const {
+    std::string text = "{";
+    for (const auto& [key, value] : fields_)
+      text += (text.size() > 1 ? ",\n  \"" : "\n  \"") + key + "\": " + value;
+    return text + "\n}\n";
+  }
+
+  /// Writes to the file, or to standard output when its name is empty.
+  void write(const std::string& file) const {
+    if (file.empty()) {
+      std::cout << json();
+      return;
+    }
+    std::ofstream out(file);
+    if (!(out << json() << std::flush)) throw std::runtime_error("cannot write '" + file + "'");
+  }
+
+ private:
+  std::vector<std::pair<std::string, std::string>> fields_;
+};
+
+}  // namespace bench

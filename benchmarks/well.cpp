@@ -1,0 +1,9 @@
+// WELL in talus; the scene, the measuring and the checking are those of every engine.
+#include "scenes/protocol.hpp"
+#include "scenes/talus_engine.hpp"
+
+int main(int argc, char** argv) {
+  return bench::guarded([&] {
+    bench::run_well<bench::talus_engine<talus::sphere, talus::box, talus::plane>>({argc, argv});
+  });
+}

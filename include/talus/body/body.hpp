@@ -1,0 +1,31 @@
+#pragma once
+// What a user says to create a body.
+#include <cstdint>
+
+#include "talus/body/material.hpp"
+#include "talus/core/id.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+/// Description of a rigid body to be created: `body{.shape = sphere{0.5}, .position = {0, 0, 1}}`.
+template <class Shape>
+struct body {
+  Shape shape;
+  vec3 position{0, 0, 0};          ///< of the centre of mass
+  material_id material{};          ///< from world.material(...); the first one when not given
+  vec3 velocity{0, 0, 0};          ///< of the centre of mass
+  vec3 angular_velocity{0, 0, 0};  ///< radians per unit of time, world frame
+  quat orientation{1, 0, 0, 0};    ///< ignored where the scenario stores none
+  std::uint32_t user_id = 0;       ///< any number, need not be unique; features<user_ids>
+  bool fixed = false;              ///< immovable, as if of infinite mass
+};
+
+/// Refers to a body wherever it lives; stays valid when the body migrates to another rank.
+template <class Shape>
+struct handle {
+  system_id id = no_id;
+  friend bool operator==(handle, handle) = default;
+};
+
+}  // namespace talus

@@ -1,0 +1,64 @@
+#pragma once
+// features<...>: what bodies can carry beyond the necessary. What is not named costs nothing.
+#include <type_traits>
+
+#include "talus/core/policy.hpp"
+#include "talus/core/type_list.hpp"
+
+namespace talus {
+
+/// Spheres carry an orientation too. (Boxes always do.)
+struct orientation final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "orientation";
+};
+/// Bodies carry accumulators of force and torque.
+struct forces final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "forces";
+};
+/// Bodies carry a number of the user's own, not unique, beside the system id.
+struct user_ids final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "user_ids";
+};
+/// Bodies can be made invisible to pictures.
+struct visibility final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "visibility";
+};
+/// Velocities are damped: a fraction of them is kept per unit of time.
+struct damping final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "damping";
+};
+
+namespace detail {
+
+template <class Feature>
+struct is_feature : std::bool_constant<is_part<Feature, roles::features>> {};
+
+template <class Feature>
+struct part_of_features {
+  static_assert(is_feature<Feature>::value,
+                "features<...> takes orientation, forces, user_ids, visibility and damping, and "
+                "this type is none of them: remove it");
+};
+
+}  // namespace detail
+
+/// Policy: the features in use. Default: features<>.
+template <class... Features>
+struct features final {
+  static_assert((... && detail::examined<detail::part_of_features<Features>>));
+  static_assert(detail::all_different<type_list<Features...>>,
+                "features<...> names a feature twice: keep one of the two");
+
+  using talus_role = roles::features;
+  using list =
+      detail::filter_types<detail::unique_types<type_list<Features...>>, detail::is_feature>;
+
+  static std::string describe() { return detail::describe_list<Features...>("features"); }
+};
+
+}  // namespace talus

@@ -1,0 +1,117 @@
+#pragma once
+// Materials and the contact properties of each pair of them.
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+/// Names a material of one world.
+enum class material_id : std::uint16_t {};
+
+/// What bodies are made of.
+struct material {
+  real density = 1;      ///< mass per volume; granite 2.8 in g/cm^3
+  real restitution = 0;  ///< Newton's coefficient of restitution, in [0, 1]
+  real friction = 0;     ///< Coulomb's coefficient of friction, static, and dynamic unless given
+  /// Coefficient of dynamic friction; not a number means the same as `friction`.
+  real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
+
+  [[nodiscard]] constexpr real sliding_friction() const {
+    return dynamic_friction == dynamic_friction ? dynamic_friction : friction;
+  }
+};
+
+/// Ready materials of the pe tutorial, densities in g/cm^3.
+namespace materials {
+inline constexpr material iron{.density = 7.874, .restitution = 0.5, .friction = 0.1};
+inline constexpr material copper{.density = 8.92, .restitution = 0.5, .friction = 0.1};
+inline constexpr material granite{.density = 2.8, .restitution = 0.5, .friction = 0.1};
+inline constexpr material oak{.density = 0.8, .restitution = 0.5, .friction = 0.1};
+inline constexpr material fir{.density = 0.5, .restitution = 0.5, .friction = 0.1};
+}  // namespace materials
+
+/// Contact properties of a pair of materials.
+struct pair_material {
+  real restitution = 0;
+  real friction = 0;          ///< static
+  real dynamic_friction = 0;  ///< at most `friction`
+};
+
+/// The materials of a world. A pair takes the arithmetic mean of its two materials (the rule of
+/// the ancestor pe) unless a rule of its own is set.
+class material_table {
+ public:
+  /// Throws invalid_argument for a density that is not positive, a restitution outside [0, 1] or
+  /// a negative coefficient of friction.
+  material_id add(const material& m) {
+    detail::require_positive(m.density, "the density of a material");
+    check(m.restitution, m.friction, m.sliding_friction());
+    if (materials_.size() >= std::numeric_limits<std::uint16_t>::max())
+      detail::fail<std::invalid_argument>("a world holds at most 65535 materials; reuse them");
+    const auto n = materials_.size();
+    std::vector<pair_material> grown((n + 1) * (n + 1));
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) grown[i * (n + 1) + j] = pairs_[i * n + j];
+    materials_.push_back(m);
+    for (std::size_t i = 0; i <= n; ++i)
+      grown[i * (n + 1) + n] = grown[n * (n + 1) + i] = mean(materials_[i], m);
+    pairs_ = std::move(grown);
+    return material_id{static_cast<std::uint16_t>(n)};
+  }
+
+  /// Sets the properties of contacts between `a` and `b`, in either order.
+  void set_pair(material_id a, material_id b, const pair_material& p) {
+    check(p.restitution, p.friction, p.dynamic_friction);
+    pairs_[at(a, b)] = pairs_[at(b, a)] = p;
+  }
+
+  [[nodiscard]] const material& operator[](material_id m) const {
+    require_known(m);
+    return materials_[index(m)];
+  }
+  [[nodiscard]] const pair_material& pair(material_id a, material_id b) const {
+    return pairs_[index(a) * materials_.size() + index(b)];
+  }
+  [[nodiscard]] std::size_t size() const { return materials_.size(); }
+
+ private:
+  static std::size_t index(material_id m) { return static_cast<std::size_t>(m); }
+
+  void require_known(material_id m) const {
+    if (index(m) >= materials_.size())
+      detail::fail<std::invalid_argument>(
+          "material {} is unknown to this world, which has {}; make it with world.material(...)",
+          index(m), materials_.size());
+  }
+  std::size_t at(material_id a, material_id b) const {
+    require_known(a);
+    require_known(b);
+    return index(a) * materials_.size() + index(b);
+  }
+  static void check(real restitution, real friction, real dynamic) {
+    if (!(restitution >= 0 && restitution <= 1))
+      detail::fail<std::invalid_argument>(
+          "the restitution of a material must lie in [0, 1], but is {}", restitution);
+    if (!(friction >= 0) || !std::isfinite(friction))
+      detail::fail<std::invalid_argument>(
+          "the friction of a material must be finite and not negative, but is {}", friction);
+    if (!(dynamic >= 0 && dynamic <= friction))
+      detail::fail<std::invalid_argument>(
+          "the dynamic friction of a material must lie between 0 and the static one, {}, but is {}",
+          friction, dynamic);
+  }
+  static pair_material mean(const material& a, const material& b) {
+    return {0.5 * (a.restitution + b.restitution), 0.5 * (a.friction + b.friction),
+            0.5 * (a.sliding_friction() + b.sliding_friction())};
+  }
+
+  std::vector<material> materials_;
+  std::vector<pair_material> pairs_;
+};
+
+}  // namespace talus

@@ -1,0 +1,139 @@
+#pragma once
+// Storage of the bodies of one shape: structure of arrays, locals before shadow copies. A column
+// that the scenario does not need does not exist.
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "talus/body/features.hpp"
+#include "talus/body/material.hpp"
+#include "talus/core/bytes.hpp"
+#include "talus/core/id.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+enum body_flag : std::uint8_t { flag_fixed = 1, flag_invisible = 2 };
+
+/// Stands for a column that this scenario does not store.
+struct no_column {
+  void clear() {}
+};
+
+template <bool Stored, class T>
+using column = std::conditional_t<Stored, std::vector<T>, no_column>;
+
+/// A value to be overwritten: Eigen's types would leave theirs undefined.
+template <class T>
+[[nodiscard]] T blank() {
+  if constexpr (requires { T::Zero(); })
+    return T::Zero();
+  else if constexpr (requires { T::Identity(); })
+    return T::Identity();
+  else
+    return T{};
+}
+
+template <class Shape, class Features>
+struct body_store {
+  using shape_type = Shape;
+  static constexpr bool oriented = Shape::finite && (!Shape::round || contains_type<Features, orientation>);
+  static constexpr bool tensor = Shape::finite && !Shape::round;  ///< inertia is not a multiple of 1
+  static constexpr bool forced = Shape::finite && contains_type<Features, forces>;
+  static constexpr bool numbered = contains_type<Features, user_ids>;
+
+  std::vector<system_id> id;
+  std::vector<vec3> position;
+  std::vector<vec3> velocity;
+  std::vector<vec3> angular_velocity;
+  std::vector<Shape> shape;
+  std::vector<real> inverse_mass;  ///< 0 for a fixed body
+  std::vector<material_id> material;
+  std::vector<std::uint8_t> flags;
+  column<oriented, quat> orientation_of;
+  column<forced, vec3> force;   ///< world frame, cleared after each step
+  column<forced, vec3> torque;  ///< about the centre of mass, world frame
+  column<numbered, std::uint32_t> user_id;
+  std::size_t locals = 0;  ///< bodies [0, locals) are owned here, the rest are shadow copies
+
+  [[nodiscard]] std::size_t size() const { return id.size(); }
+
+  /// Calls f(column) for every column that exists.
+  template <class F>
+  void each_column(F&& f) {
+    f(id), f(position), f(velocity), f(angular_velocity), f(shape), f(inverse_mass), f(material),
+        f(flags);
+    if constexpr (oriented) f(orientation_of);
+    if constexpr (forced) f(force), f(torque);
+    if constexpr (numbered) f(user_id);
+  }
+  template <class F>
+  void each_column(F&& f) const {
+    const_cast<body_store*>(this)->each_column([&](const auto& c) { f(c); });
+  }
+
+  /// Calls f(column, the same column of `other`).
+  template <class F>
+  void each_column_with(const body_store& other, F&& f) {
+    f(id, other.id), f(position, other.position), f(velocity, other.velocity),
+        f(angular_velocity, other.angular_velocity), f(shape, other.shape),
+        f(inverse_mass, other.inverse_mass), f(material, other.material), f(flags, other.flags);
+    if constexpr (oriented) f(orientation_of, other.orientation_of);
+    if constexpr (forced) f(force, other.force), f(torque, other.torque);
+    if constexpr (numbered) f(user_id, other.user_id);
+  }
+
+  [[nodiscard]] talus::pose pose(std::size_t i) const {
+    if constexpr (oriented)
+      return {position[i], orientation_of[i]};
+    else
+      return {position[i], quat{1, 0, 0, 0}};
+  }
+  [[nodiscard]] bool fixed(std::size_t i) const { return flags[i] & flag_fixed; }
+
+  /// Bytes that one body takes in the columns.
+  [[nodiscard]] static std::size_t bytes_per_body() {
+    std::size_t sum = 0;
+    body_store{}.each_column([&](const auto& c) { sum += sizeof(c[0]); });
+    return sum;
+  }
+
+  void resize(std::size_t n) {
+    each_column([&](auto& c) { c.resize(n); });
+  }
+  void drop_shadows() { resize(locals); }
+
+  /// Makes room for one more local, after the others, and returns its index. The shadow copies
+  /// keep their order.
+  std::size_t insert_local() {
+    each_column([&](auto& c) {
+      c.insert(c.begin() + static_cast<std::ptrdiff_t>(locals),
+               blank<typename std::remove_cvref_t<decltype(c)>::value_type>());
+    });
+    return locals++;
+  }
+  /// Removes local `i`: the last local takes its place. The shadow copies keep their order.
+  void remove_local(std::size_t i) {
+    each_column([&](auto& c) {
+      c[i] = c[locals - 1];
+      c.erase(c.begin() + static_cast<std::ptrdiff_t>(locals - 1));
+    });
+    --locals;
+  }
+  /// Appends body `i` of another store.
+  void append_from(const body_store& other, std::size_t i) {
+    each_column_with(other, [&](auto& c, const auto& from) { c.push_back(from[i]); });
+  }
+
+  void pack(std::size_t i, byte_writer& out) const {
+    each_column([&](const auto& c) { out.put(c[i]); });
+  }
+  /// Appends the next body of a message.
+  void unpack(byte_reader& in) {
+    each_column([&](auto& c) { c.push_back(in.get<typename std::remove_cvref_t<decltype(c)>::value_type>()); });
+  }
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,24 @@
+#pragma once
+// The identity of a contact from step to step and from rank to rank.
+#include <cstdint>
+
+#include "talus/core/id.hpp"
+
+namespace talus::detail {
+
+/// (id, id, feature): body a, body b, and the point of their manifold. Both ranks that see a
+/// contact build the same key, since the order of the two bodies follows from their shapes and
+/// ids alone.
+struct contact_key {
+  system_id a = no_id;
+  system_id b = no_id;
+  std::uint32_t feature = 0;
+
+  friend bool operator==(const contact_key&, const contact_key&) = default;
+
+  [[nodiscard]] std::uint64_t hash() const {
+    return mix(value_of(a) ^ (value_of(b) * 0x9e3779b97f4a7c15ull) ^ feature);
+  }
+};
+
+}  // namespace talus::detail

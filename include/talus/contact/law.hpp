@@ -1,0 +1,64 @@
+#pragma once
+// hard_contact<...>: bodies do not overlap, and the parts say what else holds at a contact.
+#include "talus/core/policy.hpp"
+#include "talus/core/type_list.hpp"
+
+namespace talus {
+
+/// Tangential impulse in the cone |p_t| <= mu p_n, against the sliding (Coulomb). Left out:
+/// frictionless, and nothing tangential is stored or computed.
+struct coulomb_friction final {
+  using talus_part_of = roles::contact_law;
+  static constexpr const char* name = "coulomb_friction";
+};
+/// Normal velocity after an impact = -e times the one before (Newton). Left out: plastic, e = 0.
+struct newton_restitution final {
+  using talus_part_of = roles::contact_law;
+  static constexpr const char* name = "newton_restitution";
+};
+/// Overlap that round-off and truncated iterations leave is pushed out of the positions alone; the
+/// correction never enters the velocities, so it adds no kinetic energy. On unless turned off.
+struct split_correction final {
+  using talus_part_of = roles::contact_law;
+  static constexpr const char* name = "split_correction";
+};
+/// No correction of overlaps: a contact only keeps them from growing.
+struct no_correction final {
+  using talus_part_of = roles::contact_law;
+  static constexpr const char* name = "no_correction";
+};
+
+namespace detail {
+
+template <class Part>
+struct part_of_hard_contact {
+  static_assert(is_part<Part, roles::contact_law>,
+                "hard_contact<...> takes coulomb_friction, newton_restitution, split_correction "
+                "and no_correction, and this type is none of them: remove it");
+};
+
+}  // namespace detail
+
+/// Policy: the contact law, its parts in any order. Default: hard_contact<coulomb_friction,
+/// newton_restitution, split_correction>; hard_contact<> is frictionless and plastic.
+template <class... Parts>
+struct hard_contact final {
+  using talus_role = roles::contact_law;
+  using list = type_list<Parts...>;
+
+  static constexpr bool friction = detail::contains_type<list, coulomb_friction>;
+  static constexpr bool restitution = detail::contains_type<list, newton_restitution>;
+  /// Whether overlaps are corrected; so they are when neither correction is named.
+  static constexpr bool correction = !detail::contains_type<list, no_correction>;
+
+  static_assert((... && detail::examined<detail::part_of_hard_contact<Parts>>));
+  static_assert(detail::all_different<list>,
+                "hard_contact<...> names a part twice: keep one of the two");
+  static_assert(correction || !detail::contains_type<list, split_correction>,
+                "hard_contact<...> names split_correction and no_correction, which contradict each "
+                "other: keep one of them");
+
+  static std::string describe() { return detail::describe_list<Parts...>("hard_contact"); }
+};
+
+}  // namespace talus

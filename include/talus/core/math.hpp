@@ -1,0 +1,45 @@
+#pragma once
+// Scalars, vectors and rotations: one spelling of Eigen's types for the whole library.
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace talus {
+
+/// Scalar of positions, shapes and all user-facing values. Lengths, masses and times are in any
+/// consistent system of units; talus itself knows no unit.
+using real = double;
+
+/// Column vector of three scalars in the frame of the world unless a name says otherwise.
+template <class Real>
+using vector3 = Eigen::Matrix<Real, 3, 1>;
+using vec3 = vector3<real>;
+
+template <class Real>
+using matrix3 = Eigen::Matrix<Real, 3, 3>;
+using mat3 = matrix3<real>;
+
+/// Unit quaternion, rotating body coordinates into world coordinates. Unaligned, so that it can
+/// sit in arrays and messages without padding.
+using quat = Eigen::Quaternion<real, Eigen::DontAlign>;
+
+inline constexpr real pi = 3.141592653589793238462643383279502884;
+
+/// Position of the centre of mass and orientation of a body.
+struct pose {
+  vec3 position{0, 0, 0};
+  quat orientation{1, 0, 0, 0};
+
+  /// World coordinates of a point given in the frame of the body.
+  [[nodiscard]] vec3 to_world(const vec3& local) const { return position + orientation * local; }
+  /// Body coordinates of a point of the world.
+  [[nodiscard]] vec3 to_body(const vec3& world) const {
+    return orientation.conjugate() * (world - position);
+  }
+};
+
+/// Rotation by `angle` (radians) about `axis` (any length but zero).
+[[nodiscard]] inline quat rotation(const vec3& axis, real angle) {
+  return quat(Eigen::AngleAxis<real>(angle, axis.normalized()));
+}
+
+}  // namespace talus

@@ -1,0 +1,81 @@
+#pragma once
+// What a policy is: a type that says which part of a scenario it decides.
+#include <concepts>
+#include <string>
+#include <string_view>
+
+namespace talus {
+
+/// The parts of a scenario that policies decide. `scenario<...>` takes at most one policy of each.
+namespace roles {
+struct bodies {};
+struct contact_law {};
+struct solver {};
+struct broad_phase {};
+struct integrator {};
+struct decomposition {};
+struct transport {};
+struct precision {};
+struct features {};
+}  // namespace roles
+
+/// A policy names its role; `scenario<...>` knows it by that, in any order.
+template <class Type>
+concept policy = requires {
+  typename Type::talus_role;
+};
+
+namespace detail {
+
+template <class Type, class Role>
+concept plays = requires {
+  requires std::same_as<typename Type::talus_role, Role>;
+};
+
+/// What stands *inside* a policy, such as nonlinear_gauss_seidel in solver<...>, names the role
+/// of that policy, so that a part without its policy is refused with the right advice.
+template <class Type, class Role>
+concept part_for = requires {
+  requires std::same_as<typename Type::talus_part_of, Role>;
+};
+/// The same as a plain constant, about which compilers say less when it is false.
+template <class Type, class Role>
+inline constexpr bool is_part = part_for<Type, Role>;
+
+/// Always true; instantiates a type that is there for its static_assert. The compiler then names
+/// what it refuses in "In instantiation of 'struct talus::detail::...<TYPE>'".
+template <class Check>
+inline constexpr bool examined = sizeof(Check) > 0;
+
+/// The name of a type as the compiler spells it, without the namespace of talus.
+template <class Type>
+std::string spelled() {
+  std::string_view text = __PRETTY_FUNCTION__;  // "... [with Type = X; ...]", clang: "[Type = X]"
+  text.remove_prefix(text.find("Type = ") + 7);
+  std::string name(text.substr(0, text.find_first_of(";]")));
+  for (std::size_t at; (at = name.find("talus::")) != std::string::npos;) name.erase(at, 7);
+  return name;
+}
+
+/// A policy as the user spelled it: by its describe(), its constexpr name, or else its type.
+template <class Type>
+std::string describe_policy() {
+  if constexpr (requires { std::string(Type::describe()); })
+    return Type::describe();
+  else if constexpr (requires { std::string(Type::name); })
+    return Type::name;
+  else
+    return spelled<Type>();
+}
+
+/// "bodies<sphere, box>" from "bodies", sphere and box.
+template <class... Parts>
+std::string describe_list(const char* name) {
+  std::string text = std::string(name) + "<";
+  [[maybe_unused]] const char* separator = "";
+  ((text += separator + describe_policy<Parts>(), separator = ", "), ...);
+  return text + ">";
+}
+
+}  // namespace detail
+}  // namespace talus

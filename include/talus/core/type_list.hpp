@@ -1,0 +1,111 @@
+#pragma once
+// Lists of types. Boost.Hana computes with them; this is the little of it that talus speaks.
+// Only the parts of Hana in use are included: all of it costs four times as much to compile.
+#include <boost/hana/append.hpp>
+#include <boost/hana/bool.hpp>
+#include <boost/hana/contains.hpp>
+#include <boost/hana/equal.hpp>
+#include <boost/hana/filter.hpp>
+#include <boost/hana/find_if.hpp>
+#include <boost/hana/fold_left.hpp>
+#include <boost/hana/for_each.hpp>
+#include <boost/hana/if.hpp>
+#include <boost/hana/index_if.hpp>
+#include <boost/hana/optional.hpp>
+#include <boost/hana/tuple.hpp>
+#include <boost/hana/type.hpp>
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+
+namespace talus {
+
+/// A list of types, itself an empty value.
+template <class... Types>
+struct type_list {
+  static constexpr std::size_t size = sizeof...(Types);
+};
+
+namespace detail {
+
+namespace hana = boost::hana;
+
+template <class... Types>
+constexpr auto to_hana(type_list<Types...>) {
+  return hana::tuple_t<Types...>;
+}
+template <class... Types>
+constexpr auto from_hana(hana::tuple<Types...>) {
+  return type_list<typename Types::type...>{};
+}
+
+/// List of types of a Hana computation, e.g. list_of<decltype(hana::filter(...))>.
+template <class HanaTuple>
+using list_of = decltype(from_hana(HanaTuple{}));
+
+template <class List, class Type>
+inline constexpr bool contains_type =
+    decltype(hana::contains(to_hana(List{}), hana::type_c<Type>))::value;
+
+template <class HanaValue>
+using plain = std::remove_cvref_t<HanaValue>;
+
+/// Position of the first `Type` in `List`; does not compile when it is not there.
+template <class List, class Type>
+inline constexpr std::size_t index_of = plain<
+    decltype(hana::index_if(to_hana(List{}), hana::equal.to(hana::type_c<Type>)).value())>::value;
+
+struct append_new {
+  template <class Kept, class Type>
+  constexpr auto operator()(Kept kept, Type type) const {
+    return hana::if_(hana::contains(kept, type), kept, hana::append(kept, type));
+  }
+};
+/// `List` without the later ones of equal types; the order stays.
+template <class List>
+using unique_types =
+    list_of<decltype(hana::fold_left(to_hana(List{}), hana::tuple<>{}, append_new{}))>;
+
+template <class List>
+inline constexpr bool all_different = unique_types<List>::size == List::size;
+
+/// A predicate for Hana from a template with a `value`.
+template <template <class> class Predicate>
+struct predicate {
+  template <class Type>
+  constexpr auto operator()(Type) const {
+    return hana::bool_c<Predicate<typename Type::type>::value>;
+  }
+};
+
+/// The types for which `Predicate<Type>::value` is true.
+template <class List, template <class> class Predicate>
+using filter_types = list_of<decltype(hana::filter(to_hana(List{}), predicate<Predicate>{}))>;
+
+/// The first type with `Predicate<Type>::value`, or `Default`.
+template <class List, template <class> class Predicate, class Default>
+using find_type = typename plain<decltype(hana::find_if(to_hana(List{}), predicate<Predicate>{})
+                                              .value_or(hana::type_c<Default>))>::type;
+
+template <class List, template <class> class F>
+struct map_types_in;
+template <class... Types, template <class> class F>
+struct map_types_in<type_list<Types...>, F> {
+  using list = type_list<F<Types>...>;
+  using tuple = std::tuple<F<Types>...>;
+};
+/// type_list<F<A>, F<B>, ...>.
+template <class List, template <class> class F>
+using map_types = typename map_types_in<List, F>::list;
+/// std::tuple<F<A>, F<B>, ...>: one F for each type, e.g. one storage for each shape.
+template <class List, template <class> class F>
+using map_to_tuple = typename map_types_in<List, F>::tuple;
+
+/// Calls f(hana::type_c<A>), f(hana::type_c<B>), ...; `typename decltype(x)::type` is the type.
+template <class List, class F>
+constexpr void for_each_type(F&& f) {
+  hana::for_each(to_hana(List{}), f);
+}
+
+}  // namespace detail
+}  // namespace talus

@@ -1,0 +1,60 @@
+#pragma once
+// Two boxes seen from the frame of one of them, and the names of their corners, edges and faces.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// A corner, edge or face of a box: for each axis that it fixes, the side. Bit 2i is the negative
+/// side of axis i, bit 2i + 1 the positive one; a corner has three bits, an edge two, a face one.
+/// What two of them have in common is their bitwise and.
+using box_part = std::uint32_t;
+
+inline box_part side(int axis, bool positive) { return box_part{1} << (2 * axis + positive); }
+
+inline box_part corner_part(unsigned corner) {
+  return side(0, corner & 1u) | side(1, corner & 2u) | side(2, corner & 4u);
+}
+/// The corner's place, its bits numbered as in corner_part.
+inline vec3 corner_of(const vec3& half, unsigned corner) {
+  return {corner & 1u ? half[0] : -half[0], corner & 2u ? half[1] : -half[1],
+          corner & 4u ? half[2] : -half[2]};
+}
+
+/// The part of the box to which the point nearest to `p` belongs, `p` being outside.
+inline box_part nearest_part(const vec3& half, const vec3& p) {
+  box_part part = 0;
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(p[i]) > half[i]) part |= side(i, p[i] > 0);
+  return part;
+}
+
+/// Boxes a and b in the frame of a: b's axes are the columns of `axes`, its centre is `offset`.
+struct box_pair {
+  vec3 ha, hb;  // half edges
+  mat3 axes;
+  vec3 offset;
+
+  /// The same two with the roles exchanged.
+  [[nodiscard]] box_pair swapped() const {
+    return {hb, ha, axes.transpose(), -(axes.transpose() * offset)};
+  }
+  [[nodiscard]] vec3 from_b(const vec3& p) const { return offset + axes * p; }
+  [[nodiscard]] vec3 to_b(const vec3& p) const { return axes.transpose() * (p - offset); }
+  [[nodiscard]] real smallest() const { return std::min(ha.minCoeff(), hb.minCoeff()); }
+};
+
+/// One contact of two boxes, in the frame of a, its normal from a towards b.
+struct box_contact {
+  vec3 normal, point;
+  real gap = 0;
+  box_part a = 0, b = 0;
+
+  [[nodiscard]] std::uint32_t feature() const { return a | b << 6; }
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,340 @@
+#pragma once
+// Broad phase: all pairs of balls that touch, from a hierarchy of cell grids built anew each step.
+// A body lives in one cell of the level made for its size, and looks for partners in its own level
+// and in coarser ones only, so that the cost per body depends neither on the number of bodies nor
+// on the ratio of their sizes.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+#include "talus/detect/detail/size_classes.hpp"
+
+namespace talus {
+
+/// A body that no grid can hold: its centre or reach is not a number or infinite, its reach
+/// negative, or its centre so far out that its size is lost in the rounding of the coordinates.
+struct unplaceable : std::runtime_error {
+  unplaceable(std::size_t which, const std::string& what)
+      : std::runtime_error(what), index(which) {}
+  std::size_t index;  ///< position in the arrays given to hash_grid::build
+};
+
+/// Buffers are kept, so that a rebuild allocates only to grow. Every order below is a function of
+/// the input alone.
+class hash_grid {
+ public:
+  /// Sorts the balls into cells; forgets what was there before. `reaches` are radii (length), the
+  /// contact margin included. Throws unplaceable, which carries the index of the body.
+  void build(std::span<const vec3> centres, std::span<const real> reaches);
+
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  /// Number of cell sizes in use.
+  [[nodiscard]] std::size_t levels() const { return levels_.size(); }
+
+  /// Calls f(i, j) once for every unordered pair i != j with |ci - cj| <= ri + rj.
+  template <class F>
+  void pairs(F&& f) const {
+    for (std::size_t coarse = 0; coarse < levels_.size(); ++coarse) {
+      pairs_within(levels_[coarse], f);
+      for (std::size_t fine = coarse + 1; fine < levels_.size(); ++fine)
+        for (std::uint32_t i = levels_[fine].first; i < levels_[fine].last; ++i)
+          probe(levels_[coarse], entries_[i], [&](std::uint32_t j) { f(index_[i], index_[j]); });
+    }
+  }
+
+  /// Calls f(i of this, j of other) for every such pair with |ci - cj| <= ri + rj.
+  template <class F>
+  void pairs_with(const hash_grid& other, F&& f) const {
+    for (const level& mine : levels_)
+      for (const level& theirs : other.levels_)
+        if (mine.cell <= theirs.cell) {
+          for (std::uint32_t i = mine.first; i < mine.last; ++i)
+            other.probe(theirs, entries_[i],
+                        [&](std::uint32_t j) { f(index_[i], other.index_[j]); });
+        } else {
+          for (std::uint32_t j = theirs.first; j < theirs.last; ++j)
+            probe(mine, other.entries_[j], [&](std::uint32_t i) { f(index_[i], other.index_[j]); });
+        }
+  }
+
+  /// Calls f(i) for every ball i with |ci - centre| <= ri + reach. Any finite reach will do.
+  template <class F>
+  void query(const vec3& centre, real reach, F&& f) const {
+    const entry ball{centre[0], centre[1], centre[2], reach};
+    for (const level& l : levels_) probe(l, ball, [&](std::uint32_t i) { f(index_[i]); });
+  }
+
+ private:
+  struct entry {
+    real x, y, z, reach;
+  };
+  struct span3 {
+    std::int64_t low[3], high[3];
+  };
+  // One cell size. Cell (x, y, z) is bucket (x + y*row + z*slab + shift) & mask. If the cells in
+  // use span a small box, that numbering is exact (mask all ones, one empty cell between rows, so
+  // that neighbours of border cells exist). Otherwise it is a hash whose 27 neighbour buckets are
+  // all different; what else falls into them is sorted out by the distance test.
+  struct level {
+    real cell = 0, inverse = 0;  // edge and its reciprocal
+    real largest = 0;            // reach, rounded up
+    real slack = 0;              // bound of the rounding in coordinates
+    vec3 low{0, 0, 0}, high{0, 0, 0};
+    span3 cells{};
+    std::uint32_t first = 0, last = 0;  // entries
+    std::uint32_t bucket = 0, buckets = 0;
+    std::uint32_t row = 0, slab = 0, shift = 0, mask = 0;
+
+    [[nodiscard]] std::int64_t cell_of(real v) const {
+      const real scaled = v * inverse;
+      const auto i = static_cast<std::int64_t>(scaled);
+      return i - (scaled < static_cast<real>(i));
+    }
+    [[nodiscard]] std::uint32_t bucket_of(std::int64_t x, std::int64_t y, std::int64_t z) const {
+      return (static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(y) * row +
+              static_cast<std::uint32_t>(z) * slab + shift) &
+             mask;
+    }
+    [[nodiscard]] bool exact() const { return mask == ~std::uint32_t{0}; }
+  };
+
+  static bool touch(const entry& a, const entry& b) {
+    const real x = a.x - b.x, y = a.y - b.y, z = a.z - b.z, reach = a.reach + b.reach;
+    return x * x + y * y + z * z <= reach * reach;
+  }
+
+  template <class F>
+  void scan(const entry& ball, std::uint32_t first, std::uint32_t last, F&& f) const {
+    for (std::uint32_t j = first; j < last; ++j)
+      if (touch(ball, entries_[j])) f(j);
+  }
+
+  // Calls f(first, last) for the entries of `count` buckets in a row, which may wrap around.
+  template <class F>
+  void buckets(const level& l, std::uint32_t from, std::uint32_t count, F&& f) const {
+    const std::uint32_t* start = starts_.data() + l.bucket;
+    if (from + count <= l.buckets) {
+      f(start[from], start[from + count]);
+    } else {
+      f(start[from], start[l.buckets]);
+      f(start[0], start[from + count - l.buckets]);
+    }
+  }
+
+  template <class F>
+  void pairs_within(const level& l, F&& f) const;
+  template <class F>
+  void probe(const level& l, const entry& ball, F&& f) const;
+
+  void check(std::span<const vec3> centres, std::span<const real> reaches) const;
+  void lay_out(level& l);
+
+  std::vector<level> levels_;  // coarsest first
+  std::vector<entry> entries_;
+  std::vector<std::uint32_t> index_;   // of the body of each entry
+  std::vector<std::uint32_t> starts_;  // first entry of each bucket, levels one after the other
+  std::vector<std::uint32_t> bucket_;  // of each body
+  detail::size_classes classes_;
+};
+
+// Every pair of neighbouring cells is visited from the one that comes first: the rest of the own
+// row, then the row behind in y and three rows above in z. All bodies of a bucket share the ranges.
+template <class F>
+void hash_grid::pairs_within(const level& l, F&& f) const {
+  struct range {
+    std::uint32_t first, last;
+  };
+  const std::uint32_t rows[4] = {l.row, l.slab - l.row, l.slab, l.slab + l.row};
+  const std::uint32_t* start = starts_.data() + l.bucket;
+  for (std::uint32_t b = 0; b < l.buckets; ++b) {
+    const std::uint32_t begin = start[b], end = start[b + 1];
+    if (begin == end) continue;
+    range ranges[10];
+    unsigned n = 0;
+    const auto keep = [&](std::uint32_t first, std::uint32_t last) {
+      ranges[n] = {first, last};
+      n += first != last;
+    };
+    for (const std::uint32_t r : rows) buckets(l, (b + r - 1) & l.mask, 3, keep);
+    std::uint32_t own = end;
+    if (b + 2 <= l.buckets)
+      own = start[b + 2];
+    else
+      keep(start[0], start[1]);
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const entry ball = entries_[i];
+      const auto hit = [&](std::uint32_t j) { f(index_[i], index_[j]); };
+      scan(ball, i + 1, own, hit);
+      for (unsigned k = 0; k < n; ++k) scan(ball, ranges[k].first, ranges[k].last, hit);
+    }
+  }
+}
+
+template <class F>
+void hash_grid::probe(const level& l, const entry& ball, F&& f) const {
+  const real reach = ball.reach + l.largest + l.slack;
+  if (!(ball.x - reach <= l.high[0] && ball.x + reach >= l.low[0] && ball.y - reach <= l.high[1] &&
+        ball.y + reach >= l.low[1] && ball.z - reach <= l.high[2] && ball.z + reach >= l.low[2]))
+    return;
+  const std::uint32_t count = l.last - l.first;
+  if (count <= 8) return scan(ball, l.first, l.last, f);
+
+  // Clamp as coordinates, since the ball may be of any size.
+  const auto lowest = [&](real v, int d) { return l.cell_of(std::max(v - reach, l.low[d])); };
+  const auto highest = [&](real v, int d) { return l.cell_of(std::min(v + reach, l.high[d])); };
+  const std::int64_t x0 = lowest(ball.x, 0), x1 = highest(ball.x, 0);
+  const std::int64_t y0 = lowest(ball.y, 1), y1 = highest(ball.y, 1);
+  const std::int64_t z0 = lowest(ball.z, 2), z1 = highest(ball.z, 2);
+  const bool small = x1 - x0 < 3 && y1 - y0 < 3 && z1 - z0 < 3;
+  if (!small && (!l.exact() || real(y1 - y0 + 1) * real(z1 - z0 + 1) > real(count)))
+    return scan(ball, l.first, l.last, f);
+  for (std::int64_t z = z0; z <= z1; ++z)
+    for (std::int64_t y = y0; y <= y1; ++y)
+      buckets(l, l.bucket_of(x0, y, z), static_cast<std::uint32_t>(x1 - x0 + 1),
+              [&](std::uint32_t first, std::uint32_t last) { scan(ball, first, last, f); });
+}
+
+inline void hash_grid::check(std::span<const vec3> centres, std::span<const real> reaches) const {
+  constexpr real limit = real(std::uint64_t{1} << 44);
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    const real r = reaches[i];
+    if (!centres[i].allFinite())
+      throw unplaceable(i,
+                        fmt::format("the centre {} is not finite: the motion has diverged; use a "
+                                    "smaller time step or check forces and velocities",
+                                    detail::text(centres[i])));
+    if (!(r >= 0) || !std::isfinite(r))
+      throw unplaceable(i, fmt::format("the reach {} is not a finite length", r));
+    if (r > 0 && centres[i].cwiseAbs().maxCoeff() > limit * r)
+      throw unplaceable(i, fmt::format("the centre {} is so far out that a size of {} is lost in "
+                                       "rounding; remove bodies that leave the scene",
+                                       detail::text(centres[i]), r));
+  }
+}
+
+// Cell edge, bucket numbering and number of buckets, from the bodies' bounds and number.
+inline void hash_grid::lay_out(level& l) {
+  constexpr real epsilon = std::numeric_limits<real>::epsilon();
+  const real furthest = std::max(l.low.cwiseAbs().maxCoeff(), l.high.cwiseAbs().maxCoeff());
+  l.slack = 8 * epsilon * furthest;
+  // Wide enough that a ball and all that touch it span at most three cells despite rounding.
+  l.cell = std::max(2 * l.largest * (1 + real(1e-6)) + 2 * l.slack, real(1e-300));
+  l.largest *= 1 + real(1e-9);
+  l.inverse = 1 / l.cell;
+  real extent[3];
+  for (int d = 0; d < 3; ++d) {
+    l.cells.low[d] = l.cell_of(l.low[d]);
+    l.cells.high[d] = l.cell_of(l.high[d]);
+    extent[d] = real(l.cells.high[d] - l.cells.low[d] + 2);
+  }
+  const std::uint32_t count = l.last - l.first;
+  if (extent[0] * extent[1] * extent[2] <= 8 * real(count) + 64) {
+    l.row = std::uint32_t(extent[0]);
+    l.slab = l.row * std::uint32_t(extent[1]);
+    l.mask = ~std::uint32_t{0};
+    l.shift = 0;
+    l.shift = 0 - l.bucket_of(l.cells.low[0], l.cells.low[1], l.cells.low[2]);
+    l.buckets = l.bucket_of(l.cells.high[0], l.cells.high[1], l.cells.high[2]) + l.row + l.slab + 2;
+    return;
+  }
+  l.buckets = 256;
+  while (l.buckets < 2 * real(count) && l.buckets < (std::uint32_t{1} << 31)) l.buckets *= 2;
+  l.mask = l.buckets - 1;
+  l.shift = 0;
+  // Rows and slabs a golden section apart spread lines and sheets of cells evenly; both odd.
+  l.row = std::uint32_t(real(0.6180339887498949) * l.buckets) | 1u;
+  l.slab = std::uint32_t(real(0.7548776662466927) * l.buckets) | 1u;
+  const auto rows_apart = [&] {
+    for (int y = 0; y <= 2; ++y)
+      for (int z = -2; z <= 2; ++z) {
+        if (y == 0 && z <= 0) continue;
+        const std::uint32_t d = (std::uint32_t(y) * l.row + std::uint32_t(z) * l.slab) & l.mask;
+        if (std::min(d, l.buckets - d) < 3) return false;
+      }
+    return true;
+  };
+  while (!rows_apart()) l.slab += 2;
+}
+
+inline void hash_grid::build(std::span<const vec3> centres, std::span<const real> reaches) {
+  if (centres.size() != reaches.size() || centres.size() >= std::uint32_t(-1) / 8)
+    detail::fail<std::invalid_argument>(
+        "hash_grid::build was given {} centres and {} reaches; give one reach per centre, below "
+        "2^29",
+        centres.size(), reaches.size());
+  const auto n = static_cast<std::uint32_t>(centres.size());
+  levels_.clear();
+  entries_.resize(n);
+  index_.resize(n);
+  bucket_.resize(n);
+  if (n == 0) return;
+
+  constexpr real infinity = std::numeric_limits<real>::infinity();
+  real smallest = infinity, largest = 0, poison = 0;
+  vec3 low = vec3::Constant(infinity), high = -low;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const vec3& c = centres[i];
+    const real r = reaches[i];
+    poison += (c[0] + c[1] + c[2] + r) * 0;  // stays zero unless something is not finite
+    smallest = std::min(smallest, r);
+    largest = std::max(largest, r);
+    low = low.cwiseMin(c);
+    high = high.cwiseMax(c);
+  }
+  const real furthest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  if (poison != 0 || !(smallest >= 0) || furthest > real(std::uint64_t{1} << 44) * smallest)
+    check(centres, reaches);
+
+  classes_.plan(reaches, smallest, largest);
+  levels_.resize(classes_.levels());
+  if (levels_.size() == 1) {
+    levels_[0].low = low;
+    levels_[0].high = high;
+    levels_[0].largest = largest;
+    levels_[0].last = n;
+  } else {
+    for (level& l : levels_) {
+      l.low.setConstant(infinity);
+      l.high.setConstant(-infinity);
+    }
+    for (std::uint32_t i = 0; i < n; ++i) {
+      level& l = levels_[classes_.level_of(reaches[i])];
+      ++l.last;
+      l.largest = std::max(l.largest, reaches[i]);
+      l.low = l.low.cwiseMin(centres[i]);
+      l.high = l.high.cwiseMax(centres[i]);
+    }
+  }
+  std::uint32_t entry_count = 0, bucket_count = 0;
+  for (level& l : levels_) {
+    lay_out(l);
+    l.first = entry_count;
+    l.last = entry_count += l.last;
+    l.bucket = bucket_count;
+    bucket_count += l.buckets;
+  }
+
+  // Counting sort. While scattering, starts_[b + 1] runs from the first to the last of bucket b.
+  starts_.assign(bucket_count + 2, 0);
+  std::uint32_t* const counts = starts_.data() + 2;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const level& l = levels_.size() == 1 ? levels_[0] : levels_[classes_.level_of(reaches[i])];
+    const vec3& c = centres[i];
+    bucket_[i] = l.bucket + l.bucket_of(l.cell_of(c[0]), l.cell_of(c[1]), l.cell_of(c[2]));
+    ++counts[bucket_[i]];
+  }
+  for (std::uint32_t b = 1; b < bucket_count; ++b) counts[b] += counts[b - 1];
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t at = starts_[bucket_[i] + 1]++;
+    entries_[at] = {centres[i][0], centres[i][1], centres[i][2], reaches[i]};
+    index_[at] = i;
+  }
+}
+
+}  // namespace talus

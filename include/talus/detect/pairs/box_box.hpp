@@ -1,0 +1,67 @@
+#pragma once
+// Two boxes: a patch of up to four contacts where a face is involved, else a single one.
+#include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/detail/box_manifold.hpp"
+#include "talus/detect/detail/box_nearest.hpp"
+#include "talus/shape/box.hpp"
+
+namespace talus {
+
+/// Calls `sink(contact_geometry)` for the points with a gap of at most `margin`, in the order of
+/// their features. The normal is the axis of least penetration; boxes apart get the direction of
+/// their nearest points, unless a face serves as well. Faces of a are preferred to those of b, and
+/// faces to edges, by half a percent of the smallest half edge and five percent of the gap, so that
+/// the choice holds while a box rests on another. A feature names the parts of the two boxes that
+/// meet, and is the same whichever face is the reference; it is below 4096.
+template <class Sink>
+void collide(const box& a, const pose& pa, const box& b, const pose& pb, real margin, Sink&& sink) {
+  using namespace detail;
+  box_pair pair{a.half(), b.half(), {}, pb.position - pa.position};
+  const real reach = pair.ha.norm() + pair.hb.norm() + margin;
+  if (!(pair.offset.squaredNorm() <= reach * reach)) return;
+  const mat3 frame = pa.orientation.toRotationMatrix();
+  pair.axes = frame.transpose() * pb.orientation.toRotationMatrix();
+  pair.offset = frame.transpose() * pair.offset;
+
+  const box_axes axes(pair, margin);
+  if (axes.apart) return;
+
+  const auto emit = [&](const box_contact& c) {
+    sink(contact_geometry{-(frame * c.normal), pa.position + frame * c.point, c.gap, c.feature()});
+  };
+  const real smallest = pair.smallest();
+  const real best = axes.best();
+  const auto tolerance = [&](real gap) {
+    return real(0.005) * smallest + real(0.05) * std::abs(gap);
+  };
+  const bool face_of_b = axes.face_b.gap > axes.face_a.gap + tolerance(axes.face_a.gap);
+  const box_axis& face = face_of_b ? axes.face_b : axes.face_a;
+  const bool by_face = !(axes.edge.gap > face.gap + tolerance(face.gap));
+  const bool apart = best > real(1e-6) * smallest;
+
+  if (by_face) {
+    const box_pair turned = face_of_b ? pair.swapped() : pair;
+    const bool positive = turned.offset[face.i] > 0 || (turned.offset[face.i] == 0 && !face_of_b);
+    box_manifold patch(turned, face.i, positive, margin);
+    // The patch must hold the nearest points, or nearly so.
+    const real enough =
+        best + (apart ? real(0.05) * best + real(1e-4) * smallest : tolerance(best));
+    bool use = patch.smallest_gap() <= enough;
+    if (!use && !apart && !(axes.edge.gap >= face.gap)) {
+      patch.use_lowest();
+      use = true;
+    }
+    if (use) {
+      patch.reduce(real(1e-4) * smallest);
+      patch.for_each([&](const box_contact& c) {
+        if (!face_of_b) return emit(c);
+        emit({-(pair.axes * c.normal), pair.from_b(c.point), c.gap, c.b, c.a});
+      });
+      return;
+    }
+  }
+  const box_contact single = apart ? nearest_points(pair, axes) : crossing_edges(pair, axes);
+  if (single.gap <= margin) emit(single);
+}
+
+}  // namespace talus

@@ -1,0 +1,24 @@
+#pragma once
+// broad_phase<...>: how pairs of bodies that may touch are found.
+#include "talus/core/policy.hpp"
+
+namespace talus {
+
+/// Cells in a linear hash, one level of cells per decade or so of body size, built each step.
+struct linear_hash_grid final {
+  using talus_part_of = roles::broad_phase;
+  static constexpr const char* name = "linear_hash_grid";
+};
+
+/// Policy: the broad phase. Default: broad_phase<linear_hash_grid>.
+template <class Method>
+struct broad_phase final {
+  static_assert(detail::is_part<Method, roles::broad_phase>,
+                "broad_phase<...> takes a broad phase, and this type is none: write "
+                "broad_phase<linear_hash_grid>");
+  using talus_role = roles::broad_phase;
+  using type = Method;
+  static std::string describe() { return detail::describe_list<Method>("broad_phase"); }
+};
+
+}  // namespace talus

@@ -1,0 +1,165 @@
+#pragma once
+// One run-time type for every region bounded by planes: stored in connections, sent in messages.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "talus/core/bytes.hpp"
+#include "talus/geometry/combine.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// A group of half-spaces and groups, brought into canonical form as it closes: nested groups of
+/// one kind are one group, parts are sorted, repeated and redundant parts are dropped.
+struct geometry_group {
+  bool all_of = true;
+  std::vector<half_space> planes;
+  std::vector<geometry_group> groups;
+
+  friend bool operator==(const geometry_group&, const geometry_group&) = default;
+  [[nodiscard]] bool less(const geometry_group& other) const;
+  void settle();
+};
+
+class geometry_builder {
+ public:
+  void open(bool all_of) { path_.push_back({all_of, {}, {}}); }
+  void plane(const half_space& h) { path_.back().planes.push_back(h); }
+  void close();
+  [[nodiscard]] const geometry_group& root() const { return path_.front(); }
+
+ private:
+  std::vector<geometry_group> path_{1};
+};
+
+}  // namespace detail
+
+/// Any region that half-spaces, intersect, merge and complement can form. It evaluates without
+/// recursion or allocation. Two compare equal when their canonical forms do (order, repetition and
+/// nesting of like groups do not matter). The default is all of space.
+class any_geometry {
+ public:
+  any_geometry() = default;
+  template <class Region>
+  requires(!std::same_as<Region, any_geometry>) &&
+      polyhedral<Region> any_geometry(
+          const Region& region) {  // NOLINT: every typed region is an any_geometry
+    detail::geometry_builder builder;
+    region.describe(builder);
+    adopt(builder);
+  }
+  /// The intersection of half-spaces; all of space if there are none.
+  [[nodiscard]] static any_geometry cell(std::span<const half_space> planes) {
+    detail::geometry_builder builder;
+    for (const half_space& h : planes) builder.plane(h);
+    any_geometry g;
+    g.adopt(builder);
+    return g;
+  }
+
+  /// See region: positive inside, and never more than the distance to the boundary.
+  [[nodiscard]] real value(const vec3& p) const {
+    if (!program_.empty()) return run(p);
+    real result = neutral(all_of_);
+    if (all_of_)
+      for (const half_space& h : planes_) result = std::min(h.value(p), result);
+    else
+      for (const half_space& h : planes_) result = std::max(h.value(p), result);
+    return result;
+  }
+  [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
+  /// See polyhedral: as contains, but a shared boundary belongs to one side only.
+  [[nodiscard]] bool owns(const vec3& p) const {
+    const auto inside = [&](const half_space& h) { return h.owns(p); };
+    if (!program_.empty()) return run_owns(p);
+    return all_of_ ? std::ranges::all_of(planes_, inside) : std::ranges::any_of(planes_, inside);
+  }
+
+  /// All half-spaces in the region, in canonical order.
+  [[nodiscard]] std::span<const half_space> planes() const { return planes_; }
+  /// Whether the region is an intersection of half-spaces (one or none included).
+  [[nodiscard]] bool convex() const { return program_.empty() && all_of_; }
+  /// Fewest half-spaces that a point must lie in to be inside: the more, the more particular.
+  [[nodiscard]] int depth() const { return depth_; }
+
+  friend bool operator==(const any_geometry&, const any_geometry&) = default;
+
+  /// Everything outside of the region; its value is exactly the negative.
+  friend any_geometry complement(const any_geometry& g);
+
+  template <class Sink>
+  void describe(Sink& sink) const {
+    auto plane = planes_.begin();
+    sink.open(all_of_);
+    if (program_.empty()) {
+      for (const half_space& h : planes_) sink.plane(h);
+    } else {
+      for (std::size_t i = 1; i + 1 < program_.size(); ++i) switch (program_[i]) {
+          case token::plane:
+            sink.plane(*plane++);
+            break;
+          case token::close:
+            sink.close();
+            break;
+          default:
+            sink.open(program_[i] == token::open_all);
+            break;
+        }
+    }
+    sink.close();
+  }
+
+  void write(detail::byte_writer& out) const {
+    out.put(all_of_);
+    out.put(std::span<const half_space>(planes_));
+    out.put(std::span<const token>(program_));
+    out.put(depth_);
+  }
+  [[nodiscard]] static any_geometry read(detail::byte_reader& in) {
+    any_geometry g;
+    g.all_of_ = in.get<bool>();
+    g.planes_.clear();
+    for (auto n = in.get<std::size_t>(); n > 0; --n) g.planes_.push_back(read_plane(in));
+    g.program_ = in.get_all<token>();
+    g.depth_ = in.get<int>();
+    return g;
+  }
+
+ private:
+  enum class token : std::uint8_t { plane, open_all, open_any, close };
+  static constexpr std::size_t max_nesting_ = 16;
+
+  static constexpr real neutral(bool all_of) {
+    return all_of ? std::numeric_limits<real>::infinity() : -std::numeric_limits<real>::infinity();
+  }
+  [[nodiscard]] real run(const vec3& p) const;
+  [[nodiscard]] bool run_owns(const vec3& p) const;
+  void adopt(detail::geometry_builder& builder);
+  int emit(const detail::geometry_group& group, std::size_t nesting);
+  static half_space read_plane(detail::byte_reader& in) {
+    half_space h(1, 0, 0, 0);
+    const auto raw = in.get<std::array<std::byte, sizeof(half_space)>>();
+    std::memcpy(static_cast<void*>(&h), raw.data(), sizeof h);
+    return h;
+  }
+
+  std::vector<half_space> planes_;
+  std::vector<token> program_;  // empty while there is but one group
+  bool all_of_ = true;
+  int depth_ = 0;
+};
+
+[[nodiscard]] any_geometry complement(const any_geometry& g);
+
+/// A region in words: "intersect(x >= 2, y >= 1)".
+[[nodiscard]] std::string to_string(const any_geometry& g);
+
+}  // namespace talus
+
+#include "talus/geometry/detail/any_geometry.hpp"

@@ -1,0 +1,176 @@
+#pragma once
+// The parts of any_geometry that are not hot: canonical form, nested evaluation, text.
+#include "talus/geometry/any_geometry.hpp"
+
+namespace talus {
+
+namespace detail {
+
+inline bool geometry_group::less(const geometry_group& other) const {
+  if (all_of != other.all_of) return all_of;
+  if (planes != other.planes) return planes < other.planes;
+  return std::ranges::lexicographical_compare(
+      groups, other.groups, [](const auto& a, const auto& b) { return a.less(b); });
+}
+
+inline void geometry_group::settle() {
+  for (auto& group : std::exchange(groups, {})) {
+    const std::size_t parts = group.planes.size() + group.groups.size();
+    if (group.all_of == all_of || parts == 1) {
+      planes.insert(planes.end(), group.planes.begin(), group.planes.end());
+      // A part of a lone group is a group of this kind again: its parts join this one.
+      for (auto& inner : group.groups) {
+        if (inner.all_of != all_of) {
+          groups.push_back(std::move(inner));
+          continue;
+        }
+        planes.insert(planes.end(), inner.planes.begin(), inner.planes.end());
+        std::ranges::move(inner.groups, std::back_inserter(groups));
+      }
+    } else if (parts == 0) {  // nothing within an intersection, all of space within a merge
+      *this = group;
+      return;
+    } else {
+      groups.push_back(std::move(group));
+    }
+  }
+  // Of parallel planes only the tightest counts in an intersection, the widest in a merge.
+  std::ranges::sort(planes, [](const auto& a, const auto& b) { return a < b; });
+  std::vector<half_space> kept;
+  for (const half_space& h : planes) {
+    if (kept.empty() || kept.back().normal() != h.normal())
+      kept.push_back(h);
+    else if (all_of)
+      kept.back() = h;
+  }
+  planes = std::move(kept);
+  std::ranges::sort(groups, [](const auto& a, const auto& b) { return a.less(b); });
+  const auto repeated = std::ranges::unique(groups);
+  groups.erase(repeated.begin(), repeated.end());
+}
+
+inline void geometry_builder::close() {
+  geometry_group done = std::move(path_.back());
+  path_.pop_back();
+  done.settle();
+  path_.back().groups.push_back(std::move(done));
+}
+
+/// Writes a region as nested calls of intersect and merge.
+struct geometry_text {
+  std::string text;
+  void open(bool all_of) { separate(), text += all_of ? "intersect(" : "merge("; }
+  void plane(const half_space& h) { separate(), text += to_string(h); }
+  void close() { text += ')'; }
+  void separate() {
+    if (!text.empty() && text.back() != '(') text += ", ";
+  }
+};
+
+/// Passes on the complement of what it is told.
+struct geometry_flip {
+  geometry_builder& to;
+  void open(bool all_of) { to.open(!all_of); }
+  void plane(const half_space& h) { to.plane(h.flipped()); }
+  void close() { to.close(); }
+};
+
+}  // namespace detail
+
+inline void any_geometry::adopt(detail::geometry_builder& builder) {
+  detail::geometry_group root = builder.root();
+  root.settle();
+  while (root.planes.empty() && root.groups.size() == 1) {
+    detail::geometry_group only = std::move(root.groups.front());
+    root = std::move(only);
+  }
+  if (root.planes.size() == 1 && root.groups.empty()) root.all_of = true;
+  planes_.clear(), program_.clear();
+  depth_ = emit(root, 1);
+  all_of_ = root.all_of;
+  if (root.groups.empty()) program_.clear();
+}
+
+inline int any_geometry::emit(const detail::geometry_group& group, std::size_t nesting) {
+  if (nesting > max_nesting_)
+    detail::fail<std::invalid_argument>(
+        "a geometry nests intersect and merge more than {} levels deep; "
+        "describe the region by fewer nested parts",
+        max_nesting_);
+  constexpr int none = 1 << 20;
+  int depth = group.all_of ? 0 : none;
+  const auto add = [&](int d) { depth = group.all_of ? depth + d : std::min(depth, d); };
+  program_.push_back(group.all_of ? token::open_all : token::open_any);
+  for (const half_space& h : group.planes) {
+    planes_.push_back(h);
+    program_.push_back(token::plane);
+    add(1);
+  }
+  for (const auto& inner : group.groups) add(emit(inner, nesting + 1));
+  program_.push_back(token::close);
+  return depth;
+}
+
+inline real any_geometry::run(const vec3& p) const {
+  struct level {
+    real value;
+    bool all_of;
+    void fold(real v) { value = all_of ? std::min(v, value) : std::max(v, value); }
+  };
+  std::array<level, max_nesting_ + 1> stack;
+  stack[0] = {neutral(true), true};
+  level* top = stack.data();
+  const half_space* plane = planes_.data();
+  for (const token t : program_) {
+    if (t == token::plane) {
+      top->fold((plane++)->value(p));
+    } else if (t == token::close) {
+      --top;
+      top->fold(top[1].value);
+    } else {
+      *++top = {neutral(t == token::open_all), t == token::open_all};
+    }
+  }
+  return stack[0].value;
+}
+
+inline bool any_geometry::run_owns(const vec3& p) const {
+  std::array<std::pair<bool, bool>, max_nesting_ + 1> stack;  // inside so far, all_of
+  std::size_t top = 0;
+  stack[0] = {true, true};
+  const half_space* plane = planes_.data();
+  const auto fold = [&](bool in) {
+    auto& [inside, all_of] = stack[top];
+    inside = all_of ? inside && in : inside || in;
+  };
+  for (const token t : program_) {
+    if (t == token::plane) {
+      fold((plane++)->owns(p));
+    } else if (t == token::close) {
+      --top;
+      fold(stack[top + 1].first);
+    } else {
+      stack[++top] = {t == token::open_all, t == token::open_all};
+    }
+  }
+  return stack[0].first;
+}
+
+inline any_geometry complement(const any_geometry& g) {
+  detail::geometry_builder builder;
+  detail::geometry_flip flip{builder};
+  g.describe(flip);
+  any_geometry result;
+  result.adopt(builder);
+  return result;
+}
+
+inline std::string to_string(const any_geometry& g) {
+  if (g.planes().empty()) return g.convex() ? "all of space" : "nothing";
+  if (g.planes().size() == 1) return to_string(g.planes()[0]);
+  detail::geometry_text text;
+  g.describe(text);
+  return text.text;
+}
+
+}  // namespace talus

@@ -1,0 +1,105 @@
+#pragma once
+// Are the connections of all ranks consistent? Checked by comparing what the ranks told each other,
+// and by sampling points on and around every boundary.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "talus/parallel/domain.hpp"
+
+namespace talus {
+
+/// What is wrong between two ranks.
+enum class flaw : std::uint8_t {
+  one_sided,  ///< One rank is connected to the other, but not the reverse.
+  missing,    ///< The regions touch or overlap, but neither rank is connected to the other.
+  mismatch,   ///< The two ranks draw their common boundary differently.
+  gap,        ///< A point that no rank owns.
+  overlap     ///< A point that two ranks own.
+};
+
+/// One flaw, with its ranks, a point where it shows, and a message for the user that names both,
+/// the planes involved and the remedy.
+struct connection_flaw {
+  flaw kind;
+  int rank;
+  int other;
+  vec3 point;
+  std::string message;
+};
+
+struct connection_check {
+  int samples = 200;        ///< Sites sampled for every rank, each with some tens of points.
+  int first = 0;            ///< The ranks whose boundaries are sampled: from `first`...
+  int last = 1 << 30;       ///< ...up to but not including `last`.
+  std::uint64_t seed = 42;  ///< Of the sites.
+};
+
+}  // namespace talus
+
+#include "talus/parallel/detail/check_connections.hpp"
+
+namespace talus {
+
+/// The flaws in the connections of a job, element r of `all` being the connections of rank r.
+/// `partition` is what decides about ownership; without one each rank owns what no connected rank
+/// claims. At most one flaw of a kind is reported for a pair of ranks. A pure function.
+template <partition Partition>
+[[nodiscard]] std::vector<connection_flaw> check_connections(
+    std::span<const std::vector<connection>> all, const Partition& cells,
+    const connection_check& settings = {}) {
+  const auto owner = [&](int, const vec3& p) { return cells.owner(p); };
+  return detail::connection_checker<decltype(owner)>(all, owner, true, settings).run();
+}
+[[nodiscard]] inline std::vector<connection_flaw> check_connections(
+    std::span<const std::vector<connection>> all, const connection_check& settings = {}) {
+  const auto owner = [&](int rank, const vec3& p) {
+    const int claimed = detail::claimant(all[rank], p);
+    return claimed < 0 ? (p == p ? rank : -1) : claimed;
+  };
+  return detail::connection_checker<decltype(owner)>(all, owner, false, settings).run();
+}
+
+/// Checks the connections of all ranks of a job; to be called on every rank. `gather(buffer)`
+/// returns the buffers of all ranks, on every rank (a collective call). Each rank samples its own
+/// boundaries. Throws runtime_error with the same message on all ranks if anything is wrong.
+template <decomposable Decomposition, class Gather>
+void check_connections(const domain<Decomposition>& mine, Gather&& gather,
+                       connection_check settings = {}) {
+  detail::byte_buffer out;
+  detail::byte_writer writer(out);
+  writer.put(mine.connections().size());
+  for (const connection& c : mine.connections()) c.write(writer);
+  std::vector<std::vector<connection>> all;
+  for (const detail::byte_buffer& in : gather(out)) {
+    detail::byte_reader reader(in);
+    auto& list = all.emplace_back();
+    for (auto n = reader.get<std::size_t>(); n > 0; --n) list.push_back(connection::read(reader));
+  }
+
+  settings.first = mine.rank();
+  settings.last = mine.rank() + 1;
+  std::vector<connection_flaw> flaws;
+  if constexpr (generating<Decomposition>) {
+    if (mine.partition()) flaws = check_connections(all, *mine.partition(), settings);
+  } else {
+    flaws = check_connections(all, settings);
+  }
+
+  out.clear();
+  for (const connection_flaw& f : flaws) {
+    writer.put(f.kind), writer.put(f.rank), writer.put(f.other);
+    writer.put(std::span<const char>(f.message));
+  }
+  std::vector<connection_flaw> merged;
+  for (const detail::byte_buffer& in : gather(out))
+    for (detail::byte_reader reader(in); !reader.empty();) {
+      connection_flaw f{reader.get<flaw>(), reader.get<int>(), reader.get<int>(), {0, 0, 0}, {}};
+      const auto text = reader.get_all<char>();
+      f.message.assign(text.begin(), text.end());
+      if (!detail::known(merged, f)) merged.push_back(std::move(f));
+    }
+  if (!merged.empty()) throw std::runtime_error(detail::summary(merged));
+}
+
+}  // namespace talus

@@ -1,0 +1,33 @@
+#pragma once
+// A channel to one remote rank, and where that rank's region lies.
+#include "talus/core/bytes.hpp"
+#include "talus/geometry/any_geometry.hpp"
+
+namespace talus {
+
+/// What a rank knows of a rank it is connected to.
+struct connection {
+  int rank = 0;           ///< The remote rank.
+  any_geometry geometry;  ///< Its region, as the local rank sees it.
+  real overlap = 0;       ///< By how much (a length) that region is widened when copies are placed.
+
+  /// A lower bound of the distance from a point to the widened region; negative well inside it.
+  [[nodiscard]] real distance(const vec3& p) const { return -geometry.value(p) - overlap; }
+
+  friend bool operator==(const connection&, const connection&) = default;
+
+  void write(detail::byte_writer& out) const {
+    out.put(rank);
+    geometry.write(out);
+    out.put(overlap);
+  }
+  [[nodiscard]] static connection read(detail::byte_reader& in) {
+    connection c;
+    c.rank = in.get<int>();
+    c.geometry = any_geometry::read(in);
+    c.overlap = in.get<real>();
+    return c;
+  }
+};
+
+}  // namespace talus

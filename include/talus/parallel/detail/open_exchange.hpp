@@ -1,0 +1,64 @@
+#pragma once
+// The bookkeeping every link shares: one exchange at a time, finished as it was started, and what
+// it sends is counted.
+#include <cstddef>
+#include <span>
+
+#include "talus/core/error.hpp"
+#include "talus/parallel/parcel.hpp"
+#include "talus/parallel/traffic.hpp"
+
+namespace talus::detail {
+
+class open_exchange {
+ public:
+  enum class sizes { unknown, fixed };
+
+  void start(std::span<const parcel> parcels, sizes how, int rank, int ranks) {
+    if (open_)
+      fail<std::logic_error>("rank {} starts an exchange before it has finished the last one",
+                             rank);
+    for (const parcel& p : parcels) {
+      if (p.rank < 0 || p.rank >= ranks)
+        fail<std::invalid_argument>("rank {} has a parcel for rank {}, but ranks are 0 to {}", rank,
+                                    p.rank, ranks - 1);
+      sent_.bytes += p.out.size();
+    }
+    sent_.messages += parcels.size();
+    parcels_ = parcels;
+    how_ = how;
+    open_ = true;
+  }
+
+  void finish(std::span<const parcel> parcels, sizes how, int rank) {
+    if (!open_ || how != how_ || parcels.data() != parcels_.data() ||
+        parcels.size() != parcels_.size())
+      fail<std::logic_error>(
+          "rank {} finishes an exchange that it has not started: start and finish (start_fixed and "
+          "finish_fixed) take the same parcels, in turn",
+          rank);
+    open_ = false;
+  }
+
+  void count_collective(int rank) {
+    if (open_) fail<std::logic_error>("rank {} calls a collective inside an exchange", rank);
+    ++sent_.collectives;
+  }
+  [[nodiscard]] const traffic& sent() const { return sent_; }
+
+ private:
+  traffic sent_;
+  std::span<const parcel> parcels_;
+  sizes how_ = sizes::unknown;
+  bool open_ = false;
+};
+
+/// A neighbour did not send what both sides had agreed on.
+[[noreturn]] inline void fail_size(int rank, const parcel& p, std::size_t came) {
+  fail<std::runtime_error>(
+      "rank {} expected {} bytes from rank {}, but {} came: the two ranks disagree about what they "
+      "share, or one has called start and the other start_fixed",
+      rank, p.in.size(), p.rank, came);
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,207 @@
+#pragma once
+// Ranks inside one process: a mailbox for each, a meeting place for collectives, and the one
+// error that ends them all. Memory grows with ranks and connections, never with their square.
+//
+// Blocked ranks sleep. As nothing from outside can wake them, the last rank to fall asleep knows
+// that all of them would sleep for ever, and says so instead of hanging.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/parallel/parcel.hpp"
+
+namespace talus::detail {
+
+class thread_team {
+ public:
+  enum class meeting { barrier, gather, gather_all, broadcast, reduce };
+  struct contribution {
+    meeting what = meeting::barrier;
+    byte_buffer bytes;
+  };
+
+  explicit thread_team(int ranks)
+      : boxes_(static_cast<std::size_t>(ranks)),
+        doing_(static_cast<std::size_t>(ranks)),
+        running_(ranks) {
+    for (auto& d : doing_) d = busy;
+    for (auto& board : boards_) board.resize(boxes_.size());
+  }
+  [[nodiscard]] int size() const { return static_cast<int>(boxes_.size()); }
+
+  void send(int from, int to, byte_buffer&& bytes) {
+    if (failed_) throw aborted{};
+    mailbox& box = boxes_[static_cast<std::size_t>(to)];
+    bool complete = false;
+    {
+      const std::lock_guard lock(box.mutex);
+      queue& q = box.from(from);
+      q.messages.push_back(std::move(bytes));
+      complete = q.messages.size() <= q.claimed && --box.missing == 0;
+      if (complete) ++running_;  // before this rank itself can fall asleep
+    }
+    if (complete) box.bell.notify_one();
+  }
+
+  /// Waits for one message per parcel, then hands each to take(parcel, buffer).
+  template <class Take>
+  void receive(int rank, std::span<parcel> parcels, Take take) {
+    mailbox& box = boxes_[static_cast<std::size_t>(rank)];
+    std::unique_lock lock(box.mutex);
+    box.missing = 0;
+    int first_missing = busy;
+    for (const parcel& p : parcels) {
+      queue& q = box.from(p.rank);
+      if (++q.claimed <= q.messages.size()) continue;
+      if (box.missing++ == 0) first_missing = p.rank;
+    }
+    if (box.missing > 0) sleep(rank, first_missing, lock, box.bell, [&] { return !box.missing; });
+    for (parcel& p : parcels) {
+      queue& q = box.from(p.rank);
+      q.claimed = 0;
+      take(p, q.messages.front());
+      q.messages.erase(q.messages.begin());  // two messages at most are ever waiting here
+    }
+  }
+
+  /// All ranks bring a contribution; read(all contributions, in order of ranks) runs on each.
+  template <class Read>
+  void meet(int rank, meeting what, std::span<const std::byte> mine, Read read) {
+    contribution bring{what, byte_buffer(mine.begin(), mine.end())};
+    std::unique_lock lock(meeting_mutex_);
+    if (failed_) throw aborted{};
+    // Boards take turns: nobody comes back to one before all have read it and met at the other.
+    const auto round = round_;
+    auto& board = boards_[round % 2];
+    board[static_cast<std::size_t>(rank)] = std::move(bring);
+    if (++arrived_ == size()) {
+      arrived_ = 0;
+      ++round_;
+      running_ += size() - 1;
+      lock.unlock();
+      meeting_bell_.notify_all();
+    } else {
+      sleep(rank, meeting_others, lock, meeting_bell_, [&] { return round_ != round; });
+      lock.unlock();
+    }
+    for (std::size_t r = 0; r < board.size(); ++r)
+      if (board[r].what != what)
+        fail<std::logic_error>(
+            "ranks {} and {} call different collectives: all must call the same, in the same order",
+            rank, r);
+    read(std::span<const contribution>(board));
+  }
+
+  /// Only the first error counts. Wakes every rank that sleeps, with `aborted`.
+  void end_with(std::exception_ptr error) noexcept {
+    {
+      const std::lock_guard lock(error_mutex_);
+      if (error_) return;
+      error_ = std::move(error);
+    }
+    failed_ = true;
+    for (mailbox& box : boxes_) ring(box.mutex, box.bell);
+    ring(meeting_mutex_, meeting_bell_);
+  }
+
+  /// `rank` has returned from its main.
+  void leave(int rank) noexcept {
+    doing_[static_cast<std::size_t>(rank)] = ended;
+    const bool last = ++left_ == size();
+    if (--running_ > 0 || last || failed_) return;
+    end_with(std::make_exception_ptr(std::logic_error(everyone_waits())));
+  }
+
+  /// After all ranks are joined.
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  static constexpr int busy = -1, meeting_others = -2, ended = -3;
+
+  struct queue {
+    int sender;
+    std::size_t claimed = 0;  // messages the receiver waits for, present ones included
+    std::vector<byte_buffer> messages{};
+  };
+  struct alignas(64) mailbox {
+    std::mutex mutex;
+    std::condition_variable bell;
+    std::size_t missing = 0;
+    std::vector<queue> queues;  // sorted by sender
+
+    queue& from(int sender) {
+      auto at = std::lower_bound(queues.begin(), queues.end(), sender,
+                                 [](const queue& q, int s) { return q.sender < s; });
+      if (at == queues.end() || at->sender != sender) at = queues.insert(at, queue{sender});
+      return *at;
+    }
+  };
+
+  template <class Ready>
+  void sleep(int rank, int why, std::unique_lock<std::mutex>& lock, std::condition_variable& bell,
+             Ready ready) {
+    auto& mine = doing_[static_cast<std::size_t>(rank)];
+    mine = why;
+    if (--running_ == 0 && !failed_) {
+      ++running_;
+      const std::string text = everyone_waits();
+      mine = busy;
+      throw std::logic_error(text);
+    }
+    bell.wait(lock, [&] { return failed_ || ready(); });  // who makes it ready counts it as running
+    mine = busy;
+    if (failed_) throw aborted{};
+  }
+
+  static void ring(std::mutex& mutex, std::condition_variable& bell) noexcept {
+    // The empty section keeps the bell from ringing between a sleeper's last look and its sleep.
+    { const std::lock_guard lock(mutex); }
+    bell.notify_all();
+  }
+
+  [[nodiscard]] std::string everyone_waits() const {
+    std::string text = "every rank waits for another one, so none can go on:";
+    int named = 0;
+    for (int rank = 0; rank < size() && named < 8; ++rank) {
+      const int why = doing_[static_cast<std::size_t>(rank)];
+      if (why == busy) continue;
+      text += fmt::format("{} rank {} ", named++ ? "," : "", rank);
+      if (why == ended)
+        text += "has ended";
+      else if (why == meeting_others)
+        text += "is in a collective call";
+      else
+        text += fmt::format("waits for a message from rank {}", why);
+    }
+    if (named < size()) text += fmt::format(" (of {} ranks)", size());
+    return text +
+           "; connect both ranks of a pair to each other (check_connections tells which) "
+           "and make the same collective calls on all ranks";
+  }
+
+  std::vector<mailbox> boxes_;
+  std::vector<std::atomic<int>> doing_;  // busy, ended, ..., or the rank it waits for
+  std::atomic<int> running_;             // ranks that neither sleep nor have ended
+  std::atomic<int> left_ = 0;
+
+  std::mutex meeting_mutex_;
+  std::condition_variable meeting_bell_;
+  std::array<std::vector<contribution>, 2> boards_;
+  std::uint64_t round_ = 0;
+  int arrived_ = 0;
+
+  std::atomic<bool> failed_ = false;
+  std::mutex error_mutex_;
+  std::exception_ptr error_;
+};
+
+}  // namespace talus::detail

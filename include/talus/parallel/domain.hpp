@@ -1,0 +1,232 @@
+#pragma once
+// The part of space that one rank owns, and its connections to the ranks around it.
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include "talus/parallel/connection.hpp"
+#include "talus/parallel/decomposition.hpp"
+
+namespace talus {
+
+/// The domain of one rank. A decomposition that generates connects every rank to all its
+/// neighbours, those across edges and corners included, by the very connect() that a user may call,
+/// and its owner() decides about every point. By hand, a rank owns what none of its connected ranks
+/// claims, and points on a shared boundary belong to the side towards +x (then +y, +z), as in a
+/// grid. A job of one rank owns all of space, whatever the decomposition.
+template <decomposable Decomposition>
+class domain {
+ public:
+  /// The domain of `rank` out of `ranks`, connected to all ranks whose regions come within `reach`
+  /// (a length; 0: those that touch). Throws invalid_argument if the decomposition is ill-defined
+  /// or is meant for another number of ranks.
+  domain(const Decomposition& d, int rank, int ranks, real reach = 0) : rank_(rank), ranks_(ranks) {
+    if (ranks < 1 || rank < 0 || rank >= ranks)
+      detail::fail<std::invalid_argument>(
+          "there is no rank {} in a job of {}: ranks are numbered from 0 to {}", rank, ranks,
+          ranks - 1);
+    if constexpr (generating<Decomposition>) {
+      // One rank alone takes all of space, but a wrong decomposition is wrong there too.
+      auto cells = d.resolve(ranks == 1 && d.size() > 0 ? d.size() : ranks);
+      if (ranks == 1) return;
+      cells_ = std::move(cells);
+      own_ = cells_->geometry(rank);
+      if constexpr (has_cell) cell_ = cells_->cell(rank);
+      for (const int other : cells_->neighbours(rank, reach))
+        connect(other, cells_->geometry(other));
+      generated_ = true;
+    }
+  }
+
+  [[nodiscard]] int rank() const { return rank_; }
+  [[nodiscard]] int ranks() const { return ranks_; }
+
+  /// Connects this rank to a remote `rank` whose region lies beyond a plane with the normal
+  /// (a, b, c) of any length but zero, pointing towards the remote rank, at the displacement `d`
+  /// from the origin. `dx` (a length, >= 0) widens the region when copies of bodies are placed.
+  /// All five forms throw invalid_argument for a rank that does not exist, is this one or is
+  /// connected already, and for a normal or `dx` that makes no sense.
+  void connect(int rank, real a, real b, real c, real d, real dx = 0) {
+    connect(rank, any_geometry(half_space(a, b, c, d)), dx);
+  }
+  /// The same, normal and displacement.
+  void connect(int rank, const vec3& normal, real d, real dx = 0) {
+    connect(rank, any_geometry(half_space(normal, d)), dx);
+  }
+  /// The same, normal (a, b, c) and a point (x, y, z) of the plane.
+  void connect(int rank, real a, real b, real c, real x, real y, real z, real dx = 0) {
+    connect(rank, any_geometry(half_space(a, b, c, x, y, z)), dx);
+  }
+  /// The same, normal and a point of the plane.
+  void connect(int rank, const vec3& normal, const vec3& point, real dx = 0) {
+    connect(rank, any_geometry(half_space(normal, point)), dx);
+  }
+  /// Connects this rank to a remote `rank` that occupies any region. Regions given to several ranks
+  /// may overlap if the more particular one lies within the others: a corner, drawn as the
+  /// intersection of two half-spaces, beside the half-spaces themselves.
+  void connect(int rank, any_geometry geometry, real dx = 0);
+
+  /// Removes the connection to `rank`; throws invalid_argument if there is none.
+  void disconnect(int rank);
+
+  /// Connections in ascending order of rank.
+  [[nodiscard]] std::span<const connection> connections() const { return connections_; }
+  /// The connection to `rank`, or nullptr.
+  [[nodiscard]] const connection* find(int rank) const {
+    const auto at = position(rank);
+    return at != connections_.end() && at->rank == rank ? &*at : nullptr;
+  }
+
+  /// How space is shared out among all ranks; nullptr if there is only one rank or all is by hand.
+  [[nodiscard]] const auto* partition() const { return cells_ ? &*cells_ : nullptr; }
+
+  /// Whether this rank owns the point; of all ranks of a job exactly one does.
+  [[nodiscard]] bool contains(const vec3& p) const {
+    if constexpr (generating<Decomposition>) {
+      if constexpr (has_cell)
+        if (cells_) return cell_.contains(p);
+      if (cells_) return cells_->owner(p) == rank_;
+    }
+    for (const connection& c : connections_)
+      if (c.geometry.owns(p)) return false;
+    return p == p;  // nobody owns NaN
+  }
+  /// The owner of a point as far as this rank can tell: itself, a connected rank, or -1 if the
+  /// point belongs to a rank that this one is not connected to.
+  [[nodiscard]] int owner(const vec3& p) const;
+
+  /// An axis-aligned box (lower, upper corner; infinite where nothing bounds it) around all that
+  /// this rank owns.
+  [[nodiscard]] std::pair<vec3, vec3> bounds() const {
+    constexpr real infinity = std::numeric_limits<real>::infinity();
+    if constexpr (generating<Decomposition>)
+      if constexpr (has_cell)
+        if (cells_)
+          return {vec3(cell_.lower[0], cell_.lower[1], cell_.lower[2]),
+                  vec3(cell_.upper[0], cell_.upper[1], cell_.upper[2])};
+    return {vec3::Constant(-infinity), vec3::Constant(infinity)};
+  }
+
+  /// A lower bound of the distance from a point to every connected region, widened as asked:
+  /// bodies with a smaller radius concern no other rank.
+  [[nodiscard]] real interior_distance(const vec3& p) const {
+    if constexpr (generating<Decomposition>)
+      if (generated_) {
+        if constexpr (has_cell)
+          return cell_.interior_distance(p);
+        else
+          return own_.value(p);
+      }
+    real nearest = std::numeric_limits<real>::infinity();
+    for (const connection& c : connections_) nearest = std::min(c.distance(p), nearest);
+    return nearest;
+  }
+  /// Calls f(index into connections()) for every connection whose widened region may come within
+  /// `radius` of the point, in ascending order.
+  template <class F>
+  void for_each_within(const vec3& p, real radius, F&& f) const {
+    if constexpr (generating<Decomposition>)
+      if (generated_ && interior_distance(p) > radius) return;
+    for (std::size_t i = 0; i < connections_.size(); ++i)
+      if (connections_[i].distance(p) <= radius) f(i);
+  }
+
+ private:
+  template <class D>
+  static auto cells_of(const D& d) -> decltype(d.resolve(1));
+  using cells_type = decltype(cells_of(std::declval<const Decomposition&>()));
+  // A partition may offer cell(rank), a cheap form of contains() and of the distance to the
+  // outside.
+  static constexpr bool has_cell = requires(const cells_type& cells) { cells.cell(0); };
+  template <class Cells>
+  struct cell_of {
+    using type = char;
+  };
+  template <class Cells>
+  requires requires(const Cells& cells) { cells.cell(0); }
+  struct cell_of<Cells> {
+    using type = decltype(std::declval<const Cells&>().cell(0));
+  };
+
+  [[nodiscard]] auto position(int rank) const {
+    return std::ranges::lower_bound(connections_, rank, {}, &connection::rank);
+  }
+
+  int rank_;
+  int ranks_;
+  bool generated_ = false;  // no connection but the generated ones, none of them widened
+  std::optional<cells_type> cells_;
+  typename cell_of<cells_type>::type cell_{};
+  any_geometry own_;
+  std::vector<connection> connections_;
+};
+
+template <decomposable Decomposition>
+void domain<Decomposition>::connect(int rank, any_geometry geometry, real dx) {
+  if (rank < 0 || rank >= ranks_)
+    detail::fail<std::invalid_argument>(
+        "rank {} cannot connect to rank {}: this job has {} rank(s), numbered from 0; "
+        "start it with more ranks or correct the number",
+        rank_, rank, ranks_);
+  if (rank == rank_)
+    detail::fail<std::invalid_argument>(
+        "rank {} cannot connect to itself; give the rank on the other side of the boundary", rank_);
+  if (!(dx >= 0) || !std::isfinite(dx))
+    detail::fail<std::invalid_argument>(
+        "the overlap dx of the connection from rank {} to rank {} must be a finite length >= 0, "
+        "but is {}",
+        rank_, rank, dx);
+  const auto at = position(rank);
+  if (at != connections_.end() && at->rank == rank)
+    detail::fail<std::invalid_argument>(
+        "rank {} is connected to rank {} already; a rank has one connection to another: "
+        "call disconnect({}) first, or merge both regions into one geometry",
+        rank_, rank, rank);
+  generated_ = false;
+  connections_.insert(at, {rank, std::move(geometry), dx});
+}
+
+template <decomposable Decomposition>
+void domain<Decomposition>::disconnect(int rank) {
+  const connection* found = find(rank);
+  if (!found)
+    detail::fail<std::invalid_argument>(
+        "rank {} is not connected to rank {}, so that it cannot disconnect; "
+        "connections() lists the ranks it is connected to",
+        rank_, rank);
+  connections_.erase(connections_.begin() + (found - connections_.data()));
+}
+
+namespace detail {
+
+/// The connected rank that claims a point, by hand: of several the one with the smallest value
+/// (the innermost region), then the most particular one, then the lowest; -1 if nobody does.
+[[nodiscard]] inline int claimant(std::span<const connection> connections, const vec3& p) {
+  const connection* best = nullptr;
+  real value = 0;
+  for (const connection& c : connections) {
+    if (!c.geometry.owns(p)) continue;
+    const real v = c.geometry.value(p);
+    if (best && (v > value || (v == value && c.geometry.depth() <= best->geometry.depth())))
+      continue;
+    best = &c;
+    value = v;
+  }
+  return best ? best->rank : -1;
+}
+
+}  // namespace detail
+
+template <decomposable Decomposition>
+int domain<Decomposition>::owner(const vec3& p) const {
+  if (p != p) return -1;
+  if constexpr (generating<Decomposition>)
+    if (cells_) {
+      const int owner = cells_->owner(p);
+      return owner == rank_ || find(owner) ? owner : -1;
+    }
+  const int claimed = detail::claimant(connections_, p);
+  return claimed < 0 ? rank_ : claimed;
+}
+
+}  // namespace talus

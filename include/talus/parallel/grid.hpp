@@ -1,0 +1,263 @@
+#pragma once
+// Cells of a grid parallel to the axes: the decomposition for most scenes.
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "talus/parallel/decomposition.hpp"
+
+namespace talus {
+
+/// The cells of a grid, all cuts known. Cells are half-open: a point on a cut belongs to the upper
+/// cell. Cells at the border reach to infinity.
+class grid_cells {
+ public:
+  using cuts_type = std::array<std::vector<real>, 3>;
+
+  /// Strictly increasing positions of the cuts along each axis.
+  explicit grid_cells(cuts_type cuts) : cuts_(std::move(cuts)) {
+    for (int axis = 0; axis < 3; ++axis) n_[axis] = static_cast<int>(cuts_[axis].size()) + 1;
+  }
+
+  [[nodiscard]] int size() const { return n_[0] * n_[1] * n_[2]; }
+  /// Number of cells along each axis.
+  [[nodiscard]] const std::array<int, 3>& cells() const { return n_; }
+  [[nodiscard]] const cuts_type& cuts() const { return cuts_; }
+
+  [[nodiscard]] int owner(const vec3& p) const {
+    if (p != p) return -1;
+    return index(0, p[0]) + n_[0] * (index(1, p[1]) + n_[1] * index(2, p[2]));
+  }
+
+  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const {
+    const auto at = position(rank);
+    std::array<int, 3> first, last;
+    for (int axis = 0; axis < 3; ++axis) {
+      first[axis] = last[axis] = at[axis];
+      // The gap to the next cell but one spans whole cells; the next one always touches.
+      while (first[axis] > 0 && lower(axis, at[axis]) - upper(axis, first[axis] - 1) <= reach)
+        --first[axis];
+      while (last[axis] + 1 < n_[axis] &&
+             lower(axis, last[axis] + 1) - upper(axis, at[axis]) <= reach)
+        ++last[axis];
+    }
+    std::vector<int> ranks;
+    for (int iz = first[2]; iz <= last[2]; ++iz)
+      for (int iy = first[1]; iy <= last[1]; ++iy)
+        for (int ix = first[0]; ix <= last[0]; ++ix)
+          if (const int other = ix + n_[0] * (iy + n_[1] * iz); other != rank)
+            ranks.push_back(other);
+    return ranks;
+  }
+
+  [[nodiscard]] any_geometry geometry(int rank) const {
+    const auto at = position(rank);
+    std::vector<half_space> planes;
+    for (int axis = 0; axis < 3; ++axis) {
+      const vec3 normal = vec3::Unit(axis);
+      if (at[axis] > 0) planes.push_back({normal, lower(axis, at[axis])});
+      if (at[axis] + 1 < n_[axis])
+        planes.push_back(half_space(normal, upper(axis, at[axis])).flipped());
+    }
+    return any_geometry::cell(planes);
+  }
+
+  /// The bounds of one cell, for what is asked of every body in every step.
+  struct cell_bounds {
+    std::array<real, 3> lower, upper;
+
+    [[nodiscard]] bool contains(const vec3& p) const {
+      return (p[0] >= lower[0]) & (p[0] < upper[0]) & (p[1] >= lower[1]) & (p[1] < upper[1]) &
+             (p[2] >= lower[2]) & (p[2] < upper[2]);
+    }
+    /// Distance to the nearest other cell; negative outside.
+    [[nodiscard]] real interior_distance(const vec3& p) const {
+      const auto gap = [&](int i) { return std::min(p[i] - lower[i], upper[i] - p[i]); };
+      return std::min(gap(0), std::min(gap(1), gap(2)));
+    }
+  };
+  [[nodiscard]] cell_bounds cell(int rank) const {
+    const auto at = position(rank);
+    cell_bounds bounds;
+    for (int axis = 0; axis < 3; ++axis) {
+      bounds.lower[axis] = lower(axis, at[axis]);
+      bounds.upper[axis] = upper(axis, at[axis]);
+    }
+    return bounds;
+  }
+
+ private:
+  [[nodiscard]] int index(int axis, real x) const {
+    const auto& cuts = cuts_[axis];
+    return static_cast<int>(std::ranges::upper_bound(cuts, x) - cuts.begin());
+  }
+  [[nodiscard]] std::array<int, 3> position(int rank) const {
+    if (rank < 0 || rank >= size())
+      detail::fail<std::invalid_argument>("there is no rank {} in a grid of {} x {} x {} cells",
+                                          rank, n_[0], n_[1], n_[2]);
+    return {rank % n_[0], rank / n_[0] % n_[1], rank / n_[0] / n_[1]};
+  }
+  [[nodiscard]] real lower(int axis, int i) const {
+    return i == 0 ? -std::numeric_limits<real>::infinity() : cuts_[axis][i - 1];
+  }
+  [[nodiscard]] real upper(int axis, int i) const {
+    return i + 1 == n_[axis] ? std::numeric_limits<real>::infinity() : cuts_[axis][i];
+  }
+
+  cuts_type cuts_;
+  std::array<int, 3> n_;
+};
+
+namespace detail {
+
+inline constexpr int unsaid = -2;
+
+/// Fills in the zeros of `cells` so that their product is `ranks`: as equal as can be, larger
+/// factors first. False if `ranks` is not a multiple of what is given.
+inline bool balance(std::array<int, 3>& cells, int ranks) {
+  int open = 0;
+  for (const int n : cells) {
+    if (n == 0)
+      ++open;
+    else if (ranks % n != 0)
+      return false;
+    else
+      ranks /= n;
+  }
+  std::array<int, 3> best{ranks, 1, 1};
+  for (int c = 1; open > 1 && c <= ranks; ++c) {
+    if (ranks % c != 0 || (open == 2 && c > 1)) continue;
+    for (int b = c; b * b <= ranks / c; ++b)
+      if (ranks / c % b == 0 && ranks / c / b + b + c < best[0] + best[1] + best[2])
+        best = {ranks / c / b, b, c};
+  }
+  int next = 0;
+  for (int& n : cells)
+    if (n == 0) n = best[next++];
+  return open > 0 || ranks == 1;
+}
+
+}  // namespace detail
+
+/// X by Y by Z cells; rank = ix + X (iy + Y iz). `grid<dynamic>` takes any number of cells in three
+/// dimensions, `grid<dynamic, dynamic>` in two, `grid<dynamic, 1, 1>` in one.
+///   grid<2, 2>{.lower = {-30, -30}, .upper = {30, 30}}   equal cells in between
+///   grid<2, 3>{.cuts = {{0}, {-1, 1}}}                   cuts where they are given
+///   grid<dynamic>{.cells = {4, 2, 1}, ...}               extents when the program runs
+/// The cells at the border extend to infinity. Two cells along an axis without bounds or cuts are
+/// cut at 0.
+template <int X, int Y = detail::unsaid, int Z = detail::unsaid>
+struct grid {
+  struct bound {
+    static constexpr real unset = std::numeric_limits<real>::quiet_NaN();
+    real x = unset, y = unset, z = unset;
+  };
+  struct cut_lists {
+    std::vector<real> x{}, y{}, z{};
+  };
+
+  /// Cells along each axis where the type says dynamic; 0: as follows from the cuts, else from the
+  /// number of ranks, shared out evenly (larger factors in x).
+  std::array<int, 3> cells{};
+  bound lower{};     ///< Where equal cells begin (length).
+  bound upper{};     ///< Where they end (length), above `lower`.
+  cut_lists cuts{};  ///< Positions of the cuts (length), strictly increasing, instead of bounds.
+
+  /// The number of ranks, 0 while it is open.
+  [[nodiscard]] int size() const {
+    const auto n = known();
+    return n[0] * n[1] * n[2];
+  }
+
+  [[nodiscard]] grid_cells resolve(int ranks) const {
+    auto n = known();
+    const std::array<int, 3> asked = n;
+    if (!detail::balance(n, ranks)) {
+      const auto show = [](int i) { return i == 0 ? std::string("?") : std::to_string(i); };
+      detail::fail<std::invalid_argument>(
+          "a grid of {} x {} x {} cells needs {} {} ranks, but there are {}: "
+          "start the program with that many, or use grid<dynamic>, which fits any number",
+          show(asked[0]), show(asked[1]), show(asked[2]), size() > 0 ? "exactly" : "a multiple of",
+          std::max(asked[0], 1) * std::max(asked[1], 1) * std::max(asked[2], 1), ranks);
+    }
+    return grid_cells({axis(0, n[0], lower.x, upper.x, cuts.x),
+                       axis(1, n[1], lower.y, upper.y, cuts.y),
+                       axis(2, n[2], lower.z, upper.z, cuts.z)});
+  }
+
+ private:
+  static constexpr bool all_open_ = X == dynamic && Y == detail::unsaid && Z == detail::unsaid;
+  static constexpr std::array<int, 3> given_{X,
+                                             Y != detail::unsaid ? Y
+                                             : all_open_         ? dynamic
+                                                                 : 1,
+                                             Z != detail::unsaid ? Z
+                                             : all_open_         ? dynamic
+                                                                 : 1};
+  static_assert((given_[0] > 0 || given_[0] == dynamic) &&
+                    (given_[1] > 0 || given_[1] == dynamic) &&
+                    (given_[2] > 0 || given_[2] == dynamic),
+                "a grid has at least one cell along each axis: write grid<2, 3> or grid<dynamic>");
+
+  /// Cells along each axis as the type, `cells` or the cuts say; 0 where that is left open.
+  [[nodiscard]] std::array<int, 3> known() const {
+    std::array<int, 3> n{};
+    const std::array<const std::vector<real>*, 3> lists{&cuts.x, &cuts.y, &cuts.z};
+    for (int i = 0; i < 3; ++i) {
+      const char name = "xyz"[i];
+      if (cells[i] < 0)
+        detail::fail<std::invalid_argument>(
+            "a grid has at least one cell along {}, but .cells says {}; use 0 to leave it open",
+            name, cells[i]);
+      if (given_[i] != dynamic && cells[i] != 0 && cells[i] != given_[i])
+        detail::fail<std::invalid_argument>(
+            "the type of the grid says {} cell(s) along {}, but .cells says {}; "
+            "write dynamic in the type to choose at run time",
+            given_[i], name, cells[i]);
+      n[i] = given_[i] != dynamic ? given_[i] : cells[i];
+      if (n[i] == 0 && !lists[i]->empty()) n[i] = static_cast<int>(lists[i]->size()) + 1;
+    }
+    return n;
+  }
+
+  static std::vector<real> axis(int i, int n, real from, real to, const std::vector<real>& given) {
+    const char name = "xyz"[i];
+    const bool bounds = from == from || to == to;
+    std::vector<real> result = given;
+    if (!given.empty()) {
+      if (bounds)
+        detail::fail<std::invalid_argument>(
+            "the grid has both bounds and cuts along {}; give one of the two", name);
+      if (static_cast<int>(given.size()) + 1 != n)
+        detail::fail<std::invalid_argument>(
+            "{} cells along {} need {} cut(s), but {} are given; cuts lie between cells, "
+            "and the cells at the border extend to infinity",
+            n, name, n - 1, given.size());
+    } else if (n > 1 && bounds) {
+      if (!(from < to) || !std::isfinite(to - from))
+        detail::fail<std::invalid_argument>(
+            "the grid needs finite bounds along {} with lower < upper, but they are {} and {}; "
+            "give .lower and .upper",
+            name, from, to);
+      // Once, from the same three numbers on every rank: both sides of a cut see the same bits.
+      for (int k = 1; k < n; ++k) result.push_back(from + (to - from) * k / n);
+    } else if (n == 2) {
+      result.push_back(0);
+    } else if (n > 2) {
+      detail::fail<std::invalid_argument>(
+          "the grid has {} cells along {}, but no bounds or cuts there say where to cut; "
+          "give .lower and .upper (equal cells in between) or .cuts",
+          n, name);
+    }
+    for (real& cut : result) cut += 0.0;  // -0 becomes 0
+    for (std::size_t k = 0; k < result.size(); ++k)
+      if (!std::isfinite(result[k]) || (k > 0 && !(result[k - 1] < result[k])))
+        detail::fail<std::invalid_argument>(
+            "the cuts of the grid along {} must be finite and strictly increasing, but cut {} is "
+            "{}{}; sort them and remove repetitions",
+            name, k, result[k], k > 0 ? fmt::format(" after {}", result[k - 1]) : std::string());
+    return result;
+  }
+};
+
+}  // namespace talus

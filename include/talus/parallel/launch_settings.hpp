@@ -1,0 +1,25 @@
+#pragma once
+// How a program wants its ranks started.
+#include <cstdio>
+#include <functional>
+#include <string>
+
+namespace talus {
+
+struct launch_settings {
+  /// The arguments of main(), for an MPI that has to be initialised; may be null.
+  int* argc = nullptr;
+  char*** argv = nullptr;
+  /// Number of ranks asked for by the user (--ranks); 0: not said.
+  int ranks = 0;
+  /// Number of ranks the decomposition was made for; 0: any.
+  int default_ranks = 0;
+  /// Receives the one message of a job whose ranks are processes and therefore cannot throw to
+  /// a common caller. Writes to stderr by default.
+  std::function<void(const std::string&)> report = [](const std::string& message) {
+    std::fprintf(stderr, "%s\n", message.c_str());
+    std::fflush(stderr);
+  };
+};
+
+}  // namespace talus

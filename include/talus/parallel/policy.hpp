@@ -1,0 +1,50 @@
+#pragma once
+// decomposition<...> and transport<...>: who owns which part of space, and how ranks talk.
+#include "talus/concepts.hpp"
+#include "talus/core/policy.hpp"
+
+namespace talus {
+
+namespace detail {
+/// Concepts as plain constants, about which compilers say less when they are false.
+template <class Type>
+inline constexpr bool is_decomposition = concepts::decomposition<Type>;
+template <class Type>
+inline constexpr bool is_transport = concepts::transport<Type>;
+}  // namespace detail
+
+struct mpi;  // known by name without MPI, so that a missing include is refused with advice
+
+/// Policy: which rank owns which point of space. Default:
+/// decomposition<grid<dynamic>>, which fits any number of ranks.
+template <class Decomposition>
+struct decomposition final {
+  static_assert(detail::is_decomposition<Decomposition>,
+                "decomposition<...> takes a decomposition, such as grid<2, 2> or by_hand, and this "
+                "type is none: see talus::concepts::decomposition");
+  using talus_role = roles::decomposition;
+  using type = Decomposition;
+  static std::string describe() {
+    std::string text = detail::describe_list<Decomposition>("decomposition");
+    for (std::size_t at; (at = text.find("-1")) != std::string::npos;)
+      text.replace(at, 2, "dynamic");
+    return text;
+  }
+};
+
+/// Policy: how ranks talk to each other: serial, threads, mpi or as_launched. Default:
+/// transport<threads>.
+template <class Transport>
+struct transport final {
+  static_assert(!std::same_as<Transport, mpi> || detail::complete<Transport>,
+                "transport<mpi> needs MPI: write #include <talus/mpi.hpp>");
+  static_assert(
+      !detail::complete<Transport> || detail::is_transport<Transport>,
+      "transport<...> takes serial, threads, mpi or as_launched, and this type is none of "
+      "them: see talus::concepts::transport");
+  using talus_role = roles::transport;
+  using type = Transport;
+  static std::string describe() { return detail::describe_list<Transport>("transport"); }
+};
+
+}  // namespace talus

@@ -1,0 +1,121 @@
+#pragma once
+// The contacts of one kind on this rank, and what is done with them.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "talus/contact/history.hpp"
+#include "talus/contact/key.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// Contacts between bodies that this rank can move by itself (interior), and contacts between a
+/// body owned here and a movable body owned elsewhere (boundary): each of those is computed alike
+/// on both ranks, from the same velocities, and moves only the body owned here.
+template <class Contact>
+class contact_list {
+ public:
+  void clear() {
+    interior_.clear(), boundary_.clear();
+    interior_keys_.clear(), boundary_keys_.clear();
+    owns_a_.clear();
+  }
+  void add(const Contact& contact, const contact_key& key) {
+    interior_.push_back(contact);
+    interior_keys_.push_back(key);
+  }
+  void add_boundary(const Contact& contact, const contact_key& key, bool owns_a) {
+    boundary_.push_back(contact);
+    boundary_keys_.push_back(key);
+    owns_a_.push_back(owns_a);
+  }
+  [[nodiscard]] std::size_t size() const { return interior_.size() + boundary_.size(); }
+  [[nodiscard]] std::size_t bytes() const {
+    return (interior_.capacity() + boundary_.capacity()) * sizeof(Contact) +
+           (interior_keys_.capacity() + boundary_keys_.capacity()) * sizeof(contact_key);
+  }
+
+  /// Calls f(contact, counts_here): a boundary contact counts on the rank that owns its body a.
+  template <class F>
+  void each(F&& f) const {
+    for (const Contact& c : interior_) f(c, true);
+    for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
+  }
+
+  /// Takes up the impulses of the last step.
+  void recall(const contact_history& history) {
+    for (std::size_t i = 0; i < interior_.size(); ++i)
+      if (const vec3* p = history.find(interior_keys_[i])) interior_[i].warm(*p);
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      if (const vec3* p = history.find(boundary_keys_[i])) boundary_[i].warm(*p);
+  }
+  void remember(contact_history& history) const {
+    for (std::size_t i = 0; i < interior_.size(); ++i)
+      history.add(interior_keys_[i], interior_[i].impulse());
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      history.add(boundary_keys_[i], boundary_[i].impulse());
+  }
+
+  void count_boundary(solver_state& s) const {
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      ++s.boundary_contacts[owns_a_[i] ? boundary_[i].a : boundary_[i].b];
+  }
+  void weigh_interior(const solver_state& s) {
+    for (Contact& c : interior_) c.weigh(s, 1, 1);
+  }
+  void weigh_boundary(const solver_state& s) {
+    for (Contact& c : boundary_)
+      c.weigh(s, s.boundary_contacts[c.a], s.boundary_contacts[c.b]);
+  }
+  void apply_remembered(solver_state& s) const {
+    for (const Contact& c : interior_) c.apply(s, c.whole());
+    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
+  }
+
+  void sweep_forward(solver_state& s) {
+    for (Contact& c : interior_) c.apply(s, c.relax(s));
+  }
+  void sweep_backward(solver_state& s) {
+    for (auto c = interior_.rbegin(); c != interior_.rend(); ++c) c->apply(s, c->relax(s));
+  }
+  /// Solves all boundary contacts from one and the same state; the changes are applied later.
+  void relax_boundary(const solver_state& s) {
+    changes_.resize(boundary_.size());
+    for (std::size_t i = 0; i < boundary_.size(); ++i) changes_[i] = boundary_[i].relax(s);
+  }
+  void apply_boundary(solver_state& s) const {
+    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
+  }
+
+  void sweep_push(solver_state& s) {
+    for (Contact& c : interior_) {
+      const real d = c.relax_push(s);
+      if (d != 0) c.push_a(s, d), c.push_b(s, d);
+    }
+  }
+  void relax_boundary_push(const solver_state& s) {
+    pushes_.resize(boundary_.size());
+    for (std::size_t i = 0; i < boundary_.size(); ++i) pushes_[i] = boundary_[i].relax_push(s);
+  }
+  void apply_boundary_push(solver_state& s) const {
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      owns_a_[i] ? boundary_[i].push_a(s, pushes_[i]) : boundary_[i].push_b(s, pushes_[i]);
+  }
+
+ private:
+  void apply_own(solver_state& s, std::size_t i, const typename Contact::change& d) const {
+    if (owns_a_[i])
+      boundary_[i].apply_to_a(s, d);
+    else if constexpr (Contact::paired)
+      boundary_[i].apply_to_b(s, d);
+  }
+
+  std::vector<Contact> interior_, boundary_;
+  std::vector<contact_key> interior_keys_, boundary_keys_;
+  std::vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
+  std::vector<typename Contact::change> changes_;
+  std::vector<real> pushes_;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,137 @@
+#pragma once
+// A contact in which at least one body has an inertia tensor or a lever arm off the normal.
+#include <cstdint>
+
+#include "talus/core/math.hpp"
+#include "talus/response/coulomb.hpp"
+#include "talus/response/round_contact.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// What the solver knows of one side of a contact from its shape.
+enum class contact_side { scalar, tensor, immovable };
+
+/// The general contact: Delassus block in the frame (normal, tangent, tangent), solved exactly for
+/// the Coulomb cone. Velocities are those of a relative to b, impulses act on a.
+template <class Law, contact_side A, contact_side B>
+struct general_contact {
+  static constexpr bool paired = B != contact_side::immovable;
+
+  std::int32_t a = 0;
+  std::int32_t b = -1;
+  mat3 frame = mat3::Identity();  ///< rows: normal from b to a, two tangents
+  vec3 arm_a{0, 0, 0};            ///< from the centre of mass to the contact point
+  vec3 arm_b{0, 0, 0};
+  real target = 0;    ///< least separating velocity after the step
+  real push = 0;      ///< least separating rate of the correction
+  real friction = 0;  ///< coefficient mu
+  mat3 delassus = mat3::Identity();
+  vec3 r{0, 0, 0};    ///< impulse in the frame
+  real pushed = 0;    ///< normal impulse of the correction
+
+  using change = vec3;  ///< impulse in the frame
+
+  void weigh(const solver_state& s, real split_a, real split_b) {
+    mat3 w = mobility<A>(s, a, arm_a, split_a);
+    if constexpr (paired) w += mobility<B>(s, b, arm_b, split_b);
+    delassus = frame * w * frame.transpose();
+  }
+  void warm(const vec3& impulse) {
+    r = frame * impulse;
+    r[0] = std::max(real{0}, r[0]);
+    if constexpr (Law::friction) {
+      const real limit = friction * r[0], square = r[1] * r[1] + r[2] * r[2];
+      if (square > limit * limit) {
+        const real scale = limit / std::sqrt(square);
+        r[1] *= scale, r[2] *= scale;
+      }
+    } else {
+      r[1] = r[2] = 0;
+    }
+  }
+  [[nodiscard]] vec3 impulse() const { return frame.transpose() * r; }
+  [[nodiscard]] change whole() const { return r; }
+
+  change relax(const solver_state& s) {
+    vec3 u = s.bodies[a].v + s.bodies[a].w.cross(arm_a);
+    if constexpr (paired) u -= s.bodies[b].v + s.bodies[b].w.cross(arm_b);
+    const vec3 before = r;
+    if constexpr (Law::friction) {
+      vec3 rest = frame * u - delassus * r;  // velocity without this contact
+      rest[0] -= target;
+      r = solve_coulomb(delassus, rest, friction);
+    } else {
+      r[0] = std::max(real{0}, r[0] - (frame.row(0).dot(u) - target) / delassus(0, 0));
+    }
+    return r - before;
+  }
+  void apply(solver_state& s, const change& d) const {
+    apply_to_a(s, d);
+    if constexpr (paired) apply_to_b(s, d);
+  }
+  void apply_to_a(solver_state& s, const change& d) const {
+    const vec3 p = frame.transpose() * d;
+    s.bodies[a].v += s.bodies[a].inverse_mass * p;
+    s.bodies[a].w += turn<A>(s, a, arm_a.cross(p));
+  }
+  void apply_to_b(solver_state& s, const change& d) const {
+    const vec3 p = frame.transpose() * d;
+    s.bodies[b].v -= s.bodies[b].inverse_mass * p;
+    s.bodies[b].w -= turn<B>(s, b, arm_b.cross(p));
+  }
+
+  real relax_push(const solver_state& s) {
+    const vec3 n = frame.row(0);
+    real rate = n.dot(s.shift[a].v + s.shift[a].w.cross(arm_a));
+    if constexpr (paired) rate -= n.dot(s.shift[b].v + s.shift[b].w.cross(arm_b));
+    const real before = pushed;
+    pushed = std::max(real{0}, pushed - (rate - push) / delassus(0, 0));
+    return pushed - before;
+  }
+  void push_a(solver_state& s, real d) const {
+    const vec3 p = d * frame.row(0).transpose();
+    s.shift[a].v += s.bodies[a].inverse_mass * p;
+    s.shift[a].w += turn<A>(s, a, arm_a.cross(p));
+  }
+  void push_b(solver_state& s, real d) const {
+    if constexpr (paired) {
+      const vec3 p = d * frame.row(0).transpose();
+      s.shift[b].v -= s.bodies[b].inverse_mass * p;
+      s.shift[b].w -= turn<B>(s, b, arm_b.cross(p));
+    }
+  }
+
+ private:
+  template <contact_side Side>
+  static vec3 turn(const solver_state& s, std::int32_t i, const vec3& moment) {
+    if constexpr (Side == contact_side::tensor)
+      return s.tensor(i) * moment;
+    else
+      return s.bodies[i].inverse_inertia * moment;
+  }
+  /// Velocity of the contact point of one body for a unit impulse there.
+  template <contact_side Side>
+  static mat3 mobility(const solver_state& s, std::int32_t i, const vec3& arm, real split) {
+    mat3 x;  // arm as a cross product
+    x << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;
+    mat3 inverse;
+    if constexpr (Side == contact_side::tensor)
+      inverse = s.tensor(i);
+    else
+      inverse = s.bodies[i].inverse_inertia * mat3::Identity();
+    return split * (s.bodies[i].inverse_mass * mat3::Identity() - x * inverse * x);
+  }
+};
+
+/// Rows (n, t1, t2): an orthonormal frame around the unit normal n (Duff et al. 2017).
+[[nodiscard]] inline mat3 frame_around(const vec3& n) {
+  const real sign = std::copysign(real{1}, n[2]), p = -1 / (sign + n[2]), q = n[0] * n[1] * p;
+  mat3 f;
+  f << n[0], n[1], n[2],                                        //
+      1 + sign * n[0] * n[0] * p, sign * q, -sign * n[0],       //
+      q, sign + n[1] * n[1] * p, -n[1];
+  return f;
+}
+
+}  // namespace talus::detail

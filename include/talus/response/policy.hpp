@@ -1,0 +1,53 @@
+#pragma once
+// solver<...> and integrator<...>: how contact impulses are found, and how motion is stepped.
+#include "talus/core/policy.hpp"
+
+namespace talus {
+
+/// Sweeps over the contacts, each solved exactly for its cone with all others held (nonlinear
+/// block Gauss-Seidel; Jourdan, Alart, Jean 1998), started from the impulses of the last step.
+struct nonlinear_gauss_seidel final {
+  using talus_part_of = roles::solver;
+  static constexpr const char* name = "nonlinear_gauss_seidel";
+};
+
+/// Velocities first, from forces and impulses; then positions from the new velocities.
+struct semi_implicit_euler final {
+  using talus_part_of = roles::integrator;
+  static constexpr const char* name = "semi_implicit_euler";
+};
+
+/// Policy: the solver of the contact problem. Default: solver<nonlinear_gauss_seidel>.
+template <class Method>
+struct solver final {
+  static_assert(detail::is_part<Method, roles::solver>,
+                "solver<...> takes a solver, and this type is none: write "
+                "solver<nonlinear_gauss_seidel>");
+  using talus_role = roles::solver;
+  using type = Method;
+  static std::string describe() { return detail::describe_list<Method>("solver"); }
+};
+
+/// Policy: the time stepping. Default: integrator<semi_implicit_euler>.
+template <class Method>
+struct integrator final {
+  static_assert(detail::is_part<Method, roles::integrator>,
+                "integrator<...> takes an integrator, and this type is none: write "
+                "integrator<semi_implicit_euler>");
+  using talus_role = roles::integrator;
+  using type = Method;
+  static std::string describe() { return detail::describe_list<Method>("integrator"); }
+};
+
+/// Policy: the scalar in which contacts are solved. Default, and so far the only one:
+/// precision<double>.
+template <class Real>
+struct precision final {
+  static_assert(std::same_as<Real, double>,
+                "precision<...> takes double so far: write precision<double>");
+  using talus_role = roles::precision;
+  using type = double;
+  static std::string describe() { return detail::describe_list<Real>("precision"); }
+};
+
+}  // namespace talus

@@ -1,0 +1,41 @@
+#pragma once
+// What a contact solver works on: the velocities of all bodies of this rank, whatever their shape,
+// gathered into one array at the beginning of the response and scattered at its end.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// Velocity and inverse inertia of one body: one cache line. For a body whose inertia is a tensor
+/// `inverse_inertia` is unused; see solver_state::tensors.
+struct alignas(64) solver_body {
+  vec3 v{0, 0, 0};
+  real inverse_mass = 0;
+  vec3 w{0, 0, 0};
+  real inverse_inertia = 0;
+};
+
+/// Displacement per unit of time that the correction of overlaps asks for. It moves positions and
+/// never enters the velocities.
+struct correction_rate {
+  vec3 v{0, 0, 0};
+  vec3 w{0, 0, 0};
+};
+
+/// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
+/// a tensor, locals before shadow copies within each shape.
+struct solver_state {
+  std::vector<solver_body> bodies;
+  std::vector<correction_rate> shift;  ///< empty when overlaps are not corrected
+  std::vector<mat3> tensors;           ///< inverse inertia, world frame, of bodies from first_tensor
+  std::size_t first_tensor = 0;
+  /// Number of contacts of a body whose partner lives on another rank; only where there are ranks.
+  std::vector<std::uint32_t> boundary_contacts;
+
+  [[nodiscard]] const mat3& tensor(std::size_t body) const { return tensors[body - first_tensor]; }
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,45 @@
+#pragma once
+// The rectangular block, its edges along the axes of the body frame, its centre at the origin.
+#include <cmath>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+struct box {
+  vec3 size{1, 1, 1};  ///< full edge lengths, above zero
+
+  static constexpr bool finite = true;
+  static constexpr bool round = false;
+  static constexpr const char* name = "box";
+
+  /// Throws invalid_argument unless all three edges are positive and finite.
+  void validate() const {
+    detail::require_positive(size[0], "the x edge of a box");
+    detail::require_positive(size[1], "the y edge of a box");
+    detail::require_positive(size[2], "the z edge of a box");
+  }
+
+  [[nodiscard]] vec3 half() const { return real(0.5) * size; }
+  [[nodiscard]] real bounding_radius() const { return real(0.5) * size.norm(); }
+  [[nodiscard]] real volume() const { return size[0] * size[1] * size[2]; }
+  /// Principal moments per unit mass: (b² + c²) / 12 about the axis of edge a, and so on.
+  [[nodiscard]] vec3 inertia() const {
+    const vec3 s = size.cwiseProduct(size) / 12;
+    return {s[1] + s[2], s[0] + s[2], s[0] + s[1]};
+  }
+  /// Furthest corner along `direction`; where a component is zero, the corner on the positive side.
+  [[nodiscard]] vec3 support(const vec3& direction) const {
+    const vec3 h = half();
+    return {direction[0] < 0 ? -h[0] : h[0], direction[1] < 0 ? -h[1] : h[1],
+            direction[2] < 0 ? -h[2] : h[2]};
+  }
+  [[nodiscard]] vec3 half_extents(const pose& at) const {
+    return at.orientation.toRotationMatrix().cwiseAbs() * half();
+  }
+
+  friend bool operator==(const box&, const box&) = default;
+};
+
+}  // namespace talus

@@ -1,0 +1,44 @@
+#pragma once
+// The half of space below a plane: a floor or a wall. Infinite, so it has no mass and no centre.
+#include <cmath>
+#include <limits>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+/// Solid where n.x <= offset, n being the normal scaled to length one. Both are in the frame of the
+/// world: a plane takes no notice of any pose.
+struct plane {
+  vec3 normal{0, 0, 1};  ///< points out of the solid; any length but zero
+  real offset = 0;       ///< distance of the surface from the origin along the normal
+
+  static constexpr bool finite = false;
+  static constexpr bool round = false;
+  static constexpr const char* name = "plane";
+
+  /// Throws invalid_argument unless the normal has a direction and both values are finite.
+  void validate() const {
+    if (!detail::finite(normal) || !(normal.stableNorm() > 0))
+      detail::fail<std::invalid_argument>(
+          "the normal of a plane must be finite and not zero, but is {}; give a direction",
+          detail::text(normal));
+    if (!std::isfinite(offset))
+      detail::fail<std::invalid_argument>(
+          "the offset of a plane must be finite, but is {}; give a distance from the origin",
+          offset);
+  }
+
+  /// The normal at length one; exactly as it is given when it already has it.
+  [[nodiscard]] vec3 unit_normal() const {
+    constexpr real round_off = 4 * std::numeric_limits<real>::epsilon();
+    return std::abs(normal.squaredNorm() - 1) <= round_off ? normal : normal.stableNormalized();
+  }
+  /// Signed distance of a point from the surface, negative in the solid.
+  [[nodiscard]] real distance(const vec3& point) const { return unit_normal().dot(point) - offset; }
+
+  friend bool operator==(const plane&, const plane&) = default;
+};
+
+}  // namespace talus

@@ -1,0 +1,31 @@
+#pragma once
+// The ball about the centre of mass. Nothing here, nor in its pair functions, reads orientation.
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+struct sphere {
+  real radius = 1;  ///< length, above zero
+
+  static constexpr bool finite = true;
+  static constexpr bool round = true;
+  static constexpr const char* name = "sphere";
+
+  /// Throws invalid_argument unless the radius is positive and finite.
+  void validate() const { detail::require_positive(radius, "the radius of a sphere"); }
+
+  [[nodiscard]] real bounding_radius() const { return radius; }
+  [[nodiscard]] real volume() const { return 4 * pi / 3 * radius * radius * radius; }
+  /// Principal moments per unit mass: 2/5 r² each.
+  [[nodiscard]] vec3 inertia() const { return vec3::Constant(real(0.4) * radius * radius); }
+  /// Furthest point along `direction` (any length; the centre for a zero direction).
+  [[nodiscard]] vec3 support(const vec3& direction) const {
+    return radius * direction.stableNormalized();
+  }
+  [[nodiscard]] vec3 half_extents(const pose&) const { return vec3::Constant(radius); }
+
+  friend bool operator==(const sphere&, const sphere&) = default;
+};
+
+}  // namespace talus

@@ -1,0 +1,42 @@
+#pragma once
+// All bodies of one shape that a rank knows, and what detection needs to find their neighbours.
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "talus/body/store.hpp"
+#include "talus/core/type_list.hpp"
+#include "talus/detect/hash_grid.hpp"
+
+namespace talus::detail {
+
+/// Extra distance within which pairs become contacts, as a part of the bounding radius: contacts
+/// that are about to close keep their impulse and their place.
+inline constexpr real contact_slack = 0.01;
+
+template <class Shape, class Features>
+struct bodies_of_shape {
+  using shape_type = Shape;
+  using store_type = body_store<Shape, Features>;
+
+  store_type movable;  ///< locals and shadow copies (a finite shape only)
+  store_type global;   ///< known on every rank, immovable
+  std::size_t first = 0;  ///< index of this shape's first body in the solver's arrays
+
+  hash_grid grid;         ///< of the movable bodies, built each step
+  std::vector<real> reach;
+  hash_grid global_grid;  ///< of the global bodies, built when they change
+  std::vector<real> global_reach;
+  bool globals_changed = false;
+};
+
+/// Bounding radius plus slack plus the way that the surface can go in `dt`.
+template <class Store>
+[[nodiscard]] real reach_of(const Store& s, std::size_t i, real dt) {
+  const real radius = s.shape[i].bounding_radius();
+  real speed = s.velocity[i].norm();
+  if constexpr (Store::tensor) speed += radius * s.angular_velocity[i].norm();
+  return (1 + contact_slack) * radius + speed * dt;
+}
+
+}  // namespace talus::detail

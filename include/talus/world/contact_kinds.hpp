@@ -1,0 +1,79 @@
+#pragma once
+// Which kind of contact two shapes make: decided at compile time, per pair of shapes.
+#include <tuple>
+#include <type_traits>
+
+#include "talus/core/type_list.hpp"
+#include "talus/response/contact_list.hpp"
+#include "talus/response/general_contact.hpp"
+#include "talus/response/round_contact.hpp"
+
+namespace talus::detail {
+
+template <class Shape>
+inline constexpr contact_side side_of = Shape::round ? contact_side::scalar : contact_side::tensor;
+
+/// Contact of two bodies that can move.
+template <class Law, class A, class B>
+using moving_contact =
+    std::conditional_t<A::round && B::round, round_contact<Law, partner::moving>,
+                       general_contact<Law, side_of<A>, side_of<B>>>;
+
+/// Contact of a body that can move with a global one.
+template <class Law, class A>
+using anchored_contact = std::conditional_t<A::round, round_contact<Law, partner::immovable>,
+                                            general_contact<Law, side_of<A>, contact_side::immovable>>;
+
+template <class Law, class A, class... Bs>
+struct contacts_of_one {
+  template <class B>
+  static auto pair_with() {
+    if constexpr (A::finite && B::finite)
+      return type_list<contact_list<moving_contact<Law, A, B>>>{};
+    else
+      return type_list<>{};
+  }
+  static auto anchored() {
+    if constexpr (A::finite)
+      return type_list<contact_list<anchored_contact<Law, A>>>{};
+    else
+      return type_list<>{};
+  }
+};
+
+template <class... Lists>
+struct join_lists {
+  using type = type_list<>;
+};
+template <class... Ts>
+struct join_lists<type_list<Ts...>> {
+  using type = type_list<Ts...>;
+};
+template <class... Ts, class... Us, class... Rest>
+struct join_lists<type_list<Ts...>, type_list<Us...>, Rest...> {
+  using type = typename join_lists<type_list<Ts..., Us...>, Rest...>::type;
+};
+
+template <class Shapes, class Law>
+struct contact_lists_for;
+template <class... Shapes, class Law>
+struct contact_lists_for<type_list<Shapes...>, Law> {
+  template <class A>
+  using of_one = typename join_lists<
+      decltype(contacts_of_one<Law, A>::template pair_with<Shapes>())...,
+      decltype(contacts_of_one<Law, A>::anchored())>::type;
+  using all = unique_types<typename join_lists<of_one<Shapes>...>::type>;
+};
+
+template <class List>
+struct as_tuple;
+template <class... Ts>
+struct as_tuple<type_list<Ts...>> {
+  using type = std::tuple<Ts...>;
+};
+
+/// std::tuple of the contact lists that the shapes of a scenario need, each kind once.
+template <class Shapes, class Law>
+using contact_lists_of = typename as_tuple<typename contact_lists_for<Shapes, Law>::all>::type;
+
+}  // namespace talus::detail

@@ -1,0 +1,245 @@
+#pragma once
+// Bodies of the longer member functions of world.
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+template <class Scenario>
+void world<Scenario>::check_connections() {
+  sections_.require_all_ranks("check_connections", rank());
+  detail::byte_buffer mine;
+  detail::byte_writer out(mine);
+  out.put(static_cast<std::uint64_t>(connections().size()));
+  for (const connection& c : connections()) c.write(out);
+  std::vector<std::vector<connection>> all;
+  for (const auto& bytes : state_.link->gather_all(mine)) {
+    detail::byte_reader in(bytes);
+    auto& list = all.emplace_back();
+    for (auto n = in.get<std::uint64_t>(); n > 0; --n) list.push_back(connection::read(in));
+  }
+  std::string text;
+  for (const auto& finding : talus::check_connections(all)) text += "\n  " + finding.message;
+  if (!text.empty())
+    throw std::runtime_error("the connections between the ranks do not fit together:" + text);
+}
+
+template <class Scenario>
+template <class Shape>
+void world<Scenario>::write(detail::body_store<Shape, typename Scenario::features>& store,
+                            std::size_t i, const body<Shape>& b, system_id id, bool fixed) {
+  using store_type = detail::body_store<Shape, typename Scenario::features>;
+  store.id[i] = id;
+  store.position[i] = b.position;
+  store.velocity[i] = fixed ? vec3(0, 0, 0) : b.velocity;
+  store.angular_velocity[i] = fixed ? vec3(0, 0, 0) : b.angular_velocity;
+  store.shape[i] = b.shape;
+  store.material[i] = b.material;
+  store.flags[i] = fixed ? detail::flag_fixed : 0;
+  store.inverse_mass[i] = 0;
+  if constexpr (Shape::finite)
+    if (!fixed)
+      store.inverse_mass[i] = 1 / (state_.materials[b.material].density * b.shape.volume());
+  if constexpr (store_type::oriented) store.orientation_of[i] = b.orientation.normalized();
+  if constexpr (store_type::forced) {
+    store.force[i] = vec3(0, 0, 0);
+    store.torque[i] = vec3(0, 0, 0);
+  }
+  if constexpr (store_type::numbered) store.user_id[i] = b.user_id;
+}
+
+template <class Scenario>
+template <class Shape>
+system_id world<Scenario>::insert(const body<Shape>& b, system_id id) {
+  auto& store = state_.template of<Shape>().movable;
+  write(store, store.insert_local(), b, id, b.fixed);
+  state_.changed = true;
+  return id;
+}
+
+template <class Scenario>
+template <class Shape>
+handle<Shape> world<Scenario>::add_global(const body<Shape>& b) {
+  auto& bodies = state_.template of<Shape>();
+  const auto id = detail::id_of_attempt(attempts_++);
+  bodies.global.resize(bodies.global.size() + 1);
+  write(bodies.global, bodies.global.size() - 1, b, id, true);
+  bodies.globals_changed = true;
+  return {id};
+}
+
+template <class Scenario>
+template <class Sites, class F>
+std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
+  sections_.require_all_ranks("fill", rank());
+  const auto fill = fills_++;
+  std::size_t made = 0;
+  const auto [lower, upper] = state_.own.bounds();
+  sites.for_each_in(lower, upper, [&](const auto& site) {
+    if (!contains(site.position)) return;
+    const auto id = detail::id_of_site(fill, site.index);
+    auto made_body = [&] {
+      if constexpr (std::is_invocable_v<F&, decltype(site), random_stream&>) {
+        random_stream random(seed_, value_of(id));
+        return f(site, random);
+      } else {
+        return f(site);
+      }
+    }();
+    const auto add = [&](const auto& b) {
+      using shape = std::remove_cvref_t<decltype(b.shape)>;
+      if constexpr (detail::require_shape<Scenario, shape>()) {
+        validate(b);
+        if (!contains(b.position))
+          detail::fail<std::invalid_argument>(
+              "fill made a {} at {} on site {}, which rank {} does not own: keep bodies at "
+              "site.position, or filter the sites instead",
+              shape::name, detail::text(b.position), detail::text(site.position), rank());
+        insert(b, id);
+        ++made;
+      }
+    };
+    if constexpr (requires { made_body.has_value(); }) {
+      if (made_body) add(*made_body);
+    } else {
+      add(made_body);
+    }
+  });
+  return made;
+}
+
+template <class Scenario>
+template <class Shape>
+std::optional<body_view<Scenario, Shape>> world<Scenario>::find(handle<Shape> h) {
+  auto& bodies = state_.template of<Shape>();
+  const auto in = [&](auto& store, bool global) -> std::optional<view<Shape>> {
+    const auto at = std::find(store.id.begin(), store.id.end(), h.id);
+    if (at == store.id.end()) return std::nullopt;
+    return view<Shape>(state_, sections_, store, static_cast<std::size_t>(at - store.id.begin()),
+                       global);
+  };
+  if (auto found = in(bodies.movable, false)) return found;
+  return in(bodies.global, true);
+}
+
+template <class Scenario>
+template <class Shape>
+void world<Scenario>::destroy(handle<Shape> h) {
+  const auto found = (*this)[h];
+  auto& bodies = state_.template of<Shape>();
+  if (found.is_remote())
+    detail::fail<std::logic_error>(
+        "the {} {:#x} was destroyed on rank {}, which holds a shadow copy only: destroy it where "
+        "is_remote() is false",
+        Shape::name, value_of(h.id), rank());
+  if (found.is_global()) {
+    if (sections_.exclusive)
+      detail::fail<std::logic_error>(
+          "the global {} {:#x} was destroyed inside an exclusive section on rank {}, so the ranks "
+          "would differ: destroy it on all ranks",
+          Shape::name, value_of(h.id), rank());
+    const auto at = std::find(bodies.global.id.begin(), bodies.global.id.end(), h.id);
+    const auto i = at - bodies.global.id.begin();
+    bodies.global.each_column([&](auto& c) { c.erase(c.begin() + i); });
+    bodies.globals_changed = true;
+    return;
+  }
+  const auto at = std::find(bodies.movable.id.begin(), bodies.movable.id.end(), h.id);
+  bodies.movable.remove_local(static_cast<std::size_t>(at - bodies.movable.id.begin()));
+  state_.changed = true;
+}
+
+template <class Scenario>
+template <class Predicate>
+std::size_t world<Scenario>::destroy_if(Predicate&& predicate) {
+  std::size_t removed = 0;
+  state_.each_finite_shape([&](auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    for (std::size_t i = 0; i < b.movable.locals;) {
+      view<shape> v(state_, sections_, b.movable, i, false);
+      if (predicate(std::as_const(v))) {
+        b.movable.remove_local(i);
+        ++removed;
+      } else {
+        ++i;
+      }
+    }
+  });
+  state_.changed |= removed > 0;
+  return removed;
+}
+
+template <class Scenario>
+template <class Shape>
+bool world<Scenario>::overlaps(const Shape& shape, const vec3& position, const quat& orientation,
+                               system_id except) const {
+  bool found = false;
+  const talus::pose place{position, orientation};
+  const auto against = [&](const auto& store) {
+    using other = typename std::remove_cvref_t<decltype(store)>::shape_type;
+    if constexpr (collidable<Shape, other>)
+      for (std::size_t i = 0; i < store.size() && !found; ++i) {
+        if (store.id[i] == except) continue;
+        if constexpr (Shape::finite && other::finite) {
+          const real reach = shape.bounding_radius() + store.shape[i].bounding_radius();
+          if ((store.position[i] - position).squaredNorm() > reach * reach) continue;
+        }
+        collide_pair(shape, place, store.shape[i], store.pose(i), 0,
+                     [&](const contact_geometry& g) { found = found || g.gap < 0; });
+      }
+  };
+  state_.each_shape([&](const auto& b) {
+    against(b.movable);
+    against(b.global);
+  });
+  return found;
+}
+
+template <class Scenario>
+void world<Scenario>::synchronize() {
+  sections_.require_all_ranks("synchronize", rank());
+  if constexpr (!link_type::alone) {
+    detail::match_connections(state_);
+    std::uint64_t before = ~std::uint64_t{0};
+    for (;;) {
+      std::uint64_t passing = detail::migrate(state_);
+      state_.link->reduce(reduction::sum, std::span(&passing, 1));
+      if (passing == 0) break;
+      if (passing >= before)
+        detail::fail<std::runtime_error>(
+            "{} bodies do not find the way to the rank that owns their centre: check_connections() "
+            "says what is missing",
+            passing);
+      before = passing;
+    }
+    // The first round tells every neighbour how far bodies reach, the second one acts on it.
+    detail::share_shadow_copies(state_, true);
+    detail::share_shadow_copies(state_, true);
+  }
+  state_.changed = false;
+  synchronized_ = true;
+}
+
+template <class Scenario>
+void world<Scenario>::step(real dt) {
+  sections_.require_all_ranks("step", rank());
+  if (sections_.global)
+    detail::fail<std::logic_error>(
+        "step was called inside a global section on rank {}: close the section first", rank());
+  detail::require_positive(dt, "the time step dt");
+  if (!synchronized_) synchronize();
+  detail::step(state_, dt);
+}
+
+template <class Scenario>
+void world<Scenario>::simulate(const simulation& s) {
+  sections_.require_all_ranks("simulate", rank());
+  detail::require_positive(s.dt, "the time step dt");
+  state_.dt = s.dt;
+  synchronize();
+  for (std::size_t k = 0; k < s.steps; ++k) {
+    step(s.dt);
+    for (const auto& observe : observers_) observe();
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,225 @@
+#pragma once
+// First stage of a step: pairs that may touch, contact points, contact conditions.
+#include <algorithm>
+#include <cmath>
+
+#include "talus/detect/narrow.hpp"
+#include "talus/world/hand_over.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// What the contact law asks of a new contact point. `u` is the velocity of a relative to b at the
+/// point before the step, `gap` the distance of the surfaces.
+struct contact_conditions {
+  real target = 0, push = 0, friction = 0;
+};
+
+/// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
+/// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
+///   -e u_n (Newton); a slower one is resting contact, which must not jitter.
+/// - Sliding faster than what gravity adds in a step meets the dynamic coefficient, else the static.
+template <class Law>
+[[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
+                                               const vec3& u, real gap, real dt, real gravity,
+                                               real correction) {
+  contact_conditions c;
+  const real un = normal.dot(u);
+  c.target = gap > 0 ? -gap / dt : 0;
+  if constexpr (Law::correction) c.push = gap < 0 ? -correction * gap / dt : 0;
+  if constexpr (Law::restitution)
+    if (un < -2 * gravity * dt && gap + un * dt <= 0)
+      c.target = std::max(c.target, -pair.restitution * un);
+  if constexpr (Law::friction) {
+    c.friction = pair.friction;
+    if (pair.dynamic_friction < pair.friction) {
+      const real sliding = (u - un * normal).norm();
+      if (sliding > gravity * dt) c.friction = pair.dynamic_friction;
+    }
+  }
+  return c;
+}
+
+/// Whether the owner of shadow copy `copy` has a copy of the body `own`, so that both ranks compute
+/// their contact. (It has not in the one step after the user put a body where none was expected.)
+template <class Own, class Other, class Scenario>
+[[nodiscard]] bool copied_to_owner(const world_state<Scenario>& s, std::size_t own, std::size_t copy) {
+  using shapes = typename world_state<Scenario>::finite_shapes;
+  std::size_t last = s.template of<Other>().movable.locals;
+  for (const auto& n : s.neighbours) {
+    last += n.copies[index_of<shapes, Other>];
+    if (copy >= last) continue;
+    const auto& there = n.shadowed[index_of<shapes, Own>];
+    return std::binary_search(there.begin(), there.end(), static_cast<std::uint32_t>(own));
+  }
+  return false;
+}
+
+/// Turns the contact points of one pair of shapes into contacts for the solver.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner>
+class contact_maker {
+  using state_type = world_state<Scenario>;
+  using law = typename state_type::law;
+  static constexpr bool paired = Partner == partner::moving;
+  template <class A, class B>
+  static auto kind() {
+    if constexpr (paired)
+      return moving_contact<law, A, B>{};
+    else
+      return anchored_contact<law, A>{};
+  }
+  using contact_type = decltype(kind<ShapeA, ShapeB>());
+  using store_a = body_store<ShapeA, typename Scenario::features>;
+  using store_b = body_store<ShapeB, typename Scenario::features>;
+
+ public:
+  explicit contact_maker(state_type& s)
+      : s_(s),
+        a_(s.template of<ShapeA>().movable),
+        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
+        first_a_(s.template of<ShapeA>().first),
+        first_b_(paired ? s.template of<ShapeB>().first : 0),
+        list_(std::get<contact_list<contact_type>>(s.contacts)),
+        gravity_(s.gravity.norm()) {}
+
+  /// The pair (i, j); bodies of one shape in the order of their ids, so that every rank that sees
+  /// the pair computes the same.
+  void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b) {
+    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
+      if (b_.id[j] < a_.id[i]) {
+        std::swap(i, j);
+        std::swap(margin_a, margin_b);
+      }
+    const bool own_a = i < a_.locals, own_b = !paired || j < b_.locals;
+    const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
+    if (!((own_a && moves_a) || (own_b && moves_b))) return;
+    const bool boundary = paired && own_a != own_b && moves_a && moves_b;
+    if constexpr (paired)
+      if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
+                              : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
+        return;
+
+    const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
+    collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin_a + margin_b,
+                 [&](const contact_geometry& g) {
+                   const vec3 arm_a = g.point - a_.position[i];
+                   vec3 arm_b{0, 0, 0};
+                   vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
+                   if constexpr (paired) {
+                     arm_b = g.point - b_.position[j];
+                     u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
+                   }
+                   if (parts_before_touching(i, j, g, u)) return;
+                   contact_type c;
+                   c.a = static_cast<std::int32_t>(first_a_ + i);
+                   if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
+                   place(c, g, arm_a, arm_b);
+                   const auto want = conditions_of<law>(pair, g.normal, u, g.gap, s_.dt, gravity_,
+                                                        s_.settings.correction);
+                   c.target = want.target;
+                   c.push = want.push;
+                   c.friction = want.friction;
+                   const contact_key key{a_.id[i], b_.id[j], g.feature};
+                   if (boundary)
+                     list_.add_boundary(c, key, own_a);
+                   else
+                     list_.add(c, key);
+                 });
+  }
+
+ private:
+  /// A contact that is farther than the slack and does not close within the step is no contact.
+  bool parts_before_touching(std::size_t i, std::size_t j, const contact_geometry& g,
+                             const vec3& u) const {
+    real slack = contact_slack * a_.shape[i].bounding_radius();
+    if constexpr (ShapeB::finite) slack += contact_slack * b_.shape[j].bounding_radius();
+    if (g.gap <= slack) return false;
+    real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
+    if constexpr (store_a::tensor) closing -= turning(a_, i);
+    if constexpr (paired && store_b::tensor) closing -= turning(b_, j);
+    return g.gap + closing > slack;
+  }
+  /// How far the turning of a body can bring a point of its surface in a step.
+  template <class Store>
+  real turning(const Store& s, std::size_t i) const {
+    return s.angular_velocity[i].norm() * s.shape[i].bounding_radius() * s_.dt;
+  }
+  static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
+                    const vec3& arm_b) {
+    if constexpr (requires { c.frame; }) {
+      c.frame = frame_around(g.normal);
+      c.arm_a = arm_a;
+      c.arm_b = arm_b;
+    } else {
+      c.normal = g.normal;
+      c.arm_a = -g.normal.dot(arm_a);
+      c.arm_b = g.normal.dot(arm_b);
+    }
+  }
+
+  state_type& s_;
+  store_a& a_;
+  store_b& b_;
+  std::size_t first_a_, first_b_;
+  contact_list<contact_type>& list_;
+  real gravity_;
+};
+
+/// Sorts the bodies of each shape into its grid.
+template <class Scenario>
+void prepare_detection(world_state<Scenario>& s) {
+  number_bodies(s);
+  s.each_finite_shape([&](auto& b) {
+    const auto sort = [&](auto& store, std::vector<real>& reach, hash_grid& grid) {
+      reach.resize(store.size());
+      for (std::size_t i = 0; i < store.size(); ++i) reach[i] = reach_of(store, i, s.dt);
+      grid.build(store.position, reach);
+    };
+    sort(b.movable, b.reach, b.grid);
+    if (b.globals_changed) sort(b.global, b.global_reach, b.global_grid);
+    b.globals_changed = false;
+  });
+}
+
+/// Finds all contacts that this rank computes: those that touch a body it owns.
+template <class Scenario>
+void detect(world_state<Scenario>& s) {
+  prepare_detection(s);
+  s.each_contact_list([](auto& list) { list.clear(); });
+
+  const auto margin = [](const auto& store, const std::vector<real>& reach, std::size_t i) {
+    return reach[i] - store.shape[i].bounding_radius();
+  };
+  s.each_finite_shape([&](auto& a) {
+    using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
+
+    contact_maker<Scenario, A, A, partner::moving> among(s);
+    a.grid.pairs([&](std::size_t i, std::size_t j) {
+      among(i, j, margin(a.movable, a.reach, i), margin(a.movable, a.reach, j));
+    });
+
+    s.each_shape([&](auto& b) {
+      using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      constexpr bool later = index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
+      if constexpr (B::finite && later) {
+        contact_maker<Scenario, A, B, partner::moving> between(s);
+        a.grid.pairs_with(b.grid, [&](std::size_t i, std::size_t j) {
+          between(i, j, margin(a.movable, a.reach, i), margin(b.movable, b.reach, j));
+        });
+      }
+      contact_maker<Scenario, A, B, partner::immovable> against(s);
+      if constexpr (B::finite) {
+        if (b.global.size() > 0)
+          a.grid.pairs_with(b.global_grid, [&](std::size_t i, std::size_t j) {
+            against(i, j, margin(a.movable, a.reach, i), margin(b.global, b.global_reach, j));
+          });
+      } else {
+        for (std::size_t j = 0; j < b.global.size(); ++j)
+          for (std::size_t i = 0; i < a.movable.locals; ++i)
+            against(i, j, margin(a.movable, a.reach, i), 0);
+      }
+    });
+  });
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,287 @@
+#pragma once
+// Last stage of a step: bodies whose centre has left go to their new owner, and shadow copies are
+// made anew on every rank whose bodies they may touch.
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Gives each shape its range in the solver's arrays: scalar inertia first, then tensors.
+template <class Scenario>
+void number_bodies(world_state<Scenario>& s) {
+  std::size_t next = 0;
+  const auto number = [&](auto& b, bool tensors) {
+    if (std::remove_cvref_t<decltype(b.movable)>::tensor != tensors) return;
+    b.first = next;
+    next += b.movable.size();
+  };
+  s.each_finite_shape([&](auto& b) { number(b, false); });
+  s.solver.first_tensor = next;
+  s.each_finite_shape([&](auto& b) { number(b, true); });
+  s.solver.bodies.resize(next);
+}
+
+/// Rebuilds the shadow copies of all shapes: those of neighbour n are taken from `in[n]`, or stay
+/// as they are where `in[n]` is null; `before[n]` says how many there were, by shape.
+template <class Scenario, class Counts>
+void rebuild_shadow_copies(world_state<Scenario>& s, const std::vector<Counts>& before,
+                           std::vector<byte_reader*> in) {
+  const bool some_stay = std::find(in.begin(), in.end(), nullptr) != in.end();
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    std::remove_reference_t<decltype(b.movable)> old;
+    if (some_stay)
+      for (std::size_t i = b.movable.locals; i < b.movable.size(); ++i) old.append_from(b.movable, i);
+    b.movable.drop_shadows();
+    std::size_t first = 0;
+    for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
+      if (in[n] == nullptr) {
+        for (std::size_t c = 0; c < before[n][k]; ++c) b.movable.append_from(old, first + c);
+      } else {
+        const auto copies = in[n]->template get<std::uint64_t>();
+        for (std::uint64_t c = 0; c < copies; ++c) b.movable.unpack(*in[n]);
+        s.neighbours[n].copies[k] = copies;
+      }
+      first += before[n][k];
+    }
+    ++k;
+  });
+}
+
+/// Takes up connections made or removed since the last handover. Copies of bodies of ranks that are
+/// no longer connected go; the others are told anew at once.
+template <class Scenario>
+void match_connections(world_state<Scenario>& s) {
+  const auto connections = s.own.connections();
+  if (std::equal(connections.begin(), connections.end(), s.neighbours.begin(), s.neighbours.end(),
+                 [](const auto& c, const auto& n) { return c.rank == n.rank; }))
+    return;
+  auto before = std::exchange(s.neighbours, {});
+  s.parcels.clear();
+  for (const auto& c : connections) {
+    const auto old = std::find_if(before.begin(), before.end(),
+                                  [&](const auto& n) { return n.rank == c.rank; });
+    auto& now = s.neighbours.emplace_back();
+    if (old != before.end()) now = *old;
+    now.rank = c.rank;
+    s.parcels.push_back({.rank = c.rank});
+  }
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    std::remove_reference_t<decltype(b.movable)> kept;
+    std::size_t i = b.movable.locals;
+    for (const auto& n : before) {
+      const bool stays = s.own.find(n.rank) != nullptr;
+      for (std::size_t c = 0; c < n.copies[k]; ++c, ++i)
+        if (stays) kept.append_from(b.movable, i);
+    }
+    b.movable.drop_shadows();
+    for (std::size_t c = 0; c < kept.size(); ++c) b.movable.append_from(kept, c);
+    ++k;
+  });
+  s.changed = true;
+}
+
+/// Index of the connection towards the owner of `p`: itself, or a neighbour nearer to it.
+template <class Scenario>
+[[nodiscard]] std::size_t way_to(const world_state<Scenario>& s, const vec3& p) {
+  const auto connections = s.own.connections();
+  const int owner = s.own.owner(p);
+  std::size_t best = 0;
+  for (std::size_t n = 0; n < connections.size(); ++n) {
+    if (connections[n].rank == owner) return n;
+    if (connections[n].distance(p) < connections[best].distance(p)) best = n;
+  }
+  return best;
+}
+
+template <class Scenario>
+[[noreturn]] void fail_lost(const world_state<Scenario>& s, system_id id, const vec3& p) {
+  fail<std::runtime_error>(
+      "body {:#x} is lost at {} in step {}: rank {} owned it, and no rank it is connected to covers "
+      "that place; {}",
+      value_of(id), text(p), s.steps, s.link->rank(),
+      finite(p) ? "connect the ranks so that all space is covered"
+                : "its motion is no longer finite: a smaller dt, or look for overlapping bodies at "
+                  "the start");
+}
+
+/// Sends bodies whose centre has left to their new owner, with the memory of their contacts.
+/// Returns the number of bodies that this rank still holds for others (only where the way to their
+/// owner is longer than one connection).
+template <class Scenario>
+std::size_t migrate(world_state<Scenario>& s) {
+  std::vector<std::pair<system_id, std::size_t>> leaving;
+  for (parcel& p : s.parcels) p.out.clear();
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    store.drop_shadows();
+    std::vector<std::size_t> gone;
+    std::vector<std::vector<std::size_t>> to(s.parcels.size());
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      const vec3& p = store.position[i];
+      if (!finite(p)) fail_lost(s, store.id[i], p);
+      if (s.own.contains(p)) continue;
+      if (s.parcels.empty()) fail_lost(s, store.id[i], p);
+      const auto n = way_to(s, p);
+      to[n].push_back(i);
+      gone.push_back(i);
+      leaving.emplace_back(store.id[i], n);
+    }
+    for (std::size_t n = 0; n < to.size(); ++n) {
+      byte_writer out(s.parcels[n].out);
+      out.put(static_cast<std::uint64_t>(to[n].size()));
+      for (const auto i : to[n]) store.pack(i, out);
+    }
+    for (auto i = gone.rbegin(); i != gone.rend(); ++i) store.remove_local(*i);
+  });
+
+  std::vector<std::vector<remembered_contact>> memories(s.parcels.size());
+  if (!leaving.empty()) {
+    std::sort(leaving.begin(), leaving.end());
+    const auto find = [&](system_id id) {
+      const auto at = std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
+      return at != leaving.end() && at->first == id ? at->second : memories.size();
+    };
+    for (const remembered_contact& c : s.history.entries()) {
+      const auto a = find(c.key.a), b = find(c.key.b);
+      if (a < memories.size()) memories[a].push_back(c);
+      if (b < memories.size() && b != a) memories[b].push_back(c);
+    }
+  }
+  for (std::size_t n = 0; n < memories.size(); ++n)
+    byte_writer(s.parcels[n].out).put(std::span<const remembered_contact>(memories[n]));
+
+  s.link->start(s.parcels);
+  s.link->finish(s.parcels);
+
+  std::size_t passing = 0;
+  for (const parcel& p : s.parcels) {
+    byte_reader in(p.in);
+    s.each_finite_shape([&](auto& b) {
+      for (auto count = in.get<std::uint64_t>(); count > 0; --count) {
+        b.movable.unpack(in);
+        passing += !s.own.contains(b.movable.position[b.movable.locals++]);
+      }
+    });
+    for (const remembered_contact& c : in.get_all<remembered_contact>())
+      if (s.history.find(c.key) == nullptr) s.history.add(c.key, c.impulse);
+  }
+  return passing;
+}
+
+/// Lists the solver indices of the bodies whose velocities travel in each iteration.
+template <class Scenario>
+void list_travelling_velocities(world_state<Scenario>& s) {
+  number_bodies(s);
+  for (auto& n : s.neighbours) n.sent.clear(), n.received.clear();
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    std::size_t copy = b.movable.locals;
+    for (auto& n : s.neighbours) {
+      for (const auto i : n.shadowed[k])
+        if (b.movable.inverse_mass[i] != 0) n.sent.push_back(static_cast<std::uint32_t>(b.first + i));
+      for (std::size_t c = 0; c < n.copies[k]; ++c, ++copy)
+        if (b.movable.inverse_mass[copy] != 0)
+          n.received.push_back(static_cast<std::uint32_t>(b.first + copy));
+    }
+    ++k;
+  });
+  s.velocity_parcels.clear();
+  for (const auto& n : s.neighbours)
+    if (!n.sent.empty() || !n.received.empty()) s.velocity_parcels.push_back({.rank = n.rank});
+}
+
+/// Sends every neighbour the copies it needs: of each body here that may touch one of its bodies,
+/// that is, whose distance from its domain is within the sum of its own reach and the largest
+/// reach there. (So both owners of a pair that touches hold a copy of the other, wherever the
+/// contact point lies.) With `anew` false nothing has changed here, and only that is said.
+template <class Scenario>
+void share_shadow_copies(world_state<Scenario>& s, bool anew) {
+  real largest = 0;
+  s.each_finite_shape([&](auto& b) {
+    b.reach.resize(b.movable.size());
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      b.reach[i] = reach_of(b.movable, i, s.dt);
+      largest = std::max(largest, b.reach[i]);
+    }
+  });
+  real furthest = 0;
+  for (const auto& n : s.neighbours) furthest = std::max(furthest, n.reach);
+  std::size_t k = 0;
+  if (anew)
+    s.each_finite_shape([&](auto& b) {
+      for (auto& n : s.neighbours) n.shadowed[k].clear();
+      for (std::size_t i = 0; i < b.movable.locals; ++i) {
+        const vec3& p = b.movable.position[i];
+        s.own.for_each_within(p, b.reach[i] + furthest, [&](std::size_t n) {
+          auto& other = s.neighbours[n];
+          if (s.own.connections()[n].distance(p) <= b.reach[i] + other.reach)
+            other.shadowed[k].push_back(static_cast<std::uint32_t>(i));
+        });
+      }
+      ++k;
+    });
+  for (std::size_t n = 0; n < s.parcels.size(); ++n) {
+    s.parcels[n].out.clear();
+    byte_writer out(s.parcels[n].out);
+    out.put(largest);
+    out.put(static_cast<std::uint8_t>(anew));
+    if (!anew) continue;
+    k = 0;
+    s.each_finite_shape([&](auto& b) {
+      const auto& shadowed = s.neighbours[n].shadowed[k++];
+      out.put(static_cast<std::uint64_t>(shadowed.size()));
+      for (const auto i : shadowed) b.movable.pack(i, out);
+    });
+  }
+
+  s.link->start(s.parcels);
+  s.link->finish(s.parcels);
+
+  std::vector<byte_reader> in;
+  std::vector<byte_reader*> renewed;
+  std::vector<std::array<std::size_t, world_state<Scenario>::shape_count>> before;
+  in.reserve(s.parcels.size());
+  bool any = anew;
+  for (std::size_t n = 0; n < s.parcels.size(); ++n) {
+    byte_reader& message = in.emplace_back(s.parcels[n].in);
+    s.neighbours[n].reach = message.template get<real>();
+    const bool new_here = message.template get<std::uint8_t>() != 0;
+    renewed.push_back(new_here ? &message : nullptr);
+    before.push_back(s.neighbours[n].copies);
+    any = any || new_here;
+  }
+  if (!any) return;
+  rebuild_shadow_copies(s, before, renewed);
+  list_travelling_velocities(s);
+}
+
+/// The handover at the end of a step.
+template <class Scenario>
+void hand_over(world_state<Scenario>& s) {
+  if constexpr (!world_state<Scenario>::link_type::alone) {
+    const stage_clock clock(s.seconds.exchange);
+    match_connections(s);
+    migrate(s);
+    share_shadow_copies(s, true);
+  }
+  s.changed = false;
+}
+
+/// At the beginning of a step: tells the neighbours what the user has changed since the last one.
+template <class Scenario>
+void announce_changes(world_state<Scenario>& s) {
+  if constexpr (!world_state<Scenario>::link_type::alone) {
+    const stage_clock clock(s.seconds.exchange);
+    match_connections(s);
+    share_shadow_copies(s, s.changed);
+  }
+  s.changed = false;
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,100 @@
+#pragma once
+// Second and third stage of a step: velocities from forces and contacts, then positions.
+#include <cmath>
+
+#include "talus/response/integrate.hpp"
+#include "talus/response/nonlinear_gauss_seidel.hpp"
+#include "talus/world/shared_velocities.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Fills the solver's arrays: velocities after forces, inverse masses and inertias.
+template <class Scenario>
+void gather_velocities(world_state<Scenario>& s) {
+  solver_state& solver = s.solver;
+  solver.tensors.resize(solver.bodies.size() - solver.first_tensor);
+  if constexpr (world_state<Scenario>::law::correction)
+    solver.shift.assign(solver.bodies.size(), {});
+  if constexpr (!world_state<Scenario>::link_type::alone)
+    solver.boundary_contacts.assign(solver.bodies.size(), 0);
+
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    using store_type = std::remove_reference_t<decltype(store)>;
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      solver_body& body = solver.bodies[b.first + i];
+      const real inverse_mass = store.inverse_mass[i];
+      body.v = store.velocity[i];
+      body.w = store.angular_velocity[i];
+      body.inverse_mass = inverse_mass;
+      body.inverse_inertia = 0;
+      mat3 tensor = mat3::Zero();
+      if (inverse_mass != 0) {
+        const vec3 inverse_moments = inverse_mass * store.shape[i].inertia().cwiseInverse();
+        body.v += s.dt * s.gravity;
+        if constexpr (store_type::tensor)
+          tensor = inverse_tensor(store.orientation_of[i], inverse_moments);
+        else
+          body.inverse_inertia = inverse_moments[0];
+        if constexpr (store_type::forced) {
+          body.v += (s.dt * inverse_mass) * store.force[i];
+          if constexpr (store_type::tensor)
+            body.w += s.dt * (tensor * store.torque[i]);
+          else
+            body.w += (s.dt * body.inverse_inertia) * store.torque[i];
+        }
+      }
+      if constexpr (store_type::tensor) solver.tensors[b.first + i - solver.first_tensor] = tensor;
+    }
+  });
+}
+
+/// Solves the contact problem: afterwards the solver's velocities fulfil the contact law.
+template <class Scenario>
+void respond(world_state<Scenario>& s) {
+  gather_velocities(s);
+  s.each_contact_list([&](auto& list) { list.recall(s.history); });
+  solve_nonlinear_gauss_seidel(s.contacts, s.solver, s.settings,
+                               world_state<Scenario>::law::correction,
+                               shared_velocities<Scenario>(s));
+  std::size_t count = 0;
+  s.each_contact_list([&](const auto& list) { count += list.size(); });
+  s.history.reset(count);
+  s.each_contact_list([&](const auto& list) { list.remember(s.history); });
+}
+
+/// Moves the bodies owned here with their new velocities.
+template <class Scenario>
+void integrate(world_state<Scenario>& s) {
+  const solver_state& solver = s.solver;
+  const real kept = s.damping == 1 ? 1 : std::pow(s.damping, s.dt);
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    using store_type = std::remove_reference_t<decltype(store)>;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      if (store.inverse_mass[i] == 0) continue;
+      const solver_body& body = solver.bodies[b.first + i];
+      store.velocity[i] = kept * body.v;
+      store.angular_velocity[i] = kept * body.w;
+      vec3 rate = store.velocity[i];
+      if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i].v;
+      store.position[i] += s.dt * rate;
+      if constexpr (store_type::tensor) {
+        store.angular_velocity[i] = rotate_freely(store.orientation_of[i], store.angular_velocity[i],
+                                                  store.shape[i].inertia(), s.dt);
+        if constexpr (world_state<Scenario>::law::correction)
+          store.orientation_of[i] =
+              turned(store.orientation_of[i], s.dt * solver.shift[b.first + i].w);
+      } else if constexpr (store_type::oriented) {
+        store.orientation_of[i] = turned(store.orientation_of[i], s.dt * store.angular_velocity[i]);
+      }
+    }
+    if constexpr (store_type::forced) {
+      std::fill(store.force.begin(), store.force.end(), vec3(0, 0, 0));
+      std::fill(store.torque.begin(), store.torque.end(), vec3(0, 0, 0));
+    }
+  });
+}
+
+}  // namespace talus::detail

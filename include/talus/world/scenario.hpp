@@ -1,0 +1,173 @@
+#pragma once
+// scenario<...>: everything that is decided before the run, as one type.
+#include <string>
+
+#include "talus/body/bodies.hpp"
+#include "talus/body/features.hpp"
+#include "talus/contact/law.hpp"
+#include "talus/detect/policy.hpp"
+#include "talus/parallel/grid.hpp"
+#include "talus/parallel/policy.hpp"
+#include "talus/parallel/threads.hpp"
+#include "talus/response/policy.hpp"
+#include "talus/shape/plane.hpp"
+#include "talus/shape/sphere.hpp"
+
+namespace talus {
+
+namespace detail {
+
+template <class Role>
+struct in_role {
+  template <class Type>
+  struct played_by : std::bool_constant<plays<Type, Role>> {};
+};
+
+/// The first policy of a role, or its default. Later ones have been refused.
+template <class Role, class Default, class... Policies>
+using policy_for = find_type<type_list<Policies...>, in_role<Role>::template played_by, Default>;
+
+template <class Role, class... Policies>
+inline constexpr bool at_most_one = (std::size_t{0} + ... + plays<Policies, Role>) <= 1;
+
+/// Refuses what is not a policy, with the advice that fits.
+template <class Type>
+struct argument_of_scenario {
+  static constexpr bool bare_shape = concepts::shape<Type>;
+  static constexpr bool bare_decomposition = !bare_shape && concepts::decomposition<Type>;
+  static constexpr bool bare_transport = concepts::transport<Type>;
+  static constexpr bool bare_part = requires { typename Type::talus_part_of; };
+
+  static_assert(!bare_shape,
+                "scenario<...> takes a shape inside bodies<...>: write bodies<sphere> for a bare "
+                "sphere, and likewise for this shape");
+  static_assert(!bare_decomposition,
+                "scenario<...> takes a decomposition inside decomposition<...>: write "
+                "decomposition<grid<2, 2>> for a bare grid<2, 2>, and likewise for this type");
+  static_assert(!bare_transport,
+                "scenario<...> takes a transport inside transport<...>: write transport<threads> "
+                "for a bare threads, and likewise for this type");
+  static_assert(!is_part<Type, roles::contact_law>,
+                "scenario<...> takes the parts of a contact law inside hard_contact<...>: write "
+                "hard_contact<coulomb_friction> for a bare coulomb_friction");
+  static_assert(!is_part<Type, roles::solver>,
+                "scenario<...> takes a solver inside solver<...>: write "
+                "solver<nonlinear_gauss_seidel> for a bare nonlinear_gauss_seidel");
+  static_assert(!is_part<Type, roles::broad_phase>,
+                "scenario<...> takes a broad phase inside broad_phase<...>: write "
+                "broad_phase<linear_hash_grid> for a bare linear_hash_grid");
+  static_assert(!is_part<Type, roles::integrator>,
+                "scenario<...> takes an integrator inside integrator<...>: write "
+                "integrator<semi_implicit_euler> for a bare semi_implicit_euler");
+  static_assert(!is_part<Type, roles::features>,
+                "scenario<...> takes a feature inside features<...>: write features<orientation> "
+                "for a bare orientation, and likewise for this type");
+  static_assert(policy<Type> || bare_shape || bare_decomposition || bare_transport || bare_part,
+                "scenario<...> takes talus policies only, and this type is none: remove it, or use "
+                "one of bodies, hard_contact, solver, broad_phase, integrator, decomposition, "
+                "transport, precision, features");
+};
+
+}  // namespace detail
+
+/// All that is decided before the run. Policies in any order, each role at most once; the comment
+/// at each member is what holds when no policy is given for it.
+template <class... Policies>
+struct scenario final {
+  static_assert((... && detail::examined<detail::argument_of_scenario<Policies>>));
+  static_assert(detail::at_most_one<roles::bodies, Policies...>,
+                "scenario<...> names the role 'bodies' twice: put all shapes into one bodies<...>");
+  static_assert(detail::at_most_one<roles::contact_law, Policies...>,
+                "scenario<...> names the role 'contact law' twice: keep one hard_contact<...>");
+  static_assert(detail::at_most_one<roles::solver, Policies...>,
+                "scenario<...> names the role 'solver' twice: keep one solver<...>");
+  static_assert(detail::at_most_one<roles::broad_phase, Policies...>,
+                "scenario<...> names the role 'broad phase' twice: keep one broad_phase<...>");
+  static_assert(detail::at_most_one<roles::integrator, Policies...>,
+                "scenario<...> names the role 'integrator' twice: keep one integrator<...>");
+  static_assert(detail::at_most_one<roles::decomposition, Policies...>,
+                "scenario<...> names the role 'decomposition' twice: keep one decomposition<...>");
+  static_assert(detail::at_most_one<roles::transport, Policies...>,
+                "scenario<...> names the role 'transport' twice: keep one transport<...>");
+  static_assert(detail::at_most_one<roles::precision, Policies...>,
+                "scenario<...> names the role 'precision' twice: keep one precision<...>");
+  static_assert(detail::at_most_one<roles::features, Policies...>,
+                "scenario<...> names the role 'features' twice: put all of them into one "
+                "features<...>");
+
+ private:
+  template <class Role, class Default>
+  using pick = detail::policy_for<Role, Default, Policies...>;
+
+  using bodies_policy = pick<roles::bodies, talus::bodies<sphere, plane>>;
+  using solver_policy = pick<roles::solver, talus::solver<nonlinear_gauss_seidel>>;
+  using broad_phase_policy = pick<roles::broad_phase, talus::broad_phase<linear_hash_grid>>;
+  using integrator_policy = pick<roles::integrator, talus::integrator<semi_implicit_euler>>;
+  using decomposition_policy = pick<roles::decomposition, talus::decomposition<grid<dynamic>>>;
+  using transport_policy = pick<roles::transport, talus::transport<threads>>;
+  using precision_policy = pick<roles::precision, talus::precision<double>>;
+  using features_policy = pick<roles::features, talus::features<>>;
+
+ public:
+  using shapes = typename bodies_policy::list;  ///< sphere and plane
+  using contact_law =                           ///< friction, restitution and correction
+      pick<roles::contact_law,
+           hard_contact<coulomb_friction, newton_restitution, split_correction>>;
+  using solver = typename solver_policy::type;                ///< nonlinear_gauss_seidel
+  using broad_phase = typename broad_phase_policy::type;      ///< linear_hash_grid
+  using integrator = typename integrator_policy::type;        ///< semi_implicit_euler
+  using decomposition = typename decomposition_policy::type;  ///< a grid for any number of ranks
+  using transport = typename transport_policy::type;          ///< threads
+  using precision = typename precision_policy::type;          ///< double
+  using features = typename features_policy::list;            ///< none
+
+  template <class Shape>
+  static constexpr bool has_shape = detail::contains_type<shapes, Shape>;
+  template <class Feature>
+  static constexpr bool has_feature = detail::contains_type<features, Feature>;
+
+  /// Every policy in use, given or default, as scenarios spell them, separated by spaces.
+  static std::string describe() {
+    using detail::describe_policy;
+    return describe_policy<bodies_policy>() + ' ' + describe_policy<contact_law>() + ' ' +
+           describe_policy<solver_policy>() + ' ' + describe_policy<broad_phase_policy>() + ' ' +
+           describe_policy<integrator_policy>() + ' ' + describe_policy<decomposition_policy>() +
+           ' ' + describe_policy<transport_policy>() + ' ' + describe_policy<precision_policy>() +
+           ' ' + describe_policy<features_policy>();
+  }
+};
+
+/// Every policy of a scenario, for summaries and files.
+template <class Scenario>
+std::string describe() {
+  return Scenario::describe();
+}
+
+namespace detail {
+
+template <class Shape, class Scenario>
+struct body_of_scenario {
+  static constexpr bool value = Scenario::template has_shape<Shape>;
+  static_assert(value,
+                "this scenario has no bodies of this shape: add the shape to its bodies<...>");
+};
+template <class Feature, class Scenario>
+struct feature_of_scenario {
+  static constexpr bool value = Scenario::template has_feature<Feature>;
+  static_assert(value, "this scenario does not have this feature: add it to its features<...>");
+};
+
+/// Refuses a shape that the scenario does not name, in one sentence. False after a refusal, so
+/// that `if constexpr (require_shape<Scenario, Shape>())` keeps further errors away.
+template <class Scenario, class Shape>
+consteval bool require_shape() {
+  return body_of_scenario<Shape, Scenario>::value;
+}
+/// The same for a feature, such as user_ids.
+template <class Scenario, class Feature>
+consteval bool require_feature() {
+  return feature_of_scenario<Feature, Scenario>::value;
+}
+
+}  // namespace detail
+}  // namespace talus

@@ -1,0 +1,88 @@
+#pragma once
+// Exclusive and global sections: code for one rank only, and bodies for all of them.
+#include <stdexcept>
+
+#include "talus/core/error.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// Which sections this rank is in.
+struct open_sections {
+  bool exclusive = false;
+  bool global = false;
+
+  /// Throws runtime_error in an exclusive section: `what` involves all ranks, so that calling it
+  /// on one of them would wait for the others for ever. A serial program is told so too.
+  void require_all_ranks(const char* what, int rank) const {
+    if (exclusive)
+      fail<std::runtime_error>(
+          "{} was called inside an exclusive section on rank {}, but all ranks must take part: move "
+          "the call behind the section",
+          what, rank);
+  }
+};
+
+}  // namespace detail
+
+/// While it lives, the code behind `if (section)` runs on one rank only; see world::exclusive.
+class exclusive_section {
+ public:
+  /// Throws runtime_error inside another exclusive section, logic_error inside a global section,
+  /// and invalid_argument for a rank that the job does not have.
+  exclusive_section(detail::open_sections& open, int wanted, int rank, int ranks) : open_(open) {
+    if (open.exclusive)
+      detail::fail<std::runtime_error>(
+          "an exclusive section was opened inside another one on rank {}: close the first before the "
+          "second",
+          rank);
+    if (open.global)
+      detail::fail<std::logic_error>(
+          "an exclusive section was opened inside a global section on rank {}: global bodies are made "
+          "alike on all ranks, so put the section before or behind it",
+          rank);
+    if (wanted < 0 || wanted >= ranks)
+      detail::fail<std::invalid_argument>(
+          "there is no rank {} for an exclusive section: this job has {} rank(s), numbered from 0",
+          wanted, ranks);
+    active_ = wanted == rank;
+    open_.exclusive = active_;
+  }
+  exclusive_section(const exclusive_section&) = delete;
+  exclusive_section& operator=(const exclusive_section&) = delete;
+  ~exclusive_section() {
+    if (active_) open_.exclusive = false;
+  }
+  /// Whether this is the rank that the section is for.
+  explicit operator bool() const { return active_; }
+
+ private:
+  detail::open_sections& open_;
+  bool active_ = false;
+};
+
+/// While it lives, added bodies are global: known on all ranks, and fixed; see world::global.
+class global_section {
+ public:
+  /// Throws runtime_error inside another global section and logic_error inside an exclusive one.
+  global_section(detail::open_sections& open, int rank) : open_(open) {
+    if (open.global)
+      detail::fail<std::runtime_error>(
+          "a global section was opened inside another one on rank {}: one is enough", rank);
+    if (open.exclusive)
+      detail::fail<std::logic_error>(
+          "a global section was opened inside an exclusive section on rank {}: global bodies must be "
+          "made on all ranks, so move it behind the section",
+          rank);
+    open_.global = true;
+  }
+  global_section(const global_section&) = delete;
+  global_section& operator=(const global_section&) = delete;
+  ~global_section() { open_.global = false; }
+
+ private:
+  detail::open_sections& open_;
+};
+
+}  // namespace talus

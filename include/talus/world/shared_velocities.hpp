@@ -1,0 +1,91 @@
+#pragma once
+// How the iterations of a solver see bodies owned by other ranks: shadow velocities, refreshed
+// from their owners by one message per neighbour, velocities only, in a fixed order.
+#include <cstring>
+
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+template <class Scenario>
+class shared_velocities {
+ public:
+  using state_type = world_state<Scenario>;
+  static constexpr bool alone = state_type::link_type::alone;
+
+  explicit shared_velocities(state_type& s) : s_(s) {}
+
+  /// Besides the velocities: into how many parts each body's mass is split at the boundary.
+  void share_velocities_and_counts() {
+    exchange<7>(
+        [&](std::uint32_t i, real* out) {
+          put_velocity(i, out);
+          out[6] = s_.solver.boundary_contacts[i];
+        },
+        [&](std::uint32_t i, const real* in) {
+          get_velocity(i, in);
+          s_.solver.boundary_contacts[i] = static_cast<std::uint32_t>(in[6]);
+        });
+  }
+  void share_velocities() {
+    exchange<6>([&](std::uint32_t i, real* out) { put_velocity(i, out); },
+                [&](std::uint32_t i, const real* in) { get_velocity(i, in); });
+  }
+  void share_corrections() {
+    exchange<6>(
+        [&](std::uint32_t i, real* out) {
+          const correction_rate& c = s_.solver.shift[i];
+          for (int k = 0; k < 3; ++k) out[k] = c.v[k], out[3 + k] = c.w[k];
+        },
+        [&](std::uint32_t i, const real* in) {
+          correction_rate& c = s_.solver.shift[i];
+          for (int k = 0; k < 3; ++k) c.v[k] = in[k], c.w[k] = in[3 + k];
+        });
+  }
+
+ private:
+  void put_velocity(std::uint32_t i, real* out) const {
+    const solver_body& b = s_.solver.bodies[i];
+    for (int k = 0; k < 3; ++k) out[k] = b.v[k], out[3 + k] = b.w[k];
+  }
+  void get_velocity(std::uint32_t i, const real* in) {
+    solver_body& b = s_.solver.bodies[i];
+    for (int k = 0; k < 3; ++k) b.v[k] = in[k], b.w[k] = in[3 + k];
+  }
+
+  template <int Scalars, class Put, class Get>
+  void exchange(Put&& put, Get&& get) {
+    constexpr std::size_t bytes = Scalars * sizeof(real);
+    real values[Scalars];
+    std::size_t count = 0;
+    for (const auto& other : s_.neighbours) {
+      if (other.sent.empty() && other.received.empty()) continue;  // so it is on the other side
+      parcel& p = s_.velocity_parcels[count++];
+      p.out.resize(other.sent.size() * bytes);
+      p.in.resize(other.received.size() * bytes);
+      std::byte* to = p.out.data();
+      for (const std::uint32_t i : other.sent) {
+        put(i, values);
+        std::memcpy(to, values, bytes);
+        to += bytes;
+      }
+    }
+    const stage_clock clock(s_.seconds.exchange);
+    s_.link->start_fixed(s_.velocity_parcels);
+    s_.link->finish_fixed(s_.velocity_parcels);
+    count = 0;
+    for (const auto& other : s_.neighbours) {
+      if (other.sent.empty() && other.received.empty()) continue;
+      const std::byte* from = s_.velocity_parcels[count++].in.data();
+      for (const std::uint32_t i : other.received) {
+        std::memcpy(values, from, bytes);
+        get(i, values);
+        from += bytes;
+      }
+    }
+  }
+
+  state_type& s_;
+};
+
+}  // namespace talus::detail

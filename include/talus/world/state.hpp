@@ -1,0 +1,125 @@
+#pragma once
+// Everything a world consists of on one rank. The stages of a step work on it, the world is its
+// public face.
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "talus/body/material.hpp"
+#include "talus/contact/history.hpp"
+#include "talus/core/type_list.hpp"
+#include "talus/parallel/domain.hpp"
+#include "talus/parallel/parcel.hpp"
+#include "talus/response/contact_list.hpp"
+#include "talus/response/general_contact.hpp"
+#include "talus/response/nonlinear_gauss_seidel.hpp"
+#include "talus/response/round_contact.hpp"
+#include "talus/world/bodies_of_shape.hpp"
+#include "talus/world/contact_kinds.hpp"
+#include "talus/world/scenario.hpp"
+#include "talus/world/stage_clock.hpp"
+
+namespace talus {
+
+/// Seconds of processor time that the stages of the steps took on this rank.
+struct stage_seconds {
+  double detect = 0, respond = 0, integrate = 0, exchange = 0;
+};
+
+namespace detail {
+
+/// What this rank and one of its neighbours know of each other's bodies. The lists are fixed from
+/// one handover to the next, so that velocities travel without ids.
+template <std::size_t Shapes>
+struct neighbour {
+  int rank = 0;
+  real reach = 0;  ///< largest reach of the bodies there
+  std::array<std::vector<std::uint32_t>, Shapes> shadowed;  ///< own bodies with a copy there, by shape
+  std::array<std::size_t, Shapes> copies{};                 ///< shadow copies here of bodies there
+  std::vector<std::uint32_t> sent;      ///< those of `shadowed` that can move, in solver indices
+  std::vector<std::uint32_t> received;  ///< those of `copies` that can move, in solver indices
+};
+
+template <class Shape>
+struct is_finite : std::bool_constant<Shape::finite> {};
+
+template <class Scenario>
+struct world_state {
+  using link_type = typename Scenario::transport::link;
+  using domain_type = domain<typename Scenario::decomposition>;
+  template <class Shape>
+  using bodies_type = bodies_of_shape<Shape, typename Scenario::features>;
+  using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;
+  using law = typename Scenario::contact_law;
+  using lists_type = contact_lists_of<typename Scenario::shapes, law>;
+
+  world_state(link_type& l, domain_type d) : link(&l), own(std::move(d)) {}
+
+  link_type* link;
+  domain_type own;
+  tuple_type bodies;
+  material_table materials;
+
+  vec3 gravity{0, 0, 0};
+  real damping = 1;  ///< part of the velocity kept per unit of time
+  solver_settings settings;
+  real dt = 0;  ///< of the last step, or of the one under way
+  std::uint64_t steps = 0;
+  real time = 0;
+
+  lists_type contacts;
+  contact_history history;
+  solver_state solver;
+
+  using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
+  static constexpr std::size_t shape_count = finite_shapes::size;
+  std::vector<neighbour<shape_count>> neighbours;  ///< one for each connection, in the same order
+  std::vector<parcel> parcels;                     ///< likewise: handovers
+  std::vector<parcel> velocity_parcels;            ///< for those with movable copies on a side
+  bool changed = true;  ///< bodies were added, removed or changed since the last handover
+
+  stage_seconds seconds;
+
+  /// Calls f(bodies of a shape) for every shape of the scenario.
+  template <class F>
+  void each_shape(F&& f) {
+    std::apply([&](auto&... b) { (f(b), ...); }, bodies);
+  }
+  template <class F>
+  void each_shape(F&& f) const {
+    std::apply([&](const auto&... b) { (f(b), ...); }, bodies);
+  }
+  /// The same for the shapes that can move.
+  template <class F>
+  void each_finite_shape(F&& f) {
+    each_shape([&](auto& b) {
+      if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) f(b);
+    });
+  }
+  template <class F>
+  void each_finite_shape(F&& f) const {
+    each_shape([&](const auto& b) {
+      if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) f(b);
+    });
+  }
+  template <class Shape>
+  auto& of() {
+    return std::get<index_of<typename Scenario::shapes, Shape>>(bodies);
+  }
+  template <class Shape>
+  const auto& of() const {
+    return std::get<index_of<typename Scenario::shapes, Shape>>(bodies);
+  }
+  template <class F>
+  void each_contact_list(F&& f) {
+    std::apply([&](auto&... list) { (f(list), ...); }, contacts);
+  }
+  template <class F>
+  void each_contact_list(F&& f) const {
+    std::apply([&](const auto&... list) { (f(list), ...); }, contacts);
+  }
+};
+
+}  // namespace detail
+}  // namespace talus

@@ -1,0 +1,162 @@
+#pragma once
+// A body as the user sees it: a light reference into the storage of its world, valid until bodies
+// are added, removed, handed over or stepped.
+#include <type_traits>
+
+#include "talus/body/body.hpp"
+#include "talus/world/scenario.hpp"
+#include "talus/world/sections.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus {
+
+template <class Scenario, class Shape>
+class body_view {
+  using state_type = detail::world_state<Scenario>;
+  using store_type = detail::body_store<Shape, typename Scenario::features>;
+
+ public:
+  using shape_type = Shape;
+
+  body_view(state_type& s, const detail::open_sections& open, store_type& store, std::size_t index,
+            bool global)
+      : s_(&s), open_(&open), store_(&store), i_(index), global_(global) {}
+
+  [[nodiscard]] system_id id() const { return store_->id[i_]; }
+  [[nodiscard]] talus::handle<Shape> handle() const { return {id()}; }
+  /// Whether this is a shadow copy of a body that another rank owns. False on exactly one rank for
+  /// each body that is not global.
+  [[nodiscard]] bool is_remote() const { return !global_ && i_ >= store_->locals; }
+  /// Whether the body is known on all ranks.
+  [[nodiscard]] bool is_global() const { return global_; }
+  [[nodiscard]] bool is_fixed() const { return store_->fixed(i_); }
+
+  [[nodiscard]] const Shape& shape() const { return store_->shape[i_]; }
+  [[nodiscard]] const vec3& position() const { return store_->position[i_]; }
+  [[nodiscard]] const vec3& velocity() const { return store_->velocity[i_]; }
+  [[nodiscard]] const vec3& angular_velocity() const { return store_->angular_velocity[i_]; }
+  /// The identity where this shape stores no orientation (see features<orientation>).
+  [[nodiscard]] quat orientation() const { return store_->pose(i_).orientation; }
+  [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
+  [[nodiscard]] material_id material() const { return store_->material[i_]; }
+  /// Mass by density and volume, also of a fixed body.
+  [[nodiscard]] real mass() const
+    requires(Shape::finite)
+  {
+    return s_->materials[material()].density * shape().volume();
+  }
+  /// Principal moments of inertia in the frame of the body, also of a fixed body.
+  [[nodiscard]] vec3 inertia() const
+    requires(Shape::finite)
+  {
+    return mass() * shape().inertia();
+  }
+  [[nodiscard]] std::uint32_t user_id() const {
+    if constexpr (detail::require_feature<Scenario, user_ids>()) return store_->user_id[i_];
+    return 0;
+  }
+
+  // Changes. They are made by the owner: on a shadow copy they would be lost at the next handover,
+  // so they throw logic_error there. A global body is changed alike on all ranks: logic_error in an
+  // exclusive section. Values that are not finite: invalid_argument.
+
+  void set_velocity(const vec3& v) {
+    prepare_change("velocity", v);
+    store_->velocity[i_] = v;
+  }
+  void set_angular_velocity(const vec3& w) {
+    prepare_change("angular velocity", w);
+    store_->angular_velocity[i_] = w;
+  }
+  /// Moves the centre of mass; it may land in the domain of any rank, which takes the body over at
+  /// the next handover.
+  void translate(const vec3& by) {
+    prepare_change("translation", by);
+    store_->position[i_] += by;
+    s_->template of<Shape>().globals_changed |= global_;
+  }
+  /// Turns the body about its centre of mass.
+  void rotate(const quat& by) {
+    prepare_change("rotation", by.vec());
+    if constexpr (store_type::oriented)
+      store_->orientation_of[i_] = (by * store_->orientation_of[i_]).normalized();
+  }
+  /// Makes the body immovable.
+  void fix() {
+    prepare_change("fixation", vec3(0, 0, 0));
+    store_->flags[i_] |= detail::flag_fixed;
+    store_->inverse_mass[i_] = 0;
+    store_->velocity[i_].setZero();
+    store_->angular_velocity[i_].setZero();
+  }
+  /// Makes a fixed body movable again. A global body stays fixed: logic_error.
+  void release()
+    requires(Shape::finite)
+  {
+    prepare_change("fixation", vec3(0, 0, 0));
+    if (global_)
+      detail::fail<std::logic_error>(
+          "global body {:#x} cannot be made movable: global bodies are fixed and never local; add it "
+          "outside of the global section instead",
+          value_of(id()));
+    store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
+    store_->inverse_mass[i_] = 1 / mass();
+  }
+  /// Pictures leave invisible bodies out; nothing else changes.
+  void set_visible(bool visible) {
+    if constexpr (detail::require_feature<Scenario, visibility>()) {
+      prepare_change("visibility", vec3(0, 0, 0));
+      if (visible)
+        store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_invisible);
+      else
+        store_->flags[i_] |= detail::flag_invisible;
+    }
+  }
+  [[nodiscard]] bool is_visible() const { return !(store_->flags[i_] & detail::flag_invisible); }
+
+  /// Adds a force on the centre of mass for the next step.
+  void add_force(const vec3& force) {
+    if constexpr (detail::require_feature<Scenario, forces>()) {
+      prepare_change("force", force);
+      store_->force[i_] += force;
+    }
+  }
+  /// Adds a torque for the next step.
+  void add_torque(const vec3& torque) {
+    if constexpr (detail::require_feature<Scenario, forces>()) {
+      prepare_change("torque", torque);
+      store_->torque[i_] += torque;
+    }
+  }
+  /// Adds a force that acts at a point of the world.
+  void add_force_at(const vec3& force, const vec3& point) {
+    add_force(force);
+    add_torque((point - position()).cross(force));
+  }
+
+ private:
+  void prepare_change(const char* what, const vec3& value) {
+    if (!detail::finite(value))
+      detail::fail<std::invalid_argument>("the {} of body {:#x} must be finite, but is {}", what,
+                                          value_of(id()), detail::text(value));
+    if (is_remote())
+      detail::fail<std::logic_error>(
+          "the {} of body {:#x} was changed on rank {}, which holds a shadow copy only, so the change "
+          "would be lost: change it where is_remote() is false",
+          what, value_of(id()), s_->link->rank());
+    if (global_ && open_->exclusive)
+      detail::fail<std::logic_error>(
+          "the {} of global body {:#x} was changed inside an exclusive section on rank {}, so the ranks "
+          "would differ: change it on all ranks, outside of the section",
+          what, value_of(id()), s_->link->rank());
+    if (!global_) s_->changed = true;
+  }
+
+  state_type* s_;
+  const detail::open_sections* open_;
+  store_type* store_;
+  std::size_t i_;
+  bool global_;
+};
+
+}  // namespace talus

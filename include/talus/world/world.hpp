@@ -1,0 +1,290 @@
+#pragma once
+// The world: bodies, their domain, and time.
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "talus/body/body.hpp"
+#include "talus/core/random.hpp"
+#include "talus/detect/narrow.hpp"
+#include "talus/parallel/check_connections.hpp"
+#include "talus/parallel/domain.hpp"
+#include "talus/world/scenario.hpp"
+#include "talus/world/sections.hpp"
+#include "talus/world/state.hpp"
+#include "talus/world/step.hpp"
+#include "talus/world/view.hpp"
+
+namespace talus {
+
+/// What simulate() is asked for.
+struct simulation {
+  std::size_t steps = 0;  ///< number of time steps
+  real dt = 0;            ///< length of a step, in units of time
+};
+
+/// One rank's part of a simulation of the given scenario. All ranks run the same program (SPMD):
+/// functions marked *collective* are called by all of them, and throw runtime_error inside an
+/// exclusive section.
+template <class Scenario>
+class world {
+ public:
+  using scenario_type = Scenario;
+  using link_type = typename Scenario::transport::link;
+  using decomposition_type = typename Scenario::decomposition;
+  template <class Shape>
+  using view = body_view<Scenario, Shape>;
+
+  /// A world on this rank, with the domain that `d` gives it. Throws invalid_argument, with both
+  /// numbers, if `d` is meant for another number of ranks.
+  explicit world(link_type& link, const decomposition_type& d = {})
+      : state_(link, {d, link.rank(), link.size()}) {}
+  world(const world&) = delete;
+  world& operator=(const world&) = delete;
+
+  [[nodiscard]] int rank() const { return state_.link->rank(); }
+  [[nodiscard]] int ranks() const { return state_.link->size(); }
+
+  // --- Domain --------------------------------------------------------------------------------
+
+  /// Divides space anew: extents, cuts. Collective; bodies in foreign domains are handed over by
+  /// the next synchronize(). Connections made by hand before are gone.
+  void decompose(const decomposition_type& d) {
+    sections_.require_all_ranks("decompose", rank());
+    state_.own = {d, rank(), ranks()};
+  }
+  /// Connects this rank to another one, in one of the five forms of domain::connect.
+  template <class... Args>
+  void connect(int rank, Args&&... args) {
+    state_.own.connect(rank, std::forward<Args>(args)...);
+  }
+  void disconnect(int rank) { state_.own.disconnect(rank); }
+  [[nodiscard]] std::span<const connection> connections() const { return state_.own.connections(); }
+  /// Collective: throws runtime_error, alike on all ranks, if connections are missing, one-sided,
+  /// or if domains leave a gap or overlap; the message lists what was found.
+  void check_connections();
+  /// Whether this rank owns the point; true on exactly one rank.
+  [[nodiscard]] bool contains(const vec3& p) const { return state_.own.contains(p); }
+
+  // --- Sections ------------------------------------------------------------------------------
+
+  /// Section for one rank: `if (auto only = world.exclusive(0)) { ... }`.
+  [[nodiscard]] exclusive_section exclusive(int rank) {
+    return {sections_, rank, this->rank(), ranks()};
+  }
+  /// Calls f() on `rank` only.
+  template <class F>
+  void exclusive(int rank, F&& f) {
+    if (const exclusive_section section(sections_, rank, this->rank(), ranks()); section) f();
+  }
+  /// Section for global bodies: `auto section = world.global();`.
+  [[nodiscard]] global_section global() { return {sections_, rank()}; }
+  /// Calls f(world) on all ranks; the bodies it adds are global.
+  template <class F>
+  void global(F&& f) {
+    const global_section section(sections_, rank());
+    f(*this);
+  }
+
+  // --- Parameters ----------------------------------------------------------------------------
+
+  material_id material(const talus::material& m) { return state_.materials.add(m); }
+  /// Properties of contacts between two materials, instead of the mean of theirs.
+  void material_pair(material_id a, material_id b, const pair_material& p) {
+    state_.materials.set_pair(a, b, p);
+  }
+  [[nodiscard]] const material_table& materials() const { return state_.materials; }
+  /// Acceleration of all bodies.
+  void gravity(const vec3& g) {
+    require_finite("the gravity", g);
+    state_.gravity = g;
+  }
+  [[nodiscard]] const vec3& gravity() const { return state_.gravity; }
+  /// Part of all velocities that is kept per unit of time, in (0, 1].
+  void damping(real kept) {
+    if constexpr (detail::require_feature<Scenario, talus::damping>()) {
+      if (!(kept > 0 && kept <= 1))
+        detail::fail<std::invalid_argument>(
+            "the damping is the part of the velocity kept per unit of time, in (0, 1], but is {}", kept);
+      state_.damping = kept;
+    }
+  }
+  [[nodiscard]] solver_settings& solver() { return state_.settings; }
+  [[nodiscard]] const solver_settings& solver() const { return state_.settings; }
+  /// Seed of all random numbers that fill() hands out. Set alike on all ranks.
+  void seed(std::uint64_t seed) { seed_ = seed; }
+
+  // --- Bodies --------------------------------------------------------------------------------
+
+  /// Adds a body. In a global section it becomes global; elsewhere this rank must own its centre.
+  /// Throws invalid_argument for values that make no sense and for a place in a foreign domain, and
+  /// logic_error for an infinite body outside of a global section.
+  template <class Shape>
+  handle<Shape> add(const body<Shape>& b) {
+    if constexpr (detail::require_shape<Scenario, Shape>()) {
+      validate(b);
+      if (sections_.global) return add_global(b);
+      if constexpr (!Shape::finite) {
+        detail::fail<std::logic_error>(
+            "a {} is infinite, so it must be known on all ranks, but rank {} added it outside of a "
+            "global section: add it in world.global(...)",
+            Shape::name, rank());
+      } else {
+        if (!contains(b.position))
+          detail::fail<std::invalid_argument>(
+              "rank {} cannot add a {} at {}, which is in the domain of {}: ask world.contains(...) first, "
+              "or use add_if_local or fill",
+              rank(), Shape::name, detail::text(b.position), owner_text(b.position));
+        return {insert(b, detail::id_of_rank(static_cast<std::uint64_t>(rank()), added_here_++))};
+      }
+    }
+    return {};
+  }
+  template <class Shape>
+  handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
+                    const quat& orientation = {1, 0, 0, 0}) {
+    return add(body<Shape>{.shape = shape,
+                           .position = position,
+                           .material = material,
+                           .orientation = orientation});
+  }
+  /// Adds the body on the rank that owns its centre and returns its handle there. All ranks call it
+  /// alike, so its id is the same for every number of ranks.
+  template <class Shape>
+    requires(Shape::finite)
+  std::optional<handle<Shape>> add_if_local(const body<Shape>& b) {
+    if constexpr (detail::require_shape<Scenario, Shape>()) {
+      validate(b);
+      sections_.require_all_ranks("add_if_local", rank());
+      const auto id = detail::id_of_attempt(attempts_++);
+      if (contains(b.position)) return handle<Shape>{insert(b, id)};
+    }
+    return std::nullopt;
+  }
+  /// Creates bodies on the sites that this rank owns, and visits no others: f(site) or
+  /// f(site, random), with random numbers that depend on seed and site alone, returns a body or an
+  /// optional one. Collective in the sense that all ranks call it alike; returns the number of
+  /// bodies made here.
+  template <class Sites, class F>
+  std::size_t fill(const Sites& sites, F&& f);
+
+  /// Removes a body that this rank owns, or a global one (on all ranks alike). Throws
+  /// invalid_argument where it is not known and logic_error where it is a shadow copy.
+  template <class Shape>
+  void destroy(handle<Shape> h);
+
+  /// The body if this rank knows it: as owner, as shadow copy or as a global body.
+  template <class Shape>
+  [[nodiscard]] std::optional<view<Shape>> find(handle<Shape> h);
+  /// The same; throws invalid_argument where the body is not known.
+  template <class Shape>
+  [[nodiscard]] view<Shape> operator[](handle<Shape> h) {
+    if (auto found = find(h)) return *found;
+    detail::fail<std::invalid_argument>(
+        "rank {} does not know the {} {:#x}: it was destroyed, or lives on another rank (use find)", rank(),
+        Shape::name, value_of(h.id));
+  }
+
+  /// Calls f(body) for every body this rank owns.
+  template <class F>
+  void for_each_local(F&& f) {
+    state_.each_finite_shape([&](auto& b) { visit(b, b.movable, 0, b.movable.locals, false, f); });
+  }
+  /// Calls f(body) for every body this rank knows: its own, shadow copies and global ones.
+  template <class F>
+  void for_each_known(F&& f) {
+    state_.each_shape([&](auto& b) {
+      visit(b, b.movable, 0, b.movable.size(), false, f);
+      visit(b, b.global, 0, b.global.size(), true, f);
+    });
+  }
+  /// Removes the bodies this rank owns for which predicate(body); returns how many.
+  template <class Predicate>
+  std::size_t destroy_if(Predicate&& predicate);
+
+  /// Whether a shape at that place overlaps any body this rank knows, except for `except`.
+  template <class Shape>
+  [[nodiscard]] bool overlaps(const Shape& shape, const vec3& position,
+                              const quat& orientation = {1, 0, 0, 0}, system_id except = no_id) const;
+
+  /// Number of bodies this rank owns.
+  [[nodiscard]] std::size_t local_bodies() const {
+    std::size_t n = 0;
+    state_.each_finite_shape([&](const auto& b) { n += b.movable.locals; });
+    return n;
+  }
+
+  // --- Time ----------------------------------------------------------------------------------
+
+  /// Collective: bodies go to the ranks that own their centres, however far, and shadow copies are
+  /// made anew. The first step does so by itself.
+  void synchronize();
+  /// Collective: advances time by `dt`.
+  void step(real dt);
+  /// Collective: many steps; the observers are called after each.
+  void simulate(const simulation& s);
+  /// Calls f() after each step of simulate().
+  void after_each_step(std::function<void()> f) { observers_.push_back(std::move(f)); }
+
+  [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
+  [[nodiscard]] real time() const { return state_.time; }
+
+  /// The parts of this world, for observers and outputs.
+  [[nodiscard]] const detail::world_state<Scenario>& state() const { return state_; }
+  [[nodiscard]] detail::world_state<Scenario>& state() { return state_; }
+  [[nodiscard]] link_type& link() { return *state_.link; }
+
+ private:
+  static void require_finite(const char* what, const vec3& v) {
+    if (!detail::finite(v))
+      detail::fail<std::invalid_argument>("{} must be finite, but is {}", what, detail::text(v));
+  }
+  [[nodiscard]] std::string owner_text(const vec3& p) const {
+    const int owner = state_.own.owner(p);
+    return owner < 0 ? "a rank it is not connected to" : fmt::format("rank {}", owner);
+  }
+  template <class Shape>
+  void validate(const body<Shape>& b) const {
+    b.shape.validate();
+    require_finite("the position of a body", b.position);
+    require_finite("the velocity of a body", b.velocity);
+    require_finite("the angular velocity of a body", b.angular_velocity);
+    if (!(std::abs(b.orientation.norm() - 1) < 1e-6))
+      detail::fail<std::invalid_argument>(
+          "the orientation of a body must be a unit quaternion, but its norm is {}", b.orientation.norm());
+    if (state_.materials.size() == 0)
+      detail::fail<std::invalid_argument>(
+          "the world has no material yet: make one with world.material(...) before adding bodies");
+    (void)state_.materials[b.material];
+  }
+  template <class Shape>
+  void write(detail::body_store<Shape, typename Scenario::features>& store, std::size_t i,
+             const body<Shape>& b, system_id id, bool fixed);
+  template <class Shape>
+  system_id insert(const body<Shape>& b, system_id id);
+  template <class Shape>
+  handle<Shape> add_global(const body<Shape>& b);
+  template <class Bodies, class Store, class F>
+  void visit(Bodies&, Store& store, std::size_t from, std::size_t to, bool global, F&& f) {
+    using shape = typename Store::shape_type;
+    for (std::size_t i = from; i < to; ++i) {
+      view<shape> v(state_, sections_, store, i, global);
+      f(v);
+    }
+  }
+
+  detail::world_state<Scenario> state_;
+  detail::open_sections sections_;
+  bool synchronized_ = false;
+  std::uint64_t seed_ = 0;
+  std::uint64_t fills_ = 0;
+  std::uint64_t attempts_ = 0;
+  std::uint64_t added_here_ = 0;
+  std::vector<std::function<void()>> observers_;
+};
+
+}  // namespace talus
+
+#include "talus/world/detail/world.hpp"

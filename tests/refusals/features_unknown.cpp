@@ -1,0 +1,13 @@
+// expects: features<...> takes orientation, forces, user_ids, visibility and damping, and this type is none of them
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<features<orientation>>;
+#else
+using scene = scenario<features<sphere>>;
+#endif
+
+const scene checked;
+
+int main() {}

@@ -1,0 +1,13 @@
+// expects: scenario<...> takes a feature inside features<...>
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<features<damping>>;
+#else
+using scene = scenario<damping>;
+#endif
+
+const scene checked;
+
+int main() {}

@@ -1,0 +1,13 @@
+// expects: scenario<...> takes a shape inside bodies<...>: write bodies<sphere>
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<bodies<sphere>>;
+#else
+using scene = scenario<sphere>;
+#endif
+
+const scene checked;
+
+int main() {}

@@ -1,0 +1,13 @@
+// expects: scenario<...> takes a solver inside solver<...>: write solver<nonlinear_gauss_seidel>
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<solver<nonlinear_gauss_seidel>>;
+#else
+using scene = scenario<nonlinear_gauss_seidel>;
+#endif
+
+const scene checked;
+
+int main() {}

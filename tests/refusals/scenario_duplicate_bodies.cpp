@@ -1,0 +1,13 @@
+// expects: scenario<...> names the role 'bodies' twice: put all shapes into one bodies<...>
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<bodies<sphere, plane>>;
+#else
+using scene = scenario<bodies<sphere>, bodies<plane>>;
+#endif
+
+const scene checked;
+
+int main() {}

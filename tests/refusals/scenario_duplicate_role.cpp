@@ -1,0 +1,13 @@
+// expects: scenario<...> names the role 'solver' twice: keep one solver<...>
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<solver<nonlinear_gauss_seidel>, bodies<sphere>>;
+#else
+using scene = scenario<solver<nonlinear_gauss_seidel>, bodies<sphere>, solver<nonlinear_gauss_seidel>>;
+#endif
+
+const scene checked;
+
+int main() {}

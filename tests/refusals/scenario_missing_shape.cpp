@@ -1,0 +1,15 @@
+// expects: this scenario has no bodies of this shape: add the shape to its bodies<...>
+#include "talus/shape/box.hpp"
+#include "talus/world/scenario.hpp"
+
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<bodies<sphere, box>>;
+#else
+using scene = scenario<bodies<sphere>>;
+#endif
+
+constexpr bool known = detail::require_shape<scene, box>();
+
+int main() {}

@@ -1,0 +1,13 @@
+// expects: scenario<...> takes talus policies only, and this type is none: remove it
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<bodies<sphere>>;
+#else
+using scene = scenario<bodies<sphere>, int>;
+#endif
+
+const scene checked;
+
+int main() {}

@@ -1,0 +1,13 @@
+// expects: solver<...> takes a solver, and this type is none: write solver<nonlinear_gauss_seidel>
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<solver<nonlinear_gauss_seidel>>;
+#else
+using scene = scenario<solver<semi_implicit_euler>>;
+#endif
+
+const scene checked;
+
+int main() {}

@@ -1,0 +1,13 @@
+// expects: transport<...> takes serial, threads, mpi or as_launched, and this type is none of them
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<transport<threads>>;
+#else
+using scene = scenario<transport<sphere>>;
+#endif
+
+const scene checked;
+
+int main() {}
