@@ -33,7 +33,8 @@ objection() {
   from_level=$(level "$from")
   case $what in
     '<mpi.h>' | '<mpi/'* | '<boost/mpi'*)
-      [[ $from == parallel/*mpi* ]] || echo "only parallel/mpi*.hpp may include MPI" ;;
+      [[ $from =~ ^parallel/(detail/)?(mpi|as_launched) ]] ||
+        echo "only parallel/mpi*.hpp and parallel/as_launched.hpp may include MPI" ;;
     '"talus/'*.hpp'"')
       to=${what#'"talus/'} to=${to%'"'}
       to_level=$(level "$to")
@@ -64,8 +65,7 @@ check() {
       continue
     fi
     while IFS=: read -r line what; do
-      what=$(sed -E 's/^[[:space:]]*#[[:space:]]*include[[:space:]]*(<[^>]*>|"[^"]*").*/\1/' \
-        <<<"$what")
+      [[ $what =~ (\<[^\>]*\>|\"[^\"]*\") ]] && what=${BASH_REMATCH[1]}
       why=$(objection "$from" "$what" "$tree")
       if [[ -n $why ]]; then
         echo "$header:$line: $what: $why"
@@ -80,8 +80,8 @@ check() {
 
 # A tree with one fault of each kind: every one must be found, with file and line.
 self_test() {
-  local tree out
-  tree=$(mktemp -d)
+  local out
+  tree=$(mktemp -d)  # global, for the trap
   trap 'rm -rf "$tree"' EXIT
   mkdir -p "$tree"/talus/{core,shape,geometry/detail,world,odd,parallel}
   cd "$tree/talus"

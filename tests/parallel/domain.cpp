@@ -59,9 +59,8 @@ TEST_CASE("one plane between two ranks, in all five forms (Listings 6 and 7)") {
     first(domains[0]), second(domains[1]);
     return domains[0].connections()[0].geometry;
   };
-  const any_geometry listing6 =
-      reconnect([&](auto& r) { r.connect(1, vec3(1.0, 1.0, 0.0), -d); },
-                [&](auto& r) { r.connect(0, vec3(-1.0, -1.0, 0.0), d); });
+  const any_geometry listing6 = reconnect([&](auto& r) { r.connect(1, vec3(1.0, 1.0, 0.0), -d); },
+                                          [&](auto& r) { r.connect(0, vec3(-1.0, -1.0, 0.0), d); });
   share_out(domains, 200'000);
   CHECK(domains[0].contains({-1.1, -1.0, 7}));
   CHECK(domains[1].contains({-0.9, -1.0, 7}));
@@ -69,8 +68,13 @@ TEST_CASE("one plane between two ranks, in all five forms (Listings 6 and 7)") {
 
   CHECK(listing6 == reconnect([&](auto& r) { r.connect(1, 1, 1, 0, -d); },
                               [&](auto& r) { r.connect(0, -1, -1, 0, d); }));
-  CHECK(listing6 == reconnect([&](auto& r) { r.connect(1, half_space({1.0, 1.0, 0.0}, -d)); },
-                              [&](auto& r) { r.connect(0, half_space({-1.0, -1.0, 0.0}, d)); }));
+  CHECK(listing6 == reconnect(
+                        [&](auto& r) {
+                          r.connect(1, half_space({1.0, 1.0, 0.0}, -d));
+                        },
+                        [&](auto& r) {
+                          r.connect(0, half_space({-1.0, -1.0, 0.0}, d));
+                        }));
   reconnect([&](auto& r) { r.connect(1, 3, 7, -2, 0.1, 0.2, 0.3); },
             [&](auto& r) { r.connect(0, -3, -7, 2, 0.1, 0.2, 0.3); });
   share_out(domains, 100'000);
@@ -134,8 +138,7 @@ TEST_CASE("eight octants and three sectors") {
   };
   for (int r = 0; r < 3; ++r)
     for (int s = 0; s < 3; ++s)
-      if (r != s)
-        sectors[r].connect(s, intersect(boundary(s), complement(boundary((s + 1) % 3))));
+      if (r != s) sectors[r].connect(s, intersect(boundary(s), complement(boundary((s + 1) % 3))));
   share_out(sectors, 300'000, false);
 }
 
@@ -197,12 +200,14 @@ TEST_CASE("wrong connections are refused with both ranks") {
     CHECK_THROWS_WITH_AS(action(), Contains(text), std::invalid_argument);
   };
   domain.connect(0, 1, 0, 0, 0);
-  refuses([&] { domain.connect(3, 1, 0, 0, 0); }, "rank 1 cannot connect to rank 3: this job has 3");
+  refuses([&] { domain.connect(3, 1, 0, 0, 0); },
+          "rank 1 cannot connect to rank 3: this job has 3");
   refuses([&] { domain.connect(-1, 1, 0, 0, 0); }, "rank 1 cannot connect to rank -1");
   refuses([&] { domain.connect(1, 1, 0, 0, 0); }, "rank 1 cannot connect to itself");
   refuses([&] { domain.connect(0, 1, 0, 0, 0); }, "rank 1 is connected to rank 0 already");
   refuses([&] { domain.connect(2, 0, 0, 0, 0); }, "normal (0, 0, 0)");
-  refuses([&] { domain.connect(2, 1, 0, 0, 0, -0.1); }, "overlap dx of the connection from rank 1 to rank 2");
+  refuses([&] { domain.connect(2, 1, 0, 0, 0, -0.1); },
+          "overlap dx of the connection from rank 1 to rank 2");
   refuses([&] { domain.connect(2, 1, 0, 0, 0, std::nan("")); }, "but is nan");
   refuses([&] { domain.connect(2, vec3(1, 0, 0), std::nan("")); }, "finite displacement");
   refuses([&] { domain.disconnect(2); }, "rank 1 is not connected to rank 2");

@@ -1,7 +1,6 @@
 #include "talus/parallel/grid.hpp"
 
 #include "decomposition_laws.hpp"
-#include "talus/core/id.hpp"
 
 using namespace talus;
 using doctest::Contains;
@@ -13,9 +12,10 @@ TEST_CASE("a grid keeps the laws of decompositions at millions of hard points") 
   tested += decomposition_laws(grid<2, 2>{.lower = {-30, -30}, .upper = {30, 30}}, 4, 600'000);
   tested += decomposition_laws(grid<2, 3>{.cuts = {{0}, {-1, 1}}}, 6, 400'000);
   tested += decomposition_laws(grid<3, 3, 3>{.lower = {0, 0, 0}, .upper = {1, 1, 1}}, 27, 400'000);
-  tested += decomposition_laws(grid<1, 1, 5>{.lower = {.z = -0.7}, .upper = {.z = 0.1}}, 5, 200'000);
-  tested += decomposition_laws(grid<dynamic, dynamic>{.lower = {-1e-3, 1e6}, .upper = {1e-3, 1e6 + 1}},
-                               12, 200'000);
+  tested +=
+      decomposition_laws(grid<1, 1, 5>{.lower = {.z = -0.7}, .upper = {.z = 0.1}}, 5, 200'000);
+  tested += decomposition_laws(
+      grid<dynamic, dynamic>{.lower = {-1e-3, 1e6}, .upper = {1e-3, 1e6 + 1}}, 12, 200'000);
   tested += decomposition_laws(
       grid<4, 2>{.cuts = {{-1e200, std::nextafter(-0.3, -1.0), -0.3}, {5e-324}}}, 8, 200'000);
   tested += decomposition_laws(grid<1>{}, 1, 10'000);
@@ -82,10 +82,13 @@ TEST_CASE("ill-defined grids are refused with the axis, the values and the remed
     CHECK_THROWS_WITH_AS((void)grid.resolve(ranks), Contains(text), std::invalid_argument);
   };
   refuses(grid<2, 2>{}, 6, "a grid of 2 x 2 x 1 cells needs exactly 4 ranks, but there are 6");
-  refuses(grid<2, dynamic>{}, 5, "a grid of 2 x ? x 1 cells needs a multiple of 2 ranks, but there are 5");
+  refuses(grid<2, dynamic>{}, 5,
+          "a grid of 2 x ? x 1 cells needs a multiple of 2 ranks, but there are 5");
   refuses(grid<3>{}, 3, "3 cells along x, but no bounds or cuts");
-  refuses(grid<2, 2>{.lower = {1, 0}, .upper = {1, 1}}, 4, "along x with lower < upper, but they are 1 and 1");
-  refuses(grid<2, 2>{.lower = {0, 2}, .upper = {1, 1}}, 4, "along y with lower < upper, but they are 2 and 1");
+  refuses(grid<2, 2>{.lower = {1, 0}, .upper = {1, 1}}, 4,
+          "along x with lower < upper, but they are 1 and 1");
+  refuses(grid<2, 2>{.lower = {0, 2}, .upper = {1, 1}}, 4,
+          "along y with lower < upper, but they are 2 and 1");
   refuses(grid<2>{.lower = {0}}, 2, "along x with lower < upper, but they are 0 and nan");
   refuses(grid<2>{.lower = {0}, .upper = {inf}}, 2, "finite bounds along x");
   refuses(grid<2>{.lower = {-1e308}, .upper = {1e308}}, 2, "finite bounds along x");

@@ -33,7 +33,12 @@ class hash_grid {
   /// contact margin included. Throws unplaceable, which carries the index of the body.
   void build(std::span<const vec3> centres, std::span<const real> reaches);
 
-  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
+  /// Memory held, in bytes.
+  [[nodiscard]] std::size_t bytes() const {
+    return entries_.capacity() * sizeof(entry) +
+           (index_.capacity() + starts_.capacity() + bucket_.capacity()) * sizeof(std::uint32_t);
+  }
   /// Number of cell sizes in use.
   [[nodiscard]] std::size_t levels() const { return levels_.size(); }
 
@@ -44,7 +49,7 @@ class hash_grid {
       pairs_within(levels_[coarse], f);
       for (std::size_t fine = coarse + 1; fine < levels_.size(); ++fine)
         for (std::uint32_t i = levels_[fine].first; i < levels_[fine].last; ++i)
-          probe(levels_[coarse], entries_[i], [&](std::uint32_t j) { f(index_[i], index_[j]); });
+          probe(levels_[coarse], ball(i), [&](std::uint32_t j) { f(index_[i], index_[j]); });
     }
   }
 
@@ -55,11 +60,10 @@ class hash_grid {
       for (const level& theirs : other.levels_)
         if (mine.cell <= theirs.cell) {
           for (std::uint32_t i = mine.first; i < mine.last; ++i)
-            other.probe(theirs, entries_[i],
-                        [&](std::uint32_t j) { f(index_[i], other.index_[j]); });
+            other.probe(theirs, ball(i), [&](std::uint32_t j) { f(index_[i], other.index_[j]); });
         } else {
           for (std::uint32_t j = theirs.first; j < theirs.last; ++j)
-            probe(mine, other.entries_[j], [&](std::uint32_t i) { f(index_[i], other.index_[j]); });
+            probe(mine, other.ball(j), [&](std::uint32_t i) { f(index_[i], other.index_[j]); });
         }
   }
 
@@ -104,15 +108,14 @@ class hash_grid {
     [[nodiscard]] bool exact() const { return mask == ~std::uint32_t{0}; }
   };
 
-  static bool touch(const entry& a, const entry& b) {
-    const real x = a.x - b.x, y = a.y - b.y, z = a.z - b.z, reach = a.reach + b.reach;
-    return x * x + y * y + z * z <= reach * reach;
-  }
+  [[nodiscard]] entry ball(std::uint32_t i) const { return {x_[i], y_[i], z_[i], reach_[i]}; }
 
   template <class F>
-  void scan(const entry& ball, std::uint32_t first, std::uint32_t last, F&& f) const {
-    for (std::uint32_t j = first; j < last; ++j)
-      if (touch(ball, entries_[j])) f(j);
+  void scan(const entry& a, std::uint32_t first, std::uint32_t last, F&& f) const {
+    for (std::uint32_t j = first; j < last; ++j) {
+      const real x = a.x - x_[j], y = a.y - y_[j], z = a.z - z_[j], reach = a.reach + reach_[j];
+      if (x * x + y * y + z * z <= reach * reach) f(j);
+    }
   }
 
   // Calls f(first, last) for the entries of `count` buckets in a row, which may wrap around.
@@ -127,8 +130,12 @@ class hash_grid {
     }
   }
 
+  static constexpr std::uint32_t lanes = 8;  // of the widest vector unit in use
+
   template <class F>
   void pairs_within(const level& l, F&& f) const;
+  template <class F>
+  void pairs_of_crowd(const level& l, std::uint32_t bucket, F&& f) const;
   template <class F>
   void probe(const level& l, const entry& ball, F&& f) const;
 
@@ -136,43 +143,83 @@ class hash_grid {
   void lay_out(level& l);
 
   std::vector<level> levels_;  // coarsest first
-  std::vector<entry> entries_;
+  // Entries, sorted by level and bucket; the coordinates are followed by `lanes` zeros.
+  std::vector<real> x_, y_, z_, reach_;
   std::vector<std::uint32_t> index_;   // of the body of each entry
   std::vector<std::uint32_t> starts_;  // first entry of each bucket, levels one after the other
   std::vector<std::uint32_t> bucket_;  // of each body
   detail::size_classes classes_;
 };
 
-// Every pair of neighbouring cells is visited from the one that comes first: the rest of the own
-// row, then the row behind in y and three rows above in z. All bodies of a bucket share the ranges.
+// Every pair of neighbouring cells is visited from the one that comes first: the own cell and the
+// rest of its row, then the row behind in y and three rows above in z. All bodies of a bucket share
+// these candidates, which are collected first, and tested several at a time without a branch.
 template <class F>
 void hash_grid::pairs_within(const level& l, F&& f) const {
-  struct range {
-    std::uint32_t first, last;
+  constexpr std::uint32_t capacity = 512;
+  struct candidates {
+    real x[capacity + lanes], y[capacity + lanes], z[capacity + lanes], reach[capacity + lanes];
+    std::uint32_t entry[capacity + lanes];
   };
+  alignas(64) candidates c{};
+  alignas(64) real excess[lanes];
+  std::uint32_t hits[lanes];
+
   const std::uint32_t rows[4] = {l.row, l.slab - l.row, l.slab, l.slab + l.row};
   const std::uint32_t* start = starts_.data() + l.bucket;
   for (std::uint32_t b = 0; b < l.buckets; ++b) {
-    const std::uint32_t begin = start[b], end = start[b + 1];
-    if (begin == end) continue;
-    range ranges[10];
-    unsigned n = 0;
-    const auto keep = [&](std::uint32_t first, std::uint32_t last) {
-      ranges[n] = {first, last};
-      n += first != last;
+    const std::uint32_t begin = start[b], own = start[b + 1] - begin;
+    if (own == 0) continue;
+    std::uint32_t n = 0;
+    const auto collect = [&](std::uint32_t first, std::uint32_t last) {
+      for (std::uint32_t k = first; k < last && n < capacity; k += lanes) {
+        for (std::uint32_t q = 0; q < lanes; ++q) c.x[n + q] = x_[k + q];
+        for (std::uint32_t q = 0; q < lanes; ++q) c.y[n + q] = y_[k + q];
+        for (std::uint32_t q = 0; q < lanes; ++q) c.z[n + q] = z_[k + q];
+        for (std::uint32_t q = 0; q < lanes; ++q) c.reach[n + q] = reach_[k + q];
+        for (std::uint32_t q = 0; q < lanes; ++q) c.entry[n + q] = k + q;
+        n += std::min(lanes, last - k);
+      }
     };
-    for (const std::uint32_t r : rows) buckets(l, (b + r - 1) & l.mask, 3, keep);
-    std::uint32_t own = end;
-    if (b + 2 <= l.buckets)
-      own = start[b + 2];
-    else
-      keep(start[0], start[1]);
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const entry ball = entries_[i];
-      const auto hit = [&](std::uint32_t j) { f(index_[i], index_[j]); };
-      scan(ball, i + 1, own, hit);
-      for (unsigned k = 0; k < n; ++k) scan(ball, ranges[k].first, ranges[k].last, hit);
+    buckets(l, b, 2, collect);
+    for (const std::uint32_t r : rows) buckets(l, (b + r - 1) & l.mask, 3, collect);
+    if (n >= capacity) {
+      pairs_of_crowd(l, b, f);
+      continue;
     }
+    for (std::uint32_t i = 0; i < own; ++i) {
+      const entry a{c.x[i], c.y[i], c.z[i], c.reach[i]};
+      const std::uint32_t index = index_[begin + i];
+      for (std::uint32_t k = i + 1; k < n; k += lanes) {
+        for (std::uint32_t q = 0; q < lanes; ++q) {
+          const real x = a.x - c.x[k + q], y = a.y - c.y[k + q], z = a.z - c.z[k + q];
+          const real reach = a.reach + c.reach[k + q];
+          excess[q] = x * x + y * y + z * z - reach * reach;
+        }
+        std::uint32_t found = 0;
+        const std::uint32_t count = std::min(lanes, n - k);
+        for (std::uint32_t q = 0; q < lanes; ++q) {
+          hits[found] = k + q;
+          found += (excess[q] <= 0) & (q < count);
+        }
+        for (std::uint32_t q = 0; q < found; ++q) f(index, index_[c.entry[hits[q]]]);
+      }
+    }
+  }
+}
+
+// The same for one bucket with too many candidates to collect.
+template <class F>
+void hash_grid::pairs_of_crowd(const level& l, std::uint32_t bucket, F&& f) const {
+  const std::uint32_t* start = starts_.data() + l.bucket;
+  for (std::uint32_t i = start[bucket]; i < start[bucket + 1]; ++i) {
+    const entry a = ball(i);
+    const auto hit = [&](std::uint32_t j) { f(index_[i], index_[j]); };
+    const auto all = [&](std::uint32_t first, std::uint32_t last) { scan(a, first, last, hit); };
+    scan(a, i + 1, start[bucket + 1], hit);
+    buckets(l, (bucket + 1) & l.mask, 1, all);
+    for (const std::uint32_t r : {l.row, l.slab - l.row, l.slab, l.slab + l.row})
+      buckets(l, (bucket + r - 1) & l.mask, 3, all);
   }
 }
 
@@ -270,7 +317,7 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
         centres.size(), reaches.size());
   const auto n = static_cast<std::uint32_t>(centres.size());
   levels_.clear();
-  entries_.resize(n);
+  for (auto* v : {&x_, &y_, &z_, &reach_}) v->assign(n + lanes, 0);
   index_.resize(n);
   bucket_.resize(n);
   if (n == 0) return;
@@ -332,7 +379,10 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
   for (std::uint32_t b = 1; b < bucket_count; ++b) counts[b] += counts[b - 1];
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t at = starts_[bucket_[i] + 1]++;
-    entries_[at] = {centres[i][0], centres[i][1], centres[i][2], reaches[i]};
+    x_[at] = centres[i][0];
+    y_[at] = centres[i][1];
+    z_[at] = centres[i][2];
+    reach_[at] = reaches[i];
     index_[at] = i;
   }
 }

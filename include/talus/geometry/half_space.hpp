@@ -83,16 +83,18 @@ class half_space {
 
  private:
   constexpr void normalize() {
-    using detail::magnitude;
-    const real ma = magnitude(a_), mb = magnitude(b_), mc = magnitude(c_);
+    const real ma = detail::magnitude(a_), mb = detail::magnitude(b_), mc = detail::magnitude(c_);
     const real largest = ma > mb ? (ma > mc ? ma : mc) : (mb > mc ? mb : mc);
-    if (!(largest > 0) || !(ma + mb + mc <= max_)) refuse_normal();
-    if (largest < 1e-100 || largest > 1e100) scale(largest);  // else the squares would not survive
-    const real square =
-        detail::rounded(a_ * a_) + detail::rounded(b_ * b_) + detail::rounded(c_ * c_);
+    if (!(largest > 0) || !(ma <= max_ && mb <= max_ && mc <= max_)) refuse_normal();
     // A normal that is unit up to round-off keeps its bits: normalising twice changes nothing.
-    if (magnitude(square - 1) > 1e-15) scale(__builtin_sqrt(square));
+    if (detail::magnitude(square() - 1) > 1e-15) {
+      scale(largest);  // first, so that multiples of one normal end up equal to the bit
+      scale(__builtin_sqrt(square()));
+    }
     a_ += 0.0, b_ += 0.0, c_ += 0.0, d_ += 0.0;  // -0 becomes 0: equal planes have equal bits
+  }
+  [[nodiscard]] constexpr real square() const {
+    return detail::rounded(a_ * a_) + detail::rounded(b_ * b_) + detail::rounded(c_ * c_);
   }
   constexpr void scale(real length) { a_ /= length, b_ /= length, c_ /= length; }
   constexpr void check() const {

@@ -48,16 +48,13 @@ template <partition Partition>
 [[nodiscard]] std::vector<connection_flaw> check_connections(
     std::span<const std::vector<connection>> all, const Partition& cells,
     const connection_check& settings = {}) {
-  const auto owner = [&](int, const vec3& p) { return cells.owner(p); };
-  return detail::connection_checker<decltype(owner)>(all, owner, true, settings).run();
+  const detail::partition_rule<Partition> rule{cells};
+  return detail::connection_checker(all, rule, settings).run();
 }
 [[nodiscard]] inline std::vector<connection_flaw> check_connections(
     std::span<const std::vector<connection>> all, const connection_check& settings = {}) {
-  const auto owner = [&](int rank, const vec3& p) {
-    const int claimed = detail::claimant(all[rank], p);
-    return claimed < 0 ? (p == p ? rank : -1) : claimed;
-  };
-  return detail::connection_checker<decltype(owner)>(all, owner, false, settings).run();
+  const detail::hand_rule rule{all};
+  return detail::connection_checker(all, rule, settings).run();
 }
 
 /// Checks the connections of all ranks of a job; to be called on every rank. `gather(buffer)`

@@ -1,13 +1,19 @@
 #pragma once
 // Ranks as MPI processes. The only transport that includes MPI.
+//
+// Boost.MPI does everything but three things it has not (1.74): non-blocking messages without a
+// heap allocation each, a wait that tells the size of each message, and windows. These are C.
 #include <mpi.h>
 
 #include <boost/mpi/collectives.hpp>
+#include <boost/mpi/collectives/all_gatherv.hpp>  // which collectives.hpp forgets
 #include <boost/mpi/communicator.hpp>
 #include <boost/mpi/environment.hpp>
 #include <climits>
 #include <cstdint>
 #include <exception>
+#include <functional>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -24,8 +30,20 @@ namespace talus {
 struct mpi {
   static constexpr const char* name = "mpi";
 
+  struct settings : launch_settings {
+    settings(const launch_settings& plain = {}) : launch_settings(plain) {}
+    settings(const launch_settings& plain, boost::mpi::communicator ranks,
+             std::optional<int> message_tag = {})
+        : launch_settings(plain), communicator(std::move(ranks)), tag(message_tag) {}
+
+    /// The processes of the run; all of MPI's if not given.
+    std::optional<boost::mpi::communicator> communicator;
+    /// If given, messages travel on the communicator itself with this tag, else on a duplicate.
+    std::optional<int> tag;
+  };
+
   /// One process's end. One tag is enough: between two ranks MPI keeps the order of messages, and
-  /// one exchange is open at a time.
+  /// one exchange is open at a time. May be moved, but not while an exchange is open.
   class link {
     using byte_buffer = detail::byte_buffer;
     using sizes = detail::open_exchange::sizes;
@@ -36,15 +54,17 @@ struct mpi {
     /// Talks on a duplicate of `ranks`, so that nothing else can mix with its messages. All ranks
     /// construct their link together.
     explicit link(const boost::mpi::communicator& ranks)
-        : ranks_(ranks, boost::mpi::comm_duplicate) {
-      // Errors come back as exceptions (boost::mpi::exception) instead of ending the job unexplained.
+        : ranks_(ranks, boost::mpi::comm_duplicate), rank_(ranks.rank()), size_(ranks.size()) {
+      // Errors come back as boost::mpi::exception instead of ending the job unexplained.
       MPI_Comm_set_errhandler(ranks_, MPI_ERRORS_RETURN);
     }
     /// Talks on `ranks` itself and marks its messages with `tag`, which nobody else may use there.
-    link(const boost::mpi::communicator& ranks, int tag) : ranks_(ranks), tag_(tag) {
-      if (tag < 0 || tag > boost::mpi::environment::max_tag())
+    link(const boost::mpi::communicator& ranks, int tag)
+        : ranks_(ranks), tag_(tag), rank_(ranks.rank()), size_(ranks.size()) {
+      const int largest = boost::mpi::environment::max_tag();
+      if (tag < 0 || tag > largest)
         detail::fail<std::invalid_argument>("the message tag is {}, but tags go from 0 to {}", tag,
-                                            boost::mpi::environment::max_tag());
+                                            largest);
     }
 
     [[nodiscard]] int rank() const { return rank_; }
@@ -55,37 +75,194 @@ struct mpi {
     void start(std::span<parcel> parcels) {
       exchange_.start(parcels, sizes::unknown, rank_, size_);
       requests_.clear();
-      send(parcels);
+      send_all(parcels);
     }
     void finish(std::span<parcel> parcels) {
       exchange_.finish(parcels, sizes::unknown, rank_);
-      for (parcel& p : parcels) {
-        const auto found = ranks_.probe(p.rank, tag_);
-        p.in.resize(static_cast<std::size_t>(*found.template count<unsigned char>()));
-        ranks_.recv(p.rank, tag_, bytes(p.in), count(p, p.in));
-      }
-      check(MPI_Waitall(std::ssize(requests_), requests_.data(), MPI_STATUSES_IGNORE));
+      for (parcel& p : parcels) receive(p.rank, p.in);
+      wait_all();
       for (parcel& p : parcels) p.out.clear();
     }
     void start_fixed(std::span<parcel> parcels) {
       exchange_.start(parcels, sizes::fixed, rank_, size_);
       requests_.clear();
       for (parcel& p : parcels)
-        check(MPI_Irecv(p.in.data(), count(p, p.in), MPI_UNSIGNED_CHAR, p.rank, tag_, ranks_, add()));
-      send(parcels);
+        BOOST_MPI_CHECK_RESULT(MPI_Irecv, (p.in.data(), count(p.in), MPI_UNSIGNED_CHAR, p.rank,
+                                           tag_, ranks_, &requests_.emplace_back()));
+      send_all(parcels);
     }
     void finish_fixed(std::span<parcel> parcels) {
       exchange_.finish(parcels, sizes::fixed, rank_);
-      statuses_.resize(requests_.size());
-      const int result = MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(),
-                                     statuses_.data());
-      for (std::size_t i = 0; i < parcels.size(); ++i) {
-        
+      const int result = wait_all();
+      for (std::size_t i = 0; i < parcels.size(); ++i) {  // the receives come first
+        const parcel& p = parcels[i];
+        if (result != MPI_SUCCESS && statuses_[i].MPI_ERROR == MPI_ERR_TRUNCATE)
+          detail::fail_size(rank_, p, {});
+        int came = 0;
+        MPI_Get_count(&statuses_[i], MPI_UNSIGNED_CHAR, &came);
+        if (came != std::ssize(p.in)) detail::fail_size(rank_, p, static_cast<std::size_t>(came));
       }
     }
 
+    void barrier() {
+      exchange_.count_collective(rank_);
+      ranks_.barrier();
+    }
+    [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine) {
+      // One message each: MPI_Gatherv would limit the whole to 2 GiB.
+      exchange_.count_collective(rank_);
+      std::vector<byte_buffer> all;
+      if (rank_ != 0) {
+        ranks_.send(0, tag_, bytes(mine), count(mine));
+      } else {
+        all.resize(static_cast<std::size_t>(size_));
+        all[0] = mine;
+        for (int r = 1; r < size_; ++r) receive(r, all[static_cast<std::size_t>(r)]);
+      }
+      return all;
+    }
+    [[nodiscard]] std::vector<byte_buffer> gather_all(const byte_buffer& mine) {
+      exchange_.count_collective(rank_);
+      std::vector<int> counts;
+      boost::mpi::all_gather(ranks_, count(mine), counts);
+      byte_buffer whole(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+      count(whole);
+      boost::mpi::all_gatherv(ranks_, bytes(mine), bytes(whole), counts);
+      std::vector<byte_buffer> all;
+      all.reserve(counts.size());
+      for (auto at = whole.cbegin(); const int n : counts) {
+        all.emplace_back(at, at + n);
+        at += n;
+      }
+      return all;
+    }
+    void broadcast(byte_buffer& data) {
+      exchange_.count_collective(rank_);
+      std::uint64_t n = data.size();
+      boost::mpi::broadcast(ranks_, n, 0);
+      data.resize(n);
+      boost::mpi::broadcast(ranks_, bytes(data), count(data), 0);
+    }
+    void reduce(reduction how, std::span<double> values) {
+      // Not MPI_Allreduce, which may add up in any order.
+      exchange_.count_collective(rank_);
+      if (values.empty()) return;
+      std::vector<double> all(values.size() * static_cast<std::size_t>(size_));
+      boost::mpi::all_gather(ranks_, values.data(), static_cast<int>(values.size()), all.data());
+      std::copy_n(all.begin(), values.size(), values.begin());
+      for (auto at = all.begin() + std::ssize(values); at != all.end(); at += std::ssize(values))
+        detail::combine<double>(how, values, {at, values.size()});
+    }
+    void reduce(reduction how, std::span<std::uint64_t> values) {
+      exchange_.count_collective(rank_);
+      if (values.empty()) return;
+      const auto with = [&](auto op) {
+        boost::mpi::all_reduce(ranks_, boost::mpi::inplace(values.data()),
+                               static_cast<int>(values.size()), op);
+      };
+      if (how == reduction::sum) with(std::plus<std::uint64_t>{});
+      if (how == reduction::min) with(boost::mpi::minimum<std::uint64_t>{});
+      if (how == reduction::max) with(boost::mpi::maximum<std::uint64_t>{});
+    }
+
    private:
+    void send_all(std::span<const parcel> parcels) {
+      for (const parcel& p : parcels)
+        BOOST_MPI_CHECK_RESULT(MPI_Isend, (p.out.data(), count(p.out), MPI_UNSIGNED_CHAR, p.rank,
+                                           tag_, ranks_, &requests_.emplace_back()));
+    }
+    /// The next message of rank `from`, of any size.
+    void receive(int from, byte_buffer& data) {
+      const auto message = ranks_.probe(from, tag_);
+      data.resize(static_cast<std::size_t>(message.count<unsigned char>().value()));
+      ranks_.recv(from, tag_, bytes(data), count(data));
+    }
+    /// Returns MPI_SUCCESS, or MPI_ERR_IN_STATUS if the statuses say what is wrong with messages.
+    int wait_all() {
+      statuses_.resize(requests_.size());
+      const int result =
+          MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), statuses_.data());
+      if (result != MPI_SUCCESS && result != MPI_ERR_IN_STATUS)
+        throw boost::mpi::exception("MPI_Waitall", result);
+      return result;
+    }
+
+    static const unsigned char* bytes(const byte_buffer& data) {
+      return reinterpret_cast<const unsigned char*>(data.data());
+    }
+    static unsigned char* bytes(byte_buffer& data) {
+      return reinterpret_cast<unsigned char*>(data.data());
+    }
+    static int count(const byte_buffer& data) {
+      if (data.size() > INT_MAX)
+        detail::fail<std::runtime_error>(
+            "a message of {} bytes is too long: MPI counts to {}; use more ranks", data.size(),
+            INT_MAX);
+      return static_cast<int>(data.size());
+    }
+
+    boost::mpi::communicator ranks_;
+    int tag_ = 0;
+    int rank_;
+    int size_;
+    detail::open_exchange exchange_;
+    std::vector<MPI_Request> requests_;
+    std::vector<MPI_Status> statuses_;
   };
+
+  /// Calls main(link&) on this process. Initialises MPI if the program has not, and then finalises
+  /// it as well; as MPI starts only once, a program with several runs initialises it in its main().
+  /// An exception on any of several ranks ends the job: one rank reports it, and all processes are
+  /// ended with MPI_Abort. A single process throws to the caller.
+  template <class Main>
+  static void launch(const settings& how, Main&& main) {
+    namespace mpi = boost::mpi;
+    if (mpi::environment::finalized())
+      detail::fail<std::runtime_error>(
+          "MPI has been finalised and cannot start again: for several runs in one program, put "
+          "boost::mpi::environment into main()");
+    std::optional<mpi::environment> ours;
+    if (!mpi::environment::initialized()) {
+      if (how.argc && how.argv)
+        ours.emplace(*how.argc, *how.argv, mpi::threading::funneled, false);
+      else
+        ours.emplace(mpi::threading::funneled, false);
+    }
+    const auto ranks = how.communicator.value_or(mpi::communicator{});
+    if (ranks.size() == 1) return run(how, ranks, main);
+
+    detail::mpi_verdict verdict(ranks);
+    const auto end_with = [&](const char* error) {
+      if (!verdict.first()) verdict.wait_for_the_end();
+      how.report(fmt::format("error on rank {} of {}: {}", ranks.rank(), ranks.size(), error));
+      verdict.end();
+    };
+    try {
+      run(how, ranks, main);
+    } catch (const std::exception& e) {
+      end_with(e.what());
+    } catch (...) {
+      end_with("an exception that is no std::exception");
+    }
+  }
+
+ private:
+  template <class Main>
+  static void run(const settings& how, const boost::mpi::communicator& ranks, Main& main) {
+    const int started = detail::find_launcher().size;
+    if (started > 1 && ranks.size() == 1 && !how.communicator)
+      detail::fail<std::runtime_error>(
+          "mpirun started {} processes, but they do not see each other: mpirun and the program "
+          "belong to different MPIs",
+          started);
+    if (how.ranks != 0 && how.ranks != ranks.size())
+      detail::fail<std::invalid_argument>(
+          "{} ranks are asked for, but the program runs on {} MPI processes: start it with "
+          "mpirun -n {}, or do not ask",
+          how.ranks, ranks.size(), how.ranks);
+    link mine = how.tag ? link(ranks, *how.tag) : link(ranks);
+    main(mine);
+  }
 };
 
 }  // namespace talus

@@ -22,9 +22,16 @@
 
 namespace talus {
 
-/// Seconds of processor time that the stages of the steps took on this rank.
+/// Seconds of wall time that the stages of the steps took on this rank.
 struct stage_seconds {
   double detect = 0, respond = 0, integrate = 0, exchange = 0;
+};
+
+/// What this rank sent in the steps so far.
+struct step_traffic {
+  std::uint64_t messages_max = 0;  ///< in one step
+  std::uint64_t bytes_max = 0;     ///< in one step
+  std::uint64_t collectives = 0;   ///< in all steps
 };
 
 namespace detail {
@@ -80,6 +87,7 @@ struct world_state {
   bool changed = true;  ///< bodies were added, removed or changed since the last handover
 
   stage_seconds seconds;
+  step_traffic sent;
 
   /// Calls f(bodies of a shape) for every shape of the scenario.
   template <class F>

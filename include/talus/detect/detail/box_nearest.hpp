@@ -27,7 +27,7 @@ inline box_contact nearest_points(const box_pair& p, const box_axes& axes) {
                                                                                     : axes.face_a;
   constexpr real closer = 1 - real(1e-9);  // of nearly equal candidates, the first
   real best = std::numeric_limits<real>::infinity();
-  vec3 on_a, on_b;
+  vec3 on_a = vec3::Zero(), on_b = vec3::Zero();
   box_contact found;
   const auto offer = [&](const vec3& x, const vec3& y, box_part a, box_part b) {
     const real square = (y - x).squaredNorm();

@@ -10,13 +10,14 @@ namespace talus {
 /// Calls `sink(contact_geometry)` for the points with a gap of at most `margin`, in the order of
 /// their features. The normal is the axis of least penetration; boxes apart get the direction of
 /// their nearest points, unless a face serves as well. Faces of a are preferred to those of b, and
-/// faces to edges, by half a percent of the smallest half edge and five percent of the gap, so that
-/// the choice holds while a box rests on another. A feature names the parts of the two boxes that
+/// faces to edges, by half a percent of the smallest half edge and five percent of the gap (edges
+/// crossing within 11 degrees of a face's normal count as that face), so that the choice holds
+/// while a box rests on another. A feature names the parts of the two boxes that
 /// meet, and is the same whichever face is the reference; it is below 4096.
 template <class Sink>
 void collide(const box& a, const pose& pa, const box& b, const pose& pb, real margin, Sink&& sink) {
   using namespace detail;
-  box_pair pair{a.half(), b.half(), {}, pb.position - pa.position};
+  box_pair pair{a.half(), b.half(), mat3::Identity(), pb.position - pa.position};
   const real reach = pair.ha.norm() + pair.hb.norm() + margin;
   if (!(pair.offset.squaredNorm() <= reach * reach)) return;
   const mat3 frame = pa.orientation.toRotationMatrix();
@@ -36,7 +37,8 @@ void collide(const box& a, const pose& pa, const box& b, const pose& pb, real ma
   };
   const bool face_of_b = axes.face_b.gap > axes.face_a.gap + tolerance(axes.face_a.gap);
   const box_axis& face = face_of_b ? axes.face_b : axes.face_a;
-  const bool by_face = !(axes.edge.gap > face.gap + tolerance(face.gap));
+  const bool by_face = !(axes.edge.gap > face.gap + tolerance(face.gap)) ||
+                       axes.edge.normal.dot(face.normal) > real(0.98);
   const bool apart = best > real(1e-6) * smallest;
 
   if (by_face) {

@@ -21,17 +21,33 @@ inline std::string summary(const std::vector<connection_flaw>& flaws) {
   return text;
 }
 
-/// `Owner` is (rank, point) -> the owner in the eyes of that rank.
-template <class Owner>
+/// Ownership by hand: a rank owns what no connected rank claims.
+struct hand_rule {
+  static constexpr bool generated = false;
+  std::span<const std::vector<connection>> all;
+  /// The owner in the eyes of a rank.
+  [[nodiscard]] int owner(int rank, const vec3& p) const {
+    const int claimed = claimant(all[rank], p);
+    return claimed < 0 ? rank : claimed;
+  }
+  [[nodiscard]] std::vector<int> neighbours(int) const { return {}; }
+};
+
+/// Ownership by a partition, the same in all eyes.
+template <class Partition>
+struct partition_rule {
+  static constexpr bool generated = true;
+  const Partition& cells;
+  [[nodiscard]] int owner(int, const vec3& p) const { return cells.owner(p); }
+  [[nodiscard]] std::vector<int> neighbours(int rank) const { return cells.neighbours(rank, 0); }
+};
+
+template <class Rule>
 class connection_checker {
  public:
-  connection_checker(std::span<const std::vector<connection>> all, const Owner& owner,
-                     bool generated, const connection_check& settings)
-      : all_(all),
-        owner_(owner),
-        generated_(generated),
-        settings_(settings),
-        state_(settings.seed) {}
+  connection_checker(std::span<const std::vector<connection>> all, const Rule& rule,
+                     const connection_check& settings)
+      : all_(all), rule_(rule), settings_(settings), state_(settings.seed) {}
 
   std::vector<connection_flaw> run() {
     settings_.last = std::min(settings_.last, ranks());
@@ -56,7 +72,7 @@ class connection_checker {
     flaws_.push_back(std::move(f));
   }
 
-  /// One-sided connections, from the lists alone.
+  /// One-sided connections, from the lists alone, and missing ones as far as the rule knows them.
   void compare(int rank) {
     for (const connection& c : all_[rank]) {
       if (find(c.rank, rank)) continue;
@@ -71,6 +87,14 @@ class connection_checker {
             rank, c.rank, to_string(c.geometry), text(at));
       });
     }
+    for (const int other : rule_.neighbours(rank))
+      if (!find(rank, other) && !find(other, rank))
+        report(flaw::missing, rank, other, {0, 0, 0}, [&] {
+          return fmt::format(
+              "ranks {0} and {1} are neighbours in the decomposition, but they are not connected: "
+              "call connect({1}, ...) on rank {0} and connect({0}, ...) on rank {1}",
+              rank, other);
+        });
   }
 
   void sample(int rank) {
@@ -149,8 +173,8 @@ class connection_checker {
       unique(rank, p);
       around(rank, p, across, 4e-16 * far, false);
     }
-    around(rank, p, across, 1e-12 * far, false);
-    around(rank, p, across, 1e-8 * size_ + 1e-11 * far, true);
+    around(rank, p, across, 1e-13 * far, false);
+    around(rank, p, across, 1e-11 * far, true);
   }
 
   void around(int rank, const vec3& p, const std::vector<vec3>& across, real step, bool adjacent) {
@@ -184,10 +208,10 @@ class connection_checker {
 
   /// The one owner of a point; -1, and a report, if there are more or none.
   int unique(int rank, const vec3& p) {
-    if (generated_) return owner_(rank, p);
+    if (Rule::generated) return rule_.owner(rank, p);
     int found = -1;
     for (const int r : candidates_) {
-      if (owner_(r, p) != r) continue;
+      if (rule_.owner(r, p) != r) continue;
       if (found >= 0) {
         overlap(found, r, p);
         return -1;
@@ -196,7 +220,7 @@ class connection_checker {
     }
     if (found < 0) {
       for (int r = 0; r < ranks(); ++r)
-        if (owner_(r, p) == r) return -1;  // somebody far away: not for this rank to judge
+        if (rule_.owner(r, p) == r) return -1;  // somebody far away: not for this rank to judge
       gap(rank, p);
     }
     return found;
@@ -222,16 +246,16 @@ class connection_checker {
 
   void gap(int rank, const vec3& p) {
     // Follow the opinions until two ranks pass the point to each other, or a circle closes.
-    int a = rank, b = owner_(rank, p);
-    for (int hops = 0; hops < ranks() && owner_(b, p) != a; ++hops)
-      a = std::exchange(b, owner_(b, p));
+    int a = rank, b = rule_.owner(rank, p);
+    for (int hops = 0; hops < ranks() && rule_.owner(b, p) != a; ++hops)
+      a = std::exchange(b, rule_.owner(b, p));
     if (!find(a, b) || !find(b, a)) return;  // reported as one-sided
     if (explain(a, b, p, "none of the ranks owns")) return;
     report(flaw::gap, a, b, p, [&] {
       return fmt::format(
           "no rank owns the point {}: rank {} leaves it to rank {}, which leaves it to "
           "rank {} ({}); make the two regions complementary",
-          text(p), a, b, owner_(b, p), pictures(a, b));
+          text(p), a, b, rule_.owner(b, p), pictures(a, b));
     });
   }
 
@@ -276,7 +300,7 @@ class connection_checker {
   void sees(int rank, int owner, const vec3& p) {
     const connection* to = find(rank, owner);
     if (!to) {
-      if (!find(owner, rank))
+      if (!Rule::generated && !find(owner, rank))
         report(flaw::missing, rank, owner, p, [&] {
           return fmt::format(
               "ranks {0} and {1} meet at {2}, where bodies can pass from one to the "
@@ -286,8 +310,8 @@ class connection_checker {
         });
       return;
     }
-    if (const int seen = owner_(rank, p);
-        seen != owner || to->geometry.value(p) < -1e-11 * (size_ + p.cwiseAbs().maxCoeff()))
+    if (const int seen = rule_.owner(rank, p);
+        seen != owner || to->geometry.value(p) < -1e-12 * (size_ + p.cwiseAbs().maxCoeff()))
       report(flaw::mismatch, rank, owner, p, [&] {
         return fmt::format(
             "the point {} belongs to rank {}, but in the eyes of rank {}, right beside "
@@ -308,8 +332,7 @@ class connection_checker {
   real symmetric() { return static_cast<real>(next() >> 11) * 0x1p-52 - 1; }  // in [-1, 1)
 
   std::span<const std::vector<connection>> all_;
-  const Owner& owner_;
-  bool generated_;
+  const Rule& rule_;
   connection_check settings_;
   std::uint64_t state_;
   real size_ = 1;

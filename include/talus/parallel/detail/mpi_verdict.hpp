@@ -4,6 +4,7 @@
 
 #include <boost/mpi/communicator.hpp>
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 namespace talus::detail {
@@ -36,16 +37,14 @@ class mpi_verdict {
   /// than none.
   [[nodiscard]] bool first() {
     const int one = 1;
-    static int before;  // MPI may still write to it after a time-out
-    before = 0;
     MPI_Request request = MPI_REQUEST_NULL;
-    if (MPI_Rget_accumulate(&one, 1, MPI_INT, &before, 1, MPI_INT, 0, 0, 1, MPI_INT, MPI_REPLACE,
+    if (MPI_Rget_accumulate(&one, 1, MPI_INT, &before_, 1, MPI_INT, 0, 0, 1, MPI_INT, MPI_REPLACE,
                             window_, &request) != MPI_SUCCESS)
       return true;
     const auto deadline = clock::now() + std::chrono::seconds(1);
     for (int done = 0; clock::now() < deadline;) {
       if (MPI_Test(&request, &done, MPI_STATUS_IGNORE) != MPI_SUCCESS) return true;
-      if (done) return before == 0;
+      if (done) return before_ == 0;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return true;
@@ -69,6 +68,7 @@ class mpi_verdict {
  private:
   boost::mpi::communicator ranks_;
   MPI_Win window_ = MPI_WIN_NULL;
+  int before_ = 0;
 };
 
 }  // namespace talus::detail

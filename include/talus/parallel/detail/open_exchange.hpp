@@ -2,7 +2,9 @@
 // The bookkeeping every link shares: one exchange at a time, finished as it was started, and what
 // it sends is counted.
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "talus/core/error.hpp"
 #include "talus/parallel/parcel.hpp"
@@ -54,11 +56,11 @@ class open_exchange {
 };
 
 /// A neighbour did not send what both sides had agreed on.
-[[noreturn]] inline void fail_size(int rank, const parcel& p, std::size_t came) {
+[[noreturn]] inline void fail_size(int rank, const parcel& p, std::optional<std::size_t> came) {
   fail<std::runtime_error>(
       "rank {} expected {} bytes from rank {}, but {} came: the two ranks disagree about what they "
       "share, or one has called start and the other start_fixed",
-      rank, p.in.size(), p.rank, came);
+      rank, p.in.size(), p.rank, came ? std::to_string(*came) : "more");
 }
 
 }  // namespace talus::detail

@@ -66,8 +66,9 @@ class thread_team {
     for (parcel& p : parcels) {
       queue& q = box.from(p.rank);
       q.claimed = 0;
-      take(p, q.messages.front());
-      q.messages.erase(q.messages.begin());  // two messages at most are ever waiting here
+      byte_buffer message = std::move(q.messages.front());
+      q.messages.erase(q.messages.begin());  // rarely more than two wait here
+      take(p, message);
     }
   }
 
@@ -141,7 +142,10 @@ class thread_team {
     queue& from(int sender) {
       auto at = std::lower_bound(queues.begin(), queues.end(), sender,
                                  [](const queue& q, int s) { return q.sender < s; });
-      if (at == queues.end() || at->sender != sender) at = queues.insert(at, queue{sender});
+      if (at == queues.end() || at->sender != sender) {
+        at = queues.insert(at, queue{sender});
+        at->messages.reserve(2);
+      }
       return *at;
     }
   };

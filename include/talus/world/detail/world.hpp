@@ -227,7 +227,12 @@ void world<Scenario>::step(real dt) {
         "step was called inside a global section on rank {}: close the section first", rank());
   detail::require_positive(dt, "the time step dt");
   if (!synchronized_) synchronize();
+  const traffic before = state_.link->counters();
   detail::step(state_, dt);
+  const traffic sent = state_.link->counters() - before;
+  state_.sent.messages_max = std::max(state_.sent.messages_max, sent.messages);
+  state_.sent.bytes_max = std::max(state_.sent.bytes_max, sent.bytes);
+  state_.sent.collectives += sent.collectives;
 }
 
 template <class Scenario>

@@ -1,0 +1,30 @@
+#pragma once
+// What the bodies of a world take in memory.
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// Bytes that this rank holds for its bodies, their shadow copies and their contacts.
+template <class Scenario>
+[[nodiscard]] std::size_t bytes_in_use(const world<Scenario>& w) {
+  const auto& s = w.state();
+  std::size_t bytes = 0;
+  const auto of = [&](const auto& column) {
+    bytes += column.capacity() * sizeof(typename std::remove_cvref_t<decltype(column)>::value_type);
+  };
+  s.each_shape([&](const auto& b) {
+    b.movable.each_column(of);
+    b.global.each_column(of);
+    of(b.reach);
+    of(b.global_reach);
+    bytes += b.grid.bytes() + b.global_grid.bytes();
+  });
+  s.each_contact_list([&](const auto& list) { bytes += list.bytes(); });
+  of(s.solver.bodies);
+  of(s.solver.shift);
+  of(s.solver.tensors);
+  of(s.solver.boundary_contacts);
+  return bytes + s.history.bytes();
+}
+
+}  // namespace talus

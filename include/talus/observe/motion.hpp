@@ -1,0 +1,56 @@
+#pragma once
+// Sums over all bodies: number, mass, momentum, energy.
+#include <array>
+#include <cmath>
+
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// Motion of all bodies that are not global. Fixed bodies count, with no velocity.
+struct motion {
+  std::uint64_t bodies = 0;
+  std::uint64_t movable = 0;
+  double mass = 0;              ///< of the movable ones
+  double kinetic_energy = 0;    ///< of translation and rotation
+  double potential_energy = 0;  ///< -m g . x, with respect to the origin
+  double max_speed = 0;
+  vec3 momentum{0, 0, 0};
+  vec3 angular_momentum{0, 0, 0};  ///< about the origin
+};
+
+/// Collective: sums over all ranks, in the order of the ranks.
+template <class Scenario>
+[[nodiscard]] motion measure_motion(world<Scenario>& w) {
+  std::array<double, 11> sums{};
+  double fastest = 0;
+  w.for_each_local([&](const auto& b) {
+    sums[0] += 1;
+    if (b.is_fixed()) return;
+    const quat q = b.orientation();
+    const vec3 spin = q.conjugate() * b.angular_velocity();
+    const vec3 spin_momentum = b.inertia().cwiseProduct(spin);
+    const vec3 p = b.mass() * b.velocity();
+    const vec3 l = b.position().cross(p) + q * spin_momentum;
+    sums[1] += 1;
+    sums[2] += b.mass();
+    sums[3] += 0.5 * (p.dot(b.velocity()) + spin_momentum.dot(spin));
+    sums[4] -= b.mass() * w.gravity().dot(b.position());
+    for (int k = 0; k < 3; ++k) sums[5 + k] += p[k], sums[8 + k] += l[k];
+    fastest = std::max(fastest, b.velocity().norm());
+  });
+  w.link().reduce(reduction::sum, sums);
+  w.link().reduce(reduction::max, std::span(&fastest, 1));
+  motion m;
+  m.bodies = static_cast<std::uint64_t>(sums[0]);
+  m.movable = static_cast<std::uint64_t>(sums[1]);
+  m.mass = sums[2];
+  m.kinetic_energy = sums[3];
+  m.potential_energy = sums[4];
+  m.max_speed = fastest;
+  m.momentum = {sums[5], sums[6], sums[7]};
+  m.angular_momentum = {sums[8], sums[9], sums[10]};
+  return m;
+}
+
+}  // namespace talus

@@ -1,0 +1,127 @@
+#pragma once
+// How much bodies overlap: from positions by geometry alone, whatever the solver believes.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "talus/detect/hash_grid.hpp"
+#include "talus/detect/narrow.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// Overlaps of the present state; lengths are over the mean bounding radius of the movable bodies.
+struct penetration {
+  double mean = 0;             ///< over the points of negative gap
+  double max = 0;
+  double gap_mean_loaded = 0;  ///< mean |gap| over the points that carried an impulse
+  std::uint64_t touching = 0;  ///< points with a gap of at most a thousandth of the mean radius
+  double mean_radius = 0;      ///< a length
+};
+
+namespace detail {
+
+/// Sums over the contact points of one rank; each point is counted on one rank only.
+struct gap_sums {
+  double overlap = 0, overlapping = 0, deepest = 0, loaded_gap = 0, loaded = 0, touching = 0;
+
+  void add(real gap, real radius, bool carries) {
+    if (gap < 0) overlap -= gap, ++overlapping;
+    deepest = std::max(deepest, -gap);
+    if (gap <= 1e-3 * radius) ++touching;
+    if (carries) loaded_gap += std::abs(gap), ++loaded;
+  }
+};
+
+/// Adds all pairs of a body owned here with a body of `others`. Of a pair seen by two ranks, the
+/// one that owns the first body (by shape, then by id) counts.
+template <class Store, class Others, class History>
+void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool others_move,
+              bool same_shape, const History& history, real radius) {
+  using shape = typename Store::shape_type;
+  using other = typename Others::shape_type;
+  const real margin = 0.02 * radius;
+  const auto pair = [&](std::size_t i, std::size_t j) {
+    const bool own_i = i < own.locals, own_j = others_move && j < others.locals;
+    if (!own_i && !own_j) return;
+    bool forward = true;
+    if (others_move && same_shape) forward = own.id[i] < others.id[j];
+    if (others_move && !(forward ? own_i : own_j)) return;
+    if (own.fixed(i) && (!others_move || others.fixed(j))) return;
+    const auto count = [&](const contact_geometry& g, const contact_key& key) {
+      const vec3* impulse = history.find(key);
+      sums.add(g.gap, radius, impulse != nullptr && impulse->squaredNorm() > 0);
+    };
+    if (forward)
+      collide_pair(own.shape[i], own.pose(i), others.shape[j], others.pose(j), margin,
+                   [&](const contact_geometry& g) { count(g, {own.id[i], others.id[j], g.feature}); });
+    else
+      collide_pair(others.shape[j], others.pose(j), own.shape[i], own.pose(i), margin,
+                   [&](const contact_geometry& g) { count(g, {others.id[j], own.id[i], g.feature}); });
+  };
+
+  if constexpr (other::finite) {
+    const auto grid_of = [&](const auto& store) {
+      std::vector<real> reach(store.size());
+      for (std::size_t i = 0; i < reach.size(); ++i)
+        reach[i] = store.shape[i].bounding_radius() + margin / 2;
+      hash_grid grid;
+      grid.build(store.position, reach);
+      return grid;
+    };
+    const auto mine = grid_of(own);
+    if (same_shape && others_move)
+      mine.pairs(pair);
+    else
+      mine.pairs_with(grid_of(others), pair);
+  } else {
+    for (std::size_t i = 0; i < own.locals; ++i)
+      for (std::size_t j = 0; j < others.size(); ++j) pair(i, j);
+  }
+  (void)shape::finite;
+}
+
+}  // namespace detail
+
+/// Collective: measures the overlaps of all bodies. Needs up-to-date shadow copies, as they are
+/// after a step or a synchronize().
+template <class Scenario>
+[[nodiscard]] penetration measure_penetration(world<Scenario>& w) {
+  const auto& s = w.state();
+  std::array<double, 2> radii{};
+  w.for_each_local([&](const auto& b) {
+    if (!b.is_fixed()) radii[0] += b.shape().bounding_radius(), ++radii[1];
+  });
+  w.link().reduce(reduction::sum, radii);
+  const real radius = radii[1] > 0 ? radii[0] / radii[1] : 1;
+
+  detail::gap_sums sums;
+  s.each_finite_shape([&](const auto& a) {
+    using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
+    s.each_shape([&](const auto& b) {
+      using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      using shapes = typename Scenario::shapes;
+      constexpr bool same = std::is_same_v<A, B>;
+      constexpr bool first = detail::index_of<shapes, A> <= detail::index_of<shapes, B>;
+      if constexpr (B::finite && first)
+        detail::add_gaps(sums, a.movable, b.movable, true, same, s.history, radius);
+      if (b.global.size() > 0)
+        detail::add_gaps(sums, a.movable, b.global, false, same, s.history, radius);
+    });
+  });
+  std::array<double, 5> total{sums.overlap, sums.overlapping, sums.loaded_gap, sums.loaded,
+                              sums.touching};
+  w.link().reduce(reduction::sum, total);
+  w.link().reduce(reduction::max, std::span(&sums.deepest, 1));
+
+  penetration p;
+  p.mean = total[1] > 0 ? total[0] / total[1] / radius : 0;
+  p.max = sums.deepest / radius;
+  p.gap_mean_loaded = total[3] > 0 ? total[2] / total[3] / radius : 0;
+  p.touching = static_cast<std::uint64_t>(total[4]);
+  p.mean_radius = radius;
+  return p;
+}
+
+}  // namespace talus

@@ -1,0 +1,183 @@
+#pragma once
+// The end of a run in figures: speed beside error.
+#include <ctime>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include "talus/core/error.hpp"
+#include "talus/observe/digest.hpp"
+#include "talus/observe/memory.hpp"
+#include "talus/observe/motion.hpp"
+#include "talus/observe/penetration.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// What the last line of a run and its JSON file say. Lengths in radii where said so.
+struct summary {
+  std::string scenario;
+  std::string policies;
+  std::string transport;
+  int ranks = 1;
+  std::uint64_t steps = 0;
+  double dt = 0;
+  std::uint64_t contacts = 0;  ///< considered by the solver in the last step
+  motion moving;
+  penetration overlap;
+  double cpu_seconds = 0;   ///< of all ranks together
+  double wall_seconds = 0;
+  stage_seconds seconds;    ///< of the slowest rank
+  std::uint64_t messages_per_step_max = 0;  ///< sent by one rank in one step
+  std::uint64_t bytes_per_step_max = 0;
+  double collectives_per_step = 0;
+  double bytes_per_body = 0;
+  std::string digest;
+};
+
+namespace detail {
+
+/// Processor seconds of this thread: each rank sums up its own.
+[[nodiscard]] inline double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+template <class Scenario>
+[[nodiscard]] std::string transport_in_use(world<Scenario>& w) {
+  if constexpr (requires { w.link().transport_name(); })
+    return w.link().transport_name();
+  else
+    return Scenario::transport::name;
+}
+
+/// One flat JSON object, field by field.
+class json_object {
+ public:
+  void add(std::string_view key, std::string_view text) {
+    std::string quoted = "\"";
+    for (const char c : text) {
+      if (c == '"' || c == '\\') quoted += '\\';
+      quoted += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
+    put(key, quoted + '"');
+  }
+  void add(std::string_view key, const std::string& text) { add(key, std::string_view(text)); }
+  /// JSON has no NaN and no infinity: they become null.
+  void add(std::string_view key, double value) {
+    put(key, std::isfinite(value) ? fmt::format("{}", value) : "null");
+  }
+  void add(std::string_view key, std::integral auto value) { put(key, fmt::format("{}", value)); }
+  [[nodiscard]] std::string str() const { return "{\n" + text_ + "\n}\n"; }
+
+ private:
+  void put(std::string_view key, const std::string& value) {
+    text_ += fmt::format("{}  \"{}\": {}", text_.empty() ? "" : ",\n", key, value);
+  }
+  std::string text_;
+};
+
+}  // namespace detail
+
+/// Collective: the figures of the world as it is now. `cpu_seconds` are those of this rank.
+template <class Scenario>
+[[nodiscard]] summary summarize(world<Scenario>& w, double cpu_seconds, double wall_seconds) {
+  const auto& s = w.state();
+  auto& link = w.link();
+  summary r;
+  r.policies = describe<Scenario>();
+  r.transport = detail::transport_in_use(w);
+  r.ranks = w.ranks();
+  r.steps = w.steps();
+  r.dt = s.dt;
+  r.moving = measure_motion(w);
+  r.overlap = measure_penetration(w);
+  r.digest = state_digest(w);
+
+  std::uint64_t contacts = 0;
+  s.each_contact_list([&](const auto& list) {
+    list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
+  });
+  std::array<std::uint64_t, 2> sums{contacts, bytes_in_use(w)};
+  link.reduce(reduction::sum, sums);
+  r.contacts = sums[0];
+  r.bytes_per_body =
+      static_cast<double>(sums[1]) / static_cast<double>(std::max<std::uint64_t>(1, r.moving.bodies));
+  std::array<std::uint64_t, 3> most{s.sent.messages_max, s.sent.bytes_max, s.sent.collectives};
+  link.reduce(reduction::max, most);
+  r.messages_per_step_max = most[0];
+  r.bytes_per_step_max = most[1];
+  r.collectives_per_step =
+      static_cast<double>(most[2]) / static_cast<double>(std::max<std::uint64_t>(1, r.steps));
+  std::array<double, 5> slowest{s.seconds.detect, s.seconds.respond, s.seconds.integrate,
+                                s.seconds.exchange, wall_seconds};
+  link.reduce(reduction::max, slowest);
+  r.seconds = {slowest[0], slowest[1], slowest[2], slowest[3]};
+  r.wall_seconds = slowest[4];
+  link.reduce(reduction::sum, std::span(&cpu_seconds, 1));
+  r.cpu_seconds = cpu_seconds;
+  return r;
+}
+
+/// The figures as one flat JSON object.
+[[nodiscard]] inline std::string to_json(const summary& r) {
+  detail::json_object o;
+  o.add("scenario", r.scenario);
+  o.add("policies", r.policies);
+  o.add("transport", r.transport);
+  o.add("ranks", r.ranks);
+  o.add("steps", r.steps);
+  o.add("dt", r.dt);
+  o.add("bodies", r.moving.bodies);
+  o.add("bodies_movable", r.moving.movable);
+  o.add("contacts", r.contacts);
+  o.add("touching_contacts", r.overlap.touching);
+  o.add("penetration_mean", r.overlap.mean);
+  o.add("penetration_max", r.overlap.max);
+  o.add("gap_mean_loaded", r.overlap.gap_mean_loaded);
+  o.add("mean_radius", r.overlap.mean_radius);
+  o.add("kinetic_energy", r.moving.kinetic_energy);
+  o.add("potential_energy", r.moving.potential_energy);
+  o.add("max_speed", r.moving.max_speed);
+  o.add("momentum", r.moving.momentum.norm());
+  const char* axes[] = {"x", "y", "z"};
+  for (int k = 0; k < 3; ++k) o.add(fmt::format("momentum_{}", axes[k]), r.moving.momentum[k]);
+  for (int k = 0; k < 3; ++k)
+    o.add(fmt::format("angular_momentum_{}", axes[k]), r.moving.angular_momentum[k]);
+  o.add("cpu_seconds", r.cpu_seconds);
+  o.add("wall_seconds", r.wall_seconds);
+  o.add("seconds_detect", r.seconds.detect);
+  o.add("seconds_respond", r.seconds.respond);
+  o.add("seconds_integrate", r.seconds.integrate);
+  o.add("seconds_exchange", r.seconds.exchange);
+  o.add("messages_per_step_max", r.messages_per_step_max);
+  o.add("bytes_per_step_max", r.bytes_per_step_max);
+  o.add("collectives_per_step", r.collectives_per_step);
+  o.add("bytes_per_body", r.bytes_per_body);
+  o.add("state_digest", r.digest);
+  return o.str();
+}
+
+/// The figures as a person reads them.
+[[nodiscard]] inline std::string to_text(const summary& r) {
+  const double steps = static_cast<double>(std::max<std::uint64_t>(1, r.steps));
+  return fmt::format(
+      "{}: {} bodies ({} movable) on {} rank(s), {}, {} steps of {}\n"
+      "  speed    {:.3g} ms of processor per step, {:.3g} s in all; detect {:.0f} %, respond {:.0f} %, "
+      "exchange {:.0f} %\n"
+      "  error    overlap {:.2g} of the radius on average, {:.2g} at most; {} of {} contacts touch\n"
+      "  motion   kinetic energy {:.3g}, fastest {:.3g}, momentum {}\n"
+      "  traffic  {} messages and {} bytes per step and rank at most, {:g} collectives per step\n"
+      "  memory   {:.0f} bytes per body; state {}\n",
+      r.scenario, r.moving.bodies, r.moving.movable, r.ranks, r.transport, r.steps, r.dt,
+      1e3 * r.cpu_seconds / steps, r.wall_seconds,
+      100 * r.seconds.detect / std::max(r.wall_seconds, 1e-9),
+      100 * r.seconds.respond / std::max(r.wall_seconds, 1e-9),
+      100 * r.seconds.exchange / std::max(r.wall_seconds, 1e-9), r.overlap.mean, r.overlap.max,
+      r.overlap.touching, r.contacts, r.moving.kinetic_energy, r.moving.max_speed,
+      detail::text(r.moving.momentum), r.messages_per_step_max, r.bytes_per_step_max,
+      r.collectives_per_step, r.bytes_per_body, r.digest);
+}
+
+}  // namespace talus

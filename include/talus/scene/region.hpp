@@ -1,0 +1,139 @@
+#pragma once
+// Regions to fill with sites: boxes, cylinders, balls, and what geometry/ offers; all have bounds.
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "talus/scene/site.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// Bounds of a region. A prism is the same at every height between its lowest and highest points.
+struct region_extent {
+  vec3 lower = vec3::Constant(-unlimited);
+  vec3 upper = vec3::Constant(unlimited);
+  bool prism = true;
+};
+
+}  // namespace detail
+
+/// Between two corners, boundary included; a coordinate may be infinite.
+struct box_region {
+  vec3 lower;
+  vec3 upper;
+
+  [[nodiscard]] real value(const vec3& p) const {
+    return std::min((p - lower).minCoeff(), (upper - p).minCoeff());
+  }
+  [[nodiscard]] bool contains(const vec3& p) const { return detail::between(lower, p, upper); }
+  [[nodiscard]] detail::region_extent extent() const { return {lower, upper, true}; }
+};
+
+/// Around an axis parallel to z, boundary included; without end unless `lower` and `upper` say.
+struct vertical_cylinder {
+  real radius = 1;
+  vec3 centre{0, 0, 0};             ///< any point of the axis
+  real lower = -detail::unlimited;  ///< lowest z
+  real upper = detail::unlimited;   ///< highest z
+
+  [[nodiscard]] real value(const vec3& p) const {
+    const real side = radius - std::hypot(p[0] - centre[0], p[1] - centre[1]);
+    return std::min(side, std::min(p[2] - lower, upper - p[2]));
+  }
+  [[nodiscard]] bool contains(const vec3& p) const {
+    const real x = p[0] - centre[0], y = p[1] - centre[1];
+    return p[2] >= lower && p[2] <= upper && std::fma(x, x, y * y) <= radius * radius;
+  }
+  [[nodiscard]] detail::region_extent extent() const {
+    return {{centre[0] - radius, centre[1] - radius, lower},
+            {centre[0] + radius, centre[1] + radius, upper},
+            true};
+  }
+};
+
+/// Around a point, boundary included.
+struct ball_region {
+  real radius = 1;
+  vec3 centre{0, 0, 0};
+
+  [[nodiscard]] real value(const vec3& p) const { return radius - (p - centre).norm(); }
+  [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
+  [[nodiscard]] detail::region_extent extent() const {
+    return {centre - vec3::Constant(radius), centre + vec3::Constant(radius), false};
+  }
+};
+
+namespace detail {
+
+/// Finds bounds of a geometry from those of its planes that are perpendicular to an axis.
+class extent_finder {
+ public:
+  void open(bool all_of) {
+    path_.push_back({all_of, {}});
+    if (!all_of) {
+      std::swap(path_.back().extent.lower, path_.back().extent.upper);  // of nothing yet
+    }
+  }
+  template <class HalfSpace>
+  void plane(const HalfSpace& h) {
+    const vec3 n = h.normal();
+    region_extent e;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (n[(axis + 1) % 3] != 0 || n[(axis + 2) % 3] != 0) continue;
+      (n[axis] > 0 ? e.lower : e.upper)[axis] = n[axis] > 0 ? h.displacement() : -h.displacement();
+    }
+    const bool level = n[0] == 0 && n[1] == 0;
+    for (const group& g : path_) e.prism = e.prism && (n[2] == 0 || (level && g.all_of));
+    add(e);
+  }
+  void close() {
+    const region_extent e = path_.back().extent;
+    path_.pop_back();
+    add(e);
+  }
+  [[nodiscard]] const region_extent& extent() const { return path_.front().extent; }
+
+ private:
+  struct group {
+    bool all_of = true;
+    region_extent extent;
+  };
+  void add(const region_extent& e) {
+    auto& [all_of, sum] = path_.back();
+    sum.lower = all_of ? sum.lower.cwiseMax(e.lower).eval() : sum.lower.cwiseMin(e.lower).eval();
+    sum.upper = all_of ? sum.upper.cwiseMin(e.upper).eval() : sum.upper.cwiseMax(e.upper).eval();
+    sum.prism = sum.prism && e.prism;
+  }
+  std::vector<group> path_{1};
+};
+
+template <class Region>
+[[nodiscard]] region_extent extent_of(const Region& region) {
+  if constexpr (requires { region.extent(); }) {
+    return region.extent();
+  } else if constexpr (requires(extent_finder f) { region.describe(f); }) {
+    extent_finder finder;
+    region.describe(finder);
+    return finder.extent();
+  } else {
+    return {.prism = false};  // nothing is known: another region must give the bounds
+  }
+}
+
+/// In both of two regions.
+template <class A, class B>
+struct both_regions {
+  A a;
+  B b;
+
+  [[nodiscard]] bool contains(const vec3& p) const { return a.contains(p) && b.contains(p); }
+  [[nodiscard]] region_extent extent() const {
+    const region_extent x = extent_of(a), y = extent_of(b);
+    return {x.lower.cwiseMax(y.lower), x.upper.cwiseMin(y.upper), x.prism && y.prism};
+  }
+};
+
+}  // namespace detail
+}  // namespace talus
