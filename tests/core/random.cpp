@@ -15,9 +15,9 @@ TEST_CASE("philox gives the known answers of its authors") {
                 words{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8});
   static_assert(detail::philox({ones, ones, ones, ones}, {ones, ones}) ==
                 words{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd});
-  static_assert(detail::philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344},
-                               {0xa4093822, 0x299f31d0}) ==
-                words{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
+  static_assert(
+      detail::philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}) ==
+      words{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
 }
 
 TEST_CASE("a stream is philox with its name as key and counter") {
@@ -152,9 +152,10 @@ TEST_CASE("rotations are uniform") {
 
 TEST_CASE("bad bounds are refused") {
   random_stream r(7);
-  CHECK_THROWS_WITH_AS(r.uniform(2, 1),
-                       "random numbers between 2 and 1: give two finite bounds, the lower one first",
-                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      r.uniform(2, 1),
+      "random numbers between 2 and 1: give two finite bounds, the lower one first",
+      std::invalid_argument);
   CHECK_THROWS_AS(r.uniform(0, std::numeric_limits<real>::infinity()), std::invalid_argument);
   CHECK_THROWS_AS(r.uniform(std::numeric_limits<real>::quiet_NaN(), 1), std::invalid_argument);
   CHECK_THROWS_AS(r.integer(0), std::invalid_argument);

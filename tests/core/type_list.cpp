@@ -44,14 +44,13 @@ TEST_CASE("lists are filtered, searched and mapped") {
   static_assert(std::is_same_v<find_type<ab, is_c, int>, int>);
   static_assert(std::is_same_v<find_type<type_list<>, is_c, int>, int>);
   static_assert(std::is_same_v<map_types<ab, box_of>, type_list<box_of<a>, box_of<b>>>);
-  static_assert(std::is_same_v<map_to_tuple<ab, std::vector>,
-                               std::tuple<std::vector<a>, std::vector<b>>>);
+  static_assert(
+      std::is_same_v<map_to_tuple<ab, std::vector>, std::tuple<std::vector<a>, std::vector<b>>>);
 }
 
 TEST_CASE("types are visited in order") {
   std::string seen;
-  for_each_type<type_list<char, int>>([&](auto type) {
-    seen += std::to_string(sizeof(typename decltype(type)::type));
-  });
+  for_each_type<type_list<char, int>>(
+      [&](auto type) { seen += std::to_string(sizeof(typename decltype(type)::type)); });
   CHECK(seen == "14");
 }

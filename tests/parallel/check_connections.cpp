@@ -116,7 +116,8 @@ TEST_CASE("planes that differ by 1e-9, or by one bit, are a mismatch") {
   // One face of many, in the middle of a set that fits otherwise.
   auto all = quadrants();
   all[3][2].geometry = plane(-1, 0, 0, -1e-9);
-  finds(check_connections(all), flaw::mismatch, {"rank 2 gives x >= 0", "rank 3 gives -x >= -1e-09"});
+  finds(check_connections(all), flaw::mismatch,
+        {"rank 2 gives x >= 0", "rank 3 gives -x >= -1e-09"});
 }
 
 TEST_CASE("a normal with the wrong sign is called by its name") {

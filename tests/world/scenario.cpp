@@ -15,8 +15,9 @@ template <class A, class B>
 constexpr bool same = std::is_same_v<A, B>;
 
 using standard = scenario<>;
-using well = scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction, newton_restitution>,
-                      solver<nonlinear_gauss_seidel>, decomposition<grid<2, 2>>>;
+using well =
+    scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction, newton_restitution>,
+             solver<nonlinear_gauss_seidel>, decomposition<grid<2, 2>>>;
 }  // namespace
 
 TEST_CASE("a scenario without policies has the documented defaults") {
@@ -40,9 +41,9 @@ TEST_CASE("a scenario without policies has the documented defaults") {
 }
 
 TEST_CASE("the order of policies does not matter") {
-  using turned = scenario<decomposition<grid<2, 2>>, solver<nonlinear_gauss_seidel>,
-                          hard_contact<newton_restitution, coulomb_friction>,
-                          bodies<sphere, box, plane>>;
+  using turned =
+      scenario<decomposition<grid<2, 2>>, solver<nonlinear_gauss_seidel>,
+               hard_contact<newton_restitution, coulomb_friction>, bodies<sphere, box, plane>>;
   static_assert(same<turned::shapes, well::shapes>);
   static_assert(same<turned::decomposition, grid<2, 2>> && same<well::decomposition, grid<2, 2>>);
   static_assert(turned::contact_law::friction && turned::contact_law::restitution);

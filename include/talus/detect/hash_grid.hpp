@@ -4,6 +4,7 @@
 // and in coarser ones only, so that the cost per body depends neither on the number of bodies nor
 // on the ratio of their sizes.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -13,6 +14,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/detect/detail/lanes.hpp"
 #include "talus/detect/detail/size_classes.hpp"
 
 namespace talus {
@@ -33,10 +35,10 @@ class hash_grid {
   /// contact margin included. Throws unplaceable, which carries the index of the body.
   void build(std::span<const vec3> centres, std::span<const real> reaches);
 
-  [[nodiscard]] std::size_t size() const { return index_.size(); }
+  [[nodiscard]] std::size_t size() const { return size_; }
   /// Memory held, in bytes.
   [[nodiscard]] std::size_t bytes() const {
-    return entries_.capacity() * sizeof(entry) +
+    return 4 * x_.capacity() * sizeof(real) +
            (index_.capacity() + starts_.capacity() + bucket_.capacity()) * sizeof(std::uint32_t);
   }
   /// Number of cell sizes in use.
@@ -70,14 +72,11 @@ class hash_grid {
   /// Calls f(i) for every ball i with |ci - centre| <= ri + reach. Any finite reach will do.
   template <class F>
   void query(const vec3& centre, real reach, F&& f) const {
-    const entry ball{centre[0], centre[1], centre[2], reach};
+    const detail::ball ball{centre[0], centre[1], centre[2], reach};
     for (const level& l : levels_) probe(l, ball, [&](std::uint32_t i) { f(index_[i]); });
   }
 
  private:
-  struct entry {
-    real x, y, z, reach;
-  };
   struct span3 {
     std::int64_t low[3], high[3];
   };
@@ -108,10 +107,12 @@ class hash_grid {
     [[nodiscard]] bool exact() const { return mask == ~std::uint32_t{0}; }
   };
 
-  [[nodiscard]] entry ball(std::uint32_t i) const { return {x_[i], y_[i], z_[i], reach_[i]}; }
+  [[nodiscard]] detail::ball ball(std::uint32_t i) const {
+    return {x_[i], y_[i], z_[i], reach_[i]};
+  }
 
   template <class F>
-  void scan(const entry& a, std::uint32_t first, std::uint32_t last, F&& f) const {
+  void scan(const detail::ball& a, std::uint32_t first, std::uint32_t last, F&& f) const {
     for (std::uint32_t j = first; j < last; ++j) {
       const real x = a.x - x_[j], y = a.y - y_[j], z = a.z - z_[j], reach = a.reach + reach_[j];
       if (x * x + y * y + z * z <= reach * reach) f(j);
@@ -130,20 +131,19 @@ class hash_grid {
     }
   }
 
-  static constexpr std::uint32_t lanes = 8;  // of the widest vector unit in use
-
   template <class F>
   void pairs_within(const level& l, F&& f) const;
   template <class F>
   void pairs_of_crowd(const level& l, std::uint32_t bucket, F&& f) const;
   template <class F>
-  void probe(const level& l, const entry& ball, F&& f) const;
+  void probe(const level& l, const detail::ball& ball, F&& f) const;
 
   void check(std::span<const vec3> centres, std::span<const real> reaches) const;
   void lay_out(level& l);
 
   std::vector<level> levels_;  // coarsest first
-  // Entries, sorted by level and bucket; the coordinates are followed by `lanes` zeros.
+  std::size_t size_ = 0;
+  // Entries, sorted by level and bucket, and a few zeros that may be read but not used.
   std::vector<real> x_, y_, z_, reach_;
   std::vector<std::uint32_t> index_;   // of the body of each entry
   std::vector<std::uint32_t> starts_;  // first entry of each bucket, levels one after the other
@@ -153,56 +153,56 @@ class hash_grid {
 
 // Every pair of neighbouring cells is visited from the one that comes first: the own cell and the
 // rest of its row, then the row behind in y and three rows above in z. All bodies of a bucket share
-// these candidates, which are collected first, and tested several at a time without a branch.
+// these rows. Up to eight candidates are tested at once, and up to 64 before the first answer is
+// looked at, since what costs time here is branches that cannot be foretold.
 template <class F>
 void hash_grid::pairs_within(const level& l, F&& f) const {
-  constexpr std::uint32_t capacity = 512;
-  struct candidates {
-    real x[capacity + lanes], y[capacity + lanes], z[capacity + lanes], reach[capacity + lanes];
-    std::uint32_t entry[capacity + lanes];
+  using detail::lanes;
+  constexpr std::uint32_t capacity = 64, group = 64 / lanes;
+  std::uint32_t first[capacity];
+  std::uint64_t valid[capacity];
+  std::uint32_t slots = 0;
+  const auto collect = [&](std::uint32_t from, std::uint32_t to) {
+    while (from < to && slots < capacity) {
+      first[slots] = from;
+      valid[slots++] = to - from < lanes ? (1u << (to - from)) - 1 : (1u << lanes) - 1;
+      from += lanes;
+    }
   };
-  alignas(64) candidates c{};
-  alignas(64) real excess[lanes];
-  std::uint32_t hits[lanes];
-
   const std::uint32_t rows[4] = {l.row, l.slab - l.row, l.slab, l.slab + l.row};
   const std::uint32_t* start = starts_.data() + l.bucket;
   for (std::uint32_t b = 0; b < l.buckets; ++b) {
-    const std::uint32_t begin = start[b], own = start[b + 1] - begin;
-    if (own == 0) continue;
-    std::uint32_t n = 0;
-    const auto collect = [&](std::uint32_t first, std::uint32_t last) {
-      for (std::uint32_t k = first; k < last && n < capacity; k += lanes) {
-        for (std::uint32_t q = 0; q < lanes; ++q) c.x[n + q] = x_[k + q];
-        for (std::uint32_t q = 0; q < lanes; ++q) c.y[n + q] = y_[k + q];
-        for (std::uint32_t q = 0; q < lanes; ++q) c.z[n + q] = z_[k + q];
-        for (std::uint32_t q = 0; q < lanes; ++q) c.reach[n + q] = reach_[k + q];
-        for (std::uint32_t q = 0; q < lanes; ++q) c.entry[n + q] = k + q;
-        n += std::min(lanes, last - k);
-      }
-    };
-    buckets(l, b, 2, collect);
+    const std::uint32_t begin = start[b], end = start[b + 1];
+    if (begin == end) continue;
+    slots = 0;
     for (const std::uint32_t r : rows) buckets(l, (b + r - 1) & l.mask, 3, collect);
-    if (n >= capacity) {
+    std::uint32_t rest = end;  // of the own row
+    if (b + 1 < l.buckets)
+      rest = start[b + 2];
+    else
+      collect(start[0], start[1]);
+    if (slots + (rest - begin) / lanes + 1 >= capacity) {
       pairs_of_crowd(l, b, f);
       continue;
     }
-    for (std::uint32_t i = 0; i < own; ++i) {
-      const entry a{c.x[i], c.y[i], c.z[i], c.reach[i]};
-      const std::uint32_t index = index_[begin + i];
-      for (std::uint32_t k = i + 1; k < n; k += lanes) {
-        for (std::uint32_t q = 0; q < lanes; ++q) {
-          const real x = a.x - c.x[k + q], y = a.y - c.y[k + q], z = a.z - c.z[k + q];
-          const real reach = a.reach + c.reach[k + q];
-          excess[q] = x * x + y * y + z * z - reach * reach;
+    const std::uint32_t shared = slots;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      slots = shared;
+      collect(i + 1, rest);
+      const detail::ball a = ball(i);
+      const std::uint32_t index = index_[i];
+      for (std::uint32_t base = 0; base < slots; base += group) {
+        std::uint64_t hits = 0;
+        const std::uint32_t some = std::min(group, slots - base);
+        for (std::uint32_t s = 0; s < some; ++s) {
+          const std::uint32_t k = first[base + s];
+          hits |= (detail::touching(a, &x_[k], &y_[k], &z_[k], &reach_[k]) & valid[base + s])
+                  << (lanes * s);
         }
-        std::uint32_t found = 0;
-        const std::uint32_t count = std::min(lanes, n - k);
-        for (std::uint32_t q = 0; q < lanes; ++q) {
-          hits[found] = k + q;
-          found += (excess[q] <= 0) & (q < count);
+        for (; hits != 0; hits &= hits - 1) {
+          const auto bit = static_cast<std::uint32_t>(std::countr_zero(hits));
+          f(index, index_[first[base + bit / lanes] + bit % lanes]);
         }
-        for (std::uint32_t q = 0; q < found; ++q) f(index, index_[c.entry[hits[q]]]);
       }
     }
   }
@@ -213,7 +213,7 @@ template <class F>
 void hash_grid::pairs_of_crowd(const level& l, std::uint32_t bucket, F&& f) const {
   const std::uint32_t* start = starts_.data() + l.bucket;
   for (std::uint32_t i = start[bucket]; i < start[bucket + 1]; ++i) {
-    const entry a = ball(i);
+    const detail::ball a = ball(i);
     const auto hit = [&](std::uint32_t j) { f(index_[i], index_[j]); };
     const auto all = [&](std::uint32_t first, std::uint32_t last) { scan(a, first, last, hit); };
     scan(a, i + 1, start[bucket + 1], hit);
@@ -224,7 +224,7 @@ void hash_grid::pairs_of_crowd(const level& l, std::uint32_t bucket, F&& f) cons
 }
 
 template <class F>
-void hash_grid::probe(const level& l, const entry& ball, F&& f) const {
+void hash_grid::probe(const level& l, const detail::ball& ball, F&& f) const {
   const real reach = ball.reach + l.largest + l.slack;
   if (!(ball.x - reach <= l.high[0] && ball.x + reach >= l.low[0] && ball.y - reach <= l.high[1] &&
         ball.y + reach >= l.low[1] && ball.z - reach <= l.high[2] && ball.z + reach >= l.low[2]))
@@ -317,8 +317,10 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
         centres.size(), reaches.size());
   const auto n = static_cast<std::uint32_t>(centres.size());
   levels_.clear();
+  using detail::lanes;
   for (auto* v : {&x_, &y_, &z_, &reach_}) v->assign(n + lanes, 0);
-  index_.resize(n);
+  index_.assign(n + lanes, 0);
+  size_ = n;
   bucket_.resize(n);
   if (n == 0) return;
 

@@ -197,26 +197,6 @@ void domain<Decomposition>::disconnect(int rank) {
   connections_.erase(connections_.begin() + (found - connections_.data()));
 }
 
-namespace detail {
-
-/// The connected rank that claims a point, by hand: of several the one with the smallest value
-/// (the innermost region), then the most particular one, then the lowest; -1 if nobody does.
-[[nodiscard]] inline int claimant(std::span<const connection> connections, const vec3& p) {
-  const connection* best = nullptr;
-  real value = 0;
-  for (const connection& c : connections) {
-    if (!c.geometry.owns(p)) continue;
-    const real v = c.geometry.value(p);
-    if (best && (v > value || (v == value && c.geometry.depth() <= best->geometry.depth())))
-      continue;
-    best = &c;
-    value = v;
-  }
-  return best ? best->rank : -1;
-}
-
-}  // namespace detail
-
 template <decomposable Decomposition>
 int domain<Decomposition>::owner(const vec3& p) const {
   if (p != p) return -1;

@@ -74,34 +74,44 @@ struct mpi {
 
     void start(std::span<parcel> parcels) {
       exchange_.start(parcels, sizes::unknown, rank_, size_);
-      requests_.clear();
       send_all(parcels);
     }
     void finish(std::span<parcel> parcels) {
       exchange_.finish(parcels, sizes::unknown, rank_);
-      for (parcel& p : parcels) receive(p.rank, p.in);
-      wait_all();
+      for (parcel& p : parcels) {
+        if (p.rank == rank_)
+          p.in.swap(p.out);
+        else
+          receive(p.rank, p.in);
+      }
+      for (MPI_Request& sent : sends_) wait(sent);
       for (parcel& p : parcels) p.out.clear();
     }
     void start_fixed(std::span<parcel> parcels) {
       exchange_.start(parcels, sizes::fixed, rank_, size_);
-      requests_.clear();
+      receives_.clear();
       for (parcel& p : parcels)
-        BOOST_MPI_CHECK_RESULT(MPI_Irecv, (p.in.data(), count(p.in), MPI_UNSIGNED_CHAR, p.rank,
-                                           tag_, ranks_, &requests_.emplace_back()));
+        if (p.rank != rank_)
+          BOOST_MPI_CHECK_RESULT(MPI_Irecv, (p.in.data(), count(p.in), MPI_UNSIGNED_CHAR, p.rank,
+                                             tag_, ranks_, &receives_.emplace_back()));
       send_all(parcels);
     }
     void finish_fixed(std::span<parcel> parcels) {
       exchange_.finish(parcels, sizes::fixed, rank_);
-      const int result = wait_all();
-      for (std::size_t i = 0; i < parcels.size(); ++i) {  // the receives come first
-        const parcel& p = parcels[i];
-        if (result != MPI_SUCCESS && statuses_[i].MPI_ERROR == MPI_ERR_TRUNCATE)
-          detail::fail_size(rank_, p, {});
+      auto next = receives_.begin();
+      for (parcel& p : parcels) {
+        if (p.rank == rank_) {
+          if (p.in.size() != p.out.size()) detail::fail_size(rank_, p, p.out.size());
+          p.in.swap(p.out);
+          continue;
+        }
+        MPI_Status status;
+        if (wait(*next++, &status) == MPI_ERR_TRUNCATE) detail::fail_size(rank_, p, {});
         int came = 0;
-        MPI_Get_count(&statuses_[i], MPI_UNSIGNED_CHAR, &came);
+        MPI_Get_count(&status, MPI_UNSIGNED_CHAR, &came);
         if (came != std::ssize(p.in)) detail::fail_size(rank_, p, static_cast<std::size_t>(came));
       }
+      for (MPI_Request& sent : sends_) wait(sent);
     }
 
     void barrier() {
@@ -166,10 +176,13 @@ struct mpi {
     }
 
    private:
+    /// But to itself: what comes from there is what was sent there, parcel by parcel.
     void send_all(std::span<const parcel> parcels) {
+      sends_.clear();
       for (const parcel& p : parcels)
-        BOOST_MPI_CHECK_RESULT(MPI_Isend, (p.out.data(), count(p.out), MPI_UNSIGNED_CHAR, p.rank,
-                                           tag_, ranks_, &requests_.emplace_back()));
+        if (p.rank != rank_)
+          BOOST_MPI_CHECK_RESULT(MPI_Isend, (p.out.data(), count(p.out), MPI_UNSIGNED_CHAR, p.rank,
+                                             tag_, ranks_, &sends_.emplace_back()));
     }
     /// The next message of rank `from`, of any size.
     void receive(int from, byte_buffer& data) {
@@ -177,13 +190,12 @@ struct mpi {
       data.resize(static_cast<std::size_t>(message.count<unsigned char>().value()));
       ranks_.recv(from, tag_, bytes(data), count(data));
     }
-    /// Returns MPI_SUCCESS, or MPI_ERR_IN_STATUS if the statuses say what is wrong with messages.
-    int wait_all() {
-      statuses_.resize(requests_.size());
-      const int result =
-          MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), statuses_.data());
-      if (result != MPI_SUCCESS && result != MPI_ERR_IN_STATUS)
-        throw boost::mpi::exception("MPI_Waitall", result);
+    /// Returns MPI_SUCCESS or MPI_ERR_TRUNCATE. (One by one: Open MPI 4.1 may crash in MPI_Waitall
+    /// when one of the messages is too long.)
+    static int wait(MPI_Request& request, MPI_Status* status = MPI_STATUS_IGNORE) {
+      const int result = MPI_Wait(&request, status);
+      if (result != MPI_SUCCESS && result != MPI_ERR_TRUNCATE)
+        throw boost::mpi::exception("MPI_Wait", result);
       return result;
     }
 
@@ -206,8 +218,8 @@ struct mpi {
     int rank_;
     int size_;
     detail::open_exchange exchange_;
-    std::vector<MPI_Request> requests_;
-    std::vector<MPI_Status> statuses_;
+    std::vector<MPI_Request> sends_;
+    std::vector<MPI_Request> receives_;
   };
 
   /// Calls main(link&) on this process. Initialises MPI if the program has not, and then finalises

@@ -56,15 +56,15 @@ struct hexagonal_close_packed {
     return {spacing, spacing * std::sqrt(real(0.75)), spacing * std::sqrt(real(2) / 3)};
   }
   [[nodiscard]] vec3 shift(bool odd_row, bool odd_layer) const {
-    return {odd_row != odd_layer ? spacing / 2 : 0,
-            odd_layer ? spacing / std::sqrt(real(12)) : 0, 0};
+    return {odd_row != odd_layer ? spacing / 2 : 0, odd_layer ? spacing / std::sqrt(real(12)) : 0,
+            0};
   }
 };
 
 namespace detail {
 
-/// Layers `period` apart are alike; site (i, j, k) is at origin + shift(row, layer) + step (i, j, k)
-/// with a shift below a step.
+/// Layers `period` apart are alike; site (i, j, k) is at origin + shift(row, layer) + step (i, j,
+/// k) with a shift below a step.
 template <class Lattice>
 concept lattice = requires(const Lattice l) {
   { Lattice::period } -> std::convertible_to<std::int64_t>;
@@ -103,8 +103,8 @@ class lattice_sites {
     if (limit_)
       detail::fail<std::invalid_argument>(
           "first(n) comes last: write (lattice & region & other).first(n)");
-    return lattice_sites<Lattice, detail::both_regions<Region, Other>>(
-        lattice_, {region_, std::move(other)});
+    return lattice_sites<Lattice, detail::both_regions<Region, Other>>(lattice_,
+                                                                       {region_, std::move(other)});
   }
 
   template <class F>

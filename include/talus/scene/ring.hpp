@@ -82,9 +82,10 @@ struct ring_of {
         most = std::max(most, angle);
       }
     const real middle = std::atan2(-mid_x, mid_y), site_angle = 2 * pi / count;
-    const int from = static_cast<int>(std::floor((middle + least) / site_angle - turn)) - 1;
-    const int to = static_cast<int>(std::ceil((middle + most) / site_angle)) + 1 + (turn < 0);
-    return to - from + 1 >= count ? all : std::pair{from, to};
+    const real from = std::floor((middle + least) / site_angle - std::max(turn, real(0))) - 1;
+    const real to = std::ceil((middle + most) / site_angle - std::min(turn, real(0))) + 1;
+    if (to - from + 1 >= count) return all;
+    return {static_cast<int>(from), static_cast<int>(to)};
   }
 };
 

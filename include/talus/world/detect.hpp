@@ -173,7 +173,13 @@ void prepare_detection(world_state<Scenario>& s) {
     const auto sort = [&](auto& store, std::vector<real>& reach, hash_grid& grid) {
       reach.resize(store.size());
       for (std::size_t i = 0; i < store.size(); ++i) reach[i] = reach_of(store, i, s.dt);
-      grid.build(store.position, reach);
+      try {
+        grid.build(store.position, reach);
+      } catch (const unplaceable& e) {
+        fail<std::runtime_error>("body {:#x} at {} on rank {} cannot be placed in step {}: {}",
+                                 value_of(store.id[e.index]), text(store.position[e.index]),
+                                 s.link->rank(), s.steps, e.what());
+      }
     };
     sort(b.movable, b.reach, b.grid);
     if (b.globals_changed) sort(b.global, b.global_reach, b.global_grid);

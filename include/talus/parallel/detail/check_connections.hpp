@@ -1,7 +1,8 @@
 #pragma once
 // How check_connections finds flaws.
 #include "talus/core/id.hpp"
-#include "talus/parallel/check_connections.hpp"
+#include "talus/parallel/connection.hpp"
+#include "talus/parallel/connection_flaw.hpp"
 
 namespace talus::detail {
 

@@ -199,17 +199,15 @@ void world<Scenario>::synchronize() {
   sections_.require_all_ranks("synchronize", rank());
   if constexpr (!link_type::alone) {
     detail::match_connections(state_);
-    std::uint64_t before = ~std::uint64_t{0};
-    for (;;) {
+    for (int round = 0;; ++round) {
       std::uint64_t passing = detail::migrate(state_);
       state_.link->reduce(reduction::sum, std::span(&passing, 1));
       if (passing == 0) break;
-      if (passing >= before)
+      if (round > ranks())
         detail::fail<std::runtime_error>(
             "{} bodies do not find the way to the rank that owns their centre: check_connections() "
             "says what is missing",
             passing);
-      before = passing;
     }
     // The first round tells every neighbour how far bodies reach, the second one acts on it.
     detail::share_shadow_copies(state_, true);

@@ -1,0 +1,36 @@
+#pragma once
+// What check_connections reports, and how thoroughly it looks.
+#include <cstdint>
+#include <string>
+
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+/// What is wrong between two ranks.
+enum class flaw : std::uint8_t {
+  one_sided,  ///< One rank is connected to the other, but not the reverse.
+  missing,    ///< The regions touch or overlap, but neither rank is connected to the other.
+  mismatch,   ///< The two ranks draw their common boundary differently.
+  gap,        ///< A point that no rank owns.
+  overlap     ///< A point that two ranks own.
+};
+
+/// One flaw, with its ranks, a point where it shows, and a message for the user that names both,
+/// the planes involved and the remedy.
+struct connection_flaw {
+  flaw kind;
+  int rank;
+  int other;
+  vec3 point;
+  std::string message;
+};
+
+struct connection_check {
+  int samples = 200;        ///< Sites sampled for every rank, each with some tens of points.
+  int first = 0;            ///< The ranks whose boundaries are sampled: from `first`...
+  int last = 1 << 30;       ///< ...up to but not including `last`.
+  std::uint64_t seed = 42;  ///< Of the sites.
+};
+
+}  // namespace talus

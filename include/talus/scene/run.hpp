@@ -1,0 +1,102 @@
+#pragma once
+// run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "talus/observe/progress.hpp"
+#include "talus/observe/summary.hpp"
+#include "talus/parallel/detail/launcher.hpp"
+#include "talus/scene/options.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// The program's name without its folders.
+[[nodiscard]] inline std::string program_name(const char* path) {
+  const std::string name = path != nullptr ? path : "talus";
+  return name.substr(name.find_last_of('/') + 1);
+}
+
+/// Throws runtime_error now rather than after hours if the file cannot be written.
+inline void require_writable(const std::string& file) {
+  if (file.empty()) return;
+  if (!std::ofstream(file, std::ios::app))
+    fail<std::runtime_error>(
+        "the file {} cannot be written: give --json a file in a folder that exists and is writable", file);
+}
+
+/// One rank of the program: set-up, steps with progress, figures.
+template <class Scenario, class Options, class SetUp>
+void run_rank(typename Scenario::transport::link& link, const Options& options,
+              const std::string& name, SetUp& set_up) {
+  world<Scenario> w(link);
+  w.solver().iterations = options.iterations;
+  w.seed(options.seed);
+  const bool speaks = link.rank() == 0;
+  if (speaks) require_writable(options.json);
+
+  progress_line progress(speaks && !options.quiet ? stderr : nullptr);
+  w.after_each_step([&] { progress.update(w.steps(), options.steps); });
+  const double cpu = thread_seconds();
+  const auto start = std::chrono::steady_clock::now();
+  set_up(w, options);
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  if (w.steps() == 0) w.synchronize();
+  talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
+  figures.scenario = name;
+  if (!speaks) return;
+  if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
+  if (options.json.empty()) return;
+  std::ofstream file(options.json);
+  file << to_json(figures);
+  if (!file.flush())
+    fail<std::runtime_error>("the results could not be written to {}: is the disk full?", options.json);
+}
+
+}  // namespace detail
+
+/// Runs a scenario as the program was started: serially, with ranks inside the process (--ranks),
+/// or under mpirun, as its transport allows. `set_up(world, options)` fills the world and simulates;
+/// it runs on every rank. Reads the command line (see `options`), shows progress, and reports at
+/// the end. Returns the exit code for main(): errors are printed once, whichever rank they come from.
+template <class Scenario, class Options = options, class SetUp>
+int run(int argc, char** argv, SetUp&& set_up) {
+  const std::string name = detail::program_name(argc > 0 ? argv[0] : nullptr);
+  const bool speaks = detail::find_launcher().rank == 0;
+  try {
+    const Options chosen = parse<Options>(argc, argv);
+    launch_settings settings;
+    settings.argc = &argc;
+    settings.argv = &argv;
+    settings.ranks = chosen.ranks;
+    settings.default_ranks = typename Scenario::decomposition{}.size();
+    settings.report = [&](const std::string& message) {
+      fmt::print(stderr, "{}: {}\n", name, message);
+      std::fflush(stderr);
+    };
+    Scenario::transport::launch(settings, [&](auto& link) {
+      detail::run_rank<Scenario>(link, chosen, name, set_up);
+    });
+    return 0;
+  } catch (const help_requested& help) {
+    if (speaks) std::fputs(help.what(), stdout);
+    return 0;
+  } catch (const usage_error& error) {
+    if (speaks) fmt::print(stderr, "{}: {}\n", name, error.what());
+    return 2;
+  } catch (const aborted&) {  // said by the rank that failed
+    return 1;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", name, error.what());
+    return 1;
+  }
+}
+
+}  // namespace talus

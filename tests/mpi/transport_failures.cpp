@@ -1,0 +1,202 @@
+// ranks: 1
+// timeout: 300
+// A failing job is over within seconds, says one thing and returns an error. The test starts such
+// jobs itself: four processes of this program, each with the name of a case as its argument.
+#define DOCTEST_CONFIG_IMPLEMENT
+#include <sys/wait.h>
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <regex>
+#include <string>
+#include <thread>
+
+#include "../parallel/transport_laws.hpp"
+#include "talus/parallel/as_launched.hpp"
+
+using namespace talus;
+using namespace talus::transport_laws;
+using namespace std::chrono_literals;
+
+namespace {
+
+std::string self;
+
+/// Exchanges with neighbours and all, until the end of time or until `when` throws.
+template <class Link>
+void work(Link& l, const std::function<void(int step)>& when) {
+  auto parcels = parcels_around(l);
+  for (int step = 0;; ++step) {
+    when(step);
+    exchange_unknown(l, parcels, step);
+    exchange_fixed(l, parcels, step);
+  }
+}
+
+template <class Transport>
+void fails_on(const std::vector<int>& ranks, launch_settings how = {}) {
+  Transport::launch(how, [&](auto& l) {
+    work(l, [&](int step) {
+      if (step == 30 && std::ranges::count(ranks, l.rank()))
+        throw std::runtime_error("a body left the domain");
+    });
+  });
+}
+
+const std::map<std::string, std::function<void()>> jobs = {
+    {"one", [] { fails_on<mpi>({2}); }},
+    {"root", [] { fails_on<as_launched>({0}); }},
+    {"two",
+     [] {
+       fails_on<mpi>({1, 3});
+     }},
+    {"all",
+     [] {
+       fails_on<mpi>({0, 1, 2, 3});
+     }},
+    {"all_but_root",
+     [] {
+       fails_on<as_launched>({1, 2, 3});
+     }},
+    {"at_once",
+     [] {
+       mpi::launch(launch_settings{}, [](auto&) { throw std::runtime_error("a body left"); });
+     }},
+    {"root_computes",  // and does not listen
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         if (l.rank() == 0) std::this_thread::sleep_for(60s);
+         throw std::runtime_error("a body left");
+       });
+     }},
+    {"in_collectives",
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         for (int i = 0;; ++i) {
+           if (i == 20 && l.rank() == 1) throw std::runtime_error("a body left");
+           (void)l.gather_all(byte_buffer(100));
+         }
+       });
+     }},
+    {"no_std_exception", [] { mpi::launch(launch_settings{}, [](auto&) { throw 42; }); }},
+    {"too_many_ranks", [] { as_launched::launch(launch_settings{.ranks = 9}, [](auto&) {}); }},
+    {"own_report",
+     [] {
+       fails_on<mpi>({1, 2}, {.report = [](const std::string& m) {
+                       std::fprintf(stderr, "<%s>\n", m.c_str());
+                     }});
+     }},
+    {"own_communicator",
+     [] {
+       const boost::mpi::environment environment;
+       mpi::launch({launch_settings{}, boost::mpi::communicator{}, 7}, [](auto& l) {
+         work(l, [&](int step) {
+           if (step == 9 && l.rank() == 3) throw std::runtime_error("a body left");
+         });
+       });
+     }},
+    {"wrong_size",
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         std::vector<parcel> parcels{{l.rank() ^ 1}};
+         parcels[0].out.resize(l.rank() == 2 ? 80 : 40);
+         parcels[0].in.resize(40);
+         l.start_fixed(parcels);
+         l.finish_fixed(parcels);
+       });
+     }},
+    {"threads", [] { threads::launch({}, [](auto&) { std::fputs("ran\n", stderr); }); }},
+    {"serial", [] { serial::launch({}, [](auto&) { std::fputs("ran\n", stderr); }); }},
+};
+
+struct outcome {
+  std::string text;  // all of stderr
+  int status = -1;
+  double seconds = 0;
+};
+
+outcome run(const std::string& job) {
+  // A clean environment: this test may run under mpirun itself.
+  const std::string command =
+      "env -i PATH=\"$PATH\" HOME=\"${HOME:-/}\" LD_LIBRARY_PATH=\"$LD_LIBRARY_PATH\" "
+      "ASAN_OPTIONS=detect_leaks=0 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+      "OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 "
+      "OMPI_MCA_hwloc_base_binding_policy=none OMPI_MCA_btl_vader_single_copy_mechanism=none "
+      "timeout 50 mpirun -q -n 4 '" +
+      self + "' job " + job + " 2>&1 >/dev/null";
+  outcome result;
+  const auto start = std::chrono::steady_clock::now();
+  FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  for (int c; (c = std::fgetc(pipe)) != EOF;) result.text += static_cast<char>(c);
+  result.status = WEXITSTATUS(pclose(pipe));
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+void check_job(const std::string& job, const std::string& text) {
+  CAPTURE(job);
+  const outcome result = run(job);
+  CHECK_MESSAGE(std::regex_match(result.text, std::regex(text + "\n")), result.text);
+  CHECK(result.status == 1);
+  CHECK(result.seconds < 20);  // one or two, on an idle machine
+}
+
+const std::string left = "error on rank [0-3] of 4: a body left( the domain)?";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  self = argv[0];
+  if (argc == 3 && std::string(argv[1]) == "job") {
+    try {
+      jobs.at(argv[2])();
+    } catch (const aborted&) {
+      return 1;
+    } catch (const std::exception& e) {
+      std::fprintf(stderr, "%s\n", e.what());
+      return 1;
+    }
+    return 0;
+  }
+  return doctest::Context(argc, argv).run();
+}
+
+TEST_CASE("mpi: an error on one rank ends the job with one message") {
+  check_job("one", "error on rank 2 of 4: a body left the domain");
+  check_job("root", "error on rank 0 of 4: a body left the domain");
+  check_job("in_collectives", "error on rank 1 of 4: a body left");
+  check_job("own_communicator", "error on rank 3 of 4: a body left");
+}
+
+TEST_CASE("mpi: errors on several ranks end the job with one message") {
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    check_job("two", left);
+    check_job("all", left);
+    check_job("all_but_root", left);
+    check_job("at_once", left);
+  }
+}
+
+TEST_CASE("mpi: the message needs no help from a rank that computes") {
+  check_job("root_computes", "error on rank [1-3] of 4: a body left");
+}
+
+TEST_CASE("mpi: every kind of error is reported") {
+  check_job("no_std_exception", "error on rank [0-3] of 4: an exception that is no std::exception");
+  check_job("too_many_ranks",
+            "error on rank [0-3] of 4: 9 ranks are asked for, but the program runs on 4 MPI "
+            "processes: start it with mpirun -n 9, or do not ask");
+  check_job("wrong_size",
+            "error on rank 3 of 4: rank 3 expected 40 bytes from rank 2, but more came: .*");
+  check_job("own_report", "<" + left + ">");
+}
+
+TEST_CASE("threads and serial refuse to run several times over, and say so once") {
+  check_job("threads", "mpirun started 4 processes, but .*'threads'.*");
+  check_job("serial", "mpirun started 4 processes, but .*'serial'.*");
+}

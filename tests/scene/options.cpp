@@ -1,0 +1,118 @@
+#include "talus/scene/options.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace talus;
+
+namespace {
+
+struct well_options : talus::options {
+  int spheres = 3000;
+  double damping = 0.9;
+  bool flat = false;
+  well_options() { steps = 6000; }
+  void describe(auto& cli) {
+    options::describe(cli);
+    cli.add("--spheres", spheres, "number of spheres", 0);
+    cli.add("--damping", damping, "part of the velocity kept", 0, 1);
+    cli.add("--flat", flat, "no wall");
+    cli.check([this] {
+      if (flat && spheres > 5000) throw usage_error("--flat holds at most 5000 spheres");
+    });
+  }
+};
+
+template <class Options = options>
+Options parse_words(std::vector<const char*> words) {
+  words.insert(words.begin(), "program");
+  return parse<Options>(static_cast<int>(words.size()), words.data(), {}, "a program");
+}
+
+template <class Options = options>
+std::string refusal(std::vector<const char*> words) {
+  try {
+    parse_words<Options>(words);
+  } catch (const usage_error& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("what is not named has its default") {
+  const auto o = parse_words({});
+  CHECK(o.steps == 1000);
+  CHECK(o.dt == 0.005);
+  CHECK(o.ranks == 0);
+  CHECK(o.iterations == 10);
+  CHECK(o.seed == 1);
+  CHECK(o.json.empty());
+  CHECK(!o.quiet);
+  CHECK(parse_words<well_options>({}).steps == 6000);
+}
+
+TEST_CASE("every option is read") {
+  const auto o =
+      parse_words<well_options>({"--steps", "12", "--dt=0.25", "--ranks", "4", "--iterations", "50",
+                                 "--seed", "18446744073709551615", "--json", "out.json", "--quiet",
+                                 "--spheres", "0", "--damping", "1"});
+  CHECK(o.steps == 12);
+  CHECK(o.dt == 0.25);
+  CHECK(o.ranks == 4);
+  CHECK(o.iterations == 50);
+  CHECK(o.seed == ~std::uint64_t{0});
+  CHECK(o.json == "out.json");
+  CHECK(o.quiet);
+  CHECK(o.spheres == 0);
+  CHECK(o.damping == 1);
+  CHECK(!o.flat);
+}
+
+TEST_CASE("what is not known is refused, with the nearest name") {
+  CHECK(refusal({"--stps", "3"}) ==
+        "'--stps' is not an option of this program; did you mean --steps? see --help");
+  CHECK(refusal({"--step=3"}) ==
+        "'--step=3' is not an option of this program; did you mean --steps? see --help");
+  CHECK(refusal<well_options>({"--sphere", "3"}) ==
+        "'--sphere' is not an option of this program; did you mean --spheres? see --help");
+  CHECK(refusal({"--spheres", "3"}).find("'--spheres' is not an option") == 0);
+  CHECK(refusal({"--colour-of-the-sky"}) ==
+        "'--colour-of-the-sky' is not an option of this program; see --help");
+  CHECK(refusal({"well"}) == "'well' is not an option of this program; see --help");
+  CHECK(refusal({"--hlep"}).find("did you mean --help?") != std::string::npos);
+}
+
+TEST_CASE("values that make no sense are refused") {
+  CHECK(refusal({"--dt", "0"}) == "--dt must be positive, but is 0; see --help");
+  CHECK(refusal({"--dt", "-0.1"}) == "--dt must be positive, but is -0.1; see --help");
+  CHECK(refusal({"--dt", "nan"}) == "--dt: needs a finite number, but is 'nan'; see --help");
+  CHECK(refusal({"--dt", "inf"}) == "--dt: needs a finite number, but is 'inf'; see --help");
+  CHECK(refusal({"--dt", "fast"}) == "--dt: needs a finite number, but is 'fast'; see --help");
+  CHECK(refusal({"--steps", "-1"}) ==
+        "--steps: needs a whole number of at least 0, but is '-1'; see --help");
+  CHECK(refusal({"--steps", "1.5"}).find("--steps: needs a whole number") == 0);
+  CHECK(refusal({"--ranks", "0"}) == "--ranks must be at least 1, but is 0; see --help");
+  CHECK(refusal({"--ranks", "99999999999"}) ==
+        "--ranks: needs a whole number, but is '99999999999'; see --help");
+  CHECK(refusal({"--iterations", "0"}) == "--iterations must be at least 1, but is 0; see --help");
+  CHECK(refusal<well_options>({"--damping", "1.5"}) ==
+        "--damping must be between 0 and 1, but is 1.5; see --help");
+  CHECK(refusal({"--json"}).find("--json") == 0);
+  CHECK(refusal({"--steps", "1", "--steps", "2"}).find("--steps") == 0);
+  CHECK(refusal<well_options>({"--flat", "--spheres", "6000"}) ==
+        "--flat holds at most 5000 spheres");
+}
+
+TEST_CASE("help names the options and their defaults, and is no failure") {
+  std::string help;
+  try {
+    parse_words<well_options>({"--help"});
+  } catch (const help_requested& h) {
+    help = h.what();
+  }
+  for (const char* word : {"a program", "--steps", "6000", "--dt", "0.005", "--ranks", "--spheres",
+                           "number of spheres", "3000", "--help"})
+    CHECK(help.find(word) != std::string::npos);
+  CHECK(help.find("=0 ") == std::string::npos);  // --ranks has no number for a default
+}

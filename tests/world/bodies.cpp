@@ -1,0 +1,107 @@
+// Adding, changing, finding and destroying bodies, and what bad input is told.
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <stdexcept>
+#include <talus/parallel/serial.hpp>
+#include <talus/world/world.hpp>
+
+using namespace talus;
+using alone = scenario<bodies<sphere, box, plane>, transport<serial>,
+                       features<forces, user_ids, visibility, damping>>;
+
+namespace {
+
+constexpr double bad = std::numeric_limits<double>::quiet_NaN();
+
+template <class Error = std::invalid_argument, class F>
+void refused(F&& f, const char* because) {
+  CHECK_THROWS_WITH_AS(f(), doctest::Contains(because), Error);
+}
+
+}  // namespace
+
+TEST_CASE("bad bodies are refused with the value that is wrong") {
+  serial::link link;
+  world<alone> w(link);
+  refused([&] { w.add(body{.shape = sphere{1}}); }, "no material yet");
+  const auto stuff = w.material({});
+  refused([&] { w.add(body{.shape = sphere{0}, .material = stuff}); }, "radius of a sphere must be positive");
+  refused([&] { w.add(body{.shape = sphere{bad}, .material = stuff}); }, "nan");
+  refused([&] { w.add(body{.shape = box{{1, -2, 1}}, .material = stuff}); }, "-2");
+  refused([&] { w.add(body{.shape = sphere{1}, .position = {0, bad, 0}, .material = stuff}); },
+          "the position of a body must be finite");
+  refused([&] { w.add(body{.shape = sphere{1}, .material = stuff, .velocity = {bad, 0, 0}}); },
+          "the velocity of a body must be finite");
+  refused([&] { w.add(body{.shape = sphere{1}, .material = stuff, .orientation = {2, 0, 0, 0}}); },
+          "unit quaternion");
+  refused([&] { w.add(body{.shape = sphere{1}, .material = material_id{9}}); }, "material 9 is unknown");
+  refused([&] { w.material({.density = -1}); }, "density");
+  refused([&] { w.material({.restitution = 1.5}); }, "restitution");
+  refused([&] { w.material({.friction = 0.2, .dynamic_friction = 0.3}); }, "dynamic friction");
+  refused([&] { w.gravity({0, 0, bad}); }, "gravity");
+  refused([&] { w.damping(1.2); }, "damping");
+  refused([&] { w.step(0); }, "time step");
+  refused([&] { w.step(bad); }, "time step");
+  CHECK(w.local_bodies() == 0);
+}
+
+TEST_CASE("bodies carry what the user gave them and do what they are told") {
+  serial::link link;
+  world<alone> w(link);
+  const auto stuff = w.material({.density = 2});
+  const auto h = w.add(body{.shape = sphere{0.5}, .position = {1, 2, 3}, .material = stuff, .user_id = 42});
+  auto b = w[h];
+  CHECK(b.user_id() == 42);
+  CHECK(b.mass() == doctest::Approx(2 * 4 * pi / 3 * 0.125));
+  CHECK_FALSE(b.is_remote());
+  CHECK_FALSE(b.is_global());
+  CHECK(b.is_visible());
+  b.set_visible(false);
+  CHECK_FALSE(b.is_visible());
+  b.translate({1, 0, 0});
+  CHECK(b.position() == vec3(2, 2, 3));
+  b.add_force({b.mass() * 8, 0, 0});
+  w.step(0.5);
+  CHECK(w[h].velocity()[0] == doctest::Approx(4));
+  CHECK(w[h].position()[0] == doctest::Approx(4));
+  w.step(0.5);
+  CHECK(w[h].velocity()[0] == doctest::Approx(4));  // a force lasts one step
+  w[h].fix();
+  w.step(0.5);
+  CHECK(w[h].position()[0] == doctest::Approx(6));
+  w[h].release();
+  w[h].add_torque({0, 0, 1});
+  w.step(0.5);
+  CHECK(w[h].angular_velocity()[2] == doctest::Approx(0.5 / w[h].inertia()[2]));
+  refused([&] { w[h].add_force({bad, 0, 0}); }, "force of body");
+  w.destroy(h);
+  CHECK_FALSE(w.find(h).has_value());
+  refused([&] { w.destroy(h); }, "does not know the sphere");
+}
+
+TEST_CASE("damping keeps its fraction of the velocity per unit of time, whatever the step") {
+  for (const int n : {1, 10, 100}) {
+    serial::link link;
+    world<alone> w(link);
+    const auto stuff = w.material({});
+    w.damping(0.9);
+    const auto h = w.add(body{.shape = sphere{1}, .material = stuff, .velocity = {1, 0, 0}});
+    for (int k = 0; k < n; ++k) w.step(1.0 / n);
+    CHECK(w[h].velocity()[0] == doctest::Approx(0.9).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("overlap queries see bodies, globals and planes, and can leave one out") {
+  serial::link link;
+  world<alone> w(link);
+  const auto stuff = w.material({});
+  w.global([&](auto& scope) { scope.add(plane{}, stuff); });
+  const auto h = w.add(body{.shape = sphere{1}, .position = {0, 0, 5}, .material = stuff});
+  CHECK(w.overlaps(sphere{1}, {1.9, 0, 5}));
+  CHECK_FALSE(w.overlaps(sphere{1}, {2.1, 0, 5}));
+  CHECK_FALSE(w.overlaps(sphere{1}, {0, 0, 5}, {1, 0, 0, 0}, h.id));
+  CHECK(w.overlaps(sphere{1}, {9, 0, 0.5}));
+  CHECK(w.overlaps(box{{1, 1, 1}}, {9, 0, 0.4}));
+  CHECK_FALSE(w.overlaps(box{{1, 1, 1}}, {9, 0, 0.6}));
+}
