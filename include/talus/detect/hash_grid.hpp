@@ -35,7 +35,7 @@ class hash_grid {
   /// contact margin included. Throws unplaceable, which carries the index of the body.
   void build(std::span<const vec3> centres, std::span<const real> reaches);
 
-  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
   /// Memory held, in bytes.
   [[nodiscard]] std::size_t bytes() const {
     return 4 * x_.capacity() * sizeof(real) +
@@ -111,12 +111,18 @@ class hash_grid {
     return {x_[i], y_[i], z_[i], reach_[i]};
   }
 
+  // Calls f(j) for the entries from `first` to `last` that touch a ball.
   template <class F>
   void scan(const detail::ball& a, std::uint32_t first, std::uint32_t last, F&& f) const {
-    for (std::uint32_t j = first; j < last; ++j) {
-      const real x = a.x - x_[j], y = a.y - y_[j], z = a.z - z_[j], reach = a.reach + reach_[j];
-      if (x * x + y * y + z * z <= reach * reach) f(j);
-    }
+    for (std::uint32_t k = first; k < last; k += detail::lanes)
+      for (std::uint32_t hits = touching(a, k, last); hits != 0; hits &= hits - 1)
+        f(k + static_cast<std::uint32_t>(std::countr_zero(hits)));
+  }
+  // Bit q: entry k + q touches the ball, and comes before `last`.
+  [[nodiscard]] std::uint32_t touching(const detail::ball& a, std::uint32_t k,
+                                       std::uint32_t last) const {
+    const std::uint32_t valid = (1u << std::min(last - k, detail::lanes)) - 1;
+    return detail::touching(a, &x_[k], &y_[k], &z_[k], &reach_[k]) & valid;
   }
 
   // Calls f(first, last) for the entries of `count` buckets in a row, which may wrap around.
@@ -142,8 +148,7 @@ class hash_grid {
   void lay_out(level& l);
 
   std::vector<level> levels_;  // coarsest first
-  std::size_t size_ = 0;
-  // Entries, sorted by level and bucket, and a few zeros that may be read but not used.
+  // Entries, sorted by level and bucket; a few more coordinates may be read but are not used.
   std::vector<real> x_, y_, z_, reach_;
   std::vector<std::uint32_t> index_;   // of the body of each entry
   std::vector<std::uint32_t> starts_;  // first entry of each bucket, levels one after the other
@@ -159,14 +164,12 @@ template <class F>
 void hash_grid::pairs_within(const level& l, F&& f) const {
   using detail::lanes;
   constexpr std::uint32_t capacity = 64, group = 64 / lanes;
-  std::uint32_t first[capacity];
-  std::uint64_t valid[capacity];
+  std::uint32_t first[capacity], last[capacity];
   std::uint32_t slots = 0;
   const auto collect = [&](std::uint32_t from, std::uint32_t to) {
-    while (from < to && slots < capacity) {
+    for (; from < to && slots < capacity; from += lanes) {
       first[slots] = from;
-      valid[slots++] = to - from < lanes ? (1u << (to - from)) - 1 : (1u << lanes) - 1;
-      from += lanes;
+      last[slots++] = to;
     }
   };
   const std::uint32_t rows[4] = {l.row, l.slab - l.row, l.slab, l.slab + l.row};
@@ -195,9 +198,8 @@ void hash_grid::pairs_within(const level& l, F&& f) const {
         std::uint64_t hits = 0;
         const std::uint32_t some = std::min(group, slots - base);
         for (std::uint32_t s = 0; s < some; ++s) {
-          const std::uint32_t k = first[base + s];
-          hits |= (detail::touching(a, &x_[k], &y_[k], &z_[k], &reach_[k]) & valid[base + s])
-                  << (lanes * s);
+          const std::uint64_t bits = touching(a, first[base + s], last[base + s]);
+          hits |= bits << (lanes * s);
         }
         for (; hits != 0; hits &= hits - 1) {
           const auto bit = static_cast<std::uint32_t>(std::countr_zero(hits));
@@ -317,10 +319,8 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
         centres.size(), reaches.size());
   const auto n = static_cast<std::uint32_t>(centres.size());
   levels_.clear();
-  using detail::lanes;
-  for (auto* v : {&x_, &y_, &z_, &reach_}) v->assign(n + lanes, 0);
-  index_.assign(n + lanes, 0);
-  size_ = n;
+  for (auto* v : {&x_, &y_, &z_, &reach_}) v->resize(n + detail::lanes);
+  index_.resize(n);
   bucket_.resize(n);
   if (n == 0) return;
 

@@ -24,6 +24,8 @@ struct geometry_group {
 
   friend bool operator==(const geometry_group&, const geometry_group&) = default;
   [[nodiscard]] bool less(const geometry_group& other) const;
+  void add(const half_space& h);
+  void add(geometry_group&& group);
   void settle();
 };
 

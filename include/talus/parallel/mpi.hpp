@@ -19,10 +19,10 @@
 #include <utility>
 #include <vector>
 
-#include "talus/parallel/detail/launcher.hpp"
 #include "talus/parallel/detail/mpi_verdict.hpp"
 #include "talus/parallel/detail/open_exchange.hpp"
 #include "talus/parallel/launch_settings.hpp"
+#include "talus/parallel/launcher.hpp"
 #include "talus/parallel/reduction.hpp"
 
 namespace talus {
@@ -107,9 +107,7 @@ struct mpi {
         }
         MPI_Status status;
         if (wait(*next++, &status) == MPI_ERR_TRUNCATE) detail::fail_size(rank_, p, {});
-        int came = 0;
-        MPI_Get_count(&status, MPI_UNSIGNED_CHAR, &came);
-        if (came != std::ssize(p.in)) detail::fail_size(rank_, p, static_cast<std::size_t>(came));
+        if (size_of(status) != p.in.size()) detail::fail_size(rank_, p, size_of(status));
       }
       for (MPI_Request& sent : sends_) wait(sent);
     }
@@ -166,9 +164,10 @@ struct mpi {
     void reduce(reduction how, std::span<std::uint64_t> values) {
       exchange_.count_collective(rank_);
       if (values.empty()) return;
+      const std::vector<std::uint64_t> mine(values.begin(), values.end());
       const auto with = [&](auto op) {
-        boost::mpi::all_reduce(ranks_, boost::mpi::inplace(values.data()),
-                               static_cast<int>(values.size()), op);
+        boost::mpi::all_reduce(ranks_, mine.data(), static_cast<int>(mine.size()), values.data(),
+                               op);
       };
       if (how == reduction::sum) with(std::plus<std::uint64_t>{});
       if (how == reduction::min) with(boost::mpi::minimum<std::uint64_t>{});
@@ -186,8 +185,8 @@ struct mpi {
     }
     /// The next message of rank `from`, of any size.
     void receive(int from, byte_buffer& data) {
-      const auto message = ranks_.probe(from, tag_);
-      data.resize(static_cast<std::size_t>(message.count<unsigned char>().value()));
+      const MPI_Status message = ranks_.probe(from, tag_);
+      data.resize(size_of(message));
       ranks_.recv(from, tag_, bytes(data), count(data));
     }
     /// Returns MPI_SUCCESS or MPI_ERR_TRUNCATE. (One by one: Open MPI 4.1 may crash in MPI_Waitall
@@ -199,11 +198,18 @@ struct mpi {
       return result;
     }
 
+    static std::size_t size_of(const MPI_Status& status) {
+      int bytes = 0;
+      MPI_Get_count(&status, MPI_UNSIGNED_CHAR, &bytes);
+      return static_cast<std::size_t>(bytes);
+    }
+    /// Never null, which Boost.MPI would dereference for an empty message.
     static const unsigned char* bytes(const byte_buffer& data) {
-      return reinterpret_cast<const unsigned char*>(data.data());
+      static constexpr unsigned char nothing = 0;
+      return data.empty() ? &nothing : reinterpret_cast<const unsigned char*>(data.data());
     }
     static unsigned char* bytes(byte_buffer& data) {
-      return reinterpret_cast<unsigned char*>(data.data());
+      return const_cast<unsigned char*>(bytes(std::as_const(data)));
     }
     static int count(const byte_buffer& data) {
       if (data.size() > INT_MAX)

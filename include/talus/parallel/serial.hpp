@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "talus/parallel/detail/launcher.hpp"
 #include "talus/parallel/detail/open_exchange.hpp"
 #include "talus/parallel/launch_settings.hpp"
+#include "talus/parallel/launcher.hpp"
 #include "talus/parallel/reduction.hpp"
 
 namespace talus {

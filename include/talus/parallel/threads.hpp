@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "talus/parallel/detail/launcher.hpp"
 #include "talus/parallel/detail/open_exchange.hpp"
 #include "talus/parallel/detail/thread_team.hpp"
 #include "talus/parallel/launch_settings.hpp"
+#include "talus/parallel/launcher.hpp"
 #include "talus/parallel/reduction.hpp"
 
 namespace talus {

@@ -1,5 +1,7 @@
 #pragma once
 // solver<...> and integrator<...>: how contact impulses are found, and how motion is stepped.
+#include <type_traits>
+
 #include "talus/core/policy.hpp"
 
 namespace talus {
@@ -43,7 +45,7 @@ struct integrator final {
 /// precision<double>.
 template <class Real>
 struct precision final {
-  static_assert(std::same_as<Real, double>,
+  static_assert(std::is_same_v<Real, double>,
                 "precision<...> takes double so far: write precision<double>");
   using talus_role = roles::precision;
   using type = double;

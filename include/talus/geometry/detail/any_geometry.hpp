@@ -9,44 +9,53 @@ namespace detail {
 inline bool geometry_group::less(const geometry_group& other) const {
   if (all_of != other.all_of) return all_of;
   if (planes != other.planes) return planes < other.planes;
-  return std::ranges::lexicographical_compare(
-      groups, other.groups, [](const auto& a, const auto& b) { return a.less(b); });
+  for (std::size_t i = 0; i < std::min(groups.size(), other.groups.size()); ++i)
+    if (groups[i] != other.groups[i]) return groups[i].less(other.groups[i]);
+  return groups.size() < other.groups.size();
+}
+
+/// Of parallel planes only the tightest counts in an intersection, the widest in a merge.
+inline void geometry_group::add(const half_space& h) {
+  auto at = planes.begin();
+  for (; at != planes.end(); ++at) {
+    if (at->normal() == h.normal()) {
+      if (all_of == (*at < h)) *at = h;
+      return;
+    }
+    if (h < *at) break;
+  }
+  planes.insert(at, h);
+}
+
+inline void geometry_group::add(geometry_group&& group) {
+  auto at = groups.begin();
+  for (; at != groups.end() && !group.less(*at); ++at)
+    if (*at == group) return;
+  groups.insert(at, std::move(group));
 }
 
 inline void geometry_group::settle() {
+  for (const half_space& h : std::exchange(planes, {})) add(h);
   for (auto& group : std::exchange(groups, {})) {
     const std::size_t parts = group.planes.size() + group.groups.size();
-    if (group.all_of == all_of || parts == 1) {
-      planes.insert(planes.end(), group.planes.begin(), group.planes.end());
-      // A part of a lone group is a group of this kind again: its parts join this one.
-      for (auto& inner : group.groups) {
-        if (inner.all_of != all_of) {
-          groups.push_back(std::move(inner));
-          continue;
-        }
-        planes.insert(planes.end(), inner.planes.begin(), inner.planes.end());
-        std::ranges::move(inner.groups, std::back_inserter(groups));
-      }
-    } else if (parts == 0) {  // nothing within an intersection, all of space within a merge
-      *this = group;
+    if (group.all_of != all_of && parts > 1) {
+      add(std::move(group));
+    } else if (group.all_of != all_of && parts == 0) {
+      *this = group;  // nothing, within an intersection; all of space, within a merge
       return;
     } else {
-      groups.push_back(std::move(group));
+      for (const half_space& h : group.planes) add(h);
+      // The part of a lone group is a group of this kind again: its parts join this one.
+      for (auto& inner : group.groups) {
+        if (inner.all_of != all_of) {
+          add(std::move(inner));
+          continue;
+        }
+        for (const half_space& h : inner.planes) add(h);
+        for (auto& deeper : inner.groups) add(std::move(deeper));
+      }
     }
   }
-  // Of parallel planes only the tightest counts in an intersection, the widest in a merge.
-  std::ranges::sort(planes, [](const auto& a, const auto& b) { return a < b; });
-  std::vector<half_space> kept;
-  for (const half_space& h : planes) {
-    if (kept.empty() || kept.back().normal() != h.normal())
-      kept.push_back(h);
-    else if (all_of)
-      kept.back() = h;
-  }
-  planes = std::move(kept);
-  std::ranges::sort(groups, [](const auto& a, const auto& b) { return a.less(b); });
-  const auto repeated = std::ranges::unique(groups);
-  groups.erase(repeated.begin(), repeated.end());
 }
 
 inline void geometry_builder::close() {

@@ -1,0 +1,51 @@
+#pragma once
+// Was this process started by mpirun (or its like), seen from the environment alone: MPI need not
+// be linked, let alone initialised.
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "talus/core/error.hpp"
+
+namespace talus::detail {
+
+struct launcher {
+  int size = 0;  ///< processes in the job; 0: started without a launcher
+  int rank = 0;
+};
+
+[[nodiscard]] inline launcher find_launcher() {
+  // SLURM_PROCID says nothing: a batch script that no srun has multiplied has it as well.
+  constexpr const char* names[][2] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
+                                      {"PMI_SIZE", "PMI_RANK"},
+                                      {"MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"},
+                                      {"SLURM_STEP_NUM_TASKS", "SLURM_PROCID"},
+                                      {nullptr, "PMIX_RANK"},
+                                      {nullptr, "PMI_RANK"}};
+  for (const auto& [size_name, rank_name] : names) {
+    const char* size = size_name ? std::getenv(size_name) : nullptr;
+    const char* rank = std::getenv(rank_name);
+    if (!rank || (size_name && !size)) continue;
+    const int r = std::max(0, std::atoi(rank));
+    return {size ? std::max(1, std::atoi(size)) : r + 1, r};
+  }
+  return {};
+}
+
+/// Throws if this is one of several processes of a job whose transport does not connect them.
+inline void refuse_launcher(const char* transport) {
+  const launcher job = find_launcher();
+  if (job.size <= 1) return;
+  if (job.rank > 0) {  // the first process says it for all, and its end is the end of the job
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    throw aborted{};
+  }
+  fail<std::runtime_error>(
+      "mpirun started {} processes, but this program was built with the transport '{}', which does "
+      "not connect them: each would simulate everything. Include \"talus/mpi.hpp\" and choose the "
+      "transport mpi or as_launched, or start the program without mpirun",
+      job.size, transport);
+}
+
+}  // namespace talus::detail
