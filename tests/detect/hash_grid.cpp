@@ -227,8 +227,8 @@ TEST_CASE("similar sizes share one level, very different ones do not") {
   CHECK(grid_of(c).levels() == 1);
   c.add({0, 0, 0}, 3);
   CHECK(grid_of(c).levels() == 2);
-  for (int i = 0; i < 100; ++i) c.add(random.point(100), 3);
-  for (int i = 0; i < 100; ++i) c.add(random.point(1000), 300);
+  for (int i = 0; i < 1000; ++i) c.add(random.point(100), 3);
+  for (int i = 0; i < 1000; ++i) c.add(random.point(9000), 300);
   CHECK(grid_of(c).levels() == 3);
 }
 

@@ -134,3 +134,39 @@ TEST_CASE("bodies made before the connections are handed over by synchronize") {
     CHECK(w.local_bodies() == (link.rank() == 0 ? 3 : 8));
   });
 }
+
+TEST_CASE("a one-sided connection is named on all ranks instead of hanging the first exchange") {
+  using free_form = scenario<bodies<sphere>, transport<threads>, decomposition<by_hand>>;
+  for (const bool step : {false, true})
+    CHECK_THROWS_WITH_AS(
+        threads::launch({.ranks = 3},
+                        [&](threads::link& link) {
+                          world<free_form> w(link);
+                          w.exclusive(2, [&] { w.connect(0, vec3(-1, 0, 0), 0.0); });
+                          step ? w.step(0.1) : w.synchronize();
+                        }),
+        doctest::Contains("rank 2 is connected to rank 0, but rank 0 is not connected to rank 2"),
+        std::runtime_error);
+}
+
+TEST_CASE("connections changed between steps want a synchronize, and then carry bodies") {
+  using free_form = scenario<bodies<sphere>, transport<threads>, decomposition<by_hand>>;
+  threads::launch({.ranks = 2}, [&](threads::link& link) {
+    world<free_form> w(link);
+    const auto stuff = w.material({});
+    w.exclusive(0, [&] {
+      w.add(body{.shape = sphere{0.5}, .position = {-2, 0, 0}, .material = stuff});
+      w.add(body{.shape = sphere{0.5}, .position = {2, 0, 0}, .material = stuff});
+    });
+    w.step(0.1);
+    CHECK(w.local_bodies() == (link.rank() == 0 ? 2 : 0));
+    if (link.rank() == 0)
+      w.connect(1, 1.0, 0.0, 0.0, 0.0);
+    else
+      w.connect(0, -1.0, 0.0, 0.0, 0.0);
+    CHECK_THROWS_WITH_AS(w.step(0.1), doctest::Contains("call synchronize()"), std::runtime_error);
+    w.synchronize();
+    CHECK(w.local_bodies() == 1);
+    CHECK_NOTHROW(w.step(0.1));
+  });
+}

@@ -74,10 +74,16 @@ class contact_list {
   }
 
   void sweep_forward(solver_state& s) {
-    for (Contact& c : interior_) c.apply(s, c.relax(s));
+    const std::size_t part = interior_.size() / streams;
+    for (std::size_t i = 0; i < part; ++i)
+      for (std::size_t k = 0; k < streams; ++k) sweep_one(s, k * part + i);
+    for (std::size_t i = streams * part; i < interior_.size(); ++i) sweep_one(s, i);
   }
   void sweep_backward(solver_state& s) {
-    for (auto c = interior_.rbegin(); c != interior_.rend(); ++c) c->apply(s, c->relax(s));
+    const std::size_t part = interior_.size() / streams;
+    for (std::size_t i = interior_.size(); i-- > streams * part;) sweep_one(s, i);
+    for (std::size_t i = part; i-- > 0;)
+      for (std::size_t k = streams; k-- > 0;) sweep_one(s, k * part + i);
   }
   /// Solves all boundary contacts from one and the same state; the changes are applied later.
   void relax_boundary(const solver_state& s) {
@@ -104,6 +110,15 @@ class contact_list {
   }
 
  private:
+  /// Sweeps run through this many parts of the list side by side. Contacts that follow each other
+  /// in the list share a body, so that each would wait for the one before; contacts far apart do
+  /// not, and the processor works on several at once.
+  static constexpr std::size_t streams = 4;
+
+  void sweep_one(solver_state& s, std::size_t i) {
+    Contact& c = interior_[i];
+    c.apply(s, c.relax(s));
+  }
   void apply_own(solver_state& s, std::size_t i, const typename Contact::change& d) const {
     if (owns_a_[i])
       boundary_[i].apply_to_a(s, d);

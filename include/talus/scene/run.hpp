@@ -9,7 +9,7 @@
 
 #include "talus/observe/progress.hpp"
 #include "talus/observe/summary.hpp"
-#include "talus/parallel/detail/launcher.hpp"
+#include "talus/parallel/launcher.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/world/world.hpp"
 

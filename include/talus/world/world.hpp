@@ -59,8 +59,13 @@ class world {
   template <class... Args>
   void connect(int rank, Args&&... args) {
     state_.own.connect(rank, std::forward<Args>(args)...);
+    rewired_ = true;
   }
-  void disconnect(int rank) { state_.own.disconnect(rank); }
+  /// Removes the connection to a rank; both ranks do so before the next synchronize() or step.
+  void disconnect(int rank) {
+    state_.own.disconnect(rank);
+    rewired_ = true;
+  }
   [[nodiscard]] std::span<const connection> connections() const { return state_.own.connections(); }
   /// Collective: throws runtime_error, alike on all ranks, if connections are missing, one-sided,
   /// or if domains leave a gap or overlap; the message lists what was found.
@@ -259,6 +264,7 @@ class world {
           "the world has no material yet: make one with world.material(...) before adding bodies");
     (void)state_.materials[b.material];
   }
+  void require_two_sided_connections();
   template <class Shape>
   void write(detail::body_store<Shape, typename Scenario::features>& store, std::size_t i,
              const body<Shape>& b, system_id id, bool fixed);
@@ -278,6 +284,7 @@ class world {
   detail::world_state<Scenario> state_;
   detail::open_sections sections_;
   bool synchronized_ = false;
+  bool rewired_ = false;  ///< connections were changed by hand since the last synchronize()
   std::uint64_t seed_ = 0;
   std::uint64_t fills_ = 0;
   std::uint64_t attempts_ = 0;

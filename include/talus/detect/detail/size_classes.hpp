@@ -49,10 +49,9 @@ class size_classes {
   [[nodiscard]] unsigned bin_of(real r) const { return std::min(top_ - key(r), bins - 1); }
 
   // Cheapest partition of the occupied bins into runs (dynamic programming over the run's end).
-  // In units of one distance test (they go eight at a time), with bodies packed as densely as their
-  // mean reach allows: a body tests half of the 27 cells of its own level, and for every coarser
-  // level it finds some rows of cells, worth about 120 tests as measured, and tests what about 10
-  // cells hold.
+  // In units of one distance test (they go eight at a time): a body tests half of the 27 cells of
+  // its own level, where bodies of its own bin may lie packed; and for every coarser level it finds
+  // some rows of cells, worth about 200 tests as measured, and tests what about 10 cells hold.
   void merge(const std::array<bin, bins>& all) {
     std::array<unsigned, bins> used;
     unsigned n = 0;
@@ -66,15 +65,15 @@ class size_classes {
     best.fill(std::numeric_limits<real>::infinity());
     best[0] = 0;
     for (unsigned first = 0; first < n; ++first) {
-      bin run;
-      run.largest = all[used[first]].largest;
+      real count = 0, own = 0, probed = 0;
       for (unsigned last = first; last < n; ++last) {
-        run.count += all[used[last]].count;
-        run.sum += all[used[last]].sum;
-        const real ratio = run.sum > 0 ? run.largest * run.count / run.sum : 1;
-        const real packed = ratio * ratio * ratio;
-        const real cost = best[first] + run.count * std::min(run.count, real(13.5) * packed) +
-                          finer[last + 1] * (120 + std::min(run.count, 10 * packed));
+        const bin& b = all[used[last]];
+        const real ratio = all[used[first]].largest * b.count / b.sum;
+        const real packed = ratio * ratio * ratio;  // bodies in a cell; not a number for points
+        count += b.count;
+        own += b.count * std::min(b.count, real(13.5) * packed);
+        probed += b.count * std::min(b.count, 10 * packed);
+        const real cost = best[first] + own + finer[last + 1] * (200 + probed / count);
         if (cost < best[last + 1]) {
           best[last + 1] = cost;
           from[last + 1] = first;

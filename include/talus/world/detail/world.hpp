@@ -7,20 +7,35 @@ namespace talus {
 template <class Scenario>
 void world<Scenario>::check_connections() {
   sections_.require_all_ranks("check_connections", rank());
+  require_two_sided_connections();
+  talus::check_connections(
+      state_.own, [&](const detail::byte_buffer& mine) { return state_.link->gather_all(mine); });
+}
+
+/// Throws alike on all ranks if a rank is connected to one that is not connected to it: the two
+/// would wait for each other for ever. Costs one reduction where nothing was connected by hand.
+template <class Scenario>
+void world<Scenario>::require_two_sided_connections() {
+  std::uint64_t rewired = rewired_;
+  state_.link->reduce(reduction::max, std::span(&rewired, 1));
+  rewired_ = false;
+  if (rewired == 0) return;
+  std::vector<int> ranks;
+  for (const connection& c : connections()) ranks.push_back(c.rank);
   detail::byte_buffer mine;
-  detail::byte_writer out(mine);
-  out.put(static_cast<std::uint64_t>(connections().size()));
-  for (const connection& c : connections()) c.write(out);
-  std::vector<std::vector<connection>> all;
-  for (const auto& bytes : state_.link->gather_all(mine)) {
-    detail::byte_reader in(bytes);
-    auto& list = all.emplace_back();
-    for (auto n = in.get<std::uint64_t>(); n > 0; --n) list.push_back(connection::read(in));
-  }
-  std::string text;
-  for (const auto& finding : talus::check_connections(all)) text += "\n  " + finding.message;
-  if (!text.empty())
-    throw std::runtime_error("the connections between the ranks do not fit together:" + text);
+  detail::byte_writer(mine).put(std::span<const int>(ranks));
+  std::vector<std::vector<int>> all;
+  for (const auto& bytes : state_.link->gather_all(mine))
+    all.push_back(detail::byte_reader(bytes).get_all<int>());
+  for (std::size_t a = 0; a < all.size(); ++a)
+    for (const int b : all[a]) {
+      const auto& back = all[static_cast<std::size_t>(b)];
+      if (std::find(back.begin(), back.end(), static_cast<int>(a)) == back.end())
+        detail::fail<std::runtime_error>(
+            "rank {} is connected to rank {}, but rank {} is not connected to rank {}: call connect on "
+            "both sides, each with the region of the other",
+            a, b, b, a);
+    }
 }
 
 template <class Scenario>
@@ -198,6 +213,7 @@ template <class Scenario>
 void world<Scenario>::synchronize() {
   sections_.require_all_ranks("synchronize", rank());
   if constexpr (!link_type::alone) {
+    require_two_sided_connections();
     detail::match_connections(state_);
     for (int round = 0;; ++round) {
       std::uint64_t passing = detail::migrate(state_);
@@ -225,6 +241,10 @@ void world<Scenario>::step(real dt) {
         "step was called inside a global section on rank {}: close the section first", rank());
   detail::require_positive(dt, "the time step dt");
   if (!synchronized_) synchronize();
+  if (rewired_)
+    detail::fail<std::runtime_error>(
+        "rank {} changed its connections and then called step: call synchronize() on all ranks first",
+        rank());
   const traffic before = state_.link->counters();
   detail::step(state_, dt);
   const traffic sent = state_.link->counters() - before;

@@ -1,0 +1,22 @@
+add_test(NAME example_well_same_start
+         COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:example_well> -DMPIEXEC=${MPIEXEC_EXECUTABLE}
+                 -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/well
+                 -P ${CMAKE_CURRENT_SOURCE_DIR}/well/same_start.cmake)
+set_tests_properties(example_well_same_start PROPERTIES TIMEOUT 120 PROCESSORS 2 LABELS example
+                                                        ENVIRONMENT "${TALUS_MPI_ENVIRONMENT}")
+
+# A shorter fall of fewer spheres, on each transport.
+set(falls --spheres 400 --steps 2500 --quiet)
+set(rests "bodies EQUAL 600" "penetration_mean LESS 1e-4" "penetration_max LESS 1e-2"
+          "kinetic_energy LESS 100" "collectives_per_step EQUAL 0")
+add_example_test(alone ARGS ${falls} CHECK ${rests} "transport STREQUAL serial")
+add_example_test(threads ARGS ${falls} --ranks 4
+                 CHECK ${rests} "transport STREQUAL threads" "messages_per_step_max LESS 60")
+add_example_test(mpi RANKS 4 ARGS ${falls}
+                 CHECK ${rests} "transport STREQUAL mpi" "messages_per_step_max LESS 60")
+
+# The whole job: the resting pile is still and hardly overlaps.
+add_example_test(whole LONG ARGS --quiet
+                 CHECK "bodies EQUAL 3200" "penetration_mean LESS 1e-4" "kinetic_energy LESS 160")
+add_example_test(whole_threads LONG ARGS --quiet --ranks 4
+                 CHECK "bodies EQUAL 3200" "penetration_mean LESS 1e-4" "kinetic_energy LESS 160")
