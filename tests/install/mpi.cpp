@@ -1,9 +1,11 @@
-#include <boost/mpi.hpp>
+#include <talus/mpi.hpp>
 
-#include <talus/core/math.hpp>
+using scene = talus::scenario<talus::bodies<talus::sphere>, talus::transport<talus::mpi>>;
 
 int main(int argc, char** argv) {
-  boost::mpi::environment environment(argc, argv);
-  const boost::mpi::communicator world;
-  return world.size() == 1 && talus::vec3(3, 4, 0).norm() == 5 ? 0 : 1;
+  [[maybe_unused]] const scene checked;
+  int ranks = 0;
+  talus::launch_settings how{.argc = &argc, .argv = &argv};
+  talus::mpi::launch(how, [&](auto& link) { ranks = link.size(); });
+  return ranks == 1 ? 0 : 1;
 }

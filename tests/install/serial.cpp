@@ -1,10 +1,10 @@
-#include <talus/core/bytes.hpp>
-#include <talus/core/error.hpp>
+#include <talus/talus.hpp>
+
+using scene = talus::scenario<talus::bodies<talus::sphere>>;
 
 int main() {
-  talus::detail::byte_buffer buffer;
-  talus::detail::byte_writer(buffer).put(talus::vec3(1, 2, 3));
-  const auto copy = talus::detail::byte_reader(buffer).get<talus::vec3>();
-  fmt::print("{}\n", talus::detail::text(copy));
-  return copy == talus::vec3(1, 2, 3) ? 0 : 1;
+  [[maybe_unused]] const scene checked;
+  const talus::sphere ball{.radius = 2};
+  fmt::print("a ball of radius {} has the volume {}\n", ball.radius, ball.volume());
+  return ball.volume() > 33.5 && ball.volume() < 33.6 ? 0 : 1;
 }

@@ -170,3 +170,31 @@ TEST_CASE("connections changed between steps want a synchronize, and then carry 
     CHECK_NOTHROW(w.step(0.1));
   });
 }
+
+TEST_CASE("a decomposition without its extents is named before any body exists, and decompose() cures it") {
+  using cells = scenario<bodies<sphere, plane>, transport<threads>, decomposition<grid<dynamic, dynamic>>>;
+  threads::launch({.ranks = 9}, [&](threads::link& link) {
+    world<cells> w(link);
+    const auto stuff = w.material({});
+    const auto refused = [](auto&& f) {
+      CHECK_THROWS_WITH_AS(f(), doctest::Contains("world.decompose(...) takes them"), std::invalid_argument);
+    };
+    refused([&] { w.add(body{.shape = sphere{1}, .material = stuff}); });
+    refused([&] { (void)w.contains({0, 0, 0}); });
+    refused([&] { w.synchronize(); });
+    refused([&] { w.step(0.1); });
+    w.decompose({.lower = {-1, -1}, .upper = {1, 1}});
+    w.add_if_local(body{.shape = sphere{1}, .material = stuff});
+    CHECK_NOTHROW(w.step(0.1));
+    CHECK(w.local_bodies() == (link.rank() == 4 ? 1 : 0));
+  });
+}
+
+TEST_CASE("a decomposition for another number of ranks is refused with both numbers") {
+  using four = scenario<bodies<sphere>, transport<threads>, decomposition<grid<2, 2>>>;
+  threads::launch({.ranks = 3}, [&](threads::link& link) {
+    const auto make = [&] { world<four> w(link, {}); };
+    CHECK_THROWS_WITH_AS(make(), doctest::Contains("4"), std::invalid_argument);
+    CHECK_THROWS_WITH_AS(make(), doctest::Contains("3"), std::invalid_argument);
+  });
+}

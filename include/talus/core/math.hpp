@@ -2,6 +2,8 @@
 // Scalars, vectors and rotations: one spelling of Eigen's types for the whole library.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 namespace talus {
 
@@ -36,6 +38,15 @@ struct pose {
     return orientation.conjugate() * (world - position);
   }
 };
+
+/// `v` at length one, however long or short it is; the zero vector stays.
+[[nodiscard]] inline vec3 unit(const vec3& v) {
+  const real largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
+  if (!(largest > 0)) return v;
+  const real x = v[0] / largest, y = v[1] / largest, z = v[2] / largest;
+  const real length = std::sqrt(x * x + (y * y + z * z)) * largest;
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
 
 /// Rotation by `angle` (radians) about `axis` (any length but zero).
 [[nodiscard]] inline quat rotation(const vec3& axis, real angle) {

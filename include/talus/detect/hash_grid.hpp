@@ -255,13 +255,13 @@ inline void hash_grid::check(std::span<const vec3> centres, std::span<const real
     const real r = reaches[i];
     if (!centres[i].allFinite())
       throw unplaceable(i,
-                        fmt::format("the centre {} is not finite: the motion has diverged; use a "
+                        detail::compose("the centre {} is not finite: the motion has diverged; use a "
                                     "smaller time step or check forces and velocities",
                                     detail::text(centres[i])));
     if (!(r >= 0) || !std::isfinite(r))
-      throw unplaceable(i, fmt::format("the reach {} is not a finite length", r));
+      throw unplaceable(i, detail::compose("the reach {} is not a finite length", r));
     if (r > 0 && centres[i].cwiseAbs().maxCoeff() > limit * r)
-      throw unplaceable(i, fmt::format("the centre {} is so far out that a size of {} is lost in "
+      throw unplaceable(i, detail::compose("the centre {} is so far out that a size of {} is lost in "
                                        "rounding; remove bodies that leave the scene",
                                        detail::text(centres[i]), r));
   }

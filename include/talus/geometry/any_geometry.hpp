@@ -80,7 +80,8 @@ class any_geometry {
   [[nodiscard]] bool owns(const vec3& p) const {
     const auto inside = [&](const half_space& h) { return h.owns(p); };
     if (!program_.empty()) return run_owns(p);
-    return all_of_ ? std::ranges::all_of(planes_, inside) : std::ranges::any_of(planes_, inside);
+    const auto first = planes_.begin(), last = planes_.end();
+    return all_of_ ? std::all_of(first, last, inside) : std::any_of(first, last, inside);
   }
 
   /// All half-spaces in the region, in canonical order.

@@ -125,10 +125,10 @@ class half_space {
     if (n[i] == 0) continue;
     const real size = detail::magnitude(n[i]);
     text += text.empty() ? (n[i] < 0 ? "-" : "") : (n[i] < 0 ? " - " : " + ");
-    if (size != 1) text += fmt::format("{} ", size);
+    if (size != 1) text += detail::text(size) + " ";
     text += "xyz"[i];
   }
-  return text + fmt::format(" >= {}", h.displacement());
+  return text + " >= " + detail::text(h.displacement());
 }
 
 }  // namespace talus

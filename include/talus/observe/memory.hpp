@@ -22,6 +22,7 @@ template <class Scenario>
   s.each_contact_list([&](const auto& list) { bytes += list.bytes(); });
   of(s.solver.bodies);
   of(s.solver.shift);
+  of(s.solver.turn);
   of(s.solver.tensors);
   of(s.solver.boundary_contacts);
   return bytes + s.history.bytes();

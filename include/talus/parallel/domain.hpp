@@ -1,5 +1,7 @@
 #pragma once
 // The part of space that one rank owns, and its connections to the ranks around it.
+#include <algorithm>
+#include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -37,6 +39,9 @@ class domain {
       generated_ = true;
     }
   }
+
+  /// A domain before the decomposition is known: no connections, and all of space.
+  [[nodiscard]] static domain undivided(int rank, int ranks) { return domain(rank, ranks); }
 
   [[nodiscard]] int rank() const { return rank_; }
   [[nodiscard]] int ranks() const { return ranks_; }
@@ -89,7 +94,7 @@ class domain {
     }
     for (const connection& c : connections_)
       if (c.geometry.owns(p)) return false;
-    return p == p;  // nobody owns NaN
+    return !detail::has_nan(p);  // nobody owns NaN
   }
   /// The owner of a point as far as this rank can tell: itself, a connected rank, or -1 if the
   /// point belongs to a rank that this one is not connected to.
@@ -132,6 +137,8 @@ class domain {
   }
 
  private:
+  domain(int rank, int ranks) : rank_(rank), ranks_(ranks) {}
+
   template <class D>
   static auto cells_of(const D& d) -> decltype(d.resolve(1));
   using cells_type = decltype(cells_of(std::declval<const Decomposition&>()));
@@ -149,7 +156,8 @@ class domain {
   };
 
   [[nodiscard]] auto position(int rank) const {
-    return std::ranges::lower_bound(connections_, rank, {}, &connection::rank);
+    return std::lower_bound(connections_.begin(), connections_.end(), rank,
+                            [](const connection& c, int r) { return c.rank < r; });
   }
 
   int rank_;
@@ -199,7 +207,7 @@ void domain<Decomposition>::disconnect(int rank) {
 
 template <decomposable Decomposition>
 int domain<Decomposition>::owner(const vec3& p) const {
-  if (p != p) return -1;
+  if (detail::has_nan(p)) return -1;
   if constexpr (generating<Decomposition>)
     if (cells_) {
       const int owner = cells_->owner(p);

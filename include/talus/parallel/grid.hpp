@@ -1,5 +1,6 @@
 #pragma once
 // Cells of a grid parallel to the axes: the decomposition for most scenes.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -25,7 +26,7 @@ class grid_cells {
   [[nodiscard]] const cuts_type& cuts() const { return cuts_; }
 
   [[nodiscard]] int owner(const vec3& p) const {
-    if (p != p) return -1;
+    if (detail::has_nan(p)) return -1;
     return index(0, p[0]) + n_[0] * (index(1, p[1]) + n_[1] * index(2, p[2]));
   }
 
@@ -67,8 +68,12 @@ class grid_cells {
     std::array<real, 3> lower, upper;
 
     [[nodiscard]] bool contains(const vec3& p) const {
-      return (p[0] >= lower[0]) & (p[0] < upper[0]) & (p[1] >= lower[1]) & (p[1] < upper[1]) &
-             (p[2] >= lower[2]) & (p[2] < upper[2]);
+      const auto inside = [&](int i) {
+        const real x = p[i], from = lower[i], to = upper[i];
+        return (x >= from) & (x < to);
+      };
+      const bool x = inside(0), y = inside(1), z = inside(2);
+      return x & y & z;  // all at once, without branches
     }
     /// Distance to the nearest other cell; negative outside.
     [[nodiscard]] real interior_distance(const vec3& p) const {
@@ -89,7 +94,7 @@ class grid_cells {
  private:
   [[nodiscard]] int index(int axis, real x) const {
     const auto& cuts = cuts_[axis];
-    return static_cast<int>(std::ranges::upper_bound(cuts, x) - cuts.begin());
+    return static_cast<int>(std::upper_bound(cuts.begin(), cuts.end(), x) - cuts.begin());
   }
   [[nodiscard]] std::array<int, 3> position(int rank) const {
     if (rank < 0 || rank >= size())
@@ -255,7 +260,7 @@ struct grid {
         detail::fail<std::invalid_argument>(
             "the cuts of the grid along {} must be finite and strictly increasing, but cut {} is "
             "{}{}; sort them and remove repetitions",
-            name, k, result[k], k > 0 ? fmt::format(" after {}", result[k - 1]) : std::string());
+            name, k, result[k], k > 0 ? detail::compose(" after {}", result[k - 1]) : std::string());
     return result;
   }
 };

@@ -1,10 +1,10 @@
 #pragma once
 // Was this process started by mpirun (or its like), seen from the environment alone: MPI need not
 // be linked, let alone initialised.
+#include <unistd.h>
+
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
-#include <thread>
 
 #include "talus/core/error.hpp"
 
@@ -38,7 +38,7 @@ inline void refuse_launcher(const char* transport) {
   const launcher job = find_launcher();
   if (job.size <= 1) return;
   if (job.rank > 0) {  // the first process says it for all, and its end is the end of the job
-    std::this_thread::sleep_for(std::chrono::seconds(2));
+    ::sleep(2);
     throw aborted{};
   }
   fail<std::runtime_error>(

@@ -252,7 +252,7 @@ struct mpi {
     detail::mpi_verdict verdict(ranks);
     const auto end_with = [&](const char* error) {
       if (!verdict.first()) verdict.wait_for_the_end();
-      how.report(fmt::format("error on rank {} of {}: {}", ranks.rank(), ranks.size(), error));
+      how.report(detail::compose("error on rank {} of {}: {}", ranks.rank(), ranks.size(), error));
       verdict.end();
     };
     try {

@@ -146,7 +146,7 @@ struct threads {
       run(0);
     } catch (const std::system_error& e) {  // run() itself lets nothing out
       team.end_with(std::make_exception_ptr(std::runtime_error(
-          fmt::format("{} ranks are asked for, but the system gave only {} threads ({}); ask for "
+          detail::compose("{} ranks are asked for, but the system gave only {} threads ({}); ask for "
                       "fewer, or raise its limit on threads",
                       ranks, others.size() + 1, e.what()))));
     }

@@ -1,5 +1,6 @@
 #pragma once
 // The contacts of one kind on this rank, and what is done with them.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -66,7 +67,7 @@ class contact_list {
   }
   void weigh_boundary(const solver_state& s) {
     for (Contact& c : boundary_)
-      c.weigh(s, s.boundary_contacts[c.a], s.boundary_contacts[c.b]);
+      c.weigh(s, std::max(1u, s.boundary_contacts[c.a]), std::max(1u, s.boundary_contacts[c.b]));
   }
   void apply_remembered(solver_state& s) const {
     for (const Contact& c : interior_) c.apply(s, c.whole());

@@ -39,8 +39,9 @@ namespace talus::detail {
   state r = at(0);
   if (r.n >= 0 && excess(r) <= 0) return {r.n, r.t1, r.t2};  // sticks
 
-  real low = 0, high = s11 + s22;
-  while (excess(r = at(high)) > 0 && high < 1e12 * (s11 + s22)) low = high, high *= 4;
+  // Where lambda is large, r_t = -c / lambda and r_n = -b_n / W_nn.
+  real low = 0, high = std::max(s11 + s22, -std::hypot(c1, c2) * wn / (mu * b[0]));
+  while (excess(r = at(high)) > 0 && high < 1e150 * wn) low = high, high *= 4;
   real lambda = high;
   for (int i = 0; i < 60; ++i) {
     const real length = std::hypot(r.t1, r.t2), g = length - mu * r.n;
@@ -56,8 +57,10 @@ namespace talus::detail {
     lambda = next;
     r = at(lambda);
   }
-  // Put the impulse on the cone to the last bit that matters.
-  const real n = std::max(r.n, real{0}), length = std::hypot(r.t1, r.t2);
+  // Put the impulse on the cone to the last bit that matters, by the component known better.
+  const real length = std::hypot(r.t1, r.t2);
+  if (mu > 1) return {length / mu, r.t1, r.t2};
+  const real n = std::max(r.n, real{0});
   const real scale = length > mu * n && length > 0 ? mu * n / length : 1;
   return {n, scale * r.t1, scale * r.t2};
 }

@@ -13,24 +13,24 @@ namespace talus::detail {
 enum class contact_side { scalar, tensor, immovable };
 
 /// The general contact: Delassus block in the frame (normal, tangent, tangent), solved exactly for
-/// the Coulomb cone. Velocities are those of a relative to b, impulses act on a.
+/// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a relative to b, impulses act on a.
 template <class Law, contact_side A, contact_side B>
 struct general_contact {
   static constexpr bool paired = B != contact_side::immovable;
+  static constexpr int rows = Law::friction ? 3 : 1;
+  using change = Eigen::Matrix<real, rows, 1>;  ///< impulse in the frame
 
   std::int32_t a = 0;
   std::int32_t b = -1;
-  mat3 frame = mat3::Identity();  ///< rows: normal from b to a, two tangents
-  vec3 arm_a{0, 0, 0};            ///< from the centre of mass to the contact point
+  Eigen::Matrix<real, rows, 3> frame;  ///< rows: normal from b to a, two tangents
+  vec3 arm_a{0, 0, 0};                 ///< from the centre of mass to the contact point
   vec3 arm_b{0, 0, 0};
   real target = 0;    ///< least separating velocity after the step
   real push = 0;      ///< least separating rate of the correction
   real friction = 0;  ///< coefficient mu
-  mat3 delassus = mat3::Identity();
-  vec3 r{0, 0, 0};    ///< impulse in the frame
-  real pushed = 0;    ///< normal impulse of the correction
-
-  using change = vec3;  ///< impulse in the frame
+  Eigen::Matrix<real, rows, rows> delassus;
+  change r = change::Zero();  ///< impulse in the frame
+  real pushed = 0;            ///< normal impulse of the correction
 
   void weigh(const solver_state& s, real split_a, real split_b) {
     mat3 w = mobility<A>(s, a, arm_a, split_a);
@@ -46,8 +46,6 @@ struct general_contact {
         const real scale = limit / std::sqrt(square);
         r[1] *= scale, r[2] *= scale;
       }
-    } else {
-      r[1] = r[2] = 0;
     }
   }
   [[nodiscard]] vec3 impulse() const { return frame.transpose() * r; }
@@ -56,7 +54,7 @@ struct general_contact {
   change relax(const solver_state& s) {
     vec3 u = s.bodies[a].v + s.bodies[a].w.cross(arm_a);
     if constexpr (paired) u -= s.bodies[b].v + s.bodies[b].w.cross(arm_b);
-    const vec3 before = r;
+    const change before = r;
     if constexpr (Law::friction) {
       vec3 rest = frame * u - delassus * r;  // velocity without this contact
       rest[0] -= target;
@@ -83,23 +81,15 @@ struct general_contact {
 
   real relax_push(const solver_state& s) {
     const vec3 n = frame.row(0);
-    real rate = n.dot(s.shift[a].v + s.shift[a].w.cross(arm_a));
-    if constexpr (paired) rate -= n.dot(s.shift[b].v + s.shift[b].w.cross(arm_b));
+    real rate = n.dot(shift_at<A>(s, a, arm_a));
+    if constexpr (paired) rate -= n.dot(shift_at<B>(s, b, arm_b));
     const real before = pushed;
     pushed = std::max(real{0}, pushed - (rate - push) / delassus(0, 0));
     return pushed - before;
   }
-  void push_a(solver_state& s, real d) const {
-    const vec3 p = d * frame.row(0).transpose();
-    s.shift[a].v += s.bodies[a].inverse_mass * p;
-    s.shift[a].w += turn<A>(s, a, arm_a.cross(p));
-  }
+  void push_a(solver_state& s, real d) const { push_one<A>(s, a, arm_a, d); }
   void push_b(solver_state& s, real d) const {
-    if constexpr (paired) {
-      const vec3 p = d * frame.row(0).transpose();
-      s.shift[b].v -= s.bodies[b].inverse_mass * p;
-      s.shift[b].w -= turn<B>(s, b, arm_b.cross(p));
-    }
+    if constexpr (paired) push_one<B>(s, b, arm_b, -d);
   }
 
  private:
@@ -109,6 +99,20 @@ struct general_contact {
       return s.tensor(i) * moment;
     else
       return s.bodies[i].inverse_inertia * moment;
+  }
+  /// What the correction moves the contact point by; a round body need not turn for it.
+  template <contact_side Side>
+  static vec3 shift_at(const solver_state& s, std::int32_t i, const vec3& arm) {
+    vec3 rate = s.shift[i];
+    if constexpr (Side == contact_side::tensor) rate += s.turn[i - s.first_tensor].cross(arm);
+    return rate;
+  }
+  template <contact_side Side>
+  void push_one(solver_state& s, std::int32_t i, const vec3& arm, real d) const {
+    const vec3 p = d * frame.row(0).transpose();
+    s.shift[i] += s.bodies[i].inverse_mass * p;
+    if constexpr (Side == contact_side::tensor)
+      s.turn[i - s.first_tensor] += s.tensor(i) * arm.cross(p);
   }
   /// Velocity of the contact point of one body for a unit impulse there.
   template <contact_side Side>

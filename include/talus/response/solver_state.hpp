@@ -18,19 +18,15 @@ struct alignas(64) solver_body {
   real inverse_inertia = 0;
 };
 
-/// Displacement per unit of time that the correction of overlaps asks for. It moves positions and
-/// never enters the velocities.
-struct correction_rate {
-  vec3 v{0, 0, 0};
-  vec3 w{0, 0, 0};
-};
-
 /// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
 /// a tensor, locals before shadow copies within each shape.
 struct solver_state {
   std::vector<solver_body> bodies;
-  std::vector<correction_rate> shift;  ///< empty when overlaps are not corrected
-  std::vector<mat3> tensors;           ///< inverse inertia, world frame, of bodies from first_tensor
+  /// Displacement per unit of time that the correction of overlaps asks for. It moves positions and
+  /// never enters the velocities. Empty when overlaps are not corrected.
+  std::vector<vec3> shift;
+  std::vector<vec3> turn;     ///< likewise the rotation, of bodies from first_tensor
+  std::vector<mat3> tensors;  ///< inverse inertia, world frame, of bodies from first_tensor
   std::size_t first_tensor = 0;
   /// Number of contacts of a body whose partner lives on another rank; only where there are ranks.
   std::vector<std::uint32_t> boundary_contacts;

@@ -204,9 +204,9 @@ class lattice_sites {
   }
   [[noreturn]] static void fail_too_many(real sites) {
     detail::fail<std::invalid_argument>(
-        "the region to fill spans {:.3g} sites of the lattice, more than the 2^48 that ids can "
+        "the region to fill spans {} sites of the lattice, more than the 2^48 that ids can "
         "tell apart: use a smaller region or a larger spacing",
-        sites);
+        fmt::format("{:.3g}", sites));
   }
 
   /// Layers of a prism have equal numbers of sites (or two numbers in turn), so that the place of a

@@ -20,7 +20,7 @@ struct plane {
 
   /// Throws invalid_argument unless the normal has a direction and both values are finite.
   void validate() const {
-    if (!detail::finite(normal) || !(normal.stableNorm() > 0))
+    if (!detail::finite(normal) || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
       detail::fail<std::invalid_argument>(
           "the normal of a plane must be finite and not zero, but is {}; give a direction",
           detail::text(normal));
@@ -33,7 +33,7 @@ struct plane {
   /// The normal at length one; exactly as it is given when it already has it.
   [[nodiscard]] vec3 unit_normal() const {
     constexpr real round_off = 4 * std::numeric_limits<real>::epsilon();
-    return std::abs(normal.squaredNorm() - 1) <= round_off ? normal : normal.stableNormalized();
+    return std::abs(normal.squaredNorm() - 1) <= round_off ? normal : unit(normal);
   }
   /// Signed distance of a point from the surface, negative in the solid.
   [[nodiscard]] real distance(const vec3& point) const { return unit_normal().dot(point) - offset; }

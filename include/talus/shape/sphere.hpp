@@ -21,7 +21,7 @@ struct sphere {
   [[nodiscard]] vec3 inertia() const { return vec3::Constant(real(0.4) * radius * radius); }
   /// Furthest point along `direction` (any length; the centre for a zero direction).
   [[nodiscard]] vec3 support(const vec3& direction) const {
-    return radius * direction.stableNormalized();
+    return radius * unit(direction);
   }
   [[nodiscard]] vec3 half_extents(const pose&) const { return vec3::Constant(radius); }
 

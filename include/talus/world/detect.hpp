@@ -16,8 +16,11 @@ struct contact_conditions {
 };
 
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
+/// - Of an overlap, a part is corrected; a gap may close. (Were it held open, the correction would
+///   lift bodies without end, and stacks would sway.)
 /// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
-///   -e u_n (Newton); a slower one is resting contact, which must not jitter.
+///   -e u_n (Newton); a slower one is resting contact, which must not jitter. Without rebound, e = 0,
+///   the surfaces still meet.
 /// - Sliding faster than what gravity adds in a step meets the dynamic coefficient, else the static.
 template <class Law>
 [[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
@@ -26,9 +29,9 @@ template <class Law>
   contact_conditions c;
   const real un = normal.dot(u);
   c.target = gap > 0 ? -gap / dt : 0;
-  if constexpr (Law::correction) c.push = gap < 0 ? -correction * gap / dt : 0;
+  if constexpr (Law::correction) c.push = gap < 0 ? -correction * gap / dt : -gap / dt;
   if constexpr (Law::restitution)
-    if (un < -2 * gravity * dt && gap + un * dt <= 0)
+    if (pair.restitution > 0 && un < -2 * gravity * dt && gap + un * dt <= 0)
       c.target = std::max(c.target, -pair.restitution * un);
   if constexpr (Law::friction) {
     c.friction = pair.friction;
@@ -102,7 +105,10 @@ class contact_maker {
     const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
     collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin_a + margin_b,
                  [&](const contact_geometry& g) {
-                   const vec3 arm_a = g.point - a_.position[i];
+                   vec3 arm_a = g.point - a_.position[i];
+                   // Only where both bodies move must the forces on them share a line; something
+                   // immovable is met with the surface itself.
+                   if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
                    vec3 arm_b{0, 0, 0};
                    vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
                    if constexpr (paired) {
@@ -118,7 +124,7 @@ class contact_maker {
                                                         s_.settings.correction);
                    c.target = want.target;
                    c.push = want.push;
-                   c.friction = want.friction;
+                   if constexpr (law::friction) c.friction = want.friction;
                    const contact_key key{a_.id[i], b_.id[j], g.feature};
                    if (boundary)
                      list_.add_boundary(c, key, own_a);
@@ -147,13 +153,15 @@ class contact_maker {
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {
     if constexpr (requires { c.frame; }) {
-      c.frame = frame_around(g.normal);
+      c.frame = frame_around(g.normal).template topRows<contact_type::rows>();
       c.arm_a = arm_a;
       c.arm_b = arm_b;
     } else {
       c.normal = g.normal;
-      c.arm_a = -g.normal.dot(arm_a);
-      c.arm_b = g.normal.dot(arm_b);
+      if constexpr (law::friction) {
+        c.arm_a = -g.normal.dot(arm_a);
+        c.arm_b = g.normal.dot(arm_b);
+      }
     }
   }
 
@@ -176,8 +184,8 @@ void prepare_detection(world_state<Scenario>& s) {
       try {
         grid.build(store.position, reach);
       } catch (const unplaceable& e) {
-        fail<std::runtime_error>("body {:#x} at {} on rank {} cannot be placed in step {}: {}",
-                                 value_of(store.id[e.index]), text(store.position[e.index]),
+        fail<std::runtime_error>("body {} at {} on rank {} cannot be placed in step {}: {}",
+                                 store.id[e.index], text(store.position[e.index]),
                                  s.link->rank(), s.steps, e.what());
       }
     };

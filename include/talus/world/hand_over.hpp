@@ -102,9 +102,9 @@ template <class Scenario>
 template <class Scenario>
 [[noreturn]] void fail_lost(const world_state<Scenario>& s, system_id id, const vec3& p) {
   fail<std::runtime_error>(
-      "body {:#x} is lost at {} in step {}: rank {} owned it, and no rank it is connected to covers "
+      "body {} is lost at {} in step {}: rank {} owned it, and no rank it is connected to covers "
       "that place; {}",
-      value_of(id), text(p), s.steps, s.link->rank(),
+      id, text(p), s.steps, s.link->rank(),
       finite(p) ? "connect the ranks so that all space is covered"
                 : "its motion is no longer finite: a smaller dt, or look for overlapping bodies at "
                   "the start");

@@ -14,8 +14,10 @@ template <class Scenario>
 void gather_velocities(world_state<Scenario>& s) {
   solver_state& solver = s.solver;
   solver.tensors.resize(solver.bodies.size() - solver.first_tensor);
-  if constexpr (world_state<Scenario>::law::correction)
-    solver.shift.assign(solver.bodies.size(), {});
+  if constexpr (world_state<Scenario>::law::correction) {
+    solver.shift.assign(solver.bodies.size(), vec3(0, 0, 0));
+    solver.turn.assign(solver.tensors.size(), vec3(0, 0, 0));
+  }
   if constexpr (!world_state<Scenario>::link_type::alone)
     solver.boundary_contacts.assign(solver.bodies.size(), 0);
 
@@ -78,14 +80,14 @@ void integrate(world_state<Scenario>& s) {
       store.velocity[i] = kept * body.v;
       store.angular_velocity[i] = kept * body.w;
       vec3 rate = store.velocity[i];
-      if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i].v;
+      if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i];
       store.position[i] += s.dt * rate;
       if constexpr (store_type::tensor) {
         store.angular_velocity[i] = rotate_freely(store.orientation_of[i], store.angular_velocity[i],
                                                   store.shape[i].inertia(), s.dt);
         if constexpr (world_state<Scenario>::law::correction)
           store.orientation_of[i] =
-              turned(store.orientation_of[i], s.dt * solver.shift[b.first + i].w);
+              turned(store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor]);
       } else if constexpr (store_type::oriented) {
         store.orientation_of[i] = turned(store.orientation_of[i], s.dt * store.angular_velocity[i]);
       }

@@ -7,11 +7,16 @@
 
 namespace talus::detail {
 
+template <class Shape>
+struct has_tensor : std::bool_constant<!Shape::round> {};
+
 template <class Scenario>
 class shared_velocities {
  public:
   using state_type = world_state<Scenario>;
   static constexpr bool alone = state_type::link_type::alone;
+  /// Whether the correction of overlaps turns bodies: some have a tensor of inertia.
+  static constexpr bool turning = filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;
 
   explicit shared_velocities(state_type& s) : s_(s) {}
 
@@ -32,15 +37,31 @@ class shared_velocities {
                 [&](std::uint32_t i, const real* in) { get_velocity(i, in); });
   }
   void share_corrections() {
-    exchange<6>(
-        [&](std::uint32_t i, real* out) {
-          const correction_rate& c = s_.solver.shift[i];
-          for (int k = 0; k < 3; ++k) out[k] = c.v[k], out[3 + k] = c.w[k];
-        },
-        [&](std::uint32_t i, const real* in) {
-          correction_rate& c = s_.solver.shift[i];
-          for (int k = 0; k < 3; ++k) c.v[k] = in[k], c.w[k] = in[3 + k];
-        });
+    solver_state& solver = s_.solver;
+    if constexpr (!turning)
+      exchange<3>(
+          [&](std::uint32_t i, real* out) {
+            for (int k = 0; k < 3; ++k) out[k] = solver.shift[i][k];
+          },
+          [&](std::uint32_t i, const real* in) {
+            for (int k = 0; k < 3; ++k) solver.shift[i][k] = in[k];
+          });
+    else
+      exchange<6>(
+          [&](std::uint32_t i, real* out) {
+            const bool turns = i >= solver.first_tensor;
+            for (int k = 0; k < 3; ++k) {
+              out[k] = solver.shift[i][k];
+              out[3 + k] = turns ? solver.turn[i - solver.first_tensor][k] : 0;
+            }
+          },
+          [&](std::uint32_t i, const real* in) {
+            const bool turns = i >= solver.first_tensor;
+            for (int k = 0; k < 3; ++k) {
+              solver.shift[i][k] = in[k];
+              if (turns) solver.turn[i - solver.first_tensor][k] = in[3 + k];
+            }
+          });
   }
 
  private:

@@ -96,9 +96,9 @@ class body_view {
     prepare_change("fixation", vec3(0, 0, 0));
     if (global_)
       detail::fail<std::logic_error>(
-          "global body {:#x} cannot be made movable: global bodies are fixed and never local; add it "
+          "global body {} cannot be made movable: global bodies are fixed and never local; add it "
           "outside of the global section instead",
-          value_of(id()));
+          id());
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
     store_->inverse_mass[i_] = 1 / mass();
   }
@@ -137,18 +137,18 @@ class body_view {
  private:
   void prepare_change(const char* what, const vec3& value) {
     if (!detail::finite(value))
-      detail::fail<std::invalid_argument>("the {} of body {:#x} must be finite, but is {}", what,
-                                          value_of(id()), detail::text(value));
+      detail::fail<std::invalid_argument>("the {} of body {} must be finite, but is {}", what,
+                                          id(), detail::text(value));
     if (is_remote())
       detail::fail<std::logic_error>(
-          "the {} of body {:#x} was changed on rank {}, which holds a shadow copy only, so the change "
+          "the {} of body {} was changed on rank {}, which holds a shadow copy only, so the change "
           "would be lost: change it where is_remote() is false",
-          what, value_of(id()), s_->link->rank());
+          what, id(), s_->link->rank());
     if (global_ && open_->exclusive)
       detail::fail<std::logic_error>(
-          "the {} of global body {:#x} was changed inside an exclusive section on rank {}, so the ranks "
+          "the {} of global body {} was changed inside an exclusive section on rank {}, so the ranks "
           "would differ: change it on all ranks, outside of the section",
-          what, value_of(id()), s_->link->rank());
+          what, id(), s_->link->rank());
     if (!global_) s_->changed = true;
   }
 

@@ -39,8 +39,18 @@ class world {
 
   /// A world on this rank, with the domain that `d` gives it. Throws invalid_argument, with both
   /// numbers, if `d` is meant for another number of ranks.
-  explicit world(link_type& link, const decomposition_type& d = {})
+  world(link_type& link, const decomposition_type& d)
       : state_(link, {d, link.rank(), link.size()}) {}
+  /// The same with the decomposition's default values. Where it has none for this number of ranks,
+  /// decompose() must give them first: what needs the domain throws invalid_argument until then.
+  explicit world(link_type& link)
+      : state_(link, domain<decomposition_type>::undivided(link.rank(), link.size())) {
+    try {
+      state_.own = {decomposition_type{}, rank(), ranks()};
+    } catch (const std::invalid_argument& e) {
+      undivided_ = std::string(e.what()) + "; world.decompose(...) takes them";
+    }
+  }
   world(const world&) = delete;
   world& operator=(const world&) = delete;
 
@@ -54,6 +64,8 @@ class world {
   void decompose(const decomposition_type& d) {
     sections_.require_all_ranks("decompose", rank());
     state_.own = {d, rank(), ranks()};
+    undivided_.clear();
+    synchronized_ = false;
   }
   /// Connects this rank to another one, in one of the five forms of domain::connect.
   template <class... Args>
@@ -71,7 +83,10 @@ class world {
   /// or if domains leave a gap or overlap; the message lists what was found.
   void check_connections();
   /// Whether this rank owns the point; true on exactly one rank.
-  [[nodiscard]] bool contains(const vec3& p) const { return state_.own.contains(p); }
+  [[nodiscard]] bool contains(const vec3& p) const {
+    require_domain();
+    return state_.own.contains(p);
+  }
 
   // --- Sections ------------------------------------------------------------------------------
 
@@ -188,8 +203,8 @@ class world {
   [[nodiscard]] view<Shape> operator[](handle<Shape> h) {
     if (auto found = find(h)) return *found;
     detail::fail<std::invalid_argument>(
-        "rank {} does not know the {} {:#x}: it was destroyed, or lives on another rank (use find)", rank(),
-        Shape::name, value_of(h.id));
+        "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)", rank(),
+        Shape::name, h.id);
   }
 
   /// Calls f(body) for every body this rank owns.
@@ -246,9 +261,12 @@ class world {
     if (!detail::finite(v))
       detail::fail<std::invalid_argument>("{} must be finite, but is {}", what, detail::text(v));
   }
+  void require_domain() const {
+    if (!undivided_.empty()) throw std::invalid_argument(undivided_);
+  }
   [[nodiscard]] std::string owner_text(const vec3& p) const {
     const int owner = state_.own.owner(p);
-    return owner < 0 ? "a rank it is not connected to" : fmt::format("rank {}", owner);
+    return owner < 0 ? "a rank it is not connected to" : detail::compose("rank {}", owner);
   }
   template <class Shape>
   void validate(const body<Shape>& b) const {
@@ -283,6 +301,7 @@ class world {
 
   detail::world_state<Scenario> state_;
   detail::open_sections sections_;
+  std::string undivided_;  ///< why there is no domain yet; empty when there is one
   bool synchronized_ = false;
   bool rewired_ = false;  ///< connections were changed by hand since the last synchronize()
   std::uint64_t seed_ = 0;

@@ -1,5 +1,7 @@
 #pragma once
 // How check_connections finds flaws.
+#include <algorithm>
+
 #include "talus/core/id.hpp"
 #include "talus/parallel/connection.hpp"
 #include "talus/parallel/connection_flaw.hpp"
@@ -8,7 +10,7 @@ namespace talus::detail {
 
 /// Whether a flaw of this kind between these ranks is in the list already.
 inline bool known(const std::vector<connection_flaw>& flaws, const connection_flaw& f) {
-  return std::ranges::any_of(flaws, [&](const connection_flaw& g) {
+  return std::any_of(flaws.begin(), flaws.end(), [&](const connection_flaw& g) {
     return g.kind == f.kind && std::min(g.rank, g.other) == std::min(f.rank, f.other) &&
            std::max(g.rank, g.other) == std::max(f.rank, f.other);
   });
@@ -18,7 +20,7 @@ inline std::string summary(const std::vector<connection_flaw>& flaws) {
   constexpr std::size_t most = 10;
   std::string text = "the domains of the ranks do not fit together:";
   for (std::size_t i = 0; i < std::min(most, flaws.size()); ++i) text += "\n- " + flaws[i].message;
-  if (flaws.size() > most) text += fmt::format("\n- and {} more", flaws.size() - most);
+  if (flaws.size() > most) text += compose("\n- and {} more", flaws.size() - most);
   return text;
 }
 
@@ -81,7 +83,7 @@ class connection_checker {
       vec3 at(0, 0, 0);
       if (!planes.empty()) at += planes[0].normal() * planes[0].displacement();
       report(flaw::one_sided, rank, c.rank, at, [&] {
-        return fmt::format(
+        return compose(
             "rank {0} is connected to rank {1}, but rank {1} is not connected to rank "
             "{0} (boundary {2}, for instance at {3}): call connect({0}, ...) on rank "
             "{1} with the region of rank {0}, or disconnect({1}) on rank {0}",
@@ -91,7 +93,7 @@ class connection_checker {
     for (const int other : rule_.neighbours(rank))
       if (!find(rank, other) && !find(other, rank))
         report(flaw::missing, rank, other, {0, 0, 0}, [&] {
-          return fmt::format(
+          return compose(
               "ranks {0} and {1} are neighbours in the decomposition, but they are not connected: "
               "call connect({1}, ...) on rank {0} and connect({0}, ...) on rank {1}",
               rank, other);
@@ -108,8 +110,8 @@ class connection_checker {
     }
     for (half_space& h : planes)
       if (!h.faces_up()) h = h.flipped();
-    std::ranges::sort(planes, [](const auto& a, const auto& b) { return a < b; });
-    planes.erase(std::ranges::unique(planes).begin(), planes.end());
+    std::sort(planes.begin(), planes.end());
+    planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
 
     vec3 low(0, 0, 0), high(0, 0, 0);
     bool any = false;
@@ -203,8 +205,8 @@ class connection_checker {
       candidates_.push_back(c.rank);
       for (const connection& d : all_[c.rank]) candidates_.push_back(d.rank);
     }
-    std::ranges::sort(candidates_);
-    candidates_.erase(std::ranges::unique(candidates_).begin(), candidates_.end());
+    std::sort(candidates_.begin(), candidates_.end());
+    candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
   }
 
   /// The one owner of a point; -1, and a report, if there are more or none.
@@ -230,14 +232,14 @@ class connection_checker {
   void overlap(int a, int b, const vec3& p) {
     if (!find(a, b) && !find(b, a)) {
       report(flaw::missing, a, b, p, [&] {
-        return fmt::format(
+        return compose(
             "ranks {0} and {1} both own the point {2}, and they are not connected: "
             "call connect({1}, ...) on rank {0} and connect({0}, ...) on rank {1}",
             a, b, text(p));
       });
     } else if (find(a, b) && find(b, a) && !explain(a, b, p, "both ranks own")) {
       report(flaw::overlap, a, b, p, [&] {
-        return fmt::format(
+        return compose(
             "ranks {} and {} both own the point {}: the region that one of them gives "
             "for the other must contain it ({}); make the two regions complementary",
             a, b, text(p), pictures(a, b));
@@ -253,7 +255,7 @@ class connection_checker {
     if (!find(a, b) || !find(b, a)) return;  // reported as one-sided
     if (explain(a, b, p, "none of the ranks owns")) return;
     report(flaw::gap, a, b, p, [&] {
-      return fmt::format(
+      return compose(
           "no rank owns the point {}: rank {} leaves it to rank {}, which leaves it to "
           "rank {} ({}); make the two regions complementary",
           text(p), a, b, rule_.owner(b, p), pictures(a, b));
@@ -267,7 +269,7 @@ class connection_checker {
     const auto ours = to->geometry.planes(), theirs = back->geometry.planes();
     bool agree = false;  // on some plane, so that another one may well be common to both regions
     for (const half_space& h : ours)
-      agree |= std::ranges::find(theirs, h.flipped()) != theirs.end();
+      agree |= std::find(theirs.begin(), theirs.end(), h.flipped()) != theirs.end();
     const auto blame = [&](const half_space& h, const half_space& g, bool opposite) {
       const half_space other = opposite ? g.flipped() : g;
       const real turn = (other.normal() - h.normal()).norm();
@@ -276,13 +278,13 @@ class connection_checker {
       if (other == h ? opposite : turn > 1e-3 || shift > 0.05 * size_) return false;
       if (off > 1e-6 * size_) return false;
       report(flaw::mismatch, a, b, p, [&] {
-        return opposite ? fmt::format(
+        return opposite ? compose(
                               "ranks {0} and {1} draw their boundary differently: rank {0} gives "
                               "{2}, rank {1} gives {3}, which is {4:.3g} off; {5} the point {6}; "
                               "use the same numbers on both ranks, all signs reversed",
                               a, b, to_string(h), to_string(g), std::max(shift, turn), consequence,
                               text(p))
-                        : fmt::format(
+                        : compose(
                               "ranks {0} and {1} place each other on the same side of a plane: "
                               "rank {0} gives {2}, and rank {1} gives {3}; {4} the point {5}; "
                               "the normal points towards the remote rank: reverse all signs on "
@@ -303,7 +305,7 @@ class connection_checker {
     if (!to) {
       if (!Rule::generated && !find(owner, rank))
         report(flaw::missing, rank, owner, p, [&] {
-          return fmt::format(
+          return compose(
               "ranks {0} and {1} meet at {2}, where bodies can pass from one to the "
               "other, but they are not connected: call connect({1}, ...) on rank {0} "
               "and connect({0}, ...) on rank {1}",
@@ -314,18 +316,18 @@ class connection_checker {
     if (const int seen = rule_.owner(rank, p);
         seen != owner || to->geometry.value(p) < -1e-12 * (size_ + p.cwiseAbs().maxCoeff()))
       report(flaw::mismatch, rank, owner, p, [&] {
-        return fmt::format(
+        return compose(
             "the point {} belongs to rank {}, but in the eyes of rank {}, right beside "
             "it, it {}: correct the region that rank {} gives for rank {} ({})",
             text(p), owner, rank,
-            seen != owner ? fmt::format("belongs to rank {}", seen)
+            seen != owner ? compose("belongs to rank {}", seen)
                           : std::string("lies outside of the region given for it"),
             rank, owner, to_string(to->geometry));
       });
   }
 
   [[nodiscard]] std::string pictures(int a, int b) const {
-    return fmt::format("rank {} gives {} for rank {}, and rank {} gives {} for rank {}", a,
+    return compose("rank {} gives {} for rank {}, and rank {} gives {} for rank {}", a,
                        to_string(find(a, b)->geometry), b, b, to_string(find(b, a)->geometry), a);
   }
 

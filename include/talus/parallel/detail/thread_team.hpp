@@ -178,15 +178,15 @@ class thread_team {
     for (int rank = 0; rank < size() && named < 8; ++rank) {
       const int why = doing_[static_cast<std::size_t>(rank)];
       if (why == busy) continue;
-      text += fmt::format("{} rank {} ", named++ ? "," : "", rank);
+      text += compose("{} rank {} ", named++ ? "," : "", rank);
       if (why == ended)
         text += "has ended";
       else if (why == meeting_others)
         text += "is in a collective call";
       else
-        text += fmt::format("waits for a message from rank {}", why);
+        text += compose("waits for a message from rank {}", why);
     }
-    if (named < size()) text += fmt::format(" (of {} ranks)", size());
+    if (named < size()) text += compose(" (of {} ranks)", size());
     return text +
            "; connect both ranks of a pair to each other (check_connections tells which) "
            "and make the same collective calls on all ranks";

@@ -86,6 +86,7 @@ template <class Scenario>
 template <class Sites, class F>
 std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
   sections_.require_all_ranks("fill", rank());
+  require_domain();
   const auto fill = fills_++;
   std::size_t made = 0;
   const auto [lower, upper] = state_.own.bounds();
@@ -143,15 +144,15 @@ void world<Scenario>::destroy(handle<Shape> h) {
   auto& bodies = state_.template of<Shape>();
   if (found.is_remote())
     detail::fail<std::logic_error>(
-        "the {} {:#x} was destroyed on rank {}, which holds a shadow copy only: destroy it where "
+        "the {} {} was destroyed on rank {}, which holds a shadow copy only: destroy it where "
         "is_remote() is false",
-        Shape::name, value_of(h.id), rank());
+        Shape::name, h.id, rank());
   if (found.is_global()) {
     if (sections_.exclusive)
       detail::fail<std::logic_error>(
-          "the global {} {:#x} was destroyed inside an exclusive section on rank {}, so the ranks "
+          "the global {} {} was destroyed inside an exclusive section on rank {}, so the ranks "
           "would differ: destroy it on all ranks",
-          Shape::name, value_of(h.id), rank());
+          Shape::name, h.id, rank());
     const auto at = std::find(bodies.global.id.begin(), bodies.global.id.end(), h.id);
     const auto i = at - bodies.global.id.begin();
     bodies.global.each_column([&](auto& c) { c.erase(c.begin() + i); });
@@ -212,6 +213,7 @@ bool world<Scenario>::overlaps(const Shape& shape, const vec3& position, const q
 template <class Scenario>
 void world<Scenario>::synchronize() {
   sections_.require_all_ranks("synchronize", rank());
+  require_domain();
   if constexpr (!link_type::alone) {
     require_two_sided_connections();
     detail::match_connections(state_);
