@@ -1,10 +1,10 @@
 #pragma once
 // Every role a policy can play, on one page. A type plays a role by what it offers, not by what it
-// derives from; the law suite of the role (tests/laws/) says what the offers must mean.
+// derives from; the law suite of its role (tests/*/*_laws.hpp) says what the offers must mean.
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <ranges>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +13,12 @@
 #include "talus/core/policy.hpp"
 
 namespace talus {
+
+// What links and transports are asked to carry; see parallel/.
+struct parcel;
+struct traffic;
+struct launch_settings;
+enum class reduction;
 
 namespace detail {
 
@@ -27,85 +33,140 @@ struct anything {
   void operator()(Arguments&&...) const;
 };
 
+/// Receives a region part by part: groups open and close, half-spaces lie between.
+struct any_sink {
+  void open(bool all_of);
+  template <class HalfSpace>
+  void plane(const HalfSpace&);
+  void close();
+};
+
 }  // namespace detail
 
 namespace concepts {
 
-/// A body's form: sphere, box, plane.
-/// - `finite`: has a volume; `round`: isotropic inertia, every contact normal through the centre
-/// - `name`: as scenarios spell it
+/// A body's form: sphere, box, plane. Plain data with functions in its own frame, whose origin is
+/// the centre of mass and whose axes are the principal axes of inertia.
+/// - `finite`: has a volume, and so a mass
+/// - `round`: isotropic inertia, every contact normal through the centre: orientation never matters
+/// - `name`: as messages call it
 /// - `validate()`: throws invalid_argument naming the value that is wrong
 template <class Shape>
-concept shape = requires(const Shape s) {
+concept shape = detail::complete<Shape> && std::semiregular<Shape> && requires(const Shape s) {
   { Shape::finite } -> std::convertible_to<bool>;
   { Shape::round } -> std::convertible_to<bool>;
-  { Shape::name } -> std::convertible_to<std::string>;
-  s.validate();
+  { Shape::name } -> std::convertible_to<const char*>;
+  { s.validate() } -> std::same_as<void>;
 };
 
-/// A shape with a volume, around its centre of mass.
-/// - `bounding_radius()`; `volume()`
-/// - `inertia()`: principal moments per unit of mass in the frame of the body
-/// - `support(direction)`: the farthest point that way, all in the frame of the body
+/// A shape with a volume.
+/// - `bounding_radius()`: of the smallest ball about the centre of mass; `volume()`
+/// - `inertia()`: principal moments per unit of mass (length squared)
+/// - `support(direction)`: a point furthest along a direction of any length
+/// - `half_extents(pose)`: half edges of the axis-aligned box around the posed shape
 template <class Shape>
-concept finite_shape = shape<Shape> && Shape::finite && requires(const Shape s, const vec3 v) {
+concept finite_shape =
+    shape<Shape> && Shape::finite && requires(const Shape s, const vec3 v, const pose p) {
   { s.bounding_radius() } -> std::convertible_to<real>;
   { s.volume() } -> std::convertible_to<real>;
   { s.inertia() } -> std::convertible_to<vec3>;
   { s.support(v) } -> std::convertible_to<vec3>;
+  { s.half_extents(p) } -> std::convertible_to<vec3>;
 };
 
-/// A part of space: half-spaces and what intersect, merge and complement make of them.
-/// - `value(p)`: positive inside, 0 on the boundary, negative outside; -value is at most the
-///   distance of p from the region
+/// A part of space, as a value.
+/// - `value(p)`: positive inside, 0 on the boundary, negative outside, and never larger than the
+///   distance of p from the boundary: -value is a lower bound of the distance from the region
+/// - `contains(p)`: value(p) >= 0; regions are closed
 template <class Region>
-concept region = requires(const Region r, const vec3 p) {
+concept region = requires(const Region& r, const vec3& p) {
   { r.value(p) } -> std::convertible_to<real>;
-  { r.contains(p) } -> std::convertible_to<bool>;
+  { r.contains(p) } -> std::same_as<bool>;
 };
 
-/// A way to share out space among ranks, as the user writes it; by_hand leaves it to connect().
+/// A region bounded by planes: half-spaces and what intersect, merge and complement make of them.
+/// - `owns(p)`: contains(p) but for the boundary, which goes to exactly one of a region and its
+///   complement, the side towards +x (where that does not tell +y, then +z): regions that tile
+///   space share out every point exactly once
+/// - `describe(sink)`: its parts
+template <class Region>
+concept polyhedral =
+    region<Region> && requires(const Region& r, const vec3& p, detail::any_sink& sink) {
+  { r.owns(p) } -> std::same_as<bool>;
+  r.describe(sink);
+};
+
+/// A way to share out space among ranks, as the user writes it: a plain value. by_hand, which leaves
+/// all to connect(), is the one without a partition.
 /// - `size()`: the number of ranks it wants, 0 if it fits any
-/// - `resolve(ranks)`: fixes what is open, or throws invalid_argument with both numbers
+/// - `resolve(ranks)`: fixes what is open; throws invalid_argument with both numbers if they do not
+///   go together
 template <class Decomposition>
-concept decomposition = requires(const Decomposition d, const int ranks) {
+concept decomposition = detail::complete<Decomposition> && std::copyable<Decomposition> &&
+    requires(const Decomposition& d, int ranks) {
   { d.size() } -> std::same_as<int>;
   d.resolve(ranks);
 };
 
 /// What a decomposition becomes once the number of ranks is known.
-/// - `owner(p)`: total, unique, equal to the bit on all ranks
-/// - `neighbours(rank, reach)`: the ranks within reach of a rank; `geometry(rank)`: its region
+/// - `owner(p)`: total (every point has exactly one owner, by one transitive rule; only NaN has
+///   none: -1), and equal to the bit on all ranks
+/// - `neighbours(rank, reach)`: in ascending order, without `rank`, all ranks whose region comes
+///   within reach (a length) of that of `rank`; more are allowed, at a price
+/// - `geometry(rank)`: its closed region
 template <class Partition>
-concept partition = requires(const Partition cells, const int rank, const real reach,
-                             const vec3 p) {
+concept partition = std::copyable<Partition> &&
+    requires(const Partition& cells, int rank, real reach, const vec3& p) {
   { cells.size() } -> std::same_as<int>;
   { cells.owner(p) } -> std::same_as<int>;
   { cells.neighbours(rank, reach) } -> std::same_as<std::vector<int>>;
-  cells.geometry(rank);
+  { cells.geometry(rank) } -> polyhedral;
 };
 
-/// One rank's end of the transport. Parcels are what neighbours send each other.
-/// - `alone`: this kind of link never has a second rank
-/// - `start(parcels)`, `finish(parcels)`: one exchange; the fixed form knows all sizes beforehand
-/// - the rest is collective: for set-up and outputs only
+/// A decomposition that knows the owner of every point and generates all connections.
+template <class Decomposition>
+concept generating_decomposition =
+    decomposition<Decomposition> && requires(const Decomposition& d) {
+  { d.resolve(1) } -> partition;
+};
+
+/// One rank's end of all its lines. Used by one thread at a time.
+/// - `alone`: there never is a second rank
+/// - `start(parcels)` posts one message per parcel and returns at once, `finish(parcels)` waits for
+///   one per parcel. Both sides of a pair list each other, and their exchanges pair up in the order
+///   in which they are made; ranks may otherwise drift apart. One exchange is open at a time
+/// - `start_fixed`, `finish_fixed`: the same where each parcel's `in` is sized to what will come
+///   (else runtime_error), for the iterations of a solver
+/// - the rest is collective, for set-up and outputs only: every rank calls the same ones in the same
+///   order. `gather` has its result on rank 0 alone, `broadcast` comes from there
+/// - `counters()`: what this rank has sent so far
 template <class Link>
-concept link = std::movable<Link> && requires(Link l, detail::byte_buffer bytes) {
+concept link = std::movable<Link> &&
+    requires(Link l, const Link& c, std::span<parcel> parcels, detail::byte_buffer& bytes,
+             reduction how, std::span<double> reals, std::span<std::uint64_t> counts) {
   { Link::alone } -> std::convertible_to<bool>;
-  { l.rank() } -> std::same_as<int>;
-  { l.size() } -> std::same_as<int>;
-  l.counters();
+  { c.rank() } -> std::same_as<int>;
+  { c.size() } -> std::same_as<int>;
+  { c.counters() } -> std::same_as<const traffic&>;
+  l.start(parcels);
+  l.finish(parcels);
+  l.start_fixed(parcels);
+  l.finish_fixed(parcels);
   l.barrier();
   { l.gather(bytes) } -> std::same_as<std::vector<detail::byte_buffer>>;
   { l.gather_all(bytes) } -> std::same_as<std::vector<detail::byte_buffer>>;
   l.broadcast(bytes);
+  l.reduce(how, reals);
+  l.reduce(how, counts);
 };
 
-/// How ranks talk: `launch(settings, main)` calls main(link&) on each of them.
+/// How ranks talk: starts ranks and runs main(link&) on each. An exception on any rank ends all of
+/// them: one error reaches the caller (ranks inside the process) or the user (processes).
 template <class Transport>
-concept transport = requires {
-  typename Transport::link;
-  { Transport::name } -> std::convertible_to<std::string>;
+concept transport = detail::complete<Transport> && link<typename Transport::link> &&
+    requires(const launch_settings& settings) {
+  { Transport::name } -> std::convertible_to<const char*>;
+  Transport::launch(settings, detail::anything{});
 };
 
 /// The part of broad_phase<...>: how pairs that may touch are found.

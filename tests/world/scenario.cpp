@@ -6,6 +6,7 @@
 
 #include "talus/parallel/by_hand.hpp"
 #include "talus/parallel/serial.hpp"
+#include "talus/parallel/threads.hpp"
 #include "talus/shape/box.hpp"
 
 using namespace talus;

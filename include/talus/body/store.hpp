@@ -108,9 +108,10 @@ struct body_store {
   /// Makes room for one more local, after the others, and returns its index. The shadow copies
   /// keep their order.
   std::size_t insert_local() {
+    resize(size() + 1);
     each_column([&](auto& c) {
-      c.insert(c.begin() + static_cast<std::ptrdiff_t>(locals),
-               blank<typename std::remove_cvref_t<decltype(c)>::value_type>());
+      for (std::size_t i = c.size() - 1; i > locals; --i) c[i] = c[i - 1];
+      c[locals] = blank<typename std::remove_cvref_t<decltype(c)>::value_type>();
     });
     return locals++;
   }

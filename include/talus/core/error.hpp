@@ -5,6 +5,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -24,62 +25,114 @@ namespace detail {
 
 // How values appear in messages.
 [[nodiscard]] inline std::string text(real x) { return fmt::format("{}", x); }
+[[nodiscard]] inline std::string text(real x, int digits) {
+  return fmt::format("{:.{}g}", x, digits);
+}
 /// A vector to six digits.
 [[nodiscard]] inline std::string text(const vec3& v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]);
 }
 [[nodiscard]] inline std::string text(system_id id) { return fmt::format("{:#x}", value_of(id)); }
-[[nodiscard]] inline std::string text(const std::string& s) { return s; }
-[[nodiscard]] inline std::string text(const char* s) { return s; }
-[[nodiscard]] inline std::string text(char c) { return std::string(1, c); }
-template <std::integral Integer>
-[[nodiscard]] std::string text(Integer i) {
-  return std::to_string(i);
-}
-
-/// The words of a message, with a {} for each value. One that does not fit its values does not
-/// compile. (fmt would check it too, at ten times the cost: there are a hundred messages, and
-/// every program compiles them.)
+/// The words of a message, with a {} for each value, or {0}, {1}, ... where values come twice or
+/// out of order. Words that do not fit their values do not compile. (fmt would check it too, at ten
+/// times the cost: there are a hundred messages, and every program compiles them.)
 template <class... Values>
 struct message_words {
   consteval message_words(const char* words) : words(words) {
     std::size_t gaps = 0;
-    for (const char* c = words; *c != 0; ++c)
-      if (*c == '{' || *c == '}') {
-        if (c[0] != '{' || c[1] != '}') throw "in a message, braces come in pairs: {}";
-        ++gaps, ++c;
-      }
-    if (gaps != sizeof...(Values)) throw "a message has as many {} as values";
+    for (const char* c = words; *c != 0; ++c) {
+      if (*c == '}') throw "a } in a message without its {";
+      if (*c != '{') continue;
+      std::size_t number = gaps;
+      if (*++c >= '0' && *c <= '9') number = static_cast<std::size_t>(*c++ - '0');
+      if (*c != '}') throw "a { in a message is followed by } or a digit and }";
+      if (number >= sizeof...(Values)) throw "a message has more {} than values";
+      ++gaps;
+    }
+    if (gaps < sizeof...(Values)) throw "a message has more values than {}";
   }
   const char* words;
 };
 
-[[nodiscard]] inline std::string fill_gaps(const char* words, const std::string* values) {
+/// A value for a gap, by reference: it lasts as long as the call that it is an argument of.
+class message_value {
+ public:
+  message_value(const real& x) : kind_(kind::real), at_(&x) {}
+  message_value(const vec3& v) : kind_(kind::vector), at_(&v) {}
+  message_value(const system_id& id) : kind_(kind::id), at_(&id) {}
+  message_value(const std::string& s) : kind_(kind::string), at_(&s) {}
+  message_value(const char* s) : kind_(kind::words), at_(s) {}
+  message_value(const char& c) : kind_(kind::letter), at_(&c) {}
+  template <std::integral Integer>
+  message_value(Integer i)
+      : kind_(kind::integer),
+        minus_(i < 0),
+        magnitude_(minus_ ? 0 - static_cast<std::uint64_t>(i) : static_cast<std::uint64_t>(i)) {}
+
+  [[nodiscard]] std::string text() const {
+    switch (kind_) {
+      case kind::real:
+        return detail::text(*static_cast<const talus::real*>(at_));
+      case kind::vector:
+        return detail::text(*static_cast<const vec3*>(at_));
+      case kind::id:
+        return detail::text(*static_cast<const system_id*>(at_));
+      case kind::string:
+        return *static_cast<const std::string*>(at_);
+      case kind::words:
+        return static_cast<const char*>(at_);
+      case kind::letter:
+        return std::string(1, *static_cast<const char*>(at_));
+      case kind::integer:
+        break;
+    }
+    std::string digits = minus_ ? "-" : "";
+    digits += std::to_string(magnitude_);
+    return digits;
+  }
+
+ private:
+  enum class kind : char { real, vector, id, string, words, letter, integer };
+  kind kind_;
+  bool minus_ = false;
+  std::uint64_t magnitude_ = 0;
+  const void* at_ = nullptr;
+};
+
+[[nodiscard, gnu::cold, gnu::noinline]] inline std::string fill_gaps(const char* words,
+                                                                     const message_value* values) {
   std::string filled;
-  for (; *words != 0; ++words) {
-    if (*words == '{') {
-      filled += *values++;
-      ++words;
-    } else {
+  for (std::size_t gap = 0; *words != 0; ++words) {
+    if (*words != '{') {
       filled += *words;
+    } else if (*++words == '}') {
+      filled += values[gap++].text();
+    } else {
+      filled += values[*words++ - '0'].text();
     }
   }
   return filled;
+}
+template <class Error>
+[[noreturn, gnu::cold, gnu::noinline]] void throw_filled(const char* words,
+                                                         const message_value* values) {
+  throw Error(fill_gaps(words, values));
 }
 
 /// The words, with the values in their gaps.
 template <class... Values>
 [[nodiscard]] std::string compose(message_words<std::type_identity_t<Values>...> message,
                                   const Values&... values) {
-  const std::string all[] = {text(values)..., {}};
+  const message_value all[] = {values..., ""};
   return fill_gaps(message.words, all);
 }
 
+/// Throws an Error with such a message.
 template <class Error, class... Values>
 [[noreturn]] void fail(message_words<std::type_identity_t<Values>...> message,
                        const Values&... values) {
-  const std::string all[] = {text(values)..., {}};
-  throw Error(fill_gaps(message.words, all));
+  const message_value all[] = {values..., ""};
+  throw_filled<Error>(message.words, all);
 }
 
 [[nodiscard]] inline bool finite(const vec3& v) {

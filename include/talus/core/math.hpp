@@ -22,9 +22,20 @@ using mat3 = matrix3<real>;
 
 /// Unit quaternion, rotating body coordinates into world coordinates. Unaligned, so that it can
 /// sit in arrays and messages without padding.
-using quat = Eigen::Quaternion<real, Eigen::DontAlign>;
+template <class Real>
+using quaternion = Eigen::Quaternion<Real, Eigen::DontAlign>;
+using quat = quaternion<real>;
 
 inline constexpr real pi = 3.141592653589793238462643383279502884;
+
+/// `v` turned by `q`, a unit quaternion.
+[[nodiscard]] inline vec3 rotated(const quat& q, const vec3& v) {
+  const real x = q.x(), y = q.y(), z = q.z(), w = q.w();
+  const real a = 2 * (y * v[2] - z * v[1]), b = 2 * (z * v[0] - x * v[2]),
+             c = 2 * (x * v[1] - y * v[0]);
+  return {v[0] + w * a + (y * c - z * b), v[1] + w * b + (z * a - x * c),
+          v[2] + w * c + (x * b - y * a)};
+}
 
 /// Position of the centre of mass and orientation of a body.
 struct pose {
@@ -32,10 +43,13 @@ struct pose {
   quat orientation{1, 0, 0, 0};
 
   /// World coordinates of a point given in the frame of the body.
-  [[nodiscard]] vec3 to_world(const vec3& local) const { return position + orientation * local; }
+  [[nodiscard]] vec3 to_world(const vec3& local) const {
+    return position + rotated(orientation, local);
+  }
   /// Body coordinates of a point of the world.
   [[nodiscard]] vec3 to_body(const vec3& world) const {
-    return orientation.conjugate() * (world - position);
+    return rotated(quat(orientation.w(), -orientation.x(), -orientation.y(), -orientation.z()),
+                   world - position);
   }
 };
 
@@ -50,7 +64,9 @@ struct pose {
 
 /// Rotation by `angle` (radians) about `axis` (any length but zero).
 [[nodiscard]] inline quat rotation(const vec3& axis, real angle) {
-  return quat(Eigen::AngleAxis<real>(angle, axis.normalized()));
+  const real length = axis.norm(), s = std::sin(angle / 2);
+  return {std::cos(angle / 2), s * (axis[0] / length), s * (axis[1] / length),
+          s * (axis[2] / length)};
 }
 
 }  // namespace talus

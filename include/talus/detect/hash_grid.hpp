@@ -253,7 +253,7 @@ inline void hash_grid::check(std::span<const vec3> centres, std::span<const real
   constexpr real limit = real(std::uint64_t{1} << 44);
   for (std::size_t i = 0; i < centres.size(); ++i) {
     const real r = reaches[i];
-    if (!centres[i].allFinite())
+    if (!detail::finite(centres[i]))
       throw unplaceable(i,
                         detail::compose("the centre {} is not finite: the motion has diverged; use a "
                                     "smaller time step or check forces and velocities",

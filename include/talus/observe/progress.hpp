@@ -2,11 +2,12 @@
 // A line that says how far a run has come: rewritten in place on a terminal, now and then elsewhere.
 #include <unistd.h>
 
-#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <string>
 
+#include "talus/core/clock.hpp"
 #include "talus/core/error.hpp"
 
 namespace talus {
@@ -15,38 +16,38 @@ class progress_line {
  public:
   /// Writes to `out`; says nothing if that is null.
   explicit progress_line(std::FILE* out)
-      : out_(out), terminal_(out != nullptr && isatty(fileno(out)) != 0), start_(clock::now()) {}
+      : out_(out), terminal_(out != nullptr && isatty(fileno(out)) != 0) {}
 
   /// Call after each step; a line appears every 0.2 s on a terminal, every 10 s elsewhere.
   void update(std::uint64_t step, std::uint64_t steps) {
     if (out_ == nullptr) return;
-    const auto now = clock::now();
-    if (step < steps && now - shown_ < std::chrono::milliseconds(terminal_ ? 200 : 10000)) return;
+    const double now = detail::wall_seconds();
+    if (step < steps && now - shown_ < (terminal_ ? 0.2 : 10)) return;
     shown_ = now;
-    const double seconds = std::chrono::duration<double>(now - start_).count();
+    const double seconds = now - start_;
     const double speed = seconds > 0 ? static_cast<double>(step) / seconds : 0;
     const double left = speed > 0 ? static_cast<double>(steps - step) / speed : 0;
-    fmt::print(out_, "{}step {} of {} ({:.0f} %), {:.4g} steps/s, {} left{}", terminal_ ? "\r" : "", step,
-               steps, 100.0 * static_cast<double>(step) / static_cast<double>(steps), speed,
-               duration(left), terminal_ ? "\x1b[K" : "\n");
-    if (terminal_ && step == steps) fmt::print(out_, "\n");
+    const double part = static_cast<double>(step) / static_cast<double>(steps);
+    const std::string line = detail::compose(
+        "{}step {} of {} ({} %), {} steps/s, {} left{}", terminal_ ? "\r" : "", step, steps,
+        std::lround(100 * part), detail::text(speed, 4), duration(left), terminal_ ? "\x1b[K" : "\n");
+    std::fputs(line.c_str(), out_);
+    if (terminal_ && step == steps) std::fputs("\n", out_);
     std::fflush(out_);
   }
 
  private:
-  using clock = std::chrono::steady_clock;
-
   static std::string duration(double seconds) {
     const auto s = static_cast<long>(seconds + 0.5);
-    if (s < 60) return fmt::format("{} s", s);
-    if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
-    return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
+    if (s < 60) return detail::compose("{} s", s);
+    if (s < 3600) return detail::compose("{} min {} s", s / 60, s % 60);
+    return detail::compose("{} h {} min", s / 3600, s / 60 % 60);
   }
 
   std::FILE* out_;
   bool terminal_;
-  clock::time_point start_;
-  clock::time_point shown_ = clock::now();
+  double start_ = detail::wall_seconds();
+  double shown_ = start_;
 };
 
 }  // namespace talus

@@ -1,7 +1,8 @@
 #pragma once
 // The end of a run in figures: speed beside error.
-#include <ctime>
-#include <fstream>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -37,13 +38,6 @@ struct summary {
 
 namespace detail {
 
-/// Processor seconds of this thread: each rank sums up its own.
-[[nodiscard]] inline double thread_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 template <class Scenario>
 [[nodiscard]] std::string transport_in_use(world<Scenario>& w) {
   if constexpr (requires { w.link().transport_name(); })
@@ -66,14 +60,16 @@ class json_object {
   void add(std::string_view key, const std::string& text) { add(key, std::string_view(text)); }
   /// JSON has no NaN and no infinity: they become null.
   void add(std::string_view key, double value) {
-    put(key, std::isfinite(value) ? fmt::format("{}", value) : "null");
+    put(key, std::isfinite(value) ? detail::text(value) : "null");
   }
-  void add(std::string_view key, std::integral auto value) { put(key, fmt::format("{}", value)); }
+  void add(std::string_view key, std::uint64_t value) { put(key, std::to_string(value)); }
+  void add(std::string_view key, int value) { put(key, std::to_string(value)); }
   [[nodiscard]] std::string str() const { return "{\n" + text_ + "\n}\n"; }
 
  private:
   void put(std::string_view key, const std::string& value) {
-    text_ += fmt::format("{}  \"{}\": {}", text_.empty() ? "" : ",\n", key, value);
+    if (!text_.empty()) text_ += ",\n";
+    ((((text_ += "  \"") += key) += "\": ") += value);
   }
   std::string text_;
 };
@@ -142,9 +138,9 @@ template <class Scenario>
   o.add("max_speed", r.moving.max_speed);
   o.add("momentum", r.moving.momentum.norm());
   const char* axes[] = {"x", "y", "z"};
-  for (int k = 0; k < 3; ++k) o.add(fmt::format("momentum_{}", axes[k]), r.moving.momentum[k]);
+  for (int k = 0; k < 3; ++k) o.add(std::string("momentum_") + axes[k], r.moving.momentum[k]);
   for (int k = 0; k < 3; ++k)
-    o.add(fmt::format("angular_momentum_{}", axes[k]), r.moving.angular_momentum[k]);
+    o.add(std::string("angular_momentum_") + axes[k], r.moving.angular_momentum[k]);
   o.add("cpu_seconds", r.cpu_seconds);
   o.add("wall_seconds", r.wall_seconds);
   o.add("seconds_detect", r.seconds.detect);
@@ -162,22 +158,23 @@ template <class Scenario>
 /// The figures as a person reads them.
 [[nodiscard]] inline std::string to_text(const summary& r) {
   const double steps = static_cast<double>(std::max<std::uint64_t>(1, r.steps));
-  return fmt::format(
+  const auto percent = [&](double seconds) {
+    return std::lround(100 * seconds / std::max(r.wall_seconds, 1e-9));
+  };
+  using detail::text;
+  return detail::compose(
       "{}: {} bodies ({} movable) on {} rank(s), {}, {} steps of {}\n"
-      "  speed    {:.3g} ms of processor per step, {:.3g} s in all; detect {:.0f} %, respond {:.0f} %, "
-      "exchange {:.0f} %\n"
-      "  error    overlap {:.2g} of the radius on average, {:.2g} at most; {} of {} contacts touch\n"
-      "  motion   kinetic energy {:.3g}, fastest {:.3g}, momentum {}\n"
-      "  traffic  {} messages and {} bytes per step and rank at most, {:g} collectives per step\n"
-      "  memory   {:.0f} bytes per body; state {}\n",
+      "  speed    {} ms of processor per step, {} s in all; detect {} %, respond {} %, exchange {} %\n"
+      "  error    overlap {} of the radius on average, {} at most; {} of {} contacts touch\n"
+      "  motion   kinetic energy {}, fastest {}, momentum {}\n"
+      "  traffic  {} messages and {} bytes per step and rank at most, {} collectives per step\n"
+      "  memory   {} bytes per body; state {}\n",
       r.scenario, r.moving.bodies, r.moving.movable, r.ranks, r.transport, r.steps, r.dt,
-      1e3 * r.cpu_seconds / steps, r.wall_seconds,
-      100 * r.seconds.detect / std::max(r.wall_seconds, 1e-9),
-      100 * r.seconds.respond / std::max(r.wall_seconds, 1e-9),
-      100 * r.seconds.exchange / std::max(r.wall_seconds, 1e-9), r.overlap.mean, r.overlap.max,
-      r.overlap.touching, r.contacts, r.moving.kinetic_energy, r.moving.max_speed,
-      detail::text(r.moving.momentum), r.messages_per_step_max, r.bytes_per_step_max,
-      r.collectives_per_step, r.bytes_per_body, r.digest);
+      text(1e3 * r.cpu_seconds / steps, 3), text(r.wall_seconds, 3), percent(r.seconds.detect),
+      percent(r.seconds.respond), percent(r.seconds.exchange), text(r.overlap.mean, 2),
+      text(r.overlap.max, 2), r.overlap.touching, r.contacts, text(r.moving.kinetic_energy, 3),
+      text(r.moving.max_speed, 3), r.moving.momentum, r.messages_per_step_max, r.bytes_per_step_max,
+      text(r.collectives_per_step, 6), std::lround(r.bytes_per_body), r.digest);
 }
 
 }  // namespace talus

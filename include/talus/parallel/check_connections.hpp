@@ -16,7 +16,8 @@ template <partition Partition>
   const detail::partition_rule<Partition> rule{cells};
   return detail::connection_checker(all, rule, settings).run();
 }
-[[nodiscard]] inline std::vector<connection_flaw> check_connections(
+template <class = void>  // so that a program that does not ask does not compile it
+[[nodiscard]] std::vector<connection_flaw> check_connections(
     std::span<const std::vector<connection>> all, const connection_check& settings = {}) {
   const detail::hand_rule rule{all};
   return detail::connection_checker(all, rule, settings).run();

@@ -13,7 +13,19 @@ template <class Type>
 inline constexpr bool is_transport = concepts::transport<Type>;
 }  // namespace detail
 
-struct mpi;  // known by name without MPI, so that a missing include is refused with advice
+// Known by name without their headers: what a program does not include costs it nothing, and a
+// missing include is refused with advice.
+struct serial;
+struct threads;
+struct mpi;
+struct as_launched;
+
+namespace detail {
+template <class Type>
+inline constexpr bool is_named_transport =
+    std::same_as<Type, serial> || std::same_as<Type, threads> || std::same_as<Type, mpi> ||
+    std::same_as<Type, as_launched>;
+}  // namespace detail
 
 /// Policy: which rank owns which point of space. Default:
 /// decomposition<grid<dynamic>>, which fits any number of ranks.

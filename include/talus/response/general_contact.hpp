@@ -129,9 +129,10 @@ struct general_contact {
 };
 
 /// Rows (n, t1, t2): an orthonormal frame around the unit normal n (Duff et al. 2017).
-[[nodiscard]] inline mat3 frame_around(const vec3& n) {
-  const real sign = std::copysign(real{1}, n[2]), p = -1 / (sign + n[2]), q = n[0] * n[1] * p;
-  mat3 f;
+template <class Real>
+[[nodiscard]] matrix3<Real> frame_around(const vector3<Real>& n) {
+  const Real sign = std::copysign(Real{1}, n[2]), p = -1 / (sign + n[2]), q = n[0] * n[1] * p;
+  matrix3<Real> f;
   f << n[0], n[1], n[2],                                        //
       1 + sign * n[0] * n[0] * p, sign * q, -sign * n[0],       //
       q, sign + n[1] * n[1] * p, -n[1];

@@ -206,7 +206,7 @@ class lattice_sites {
     detail::fail<std::invalid_argument>(
         "the region to fill spans {} sites of the lattice, more than the 2^48 that ids can "
         "tell apart: use a smaller region or a larger spacing",
-        fmt::format("{:.3g}", sites));
+        detail::text(sites, 3));
   }
 
   /// Layers of a prism have equal numbers of sites (or two numbers in turn), so that the place of a

@@ -1,14 +1,15 @@
 #pragma once
 // run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <fstream>
 #include <functional>
 #include <string>
 
+#include "talus/core/clock.hpp"
 #include "talus/observe/progress.hpp"
 #include "talus/observe/summary.hpp"
+#include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/launcher.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/world/world.hpp"
@@ -44,9 +45,9 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
   progress_line progress(speaks && !options.quiet ? stderr : nullptr);
   w.after_each_step([&] { progress.update(w.steps(), options.steps); });
   const double cpu = thread_seconds();
-  const auto start = std::chrono::steady_clock::now();
+  const double start = wall_seconds();
   set_up(w, options);
-  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double wall = wall_seconds() - start;
 
   if (w.steps() == 0) w.synchronize();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
@@ -70,6 +71,10 @@ template <class Scenario, class Options = options, class SetUp>
 int run(int argc, char** argv, SetUp&& set_up) {
   const std::string name = detail::program_name(argc > 0 ? argv[0] : nullptr);
   const bool speaks = detail::find_launcher().rank == 0;
+  const auto complain = [&](const std::string& message) {
+    std::fputs((name + ": " + message + "\n").c_str(), stderr);
+    std::fflush(stderr);
+  };
   try {
     const Options chosen = parse<Options>(argc, argv);
     launch_settings settings;
@@ -77,10 +82,7 @@ int run(int argc, char** argv, SetUp&& set_up) {
     settings.argv = &argv;
     settings.ranks = chosen.ranks;
     settings.default_ranks = typename Scenario::decomposition{}.size();
-    settings.report = [&](const std::string& message) {
-      fmt::print(stderr, "{}: {}\n", name, message);
-      std::fflush(stderr);
-    };
+    settings.report = complain;
     Scenario::transport::launch(settings, [&](auto& link) {
       detail::run_rank<Scenario>(link, chosen, name, set_up);
     });
@@ -89,12 +91,12 @@ int run(int argc, char** argv, SetUp&& set_up) {
     if (speaks) std::fputs(help.what(), stdout);
     return 0;
   } catch (const usage_error& error) {
-    if (speaks) fmt::print(stderr, "{}: {}\n", name, error.what());
+    if (speaks) complain(error.what());
     return 2;
   } catch (const aborted&) {  // said by the rank that failed
     return 1;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", name, error.what());
+    complain(error.what());
     return 1;
   }
 }

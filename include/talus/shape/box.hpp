@@ -21,13 +21,13 @@ struct box {
     detail::require_positive(size[2], "the z edge of a box");
   }
 
-  [[nodiscard]] vec3 half() const { return real(0.5) * size; }
+  [[nodiscard]] vec3 half() const { return {size[0] / 2, size[1] / 2, size[2] / 2}; }
   [[nodiscard]] real bounding_radius() const { return real(0.5) * size.norm(); }
   [[nodiscard]] real volume() const { return size[0] * size[1] * size[2]; }
   /// Principal moments per unit mass: (b² + c²) / 12 about the axis of edge a, and so on.
   [[nodiscard]] vec3 inertia() const {
-    const vec3 s = size.cwiseProduct(size) / 12;
-    return {s[1] + s[2], s[0] + s[2], s[0] + s[1]};
+    const real x = size[0] * size[0] / 12, y = size[1] * size[1] / 12, z = size[2] * size[2] / 12;
+    return {y + z, x + z, x + y};
   }
   /// Furthest corner along `direction`; where a component is zero, the corner on the positive side.
   [[nodiscard]] vec3 support(const vec3& direction) const {
@@ -36,7 +36,13 @@ struct box {
             direction[2] < 0 ? -h[2] : h[2]};
   }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
-    return at.orientation.toRotationMatrix().cwiseAbs() * half();
+    const mat3 axes = at.orientation.toRotationMatrix();
+    const vec3 h = half();
+    const auto along = [&](int i) {
+      return std::abs(axes(i, 0)) * h[0] + std::abs(axes(i, 1)) * h[1] +
+             std::abs(axes(i, 2)) * h[2];
+    };
+    return {along(0), along(1), along(2)};
   }
 
   friend bool operator==(const box&, const box&) = default;

@@ -31,23 +31,20 @@ void gather_velocities(world_state<Scenario>& s) {
       body.w = store.angular_velocity[i];
       body.inverse_mass = inverse_mass;
       body.inverse_inertia = 0;
-      mat3 tensor = mat3::Zero();
-      if (inverse_mass != 0) {
+      if constexpr (store_type::tensor) solver.tensors[b.first + i - solver.first_tensor].setZero();
+      if (inverse_mass == 0) continue;
+      body.v += s.dt * s.gravity;
+      if constexpr (store_type::forced) body.v += (s.dt * inverse_mass) * store.force[i];
+      if constexpr (store_type::tensor) {
         const vec3 inverse_moments = inverse_mass * store.shape[i].inertia().cwiseInverse();
-        body.v += s.dt * s.gravity;
-        if constexpr (store_type::tensor)
-          tensor = inverse_tensor(store.orientation_of[i], inverse_moments);
-        else
-          body.inverse_inertia = inverse_moments[0];
-        if constexpr (store_type::forced) {
-          body.v += (s.dt * inverse_mass) * store.force[i];
-          if constexpr (store_type::tensor)
-            body.w += s.dt * (tensor * store.torque[i]);
-          else
-            body.w += (s.dt * body.inverse_inertia) * store.torque[i];
-        }
+        mat3& tensor = solver.tensors[b.first + i - solver.first_tensor];
+        tensor = inverse_tensor(store.orientation_of[i], inverse_moments);
+        if constexpr (store_type::forced) body.w += s.dt * (tensor * store.torque[i]);
+      } else {
+        body.inverse_inertia = inverse_mass * (1 / store.shape[i].inertia()[0]);
+        if constexpr (store_type::forced)
+          body.w += (s.dt * body.inverse_inertia) * store.torque[i];
       }
-      if constexpr (store_type::tensor) solver.tensors[b.first + i - solver.first_tensor] = tensor;
     }
   });
 }
@@ -87,9 +84,10 @@ void integrate(world_state<Scenario>& s) {
                                                   store.shape[i].inertia(), s.dt);
         if constexpr (world_state<Scenario>::law::correction)
           store.orientation_of[i] =
-              turned(store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor]);
+              turned<real>(store.orientation_of[i],
+                           s.dt * solver.turn[b.first + i - solver.first_tensor]);
       } else if constexpr (store_type::oriented) {
-        store.orientation_of[i] = turned(store.orientation_of[i], s.dt * store.angular_velocity[i]);
+        store.orientation_of[i] = turned<real>(store.orientation_of[i], s.dt * store.angular_velocity[i]);
       }
     }
     if constexpr (store_type::forced) {

@@ -8,7 +8,6 @@
 #include "talus/detect/policy.hpp"
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/policy.hpp"
-#include "talus/parallel/threads.hpp"
 #include "talus/response/policy.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
@@ -35,7 +34,8 @@ template <class Type>
 struct argument_of_scenario {
   static constexpr bool bare_shape = concepts::shape<Type>;
   static constexpr bool bare_decomposition = !bare_shape && concepts::decomposition<Type>;
-  static constexpr bool bare_transport = concepts::transport<Type>;
+  static constexpr bool bare_transport =
+      is_named_transport<Type> || concepts::transport<Type>;
   static constexpr bool bare_part = requires { typename Type::talus_part_of; };
 
   static_assert(!bare_shape,

@@ -10,7 +10,10 @@
 #include "talus/contact/history.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/parallel/domain.hpp"
+#include "talus/parallel/lone_domain.hpp"
 #include "talus/parallel/parcel.hpp"
+#include "talus/parallel/reduction.hpp"
+#include "talus/parallel/traffic.hpp"
 #include "talus/response/contact_list.hpp"
 #include "talus/response/general_contact.hpp"
 #include "talus/response/nonlinear_gauss_seidel.hpp"
@@ -53,8 +56,12 @@ struct is_finite : std::bool_constant<Shape::finite> {};
 
 template <class Scenario>
 struct world_state {
+  static_assert(complete<typename Scenario::transport>,
+                "a world needs the transport of its scenario, which is threads unless it names "
+                "another: write #include <talus/parallel/threads.hpp>");
   using link_type = typename Scenario::transport::link;
-  using domain_type = domain<typename Scenario::decomposition>;
+  using domain_type = std::conditional_t<link_type::alone, lone_domain,
+                                         domain<typename Scenario::decomposition>>;
   template <class Shape>
   using bodies_type = bodies_of_shape<Shape, typename Scenario::features>;
   using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;

@@ -34,19 +34,20 @@ class world {
   using scenario_type = Scenario;
   using link_type = typename Scenario::transport::link;
   using decomposition_type = typename Scenario::decomposition;
+  using domain_type = typename detail::world_state<Scenario>::domain_type;
   template <class Shape>
   using view = body_view<Scenario, Shape>;
 
   /// A world on this rank, with the domain that `d` gives it. Throws invalid_argument, with both
   /// numbers, if `d` is meant for another number of ranks.
   world(link_type& link, const decomposition_type& d)
-      : state_(link, {d, link.rank(), link.size()}) {}
+      : state_(link, domain_type(d, link.rank(), link.size())) {}
   /// The same with the decomposition's default values. Where it has none for this number of ranks,
   /// decompose() must give them first: what needs the domain throws invalid_argument until then.
   explicit world(link_type& link)
-      : state_(link, domain<decomposition_type>::undivided(link.rank(), link.size())) {
+      : state_(link, domain_type::undivided(link.rank(), link.size())) {
     try {
-      state_.own = {decomposition_type{}, rank(), ranks()};
+      state_.own = domain_type(decomposition_type{}, rank(), ranks());
     } catch (const std::invalid_argument& e) {
       undivided_ = std::string(e.what()) + "; world.decompose(...) takes them";
     }
@@ -63,7 +64,7 @@ class world {
   /// the next synchronize(). Connections made by hand before are gone.
   void decompose(const decomposition_type& d) {
     sections_.require_all_ranks("decompose", rank());
-    state_.own = {d, rank(), ranks()};
+    state_.own = domain_type(d, rank(), ranks());
     undivided_.clear();
     synchronized_ = false;
   }

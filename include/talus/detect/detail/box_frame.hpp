@@ -1,5 +1,7 @@
 #pragma once
 // Two boxes seen from the frame of one of them, and the names of their corners, edges and faces.
+// Here and in the other box_*.hpp all is a template of the scalar: worlds without boxes do not
+// compile it.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -20,13 +22,15 @@ inline box_part corner_part(unsigned corner) {
   return side(0, corner & 1u) | side(1, corner & 2u) | side(2, corner & 4u);
 }
 /// The corner's place, its bits numbered as in corner_part.
-inline vec3 corner_of(const vec3& half, unsigned corner) {
+template <class Real>
+vector3<Real> corner_of(const vector3<Real>& half, unsigned corner) {
   return {corner & 1u ? half[0] : -half[0], corner & 2u ? half[1] : -half[1],
           corner & 4u ? half[2] : -half[2]};
 }
 
 /// The part of the box to which the point nearest to `p` belongs, `p` being outside.
-inline box_part nearest_part(const vec3& half, const vec3& p) {
+template <class Real>
+box_part nearest_part(const vector3<Real>& half, const vector3<Real>& p) {
   box_part part = 0;
   for (int i = 0; i < 3; ++i)
     if (std::abs(p[i]) > half[i]) part |= side(i, p[i] > 0);
@@ -34,24 +38,28 @@ inline box_part nearest_part(const vec3& half, const vec3& p) {
 }
 
 /// Boxes a and b in the frame of a: b's axes are the columns of `axes`, its centre is `offset`.
+template <class Real>
 struct box_pair {
-  vec3 ha, hb;  // half edges
-  mat3 axes;
-  vec3 offset;
+  vector3<Real> ha, hb;  // half edges
+  matrix3<Real> axes;
+  vector3<Real> offset;
 
   /// The same two with the roles exchanged.
   [[nodiscard]] box_pair swapped() const {
     return {hb, ha, axes.transpose(), -(axes.transpose() * offset)};
   }
-  [[nodiscard]] vec3 from_b(const vec3& p) const { return offset + axes * p; }
-  [[nodiscard]] vec3 to_b(const vec3& p) const { return axes.transpose() * (p - offset); }
-  [[nodiscard]] real smallest() const { return std::min(ha.minCoeff(), hb.minCoeff()); }
+  [[nodiscard]] vector3<Real> from_b(const vector3<Real>& p) const { return offset + axes * p; }
+  [[nodiscard]] vector3<Real> to_b(const vector3<Real>& p) const {
+    return axes.transpose() * (p - offset);
+  }
+  [[nodiscard]] Real smallest() const { return std::min(ha.minCoeff(), hb.minCoeff()); }
 };
 
 /// One contact of two boxes, in the frame of a, its normal from a towards b.
+template <class Real>
 struct box_contact {
-  vec3 normal, point;
-  real gap = 0;
+  vector3<Real> normal, point;
+  Real gap = 0;
   box_part a = 0, b = 0;
 
   [[nodiscard]] std::uint32_t feature() const { return a | b << 6; }

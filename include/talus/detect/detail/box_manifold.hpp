@@ -9,23 +9,27 @@ namespace talus::detail {
 
 /// Corner of the patch: place in the reference face (u, v), height above it, and the parts of the
 /// two boxes whose crossing it is.
+template <class Real>
 struct patch_corner {
-  real u, v, gap;
+  Real u, v, gap;
   box_part reference, incident;
 };
 
+template <class Real>
 class box_manifold {
+  using corner = patch_corner<Real>;
+
  public:
   /// Corners with a gap of at most `margin` of the patch over the face of a that looks along
   /// axis `axis`, to its positive or negative side.
-  box_manifold(const box_pair& p, int axis, bool positive, real margin)
+  box_manifold(const box_pair<Real>& p, int axis, bool positive, Real margin)
       : axis_(axis),
         u_((axis + 1) % 3),
         v_((axis + 2) % 3),
         sign_(positive ? 1 : -1),
         half_(p.ha[axis]) {
     // The face of b that looks most towards the reference face.
-    const vec3 slope = p.axes.row(axis).transpose() * sign_;
+    const vector3<Real> slope = p.axes.row(axis).transpose() * sign_;
     int m = 0;
     if (std::abs(slope[1]) > std::abs(slope[m])) m = 1;
     if (std::abs(slope[2]) > std::abs(slope[m])) m = 2;
@@ -33,19 +37,19 @@ class box_manifold {
     const bool looks_up = !(slope[m] > 0);
     constexpr bool around[4][2] = {{false, false}, {true, false}, {true, true}, {false, true}};
     for (const auto& at : around) {
-      vec3 local;
+      vector3<Real> local;
       local[m] = looks_up ? p.hb[m] : -p.hb[m];
       local[n] = at[0] ? p.hb[n] : -p.hb[n];
       local[o] = at[1] ? p.hb[o] : -p.hb[o];
-      const vec3 x = p.from_b(local);
+      const vector3<Real> x = p.from_b(local);
       corners_[size_++] = {x[u_], x[v_], sign_ * x[axis] - p.ha[axis], side(axis, positive),
                            side(m, looks_up) | side(n, at[0]) | side(o, at[1])};
     }
     lowest_ = *std::min_element(corners_.begin(), corners_.begin() + 4,
                                 [](auto& a, auto& b) { return a.gap < b.gap; });
     for (const bool far : {false, true}) {
-      clip(&patch_corner::u, far, p.ha[u_], side(u_, far));
-      clip(&patch_corner::v, far, p.ha[v_], side(v_, far));
+      clip(&corner::u, far, p.ha[u_], side(u_, far));
+      clip(&corner::v, far, p.ha[v_], side(v_, far));
     }
     unsigned kept = 0;
     for (unsigned k = 0; k < size_; ++k)
@@ -54,8 +58,8 @@ class box_manifold {
   }
 
   [[nodiscard]] bool empty() const { return size_ == 0; }
-  [[nodiscard]] real smallest_gap() const {
-    real smallest = std::numeric_limits<real>::infinity();
+  [[nodiscard]] Real smallest_gap() const {
+    Real smallest = std::numeric_limits<Real>::infinity();
     for (unsigned k = 0; k < size_; ++k) smallest = std::min(smallest, corners_[k].gap);
     return smallest;
   }
@@ -68,16 +72,16 @@ class box_manifold {
   /// Keeps four corners at most: those that span the largest area, and the deepest, unless one that
   /// is kept is as deep within `tolerance`. Ties go by small relative steps rather than to the
   /// last bit, so that the choice stays the same while a box rests.
-  void reduce(real tolerance) {
+  void reduce(Real tolerance) {
     if (size_ <= 4) return;
     std::array<unsigned, 4> best{};
-    real largest = -1;
+    Real largest = -1;
     for (unsigned i = 0; i < size_; ++i)
       for (unsigned j = i + 1; j < size_; ++j)
         for (unsigned k = j + 1; k < size_; ++k)
           for (unsigned l = k + 1; l < size_; ++l) {
-            const real area = area_of(i, j, k, l);
-            if (largest < 0 || area > largest * real(1.001)) {
+            const Real area = area_of(i, j, k, l);
+            if (largest < 0 || area > largest * Real(1.001)) {
               largest = area;
               best = {i, j, k, l};
             }
@@ -85,7 +89,7 @@ class box_manifold {
     unsigned deepest = 0;
     for (unsigned k = 1; k < size_; ++k)
       if (corners_[k].gap < corners_[deepest].gap) deepest = k;
-    real covered = std::numeric_limits<real>::infinity();
+    Real covered = std::numeric_limits<Real>::infinity();
     for (const unsigned k : best) covered = std::min(covered, corners_[k].gap);
     if (corners_[deepest].gap < covered - tolerance) {
       std::array<unsigned, 4> with = best;
@@ -94,8 +98,8 @@ class box_manifold {
         std::array<unsigned, 4> trial = best;
         trial[drop] = deepest;
         std::sort(trial.begin(), trial.end());
-        const real area = area_of(trial[0], trial[1], trial[2], trial[3]);
-        if (area > largest * real(1.001)) {
+        const Real area = area_of(trial[0], trial[1], trial[2], trial[3]);
+        if (area > largest * Real(1.001)) {
           largest = area;
           with = trial;
         }
@@ -113,13 +117,13 @@ class box_manifold {
       return a.incident != b.incident ? a.incident < b.incident : a.reference < b.reference;
     });
     for (unsigned k = 0; k < size_; ++k) {
-      const patch_corner& c = corners_[k];
-      box_contact out;
-      out.normal = vec3::Zero();
+      const corner& c = corners_[k];
+      box_contact<Real> out;
+      out.normal = vector3<Real>::Zero();
       out.normal[axis_] = sign_;
       out.point[u_] = c.u;
       out.point[v_] = c.v;
-      out.point[axis_] = sign_ * (half_ + real(0.5) * c.gap);
+      out.point[axis_] = sign_ * (half_ + Real(0.5) * c.gap);
       out.gap = c.gap;
       out.a = c.reference;
       out.b = c.incident;
@@ -130,21 +134,21 @@ class box_manifold {
  private:
   // Cuts off what lies beyond `half` on one side. A corner just outside, within a thousandth of
   // `half`, counts as inside, so that boxes of one size stacked flush keep their own corners.
-  void clip(real patch_corner::*along, bool far, real half, box_part wall) {
-    const real sign = far ? 1 : -1;
-    const real soft = half * real(1.001);
-    std::array<patch_corner, 12> out;
+  void clip(Real corner::*along, bool far, Real half, box_part wall) {
+    const Real sign = far ? 1 : -1;
+    const Real soft = half * Real(1.001);
+    std::array<corner, 12> out;
     unsigned n = 0;
     for (unsigned k = 0; k < size_; ++k) {
-      const patch_corner& a = corners_[k];
-      const patch_corner& b = corners_[k + 1 < size_ ? k + 1 : 0];
-      const real da = sign * (a.*along), db = sign * (b.*along);
+      const corner& a = corners_[k];
+      const corner& b = corners_[k + 1 < size_ ? k + 1 : 0];
+      const Real da = sign * (a.*along), db = sign * (b.*along);
       const bool a_in = da <= soft, b_in = db <= soft;
       if (a_in) out[n++] = a;
       if (a_in == b_in || (a_in ? da : db) >= half) continue;
-      const real t = (half - da) / (db - da);
-      patch_corner cut{a.u + t * (b.u - a.u), a.v + t * (b.v - a.v), a.gap + t * (b.gap - a.gap),
-                       (a.reference & b.reference) | wall, a.incident & b.incident};
+      const Real t = (half - da) / (db - da);
+      corner cut{a.u + t * (b.u - a.u), a.v + t * (b.v - a.v), a.gap + t * (b.gap - a.gap),
+                 (a.reference & b.reference) | wall, a.incident & b.incident};
       cut.*along = sign * half;
       out[n++] = cut;
     }
@@ -152,17 +156,17 @@ class box_manifold {
     std::copy(out.begin(), out.begin() + size_, corners_.begin());
   }
 
-  [[nodiscard]] real area_of(unsigned i, unsigned j, unsigned k, unsigned l) const {
-    const patch_corner &a = corners_[i], &b = corners_[j], &c = corners_[k], &d = corners_[l];
+  [[nodiscard]] Real area_of(unsigned i, unsigned j, unsigned k, unsigned l) const {
+    const corner &a = corners_[i], &b = corners_[j], &c = corners_[k], &d = corners_[l];
     return std::abs((c.u - a.u) * (d.v - b.v) - (c.v - a.v) * (d.u - b.u));
   }
 
   int axis_, u_, v_;
-  real sign_;
-  real half_;
+  Real sign_;
+  Real half_;
   unsigned size_ = 0;
-  std::array<patch_corner, 8> corners_;
-  patch_corner lowest_;
+  std::array<corner, 8> corners_;
+  corner lowest_;
 };
 
 }  // namespace talus::detail

@@ -6,13 +6,14 @@ namespace talus::detail {
 
 /// A point of each of two lines, given by a point and a unit direction each, nearest to the other
 /// line; `s` and `t` are their places on the lines. False if the lines are parallel.
-inline bool nearest_on_lines(const vec3& p, const vec3& u, const vec3& q, const vec3& v, real& s,
-                             real& t) {
-  const vec3 d = q - p;
-  const real uv = u.dot(v);
-  const real square = u.cross(v).squaredNorm();
-  if (square < real(1e-8)) return false;
-  const real du = d.dot(u), dv = d.dot(v);
+template <class Real>
+bool nearest_on_lines(const vector3<Real>& p, const vector3<Real>& u, const vector3<Real>& q,
+                      const vector3<Real>& v, Real& s, Real& t) {
+  const vector3<Real> d = q - p;
+  const Real uv = u.dot(v);
+  const Real square = u.cross(v).squaredNorm();
+  if (square < Real(1e-8)) return false;
+  const Real du = d.dot(u), dv = d.dot(v);
   s = (du - uv * dv) / square;
   t = (uv * du - dv) / square;
   return true;
@@ -21,26 +22,28 @@ inline bool nearest_on_lines(const vec3& p, const vec3& u, const vec3& q, const 
 /// Nearest points of two boxes that are apart, `axes.best()` clearly above zero. Nearest points are
 /// a corner and whatever is nearest to it, or the insides of two edges; so trying these is exact.
 /// Edges too far behind the best axis to matter are skipped.
-inline box_contact nearest_points(const box_pair& p, const box_axes& axes) {
-  const box_axis& axis = axes.edge.gap > std::max(axes.face_a.gap, axes.face_b.gap) ? axes.edge
-                         : axes.face_b.gap > axes.face_a.gap                        ? axes.face_b
-                                                                                    : axes.face_a;
-  constexpr real closer = 1 - real(1e-9);  // of nearly equal candidates, the first
-  real best = std::numeric_limits<real>::infinity();
-  vec3 on_a = vec3::Zero(), on_b = vec3::Zero();
-  box_contact found;
-  const auto offer = [&](const vec3& x, const vec3& y, box_part a, box_part b) {
-    const real square = (y - x).squaredNorm();
+template <class Real>
+box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& axes) {
+  const box_axis<Real>& axis = axes.edge.gap > std::max(axes.face_a.gap, axes.face_b.gap)
+                                   ? axes.edge
+                               : axes.face_b.gap > axes.face_a.gap ? axes.face_b
+                                                                   : axes.face_a;
+  constexpr Real closer = 1 - Real(1e-9);  // of nearly equal candidates, the first
+  Real best = std::numeric_limits<Real>::infinity();
+  vector3<Real> on_a = vector3<Real>::Zero(), on_b = vector3<Real>::Zero();
+  box_contact<Real> found;
+  const auto offer = [&](const vector3<Real>& x, const vector3<Real>& y, box_part a, box_part b) {
+    const Real square = (y - x).squaredNorm();
     if (!(square < best * closer)) return;
     best = square;
     on_a = x, on_b = y, found.a = a, found.b = b;
   };
   for (unsigned c = 0; c < 8; ++c) {
-    const vec3 y = p.from_b(corner_of(p.hb, c));
+    const vector3<Real> y = p.from_b(corner_of(p.hb, c));
     offer(y.cwiseMax(-p.ha).cwiseMin(p.ha), y, nearest_part(p.ha, y), corner_part(c));
   }
   for (unsigned c = 0; c < 8; ++c) {
-    const vec3 x = corner_of(p.ha, c), seen = p.to_b(x);
+    const vector3<Real> x = corner_of(p.ha, c), seen = p.to_b(x);
     offer(x, p.from_b(seen.cwiseMax(-p.hb).cwiseMin(p.hb)), corner_part(c),
           nearest_part(p.hb, seen));
   }
@@ -48,18 +51,18 @@ inline box_contact nearest_points(const box_pair& p, const box_axes& axes) {
   // How far the nearer end of an edge lies behind the supporting plane of its box.
   struct edge {
     int axis;
-    real behind;
-    vec3 middle;
+    Real behind;
+    vector3<Real> middle;
     box_part part;
   };
-  const auto edges_of = [](const vec3& half, const vec3& normal, edge* out) {
+  const auto edges_of = [](const vector3<Real>& half, const vector3<Real>& normal, edge* out) {
     for (int i = 0; i < 3; ++i) {
       const int u = (i + 1) % 3, v = (i + 2) % 3;
       for (int k = 0; k < 4; ++k, ++out) {
         const bool up = k & 1, vp = k & 2;
         out->axis = i;
         out->part = side(u, up) | side(v, vp);
-        out->middle = vec3::Zero();
+        out->middle = vector3<Real>::Zero();
         out->middle[u] = up ? half[u] : -half[u];
         out->middle[v] = vp ? half[v] : -half[v];
         out->behind = (normal[u] > 0) == up ? 0 : 2 * std::abs(normal[u]) * half[u];
@@ -72,26 +75,28 @@ inline box_contact nearest_points(const box_pair& p, const box_axes& axes) {
   edges_of(p.hb, p.axes.transpose() * -axis.normal, of_b);
   for (const edge& ea : of_a)
     for (const edge& eb : of_b) {
-      const real bound = axis.gap + ea.behind + eb.behind;
+      const Real bound = axis.gap + ea.behind + eb.behind;
       if (bound * bound >= best) continue;
-      const vec3 u = vec3::Unit(ea.axis), v = p.axes.col(eb.axis), middle = p.from_b(eb.middle);
-      real s, t;
+      const vector3<Real> u = vector3<Real>::Unit(ea.axis), v = p.axes.col(eb.axis),
+                          middle = p.from_b(eb.middle);
+      Real s, t;
       if (!nearest_on_lines(ea.middle, u, middle, v, s, t)) continue;
       if (std::abs(s) > p.ha[ea.axis] || std::abs(t) > p.hb[eb.axis]) continue;
       offer(ea.middle + s * u, middle + t * v, ea.part, eb.part);
     }
   found.gap = std::sqrt(best);
   found.normal = (on_b - on_a) / found.gap;
-  found.point = real(0.5) * (on_a + on_b);
+  found.point = Real(0.5) * (on_a + on_b);
   return found;
 }
 
 /// The two edges that cross along the best edge axis of boxes which touch or overlap.
-inline box_contact crossing_edges(const box_pair& p, const box_axes& axes) {
-  const box_axis& e = axes.edge;
-  const vec3 inwards = p.axes.transpose() * -e.normal;
-  box_contact found;
-  vec3 middle_a = vec3::Zero(), middle_b = vec3::Zero();
+template <class Real>
+box_contact<Real> crossing_edges(const box_pair<Real>& p, const box_axes<Real>& axes) {
+  const box_axis<Real>& e = axes.edge;
+  const vector3<Real> inwards = p.axes.transpose() * -e.normal;
+  box_contact<Real> found;
+  vector3<Real> middle_a = vector3<Real>::Zero(), middle_b = vector3<Real>::Zero();
   for (int d = 1; d < 3; ++d) {
     const int u = (e.i + d) % 3, k = (e.j + d) % 3;
     middle_a[u] = e.normal[u] > 0 ? p.ha[u] : -p.ha[u];
@@ -99,13 +104,14 @@ inline box_contact crossing_edges(const box_pair& p, const box_axes& axes) {
     found.a |= side(u, e.normal[u] > 0);
     found.b |= side(k, inwards[k] > 0);
   }
-  const vec3 u = vec3::Unit(e.i), v = p.axes.col(e.j), middle = p.from_b(middle_b);
-  real s = 0, t = 0;
+  const vector3<Real> u = vector3<Real>::Unit(e.i), v = p.axes.col(e.j),
+                      middle = p.from_b(middle_b);
+  Real s = 0, t = 0;
   nearest_on_lines(middle_a, u, middle, v, s, t);
   s = std::clamp(s, -p.ha[e.i], p.ha[e.i]);
   t = std::clamp(t, -p.hb[e.j], p.hb[e.j]);
   found.normal = e.normal;
-  found.point = real(0.5) * (middle_a + s * u + middle + t * v);
+  found.point = Real(0.5) * (middle_a + s * u + middle + t * v);
   found.gap = e.gap;
   return found;
 }

@@ -14,55 +14,55 @@ namespace talus {
 /// crossing within 11 degrees of a face's normal count as that face), so that the choice holds
 /// while a box rests on another. A feature names the parts of the two boxes that
 /// meet, and is the same whichever face is the reference; it is below 4096.
-template <class Sink>
+template <class Sink, class Real = real>
 void collide(const box& a, const pose& pa, const box& b, const pose& pb, real margin, Sink&& sink) {
   using namespace detail;
-  box_pair pair{a.half(), b.half(), mat3::Identity(), pb.position - pa.position};
-  const real reach = pair.ha.norm() + pair.hb.norm() + margin;
+  box_pair<Real> pair{a.half(), b.half(), matrix3<Real>::Identity(), pb.position - pa.position};
+  const Real reach = pair.ha.norm() + pair.hb.norm() + margin;
   if (!(pair.offset.squaredNorm() <= reach * reach)) return;
-  const mat3 frame = pa.orientation.toRotationMatrix();
+  const matrix3<Real> frame = pa.orientation.toRotationMatrix();
   pair.axes = frame.transpose() * pb.orientation.toRotationMatrix();
   pair.offset = frame.transpose() * pair.offset;
 
-  const box_axes axes(pair, margin);
+  const box_axes<Real> axes(pair, margin);
   if (axes.apart) return;
 
-  const auto emit = [&](const box_contact& c) {
+  const auto emit = [&](const box_contact<Real>& c) {
     sink(contact_geometry{-(frame * c.normal), pa.position + frame * c.point, c.gap, c.feature()});
   };
-  const real smallest = pair.smallest();
-  const real best = axes.best();
-  const auto tolerance = [&](real gap) {
-    return real(0.005) * smallest + real(0.05) * std::abs(gap);
+  const Real smallest = pair.smallest();
+  const Real best = axes.best();
+  const auto tolerance = [&](Real gap) {
+    return Real(0.005) * smallest + Real(0.05) * std::abs(gap);
   };
   const bool face_of_b = axes.face_b.gap > axes.face_a.gap + tolerance(axes.face_a.gap);
-  const box_axis& face = face_of_b ? axes.face_b : axes.face_a;
+  const box_axis<Real>& face = face_of_b ? axes.face_b : axes.face_a;
   const bool by_face = !(axes.edge.gap > face.gap + tolerance(face.gap)) ||
-                       axes.edge.normal.dot(face.normal) > real(0.98);
-  const bool apart = best > real(1e-6) * smallest;
+                       axes.edge.normal.dot(face.normal) > Real(0.98);
+  const bool apart = best > Real(1e-6) * smallest;
 
   if (by_face) {
-    const box_pair turned = face_of_b ? pair.swapped() : pair;
+    const box_pair<Real> turned = face_of_b ? pair.swapped() : pair;
     const bool positive = turned.offset[face.i] > 0 || (turned.offset[face.i] == 0 && !face_of_b);
-    box_manifold patch(turned, face.i, positive, margin);
+    box_manifold<Real> patch(turned, face.i, positive, margin);
     // The patch must hold the nearest points, or nearly so.
-    const real enough =
-        best + (apart ? real(0.05) * best + real(1e-4) * smallest : tolerance(best));
+    const Real enough =
+        best + (apart ? Real(0.05) * best + Real(1e-4) * smallest : tolerance(best));
     bool use = patch.smallest_gap() <= enough;
     if (!use && !apart && !(axes.edge.gap >= face.gap)) {
       patch.use_lowest();
       use = true;
     }
     if (use) {
-      patch.reduce(real(1e-4) * smallest);
-      patch.for_each([&](const box_contact& c) {
+      patch.reduce(Real(1e-4) * smallest);
+      patch.for_each([&](const box_contact<Real>& c) {
         if (!face_of_b) return emit(c);
         emit({-(pair.axes * c.normal), pair.from_b(c.point), c.gap, c.b, c.a});
       });
       return;
     }
   }
-  const box_contact single = apart ? nearest_points(pair, axes) : crossing_edges(pair, axes);
+  const box_contact<Real> single = apart ? nearest_points(pair, axes) : crossing_edges(pair, axes);
   if (single.gap <= margin) emit(single);
 }
 

@@ -12,16 +12,17 @@ namespace talus {
 /// order of their numbers; the feature is the number of the corner (bit i: positive side of axis
 /// i). Only the four corners of the face that looks most towards the plane can be contacts: the
 /// lowest is among them, and each of the others lies above one of them.
-template <class Sink>
+template <class Sink, class Real = real>
 void collide(const plane& a, const pose&, const box& b, const pose& pb, real margin, Sink&& sink) {
-  const vec3 up = a.unit_normal();
-  const real height = up.dot(pb.position) - a.offset;
-  const vec3 h = b.half();
+  using vector = vector3<Real>;  // known when it is used: worlds without boxes do not compile it
+  const vector up = a.unit_normal();
+  const Real height = up.dot(pb.position) - a.offset;
+  const vector h = b.half();
   if (!(height - h.norm() <= margin)) return;
 
-  const mat3 axes = pb.orientation.toRotationMatrix();
-  const vec3 slope = axes.transpose() * up;
-  const vec3 rise = slope.cwiseProduct(h);
+  const matrix3<Real> axes = pb.orientation.toRotationMatrix();
+  const vector slope = axes.transpose() * up;
+  const vector rise = slope.cwiseProduct(h);
   int face = 0;
   if (std::abs(slope[1]) > std::abs(slope[face])) face = 1;
   if (std::abs(slope[2]) > std::abs(slope[face])) face = 2;
@@ -29,11 +30,11 @@ void collide(const plane& a, const pose&, const box& b, const pose& pb, real mar
 
   for (unsigned corner = 0; corner < 8; ++corner) {
     if ((corner >> face & 1u) != low) continue;
-    const vec3 sign{corner & 1u ? 1. : -1., corner & 2u ? 1. : -1., corner & 4u ? 1. : -1.};
-    const real gap = height + sign.dot(rise);
+    const vector sign{corner & 1u ? 1. : -1., corner & 2u ? 1. : -1., corner & 4u ? 1. : -1.};
+    const Real gap = height + sign.dot(rise);
     if (!(gap <= margin)) continue;
-    const vec3 at = pb.position + axes * sign.cwiseProduct(h);
-    sink(contact_geometry{-up, at - up * (real(0.5) * gap), gap, corner});
+    const vector at = pb.position + axes * sign.cwiseProduct(h);
+    sink(contact_geometry{-up, at - up * (Real(0.5) * gap), gap, corner});
   }
 }
 

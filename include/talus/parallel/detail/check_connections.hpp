@@ -280,10 +280,10 @@ class connection_checker {
       report(flaw::mismatch, a, b, p, [&] {
         return opposite ? compose(
                               "ranks {0} and {1} draw their boundary differently: rank {0} gives "
-                              "{2}, rank {1} gives {3}, which is {4:.3g} off; {5} the point {6}; "
+                              "{2}, rank {1} gives {3}, which is {4} off; {5} the point {6}; "
                               "use the same numbers on both ranks, all signs reversed",
-                              a, b, to_string(h), to_string(g), std::max(shift, turn), consequence,
-                              text(p))
+                              a, b, to_string(h), to_string(g), text(std::max(shift, turn), 3),
+                              consequence, text(p))
                         : compose(
                               "ranks {0} and {1} place each other on the same side of a plane: "
                               "rank {0} gives {2}, and rank {1} gives {3}; {4} the point {5}; "

@@ -7,9 +7,11 @@ namespace talus {
 template <class Scenario>
 void world<Scenario>::check_connections() {
   sections_.require_all_ranks("check_connections", rank());
-  require_two_sided_connections();
-  talus::check_connections(
-      state_.own, [&](const detail::byte_buffer& mine) { return state_.link->gather_all(mine); });
+  if constexpr (!link_type::alone) {
+    require_two_sided_connections();
+    talus::check_connections(
+        state_.own, [&](const detail::byte_buffer& mine) { return state_.link->gather_all(mine); });
+  }
 }
 
 /// Throws alike on all ranks if a rank is connected to one that is not connected to it: the two

@@ -1,0 +1,56 @@
+#pragma once
+// The domain of a rank that is alone: all of space, and no code for anything else.
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "talus/core/error.hpp"
+#include "talus/parallel/connection.hpp"
+#include "talus/parallel/decomposition.hpp"
+
+namespace talus {
+
+/// What domain<...> is to a rank with neighbours, for a link that never has a second rank.
+class lone_domain {
+ public:
+  /// Checks the decomposition, which is to be right even where it is not needed.
+  template <decomposable Decomposition>
+  lone_domain(const Decomposition& d, int, int) {
+    if constexpr (generating<Decomposition>) (void)d.resolve(d.size() > 0 ? d.size() : 1);
+  }
+  [[nodiscard]] static lone_domain undivided(int, int) { return {}; }
+
+  /// All forms of domain::connect; there is no rank to connect to: invalid_argument.
+  void connect(int rank, real, real, real, real, real = 0) { refuse(rank); }
+  void connect(int rank, const vec3&, real, real = 0) { refuse(rank); }
+  void connect(int rank, real, real, real, real, real, real, real = 0) { refuse(rank); }
+  void connect(int rank, const vec3&, const vec3&, real = 0) { refuse(rank); }
+  template <region Region>
+  void connect(int rank, const Region&, real = 0) {
+    refuse(rank);
+  }
+  void disconnect(int rank) {
+    detail::fail<std::invalid_argument>(
+        "rank 0 is not connected to rank {}, so that it cannot disconnect: it is alone in a serial "
+        "program",
+        rank);
+  }
+
+  [[nodiscard]] std::span<const connection> connections() const { return {}; }
+  [[nodiscard]] bool contains(const vec3& p) const { return !detail::has_nan(p); }
+  [[nodiscard]] int owner(const vec3& p) const { return contains(p) ? 0 : -1; }
+  [[nodiscard]] std::pair<vec3, vec3> bounds() const {
+    constexpr real infinity = std::numeric_limits<real>::infinity();
+    return {vec3(-infinity, -infinity, -infinity), vec3(infinity, infinity, infinity)};
+  }
+
+ private:
+  lone_domain() = default;
+  [[noreturn]] static void refuse(int rank) {
+    detail::fail<std::invalid_argument>(
+        "rank 0 cannot connect to rank {}: it is alone in a serial program; choose another transport",
+        rank);
+  }
+};
+
+}  // namespace talus
