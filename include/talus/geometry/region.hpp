@@ -19,7 +19,7 @@ concept region = requires(const Region& r, const vec3& p) {
 namespace detail {
 
 /// Receives a geometry part by part: groups open and close, half-spaces lie between.
-struct any_sink {
+struct any_description_sink {
   void open(bool all_of);
   template <class HalfSpace>
   void plane(const HalfSpace&);
@@ -33,7 +33,7 @@ struct any_sink {
 /// tell towards +y, then +z. Regions that tile space thus share out every point exactly once.
 template <class Region>
 concept polyhedral = region<Region> &&
-    requires(const Region& r, const vec3& p, detail::any_sink& sink) {
+    requires(const Region& r, const vec3& p, detail::any_description_sink& sink) {
   { r.owns(p) } -> std::same_as<bool>;
   r.describe(sink);
 };
