@@ -22,10 +22,10 @@ enum class reduction;
 
 namespace detail {
 
+/// Whether a type is defined here, or only known by name. (A constant, not a concept: compilers say
+/// less about it when it is false.)
 template <class Type>
-concept complete = requires {
-  sizeof(Type);
-};
+inline constexpr bool complete = requires { sizeof(Type); };
 
 /// Stands for any callable argument in a requirement.
 struct anything {
@@ -52,12 +52,13 @@ namespace concepts {
 /// - `name`: as messages call it
 /// - `validate()`: throws invalid_argument naming the value that is wrong
 template <class Shape>
-concept shape = detail::complete<Shape> && std::semiregular<Shape> && requires(const Shape s) {
+concept shape = requires(const Shape& s) {
   { Shape::finite } -> std::convertible_to<bool>;
   { Shape::round } -> std::convertible_to<bool>;
   { Shape::name } -> std::convertible_to<const char*>;
   { s.validate() } -> std::same_as<void>;
-};
+}
+&&std::semiregular<Shape>;
 
 /// A shape with a volume.
 /// - `bounding_radius()`: of the smallest ball about the centre of mass; `volume()`
@@ -65,8 +66,8 @@ concept shape = detail::complete<Shape> && std::semiregular<Shape> && requires(c
 /// - `support(direction)`: a point furthest along a direction of any length
 /// - `half_extents(pose)`: half edges of the axis-aligned box around the posed shape
 template <class Shape>
-concept finite_shape =
-    shape<Shape> && Shape::finite && requires(const Shape s, const vec3 v, const pose p) {
+concept finite_shape = shape<Shape> && Shape::finite &&
+    requires(const Shape& s, const vec3& v, const pose& p) {
   { s.bounding_radius() } -> std::convertible_to<real>;
   { s.volume() } -> std::convertible_to<real>;
   { s.inertia() } -> std::convertible_to<vec3>;
@@ -90,23 +91,23 @@ concept region = requires(const Region& r, const vec3& p) {
 ///   space share out every point exactly once
 /// - `describe(sink)`: its parts
 template <class Region>
-concept polyhedral =
-    region<Region> && requires(const Region& r, const vec3& p, detail::any_sink& sink) {
+concept polyhedral = region<Region> &&
+    requires(const Region& r, const vec3& p, detail::any_sink& sink) {
   { r.owns(p) } -> std::same_as<bool>;
   r.describe(sink);
 };
 
-/// A way to share out space among ranks, as the user writes it: a plain value. by_hand, which leaves
-/// all to connect(), is the one without a partition.
+/// A way to share out space among ranks, as the user writes it: a plain value. by_hand, which
+/// leaves all to connect(), is the one without a partition.
 /// - `size()`: the number of ranks it wants, 0 if it fits any
 /// - `resolve(ranks)`: fixes what is open; throws invalid_argument with both numbers if they do not
 ///   go together
 template <class Decomposition>
-concept decomposition = detail::complete<Decomposition> && std::copyable<Decomposition> &&
-    requires(const Decomposition& d, int ranks) {
+concept decomposition = requires(const Decomposition& d, int ranks) {
   { d.size() } -> std::same_as<int>;
   d.resolve(ranks);
-};
+}
+&&std::copyable<Decomposition>;
 
 /// What a decomposition becomes once the number of ranks is known.
 /// - `owner(p)`: total (every point has exactly one owner, by one transitive rule; only NaN has
@@ -125,8 +126,8 @@ concept partition = std::copyable<Partition> &&
 
 /// A decomposition that knows the owner of every point and generates all connections.
 template <class Decomposition>
-concept generating_decomposition =
-    decomposition<Decomposition> && requires(const Decomposition& d) {
+concept generating_decomposition = decomposition<Decomposition> &&
+    requires(const Decomposition& d) {
   { d.resolve(1) } -> partition;
 };
 
@@ -137,7 +138,8 @@ concept generating_decomposition =
 ///   in which they are made; ranks may otherwise drift apart. One exchange is open at a time
 /// - `start_fixed`, `finish_fixed`: the same where each parcel's `in` is sized to what will come
 ///   (else runtime_error), for the iterations of a solver
-/// - the rest is collective, for set-up and outputs only: every rank calls the same ones in the same
+/// - the rest is collective, for set-up and outputs only: every rank calls the same ones in the
+/// same
 ///   order. `gather` has its result on rank 0 alone, `broadcast` comes from there
 /// - `counters()`: what this rank has sent so far
 template <class Link>
@@ -163,8 +165,7 @@ concept link = std::movable<Link> &&
 /// How ranks talk: starts ranks and runs main(link&) on each. An exception on any rank ends all of
 /// them: one error reaches the caller (ranks inside the process) or the user (processes).
 template <class Transport>
-concept transport = detail::complete<Transport> && link<typename Transport::link> &&
-    requires(const launch_settings& settings) {
+concept transport = link<typename Transport::link> && requires(const launch_settings& settings) {
   { Transport::name } -> std::convertible_to<const char*>;
   Transport::launch(settings, detail::anything{});
 };

@@ -11,7 +11,7 @@ constexpr half_space a(1, 0, 0, 2), b(0, 1, 0, 1), c(0, 0, 1, 3), d(1, 1, 1, 0);
 constexpr auto corner = intersect(a, b);
 constexpr auto nested = merge(intersect(a, merge(b, c)), intersect(d, complement(b)), c);
 static_assert(complement(complement(nested)) == nested);
-static_assert(polyhedral<any_geometry>);
+static_assert(concepts::polyhedral<any_geometry>);
 static_assert(sizeof(corner) == 2 * sizeof(half_space));
 
 std::vector<vec3> points(int n) {

@@ -8,7 +8,7 @@
 using namespace talus;
 using doctest::Contains;
 
-static_assert(polyhedral<half_space>);
+static_assert(concepts::polyhedral<half_space>);
 constexpr half_space fixed(0, 3, 4, 2);
 static_assert(fixed == half_space(0, 3, 4, 2).flipped().flipped());
 static_assert(fixed.value(0, 3, 4) == 3);

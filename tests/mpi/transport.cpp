@@ -10,8 +10,8 @@
 using namespace talus;
 using namespace talus::transport_laws;
 
-static_assert(transporting<mpi> && !mpi::link::alone);
-static_assert(transporting<as_launched> && !as_launched::link::alone);
+static_assert(concepts::transport<mpi> && !mpi::link::alone);
+static_assert(concepts::transport<as_launched> && !as_launched::link::alone);
 
 int main(int argc, char** argv) {
   const boost::mpi::environment environment(argc, argv, false);

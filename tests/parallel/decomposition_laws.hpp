@@ -110,7 +110,7 @@ inline std::string show(const vec3& p) {
 /// Runs all laws with `points` hard points; returns how many points were tested. `tolerance` is by
 /// how much (relative) the planes of geometry() may differ from the rule of owner(): 0 for planes
 /// that no rounding touches.
-template <generating Decomposition>
+template <concepts::generating_decomposition Decomposition>
 std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t points,
                                real tolerance = 0, std::uint64_t seed = 20240501) {
   INFO("seed ", seed, ", ranks ", ranks);

@@ -13,9 +13,13 @@
 #include <thread>
 #include <vector>
 
+#include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/id.hpp"
-#include "talus/parallel/transport.hpp"
+#include "talus/parallel/launch_settings.hpp"
+#include "talus/parallel/parcel.hpp"
+#include "talus/parallel/reduction.hpp"
+#include "talus/parallel/traffic.hpp"
 
 namespace talus::transport_laws {
 
@@ -102,12 +106,12 @@ void exchange_fixed(Link& l, std::vector<parcel>& parcels, int step) {
   }
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void on_ranks(int ranks, auto&& main) {
   Transport::launch(launch_settings{.ranks = ranks}, main);
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void knows_itself(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     demand(l.size() == ranks, "size is what was asked for");
@@ -120,7 +124,7 @@ void knows_itself(int ranks) {
   });
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void delivers_in_order(int ranks, int steps = 60) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     auto parcels = parcels_around(l);
@@ -130,7 +134,7 @@ void delivers_in_order(int ranks, int steps = 60) {
 }
 
 /// Ranks are as far apart as their connections allow, and the kinds of calls alternate.
-template <transporting Transport>
+template <concepts::transport Transport>
 void keeps_apart_what_drifts(int ranks, int steps = 60) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     std::mt19937 random(static_cast<unsigned>(l.rank()));
@@ -152,7 +156,7 @@ void keeps_apart_what_drifts(int ranks, int steps = 60) {
 }
 
 /// Ranks in a row, each talking to the next only: the ends may be many steps apart.
-template <transporting Transport>
+template <concepts::transport Transport>
 void lets_ends_drift(int ranks, int steps = 40) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     std::vector<parcel> parcels;
@@ -166,7 +170,7 @@ void lets_ends_drift(int ranks, int steps = 40) {
   });
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void exchanges_nothing(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     std::vector<parcel> none;
@@ -183,7 +187,7 @@ void exchanges_nothing(int ranks) {
   });
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void talks_to_itself(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     const int me = l.rank(), next = (me + 1) % ranks, last = (me + ranks - 1) % ranks;
@@ -207,7 +211,7 @@ void talks_to_itself(int ranks) {
   });
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void has_collectives(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     const int me = l.rank();
@@ -261,7 +265,7 @@ void has_collectives(int ranks) {
   });
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void counts_what_it_sends(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     demand(l.counters() == traffic{}, "counters begin at 0");
@@ -289,7 +293,7 @@ void counts_what_it_sends(int ranks) {
   });
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void refuses_misuse(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     std::vector<parcel> parcels{{l.rank()}}, others = parcels, wrong{{ranks}};
@@ -318,7 +322,7 @@ void refuses_misuse(int ranks) {
   });
 }
 
-template <transporting Transport>
+template <concepts::transport Transport>
 void obeys_all(int ranks) {
   knows_itself<Transport>(ranks);
   delivers_in_order<Transport>(ranks);

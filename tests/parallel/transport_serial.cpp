@@ -3,7 +3,6 @@
 #include <cstdlib>
 
 #include "talus/parallel/serial.hpp"
-#include "talus/parallel/transport.hpp"
 #include "transport_laws.hpp"
 
 #ifdef MPI_VERSION
@@ -12,7 +11,7 @@
 
 using namespace talus;
 
-static_assert(transporting<serial> && serial::link::alone);
+static_assert(concepts::transport<serial> && serial::link::alone);
 
 TEST_CASE("serial obeys the laws of transports") { transport_laws::obeys_all<serial>(1); }
 

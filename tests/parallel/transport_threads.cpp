@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "talus/parallel/threads.hpp"
-#include "talus/parallel/transport.hpp"
 #include "transport_laws.hpp"
 
 #ifdef MPI_VERSION
@@ -21,7 +20,7 @@ using namespace talus;
 using namespace talus::transport_laws;
 using namespace std::chrono_literals;
 
-static_assert(transporting<threads> && !threads::link::alone);
+static_assert(concepts::transport<threads> && !threads::link::alone);
 
 namespace {
 std::atomic<long> allocations = 0;

@@ -4,18 +4,18 @@
 
 #include <random>
 
+#include "talus/concepts.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/plane.hpp"
-#include "talus/shape/shape.hpp"
 #include "talus/shape/sphere.hpp"
 
 namespace {
 
 using namespace talus;
 
-static_assert(finite_shape<sphere> && finite_shape<box>);
-static_assert(shape<plane> && !finite_shape<plane>);
-static_assert(!shape<int> && !shape<vec3>);
+static_assert(concepts::finite_shape<sphere> && concepts::finite_shape<box>);
+static_assert(concepts::shape<plane> && !concepts::finite_shape<plane>);
+static_assert(!concepts::shape<int> && !concepts::shape<vec3>);
 static_assert(sphere::round && !box::round);
 
 struct generator {

@@ -49,9 +49,8 @@ class any_geometry {
  public:
   any_geometry() = default;
   template <class Region>
-  requires(!std::same_as<Region, any_geometry>) &&
-      polyhedral<Region> any_geometry(
-          const Region& region) {  // NOLINT: every typed region is an any_geometry
+  requires(!std::same_as<Region, any_geometry> && concepts::polyhedral<Region>)
+      any_geometry(const Region& region) {  // NOLINT: every typed region is an any_geometry
     detail::geometry_builder builder;
     region.describe(builder);
     adopt(builder);
@@ -76,7 +75,7 @@ class any_geometry {
     return result;
   }
   [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
-  /// See polyhedral: as contains, but a shared boundary belongs to one side only.
+  /// See concepts::polyhedral: as contains, but a shared boundary belongs to one side only.
   [[nodiscard]] bool owns(const vec3& p) const {
     const auto inside = [&](const half_space& h) { return h.owns(p); };
     if (!program_.empty()) return run_owns(p);

@@ -54,13 +54,13 @@ class combination {
 }  // namespace detail
 
 /// The points that lie in all of the regions.
-template <polyhedral... Regions>
+template <concepts::polyhedral... Regions>
 [[nodiscard]] constexpr auto intersect(Regions... regions) {
   return detail::combination<true, Regions...>(std::move(regions)...);
 }
 
 /// The points that lie in at least one of the regions.
-template <polyhedral... Regions>
+template <concepts::polyhedral... Regions>
 [[nodiscard]] constexpr auto merge(Regions... regions) {
   return detail::combination<false, Regions...>(std::move(regions)...);
 }

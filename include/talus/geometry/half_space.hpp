@@ -4,8 +4,8 @@
 #include <string>
 #include <type_traits>
 
+#include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
-#include "talus/geometry/region.hpp"
 
 namespace talus {
 

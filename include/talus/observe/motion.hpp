@@ -27,11 +27,14 @@ template <class Scenario>
   w.for_each_local([&](const auto& b) {
     sums[0] += 1;
     if (b.is_fixed()) return;
-    const quat q = b.orientation();
-    const vec3 spin = q.conjugate() * b.angular_velocity();
-    const vec3 spin_momentum = b.inertia().cwiseProduct(spin);
+    const vec3 spin = b.angular_velocity(), inertia = b.inertia();
+    vec3 spin_momentum = inertia[0] * spin;
+    if constexpr (!std::remove_cvref_t<decltype(b)>::shape_type::round) {
+      const quat q = b.orientation();
+      spin_momentum = q * vec3(inertia.cwiseProduct(q.conjugate() * spin));
+    }
     const vec3 p = b.mass() * b.velocity();
-    const vec3 l = b.position().cross(p) + q * spin_momentum;
+    const vec3 l = b.position().cross(p) + spin_momentum;
     sums[1] += 1;
     sums[2] += b.mass();
     sums[3] += 0.5 * (p.dot(b.velocity()) + spin_momentum.dot(spin));

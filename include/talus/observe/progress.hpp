@@ -1,5 +1,6 @@
 #pragma once
-// A line that says how far a run has come: rewritten in place on a terminal, now and then elsewhere.
+// A line that says how far a run has come: rewritten in place on a terminal, now and then
+// elsewhere.
 #include <unistd.h>
 
 #include <cmath>
@@ -28,9 +29,10 @@ class progress_line {
     const double speed = seconds > 0 ? static_cast<double>(step) / seconds : 0;
     const double left = speed > 0 ? static_cast<double>(steps - step) / speed : 0;
     const double part = static_cast<double>(step) / static_cast<double>(steps);
-    const std::string line = detail::compose(
-        "{}step {} of {} ({} %), {} steps/s, {} left{}", terminal_ ? "\r" : "", step, steps,
-        std::lround(100 * part), detail::text(speed, 4), duration(left), terminal_ ? "\x1b[K" : "\n");
+    const std::string line =
+        detail::compose("{}step {} of {} ({} %), {} steps/s, {} left{}", terminal_ ? "\r" : "",
+                        step, steps, std::lround(100 * part), detail::text(speed, 4),
+                        duration(left), terminal_ ? "\x1b[K" : "\n");
     std::fputs(line.c_str(), out_);
     if (terminal_ && step == steps) std::fputs("\n", out_);
     std::fflush(out_);

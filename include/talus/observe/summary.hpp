@@ -26,9 +26,9 @@ struct summary {
   std::uint64_t contacts = 0;  ///< considered by the solver in the last step
   motion moving;
   penetration overlap;
-  double cpu_seconds = 0;   ///< of all ranks together
+  double cpu_seconds = 0;  ///< of all ranks together
   double wall_seconds = 0;
-  stage_seconds seconds;    ///< of the slowest rank
+  stage_seconds seconds;                    ///< of the slowest rank
   std::uint64_t messages_per_step_max = 0;  ///< sent by one rank in one step
   std::uint64_t bytes_per_step_max = 0;
   double collectives_per_step = 0;
@@ -98,8 +98,8 @@ template <class Scenario>
   std::array<std::uint64_t, 2> sums{contacts, bytes_in_use(w)};
   link.reduce(reduction::sum, sums);
   r.contacts = sums[0];
-  r.bytes_per_body =
-      static_cast<double>(sums[1]) / static_cast<double>(std::max<std::uint64_t>(1, r.moving.bodies));
+  r.bytes_per_body = static_cast<double>(sums[1]) /
+                     static_cast<double>(std::max<std::uint64_t>(1, r.moving.bodies));
   std::array<std::uint64_t, 3> most{s.sent.messages_max, s.sent.bytes_max, s.sent.collectives};
   link.reduce(reduction::max, most);
   r.messages_per_step_max = most[0];
@@ -164,7 +164,8 @@ template <class Scenario>
   using detail::text;
   return detail::compose(
       "{}: {} bodies ({} movable) on {} rank(s), {}, {} steps of {}\n"
-      "  speed    {} ms of processor per step, {} s in all; detect {} %, respond {} %, exchange {} %\n"
+      "  speed    {} ms of processor per step, {} s in all; detect {} %, respond {} %, exchange {} "
+      "%\n"
       "  error    overlap {} of the radius on average, {} at most; {} of {} contacts touch\n"
       "  motion   kinetic energy {}, fastest {}, momentum {}\n"
       "  traffic  {} messages and {} bytes per step and rank at most, {} collectives per step\n"

@@ -1,7 +1,5 @@
 #pragma once
 // The decomposition that generates nothing: every connection is made by the user.
-#include "talus/parallel/decomposition.hpp"
-
 namespace talus {
 
 /// Each rank describes its neighbours by connect(); whatever no connected rank claims is its own.

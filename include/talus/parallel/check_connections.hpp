@@ -9,7 +9,7 @@ namespace talus {
 /// The flaws in the connections of a job, element r of `all` being the connections of rank r.
 /// `partition` is what decides about ownership; without one each rank owns what no connected rank
 /// claims. At most one flaw of a kind is reported for a pair of ranks. A pure function.
-template <partition Partition>
+template <concepts::partition Partition>
 [[nodiscard]] std::vector<connection_flaw> check_connections(
     std::span<const std::vector<connection>> all, const Partition& cells,
     const connection_check& settings = {}) {
@@ -26,7 +26,7 @@ template <class = void>  // so that a program that does not ask does not compile
 /// Checks the connections of all ranks of a job; to be called on every rank. `gather(buffer)`
 /// returns the buffers of all ranks, on every rank (a collective call). Each rank samples its own
 /// boundaries. Throws runtime_error with the same message on all ranks if anything is wrong.
-template <decomposable Decomposition, class Gather>
+template <concepts::decomposition Decomposition, class Gather>
 void check_connections(const domain<Decomposition>& mine, Gather&& gather,
                        connection_check settings = {}) {
   detail::byte_buffer out;
@@ -43,7 +43,7 @@ void check_connections(const domain<Decomposition>& mine, Gather&& gather,
   settings.first = mine.rank();
   settings.last = mine.rank() + 1;
   std::vector<connection_flaw> flaws;
-  if constexpr (generating<Decomposition>) {
+  if constexpr (concepts::generating_decomposition<Decomposition>) {
     if (mine.partition()) flaws = check_connections(all, *mine.partition(), settings);
   } else {
     flaws = check_connections(all, settings);

@@ -6,8 +6,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "talus/concepts.hpp"
+#include "talus/core/error.hpp"
 #include "talus/parallel/connection.hpp"
-#include "talus/parallel/decomposition.hpp"
 
 namespace talus {
 
@@ -16,7 +17,7 @@ namespace talus {
 /// and its owner() decides about every point. By hand, a rank owns what none of its connected ranks
 /// claims, and points on a shared boundary belong to the side towards +x (then +y, +z), as in a
 /// grid. A job of one rank owns all of space, whatever the decomposition.
-template <decomposable Decomposition>
+template <concepts::decomposition Decomposition>
 class domain {
  public:
   /// The domain of `rank` out of `ranks`, connected to all ranks whose regions come within `reach`
@@ -27,7 +28,7 @@ class domain {
       detail::fail<std::invalid_argument>(
           "there is no rank {} in a job of {}: ranks are numbered from 0 to {}", rank, ranks,
           ranks - 1);
-    if constexpr (generating<Decomposition>) {
+    if constexpr (concepts::generating_decomposition<Decomposition>) {
       // One rank alone takes all of space, but a wrong decomposition is wrong there too.
       auto cells = d.resolve(ranks == 1 && d.size() > 0 ? d.size() : ranks);
       if (ranks == 1) return;
@@ -87,7 +88,7 @@ class domain {
 
   /// Whether this rank owns the point; of all ranks of a job exactly one does.
   [[nodiscard]] bool contains(const vec3& p) const {
-    if constexpr (generating<Decomposition>) {
+    if constexpr (concepts::generating_decomposition<Decomposition>) {
       if constexpr (has_cell)
         if (cells_) return cell_.contains(p);
       if (cells_) return cells_->owner(p) == rank_;
@@ -104,7 +105,7 @@ class domain {
   /// this rank owns.
   [[nodiscard]] std::pair<vec3, vec3> bounds() const {
     constexpr real infinity = std::numeric_limits<real>::infinity();
-    if constexpr (generating<Decomposition>)
+    if constexpr (concepts::generating_decomposition<Decomposition>)
       if constexpr (has_cell)
         if (cells_)
           return {vec3(cell_.lower[0], cell_.lower[1], cell_.lower[2]),
@@ -115,7 +116,7 @@ class domain {
   /// A lower bound of the distance from a point to every connected region, widened as asked:
   /// bodies with a smaller radius concern no other rank.
   [[nodiscard]] real interior_distance(const vec3& p) const {
-    if constexpr (generating<Decomposition>)
+    if constexpr (concepts::generating_decomposition<Decomposition>)
       if (generated_) {
         if constexpr (has_cell)
           return cell_.interior_distance(p);
@@ -130,7 +131,7 @@ class domain {
   /// `radius` of the point, in ascending order.
   template <class F>
   void for_each_within(const vec3& p, real radius, F&& f) const {
-    if constexpr (generating<Decomposition>)
+    if constexpr (concepts::generating_decomposition<Decomposition>)
       if (generated_ && interior_distance(p) > radius) return;
     for (std::size_t i = 0; i < connections_.size(); ++i)
       if (connections_[i].distance(p) <= radius) f(i);
@@ -169,7 +170,7 @@ class domain {
   std::vector<connection> connections_;
 };
 
-template <decomposable Decomposition>
+template <concepts::decomposition Decomposition>
 void domain<Decomposition>::connect(int rank, any_geometry geometry, real dx) {
   if (rank < 0 || rank >= ranks_)
     detail::fail<std::invalid_argument>(
@@ -194,7 +195,7 @@ void domain<Decomposition>::connect(int rank, any_geometry geometry, real dx) {
   connections_.insert(at, {rank, std::move(geometry), dx});
 }
 
-template <decomposable Decomposition>
+template <concepts::decomposition Decomposition>
 void domain<Decomposition>::disconnect(int rank) {
   const connection* found = find(rank);
   if (!found)
@@ -205,10 +206,10 @@ void domain<Decomposition>::disconnect(int rank) {
   connections_.erase(connections_.begin() + (found - connections_.data()));
 }
 
-template <decomposable Decomposition>
+template <concepts::decomposition Decomposition>
 int domain<Decomposition>::owner(const vec3& p) const {
   if (detail::has_nan(p)) return -1;
-  if constexpr (generating<Decomposition>)
+  if constexpr (concepts::generating_decomposition<Decomposition>)
     if (cells_) {
       const int owner = cells_->owner(p);
       return owner == rank_ || find(owner) ? owner : -1;

@@ -5,9 +5,13 @@
 #include <cmath>
 #include <limits>
 
-#include "talus/parallel/decomposition.hpp"
+#include "talus/core/error.hpp"
+#include "talus/geometry/any_geometry.hpp"
 
 namespace talus {
+
+/// An extent that is chosen when the program runs.
+inline constexpr int dynamic = -1;
 
 /// The cells of a grid, all cuts known. Cells are half-open: a point on a cut belongs to the upper
 /// cell. Cells at the border reach to infinity.

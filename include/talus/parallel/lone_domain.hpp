@@ -4,9 +4,9 @@
 #include <span>
 #include <utility>
 
+#include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
 #include "talus/parallel/connection.hpp"
-#include "talus/parallel/decomposition.hpp"
 
 namespace talus {
 
@@ -14,9 +14,10 @@ namespace talus {
 class lone_domain {
  public:
   /// Checks the decomposition, which is to be right even where it is not needed.
-  template <decomposable Decomposition>
+  template <concepts::decomposition Decomposition>
   lone_domain(const Decomposition& d, int, int) {
-    if constexpr (generating<Decomposition>) (void)d.resolve(d.size() > 0 ? d.size() : 1);
+    if constexpr (concepts::generating_decomposition<Decomposition>)
+      (void)d.resolve(d.size() > 0 ? d.size() : 1);
   }
   [[nodiscard]] static lone_domain undivided(int, int) { return {}; }
 
@@ -25,7 +26,7 @@ class lone_domain {
   void connect(int rank, const vec3&, real, real = 0) { refuse(rank); }
   void connect(int rank, real, real, real, real, real, real, real = 0) { refuse(rank); }
   void connect(int rank, const vec3&, const vec3&, real = 0) { refuse(rank); }
-  template <region Region>
+  template <concepts::polyhedral Region>
   void connect(int rank, const Region&, real = 0) {
     refuse(rank);
   }
@@ -48,7 +49,8 @@ class lone_domain {
   lone_domain() = default;
   [[noreturn]] static void refuse(int rank) {
     detail::fail<std::invalid_argument>(
-        "rank 0 cannot connect to rank {}: it is alone in a serial program; choose another transport",
+        "rank 0 cannot connect to rank {}: it is alone in a serial program; choose another "
+        "transport",
         rank);
   }
 };

@@ -32,7 +32,7 @@ template <class Scenario>
 class world {
  public:
   using scenario_type = Scenario;
-  using link_type = typename Scenario::transport::link;
+  using link_type = typename detail::world_state<Scenario>::link_type;
   using decomposition_type = typename Scenario::decomposition;
   using domain_type = typename detail::world_state<Scenario>::domain_type;
   template <class Shape>

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# What a scenario does not name is not in its program: looks at the functions of program.cpp.
+#   check.sh NM SPHERES_OBJECT BOXES_OBJECT
+# Patterns that mark boxes must be missing from the first object and present in the second, or the
+# test would prove nothing.
+set -euo pipefail
+functions() { "$1" -C "$2" | grep -E ' [tTwW] '; }
+spheres=$(functions "$1" "$2")
+boxes=$(functions "$1" "$3")
+failed=0
+
+absent() {
+  if grep -E "$1" <<<"$spheres" | head -n 3; then
+    echo "a serial world of spheres has functions that match '$1'"
+    failed=1
+  fi
+}
+for pattern in 'talus::box\b' 'box_(pair|axes|manifold)' 'general_contact' 'solve_coulomb' \
+  'frame_around' 'inverse_tensor' 'rotate_freely' 'toRotationMatrix' 'quat_conj'; do
+  absent "$pattern"
+  if ! grep -qE "$pattern" <<<"$boxes"; then
+    echo "a world of boxes has no function that matches '$pattern': correct this test"
+    failed=1
+  fi
+done
+for pattern in 'talus::plane\b' 'orientation' 'turned' 'MPI_' 'boost::mpi' 'talus::threads' \
+  'thread_team' 'std::thread' 'pthread_create' 'talus::domain<' 'grid_cells::owner' 'migrate' \
+  'share_shadow_copies' 'share_velocities' 'connection_checker'; do
+  absent "$pattern"
+done
+exit $failed
