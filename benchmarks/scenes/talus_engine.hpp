@@ -32,12 +32,12 @@ class talus_engine {
     });
     if constexpr ((std::is_same_v<Shapes, talus::box> || ...))
       for (const block& b : s.blocks)
-        world_.add(talus::body{.shape = talus::box{.size = vector(b.size)},
-                               .position = vector(b.centre),
-                               .material = firm,
-                               .orientation = {b.orientation[0], b.orientation[1], b.orientation[2],
-                                               b.orientation[3]},
-                               .fixed = true});
+        world_.add(talus::body{
+            .shape = talus::box{.size = vector(b.size)},
+            .position = vector(b.centre),
+            .material = firm,
+            .orientation = {b.orientation[0], b.orientation[1], b.orientation[2], b.orientation[3]},
+            .fixed = true});
     for (const ball& b : s.balls)
       world_.add(talus::body{.shape = talus::sphere{b.radius},
                              .position = vector(b.position),

@@ -2,12 +2,11 @@
 #include <talus/mpi.hpp>
 using namespace talus;
 
-using well = scenario<bodies<sphere, box, plane>,
-                      hard_contact<coulomb_friction, newton_restitution>,
-                      solver<nonlinear_gauss_seidel>,
-                      decomposition<grid<dynamic, dynamic>>,  // four ranks: two by two
-                      transport<as_launched>,
-                      features<damping>>;
+using well =
+    scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction, newton_restitution>,
+             solver<nonlinear_gauss_seidel>,
+             decomposition<grid<dynamic, dynamic>>,  // four ranks: two by two
+             transport<as_launched>, features<damping>>;
 
 struct well_options : options {
   int spheres = 3000;
@@ -26,8 +25,8 @@ struct well_options : options {
 
 int main(int argc, char** argv) {
   return run<well, well_options>(argc, argv, [](auto& world, const well_options& options) {
-    const double R = 30;                                        // radius of the well
-    const int B = 40, H = 5;                                    // bricks per level, levels
+    const double R = 30;      // radius of the well
+    const int B = 40, H = 5;  // bricks per level, levels
     const double brick_x = std::sqrt(2 * R * R * (1 - std::cos(2 * pi / B)));
     const vec3 brick{brick_x, 0.5 * brick_x, 0.4 * brick_x};
 
@@ -37,13 +36,8 @@ int main(int argc, char** argv) {
     const auto granite = world.material(materials::granite);
     const auto stuff = world.material({.density = 1, .restitution = 0.2, .friction = 0.25});
 
-    world.global([&](auto& scope) {
-      scope.add(plane{.normal = {0, 0, 1}, .offset = 0}, granite);
-    });
-    world.fill(ring_of{.count = B,
-                       .levels = H,
-                       .radius = R + 0.5 * brick[1],
-                       .height = brick[2]},
+    world.global([&](auto& scope) { scope.add(plane{.normal = {0, 0, 1}, .offset = 0}, granite); });
+    world.fill(ring_of{.count = B, .levels = H, .radius = R + 0.5 * brick[1], .height = brick[2]},
                [&](const site& place) {
                  return body{.shape = box{brick},
                              .position = place.position,
@@ -52,9 +46,10 @@ int main(int argc, char** argv) {
                              .fixed = true};
                });
 
-    const double spacing = 2.4, first = -11 * spacing;          // 23 by 23 sites a layer
-    const auto sites = simple_cubic{.spacing = spacing, .origin = {first, first, 3 * brick[2] * H}} &
-                       vertical_cylinder{.radius = 0.9 * R};
+    const double spacing = 2.4, first = -11 * spacing;  // 23 by 23 sites a layer
+    const auto sites =
+        simple_cubic{.spacing = spacing, .origin = {first, first, 3 * brick[2] * H}} &
+        vertical_cylinder{.radius = 0.9 * R};
     world.fill(sites.first(options.spheres), [&](const site& place, random_stream& random) {
       return body{.shape = sphere{random.uniform(0.6, 1.2)},
                   .position = place.position,

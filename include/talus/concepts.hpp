@@ -25,7 +25,9 @@ namespace detail {
 /// Whether a type is defined here, or only known by name. (A constant, not a concept: compilers say
 /// less about it when it is false.)
 template <class Type>
-inline constexpr bool complete = requires { sizeof(Type); };
+inline constexpr bool complete = requires {
+  sizeof(Type);
+};
 
 /// Stands for any callable argument in a requirement.
 struct anything {

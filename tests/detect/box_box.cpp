@@ -174,7 +174,8 @@ TEST_CASE("a corner pointing at a face meets it in one point") {
   const quat up = rotation({1, -1, 0}, std::acos(std::sqrt(1 / 3.)));  // (1, 1, 1) to z
   for (const real gap : {-0.02, 0., 1e-9, 0.02})
     for (const bool swap : {false, true}) {
-      const posed tip = unit_box({0.2, -0.1, 0.5 + std::sqrt(0.75) + gap}, up), table = unit_box({0, 0, 0});
+      const posed tip = unit_box({0.2, -0.1, 0.5 + std::sqrt(0.75) + gap}, up),
+                  table = unit_box({0, 0, 0});
       const contacts c = swap ? find(table, tip, 0.03) : find(tip, table, 0.03);
       REQUIRE(c.size() == 1);
       CHECK(c[0].gap == doctest::Approx(gap).epsilon(1e-6));
@@ -226,8 +227,8 @@ TEST_CASE("parallel edges and boxes in line do no harm") {
   REQUIRE(same.size() == 4);
   CHECK(smallest_gap(same) == doctest::Approx(-1));
   // One edge lying on a face gives its two ends.
-  const contacts line =
-      find(unit_box({0, 0, 0.5 + std::sqrt(0.5)}, rotation({1, 0, 0}, pi / 4)), unit_box({0, 0, 0}), 0.01);
+  const contacts line = find(unit_box({0, 0, 0.5 + std::sqrt(0.5)}, rotation({1, 0, 0}, pi / 4)),
+                             unit_box({0, 0, 0}), 0.01);
   REQUIRE(line.size() == 2);
   CHECK(std::abs(line[0].point[0] - line[1].point[0]) == doctest::Approx(1));
 }
@@ -353,7 +354,10 @@ TEST_CASE("a resting box keeps its normal and its features while it trembles") {
       {"eight corners", unit_box({0, 0, 0}), unit_box({0, 0, 1}, rotation({0, 0, 1}, pi / 4)), 4},
       {"oblique", unit_box({0, 0, 0}), unit_box({0.3, 0.2, 1}, rotation({0, 0, 1}, 0.3)), 4},
       {"small on large", {box{{9, 9, 1}}, pose{}}, unit_box({2, 1, 1}, rotation({0, 0, 1}, 1)), 4},
-      {"large on small", unit_box({0, 0, 0}), {box{{9, 9, 1}}, {{2, 1, 1}, rotation({0, 0, 1}, 1)}}, 4},
+      {"large on small",
+       unit_box({0, 0, 0}),
+       {box{{9, 9, 1}}, {{2, 1, 1}, rotation({0, 0, 1}, 1)}},
+       4},
   };
   for (const auto& scene : scenes)
     for (const bool swap : {false, true}) {
@@ -378,8 +382,8 @@ TEST_CASE("of a patch with many corners the deepest and a large area are kept") 
     INFO("seed " << seed);
     generator random{std::mt19937_64(seed)};
     const quat tilt = rotation(vec3(random(-1, 1), random(-1, 1), 0), random(0, 0.02));
-    const posed above =
-        unit_box({random(-0.1, 0.1), random(-0.1, 0.1), 1}, tilt * rotation({0, 0, 1}, random(0.5, 1)));
+    const posed above = unit_box({random(-0.1, 0.1), random(-0.1, 0.1), 1},
+                                 tilt * rotation({0, 0, 1}, random(0.5, 1)));
     const contacts c = find(unit_box({0, 0, 0}), above, 0.1);
     REQUIRE(c.size() == 4);
     check_sound(unit_box({0, 0, 0}), above, c, 0.1);

@@ -1,4 +1,5 @@
-// expects: hard_contact<...> takes coulomb_friction, newton_restitution, split_correction and no_correction, and this type is none of them
+// expects: hard_contact<...> takes coulomb_friction, newton_restitution, split_correction and
+// no_correction, and this type is none of them
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

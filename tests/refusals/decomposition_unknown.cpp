@@ -1,4 +1,5 @@
-// expects: decomposition<...> takes a decomposition, such as grid<2, 2> or by_hand, and this type is none
+// expects: decomposition<...> takes a decomposition, such as grid<2, 2> or by_hand, and this type
+// is none
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

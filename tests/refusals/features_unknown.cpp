@@ -1,4 +1,5 @@
-// expects: features<...> takes orientation, forces, user_ids, visibility and damping, and this type is none of them
+// expects: features<...> takes orientation, forces, user_ids, visibility and damping, and this type
+// is none of them
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

@@ -1,4 +1,5 @@
-// expects: fill takes sites, and this type is none: a bare lattice has no end, so write lattice & region
+// expects: fill takes sites, and this type is none: a bare lattice has no end, so write lattice &
+// region
 #include "talus/scene/lattice.hpp"
 
 using namespace talus;
@@ -9,7 +10,8 @@ void visit(const vec3& lower, const vec3& upper) {
 #else
   const simple_cubic sites{.spacing = 2};
 #endif
-  for_each_site(sites, lower, upper, [](const vec3&) { return true; }, [](const site&) {});
+  for_each_site(
+      sites, lower, upper, [](const vec3&) { return true; }, [](const site&) {});
 }
 
 int main() {}

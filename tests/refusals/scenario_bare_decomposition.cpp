@@ -1,4 +1,5 @@
-// expects: scenario<...> takes a decomposition inside decomposition<...>: write decomposition<grid<2, 2>>
+// expects: scenario<...> takes a decomposition inside decomposition<...>: write
+// decomposition<grid<2, 2>>
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

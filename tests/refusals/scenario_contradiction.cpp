@@ -1,4 +1,5 @@
-// expects: hard_contact<...> names split_correction and no_correction, which contradict each other: keep one of them
+// expects: hard_contact<...> names split_correction and no_correction, which contradict each other:
+// keep one of them
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

@@ -5,7 +5,8 @@ using namespace talus;
 #ifdef TALUS_CONTROL
 using scene = scenario<solver<nonlinear_gauss_seidel>, bodies<sphere>>;
 #else
-using scene = scenario<solver<nonlinear_gauss_seidel>, bodies<sphere>, solver<nonlinear_gauss_seidel>>;
+using scene =
+    scenario<solver<nonlinear_gauss_seidel>, bodies<sphere>, solver<nonlinear_gauss_seidel>>;
 #endif
 
 const scene checked;

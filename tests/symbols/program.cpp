@@ -17,8 +17,8 @@ int main() {
     w.global([&](auto& scope) {
       scope.add(body{.shape = sphere{10}, .position = {0, 0, -10}, .material = stuff});
     });
-    const auto ball = w.add(
-        body{.shape = sphere{0.5}, .position = {0, 0, 1}, .material = stuff, .velocity = {1, 0, 0}});
+    const auto ball = w.add(body{
+        .shape = sphere{0.5}, .position = {0, 0, 1}, .material = stuff, .velocity = {1, 0, 0}});
 #ifdef TALUS_BOXES
     w.add(body{.shape = box{{1, 1, 1}}, .position = {0, 5, 1}, .material = stuff});
 #endif

@@ -26,16 +26,27 @@ TEST_CASE("bad bodies are refused with the value that is wrong") {
   world<alone> w(link);
   refused([&] { w.add(body{.shape = sphere{1}}); }, "no material yet");
   const auto stuff = w.material({});
-  refused([&] { w.add(body{.shape = sphere{0}, .material = stuff}); }, "radius of a sphere must be positive");
+  refused([&] { w.add(body{.shape = sphere{0}, .material = stuff}); },
+          "radius of a sphere must be positive");
   refused([&] { w.add(body{.shape = sphere{bad}, .material = stuff}); }, "nan");
   refused([&] { w.add(body{.shape = box{{1, -2, 1}}, .material = stuff}); }, "-2");
-  refused([&] { w.add(body{.shape = sphere{1}, .position = {0, bad, 0}, .material = stuff}); },
-          "the position of a body must be finite");
-  refused([&] { w.add(body{.shape = sphere{1}, .material = stuff, .velocity = {bad, 0, 0}}); },
-          "the velocity of a body must be finite");
-  refused([&] { w.add(body{.shape = sphere{1}, .material = stuff, .orientation = {2, 0, 0, 0}}); },
-          "unit quaternion");
-  refused([&] { w.add(body{.shape = sphere{1}, .material = material_id{9}}); }, "material 9 is unknown");
+  refused(
+      [&] {
+        w.add(body{.shape = sphere{1}, .position = {0, bad, 0}, .material = stuff});
+      },
+      "the position of a body must be finite");
+  refused(
+      [&] {
+        w.add(body{.shape = sphere{1}, .material = stuff, .velocity = {bad, 0, 0}});
+      },
+      "the velocity of a body must be finite");
+  refused(
+      [&] {
+        w.add(body{.shape = sphere{1}, .material = stuff, .orientation = {2, 0, 0, 0}});
+      },
+      "unit quaternion");
+  refused([&] { w.add(body{.shape = sphere{1}, .material = material_id{9}}); },
+          "material 9 is unknown");
   refused([&] { w.material({.density = -1}); }, "density");
   refused([&] { w.material({.restitution = 1.5}); }, "restitution");
   refused([&] { w.material({.friction = 0.2, .dynamic_friction = 0.3}); }, "dynamic friction");
@@ -50,7 +61,8 @@ TEST_CASE("bodies carry what the user gave them and do what they are told") {
   serial::link link;
   world<alone> w(link);
   const auto stuff = w.material({.density = 2});
-  const auto h = w.add(body{.shape = sphere{0.5}, .position = {1, 2, 3}, .material = stuff, .user_id = 42});
+  const auto h =
+      w.add(body{.shape = sphere{0.5}, .position = {1, 2, 3}, .material = stuff, .user_id = 42});
   auto b = w[h];
   CHECK(b.user_id() == 42);
   CHECK(b.mass() == doctest::Approx(2 * 4 * pi / 3 * 0.125));

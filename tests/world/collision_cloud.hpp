@@ -10,10 +10,10 @@
 
 template <class Transport, class Correction>
 struct collision_cloud {
-  using scenario_type =
-      talus::scenario<talus::bodies<talus::sphere, talus::box>, Transport,
-                      talus::hard_contact<talus::coulomb_friction, talus::newton_restitution, Correction>,
-                      talus::decomposition<talus::grid<talus::dynamic, talus::dynamic>>>;
+  using scenario_type = talus::scenario<
+      talus::bodies<talus::sphere, talus::box>, Transport,
+      talus::hard_contact<talus::coulomb_friction, talus::newton_restitution, Correction>,
+      talus::decomposition<talus::grid<talus::dynamic, talus::dynamic>>>;
   static constexpr double extent = 6;
 
   struct outcome {
@@ -35,12 +35,13 @@ struct collision_cloud {
                        talus::box_region{{-extent, -extent, -1.5}, {extent, extent, 1.5}};
     w.fill(sites, [&](const talus::site& site, talus::random_stream& random) {
       const double radius = random.uniform(0.3, 0.6);
-      return talus::body{.shape = talus::sphere{radius},
-                         .position = site.position,
-                         .material = stuff,
-                         .velocity = -1.0 * site.position + random.uniform(talus::vec3(-1, -1, -1),
-                                                                           talus::vec3(1, 1, 1)),
-                         .angular_velocity = random.uniform(talus::vec3(-2, -2, -2), talus::vec3(2, 2, 2))};
+      return talus::body{
+          .shape = talus::sphere{radius},
+          .position = site.position,
+          .material = stuff,
+          .velocity =
+              -1.0 * site.position + random.uniform(talus::vec3(-1, -1, -1), talus::vec3(1, 1, 1)),
+          .angular_velocity = random.uniform(talus::vec3(-2, -2, -2), talus::vec3(2, 2, 2))};
     });
     w.fill(talus::simple_cubic{.spacing = 3.9, .origin = {0.65, 0.65, 2.6}} &
                talus::box_region{{-extent, -extent, 2.5}, {extent, extent, 2.7}},

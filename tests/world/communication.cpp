@@ -7,7 +7,8 @@
 #include <talus/world/world.hpp>
 
 using namespace talus;
-using layer = scenario<bodies<sphere, plane>, transport<threads>, decomposition<grid<dynamic, dynamic>>>;
+using layer =
+    scenario<bodies<sphere, plane>, transport<threads>, decomposition<grid<dynamic, dynamic>>>;
 
 namespace {
 
@@ -25,7 +26,8 @@ sent busiest_rank(int n) {
     const auto stuff = w.material({.friction = 0.4});
     w.gravity({0, 0, -9.81});
     w.global([&](auto& scope) { scope.add(plane{}, stuff); });
-    w.fill(simple_cubic{.spacing = 1, .origin = {0.5, 0.5, 0.5}} & box_region{{0, 0, 0}, {size, size, 1}},
+    w.fill(simple_cubic{.spacing = 1, .origin = {0.5, 0.5, 0.5}} &
+               box_region{{0, 0, 0}, {size, size, 1}},
            [&](const site& s, random_stream& random) {
              return body{.shape = sphere{0.5},
                          .position = s.position,
@@ -43,7 +45,8 @@ sent busiest_rank(int n) {
 
 }  // namespace
 
-TEST_CASE("messages per rank and step do not grow with the number of ranks, and no call is global") {
+TEST_CASE(
+    "messages per rank and step do not grow with the number of ranks, and no call is global") {
   const auto few = busiest_rank(3), some = busiest_rank(5), many = busiest_rank(10);
   MESSAGE("messages of the busiest rank: 9 ranks ", few.messages, ", 25 ranks ", some.messages,
           ", 100 ranks ", many.messages);
@@ -57,6 +60,7 @@ TEST_CASE("messages per rank and step do not grow with the number of ranks, and 
 TEST_CASE("a step needs one message per neighbour and iteration, and few besides") {
   // Announcement, counts with the first velocities, migration, copies; corrections after the first.
   const solver_settings s;
-  const auto per_neighbour = static_cast<std::uint64_t>(s.iterations + s.correction_iterations - 1 + 3);
+  const auto per_neighbour =
+      static_cast<std::uint64_t>(s.iterations + s.correction_iterations - 1 + 3);
   CHECK(busiest_rank(3).messages <= 8 * per_neighbour);
 }

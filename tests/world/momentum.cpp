@@ -5,8 +5,9 @@
 
 using namespace talus;
 
-TEST_CASE("a gravity-free cloud of colliding spheres conserves linear and angular momentum to round-off "
-          "on 1, 2, 4 and 9 ranks") {
+TEST_CASE(
+    "a gravity-free cloud of colliding spheres conserves linear and angular momentum to round-off "
+    "on 1, 2, 4 and 9 ranks") {
   using cloud = collision_cloud<transport<threads>, no_correction>;
   for (const int ranks : {1, 2, 4, 9}) {
     CAPTURE(ranks);
@@ -23,7 +24,8 @@ TEST_CASE("a gravity-free cloud of colliding spheres conserves linear and angula
   }
 }
 
-TEST_CASE("with position correction the linear momentum of the cloud is conserved to round-off too") {
+TEST_CASE(
+    "with position correction the linear momentum of the cloud is conserved to round-off too") {
   using cloud = collision_cloud<transport<threads>, split_correction>;
   for (const int ranks : {1, 4}) {
     CAPTURE(ranks);

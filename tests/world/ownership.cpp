@@ -21,7 +21,8 @@ TEST_CASE("system ids are unique over ranks, and a body is local on exactly one 
     for (int k = 0; k < 10; ++k) {
       const double x = link.rank() == 0 ? -1.0 - 3 * k : 1.0 + 3 * k;
       const auto h = w.add(body{.shape = sphere{0.5}, .position = {x, 0, 0}, .material = stuff});
-      const auto attempt = w.add_if_local(body{.shape = sphere{0.5}, .position = {-30.0 + 6 * k, 5, 0}, .material = stuff});
+      const auto attempt = w.add_if_local(
+          body{.shape = sphere{0.5}, .position = {-30.0 + 6 * k, 5, 0}, .material = stuff});
       const std::lock_guard lock(mutex);
       CHECK(ids.insert(h.id).second);
       if (attempt) CHECK(ids.insert(attempt->id).second);
@@ -36,9 +37,10 @@ TEST_CASE("a body in a foreign domain is refused with the place and the rank tha
     world<halves> w(link, {.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
     const double foreign = link.rank() == 0 ? 2 : -2;
-    CHECK_THROWS_WITH_AS(w.add(body{.shape = sphere{1}, .position = {foreign, 0, 0}, .material = stuff}),
-                         doctest::Contains(link.rank() == 0 ? "in the domain of rank 1" : "in the domain of rank 0"),
-                         std::invalid_argument);
+    CHECK_THROWS_WITH_AS(
+        w.add(body{.shape = sphere{1}, .position = {foreign, 0, 0}, .material = stuff}),
+        doctest::Contains(link.rank() == 0 ? "in the domain of rank 1" : "in the domain of rank 0"),
+        std::invalid_argument);
   });
 }
 
@@ -53,7 +55,8 @@ TEST_CASE("a body near the boundary has one owner and one shadow copy, which ref
     REQUIRE(seen.has_value());
     CHECK(seen->is_remote() == (link.rank() == 0));
     if (seen->is_remote()) {
-      CHECK_THROWS_WITH_AS(w[h].set_velocity({1, 0, 0}), doctest::Contains("shadow copy"), std::logic_error);
+      CHECK_THROWS_WITH_AS(w[h].set_velocity({1, 0, 0}), doctest::Contains("shadow copy"),
+                           std::logic_error);
       CHECK_THROWS_WITH_AS(w.destroy(h), doctest::Contains("shadow copy"), std::logic_error);
     } else {
       w[h].set_velocity({-10, 0, 0});
@@ -67,14 +70,17 @@ TEST_CASE("a body near the boundary has one owner and one shadow copy, which ref
   });
 }
 
-TEST_CASE("destroying and adding shadowed bodies between steps without synchronize keeps the ranks in step") {
+TEST_CASE(
+    "destroying and adding shadowed bodies between steps without synchronize keeps the ranks in "
+    "step") {
   threads::launch({.ranks = 2}, [&](threads::link& link) {
     world<halves> w(link, {.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
     std::vector<handle<sphere>> mine;
     for (int k = 0; k < 60; ++k) {
       if (link.rank() == 0) {
-        mine.push_back(w.add(body{.shape = sphere{0.3}, .position = {-0.1, 0.5 * k, 0}, .material = stuff}));
+        mine.push_back(
+            w.add(body{.shape = sphere{0.3}, .position = {-0.1, 0.5 * k, 0}, .material = stuff}));
         if (mine.size() > 5) {
           w.destroy(mine.front());
           mine.erase(mine.begin());
@@ -105,17 +111,20 @@ TEST_CASE("a body translated far into a domain that is no neighbour is routed th
   });
 }
 
-TEST_CASE("a body whose motion is no longer finite ends the run with its id, place, step and rank") {
-  CHECK_THROWS_WITH_AS(
-      threads::launch({.ranks = 2},
-                      [&](threads::link& link) {
-                        world<halves> w(link, {.lower = {-1}, .upper = {1}});
-                        const auto stuff = w.material({});
-                        if (link.rank() == 1)
-                          w.add(body{.shape = sphere{1}, .position = {2, 0, 0}, .material = stuff, .velocity = {1e308, 0, 0}});
-                        for (int k = 0; k < 20; ++k) w.step(10);
-                      }),
-      doctest::Contains("rank 1"), std::runtime_error);
+TEST_CASE(
+    "a body whose motion is no longer finite ends the run with its id, place, step and rank") {
+  CHECK_THROWS_WITH_AS(threads::launch({.ranks = 2},
+                                       [&](threads::link& link) {
+                                         world<halves> w(link, {.lower = {-1}, .upper = {1}});
+                                         const auto stuff = w.material({});
+                                         if (link.rank() == 1)
+                                           w.add(body{.shape = sphere{1},
+                                                      .position = {2, 0, 0},
+                                                      .material = stuff,
+                                                      .velocity = {1e308, 0, 0}});
+                                         for (int k = 0; k < 20; ++k) w.step(10);
+                                       }),
+                       doctest::Contains("rank 1"), std::runtime_error);
 }
 
 TEST_CASE("bodies made before the connections are handed over by synchronize") {
@@ -171,13 +180,17 @@ TEST_CASE("connections changed between steps want a synchronize, and then carry 
   });
 }
 
-TEST_CASE("a decomposition without its extents is named before any body exists, and decompose() cures it") {
-  using cells = scenario<bodies<sphere, plane>, transport<threads>, decomposition<grid<dynamic, dynamic>>>;
+TEST_CASE(
+    "a decomposition without its extents is named before any body exists, and decompose() cures "
+    "it") {
+  using cells =
+      scenario<bodies<sphere, plane>, transport<threads>, decomposition<grid<dynamic, dynamic>>>;
   threads::launch({.ranks = 9}, [&](threads::link& link) {
     world<cells> w(link);
     const auto stuff = w.material({});
     const auto refused = [](auto&& f) {
-      CHECK_THROWS_WITH_AS(f(), doctest::Contains("world.decompose(...) takes them"), std::invalid_argument);
+      CHECK_THROWS_WITH_AS(f(), doctest::Contains("world.decompose(...) takes them"),
+                           std::invalid_argument);
     };
     refused([&] { w.add(body{.shape = sphere{1}, .material = stuff}); });
     refused([&] { (void)w.contains({0, 0, 0}); });

@@ -84,14 +84,16 @@ TEST_CASE("an infinite body outside of a global section is a logic_error") {
                        std::logic_error);
 }
 
-TEST_CASE("a global body is fixed, cannot be made movable, and is not changed in an exclusive section") {
+TEST_CASE(
+    "a global body is fixed, cannot be made movable, and is not changed in an exclusive section") {
   small_world s;
   handle<sphere> h;
   s.w.global([&](auto& w) { h = w.add(sphere{1}, s.stuff, {0, 0, 5}); });
   CHECK(s.w[h].is_global());
   CHECK(s.w[h].is_fixed());
   CHECK_FALSE(s.w[h].is_remote());
-  CHECK_THROWS_WITH_AS(s.w[h].release(), doctest::Contains("cannot be made movable"), std::logic_error);
+  CHECK_THROWS_WITH_AS(s.w[h].release(), doctest::Contains("cannot be made movable"),
+                       std::logic_error);
   s.w.exclusive(0, [&] {
     CHECK_THROWS_AS(s.w[h].translate({1, 0, 0}), std::logic_error);
     CHECK_THROWS_AS(s.w[h].rotate(rotation({0, 0, 1}, 1)), std::logic_error);

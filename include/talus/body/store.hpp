@@ -39,8 +39,10 @@ template <class T>
 template <class Shape, class Features>
 struct body_store {
   using shape_type = Shape;
-  static constexpr bool oriented = Shape::finite && (!Shape::round || contains_type<Features, orientation>);
-  static constexpr bool tensor = Shape::finite && !Shape::round;  ///< inertia is not a multiple of 1
+  static constexpr bool oriented =
+      Shape::finite && (!Shape::round || contains_type<Features, orientation>);
+  static constexpr bool tensor =
+      Shape::finite && !Shape::round;  ///< inertia is not a multiple of 1
   static constexpr bool forced = Shape::finite && contains_type<Features, forces>;
   static constexpr bool numbered = contains_type<Features, user_ids>;
 
@@ -133,7 +135,9 @@ struct body_store {
   }
   /// Appends the next body of a message.
   void unpack(byte_reader& in) {
-    each_column([&](auto& c) { c.push_back(in.get<typename std::remove_cvref_t<decltype(c)>::value_type>()); });
+    each_column([&](auto& c) {
+      c.push_back(in.get<typename std::remove_cvref_t<decltype(c)>::value_type>());
+    });
   }
 };
 

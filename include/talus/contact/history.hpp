@@ -47,7 +47,8 @@ class contact_history {
   }
   [[nodiscard]] std::span<const remembered_contact> entries() const { return entries_; }
   [[nodiscard]] std::size_t bytes() const {
-    return entries_.capacity() * sizeof(remembered_contact) + slots_.capacity() * sizeof(std::uint32_t);
+    return entries_.capacity() * sizeof(remembered_contact) +
+           slots_.capacity() * sizeof(std::uint32_t);
   }
 
  private:

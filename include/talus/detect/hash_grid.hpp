@@ -254,16 +254,17 @@ inline void hash_grid::check(std::span<const vec3> centres, std::span<const real
   for (std::size_t i = 0; i < centres.size(); ++i) {
     const real r = reaches[i];
     if (!detail::finite(centres[i]))
-      throw unplaceable(i,
-                        detail::compose("the centre {} is not finite: the motion has diverged; use a "
-                                    "smaller time step or check forces and velocities",
-                                    detail::text(centres[i])));
+      throw unplaceable(
+          i, detail::compose("the centre {} is not finite: the motion has diverged; use a "
+                             "smaller time step or check forces and velocities",
+                             detail::text(centres[i])));
     if (!(r >= 0) || !std::isfinite(r))
       throw unplaceable(i, detail::compose("the reach {} is not a finite length", r));
     if (r > 0 && centres[i].cwiseAbs().maxCoeff() > limit * r)
-      throw unplaceable(i, detail::compose("the centre {} is so far out that a size of {} is lost in "
-                                       "rounding; remove bodies that leave the scene",
-                                       detail::text(centres[i]), r));
+      throw unplaceable(i,
+                        detail::compose("the centre {} is so far out that a size of {} is lost in "
+                                        "rounding; remove bodies that leave the scene",
+                                        detail::text(centres[i]), r));
   }
 }
 

@@ -13,7 +13,7 @@ namespace talus {
 
 /// Overlaps of the present state; lengths are over the mean bounding radius of the movable bodies.
 struct penetration {
-  double mean = 0;             ///< over the points of negative gap
+  double mean = 0;  ///< over the points of negative gap
   double max = 0;
   double gap_mean_loaded = 0;  ///< mean |gap| over the points that carried an impulse
   std::uint64_t touching = 0;  ///< points with a gap of at most a thousandth of the mean radius
@@ -55,10 +55,14 @@ void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool other
     };
     if (forward)
       collide_pair(own.shape[i], own.pose(i), others.shape[j], others.pose(j), margin,
-                   [&](const contact_geometry& g) { count(g, {own.id[i], others.id[j], g.feature}); });
+                   [&](const contact_geometry& g) {
+                     count(g, {own.id[i], others.id[j], g.feature});
+                   });
     else
       collide_pair(others.shape[j], others.pose(j), own.shape[i], own.pose(i), margin,
-                   [&](const contact_geometry& g) { count(g, {others.id[j], own.id[i], g.feature}); });
+                   [&](const contact_geometry& g) {
+                     count(g, {others.id[j], own.id[i], g.feature});
+                   });
   };
 
   if constexpr (other::finite) {

@@ -264,7 +264,8 @@ struct grid {
         detail::fail<std::invalid_argument>(
             "the cuts of the grid along {} must be finite and strictly increasing, but cut {} is "
             "{}{}; sort them and remove repetitions",
-            name, k, result[k], k > 0 ? detail::compose(" after {}", result[k - 1]) : std::string());
+            name, k, result[k],
+            k > 0 ? detail::compose(" after {}", result[k - 1]) : std::string());
     return result;
   }
 };

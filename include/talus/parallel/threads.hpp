@@ -145,10 +145,10 @@ struct threads {
         others.emplace_back(run, static_cast<int>(std::ssize(others)) + 1);
       run(0);
     } catch (const std::system_error& e) {  // run() itself lets nothing out
-      team.end_with(std::make_exception_ptr(std::runtime_error(
-          detail::compose("{} ranks are asked for, but the system gave only {} threads ({}); ask for "
-                      "fewer, or raise its limit on threads",
-                      ranks, others.size() + 1, e.what()))));
+      team.end_with(std::make_exception_ptr(std::runtime_error(detail::compose(
+          "{} ranks are asked for, but the system gave only {} threads ({}); ask for "
+          "fewer, or raise its limit on threads",
+          ranks, others.size() + 1, e.what()))));
     }
     for (std::thread& each : others) each.join();
     team.rethrow();

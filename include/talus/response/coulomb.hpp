@@ -20,7 +20,8 @@ namespace talus::detail {
 
   // Eliminate the normal: r_n = -(b_n + w . r_t) / W_nn, (S + lambda) r_t = -c.
   const real w1 = W(1, 0), w2 = W(2, 0);
-  const real s11 = W(1, 1) - w1 * w1 / wn, s22 = W(2, 2) - w2 * w2 / wn, s12 = W(2, 1) - w1 * w2 / wn;
+  const real s11 = W(1, 1) - w1 * w1 / wn, s22 = W(2, 2) - w2 * w2 / wn,
+             s12 = W(2, 1) - w1 * w2 / wn;
   const real c1 = b[1] - w1 * b[0] / wn, c2 = b[2] - w2 * b[0] / wn;
 
   struct state {
@@ -50,7 +51,8 @@ namespace talus::detail {
     // d r_t / d lambda = -(S + lambda)^-1 r_t
     const real a = s11 + lambda, d = s22 + lambda, det = a * d - s12 * s12;
     const real d1 = -(d * r.t1 - s12 * r.t2) / det, d2 = -(a * r.t2 - s12 * r.t1) / det;
-    const real slope = (length > 0 ? (r.t1 * d1 + r.t2 * d2) / length : 0) + mu * (w1 * d1 + w2 * d2) / wn;
+    const real slope =
+        (length > 0 ? (r.t1 * d1 + r.t2 * d2) / length : 0) + mu * (w1 * d1 + w2 * d2) / wn;
     real next = lambda - g / slope;
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     if (next == lambda) break;

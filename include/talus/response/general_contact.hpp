@@ -13,7 +13,8 @@ namespace talus::detail {
 enum class contact_side { scalar, tensor, immovable };
 
 /// The general contact: Delassus block in the frame (normal, tangent, tangent), solved exactly for
-/// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a relative to b, impulses act on a.
+/// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a
+/// relative to b, impulses act on a.
 template <class Law, contact_side A, contact_side B>
 struct general_contact {
   static constexpr bool paired = B != contact_side::immovable;
@@ -133,8 +134,8 @@ template <class Real>
 [[nodiscard]] matrix3<Real> frame_around(const vector3<Real>& n) {
   const Real sign = std::copysign(Real{1}, n[2]), p = -1 / (sign + n[2]), q = n[0] * n[1] * p;
   matrix3<Real> f;
-  f << n[0], n[1], n[2],                                        //
-      1 + sign * n[0] * n[0] * p, sign * q, -sign * n[0],       //
+  f << n[0], n[1], n[2],                                   //
+      1 + sign * n[0] * n[0] * p, sign * q, -sign * n[0],  //
       q, sign + n[1] * n[1] * p, -n[1];
   return f;
 }

@@ -122,10 +122,10 @@ class command_line {
 
   [[noreturn]] void refuse(const std::string& argument) const {
     const std::string name = argument.substr(0, argument.find('='));
-    const auto closest = std::min_element(
-        names_.begin(), names_.end(), [&](const std::string& a, const std::string& b) {
-          return edits(name, a) < edits(name, b);
-        });
+    const auto closest = std::min_element(names_.begin(), names_.end(),
+                                          [&](const std::string& a, const std::string& b) {
+                                            return edits(name, a) < edits(name, b);
+                                          });
     const bool close = edits(name, *closest) <= std::max<std::size_t>(2, closest->size() / 3);
     throw usage_error("'" + argument + "' is not an option of this program; " +
                       (close ? "did you mean " + *closest + "? " : "") + "see --help");

@@ -29,7 +29,8 @@ inline void require_writable(const std::string& file) {
   if (file.empty()) return;
   if (!std::ofstream(file, std::ios::app))
     fail<std::runtime_error>(
-        "the file {} cannot be written: give --json a file in a folder that exists and is writable", file);
+        "the file {} cannot be written: give --json a file in a folder that exists and is writable",
+        file);
 }
 
 /// One rank of the program: set-up, steps with progress, figures.
@@ -58,15 +59,17 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
   std::ofstream file(options.json);
   file << to_json(figures);
   if (!file.flush())
-    fail<std::runtime_error>("the results could not be written to {}: is the disk full?", options.json);
+    fail<std::runtime_error>("the results could not be written to {}: is the disk full?",
+                             options.json);
 }
 
 }  // namespace detail
 
 /// Runs a scenario as the program was started: serially, with ranks inside the process (--ranks),
-/// or under mpirun, as its transport allows. `set_up(world, options)` fills the world and simulates;
-/// it runs on every rank. Reads the command line (see `options`), shows progress, and reports at
-/// the end. Returns the exit code for main(): errors are printed once, whichever rank they come from.
+/// or under mpirun, as its transport allows. `set_up(world, options)` fills the world and
+/// simulates; it runs on every rank. Reads the command line (see `options`), shows progress, and
+/// reports at the end. Returns the exit code for main(): errors are printed once, whichever rank
+/// they come from.
 template <class Scenario, class Options = options, class SetUp>
 int run(int argc, char** argv, SetUp&& set_up) {
   const std::string name = detail::program_name(argc > 0 ? argv[0] : nullptr);
@@ -83,9 +86,8 @@ int run(int argc, char** argv, SetUp&& set_up) {
     settings.ranks = chosen.ranks;
     settings.default_ranks = typename Scenario::decomposition{}.size();
     settings.report = complain;
-    Scenario::transport::launch(settings, [&](auto& link) {
-      detail::run_rank<Scenario>(link, chosen, name, set_up);
-    });
+    Scenario::transport::launch(
+        settings, [&](auto& link) { detail::run_rank<Scenario>(link, chosen, name, set_up); });
     return 0;
   } catch (const help_requested& help) {
     if (speaks) std::fputs(help.what(), stdout);

@@ -20,9 +20,7 @@ struct sphere {
   /// Principal moments per unit mass: 2/5 r² each.
   [[nodiscard]] vec3 inertia() const { return vec3::Constant(real(0.4) * radius * radius); }
   /// Furthest point along `direction` (any length; the centre for a zero direction).
-  [[nodiscard]] vec3 support(const vec3& direction) const {
-    return radius * unit(direction);
-  }
+  [[nodiscard]] vec3 support(const vec3& direction) const { return radius * unit(direction); }
   [[nodiscard]] vec3 half_extents(const pose&) const { return vec3::Constant(radius); }
 
   friend bool operator==(const sphere&, const sphere&) = default;

@@ -19,11 +19,11 @@ struct bodies_of_shape {
   using shape_type = Shape;
   using store_type = body_store<Shape, Features>;
 
-  store_type movable;  ///< locals and shadow copies (a finite shape only)
-  store_type global;   ///< known on every rank, immovable
+  store_type movable;     ///< locals and shadow copies (a finite shape only)
+  store_type global;      ///< known on every rank, immovable
   std::size_t first = 0;  ///< index of this shape's first body in the solver's arrays
 
-  hash_grid grid;         ///< of the movable bodies, built each step
+  hash_grid grid;  ///< of the movable bodies, built each step
   std::vector<real> reach;
   hash_grid global_grid;  ///< of the global bodies, built when they change
   std::vector<real> global_reach;

@@ -15,14 +15,14 @@ inline constexpr contact_side side_of = Shape::round ? contact_side::scalar : co
 
 /// Contact of two bodies that can move.
 template <class Law, class A, class B>
-using moving_contact =
-    std::conditional_t<A::round && B::round, round_contact<Law, partner::moving>,
-                       general_contact<Law, side_of<A>, side_of<B>>>;
+using moving_contact = std::conditional_t<A::round && B::round, round_contact<Law, partner::moving>,
+                                          general_contact<Law, side_of<A>, side_of<B>>>;
 
 /// Contact of a body that can move with a global one.
 template <class Law, class A>
-using anchored_contact = std::conditional_t<A::round, round_contact<Law, partner::immovable>,
-                                            general_contact<Law, side_of<A>, contact_side::immovable>>;
+using anchored_contact =
+    std::conditional_t<A::round, round_contact<Law, partner::immovable>,
+                       general_contact<Law, side_of<A>, contact_side::immovable>>;
 
 template <class Law, class A, class... Bs>
 struct contacts_of_one {
@@ -59,9 +59,9 @@ struct contact_lists_for;
 template <class... Shapes, class Law>
 struct contact_lists_for<type_list<Shapes...>, Law> {
   template <class A>
-  using of_one = typename join_lists<
-      decltype(contacts_of_one<Law, A>::template pair_with<Shapes>())...,
-      decltype(contacts_of_one<Law, A>::anchored())>::type;
+  using of_one =
+      typename join_lists<decltype(contacts_of_one<Law, A>::template pair_with<Shapes>())...,
+                          decltype(contacts_of_one<Law, A>::anchored())>::type;
   using all = unique_types<typename join_lists<of_one<Shapes>...>::type>;
 };
 

@@ -19,9 +19,10 @@ struct contact_conditions {
 /// - Of an overlap, a part is corrected; a gap may close. (Were it held open, the correction would
 ///   lift bodies without end, and stacks would sway.)
 /// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
-///   -e u_n (Newton); a slower one is resting contact, which must not jitter. Without rebound, e = 0,
-///   the surfaces still meet.
-/// - Sliding faster than what gravity adds in a step meets the dynamic coefficient, else the static.
+///   -e u_n (Newton); a slower one is resting contact, which must not jitter. Without rebound, e =
+///   0, the surfaces still meet.
+/// - Sliding faster than what gravity adds in a step meets the dynamic coefficient, else the
+/// static.
 template <class Law>
 [[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
                                                const vec3& u, real gap, real dt, real gravity,
@@ -46,7 +47,8 @@ template <class Law>
 /// Whether the owner of shadow copy `copy` has a copy of the body `own`, so that both ranks compute
 /// their contact. (It has not in the one step after the user put a body where none was expected.)
 template <class Own, class Other, class Scenario>
-[[nodiscard]] bool copied_to_owner(const world_state<Scenario>& s, std::size_t own, std::size_t copy) {
+[[nodiscard]] bool copied_to_owner(const world_state<Scenario>& s, std::size_t own,
+                                   std::size_t copy) {
   using shapes = typename world_state<Scenario>::finite_shapes;
   std::size_t last = s.template of<Other>().movable.locals;
   for (const auto& n : s.neighbours) {
@@ -185,8 +187,8 @@ void prepare_detection(world_state<Scenario>& s) {
         grid.build(store.position, reach);
       } catch (const unplaceable& e) {
         fail<std::runtime_error>("body {} at {} on rank {} cannot be placed in step {}: {}",
-                                 store.id[e.index], text(store.position[e.index]),
-                                 s.link->rank(), s.steps, e.what());
+                                 store.id[e.index], text(store.position[e.index]), s.link->rank(),
+                                 s.steps, e.what());
       }
     };
     sort(b.movable, b.reach, b.grid);
@@ -214,7 +216,8 @@ void detect(world_state<Scenario>& s) {
 
     s.each_shape([&](auto& b) {
       using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
-      constexpr bool later = index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
+      constexpr bool later =
+          index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
       if constexpr (B::finite && later) {
         contact_maker<Scenario, A, B, partner::moving> between(s);
         a.grid.pairs_with(b.grid, [&](std::size_t i, std::size_t j) {

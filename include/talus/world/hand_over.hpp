@@ -35,7 +35,8 @@ void rebuild_shadow_copies(world_state<Scenario>& s, const std::vector<Counts>& 
   s.each_finite_shape([&](auto& b) {
     std::remove_reference_t<decltype(b.movable)> old;
     if (some_stay)
-      for (std::size_t i = b.movable.locals; i < b.movable.size(); ++i) old.append_from(b.movable, i);
+      for (std::size_t i = b.movable.locals; i < b.movable.size(); ++i)
+        old.append_from(b.movable, i);
     b.movable.drop_shadows();
     std::size_t first = 0;
     for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
@@ -63,8 +64,8 @@ void match_connections(world_state<Scenario>& s) {
   auto before = std::exchange(s.neighbours, {});
   s.parcels.clear();
   for (const auto& c : connections) {
-    const auto old = std::find_if(before.begin(), before.end(),
-                                  [&](const auto& n) { return n.rank == c.rank; });
+    const auto old =
+        std::find_if(before.begin(), before.end(), [&](const auto& n) { return n.rank == c.rank; });
     auto& now = s.neighbours.emplace_back();
     if (old != before.end()) now = *old;
     now.rank = c.rank;
@@ -144,7 +145,8 @@ std::size_t migrate(world_state<Scenario>& s) {
   if (!leaving.empty()) {
     std::sort(leaving.begin(), leaving.end());
     const auto find = [&](system_id id) {
-      const auto at = std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
+      const auto at =
+          std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
       return at != leaving.end() && at->first == id ? at->second : memories.size();
     };
     for (const remembered_contact& c : s.history.entries()) {
@@ -184,7 +186,8 @@ void list_travelling_velocities(world_state<Scenario>& s) {
     std::size_t copy = b.movable.locals;
     for (auto& n : s.neighbours) {
       for (const auto i : n.shadowed[k])
-        if (b.movable.inverse_mass[i] != 0) n.sent.push_back(static_cast<std::uint32_t>(b.first + i));
+        if (b.movable.inverse_mass[i] != 0)
+          n.sent.push_back(static_cast<std::uint32_t>(b.first + i));
       for (std::size_t c = 0; c < n.copies[k]; ++c, ++copy)
         if (b.movable.inverse_mass[copy] != 0)
           n.received.push_back(static_cast<std::uint32_t>(b.first + copy));

@@ -42,8 +42,7 @@ void gather_velocities(world_state<Scenario>& s) {
         if constexpr (store_type::forced) body.w += s.dt * (tensor * store.torque[i]);
       } else {
         body.inverse_inertia = inverse_mass * (1 / store.shape[i].inertia()[0]);
-        if constexpr (store_type::forced)
-          body.w += (s.dt * body.inverse_inertia) * store.torque[i];
+        if constexpr (store_type::forced) body.w += (s.dt * body.inverse_inertia) * store.torque[i];
       }
     }
   });
@@ -80,14 +79,14 @@ void integrate(world_state<Scenario>& s) {
       if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i];
       store.position[i] += s.dt * rate;
       if constexpr (store_type::tensor) {
-        store.angular_velocity[i] = rotate_freely(store.orientation_of[i], store.angular_velocity[i],
-                                                  store.shape[i].inertia(), s.dt);
+        store.angular_velocity[i] = rotate_freely(
+            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), s.dt);
         if constexpr (world_state<Scenario>::law::correction)
-          store.orientation_of[i] =
-              turned<real>(store.orientation_of[i],
-                           s.dt * solver.turn[b.first + i - solver.first_tensor]);
+          store.orientation_of[i] = turned<real>(
+              store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor]);
       } else if constexpr (store_type::oriented) {
-        store.orientation_of[i] = turned<real>(store.orientation_of[i], s.dt * store.angular_velocity[i]);
+        store.orientation_of[i] =
+            turned<real>(store.orientation_of[i], s.dt * store.angular_velocity[i]);
       }
     }
     if constexpr (store_type::forced) {

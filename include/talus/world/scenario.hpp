@@ -34,8 +34,7 @@ template <class Type>
 struct argument_of_scenario {
   static constexpr bool bare_shape = concepts::shape<Type>;
   static constexpr bool bare_decomposition = !bare_shape && concepts::decomposition<Type>;
-  static constexpr bool bare_transport =
-      is_named_transport<Type> || concepts::transport<Type>;
+  static constexpr bool bare_transport = is_named_transport<Type> || concepts::transport<Type>;
   static constexpr bool bare_part = requires { typename Type::talus_part_of; };
 
   static_assert(!bare_shape,

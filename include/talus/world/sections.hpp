@@ -18,7 +18,8 @@ struct open_sections {
   void require_all_ranks(const char* what, int rank) const {
     if (exclusive)
       fail<std::runtime_error>(
-          "{} was called inside an exclusive section on rank {}, but all ranks must take part: move "
+          "{} was called inside an exclusive section on rank {}, but all ranks must take part: "
+          "move "
           "the call behind the section",
           what, rank);
   }
@@ -34,12 +35,14 @@ class exclusive_section {
   exclusive_section(detail::open_sections& open, int wanted, int rank, int ranks) : open_(open) {
     if (open.exclusive)
       detail::fail<std::runtime_error>(
-          "an exclusive section was opened inside another one on rank {}: close the first before the "
+          "an exclusive section was opened inside another one on rank {}: close the first before "
+          "the "
           "second",
           rank);
     if (open.global)
       detail::fail<std::logic_error>(
-          "an exclusive section was opened inside a global section on rank {}: global bodies are made "
+          "an exclusive section was opened inside a global section on rank {}: global bodies are "
+          "made "
           "alike on all ranks, so put the section before or behind it",
           rank);
     if (wanted < 0 || wanted >= ranks)
@@ -72,7 +75,8 @@ class global_section {
           "a global section was opened inside another one on rank {}: one is enough", rank);
     if (open.exclusive)
       detail::fail<std::logic_error>(
-          "a global section was opened inside an exclusive section on rank {}: global bodies must be "
+          "a global section was opened inside an exclusive section on rank {}: global bodies must "
+          "be "
           "made on all ranks, so move it behind the section",
           rank);
     open_.global = true;

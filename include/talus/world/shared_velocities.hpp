@@ -16,7 +16,8 @@ class shared_velocities {
   using state_type = world_state<Scenario>;
   static constexpr bool alone = state_type::link_type::alone;
   /// Whether the correction of overlaps turns bodies: some have a tensor of inertia.
-  static constexpr bool turning = filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;
+  static constexpr bool turning =
+      filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;
 
   explicit shared_velocities(state_type& s) : s_(s) {}
 

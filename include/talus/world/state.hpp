@@ -45,8 +45,9 @@ template <std::size_t Shapes>
 struct neighbour {
   int rank = 0;
   real reach = 0;  ///< largest reach of the bodies there
-  std::array<std::vector<std::uint32_t>, Shapes> shadowed;  ///< own bodies with a copy there, by shape
-  std::array<std::size_t, Shapes> copies{};                 ///< shadow copies here of bodies there
+  std::array<std::vector<std::uint32_t>, Shapes>
+      shadowed;                              ///< own bodies with a copy there, by shape
+  std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
   std::vector<std::uint32_t> sent;      ///< those of `shadowed` that can move, in solver indices
   std::vector<std::uint32_t> received;  ///< those of `copies` that can move, in solver indices
 };
@@ -60,8 +61,8 @@ struct world_state {
                 "a world needs the transport of its scenario, which is threads unless it names "
                 "another: write #include <talus/parallel/threads.hpp>");
   using link_type = typename Scenario::transport::link;
-  using domain_type = std::conditional_t<link_type::alone, lone_domain,
-                                         domain<typename Scenario::decomposition>>;
+  using domain_type =
+      std::conditional_t<link_type::alone, lone_domain, domain<typename Scenario::decomposition>>;
   template <class Shape>
   using bodies_type = bodies_of_shape<Shape, typename Scenario::features>;
   using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;

@@ -40,17 +40,11 @@ class body_view {
   [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
   [[nodiscard]] material_id material() const { return store_->material[i_]; }
   /// Mass by density and volume, also of a fixed body.
-  [[nodiscard]] real mass() const
-    requires(Shape::finite)
-  {
+  [[nodiscard]] real mass() const requires(Shape::finite) {
     return s_->materials[material()].density * shape().volume();
   }
   /// Principal moments of inertia in the frame of the body, also of a fixed body.
-  [[nodiscard]] vec3 inertia() const
-    requires(Shape::finite)
-  {
-    return mass() * shape().inertia();
-  }
+  [[nodiscard]] vec3 inertia() const requires(Shape::finite) { return mass() * shape().inertia(); }
   [[nodiscard]] std::uint32_t user_id() const {
     if constexpr (detail::require_feature<Scenario, user_ids>()) return store_->user_id[i_];
     return 0;
@@ -90,9 +84,7 @@ class body_view {
     store_->angular_velocity[i_].setZero();
   }
   /// Makes a fixed body movable again. A global body stays fixed: logic_error.
-  void release()
-    requires(Shape::finite)
-  {
+  void release() requires(Shape::finite) {
     prepare_change("fixation", vec3(0, 0, 0));
     if (global_)
       detail::fail<std::logic_error>(
@@ -137,8 +129,8 @@ class body_view {
  private:
   void prepare_change(const char* what, const vec3& value) {
     if (!detail::finite(value))
-      detail::fail<std::invalid_argument>("the {} of body {} must be finite, but is {}", what,
-                                          id(), detail::text(value));
+      detail::fail<std::invalid_argument>("the {} of body {} must be finite, but is {}", what, id(),
+                                          detail::text(value));
     if (is_remote())
       detail::fail<std::logic_error>(
           "the {} of body {} was changed on rank {}, which holds a shadow copy only, so the change "
@@ -146,7 +138,8 @@ class body_view {
           what, id(), s_->link->rank());
     if (global_ && open_->exclusive)
       detail::fail<std::logic_error>(
-          "the {} of global body {} was changed inside an exclusive section on rank {}, so the ranks "
+          "the {} of global body {} was changed inside an exclusive section on rank {}, so the "
+          "ranks "
           "would differ: change it on all ranks, outside of the section",
           what, id(), s_->link->rank());
     if (!global_) s_->changed = true;

@@ -44,8 +44,7 @@ class world {
       : state_(link, domain_type(d, link.rank(), link.size())) {}
   /// The same with the decomposition's default values. Where it has none for this number of ranks,
   /// decompose() must give them first: what needs the domain throws invalid_argument until then.
-  explicit world(link_type& link)
-      : state_(link, domain_type::undivided(link.rank(), link.size())) {
+  explicit world(link_type& link) : state_(link, domain_type::undivided(link.rank(), link.size())) {
     try {
       state_.own = domain_type(decomposition_type{}, rank(), ranks());
     } catch (const std::invalid_argument& e) {
@@ -128,7 +127,8 @@ class world {
     if constexpr (detail::require_feature<Scenario, talus::damping>()) {
       if (!(kept > 0 && kept <= 1))
         detail::fail<std::invalid_argument>(
-            "the damping is the part of the velocity kept per unit of time, in (0, 1], but is {}", kept);
+            "the damping is the part of the velocity kept per unit of time, in (0, 1], but is {}",
+            kept);
       state_.damping = kept;
     }
   }
@@ -155,7 +155,8 @@ class world {
       } else {
         if (!contains(b.position))
           detail::fail<std::invalid_argument>(
-              "rank {} cannot add a {} at {}, which is in the domain of {}: ask world.contains(...) first, "
+              "rank {} cannot add a {} at {}, which is in the domain of {}: ask "
+              "world.contains(...) first, "
               "or use add_if_local or fill",
               rank(), Shape::name, detail::text(b.position), owner_text(b.position));
         return {insert(b, detail::id_of_rank(static_cast<std::uint64_t>(rank()), added_here_++))};
@@ -166,16 +167,13 @@ class world {
   template <class Shape>
   handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
                     const quat& orientation = {1, 0, 0, 0}) {
-    return add(body<Shape>{.shape = shape,
-                           .position = position,
-                           .material = material,
-                           .orientation = orientation});
+    return add(body<Shape>{
+        .shape = shape, .position = position, .material = material, .orientation = orientation});
   }
   /// Adds the body on the rank that owns its centre and returns its handle there. All ranks call it
   /// alike, so its id is the same for every number of ranks.
   template <class Shape>
-    requires(Shape::finite)
-  std::optional<handle<Shape>> add_if_local(const body<Shape>& b) {
+  requires(Shape::finite) std::optional<handle<Shape>> add_if_local(const body<Shape>& b) {
     if constexpr (detail::require_shape<Scenario, Shape>()) {
       validate(b);
       sections_.require_all_ranks("add_if_local", rank());
@@ -204,8 +202,8 @@ class world {
   [[nodiscard]] view<Shape> operator[](handle<Shape> h) {
     if (auto found = find(h)) return *found;
     detail::fail<std::invalid_argument>(
-        "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)", rank(),
-        Shape::name, h.id);
+        "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)",
+        rank(), Shape::name, h.id);
   }
 
   /// Calls f(body) for every body this rank owns.
@@ -228,7 +226,8 @@ class world {
   /// Whether a shape at that place overlaps any body this rank knows, except for `except`.
   template <class Shape>
   [[nodiscard]] bool overlaps(const Shape& shape, const vec3& position,
-                              const quat& orientation = {1, 0, 0, 0}, system_id except = no_id) const;
+                              const quat& orientation = {1, 0, 0, 0},
+                              system_id except = no_id) const;
 
   /// Number of bodies this rank owns.
   [[nodiscard]] std::size_t local_bodies() const {
@@ -277,7 +276,8 @@ class world {
     require_finite("the angular velocity of a body", b.angular_velocity);
     if (!(std::abs(b.orientation.norm() - 1) < 1e-6))
       detail::fail<std::invalid_argument>(
-          "the orientation of a body must be a unit quaternion, but its norm is {}", b.orientation.norm());
+          "the orientation of a body must be a unit quaternion, but its norm is {}",
+          b.orientation.norm());
     if (state_.materials.size() == 0)
       detail::fail<std::invalid_argument>(
           "the world has no material yet: make one with world.material(...) before adding bodies");

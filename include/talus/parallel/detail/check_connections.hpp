@@ -328,7 +328,7 @@ class connection_checker {
 
   [[nodiscard]] std::string pictures(int a, int b) const {
     return compose("rank {} gives {} for rank {}, and rank {} gives {} for rank {}", a,
-                       to_string(find(a, b)->geometry), b, b, to_string(find(b, a)->geometry), a);
+                   to_string(find(a, b)->geometry), b, b, to_string(find(b, a)->geometry), a);
   }
 
   std::uint64_t next() { return mix(state_++); }

@@ -34,7 +34,8 @@ void world<Scenario>::require_two_sided_connections() {
       const auto& back = all[static_cast<std::size_t>(b)];
       if (std::find(back.begin(), back.end(), static_cast<int>(a)) == back.end())
         detail::fail<std::runtime_error>(
-            "rank {} is connected to rank {}, but rank {} is not connected to rank {}: call connect on "
+            "rank {} is connected to rank {}, but rank {} is not connected to rank {}: call "
+            "connect on "
             "both sides, each with the region of the other",
             a, b, b, a);
     }
@@ -247,7 +248,8 @@ void world<Scenario>::step(real dt) {
   if (!synchronized_) synchronize();
   if (rewired_)
     detail::fail<std::runtime_error>(
-        "rank {} changed its connections and then called step: call synchronize() on all ranks first",
+        "rank {} changed its connections and then called step: call synchronize() on all ranks "
+        "first",
         rank());
   const traffic before = state_.link->counters();
   detail::step(state_, dt);
