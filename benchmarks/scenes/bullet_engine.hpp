@@ -110,7 +110,7 @@ class bullet_engine {
         "(warm start 0.85, split impulse, erp2 0.2), no sleeping, planes as btStaticPlaneShape");
   }
 
-  static std::string name() { return "bullet"; }
+  static std::string name() { return sizeof(btScalar) == sizeof(float) ? "bullet" : "bullet64"; }
 
  private:
   static btVector3 vector(const vec& v) { return {btScalar(v[0]), btScalar(v[1]), btScalar(v[2])}; }

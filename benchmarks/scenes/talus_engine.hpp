@@ -1,7 +1,9 @@
 #pragma once
 // talus on a benchmark scene: one rank, double precision, only the shapes that the scene has.
+#include <algorithm>
 #include <talus/parallel/serial.hpp>
 #include <talus/world/world.hpp>
+#include <utility>
 #include <vector>
 
 #include "checker.hpp"
@@ -65,7 +67,31 @@ class talus_engine {
     world_.state().each_contact_list([&](const auto& list) { n += list.size(); });
     return n;
   }
-  [[nodiscard]] std::vector<loaded_pair> loaded() const { return {}; }
+  [[nodiscard]] std::vector<loaded_pair> loaded() const {
+    using entry = std::pair<talus::system_id, loaded_pair>;  // of the latter, kind and number only
+    std::vector<entry> bodies;
+    const auto add = [&](const auto& store, partner kind) {
+      for (std::size_t i = 0; i < store.size(); ++i)
+        bodies.push_back({store.id[i], {.kind = kind, .other = i}});
+    };
+    add(world_.state().template of<talus::sphere>().movable, partner::ball);
+    add(world_.state().template of<talus::plane>().global, partner::wall);
+    if constexpr ((std::is_same_v<Shapes, talus::box> || ...))
+      add(world_.state().template of<talus::box>().movable, partner::block);
+    const auto by_id = [](const entry& x, const entry& y) { return x.first < y.first; };
+    std::sort(bodies.begin(), bodies.end(), by_id);
+    const auto find = [&](talus::system_id id) {
+      return std::lower_bound(bodies.begin(), bodies.end(), entry{id, {}}, by_id)->second;
+    };
+    std::vector<loaded_pair> pairs;
+    for (const auto& c : world_.state().history.entries()) {
+      if (c.impulse.squaredNorm() == 0) continue;
+      auto a = find(c.key.a), b = find(c.key.b);
+      if (a.kind != partner::ball) std::swap(a, b);
+      pairs.push_back({a.other, b.kind, b.other});
+    }
+    return pairs;
+  }
   void describe(record& out) const {
     const auto& t = world_.state().seconds;
     const double steps = static_cast<double>(world_.steps());

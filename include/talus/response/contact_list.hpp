@@ -75,10 +75,7 @@ class contact_list {
   }
 
   void sweep_forward(solver_state& s) {
-    const std::size_t part = interior_.size() / streams;
-    for (std::size_t i = 0; i < part; ++i)
-      for (std::size_t k = 0; k < streams; ++k) sweep_one(s, k * part + i);
-    for (std::size_t i = streams * part; i < interior_.size(); ++i) sweep_one(s, i);
+    in_streams([&](std::size_t i) { sweep_one(s, i); });
   }
   void sweep_backward(solver_state& s) {
     const std::size_t part = interior_.size() / streams;
@@ -96,10 +93,11 @@ class contact_list {
   }
 
   void sweep_push(solver_state& s) {
-    for (Contact& c : interior_) {
+    in_streams([&](std::size_t i) {
+      Contact& c = interior_[i];
       const real d = c.relax_push(s);
       if (d != 0) c.push_a(s, d), c.push_b(s, d);
-    }
+    });
   }
   void relax_boundary_push(const solver_state& s) {
     pushes_.resize(boundary_.size());
@@ -111,11 +109,16 @@ class contact_list {
   }
 
  private:
-  /// Sweeps run through this many parts of the list side by side. Contacts that follow each other
-  /// in the list share a body, so that each would wait for the one before; contacts far apart do
-  /// not, and the processor works on several at once.
-  static constexpr std::size_t streams = 4;
+  /// Sweeps run through this many parts of the list side by side: see the kinds of contacts.
+  static constexpr std::size_t streams = Contact::streams;
 
+  template <class F>
+  void in_streams(F&& f) {
+    const std::size_t part = interior_.size() / streams;
+    for (std::size_t i = 0; i < part; ++i)
+      for (std::size_t k = 0; k < streams; ++k) f(k * part + i);
+    for (std::size_t i = streams * part; i < interior_.size(); ++i) f(i);
+  }
   void sweep_one(solver_state& s, std::size_t i) {
     Contact& c = interior_[i];
     c.apply(s, c.relax(s));

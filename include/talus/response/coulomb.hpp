@@ -24,6 +24,7 @@ namespace talus::detail {
              s12 = W(2, 1) - w1 * w2 / wn;
   const real c1 = b[1] - w1 * b[0] / wn, c2 = b[2] - w2 * b[0] / wn;
 
+  const auto length_of = [](real x, real y) { return std::sqrt(x * x + y * y); };
   struct state {
     real t1, t2, n;
   };
@@ -35,17 +36,17 @@ namespace talus::detail {
     r.n = -(b[0] + w1 * r.t1 + w2 * r.t2) / wn;
     return r;
   };
-  const auto excess = [&](const state& r) { return std::hypot(r.t1, r.t2) - mu * r.n; };
+  const auto excess = [&](const state& r) { return length_of(r.t1, r.t2) - mu * r.n; };
 
   state r = at(0);
   if (r.n >= 0 && excess(r) <= 0) return {r.n, r.t1, r.t2};  // sticks
 
   // Where lambda is large, r_t = -c / lambda and r_n = -b_n / W_nn.
-  real low = 0, high = std::max(s11 + s22, -std::hypot(c1, c2) * wn / (mu * b[0]));
+  real low = 0, high = std::max(s11 + s22, -length_of(c1, c2) * wn / (mu * b[0]));
   while (excess(r = at(high)) > 0 && high < 1e150 * wn) low = high, high *= 4;
   real lambda = high;
   for (int i = 0; i < 60; ++i) {
-    const real length = std::hypot(r.t1, r.t2), g = length - mu * r.n;
+    const real length = length_of(r.t1, r.t2), g = length - mu * r.n;
     if (std::abs(g) <= 1e-15 * (length + mu * std::abs(r.n))) break;
     (g > 0 ? low : high) = lambda;
     // d r_t / d lambda = -(S + lambda)^-1 r_t
@@ -60,7 +61,7 @@ namespace talus::detail {
     r = at(lambda);
   }
   // Put the impulse on the cone to the last bit that matters, by the component known better.
-  const real length = std::hypot(r.t1, r.t2);
+  const real length = length_of(r.t1, r.t2);
   if (mu > 1) return {length / mu, r.t1, r.t2};
   const real n = std::max(r.n, real{0});
   const real scale = length > mu * n && length > 0 ? mu * n / length : 1;

@@ -3,9 +3,11 @@
 // their centres: spheres, against each other or against something immovable.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "talus/core/math.hpp"
+#include "talus/core/quad.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -16,19 +18,19 @@ enum class partner { moving, immovable };
 /// What friction adds to a contact of round bodies, and to a change of its impulse.
 template <bool Friction>
 struct round_friction {
+  vec3 rt{0, 0, 0};  ///< tangential impulse
+  real inverse_wt = 0;
   real arm_a = 0;  ///< distance of the contact point from the centre of a, b
   real arm_b = 0;
   real friction = 0;  ///< coefficient mu
-  real inverse_wt = 0;
-  vec3 rt{0, 0, 0};  ///< tangential impulse
 };
 template <>
 struct round_friction<false> {};
 
 template <bool Friction>
 struct round_change {
+  quad t{0, 0, 0, 0};
   real n = 0;
-  vec3 t{0, 0, 0};
 };
 template <>
 struct round_change<false> {
@@ -39,17 +41,21 @@ struct round_change<false> {
 /// w_t = w_n + arm_a^2/I_a + arm_b^2/I_b across it. So the exact local solution of Coulomb's law
 /// needs no tangent basis and no tensor: r_n = max(0, r_n - (u_n - target)/w_n), and r_t - u_t/w_t
 /// is clipped radially to mu r_n. Velocities are those of a relative to b, impulses act on a.
-/// Without friction nothing tangential is stored or computed.
+/// Without friction nothing tangential is stored or computed. Vectors are worked on as quads, which
+/// is why a number follows each of them in memory.
 template <class Law, partner Partner>
 struct round_contact : round_friction<Law::friction> {
   static constexpr bool paired = Partner == partner::moving;
+  /// Contacts that follow each other in the list share a body, so that each would wait for the one
+  /// before; contacts far apart do not, and the processor works on several at once.
+  static constexpr std::size_t streams = 3;
 
+  vec3 normal{0, 0, 1};  ///< from b to a
+  real inverse_wn = 0;
   std::int32_t a = 0;
   std::int32_t b = -1;
-  vec3 normal{0, 0, 1};  ///< from b to a
-  real target = 0;       ///< least separating velocity after the step
-  real push = 0;         ///< least separating rate of the correction
-  real inverse_wn = 0;
+  real target = 0;  ///< least separating velocity after the step
+  real push = 0;    ///< least separating rate of the correction
   real rn = 0;      ///< normal impulse
   real pushed = 0;  ///< normal impulse of the correction
 
@@ -74,7 +80,8 @@ struct round_contact : round_friction<Law::friction> {
     rn = std::max(real{0}, normal.dot(impulse));
     if constexpr (Law::friction) {
       this->rt = impulse - normal.dot(impulse) * normal;
-      clip();
+      const real limit = this->friction * rn, square = this->rt.squaredNorm();
+      if (square > limit * limit) this->rt *= limit / std::sqrt(square);
     }
   }
   [[nodiscard]] vec3 impulse() const {
@@ -85,7 +92,7 @@ struct round_contact : round_friction<Law::friction> {
   }
   [[nodiscard]] change whole() const {
     if constexpr (Law::friction)
-      return {rn, this->rt};
+      return {tangent(), rn};
     else
       return {rn};
   }
@@ -93,22 +100,25 @@ struct round_contact : round_friction<Law::friction> {
   /// Solves this contact with all others held; the change is still to be applied.
   change relax(const solver_state& s) {
     const solver_body& A = s.bodies[a];
-    vec3 u = A.v;
-    if constexpr (paired) u -= s.bodies[b].v;
-    const real un = normal.dot(u);
-    change d;
-    d.n = rn;
+    const quad n = normal_quad();
+    quad u = load(A.v);
+    if constexpr (paired) u -= load(s.bodies[b].v);
+    const real un = sum_of_products(n, u);
+    const real before = rn;
     rn = std::max(real{0}, rn - (un - target) * inverse_wn);
-    d.n = rn - d.n;
     if constexpr (Law::friction) {
-      vec3 spin = this->arm_a * A.w;
-      if constexpr (paired) spin += this->arm_b * s.bodies[b].w;
-      d.t = this->rt;
-      this->rt -= this->inverse_wt * (u - un * normal + normal.cross(spin));
-      clip();
-      d.t = this->rt - d.t;
+      quad spin = this->arm_a * load(A.w);
+      if constexpr (paired) spin += this->arm_b * load(s.bodies[b].w);
+      const quad old = load(this->rt);
+      quad t = without_fourth(old - old[3] * (u - un * n + cross(n, spin)));
+      // No branch: whether a contact slides is hard to predict.
+      const real limit = this->friction * rn;
+      t *= limit / std::max({limit, std::sqrt(sum_of_products(t, t)), tiny});
+      store(this->rt, __builtin_shufflevector(t, old, 0, 1, 2, 7));
+      return {t - without_fourth(old), rn - before};
+    } else {
+      return {rn - before};
     }
-    return d;
   }
 
   void apply(solver_state& s, const change& d) const {
@@ -117,21 +127,15 @@ struct round_contact : round_friction<Law::friction> {
   }
   void apply_to_a(solver_state& s, const change& d) const {
     solver_body& A = s.bodies[a];
-    if constexpr (Law::friction) {
-      A.v += A.inverse_mass * (d.n * normal + d.t);
-      A.w -= (this->arm_a * A.inverse_inertia) * normal.cross(d.t);
-    } else {
-      A.v += (A.inverse_mass * d.n) * normal;
-    }
+    real spin = 0;
+    if constexpr (Law::friction) spin = this->arm_a * A.inverse_inertia;
+    hit(A, d, A.inverse_mass, spin);
   }
   void apply_to_b(solver_state& s, const change& d) const {
     solver_body& B = s.bodies[b];
-    if constexpr (Law::friction) {
-      B.v -= B.inverse_mass * (d.n * normal + d.t);
-      B.w -= (this->arm_b * B.inverse_inertia) * normal.cross(d.t);
-    } else {
-      B.v -= (B.inverse_mass * d.n) * normal;
-    }
+    real spin = 0;
+    if constexpr (Law::friction) spin = this->arm_b * B.inverse_inertia;
+    hit(B, d, -B.inverse_mass, spin);
   }
 
   real relax_push(const solver_state& s) {
@@ -149,9 +153,18 @@ struct round_contact : round_friction<Law::friction> {
   }
 
  private:
-  void clip() {
-    const real limit = this->friction * rn, square = this->rt.squaredNorm();
-    if (square > limit * limit) this->rt *= limit / std::sqrt(square);
+  static constexpr real tiny = 1e-150;  ///< impulses below it are none
+  [[nodiscard]] quad normal_quad() const { return without_fourth(load(normal)); }
+  [[nodiscard]] quad tangent() const { return without_fourth(load(this->rt)); }
+
+  void hit(solver_body& body, const change& d, real inverse_mass, real spin) const {
+    const quad n = normal_quad();
+    if constexpr (Law::friction) {
+      store(body.v, load(body.v) + inverse_mass * (d.n * n + d.t));
+      store(body.w, load(body.w) - spin * cross(n, d.t));
+    } else {
+      store(body.v, load(body.v) + (inverse_mass * d.n) * n);
+    }
   }
 };
 
