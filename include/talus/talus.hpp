@@ -12,6 +12,7 @@
 #include "talus/parallel/threads.hpp"
 #include "talus/scene/lattice.hpp"
 #include "talus/scene/options.hpp"
+#include "talus/scene/pictures.hpp"
 #include "talus/scene/region.hpp"
 #include "talus/scene/ring.hpp"
 #include "talus/scene/run.hpp"

@@ -166,6 +166,11 @@ struct options {
   std::uint64_t seed = 1;    ///< of all random numbers
   std::string json;          ///< file for the results; empty: none
   bool quiet = false;        ///< no progress, no summary
+  std::string frames;        ///< folder for pictures; empty: none
+  std::size_t every = 100;   ///< steps between pictures
+  std::string colour;        ///< "rank" or "speed"; empty: as the scene likes it
+  bool copies = false;       ///< pictures show shadow copies
+  bool domains = false;      ///< pictures show what each rank owns
 
   void describe(auto& cli) {
     cli.add("--steps", steps, "time steps");
@@ -175,6 +180,15 @@ struct options {
     cli.add("--seed", seed, "seed of all random numbers");
     cli.add("--json", json, "write the results to this file");
     cli.add("--quiet", quiet, "no progress, no summary");
+    cli.add("--frames", frames, "write pictures for POV-Ray into this folder");
+    cli.add("--every", every, "steps from one picture to the next", 1);
+    cli.add("--colour", colour, "of bodies in pictures: by rank or by speed");
+    cli.add("--show-copies", copies, "pictures show shadow copies too");
+    cli.add("--show-domains", domains, "pictures show what each rank owns");
+    cli.check([this] {
+      if (!colour.empty() && colour != "rank" && colour != "speed")
+        throw usage_error("--colour must be rank or speed, but is '" + colour + "'; see --help");
+    });
   }
 };
 

@@ -1,0 +1,85 @@
+#pragma once
+// The words of POV-Ray's scene language that bodies and domains need.
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "talus/geometry/half_space.hpp"
+#include "talus/shape/box.hpp"
+#include "talus/shape/plane.hpp"
+#include "talus/shape/sphere.hpp"
+
+namespace talus::detail {
+
+/// Text that grows; numbers have seven digits, enough for any picture.
+class povray_text {
+ public:
+  povray_text& operator<<(std::string_view s) {
+    text_.append(s);
+    return *this;
+  }
+  povray_text& operator<<(real x) {
+    char digits[32];
+    const auto end =
+        std::to_chars(digits, digits + sizeof digits, x, std::chars_format::general, 7).ptr;
+    text_.append(digits, end);
+    return *this;
+  }
+  povray_text& operator<<(const vec3& v) {
+    return *this << "<" << v[0] << "," << v[1] << "," << v[2] << ">";
+  }
+  [[nodiscard]] const std::string& str() const { return text_; }
+  void clear() { text_.clear(); }
+
+ private:
+  std::string text_;
+};
+
+/// From the frame of a body to that of the world.
+inline void add_placement(povray_text& out, const pose& p) {
+  const mat3 r = p.orientation.toRotationMatrix();
+  out << "matrix<";
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) out << r(row, column) << ",";
+  out << p.position[0] << "," << p.position[1] << "," << p.position[2] << ">";
+}
+
+/// A colour with red, green and blue in [0, 1].
+[[nodiscard]] inline vec3 colour_of_hue(real hue, real saturation = 0.75, real brightness = 0.9) {
+  const auto channel = [&](real n) {
+    const real k = std::fmod(n + 6 * hue, 6);
+    return brightness * (1 - saturation * std::clamp(std::min(k, 4 - k), real{0}, real{1}));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+/// Colours of neighbouring numbers differ: steps of the golden ratio around the circle of hues.
+[[nodiscard]] inline vec3 colour_of_number(int number) {
+  const real turn = 0.6180339887498949 * number + 0.02;
+  return colour_of_hue(turn - std::floor(turn), number % 2 == 0 ? 0.75 : 0.55,
+                       number % 3 == 2 ? 0.7 : 0.92);
+}
+/// From blue (0) over green to red (1).
+[[nodiscard]] inline vec3 colour_of_part(real part) {
+  return colour_of_hue((1 - std::clamp(part, real{0}, real{1})) * 2 / 3);
+}
+
+}  // namespace talus::detail
+
+namespace talus {
+
+// One function per shape: its form in the frame of the body, without placement and colour. A shape
+// of the user's own needs such a function in the shape's namespace.
+
+inline void povray_form(detail::povray_text& out, const sphere& s) {
+  out << "sphere{<0,0,0>," << s.radius;
+}
+inline void povray_form(detail::povray_text& out, const box& b) {
+  const vec3 half = 0.5 * b.size;
+  out << "box{" << vec3(-half) << "," << half;
+}
+inline void povray_form(detail::povray_text& out, const plane& p) {
+  out << "plane{" << p.unit_normal() << "," << p.offset;
+}
+
+}  // namespace talus
