@@ -86,6 +86,13 @@ class domain {
   /// How space is shared out among all ranks; nullptr if there is only one rank or all is by hand.
   [[nodiscard]] const auto* partition() const { return cells_ ? &*cells_ : nullptr; }
 
+  /// A distance from this domain within which there are connected ranks only; infinite where all
+  /// is connected by hand, as nobody knows then what lies beyond.
+  [[nodiscard]] real covered() const {
+    if (covered_ < 0) covered_ = measure_covered();
+    return covered_;
+  }
+
   /// Whether this rank owns the point; of all ranks of a job exactly one does.
   [[nodiscard]] bool contains(const vec3& p) const {
     if constexpr (concepts::generating_decomposition<Decomposition>) {
@@ -156,6 +163,24 @@ class domain {
     using type = decltype(std::declval<const Cells&>().cell(0));
   };
 
+  [[nodiscard]] real measure_covered() const {
+    constexpr real infinity = std::numeric_limits<real>::infinity();
+    if constexpr (concepts::generating_decomposition<Decomposition>) {
+      if (!cells_) return infinity;
+      const auto within = [&](real reach) {
+        const auto near = cells_->neighbours(rank_, reach);
+        return std::all_of(near.begin(), near.end(), [&](int r) { return find(r) != nullptr; });
+      };
+      real low = 0, high = 1;
+      while (within(high)) {
+        low = high, high *= 4;
+        if (high > 1e100) return infinity;
+      }
+      for (int k = 0; k < 60; ++k) (within(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+      return low;
+    }
+    return infinity;
+  }
   [[nodiscard]] auto position(int rank) const {
     return std::lower_bound(connections_.begin(), connections_.end(), rank,
                             [](const connection& c, int r) { return c.rank < r; });
@@ -168,6 +193,7 @@ class domain {
   typename cell_of<cells_type>::type cell_{};
   any_geometry own_;
   std::vector<connection> connections_;
+  mutable real covered_ = -1;  // not measured yet
 };
 
 template <concepts::decomposition Decomposition>
@@ -192,6 +218,7 @@ void domain<Decomposition>::connect(int rank, any_geometry geometry, real dx) {
         "call disconnect({}) first, or merge both regions into one geometry",
         rank_, rank, rank);
   generated_ = false;
+  covered_ = -1;
   connections_.insert(at, {rank, std::move(geometry), dx});
 }
 
@@ -203,6 +230,7 @@ void domain<Decomposition>::disconnect(int rank) {
         "rank {} is not connected to rank {}, so that it cannot disconnect; "
         "connections() lists the ranks it is connected to",
         rank_, rank);
+  covered_ = -1;
   connections_.erase(connections_.begin() + (found - connections_.data()));
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/world/coverage.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -206,11 +207,14 @@ void list_travelling_velocities(world_state<Scenario>& s) {
 template <class Scenario>
 void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   real largest = 0;
+  const real covered = s.own.covered();
   s.each_finite_shape([&](auto& b) {
     b.reach.resize(b.movable.size());
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
       b.reach[i] = reach_of(b.movable, i, s.dt);
       largest = std::max(largest, b.reach[i]);
+      if (i < b.movable.locals && b.movable.shape[i].bounding_radius() > covered)
+        require_reached(s, b.movable.id[i], b.movable.shape[i], b.movable.position[i]);
     }
   });
   real furthest = 0;

@@ -44,7 +44,8 @@ namespace detail {
 template <std::size_t Shapes>
 struct neighbour {
   int rank = 0;
-  real reach = 0;  ///< largest reach of the bodies there
+  std::vector<int> connected;  ///< the ranks it is connected to
+  real reach = 0;              ///< largest reach of the bodies there
   std::array<std::vector<std::uint32_t>, Shapes>
       shadowed;                              ///< own bodies with a copy there, by shape
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
@@ -92,7 +93,8 @@ struct world_state {
   std::vector<neighbour<shape_count>> neighbours;  ///< one for each connection, in the same order
   std::vector<parcel> parcels;                     ///< likewise: handovers
   std::vector<parcel> velocity_parcels;            ///< for those with movable copies on a side
-  bool changed = true;  ///< bodies were added, removed or changed since the last handover
+  bool strangers = false;  ///< some neighbours are not connected to each other
+  bool changed = true;     ///< bodies were added, removed or changed since the last handover
 
   stage_seconds seconds;
   step_traffic sent;

@@ -68,6 +68,7 @@ void world<Scenario>::write(detail::body_store<Shape, typename Scenario::feature
 template <class Scenario>
 template <class Shape>
 system_id world<Scenario>::insert(const body<Shape>& b, system_id id) {
+  if constexpr (!link_type::alone) detail::require_reached(state_, id, b.shape, b.position);
   auto& store = state_.template of<Shape>().movable;
   write(store, store.insert_local(), b, id, b.fixed);
   state_.changed = true;
@@ -220,6 +221,7 @@ void world<Scenario>::synchronize() {
   if constexpr (!link_type::alone) {
     require_two_sided_connections();
     detail::match_connections(state_);
+    detail::share_connections(state_);
     for (int round = 0;; ++round) {
       std::uint64_t passing = detail::migrate(state_);
       state_.link->reduce(reduction::sum, std::span(&passing, 1));
