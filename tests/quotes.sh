@@ -3,6 +3,7 @@
 #   <!-- examples/well/well.cpp -->
 #   ```cpp
 #   ...
+# So is a block of text, a message for instance, that has such a line before it.
 # A block may leave out whole parts with a line "// ..."; each part must be lines of the file, in the
 # same order, apart from indentation.
 #   quotes.sh ROOT [FILE.md ...]
@@ -19,7 +20,7 @@ for page in "$@"; do
   while IFS= read -r line || [[ -n $line ]]; do
     number=$((number + 1))
     if [[ $inside == no ]]; then
-      if [[ $line == '```cpp'* ]]; then
+      if [[ $line == '```cpp'* || ($line == '```text' && -n $source) ]]; then
         inside=yes start=$number block=()
         [[ -n $source ]] || complain "$page" "$number" "a C++ block without the file it is from"
       elif [[ $line =~ ^'<!-- '([^ ]+)' -->'$ ]]; then
@@ -36,13 +37,18 @@ for page in "$@"; do
           BEGIN { while ((getline s < file) > 0) if (bare(s) != "") text[++n] = bare(s) }
           { s = bare($0) }
           s == "" { next }
-          s == "// ..." { joined = 0; next }
-          {
-            for (i = at + 1; i <= n; ++i) {
-              if (text[i] == s) { at = i; joined = 1; next }
-              if (joined) break
+          s == "// ..." { find(); next }
+          { part[++m] = s }
+          END { if (!failed) find() }
+          function find(i, k, far) {  # the part, behind those before it
+            for (i = at + 1; m > 0 && i + m - 1 <= n; ++i) {
+              for (k = 1; k <= m && text[i + k - 1] == part[k]; ++k) if (k > far) far = k
+              if (k > m) { at = i + m - 1; m = 0 }
             }
-            print "not in " file " there: " s; exit 1
+            if (m == 0) return
+            print "not in " file " there: " part[far < m ? far + 1 : m]
+            failed = 1
+            exit 1
           }' || complain "$page" "$start" "the block differs from $source"
       fi
       source=''

@@ -20,3 +20,10 @@ add_example_test(whole LONG ARGS --quiet
                  CHECK "bodies EQUAL 3200" "penetration_mean LESS 1e-4" "kinetic_energy LESS 160")
 add_example_test(whole_threads LONG ARGS --quiet --ranks 4
                  CHECK "bodies EQUAL 3200" "penetration_mean LESS 1e-4" "kinetic_energy LESS 160")
+# Any decomposition will do.
+set(few --spheres 400 --steps 600 --quiet)
+set(kept "bodies EQUAL 600" "penetration_mean LESS 1e-3" "collectives_per_step EQUAL 0")
+add_example_test(slabs ARGS ${few} --ranks 5 --decomposition slabs
+                 CHECK ${kept} "messages_per_step_max LESS 31")
+add_example_test(hexagonal ARGS ${few} --ranks 19 --decomposition hexagonal
+                 CHECK ${kept} "messages_per_step_max LESS 91")

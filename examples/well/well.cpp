@@ -5,12 +5,13 @@ using namespace talus;
 using well =
     scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction, newton_restitution>,
              solver<nonlinear_gauss_seidel>,
-             decomposition<grid<dynamic, dynamic>>,  // four ranks: two by two
+             decomposition<any_decomposition>,  // of four ranks a grid makes two by two
              transport<as_launched>, features<damping>>;
 
 struct well_options : options {
   int spheres = 3000;
   double kept = 0.9;
+  std::string shares = "grid";
 
   well_options() {
     steps = 6000;
@@ -18,7 +19,8 @@ struct well_options : options {
   }
   void describe(auto& line) {
     options::describe(line);
-    line.add("--spheres", spheres, "number of spheres");
+    line.add("--spheres", spheres, "number of spheres", 0);
+    line.add("--decomposition", shares, "grid, slabs or hexagonal");
     line.add("--damping", kept, "part of the velocity that is kept per unit of time");
   }
 };
@@ -30,7 +32,7 @@ int main(int argc, char** argv) {
     const double brick_x = std::sqrt(2 * R * R * (1 - std::cos(2 * pi / B)));
     const vec3 brick{brick_x, 0.5 * brick_x, 0.4 * brick_x};
 
-    world.decompose({.lower = {-R, -R}, .upper = {R, R}});
+    world.decompose(named_decomposition(options.shares, {-R, -R, 0}, {R, R, 0}));
     world.gravity({0, 0, -2});
     world.damping(options.kept);
     const auto granite = world.material(materials::granite);

@@ -66,7 +66,10 @@ concept shape = requires(const Shape& s) {
 /// - `bounding_radius()`: of the smallest ball about the centre of mass; `volume()`
 /// - `inertia()`: principal moments per unit of mass (length squared)
 /// - `support(direction)`: a point furthest along a direction of any length
-/// - `half_extents(pose)`: half edges of the axis-aligned box around the posed shape
+/// - `half_extents(pose)`: half edges of the axis-aligned box around the posed shape, with the
+///   centre of mass in its middle
+/// and, of a shape that can be given in other coordinates than those of its body,
+/// - `frame()`: the frame of the body in those coordinates (see shape/frame.hpp)
 template <class Shape>
 concept finite_shape = shape<Shape> && Shape::finite &&
     requires(const Shape& s, const vec3& v, const pose& p) {
@@ -116,7 +119,8 @@ concept decomposition = requires(const Decomposition& d, int ranks) {
 ///   none: -1), and equal to the bit on all ranks
 /// - `neighbours(rank, reach)`: in ascending order, without `rank`, all ranks whose region comes
 ///   within reach (a length) of that of `rank`; more are allowed, at a price
-/// - `geometry(rank)`: its closed region
+/// - `geometry(rank)`: its closed region, which differs from what owner() says by round-off only
+/// - `bounds(rank)`, if it is offered: an axis-aligned box around that (lower, upper corner)
 template <class Partition>
 concept partition = std::copyable<Partition> &&
     requires(const Partition& cells, int rank, real reach, const vec3& p) {
@@ -124,6 +128,14 @@ concept partition = std::copyable<Partition> &&
   { cells.owner(p) } -> std::same_as<int>;
   { cells.neighbours(rank, reach) } -> std::same_as<std::vector<int>>;
   { cells.geometry(rank) } -> polyhedral;
+};
+
+/// A partition some of whose faces are closed: bodies never cross there, so that ranks that touch
+/// there only are not connected, and a body that reaches such a face ends the run.
+/// - `closed(rank)`: in ascending order, those ranks; symmetric, and no neighbours(rank, 0)
+template <class Partition>
+concept closing_partition = partition<Partition> && requires(const Partition& cells, int rank) {
+  { cells.closed(rank) } -> std::same_as<std::vector<int>>;
 };
 
 /// A decomposition that knows the owner of every point and generates all connections.

@@ -113,6 +113,7 @@ inline std::string show(const vec3& p) {
 template <concepts::generating_decomposition Decomposition>
 std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t points,
                                real tolerance = 0, std::uint64_t seed = 20240501) {
+  constexpr real infinity = std::numeric_limits<real>::infinity();
   INFO("seed ", seed, ", ranks ", ranks);
   const auto cells = d.resolve(ranks);
   CHECK(cells.size() == ranks);
@@ -122,7 +123,9 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
   std::vector<any_geometry> regions;
   std::vector<std::vector<connection>> lists;
   std::vector<half_space> planes;
+  std::vector<std::vector<int>> closed(ranks);  // ranks that touch, but are not connected
   for (int r = 0; r < ranks; ++r) {
+    if constexpr (domain<Decomposition>::closing) closed[r] = cells.closed(r);
     domains.emplace_back(d, r, ranks);
     regions.push_back(cells.geometry(r));
     lists.emplace_back(domains[r].connections().begin(), domains[r].connections().end());
@@ -130,14 +133,19 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
   }
   hard_points source(planes, seed);
   const real size = source.size();
+  const bool oblique = std::ranges::any_of(
+      planes, [](const half_space& h) { return h.normal().cwiseAbs().maxCoeff() < 1; });
 
   {
     tally law("boundaries are bit-identical from both sides");
     for (int r = 0; r < ranks; ++r) {
       for (const half_space& h : regions[r].planes()) {
-        const bool met = std::ranges::any_of(lists[r], [&](const connection& c) {
-          return std::ranges::count(c.geometry.planes(), h.flipped()) == 1;
-        });
+        const auto meets = [&](const any_geometry& g) {
+          return std::ranges::count(g.planes(), h.flipped()) == 1;
+        };
+        const bool met =
+            std::ranges::any_of(lists[r], [&](const auto& c) { return meets(c.geometry); }) ||
+            std::ranges::any_of(closed[r], [&](int s) { return meets(regions[s]); });
         law.expect(met, [&] { return "no neighbour has the other side of " + to_string(h); });
       }
       for (const connection& c : lists[r])
@@ -160,9 +168,25 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
       }
   }
   {
+    tally law("closed faces are closed from both sides, and nobody is connected across them");
+    for (int r = 0; r < ranks; ++r) {
+      law.expect(std::ranges::adjacent_find(closed[r], std::greater_equal<>{}) == closed[r].end(),
+                 [&] { return fmt::format("closed({}) is not ascending", r); });
+      for (const int s : closed[r]) {
+        law.expect(std::ranges::binary_search(closed[s], r),
+                   [&] { return fmt::format("{} is closed to {}, not the reverse", s, r); });
+        law.expect(s != r && !domains[r].find(s),
+                   [&] { return fmt::format("{} is closed and connected to {}", s, r); });
+      }
+    }
+  }
+  {
     tally tiles("every point has exactly one owner, and all ranks agree on it");
     tally inside("the region of a rank contains its own points");
-    tally touching("ranks whose points are next to each other are neighbours");
+    tally touching("ranks whose points are next to each other are neighbours, or closed");
+    tally bounded("all points of a rank lie within its bounds");
+    std::vector<std::pair<vec3, vec3>> bounds;
+    for (const auto& domain : domains) bounds.push_back(domain.bounds());
     for (std::size_t i = 0; i < points; ++i) {
       const vec3 p = source.next();
       const int owner = cells.owner(p);
@@ -185,14 +209,29 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
       if (tolerance == 0)
         inside.expect(regions[owner].owns(p) && (other == owner || !regions[other].owns(p)),
                       [&] { return fmt::format("{}: owner {}, not as owns()", show(p), owner); });
+      const auto& [lower, upper] = bounds[owner];
+      bounded.expect(
+          (p.array() >= lower.array() - slack).all() && (p.array() <= upper.array() + slack).all(),
+          [&] { return fmt::format("{} of rank {}", show(p), owner); });
       // The next corner of the box of a few ulps around p.
       vec3 q = p;
       for (int k = 0; k < 3; ++k)
         q[k] = std::nextafter(p[k], (i >> k & 1 ? 1 : -1) * std::numeric_limits<real>::max());
       const int beside = cells.owner(q);
-      touching.expect(beside == owner || domains[owner].find(beside), [&] {
-        return fmt::format("{}: rank {} is not connected to {} beside it", show(p), owner, beside);
-      });
+      // So far away that neighbouring numbers are whole cells apart nothing follows from them.
+      if (oblique && p.cwiseAbs().maxCoeff() > 1e9 * size) continue;
+      touching.expect(beside == owner || domains[owner].find(beside) ||
+                          std::ranges::binary_search(closed[owner], beside),
+                      [&] {
+                        return fmt::format("{}: rank {} is not connected to {} beside it", show(p),
+                                           owner, beside);
+                      });
+    }
+    for (int i = 0; i < 27; ++i) {
+      const auto far = [&](int digit) { return std::array{-infinity, 0.1, infinity}[digit % 3]; };
+      const vec3 p(far(i), far(i / 3), far(i / 9));
+      const int owner = cells.owner(p);
+      tiles.expect(owner >= 0 && owner < ranks, [&] { return "no owner for " + show(p); });
     }
     CHECK(cells.owner({std::nan(""), 0, 0}) == -1);
     CHECK(!domains[0].contains({0, std::nan(""), 0}));
@@ -200,7 +239,8 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
   {
     tally bound("-value(p) is at most the distance of p from the region");
     tally interior("interior_distance(p) is at most the distance of p from all other ranks");
-    tally complete("every point within reach belongs to a neighbour");
+    tally complete("every point within reach belongs to a neighbour, or lies behind a closed face");
+    tally away("the distance from a closed face is at most that of any point behind it");
     std::vector<std::vector<int>> near;
     std::vector<real> reaches{0.05 * size, 0.3 * size, 1.5 * size};
     for (const real reach : reaches)
@@ -220,9 +260,20 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
                       [&] { return fmt::format("{} to {}", show(p), show(q)); });
       if (const connection* c = domains[a].find(b))
         bound.expect(c->distance(p) <= distance + slack, [&] { return show(p); });
-      complete.expect(std::ranges::binary_search(near[which * ranks + a], b), [&] {
-        return fmt::format("rank {} is {} from {}, which does not know", b, distance, a);
-      });
+      complete.expect(std::ranges::binary_search(near[which * ranks + a], b) ||
+                          std::ranges::binary_search(closed[a], b),
+                      [&] {
+                        return fmt::format("rank {} is {} from {}, which does not know", b,
+                                           distance, a);
+                      });
+      if constexpr (domain<Decomposition>::closing)
+        for (const closed_neighbour& c : domains[a].closed()) {
+          if (c.rank() != b) continue;
+          const auto place = c.within(p, distance + slack);
+          away.expect(place && place->distance <= distance + slack &&
+                          place->distance >= -regions[b].value(p) - slack,
+                      [&] { return fmt::format("{} to {} of rank {}", show(p), show(q), b); });
+        }
     }
   }
   const auto flaws = check_connections(lists, cells, {.samples = 50});

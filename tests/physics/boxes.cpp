@@ -266,3 +266,28 @@ TEST_CASE("the correction of overlaps moves boxes apart and leaves their velocit
           [&](const contact_geometry& c) { deepest = std::min(deepest, c.gap); });
   CHECK(deepest > -1e-6);
 }
+
+TEST_CASE(
+    "static friction needs no gravity: a box that a force presses on holds and slides as one "
+    "that weighs as much") {
+  using pressed = scenario<bodies<box, plane>, transport<serial>, features<forces>>;
+  for (const real pull : {4.0, 5.5}) {  // of a normal force of 10: 3 is dynamic, 5 is static
+    CAPTURE(pull);
+    serial::link link;
+    world<pressed> w(link);
+    const auto m = w.material({.friction = 0.5, .dynamic_friction = 0.3});
+    w.global([&](auto& s) { s.add(plane{}, m); });
+    const auto below = w.add(body{.shape = box{{1, 1, 1}}, .position = {0, 0, 0.5}, .material = m});
+    const auto above = w.add(body{.shape = box{{1, 1, 1}}, .position = {0, 0, 1.5}, .material = m});
+    for (int k = 0; k < 480; ++k) {
+      const real part = std::min(1.0, k / 120.0);
+      w[above].add_force({0, 0, -10});
+      w[below].add_force({pull * part, 0, 0});
+      w.step(dt);
+    }
+    if (pull < 5)
+      CHECK(std::abs(w[below].position()[0]) < 1e-3);
+    else
+      CHECK(w[below].velocity()[0] > 1);
+  }
+}

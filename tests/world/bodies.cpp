@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 #include <talus/parallel/serial.hpp>
+#include <talus/scene/site.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
@@ -54,6 +55,15 @@ TEST_CASE("bad bodies are refused with the value that is wrong") {
   refused([&] { w.damping(1.2); }, "damping");
   refused([&] { w.step(0); }, "time step");
   refused([&] { w.step(bad); }, "time step");
+  refused([&] { w.add(body{.shape = sphere{1e-110}, .material = stuff}); }, "the mass of a sphere");
+  refused([&] { w.add(body{.shape = sphere{1e110}, .material = stuff}); }, "the mass of a sphere");
+  refused([&] { (void)w.overlaps(sphere{-1}, {0, 0, 0}); }, "radius of a sphere");
+  refused([&] { (void)w.overlaps(sphere{1}, {0, bad, 0}); }, "the position of an overlap query");
+  w.solver().iterations = 0;
+  refused([&] { w.step(0.1); }, "at least 1 iteration, 0 of the correction");
+  w.solver() = {.correction = 2};
+  refused([&] { w.step(0.1); }, "to correct, but has 10, 3 and 2");
+  w.solver() = {};
   CHECK(w.local_bodies() == 0);
 }
 
@@ -116,4 +126,53 @@ TEST_CASE("overlap queries see bodies, globals and planes, and can leave one out
   CHECK(w.overlaps(sphere{1}, {9, 0, 0.5}));
   CHECK(w.overlaps(box{{1, 1, 1}}, {9, 0, 0.4}));
   CHECK_FALSE(w.overlaps(box{{1, 1, 1}}, {9, 0, 0.6}));
+}
+
+TEST_CASE("a rotation that is none is refused, and one of any length turns by its direction") {
+  serial::link link;
+  world<alone> w(link);
+  const auto h = w.add(box{{1, 2, 3}}, w.material({}));
+  refused([&] { w[h].rotate({0, 0, 0, 0}); }, "rotation of body");
+  refused([&] { w[h].rotate({bad, 0, 0, 0}); }, "rotation of body");
+  refused([&] { w[h].rotate({1, 0, bad, 0}); }, "rotation of body");
+  w[h].rotate({2, 0, 0, 2});
+  CHECK(w[h].orientation().isApprox(rotation({0, 0, 1}, pi / 2), 1e-12));
+}
+
+TEST_CASE("a plane moves and turns about its position like any body") {
+  serial::link link;
+  world<alone> w(link);
+  const auto stuff = w.material({});
+  handle<plane> h;
+  w.global([&](auto& scope) { h = scope.add(plane{.normal = {0, 0, 2}, .offset = 1}, stuff); });
+  w[h].translate({7, 0, 3});
+  CHECK(w.overlaps(sphere{1}, {0, 0, 4.9}));
+  CHECK_FALSE(w.overlaps(sphere{1}, {0, 0, 5.1}));
+  w[h].rotate(rotation({0, 1, 0}, pi / 2));  // the surface is 1 off the position, now along +x
+  CHECK(w.overlaps(sphere{1}, {8.9, 0, 50}));
+  CHECK_FALSE(w.overlaps(sphere{1}, {9.1, 0, 50}));
+}
+
+TEST_CASE("a global body takes no velocity") {
+  serial::link link;
+  world<alone> w(link);
+  const auto stuff = w.material({});
+  handle<box> h;
+  w.global([&](auto& scope) { h = scope.add(box{{1, 1, 1}}, stuff); });
+  refused<std::logic_error>([&] { w[h].set_velocity({1, 0, 0}); }, "global body");
+  refused<std::logic_error>([&] { w[h].set_angular_velocity({1, 0, 0}); }, "global body");
+}
+
+TEST_CASE("ids of fill never repeat: more fills than there are numbers for is an error") {
+  serial::link link;
+  world<alone> w(link);
+  const auto stuff = w.material({});
+  const auto fill = [&] {
+    return w.fill(points({{0, 0, 0}}), [&](const site& s) {
+      return std::optional(body{.shape = sphere{1}, .position = s.position, .material = stuff});
+    });
+  };
+  for (int k = 0; k < 1 << 14; ++k) w.fill(points({}), [](const site&) { return body{sphere{1}}; });
+  refused<std::runtime_error>(fill, "fill was called");
+  CHECK(w.local_bodies() == 0);
 }

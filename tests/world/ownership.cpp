@@ -211,3 +211,17 @@ TEST_CASE("a decomposition for another number of ranks is refused with both numb
     CHECK_THROWS_WITH_AS(make(), doctest::Contains("3"), std::invalid_argument);
   });
 }
+
+TEST_CASE("checking new connections does not stand for the synchronize that they want") {
+  using free_form = scenario<bodies<sphere>, transport<threads>, decomposition<by_hand>>;
+  threads::launch({.ranks = 2}, [&](threads::link& link) {
+    world<free_form> w(link);
+    w.step(0.1);
+    const double towards = link.rank() == 0 ? 1 : -1;
+    w.connect(1 - link.rank(), towards, 0.0, 0.0, 0.0);
+    w.check_connections();
+    CHECK_THROWS_WITH_AS(w.step(0.1), doctest::Contains("call synchronize()"), std::runtime_error);
+    w.synchronize();
+    CHECK_NOTHROW(w.step(0.1));
+  });
+}

@@ -2,7 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <stdexcept>
+#include <talus/observe/summary.hpp>
 #include <talus/parallel/serial.hpp>
+#include <talus/scene/site.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
@@ -65,6 +67,10 @@ TEST_CASE("collectives in an exclusive section are runtime_errors, serially too"
     refused([&] { s.w.check_connections(); });
     refused([&] { s.w.decompose({}); });
     refused([&] { s.w.add_if_local(body{.shape = sphere{1}}); });
+    refused([&] { (void)state_digest(s.w); });
+    refused([&] { (void)measure_motion(s.w); });
+    refused([&] { (void)measure_penetration(s.w); });
+    refused([&] { (void)summarize(s.w, 0, 0); });
   });
 }
 
@@ -102,4 +108,15 @@ TEST_CASE(
   CHECK_NOTHROW(s.w[h].translate({1, 0, 0}));
   CHECK_NOTHROW(s.w.destroy(h));
   CHECK_FALSE(s.w.find(h).has_value());
+}
+
+TEST_CASE("fill and add_if_local make no global bodies, and say so in a global section") {
+  small_world s;
+  s.w.global([&](auto& w) {
+    CHECK_THROWS_WITH_AS(w.fill(points({{0, 0, 0}}), [](const site&) { return body{sphere{1}}; }),
+                         doctest::Contains("inside a global section"), std::logic_error);
+    CHECK_THROWS_WITH_AS(w.add_if_local(body{.shape = sphere{1}}),
+                         doctest::Contains("inside a global section"), std::logic_error);
+  });
+  CHECK(s.w.local_bodies() == 0);
 }

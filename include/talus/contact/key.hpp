@@ -12,7 +12,7 @@ namespace talus::detail {
 struct contact_key {
   system_id a = no_id;
   system_id b = no_id;
-  std::uint32_t feature = 0;
+  std::uint64_t feature = 0;
 
   friend bool operator==(const contact_key&, const contact_key&) = default;
 

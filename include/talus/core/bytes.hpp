@@ -1,5 +1,6 @@
 #pragma once
 // The content of messages: values appended to and read from a plain byte buffer.
+#include <concepts>
 #include <cstddef>
 #include <cstring>
 #include <span>
@@ -19,41 +20,67 @@ using byte_buffer = std::vector<std::byte>;
 template <class T>
 inline constexpr bool plain_bytes = std::is_trivially_destructible_v<T> && !std::is_pointer_v<T>;
 
+class byte_writer;
+class byte_reader;
+class shared_memory;
+
+/// A type that says itself what of it travels: `pack(byte_writer&)`, and a static
+/// `unpack(byte_reader&)` that makes it again.
+template <class T>
+concept packs_itself = requires(const T& value, byte_writer& out, byte_reader& in) {
+  value.pack(out);
+  { T::unpack(in) } -> std::same_as<T>;
+};
+
 /// Appends to a buffer. Sender and receiver must be of one architecture.
 class byte_writer {
  public:
-  explicit byte_writer(byte_buffer& out) : out_(&out) {}
+  /// `memory` is that of the line that the message takes; without it shared data always travels.
+  explicit byte_writer(byte_buffer& out, shared_memory* memory = nullptr)
+      : out_(&out), memory_(memory) {}
 
   template <class T>
   void put(const T& value) {
-    static_assert(plain_bytes<T>, "only plain values travel in messages");
-    const auto at = out_->size();
-    out_->resize(at + sizeof(T));
-    std::memcpy(out_->data() + at, &value, sizeof(T));
+    if constexpr (packs_itself<T>) {
+      value.pack(*this);
+    } else {
+      static_assert(plain_bytes<T>, "only plain values travel in messages");
+      const auto at = out_->size();
+      out_->resize(at + sizeof(T));
+      std::memcpy(out_->data() + at, &value, sizeof(T));
+    }
   }
   template <class T>
   void put(std::span<const T> values) {
     put(values.size());
     for (const T& value : values) put(value);
   }
+  /// See core/shared_data.hpp; null where the line has none.
+  [[nodiscard]] shared_memory* memory() const { return memory_; }
 
  private:
   byte_buffer* out_;
+  shared_memory* memory_;
 };
 
 /// Reads what a byte_writer wrote, in the same order; throws runtime_error past the end.
 class byte_reader {
  public:
-  explicit byte_reader(std::span<const std::byte> in) : in_(in) {}
+  explicit byte_reader(std::span<const std::byte> in, shared_memory* memory = nullptr)
+      : in_(in), memory_(memory) {}
 
   template <class T>
   T get() {
-    static_assert(plain_bytes<T>, "only plain values travel in messages");
-    if (in_.size() < sizeof(T)) throw std::runtime_error("a message ended before its content");
-    T value;
-    std::memcpy(static_cast<void*>(&value), in_.data(), sizeof(T));
-    in_ = in_.subspan(sizeof(T));
-    return value;
+    if constexpr (packs_itself<T>) {
+      return T::unpack(*this);
+    } else {
+      static_assert(plain_bytes<T>, "only plain values travel in messages");
+      if (in_.size() < sizeof(T)) throw std::runtime_error("a message ended before its content");
+      T value;
+      std::memcpy(static_cast<void*>(&value), in_.data(), sizeof(T));
+      in_ = in_.subspan(sizeof(T));
+      return value;
+    }
   }
   template <class T>
   std::vector<T> get_all() {
@@ -61,10 +88,12 @@ class byte_reader {
     for (T& value : values) value = get<T>();
     return values;
   }
+  [[nodiscard]] shared_memory* memory() const { return memory_; }
   [[nodiscard]] bool empty() const { return in_.empty(); }
 
  private:
   std::span<const std::byte> in_;
+  shared_memory* memory_;
 };
 
 }  // namespace talus::detail

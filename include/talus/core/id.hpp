@@ -15,9 +15,12 @@ inline constexpr system_id no_id{~std::uint64_t{0}};
 
 namespace detail {
 
+/// How many calls of fill there are ids for.
+inline constexpr std::uint64_t most_fills = 1 << 14;
+
 /// Id of the body at site `site` of the `fill`-th call of fill: the same for every rank count.
 constexpr system_id id_of_site(std::uint64_t fill, std::uint64_t site) {
-  return system_id{(fill & 0x3fff) << 48 | (site & 0xffff'ffff'ffffull)};
+  return system_id{(fill & (most_fills - 1)) << 48 | (site & 0xffff'ffff'ffffull)};
 }
 /// Id of the `attempt`-th creation that all ranks of an SPMD program attempt alike.
 constexpr system_id id_of_attempt(std::uint64_t attempt) {

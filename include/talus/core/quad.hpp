@@ -6,6 +6,11 @@
 
 namespace talus::detail {
 
+// Without AVX a quad is two registers, and compilers remark on how such arguments are passed; all
+// functions here are inlined.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 using quad = real __attribute__((vector_size(4 * sizeof(real))));
 
 /// The three components at `xyz` and the number that follows them in memory.
@@ -33,5 +38,7 @@ inline void store(vec3& xyz, const quad& q) {
   const auto turn = [](const quad& q) { return __builtin_shufflevector(q, q, 1, 2, 0, 3); };
   return turn(a * turn(b) - turn(a) * b);
 }
+
+#pragma GCC diagnostic pop
 
 }  // namespace talus::detail

@@ -55,8 +55,9 @@ class povray_scene {
     world_.for_each_known([&](const auto& b) {
       if (!b.is_visible()) return;
       if (b.is_global()) {
-        if (first && (look_.ground || std::remove_cvref_t<decltype(b)>::shape_type::finite))
-          add(b, vec3(0.8, 0.78, 0.75), false);
+        constexpr bool finite = std::remove_cvref_t<decltype(b)>::shape_type::finite;
+        if (first && (look_.ground || finite))
+          add(b, finite ? vec3(0.66, 0.61, 0.54) : vec3(0.93, 0.92, 0.9), false);
       } else if (!b.is_remote()) {
         add(b, look_.colour == picture::colouring::rank ? own : of_speed(b), false);
       } else if (look_.copies) {
@@ -153,6 +154,7 @@ class povray_scene {
 /// grey if they are global. Throws runtime_error if the file cannot be written.
 template <class Scenario>
 void write_povray(world<Scenario>& w, const std::string& file, const picture& look) {
+  w.require_all_ranks("write_povray");
   detail::povray_scene<Scenario> scene(w, look);
   const std::string part = scene.part();
   detail::byte_buffer bytes(part.size());

@@ -1,5 +1,6 @@
 #pragma once
 // The words of POV-Ray's scene language that bodies and domains need.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -7,6 +8,8 @@
 
 #include "talus/geometry/half_space.hpp"
 #include "talus/shape/box.hpp"
+#include "talus/shape/capsule.hpp"
+#include "talus/shape/cylinder.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
 
@@ -80,6 +83,38 @@ inline void povray_form(detail::povray_text& out, const box& b) {
 }
 inline void povray_form(detail::povray_text& out, const plane& p) {
   out << "plane{" << p.unit_normal() << "," << p.offset;
+}
+inline void povray_form(detail::povray_text& out, const cylinder& c) {
+  const vec3 end{0, 0, 0.5 * c.length};
+  out << "cylinder{" << vec3(-end) << "," << end << "," << c.radius;
+}
+inline void povray_form(detail::povray_text& out, const capsule& c) {
+  const vec3 end{0, 0, 0.5 * c.length};
+  out << "merge{cylinder{" << vec3(-end) << "," << end << "," << c.radius << "}sphere{"
+      << vec3(-end) << "," << c.radius << "}sphere{" << end << "," << c.radius << "}";
+}
+/// Anything bounded by flat faces.
+template <class Shape>
+requires requires(const Shape& s) { s.mesh().normals; }
+void povray_form(detail::povray_text& out, const Shape& s) {
+  const auto& mesh = s.mesh();
+  out << "intersection{";
+  for (std::size_t f = 0; f < mesh.faces(); ++f)
+    out << "plane{" << mesh.normals[f] << "," << mesh.offsets[f] << "}";
+}
+/// Anything made of parts.
+template <class Shape>
+requires requires(const Shape& s) {
+  s.each_part([](const auto&, const pose&) {});
+}
+void povray_form(detail::povray_text& out, const Shape& s) {
+  out << "union{";
+  s.each_part([&](const auto& shape, const pose& at) {
+    povray_form(out, shape);
+    out << " ";
+    detail::add_placement(out, at);
+    out << "}";
+  });
 }
 
 }  // namespace talus

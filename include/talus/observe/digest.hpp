@@ -31,6 +31,7 @@ class bit_hash {
 /// number of ranks.
 template <class Scenario>
 [[nodiscard]] std::string state_digest(world<Scenario>& w) {
+  w.require_all_ranks("state_digest");
   std::uint64_t sum = 0;
   w.for_each_local([&](const auto& body) {
     detail::bit_hash h(value_of(body.id()));

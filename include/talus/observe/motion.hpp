@@ -22,6 +22,7 @@ struct motion {
 /// Collective: sums over all ranks, in the order of the ranks.
 template <class Scenario>
 [[nodiscard]] motion measure_motion(world<Scenario>& w) {
+  w.require_all_ranks("measure_motion");
   std::array<double, 11> sums{};
   double fastest = 0;
   w.for_each_local([&](const auto& b) {

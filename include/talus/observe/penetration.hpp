@@ -92,6 +92,7 @@ void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool other
 /// after a step or a synchronize().
 template <class Scenario>
 [[nodiscard]] penetration measure_penetration(world<Scenario>& w) {
+  w.require_all_ranks("measure_penetration");
   const auto& s = w.state();
   std::array<double, 2> radii{};
   w.for_each_local([&](const auto& b) {

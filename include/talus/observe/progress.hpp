@@ -3,6 +3,7 @@
 // elsewhere.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -23,10 +24,11 @@ class progress_line {
   void update(std::uint64_t step, std::uint64_t steps) {
     if (out_ == nullptr) return;
     const double now = detail::wall_seconds();
-    if (step < steps && now - shown_ < (terminal_ ? 0.2 : 10)) return;
+    if (step != steps && now - shown_ < (terminal_ ? 0.2 : 10)) return;
     shown_ = now;
     const double seconds = now - start_;
     const double speed = seconds > 0 ? static_cast<double>(step) / seconds : 0;
+    steps = std::max(steps, step);  // a scenario may take more steps than it was asked for
     const double left = speed > 0 ? static_cast<double>(steps - step) / speed : 0;
     const double part = static_cast<double>(step) / static_cast<double>(steps);
     const std::string line =

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "talus/core/error.hpp"
 #include "talus/observe/digest.hpp"
@@ -14,6 +16,9 @@
 #include "talus/world/world.hpp"
 
 namespace talus {
+
+/// What a scenario measured by itself, by name; the same on all ranks.
+using results = std::vector<std::pair<std::string, double>>;
 
 /// What the last line of a run and its JSON file say. Lengths in radii where said so.
 struct summary {
@@ -34,6 +39,7 @@ struct summary {
   double collectives_per_step = 0;
   double bytes_per_body = 0;
   std::string digest;
+  results own;  ///< of the scenario
 };
 
 namespace detail {
@@ -79,6 +85,7 @@ class json_object {
 /// Collective: the figures of the world as it is now. `cpu_seconds` are those of this rank.
 template <class Scenario>
 [[nodiscard]] summary summarize(world<Scenario>& w, double cpu_seconds, double wall_seconds) {
+  w.require_all_ranks("summarize");
   const auto& s = w.state();
   auto& link = w.link();
   summary r;
@@ -152,6 +159,7 @@ template <class Scenario>
   o.add("collectives_per_step", r.collectives_per_step);
   o.add("bytes_per_body", r.bytes_per_body);
   o.add("state_digest", r.digest);
+  for (const auto& [name, value] : r.own) o.add(name, value);
   return o.str();
 }
 
@@ -162,6 +170,10 @@ template <class Scenario>
     return std::lround(100 * seconds / std::max(r.wall_seconds, 1e-9));
   };
   using detail::text;
+  std::string own;
+  for (const auto& [name, value] : r.own)
+    ((((own += own.empty() ? "  results  " : ", ") += name) += " ") += text(value, 5));
+  if (!own.empty()) own += "\n";
   return detail::compose(
       "{}: {} bodies ({} movable) on {} rank(s), {}, {} steps of {}\n"
       "  speed    {} ms of processor per step, {} s in all; detect {} %, respond {} %, exchange {} "
@@ -169,13 +181,13 @@ template <class Scenario>
       "  error    overlap {} of the radius on average, {} at most; {} of {} contacts touch\n"
       "  motion   kinetic energy {}, fastest {}, momentum {}\n"
       "  traffic  {} messages and {} bytes per step and rank at most, {} collectives per step\n"
-      "  memory   {} bytes per body; state {}\n",
+      "  memory   {} bytes per body; state {}\n{}",
       r.scenario, r.moving.bodies, r.moving.movable, r.ranks, r.transport, r.steps, r.dt,
       text(1e3 * r.cpu_seconds / steps, 3), text(r.wall_seconds, 3), percent(r.seconds.detect),
       percent(r.seconds.respond), percent(r.seconds.exchange), text(r.overlap.mean, 2),
       text(r.overlap.max, 2), r.overlap.touching, r.contacts, text(r.moving.kinetic_energy, 3),
       text(r.moving.max_speed, 3), r.moving.momentum, r.messages_per_step_max, r.bytes_per_step_max,
-      text(r.collectives_per_step, 6), std::lround(r.bytes_per_body), r.digest);
+      text(r.collectives_per_step, 6), std::lround(r.bytes_per_body), r.digest, own);
 }
 
 }  // namespace talus

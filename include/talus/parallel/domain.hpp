@@ -5,9 +5,11 @@
 #include <optional>
 #include <type_traits>
 #include <utility>
+#include <variant>
 
 #include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
+#include "talus/parallel/closed_neighbour.hpp"
 #include "talus/parallel/connection.hpp"
 
 namespace talus {
@@ -24,6 +26,7 @@ class domain {
   /// (a length; 0: those that touch). Throws invalid_argument if the decomposition is ill-defined
   /// or is meant for another number of ranks.
   domain(const Decomposition& d, int rank, int ranks, real reach = 0) : rank_(rank), ranks_(ranks) {
+    require_reach(reach);
     if (ranks < 1 || rank < 0 || rank >= ranks)
       detail::fail<std::invalid_argument>(
           "there is no rank {} in a job of {}: ranks are numbered from 0 to {}", rank, ranks,
@@ -35,8 +38,12 @@ class domain {
       cells_ = std::move(cells);
       own_ = cells_->geometry(rank);
       if constexpr (has_cell) cell_ = cells_->cell(rank);
+      for (const half_space& h : own_.planes()) size_ = std::max(size_, std::abs(h.displacement()));
       for (const int other : cells_->neighbours(rank, reach))
         connect(other, cells_->geometry(other));
+      if constexpr (closing)
+        for (const int other : cells_->closed(rank))
+          if (!find(other)) closed_.emplace_back(other, cells_->geometry(other));
       generated_ = true;
     }
   }
@@ -83,10 +90,30 @@ class domain {
     return at != connections_.end() && at->rank == rank ? &*at : nullptr;
   }
 
+  /// Whether there can be closed faces; only then are bodies tested against them.
+  static constexpr bool closing = [] {
+    if constexpr (concepts::generating_decomposition<Decomposition>)
+      return concepts::closing_partition<decltype(std::declval<const Decomposition&>().resolve(1))>;
+    return false;
+  }();
+  /// The ranks that this one touches on closed faces only.
+  [[nodiscard]] std::span<const closed_neighbour> closed() const requires(closing) {
+    return closed_;
+  }
+
   /// How space is shared out among all ranks; nullptr if there is only one rank or all is by hand.
   [[nodiscard]] const auto* partition() const { return cells_ ? &*cells_ : nullptr; }
 
-  /// A distance from this domain within which there are connected ranks only; infinite where all
+  /// Whether a rank lies behind a closed face, without a connection.
+  [[nodiscard]] bool closed_to([[maybe_unused]] int rank) const {
+    if constexpr (closing)
+      return !find(rank) && std::any_of(closed_.begin(), closed_.end(),
+                                        [&](const auto& c) { return c.rank() == rank; });
+    return false;
+  }
+
+  /// A distance from this domain within which there are connected ranks only, and such behind
+  /// closed faces, which bodies keep away from in any case; infinite where all
   /// is connected by hand, as nobody knows then what lies beyond.
   [[nodiscard]] real covered() const {
     if (covered_ < 0) covered_ = measure_covered();
@@ -98,7 +125,12 @@ class domain {
     if constexpr (concepts::generating_decomposition<Decomposition>) {
       if constexpr (has_cell)
         if (cells_) return cell_.contains(p);
-      if (cells_) return cells_->owner(p) == rank_;
+      if (cells_) {
+        // The rule itself is asked only where round-off could tell against the region.
+        const real inside = own_.value(p), margin = 1e-10 * (size_ + p.cwiseAbs().maxCoeff());
+        if (inside > margin) return true;
+        return !(inside < -margin) && cells_->owner(p) == rank_;
+      }
     }
     for (const connection& c : connections_)
       if (c.geometry.owns(p)) return false;
@@ -117,6 +149,8 @@ class domain {
         if (cells_)
           return {vec3(cell_.lower[0], cell_.lower[1], cell_.lower[2]),
                   vec3(cell_.upper[0], cell_.upper[1], cell_.upper[2])};
+    if constexpr (requires { cells_->bounds(rank_); })
+      if (cells_) return cells_->bounds(rank_);
     return {vec3::Constant(-infinity), vec3::Constant(infinity)};
   }
 
@@ -147,6 +181,17 @@ class domain {
  private:
   domain(int rank, int ranks) : rank_(rank), ranks_(ranks) {}
 
+  static void require_reach(real reach) {
+    if (!(reach >= 0) || !std::isfinite(reach))
+      detail::fail<std::invalid_argument>(
+          "the reach of a neighbourhood must be a finite length >= 0, but is {}", reach);
+    if (!concepts::generating_decomposition<Decomposition> && reach > 0)
+      detail::fail<std::invalid_argument>(
+          "a reach of {} extends the connections that a decomposition generates, but by_hand "
+          "generates none: connect the ranks by hand, or choose another decomposition",
+          reach);
+  }
+
   template <class D>
   static auto cells_of(const D& d) -> decltype(d.resolve(1));
   using cells_type = decltype(cells_of(std::declval<const Decomposition&>()));
@@ -169,14 +214,16 @@ class domain {
       if (!cells_) return infinity;
       const auto within = [&](real reach) {
         const auto near = cells_->neighbours(rank_, reach);
-        return std::all_of(near.begin(), near.end(), [&](int r) { return find(r) != nullptr; });
+        return std::all_of(near.begin(), near.end(),
+                           [&](int r) { return find(r) != nullptr || closed_to(r); });
       };
       real low = 0, high = 1;
       while (within(high)) {
         low = high, high *= 4;
         if (high > 1e100) return infinity;
       }
-      for (int k = 0; k < 60; ++k) (within(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+      for (int k = 0; k < 60 && high - low > 1e-3 * high; ++k)
+        (within(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
       return low;
     }
     return infinity;
@@ -192,7 +239,10 @@ class domain {
   std::optional<cells_type> cells_;
   typename cell_of<cells_type>::type cell_{};
   any_geometry own_;
+  real size_ = 0;  // largest displacement of a plane of own_
   std::vector<connection> connections_;
+  [[no_unique_address]] std::conditional_t<closing, std::vector<closed_neighbour>, std::monostate>
+      closed_;
   mutable real covered_ = -1;  // not measured yet
 };
 

@@ -7,11 +7,9 @@
 
 #include "talus/core/error.hpp"
 #include "talus/geometry/any_geometry.hpp"
+#include "talus/parallel/dynamic.hpp"
 
 namespace talus {
-
-/// An extent that is chosen when the program runs.
-inline constexpr int dynamic = -1;
 
 /// The cells of a grid, all cuts known. Cells are half-open: a point on a cut belongs to the upper
 /// cell. Cells at the border reach to infinity.

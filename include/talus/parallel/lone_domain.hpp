@@ -15,7 +15,7 @@ class lone_domain {
  public:
   /// Checks the decomposition, which is to be right even where it is not needed.
   template <concepts::decomposition Decomposition>
-  lone_domain(const Decomposition& d, int, int) {
+  lone_domain(const Decomposition& d, int, int, real = 0) {
     if constexpr (concepts::generating_decomposition<Decomposition>)
       (void)d.resolve(d.size() > 0 ? d.size() : 1);
   }

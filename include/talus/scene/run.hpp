@@ -5,6 +5,8 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "talus/core/clock.hpp"
 #include "talus/observe/progress.hpp"
@@ -47,12 +49,17 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
   w.after_each_step([&] { progress.update(w.steps(), options.steps); });
   const double cpu = thread_seconds();
   const double start = wall_seconds();
-  set_up(w, options);
+  results own;
+  if constexpr (std::is_void_v<decltype(set_up(w, options))>)
+    set_up(w, options);
+  else
+    own = set_up(w, options);
   const double wall = wall_seconds() - start;
 
   if (w.steps() == 0) w.synchronize();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
+  figures.own = std::move(own);
   if (!speaks) return;
   if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
   if (options.json.empty()) return;
@@ -67,9 +74,9 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
 
 /// Runs a scenario as the program was started: serially, with ranks inside the process (--ranks),
 /// or under mpirun, as its transport allows. `set_up(world, options)` fills the world and
-/// simulates; it runs on every rank. Reads the command line (see `options`), shows progress, and
-/// reports at the end. Returns the exit code for main(): errors are printed once, whichever rank
-/// they come from.
+/// simulates; it runs on every rank, and may return `results` of its own to be reported. Reads the
+/// command line (see `options`), shows progress, and reports at the end. Returns the exit code for
+/// main(): errors are printed once, whichever rank they come from.
 template <class Scenario, class Options = options, class SetUp>
 int run(int argc, char** argv, SetUp&& set_up) {
   const std::string name = detail::program_name(argc > 0 ? argv[0] : nullptr);

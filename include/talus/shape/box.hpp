@@ -35,6 +35,12 @@ struct box {
     return {direction[0] < 0 ? -h[0] : h[0], direction[1] < 0 ? -h[1] : h[1],
             direction[2] < 0 ? -h[2] : h[2]};
   }
+  /// Distance of the furthest point from the point p.
+  [[nodiscard]] real reach_from(const vec3& p) const {
+    const real x = std::abs(p[0]) + size[0] / 2, y = std::abs(p[1]) + size[1] / 2,
+               z = std::abs(p[2]) + size[2] / 2;
+    return std::sqrt(x * x + y * y + z * z);
+  }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const mat3 axes = at.orientation.toRotationMatrix();
     const vec3 h = half();

@@ -9,7 +9,7 @@
 namespace talus {
 
 /// Solid where n.x <= offset, n being the normal scaled to length one. Both are in the frame of the
-/// world: a plane takes no notice of any pose.
+/// world: a plane takes no notice of any pose, and is itself what is moved.
 struct plane {
   vec3 normal{0, 0, 1};  ///< points out of the solid; any length but zero
   real offset = 0;       ///< distance of the surface from the origin along the normal
@@ -37,6 +37,14 @@ struct plane {
   }
   /// Signed distance of a point from the surface, negative in the solid.
   [[nodiscard]] real distance(const vec3& point) const { return unit_normal().dot(point) - offset; }
+
+  void translate(const vec3& by) { offset += unit_normal().dot(by); }
+  /// Turns it by a unit quaternion about a point.
+  void rotate(const quat& by, const vec3& about) {
+    const real above = distance(about);
+    normal = rotated(by, unit_normal());
+    offset = normal.dot(about) - above;
+  }
 
   friend bool operator==(const plane&, const plane&) = default;
 };

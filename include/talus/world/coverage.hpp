@@ -47,7 +47,7 @@ void require_reached(const world_state<Scenario>& s, system_id id, const Shape& 
     if (reach <= s.own.covered() || !s.own.contains(p)) return;
     const int own = s.own.rank();
     for (const int other : s.own.partition()->neighbours(own, reach)) {
-      if (s.own.find(other) != nullptr) continue;
+      if (s.own.find(other) != nullptr || s.own.closed_to(other)) continue;
       const real distance = -any_geometry(s.own.partition()->geometry(other)).value(p);
       if (distance > reach) continue;
       fail<std::runtime_error>(
@@ -93,7 +93,7 @@ template <class Shape, class Scenario>
 
 /// Throws runtime_error if two shadow copies touch whose owners are not connected.
 template <class Scenario, class A, class B>
-void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size_t j, real margin) {
+void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size_t j) {
   const auto& a = s.template of<A>().movable;
   const auto& b = s.template of<B>().movable;
   const auto& owner_a = s.neighbours[neighbour_of_copy<A>(s, i)];
@@ -102,6 +102,7 @@ void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size
       std::binary_search(owner_a.connected.begin(), owner_a.connected.end(), owner_b.rank))
     return;
   if (a.inverse_mass[i] == 0 && b.inverse_mass[j] == 0) return;
+  const real margin = contact_slack * (a.shape[i].bounding_radius() + b.shape[j].bounding_radius());
   collide_pair(a.shape[i], a.pose(i), b.shape[j], b.pose(j), margin,
                [&](const contact_geometry& g) {
                  fail<std::runtime_error>(

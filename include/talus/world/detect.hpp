@@ -21,12 +21,13 @@ struct contact_conditions {
 /// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
 ///   -e u_n (Newton); a slower one is resting contact, which must not jitter. Without rebound, e =
 ///   0, the surfaces still meet.
-/// - Sliding faster than what gravity adds in a step meets the dynamic coefficient, else the
-/// static.
+/// - Sliding faster than what gravity adds in a step, and than `creep`, meets the dynamic
+///   coefficient, else the static.
+/// `gravity` is the acceleration that the bodies would have without contacts.
 template <class Law>
 [[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
                                                const vec3& u, real gap, real dt, real gravity,
-                                               real correction) {
+                                               real creep, real correction) {
   contact_conditions c;
   const real un = normal.dot(u);
   c.target = gap > 0 ? -gap / dt : 0;
@@ -38,7 +39,7 @@ template <class Law>
     c.friction = pair.friction;
     if (pair.dynamic_friction < pair.friction) {
       const real sliding = (u - un * normal).norm();
-      if (sliding > gravity * dt) c.friction = pair.dynamic_friction;
+      if (sliding > gravity * dt + creep) c.friction = pair.dynamic_friction;
     }
   }
   return c;
@@ -99,7 +100,7 @@ class contact_maker {
     const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !own_a && !own_b)
-        require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j, margin_a + margin_b);
+        require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
     if (!((own_a && moves_a) || (own_b && moves_b))) return;
     const bool boundary = paired && own_a != own_b && moves_a && moves_b;
     if constexpr (paired)
@@ -108,7 +109,8 @@ class contact_maker {
         return;
 
     const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
-    collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin_a + margin_b,
+    const real margin = margin_a + margin_b - excess(i, j);
+    collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin,
                  [&](const contact_geometry& g) {
                    vec3 arm_a = g.point - a_.position[i];
                    // Only where both bodies move must the forces on them share a line; something
@@ -125,8 +127,8 @@ class contact_maker {
                    c.a = static_cast<std::int32_t>(first_a_ + i);
                    if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
                    place(c, g, arm_a, arm_b);
-                   const auto want = conditions_of<law>(pair, g.normal, u, g.gap, s_.dt, gravity_,
-                                                        s_.settings.correction);
+                   const auto want = conditions_of<law>(pair, g.normal, u, g.gap, s_.dt, pull(i, j),
+                                                        creep(i), s_.settings.correction);
                    c.target = want.target;
                    c.push = want.push;
                    if constexpr (law::friction) c.friction = want.friction;
@@ -144,12 +146,35 @@ class contact_maker {
                              const vec3& u) const {
     real slack = contact_slack * a_.shape[i].bounding_radius();
     if constexpr (ShapeB::finite) slack += contact_slack * b_.shape[j].bounding_radius();
-    if (g.gap <= slack) return false;
+    if (g.gap <= slack - excess(i, j)) return false;
     real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
     if constexpr (store_a::tensor) closing -= turning(a_, i);
     if constexpr (paired && store_b::tensor) closing -= turning(b_, j);
-    return g.gap + closing > slack;
+    return g.gap + closing > slack - excess(i, j);
   }
+  /// The slack of a large body that is none of a small one beside it: both have that of the small.
+  real excess(std::size_t i, std::size_t j) const {
+    if constexpr (ShapeB::finite)
+      return contact_slack *
+             std::abs(a_.shape[i].bounding_radius() - b_.shape[j].bounding_radius());
+    else
+      return (void)i, (void)j, 0;
+  }
+  /// Acceleration of the surfaces by gravity and by the forces and torques on the two bodies.
+  real pull(std::size_t i, std::size_t j) const {
+    real sum = gravity_;
+    if constexpr (store_a::forced) sum += pull_on(a_, i);
+    if constexpr (paired && store_b::forced) sum += pull_on(b_, j);
+    return sum;
+  }
+  template <class Store>
+  static real pull_on(const Store& s, std::size_t i) {
+    const real arm = s.shape[i].bounding_radius() / s.shape[i].inertia().minCoeff();
+    return s.inverse_mass[i] * (s.force[i].norm() + arm * s.torque[i].norm());
+  }
+  /// What iterations leave of the velocity of something that sticks: a millionth of its size in a
+  /// step. (Where others press, the bodies themselves may feel neither gravity nor forces.)
+  real creep(std::size_t i) const { return 1e-6 * a_.shape[i].bounding_radius() / s_.dt; }
   /// How far the turning of a body can bring a point of its surface in a step.
   template <class Store>
   real turning(const Store& s, std::size_t i) const {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/world/closed_faces.hpp"
 #include "talus/world/coverage.hpp"
 #include "talus/world/state.hpp"
 
@@ -68,7 +69,7 @@ void match_connections(world_state<Scenario>& s) {
     const auto old =
         std::find_if(before.begin(), before.end(), [&](const auto& n) { return n.rank == c.rank; });
     auto& now = s.neighbours.emplace_back();
-    if (old != before.end()) now = *old;
+    if (old != before.end()) now = std::move(*old);
     now.rank = c.rank;
     s.parcels.push_back({.rank = c.rank});
   }
@@ -119,6 +120,7 @@ template <class Scenario>
 std::size_t migrate(world_state<Scenario>& s) {
   std::vector<std::pair<system_id, std::size_t>> leaving;
   for (parcel& p : s.parcels) p.out.clear();
+  for (auto& n : s.neighbours) n.next_exchange();
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     store.drop_shadows();
@@ -135,7 +137,7 @@ std::size_t migrate(world_state<Scenario>& s) {
       leaving.emplace_back(store.id[i], n);
     }
     for (std::size_t n = 0; n < to.size(); ++n) {
-      byte_writer out(s.parcels[n].out);
+      byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
       out.put(static_cast<std::uint64_t>(to[n].size()));
       for (const auto i : to[n]) store.pack(i, out);
     }
@@ -163,8 +165,8 @@ std::size_t migrate(world_state<Scenario>& s) {
   s.link->finish(s.parcels);
 
   std::size_t passing = 0;
-  for (const parcel& p : s.parcels) {
-    byte_reader in(p.in);
+  for (std::size_t n = 0; n < s.parcels.size(); ++n) {
+    byte_reader in(s.parcels[n].in, s.neighbours[n].shared());
     s.each_finite_shape([&](auto& b) {
       for (auto count = in.get<std::uint64_t>(); count > 0; --count) {
         b.movable.unpack(in);
@@ -235,7 +237,8 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
     });
   for (std::size_t n = 0; n < s.parcels.size(); ++n) {
     s.parcels[n].out.clear();
-    byte_writer out(s.parcels[n].out);
+    s.neighbours[n].next_exchange();
+    byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
     out.put(largest);
     out.put(static_cast<std::uint8_t>(anew));
     if (!anew) continue;
@@ -256,7 +259,7 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   in.reserve(s.parcels.size());
   bool any = anew;
   for (std::size_t n = 0; n < s.parcels.size(); ++n) {
-    byte_reader& message = in.emplace_back(s.parcels[n].in);
+    byte_reader& message = in.emplace_back(s.parcels[n].in, s.neighbours[n].shared());
     s.neighbours[n].reach = message.template get<real>();
     const bool new_here = message.template get<std::uint8_t>() != 0;
     renewed.push_back(new_here ? &message : nullptr);
@@ -274,6 +277,7 @@ void hand_over(world_state<Scenario>& s) {
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
+    refuse_closed_faces(s, true);
     migrate(s);
     share_shadow_copies(s, true);
   }
@@ -286,6 +290,7 @@ void announce_changes(world_state<Scenario>& s) {
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
+    if (s.changed) refuse_closed_faces(s, false);
     share_shadow_copies(s, s.changed);
   }
   s.changed = false;

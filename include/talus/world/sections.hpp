@@ -23,6 +23,14 @@ struct open_sections {
           "the call behind the section",
           what, rank);
   }
+  /// Throws logic_error in a global section, whose bodies `what` would not make global.
+  void refuse_in_global(const char* what, int rank) const {
+    if (global)
+      fail<std::logic_error>(
+          "{} was called inside a global section on rank {}, but each body it makes belongs to one "
+          "rank: call it outside of the section, or use add",
+          what, rank);
+  }
 };
 
 }  // namespace detail

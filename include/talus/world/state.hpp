@@ -39,9 +39,12 @@ struct step_traffic {
 
 namespace detail {
 
+/// Stands for shared_memory where no shape shares data.
+struct no_shared_memory {};
+
 /// What this rank and one of its neighbours know of each other's bodies. The lists are fixed from
 /// one handover to the next, so that velocities travel without ids.
-template <std::size_t Shapes>
+template <std::size_t Shapes, class Memory>
 struct neighbour {
   int rank = 0;
   std::vector<int> connected;  ///< the ranks it is connected to
@@ -51,10 +54,24 @@ struct neighbour {
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
   std::vector<std::uint32_t> sent;      ///< those of `shadowed` that can move, in solver indices
   std::vector<std::uint32_t> received;  ///< those of `copies` that can move, in solver indices
+  [[no_unique_address]] Memory memory;  ///< of the shared data of shapes
+
+  /// Both ends call it before each exchange of bodies.
+  void next_exchange() {
+    if constexpr (!std::is_empty_v<Memory>) memory.next_exchange();
+  }
+  [[nodiscard]] shared_memory* shared() {
+    if constexpr (std::is_empty_v<Memory>)
+      return nullptr;
+    else
+      return &memory;
+  }
 };
 
 template <class Shape>
 struct is_finite : std::bool_constant<Shape::finite> {};
+template <class Shape>
+struct shares_data : std::bool_constant<packs_itself<Shape>> {};
 
 template <class Scenario>
 struct world_state {
@@ -90,11 +107,14 @@ struct world_state {
 
   using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
   static constexpr std::size_t shape_count = finite_shapes::size;
-  std::vector<neighbour<shape_count>> neighbours;  ///< one for each connection, in the same order
-  std::vector<parcel> parcels;                     ///< likewise: handovers
-  std::vector<parcel> velocity_parcels;            ///< for those with movable copies on a side
-  bool strangers = false;  ///< some neighbours are not connected to each other
-  bool changed = true;     ///< bodies were added, removed or changed since the last handover
+  using memory_type = std::conditional_t<(filter_types<finite_shapes, shares_data>::size > 0),
+                                         shared_memory, no_shared_memory>;
+  std::vector<neighbour<shape_count, memory_type>>
+      neighbours;                        ///< one for each connection, in the same order
+  std::vector<parcel> parcels;           ///< likewise: handovers
+  std::vector<parcel> velocity_parcels;  ///< for those with movable copies on a side
+  bool strangers = false;                ///< some neighbours are not connected to each other
+  bool changed = true;  ///< bodies were added, removed or changed since the last handover
 
   stage_seconds seconds;
   step_traffic sent;

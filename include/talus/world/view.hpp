@@ -1,6 +1,7 @@
 #pragma once
 // A body as the user sees it: a light reference into the storage of its world, valid until bodies
 // are added, removed, handed over or stepped.
+#include <cmath>
 #include <type_traits>
 
 #include "talus/body/body.hpp"
@@ -52,14 +53,18 @@ class body_view {
 
   // Changes. They are made by the owner: on a shadow copy they would be lost at the next handover,
   // so they throw logic_error there. A global body is changed alike on all ranks: logic_error in an
-  // exclusive section. Values that are not finite: invalid_argument.
+  // exclusive section. It takes no velocity: logic_error. Values that are not finite:
+  // invalid_argument.
 
+  /// A fixed body stays where it is, but carries along what it rubs against, as a belt does.
   void set_velocity(const vec3& v) {
     prepare_change("velocity", v);
+    refuse_velocity();
     store_->velocity[i_] = v;
   }
   void set_angular_velocity(const vec3& w) {
     prepare_change("angular velocity", w);
+    refuse_velocity();
     store_->angular_velocity[i_] = w;
   }
   /// Moves the centre of mass; it may land in the domain of any rank, which takes the body over at
@@ -67,13 +72,22 @@ class body_view {
   void translate(const vec3& by) {
     prepare_change("translation", by);
     store_->position[i_] += by;
+    if constexpr (requires(Shape & infinite) { infinite.translate(by); })
+      store_->shape[i_].translate(by);
     s_->template of<Shape>().globals_changed |= global_;
   }
-  /// Turns the body about its centre of mass.
+  /// Turns the body about its centre of mass, an infinite one about its position. The length of the
+  /// quaternion does not matter, unless it is zero: invalid_argument.
   void rotate(const quat& by) {
     prepare_change("rotation", by.vec());
+    if (!(by.norm() > 0) || !std::isfinite(by.norm()))
+      detail::fail<std::invalid_argument>(
+          "the rotation of body {} must be a unit quaternion, but its norm is {}", id(), by.norm());
+    const quat turn = by.normalized();
     if constexpr (store_type::oriented)
-      store_->orientation_of[i_] = (by * store_->orientation_of[i_]).normalized();
+      store_->orientation_of[i_] = (turn * store_->orientation_of[i_]).normalized();
+    if constexpr (requires(Shape & infinite) { infinite.rotate(turn, vec3()); })
+      store_->shape[i_].rotate(turn, position());
   }
   /// Makes the body immovable.
   void fix() {
@@ -127,6 +141,13 @@ class body_view {
   }
 
  private:
+  void refuse_velocity() const {
+    if (global_)
+      detail::fail<std::logic_error>(
+          "global body {} takes no velocity: it is fixed, so translate or rotate it, or add it "
+          "outside of the global section",
+          id());
+  }
   void prepare_change(const char* what, const vec3& value) {
     if (!detail::finite(value))
       detail::fail<std::invalid_argument>("the {} of body {} must be finite, but is {}", what, id(),

@@ -1,5 +1,6 @@
 #pragma once
 // The world: bodies, their domain, and time.
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "talus/detect/narrow.hpp"
 #include "talus/parallel/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
+#include "talus/parallel/reach.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/sections.hpp"
 #include "talus/world/state.hpp"
@@ -38,16 +40,19 @@ class world {
   template <class Shape>
   using view = body_view<Scenario, Shape>;
 
-  /// A world on this rank, with the domain that `d` gives it. Throws invalid_argument, with both
-  /// numbers, if `d` is meant for another number of ranks.
-  world(link_type& link, const decomposition_type& d)
-      : state_(link, domain_type(d, link.rank(), link.size())) {}
+  /// A world on this rank, with the domain that `d` gives it, connected to all ranks within reach.
+  /// Throws invalid_argument, with both numbers, if `d` is meant for another number of ranks.
+  world(link_type& link, const decomposition_type& d, const reach& within = {})
+      : state_(link, domain_type(d, link.rank(), link.size(), within.distance)) {}
   /// The same with the decomposition's default values. Where it has none for this number of ranks,
-  /// decompose() must give them first: what needs the domain throws invalid_argument until then.
+  /// decompose() must give them first: what needs the domain throws invalid_argument until then. A
+  /// decomposition for another number of ranks is refused at once.
   explicit world(link_type& link) : state_(link, domain_type::undivided(link.rank(), link.size())) {
     try {
       state_.own = domain_type(decomposition_type{}, rank(), ranks());
     } catch (const std::invalid_argument& e) {
+      const int wanted = decomposition_type{}.size();
+      if (wanted > 0 && ranks() > 1 && wanted != ranks()) throw;  // no values can cure that
       undivided_ = std::string(e.what()) + "; world.decompose(...) takes them";
     }
   }
@@ -59,11 +64,12 @@ class world {
 
   // --- Domain --------------------------------------------------------------------------------
 
-  /// Divides space anew: extents, cuts. Collective; bodies in foreign domains are handed over by
-  /// the next synchronize(). Connections made by hand before are gone.
-  void decompose(const decomposition_type& d) {
+  /// Divides space anew: extents, cuts, and how far connections reach. Collective; bodies in
+  /// foreign domains are handed over by the next synchronize(). Connections made by hand before are
+  /// gone.
+  void decompose(const decomposition_type& d, const reach& within = {}) {
     sections_.require_all_ranks("decompose", rank());
-    state_.own = domain_type(d, rank(), ranks());
+    state_.own = domain_type(d, rank(), ranks(), within.distance);
     undivided_.clear();
     synchronized_ = false;
   }
@@ -108,9 +114,16 @@ class world {
     f(*this);
   }
 
+  /// Throws runtime_error in an exclusive section: for functions that talk over link() with all
+  /// ranks, which `what` names.
+  void require_all_ranks(const char* what) const { sections_.require_all_ranks(what, rank()); }
+
   // --- Parameters ----------------------------------------------------------------------------
 
-  material_id material(const talus::material& m) { return state_.materials.add(m); }
+  material_id material(const talus::material& m) {
+    sections_.require_all_ranks("material", rank());
+    return state_.materials.add(m);
+  }
   /// Properties of contacts between two materials, instead of the mean of theirs.
   void material_pair(material_id a, material_id b, const pair_material& p) {
     state_.materials.set_pair(a, b, p);
@@ -118,6 +131,7 @@ class world {
   [[nodiscard]] const material_table& materials() const { return state_.materials; }
   /// Acceleration of all bodies.
   void gravity(const vec3& g) {
+    sections_.require_all_ranks("gravity", rank());
     require_finite("the gravity", g);
     state_.gravity = g;
   }
@@ -177,15 +191,16 @@ class world {
     if constexpr (detail::require_shape<Scenario, Shape>()) {
       validate(b);
       sections_.require_all_ranks("add_if_local", rank());
+      sections_.refuse_in_global("add_if_local", rank());
       const auto id = detail::id_of_attempt(attempts_++);
       if (contains(b.position)) return handle<Shape>{insert(b, id)};
     }
     return std::nullopt;
   }
   /// Creates bodies on the sites that this rank owns, and visits no others: f(site) or
-  /// f(site, random), with random numbers that depend on seed and site alone, returns a body or an
-  /// optional one. Collective in the sense that all ranks call it alike; returns the number of
-  /// bodies made here.
+  /// f(site, random), with random numbers that depend on seed and site alone, returns a body, an
+  /// optional one, or a std::variant of bodies of several shapes. Collective in the sense that all
+  /// ranks call it alike; returns the number of bodies made here.
   template <class Sites, class F>
   std::size_t fill(const Sites& sites, F&& f);
 
@@ -281,7 +296,15 @@ class world {
     if (state_.materials.size() == 0)
       detail::fail<std::invalid_argument>(
           "the world has no material yet: make one with world.material(...) before adding bodies");
-    (void)state_.materials[b.material];
+    const real density = state_.materials[b.material].density;
+    if constexpr (Shape::finite) {
+      const real mass = density * b.shape.volume();
+      if (!std::isnormal(mass) || !std::isnormal(1 / mass))
+        detail::fail<std::invalid_argument>(
+            "the mass of a {}, density times volume, is {}, beyond what numbers can hold: choose "
+            "units in which it is nearer to 1",
+            Shape::name, mass);
+    }
   }
   void require_two_sided_connections();
   template <class Shape>

@@ -1,5 +1,7 @@
 #pragma once
 // Bodies of the longer member functions of world.
+#include <variant>
+
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -20,7 +22,6 @@ template <class Scenario>
 void world<Scenario>::require_two_sided_connections() {
   std::uint64_t rewired = rewired_;
   state_.link->reduce(reduction::max, std::span(&rewired, 1));
-  rewired_ = false;
   if (rewired == 0) return;
   std::vector<int> ranks;
   for (const connection& c : connections()) ranks.push_back(c.rank);
@@ -90,7 +91,13 @@ template <class Scenario>
 template <class Sites, class F>
 std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
   sections_.require_all_ranks("fill", rank());
+  sections_.refuse_in_global("fill", rank());
   require_domain();
+  if (fills_ >= detail::most_fills)
+    detail::fail<std::runtime_error>(
+        "fill was called more than {} times, and there are no ids for more: create bodies one by "
+        "one with add_if_local",
+        detail::most_fills);
   const auto fill = fills_++;
   std::size_t made = 0;
   const auto [lower, upper] = state_.own.bounds();
@@ -118,10 +125,16 @@ std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
         ++made;
       }
     };
+    const auto take = [&](const auto& b) {
+      if constexpr (requires { b.valueless_by_exception(); })
+        std::visit(add, b);
+      else
+        add(b);
+    };
     if constexpr (requires { made_body.has_value(); }) {
-      if (made_body) add(*made_body);
+      if (made_body) take(*made_body);
     } else {
-      add(made_body);
+      take(made_body);
     }
   });
   return made;
@@ -192,6 +205,8 @@ template <class Scenario>
 template <class Shape>
 bool world<Scenario>::overlaps(const Shape& shape, const vec3& position, const quat& orientation,
                                system_id except) const {
+  shape.validate();
+  require_finite("the position of an overlap query", position);
   bool found = false;
   const talus::pose place{position, orientation};
   const auto against = [&](const auto& store) {
@@ -232,11 +247,13 @@ void world<Scenario>::synchronize() {
             "says what is missing",
             passing);
     }
+    detail::refuse_closed_faces(state_, false);
     // The first round tells every neighbour how far bodies reach, the second one acts on it.
     detail::share_shadow_copies(state_, true);
     detail::share_shadow_copies(state_, true);
   }
   state_.changed = false;
+  rewired_ = false;
   synchronized_ = true;
 }
 
@@ -247,6 +264,13 @@ void world<Scenario>::step(real dt) {
     detail::fail<std::logic_error>(
         "step was called inside a global section on rank {}: close the section first", rank());
   detail::require_positive(dt, "the time step dt");
+  const solver_settings& how = state_.settings;
+  if (how.iterations < 1 || how.correction_iterations < 0 ||
+      !(how.correction >= 0 && how.correction <= 1))
+    detail::fail<std::invalid_argument>(
+        "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap in "
+        "[0, 1] to correct, but has {}, {} and {}",
+        how.iterations, how.correction_iterations, how.correction);
   if (!synchronized_) synchronize();
   if (rewired_)
     detail::fail<std::runtime_error>(

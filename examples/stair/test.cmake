@@ -1,0 +1,10 @@
+# Counts of emitted, present and removed bodies add up on any ranks; a neighbour in the chain gets at
+# most 15 messages a step.
+set(flows "unaccounted EQUAL 0" "penetration_mean LESS 1e-3" "collectives_per_step EQUAL 0"
+          "messages_per_step_max LESS 31")
+add_example_test(alone ARGS --quiet --steps 2000 CHECK ${flows} "emitted GREATER 1000")
+add_example_test(eight ARGS --quiet --steps 2000 --ranks 8 CHECK ${flows} "emitted GREATER 1000")
+add_example_test(nine RANKS 9 ARGS --quiet --steps 600 --sectors 8 --slabs 1
+                 CHECK ${flows} "ranks EQUAL 9")
+# Until spheres leave at the foot.
+add_example_test(whole LONG ARGS --quiet --ranks 8 CHECK ${flows} "removed GREATER 1000")

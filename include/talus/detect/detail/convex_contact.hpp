@@ -1,0 +1,184 @@
+#pragma once
+// Contacts of two convex shapes: a patch over a flat face where one serves, which is nearly always
+// when bodies rest; else along two parallel lines, or a single one.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/detail/convex_depth.hpp"
+#include "talus/detect/detail/convex_distance.hpp"
+#include "talus/detect/detail/convex_patch.hpp"
+
+namespace talus::detail {
+
+template <class Real>
+class convex_contact {
+  using vector = vector3<Real>;
+
+ public:
+  /// Both shapes posed in one frame, whose origin is at `origin` in the world and whose axes are
+  /// those of the world.
+  convex_contact(const convex_view<Real>& a, const convex_view<Real>& b, const vec3& origin,
+                 Real margin)
+      : a_(a),
+        b_(b),
+        origin_(origin),
+        margin_(margin),
+        rounding_(a.rounding() + b.rounding()),
+        smallest_(std::min(a.smallest(), b.smallest())) {}
+
+  /// The points with a gap of at most the margin, four at most. (Handed out in a list: so all this
+  /// is compiled once, whatever is done with them.)
+  [[nodiscard]] std::span<const contact_geometry> find() {
+    size_ = 0;
+    search();
+    return {found_.data(), size_};
+  }
+
+ private:
+  static constexpr Real level_ = Real(0.005);
+
+  void search() {
+    const face_axis of_a = best_face(a_, b_), of_b = best_face(b_, a_);
+    if (of_a.gap > margin_ || of_b.gap > margin_) return;
+    const bool by_b = of_a.face < 0 || of_b.gap > of_a.gap + tolerance(of_a.gap);
+    const face_axis& face = by_b ? of_b : of_a;
+    // Shapes that touch, or nearly: a face that holds points as near as its plane allows is right,
+    // since no other direction can do better by more than the tolerance.
+    if (face.gap >= -level_ * smallest_ && by_face(face, by_b, face.gap)) return;
+
+    const convex_pair<Real> pair{a_, b_};
+    core_distance<Real> nearest = distance_of<Real>(pair, a_.centre() - b_.centre(),
+                                                    Real(1e-6) * smallest_, margin_ + rounding_);
+    if (nearest.state == separation::beyond) return;
+    if (nearest.state == separation::touching) {
+      nearest = depth_of<Real>(pair, smallest_);
+      const Real gap = nearest.gap - rounding_;
+      if (gap > margin_) return;
+      if (face.gap >= gap - tolerance(gap) && by_face(face, by_b, gap)) return;
+    }
+    const Real gap = nearest.gap - rounding_;
+    if (gap > margin_ || by_lines(nearest, gap)) return;
+    const vector on_a = nearest.on_a - a_.rounding() * nearest.normal,
+                 on_b = nearest.on_b + b_.rounding() * nearest.normal;
+    emit(nearest.normal, Real(0.5) * (on_a + on_b), gap, 0, 0);
+  }
+
+  /// The face that tells the shapes apart best, and the gap of the surfaces along its normal.
+  struct face_axis {
+    int face = -1;
+    Real gap = -std::numeric_limits<Real>::infinity();
+  };
+  [[nodiscard]] face_axis best_face(const convex_view<Real>& one,
+                                    const convex_view<Real>& other) const {
+    // A bound for each face, since a ball is inside the other: the most promising first, and only
+    // those that can still be better.
+    const int faces = one.faces();
+    const vector centre = one.local(other.centre());
+    face_axis best, first;
+    const auto bound = [&](int f) {
+      return one.beyond(f, centre) - other.inner_radius() - rounding_;
+    };
+    for (int f = 0; f < faces; ++f)
+      if (const Real most = bound(f); most > first.gap) first = {f, most};
+    const auto look_at = [&](int f) {
+      const vector normal = one.normal(f);
+      const Real gap =
+          normal.dot(other.support(-normal) - one.centre()) - one.offset(f) - rounding_;
+      if (gap > best.gap || (gap == best.gap && f < best.face)) best = {f, gap};
+    };
+    if (first.face >= 0) look_at(first.face);
+    for (int f = 0; f < faces && best.gap <= margin_; ++f)
+      if (f != first.face && bound(f) >= best.gap) look_at(f);
+    return best;
+  }
+  /// By how much one direction must be better than another to be preferred to it.
+  [[nodiscard]] Real tolerance(Real gap) const {
+    return level_ * smallest_ + Real(0.05) * std::abs(gap);
+  }
+
+  void emit(const vector& normal, const vector& point, Real gap, part_code of_a, part_code of_b) {
+    found_[size_++] = {normal, origin_ + point, gap, of_a | of_b << 16};
+  }
+
+  /// The patch over that face, if it holds points with a gap near `wanted`, the smallest there is.
+  bool by_face(const face_axis& face, bool by_b, Real wanted) {
+    if (face.face < 0) return false;
+    const convex_view<Real>&one = by_b ? b_ : a_, &other = by_b ? a_ : b_;
+    const vector up = one.normal(face.face);
+    outline<Real> reference, incident;
+    one.face_outline(face.face, reference);
+    other.outline_along(-up, 16, incident);
+    convex_patch<Real> patch(reference, up, incident, Real(1e-3) * smallest_);
+    const bool apart = wanted > Real(1e-6) * smallest_;
+    const Real enough =
+        wanted + (apart ? Real(0.05) * wanted + Real(1e-4) * smallest_ : tolerance(wanted));
+    if (!(patch.lowest() - rounding_ <= std::min(enough, margin_))) return false;
+    const vector normal = by_b ? up : vector(-up);
+    patch.for_each(margin_ + rounding_, Real(1e-4) * smallest_, [&](const patch_point<Real>& p) {
+      const Real gap = p.height - rounding_;
+      const vector point = p.at - (other.rounding() + Real(0.5) * gap) * up;
+      emit(normal, point, gap, by_b ? p.incident : p.reference, by_b ? p.reference : p.incident);
+    });
+    return true;
+  }
+
+  /// Two contacts where a straight line of each shape lies along the other.
+  bool by_lines(const core_distance<Real>& nearest, Real gap) {
+    const vector& n = nearest.normal;
+    outline<Real> of_a, of_b;
+    if (!a_.line_along(-n, b_line(n), of_a)) return false;
+    const vector p = of_a.corners[0].at, pq = of_a.corners[1].at - p;
+    const Real length = pq.norm();
+    const vector u = pq / length;
+    if (!b_.line_along(n, u, of_b)) return false;
+    const vector r = of_b.corners[0].at, rs = of_b.corners[1].at - r, v = rs.normalized();
+    const Real same = u.dot(v);
+    if (!(std::abs(same) > Real(0.995))) return false;
+    const Real from = u.dot(r - p), to = from + u.dot(rs);
+    const bool turned = to < from;
+    const Real low = std::max(Real(0), turned ? to : from),
+               high = std::min(length, turned ? from : to);
+    if (!(high - low > Real(1e-2) * smallest_)) return false;
+    struct place {
+      vector point;
+      Real gap;
+      part_code a, b;
+    } ends[2];
+    Real least = std::numeric_limits<Real>::infinity();
+    for (const bool far : {false, true}) {
+      const Real s = far ? high : low;
+      const vector on_a = p + s * u, on_b = r + ((s - from) / same) * v, across = on_a - on_b;
+      place& end = ends[far];
+      end.gap = n.dot(across) - rounding_;
+      if ((across - n.dot(across) * n).norm() > Real(0.02) * smallest_) return false;
+      end.point = Real(0.5) * (on_a + on_b + (b_.rounding() - a_.rounding()) * n);
+      const bool at_a = far ? s == length : s == 0;
+      end.a = at_a ? of_a.corners[far].code : of_a.face;
+      end.b = at_a ? of_b.face : of_b.corners[far != turned].code;
+      least = std::min(least, end.gap);
+    }
+    if (!(least <= gap + Real(0.05) * std::abs(gap) + Real(1e-4) * smallest_)) return false;
+    for (const place& end : ends)
+      if (end.gap <= margin_) emit(n, end.point, end.gap, end.a, end.b);
+    return true;
+  }
+  /// Direction of the line of b that may touch, or zero.
+  [[nodiscard]] vector b_line(const vector& n) const {
+    outline<Real> line;
+    const vector any = n.cross(vector::Unit(std::abs(n[0]) < Real(0.6) ? 0 : 1));
+    if (b_.faces() > 2 || !b_.line_along(n, any, line)) return any;
+    return line.corners[1].at - line.corners[0].at;
+  }
+
+  const convex_view<Real>&a_, &b_;
+  vec3 origin_;
+  Real margin_, rounding_, smallest_;
+  std::array<contact_geometry, 4> found_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace talus::detail

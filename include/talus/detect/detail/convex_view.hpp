@@ -1,0 +1,296 @@
+#pragma once
+// What the routines for convex shapes in general see of a shape: furthest points, flat faces and
+// straight edges, in one type for all, so that they are compiled once. A capsule is a segment with
+// a distance around it, its rounding. Here and in the other convex_*.hpp all is a template of the
+// scalar: worlds without such shapes do not compile it.
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "talus/core/math.hpp"
+#include "talus/detect/detail/box_frame.hpp"
+#include "talus/shape/box.hpp"
+#include "talus/shape/capsule.hpp"
+#include "talus/shape/convex_polyhedron.hpp"
+#include "talus/shape/cylinder.hpp"
+
+namespace talus::detail {
+
+/// Names a corner, an edge or a face of one shape; never 0.
+using part_code = std::uint32_t;
+
+/// The corners of a face in turn, or the two ends of a line. An edge runs from its corner to the
+/// next one.
+template <class Real>
+struct outline {
+  static constexpr int capacity = polyhedron_mesh::max_corners;
+  struct corner {
+    vector3<Real> at;
+    part_code code, edge;
+  };
+  std::array<corner, capacity> corners;
+  int size = 0;
+  part_code face = 0;
+
+  void add(const vector3<Real>& at, part_code code, part_code edge) {
+    corners[static_cast<std::size_t>(size++)] = {at, code, edge};
+  }
+  [[nodiscard]] bool line() const { return size == 2; }
+};
+
+/// A posed shape; all coordinates and directions are those of the frame in which it is posed.
+template <class Real>
+class convex_view {
+  using vector = vector3<Real>;
+
+ public:
+  convex_view(const box& s, const pose& at) : convex_view(kind::box, at) {
+    half_ = s.half();
+    inner_ = smallest_ = half_.minCoeff();
+  }
+  convex_view(const capsule& s, const pose& at) : convex_view(kind::segment, at) {
+    half_ = {0, 0, s.length / 2};
+    rounding_ = smallest_ = s.radius;
+  }
+  convex_view(const cylinder& s, const pose& at) : convex_view(kind::cylinder, at) {
+    half_ = {s.radius, s.radius, s.length / 2};
+    inner_ = smallest_ = half_.minCoeff();
+  }
+  convex_view(const convex_polyhedron& s, const pose& at) : convex_view(kind::mesh, at) {
+    mesh_ = &s.mesh();
+    smallest_ = mesh_->measured.half_width;
+    inner_ = mesh_->measured.inner_radius;
+  }
+
+  [[nodiscard]] const vector& centre() const { return centre_; }
+  /// Distance of the surface from the core, to which all other functions refer.
+  [[nodiscard]] Real rounding() const { return rounding_; }
+  /// The shape's thickness, roughly: what tolerances are measured by.
+  [[nodiscard]] Real smallest() const { return smallest_; }
+  [[nodiscard]] bool curved() const { return kind_ == kind::cylinder; }
+
+  /// A point of the core furthest along a direction.
+  [[nodiscard]] vector support(const vector& direction) const {
+    const vector d = axes_.transpose() * direction;
+    return place(local_support(d));
+  }
+
+  [[nodiscard]] int faces() const {
+    switch (kind_) {
+      case kind::box:
+        return 6;
+      case kind::cylinder:
+        return 2;
+      case kind::mesh:
+        return static_cast<int>(mesh_->faces());
+      case kind::segment:
+        break;
+    }
+    return 0;
+  }
+  /// Outward normal of a face.
+  [[nodiscard]] vector normal(int face) const {
+    if (kind_ == kind::mesh) return axes_ * mesh_->normals[static_cast<std::size_t>(face)];
+    const int axis = kind_ == kind::box ? face / 2 : 2;
+    return face & 1 ? vector(axes_.col(axis)) : vector(-axes_.col(axis));
+  }
+  /// A point in the frame of the body.
+  [[nodiscard]] vector local(const vector& p) const { return axes_.transpose() * (p - centre_); }
+  /// How far a point, given in the frame of the body, lies beyond a face's plane.
+  [[nodiscard]] Real beyond(int face, const vector& local) const {
+    if (kind_ == kind::mesh)
+      return mesh_->normals[static_cast<std::size_t>(face)].dot(local) - offset(face);
+    const int axis = kind_ == kind::box ? face / 2 : 2;
+    return (face & 1 ? local[axis] : -local[axis]) - half_[axis];
+  }
+  /// Radius of a ball around the centre inside the core.
+  [[nodiscard]] Real inner_radius() const { return inner_; }
+  /// Distance of a face's plane from the centre.
+  [[nodiscard]] Real offset(int face) const {
+    if (kind_ == kind::mesh) return mesh_->offsets[static_cast<std::size_t>(face)];
+    return half_[kind_ == kind::box ? face / 2 : 2];
+  }
+
+  /// The corners of a face; those of a circle are some of its points.
+  void face_outline(int face, outline<Real>& out) const {
+    switch (kind_) {
+      case kind::box:
+        return box_face(face / 2, face & 1, out);
+      case kind::cylinder:
+        return cap(face & 1, vector(0, 0, 0), 16, out);
+      case kind::mesh:
+        return mesh_face(static_cast<std::size_t>(face), out);
+      case kind::segment:
+        break;
+    }
+  }
+  /// The face, or the line, that looks most along a direction; it holds a point furthest along it.
+  /// Of a circle, `rim` corners are taken, a multiple of four and at most 16.
+  void outline_along(const vector& direction, int rim, outline<Real>& out) const {
+    const vector d = axes_.transpose() * direction;
+    switch (kind_) {
+      case kind::box: {
+        int axis = 0;
+        if (std::abs(d[1]) > std::abs(d[axis])) axis = 1;
+        if (std::abs(d[2]) > std::abs(d[axis])) axis = 2;
+        return box_face(axis, d[axis] > 0, out);
+      }
+      case kind::segment:
+        out.size = 0;
+        out.face = 3;
+        out.add(place({0, 0, -half_[2]}), 1, 3);
+        out.add(place({0, 0, half_[2]}), 2, 3);
+        return;
+      case kind::cylinder: {
+        if (2 * d[2] * d[2] >= d.squaredNorm()) return cap(d[2] > 0, d, rim, out);
+        out.size = 0;
+        out.face = 3;
+        for (const bool top : {false, true}) {
+          const vector p = local_support({d[0], d[1], top ? Real(1) : Real(-1)});
+          out.add(place(p), 4u + top, 3);
+        }
+        return;
+      }
+      case kind::mesh: {
+        std::uint32_t best = 0;
+        Real most = -std::numeric_limits<Real>::infinity();
+        for (const auto f : mesh_->faces_around(mesh_->furthest(d))) {
+          const Real looks = mesh_->normals[f].dot(d);
+          if (looks > most) most = looks, best = f;
+        }
+        return mesh_face(best, out);
+      }
+    }
+  }
+
+  /// The straight line on the surface that touches a plane across `direction` (unit), nearly: an
+  /// edge, a segment, a line on a cylinder. Of several edges, the one most along `favoured`.
+  [[nodiscard]] bool line_along(const vector& direction, const vector& favoured,
+                                outline<Real>& out) const {
+    constexpr Real level = Real(0.05);
+    const vector d = axes_.transpose() * direction, want = axes_.transpose() * favoured;
+    if (kind_ == kind::segment || kind_ == kind::cylinder) {
+      if (std::abs(d[2]) > level) return false;
+      outline_along(direction, 4, out);
+      return true;
+    }
+    Real most = 0;
+    vector from, to;
+    part_code code = 0, ends[2] = {0, 0};
+    if (kind_ == kind::box) {
+      const vector tip = local_support(d);
+      for (int i = 0; i < 3; ++i) {
+        if (std::abs(d[i]) > level || !(std::abs(want[i]) > most)) continue;
+        const int u = (i + 1) % 3, v = (i + 2) % 3;
+        most = std::abs(want[i]);
+        from = to = tip;
+        from[i] = -half_[i], to[i] = half_[i];
+        code = side(u, tip[u] > 0) | side(v, tip[v] > 0);
+        ends[0] = code | side(i, false), ends[1] = code | side(i, true);
+      }
+    } else {
+      const auto tip = static_cast<std::uint32_t>(mesh_->furthest(d));
+      for (const auto f : mesh_->faces_around(tip))
+        for (const auto e : mesh_->edges_of_face(f)) {
+          const auto& edge = mesh_->edges[e];
+          if (edge.from != tip && edge.to != tip) continue;
+          const vector a = mesh_->vertices[edge.from], b = mesh_->vertices[edge.to];
+          const vector along = (b - a).normalized();
+          const Real fit = std::abs(along.dot(want));
+          if (std::abs(along.dot(d)) > level || !(fit > most)) continue;
+          most = fit, from = a, to = b;
+          ends[0] = corner_code(edge.from), ends[1] = corner_code(edge.to), code = edge_code(e);
+        }
+    }
+    if (code == 0) return false;
+    out.size = 0;
+    out.face = code;
+    out.add(place(from), ends[0], code);
+    out.add(place(to), ends[1], code);
+    return true;
+  }
+
+ private:
+  enum class kind : std::uint8_t { segment, box, cylinder, mesh };
+
+  convex_view(kind k, const pose& at)
+      : kind_(k), centre_(at.position), axes_(at.orientation.toRotationMatrix()) {}
+
+  [[nodiscard]] vector place(const vector& local) const { return centre_ + axes_ * local; }
+  [[nodiscard]] vector local_support(const vector& d) const {
+    if (kind_ == kind::mesh) return mesh_->vertices[mesh_->furthest(d)];
+    vector p{d[0] < 0 ? -half_[0] : half_[0], d[1] < 0 ? -half_[1] : half_[1],
+             d[2] < 0 ? -half_[2] : half_[2]};
+    if (kind_ == kind::cylinder) {
+      const Real largest = std::max(std::abs(d[0]), std::abs(d[1]));
+      const Real x = largest > 0 ? d[0] / largest : 1, y = largest > 0 ? d[1] / largest : 0;
+      const Real scale = half_[0] / std::sqrt(x * x + y * y);
+      p[0] = scale * x, p[1] = scale * y;
+    }
+    return p;
+  }
+
+  void box_face(int axis, bool positive, outline<Real>& out) const {
+    const int n = (axis + 1) % 3, o = (axis + 2) % 3;
+    constexpr bool around[4][2] = {{false, false}, {true, false}, {true, true}, {false, true}};
+    out.size = 0;
+    out.face = side(axis, positive);
+    for (int k = 0; k < 4; ++k) {
+      const auto &here = around[positive ? k : 3 - k],
+                 &next = around[positive ? (k + 1) % 4 : (6 - k) % 4];
+      const auto corner = [&](const bool* at) {
+        return out.face | side(n, at[0]) | side(o, at[1]);
+      };
+      vector p;
+      p[axis] = positive ? half_[axis] : -half_[axis];
+      p[n] = here[0] ? half_[n] : -half_[n];
+      p[o] = here[1] ? half_[o] : -half_[o];
+      out.add(place(p), corner(here), corner(here) & corner(next));
+    }
+  }
+
+  [[nodiscard]] static part_code corner_code(std::uint32_t vertex) { return 1 + vertex; }
+  [[nodiscard]] part_code edge_code(std::uint32_t e) const {
+    return 1 + static_cast<part_code>(mesh_->vertices.size()) + e;
+  }
+  void mesh_face(std::size_t f, outline<Real>& out) const {
+    const auto corners = mesh_->face(f);
+    const auto edges = mesh_->edges_of_face(f);
+    out.size = 0;
+    out.face = edge_code(static_cast<std::uint32_t>(mesh_->edges.size() + f));
+    for (std::size_t k = 0; k < corners.size(); ++k)
+      out.add(place(mesh_->vertices[corners[k]]), corner_code(corners[k]), edge_code(edges[k]));
+  }
+
+  /// Points of the rim of a flat face of a cylinder. They begin where the rim reaches furthest
+  /// along `d`; when the face is level within 1e-4, at fixed places, so that a cylinder that stands
+  /// keeps its contact points.
+  void cap(bool top, const vector& d, int rim, outline<Real>& out) const {
+    const Real tilt = std::hypot(d[0], d[1]);
+    const bool level = !(tilt > Real(1e-4) * std::abs(d[2]));
+    Real x = level ? 1 : d[0] / tilt, y = level ? 0 : d[1] / tilt;
+    const Real c = rim == 4 ? 0 : rim == 8 ? std::sqrt(Real(0.5)) : Real(0.92387953251128674);
+    const Real s = (top ? 1 : -1) * std::sqrt(1 - c * c);
+    const part_code base = 32u * (1 + top) + 64u * !level;
+    out.size = 0;
+    out.face = 6u + top;
+    for (int k = 0; k < rim; ++k) {
+      const auto number = static_cast<part_code>(k * (16 / rim));
+      out.add(place({half_[0] * x, half_[0] * y, top ? half_[2] : -half_[2]}), base + number,
+              base + 16 + number);
+      const Real turned = c * x - s * y;
+      y = s * x + c * y;
+      x = turned;
+    }
+  }
+
+  kind kind_;
+  vector centre_;
+  matrix3<Real> axes_;
+  vector half_{0, 0, 0};
+  const polyhedron_mesh* mesh_ = nullptr;
+  Real rounding_ = 0, smallest_ = 0, inner_ = 0;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,79 @@
+#pragma once
+// A union and anything else: the contacts of its parts, one after the other.
+#include <cstdint>
+
+#include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/collide_pair.hpp"
+#include "talus/shape/frame.hpp"
+#include "talus/shape/union_of.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// Any sink, so that pairs of parts are compiled once for all of them. Refers to it: it must live
+/// as long.
+class contact_sink {
+ public:
+  template <class Sink>
+  explicit contact_sink(const Sink& sink)
+      : sink_(&sink), call_([](const void* to, const contact_geometry& c) {
+          (*static_cast<const Sink*>(to))(c);
+        }) {}
+  void operator()(const contact_geometry& c) const { call_(sink_, c); }
+
+ private:
+  const void* sink_;
+  void (*call_)(const void*, const contact_geometry&);
+};
+
+/// Contacts of a part, its number put into their features.
+template <class A, class B, class Sink>
+void collide_parts(const A& a, const pose& pa, const B& b, const pose& pb, real margin,
+                   std::uint64_t numbers, Sink& sink) {
+  const auto named = [&](contact_geometry c) {
+    c.feature |= numbers;
+    sink(c);
+  };
+  collide_pair(a, pa, b, pb, margin, contact_sink(named));
+}
+
+}  // namespace detail
+
+/// Calls `sink(contact_geometry)` for the points of each part with a gap of at most `margin`: up to
+/// four a part. The feature holds the number of the part in bits 32 to 47. Points of one part that
+/// lie inside another part are found like any others.
+template <class... Parts, class B, class Sink>
+requires(!detail::is_union<B> &&
+         (... && collidable<Parts, B>)) void collide(const union_of<Parts...>& a, const pose& pa,
+                                                     const B& b, const pose& pb, real margin,
+                                                     Sink&& sink) {
+  const auto part = [&](std::uint64_t n, const auto& shape, const pose& at) {
+    detail::collide_parts(shape, detail::combined(pa, at), b, pb, margin, n << 32, sink);
+  };
+  if constexpr (B::finite) {
+    a.each_part_near(pa.to_body(pb.position), b.bounding_radius() + margin, part);
+  } else {
+    std::uint64_t n = 0;
+    a.each_part([&](const auto& shape, const pose& at) { part(n++, shape, at); });
+  }
+}
+
+/// Two unions: the contacts of all their parts that are near each other. The feature holds the
+/// number of the part of a in bits 32 to 47, and that of b in bits 48 to 63.
+template <class... Parts, class... Others, class Sink>
+void collide(const union_of<Parts...>& a, const pose& pa, const union_of<Others...>& b,
+             const pose& pb, real margin, Sink&& sink) {
+  a.each_part_near(pa.to_body(pb.position), b.bounding_radius() + margin,
+                   [&](std::uint64_t m, const auto& one, const pose& of_one) {
+                     const pose here = detail::combined(pa, of_one);
+                     b.each_part_near(
+                         pb.to_body(here.position), one.bounding_radius() + margin,
+                         [&](std::uint64_t n, const auto& other, const pose& of_other) {
+                           detail::collide_parts(one, here, other, detail::combined(pb, of_other),
+                                                 margin, m << 32 | n << 48, sink);
+                         });
+                   });
+}
+
+}  // namespace talus

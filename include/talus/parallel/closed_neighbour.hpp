@@ -1,0 +1,48 @@
+#pragma once
+// A rank on the other side of a closed face: near, but not connected.
+#include <limits>
+#include <optional>
+
+#include "talus/parallel/detail/convex_pieces.hpp"
+
+namespace talus {
+
+/// What a rank knows of a rank that its region touches on closed faces only. Bodies must keep away
+/// from there.
+class closed_neighbour {
+ public:
+  closed_neighbour(int rank, any_geometry region)
+      : rank_(rank), region_(std::move(region)), pieces_(detail::pieces_of(region_)) {}
+
+  [[nodiscard]] int rank() const { return rank_; }
+  [[nodiscard]] const any_geometry& geometry() const { return region_; }
+
+  /// The place of that rank's region next to a point, if it is not further than `radius`.
+  struct place {
+    vec3 nearest;     ///< The point of the region that is nearest; the point itself if inside.
+    real distance;    ///< From the point; 0 inside.
+    half_space face;  ///< The plane of the region that the point is furthest behind.
+  };
+  /// The nearest of all pieces within `radius`; nothing costs next to nothing for points far away.
+  [[nodiscard]] std::optional<place> within(const vec3& p, real radius) const {
+    std::optional<place> best;
+    if (-region_.value(p) > radius) return best;
+    for (const detail::convex_piece& piece : pieces_) {
+      const vec3 q = detail::nearest_point(piece, p);
+      const real distance = (q - p).norm();
+      if (distance > radius || (best && distance >= best->distance)) continue;
+      const auto face = std::min_element(
+          piece.begin(), piece.end(),
+          [&](const half_space& a, const half_space& b) { return a.value(p) < b.value(p); });
+      if (face != piece.end()) best = place{q, distance, *face};
+    }
+    return best;
+  }
+
+ private:
+  int rank_;
+  any_geometry region_;
+  std::vector<detail::convex_piece> pieces_;
+};
+
+}  // namespace talus

@@ -1,0 +1,171 @@
+#pragma once
+// Sectors about an axis, connected in sequence: stairs, silos, couette cells, mills.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "talus/parallel/detail/convex_pieces.hpp"
+#include "talus/parallel/detail/directions.hpp"
+#include "talus/parallel/dynamic.hpp"
+
+namespace talus {
+
+/// Sectors between half-planes that end at an axis, all half-planes known. Which side of a plane a
+/// point is on follows from one stored half_space per boundary, for both ranks, so that no sine or
+/// cosine is computed twice; a point on a boundary belongs to the side towards +x (then +y, +z).
+/// Sectors meet in sequence; the axis, where all of them meet, is closed.
+class ring_cells {
+ public:
+  /// The half-plane where a sector starts.
+  struct boundary {
+    half_space plane;  ///< Points in the direction in which the ranks count.
+    real angle;        ///< From the first boundary, which has 0.
+  };
+
+  /// Sector k lies between the boundaries k and k + 1, the last one ends at the first boundary. No
+  /// sector is wider than half a turn. `closed_end`: the last sector is not connected to the first.
+  ring_cells(std::vector<boundary> boundaries, real hub, bool closed_end)
+      : boundaries_(std::move(boundaries)), hub_(hub), closed_end_(closed_end) {
+    while (half_ + 1 < boundaries_.size() && boundaries_[half_ + 1].angle < pi - 1e-12) ++half_;
+  }
+
+  [[nodiscard]] int size() const { return static_cast<int>(boundaries_.size()); }
+
+  [[nodiscard]] int owner(const vec3& point) const {
+    if (detail::has_nan(point)) return -1;
+    if (size() == 1) return 0;
+    const vec3 p = detail::bounded(point);
+    // In the first half turn the last boundary behind the point, else the last one of the others.
+    const bool first_half = boundaries_[0].plane.owns(p);
+    const auto from = boundaries_.begin() + (first_half ? 1 : offset(half_ + 1));
+    const auto to = first_half ? boundaries_.begin() + offset(half_ + 1) : boundaries_.end();
+    const auto next =
+        std::partition_point(from, to, [&](const boundary& b) { return b.plane.owns(p); });
+    return static_cast<int>(next - boundaries_.begin()) - 1;
+  }
+
+  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const {
+    return select(rank, [&](int other) {
+      if (in_sequence(rank, other)) return true;
+      if (!(reach > 0)) return false;
+      // Between the points of the two sectors on the hub that are nearest to each other.
+      const real narrow = std::min(gap(rank, other), pi);
+      return 2 * hub_ * std::sin(narrow / 2) <= reach * (1 + 1e-12);
+    });
+  }
+  /// The other sectors, which meet this one at the axis, or at the closed end.
+  [[nodiscard]] std::vector<int> closed(int rank) const {
+    return select(rank, [&](int other) { return !in_sequence(rank, other); });
+  }
+  [[nodiscard]] any_geometry geometry(int rank) const { return any_geometry::cell(planes(rank)); }
+  [[nodiscard]] std::pair<vec3, vec3> bounds(int rank) const {
+    const auto cell = planes(rank);
+    return detail::bounds_of({&cell, 1});
+  }
+
+ private:
+  static std::ptrdiff_t offset(std::size_t i) { return static_cast<std::ptrdiff_t>(i); }
+  [[nodiscard]] const boundary& at(int sector) const {
+    return boundaries_[static_cast<std::size_t>(sector)];
+  }
+  void require(int rank) const {
+    if (rank < 0 || rank >= size())
+      detail::fail<std::invalid_argument>("there is no rank {} in a ring of {} sectors", rank,
+                                          size());
+  }
+  template <class Test>
+  [[nodiscard]] std::vector<int> select(int rank, Test&& test) const {
+    require(rank);
+    std::vector<int> ranks;
+    for (int other = 0; other < size(); ++other)
+      if (other != rank && test(other)) ranks.push_back(other);
+    return ranks;
+  }
+  [[nodiscard]] bool in_sequence(int a, int b) const {
+    const int apart = std::abs(a - b);
+    return apart == 1 || (apart == size() - 1 && !closed_end_);
+  }
+  /// The angle between two sectors, on the shorter way that is not closed.
+  [[nodiscard]] real gap(int a, int b) const {
+    const int low = std::min(a, b), high = std::max(a, b);
+    const real across = at(high).angle - at(low + 1).angle;
+    if (closed_end_) return across;
+    const real end = high + 1 < size() ? at(high + 1).angle : 2 * pi;
+    return std::min(across, 2 * pi - end + at(low).angle);
+  }
+  [[nodiscard]] detail::convex_piece planes(int rank) const {
+    require(rank);
+    if (size() == 1) return {};
+    return {at(rank).plane, at((rank + 1) % size()).plane.flipped()};
+  }
+
+  std::vector<boundary> boundaries_;
+  std::size_t half_ = 0;  // the last boundary within half a turn of the first
+  real hub_;
+  bool closed_end_;
+};
+
+/// N sectors of equal angle about an axis, counted counter-clockwise for one who looks against the
+/// axis. Each sector is connected to the one before and the one after: a fixed body in the middle
+/// (the hub) keeps bodies away from the axis, where all sectors meet, and a body whose bounds reach
+/// a sector that its own is not connected to ends the run. Of a part of the circle, the first and
+/// the last sector share the rest of space, each up to the middle of it.
+///   ring<6>{}                                                  sixths of the circle about z
+///   ring<6>{.axis = {0, 0, -1}, .start = {-1, 0, 0}, .angle = pi}      from -x over +y to +x
+///   ring<dynamic>{.hub = 6}                                    as many sectors as there are ranks
+template <int N>
+struct ring {
+  static_assert(N >= 1 || N == dynamic,
+                "ring<N> takes the number of sectors, 1 or more, or ring<dynamic>");
+
+  int sectors = 0;       ///< Of ring<dynamic>; 0: as follows from the number of ranks.
+  vec3 axis{0, 0, 1};    ///< Direction of the axis; any length but zero.
+  vec3 centre{0, 0, 0};  ///< A point of the axis.
+  vec3 start{1, 0, 0};   ///< Where sector 0 starts, seen from the axis; made perpendicular to it.
+  real angle = 2 * pi;   ///< Of all sectors together (radians), up to the full circle.
+  /// Radius of the body in the middle (length). Distances between sectors, for reach{...}, are
+  /// those outside of it.
+  real hub = 0;
+  /// Whether the face between the last sector and the first is closed: no connection there.
+  bool closed = false;
+
+  /// The number of ranks, 0 while it is open.
+  [[nodiscard]] int size() const {
+    return detail::chosen_size("ring", "sectors", N, sectors, 0, 1);
+  }
+
+  [[nodiscard]] ring_cells resolve(int ranks) const {
+    const int n = size() > 0 ? size() : ranks;
+    if (n != ranks)
+      detail::fail<std::invalid_argument>(
+          "a ring of {} sectors needs exactly {} ranks, but there are {}: start the program with "
+          "that many, or use ring<dynamic>, which fits any number",
+          n, n, ranks);
+    if (!(angle > 0 && angle <= 2 * pi * (1 + 1e-12)))
+      detail::fail<std::invalid_argument>(
+          "the .angle of a ring must be above 0 and at most the full circle, 2 pi = {}, but is {}",
+          2 * pi, angle);
+    if (!detail::finite(centre) || !std::isfinite(hub) || hub < 0)
+      detail::fail<std::invalid_argument>(
+          "a ring needs a finite .centre and a .hub of finite radius >= 0, but they are {} and {}",
+          detail::text(centre), hub);
+
+    const detail::axis_frame frame("ring", axis, start);
+    const bool full = angle >= 2 * pi * (1 - 1e-12);
+    std::vector<ring_cells::boundary> boundaries;
+    const auto begin = [&](real at, real from_first) {
+      const vec3 normal = frame.towards(detail::turn(at + pi / 2));
+      boundaries.push_back({half_space(normal, centre), from_first});
+    };
+    const real first = full ? 0 : angle / 2 - pi;  // in the middle of what is left of the circle
+    begin(first, 0);
+    for (int k = 1; k < n; ++k) begin(angle * k / n, angle * k / n - first);
+    // Two halves of one plane have one normal.
+    if (full || n == 2)
+      for (std::size_t k = 0, half = boundaries.size() / 2; n % 2 == 0 && k < half; ++k)
+        boundaries[half + k].plane = boundaries[k].plane.flipped();
+    return {std::move(boundaries), hub, closed};
+  }
+};
+
+}  // namespace talus

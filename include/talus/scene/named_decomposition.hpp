@@ -1,0 +1,29 @@
+#pragma once
+// A decomposition by its name, for programs that let their users choose.
+#include <string>
+
+#include "talus/core/error.hpp"
+#include "talus/parallel/any_decomposition.hpp"
+#include "talus/parallel/grid.hpp"
+#include "talus/parallel/hexagonal.hpp"
+#include "talus/parallel/slabs.hpp"
+
+namespace talus {
+
+/// Shares out the rectangle between two corners (and all space above, below and around it) among
+/// the ranks there are, as "grid" (cells in x and y), "slabs" (along x) or "hexagonal" (1, 7, 19,
+/// 37, ... ranks). Throws invalid_argument for another name.
+[[nodiscard]] inline any_decomposition named_decomposition(const std::string& name,
+                                                           const vec3& lower, const vec3& upper) {
+  if (name == "grid")
+    return grid<dynamic, dynamic>{.lower = {.x = lower[0], .y = lower[1]},
+                                  .upper = {.x = upper[0], .y = upper[1]}};
+  if (name == "slabs") return slabs<dynamic>{.lower = lower[0], .upper = upper[0]};
+  if (name == "hexagonal")
+    return hexagonal<dynamic>{.width = (upper - lower).head<2>().maxCoeff(),
+                              .centre = 0.5 * (lower + upper)};
+  detail::fail<std::invalid_argument>(
+      "there is no decomposition '{}' for a rectangle: choose grid, slabs or hexagonal", name);
+}
+
+}  // namespace talus

@@ -1,0 +1,54 @@
+#pragma once
+// All points within a radius of a segment of the z axis: a cylinder with half a ball on each end.
+#include <cmath>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+struct capsule {
+  real radius = 1;  ///< length, above zero
+  real length = 1;  ///< of the segment, without the caps; above zero
+
+  static constexpr bool finite = true;
+  static constexpr bool round = false;
+  static constexpr const char* name = "capsule";
+
+  /// Throws invalid_argument unless radius and length are positive and finite.
+  void validate() const {
+    detail::require_positive(radius, "the radius of a capsule");
+    detail::require_positive(length, "the length of a capsule");
+  }
+
+  [[nodiscard]] real bounding_radius() const { return real(0.5) * length + radius; }
+  [[nodiscard]] real volume() const { return pi * radius * radius * (length + 4 * radius / 3); }
+  /// Principal moments per unit mass, from those of the cylinder and of the two half balls, whose
+  /// centres of mass lie 3/8 r off the ends of the segment.
+  [[nodiscard]] vec3 inertia() const {
+    const real r = radius, l = length;
+    const real balls = 4 * r / (3 * l + 4 * r), middle = 1 - balls;  // parts of the mass
+    const real along = r * r * (middle / 2 + real(0.4) * balls);
+    const real across =
+        middle * (l * l / 12 + r * r / 4) + balls * (real(0.4) * r * r + l * l / 4 + 3 * l * r / 8);
+    return {across, across, along};
+  }
+  /// Furthest point along `direction`; across the axis, on the side of the positive end.
+  [[nodiscard]] vec3 support(const vec3& direction) const {
+    vec3 p = radius * unit(direction);
+    p[2] += direction[2] < 0 ? -length / 2 : length / 2;
+    return p;
+  }
+  /// Distance of the furthest point from the point p.
+  [[nodiscard]] real reach_from(const vec3& p) const {
+    return std::hypot(p[0], p[1], std::abs(p[2]) + length / 2) + radius;
+  }
+  [[nodiscard]] vec3 half_extents(const pose& at) const {
+    const vec3 end = rotated(at.orientation, vec3(0, 0, length / 2));
+    return {std::abs(end[0]) + radius, std::abs(end[1]) + radius, std::abs(end[2]) + radius};
+  }
+
+  friend bool operator==(const capsule&, const capsule&) = default;
+};
+
+}  // namespace talus

@@ -1,0 +1,56 @@
+#pragma once
+// The straight circular cylinder about the z axis, its centre at the origin.
+#include <cmath>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+struct cylinder {
+  real radius = 1;  ///< length, above zero
+  real length = 1;  ///< from one flat face to the other, above zero
+
+  static constexpr bool finite = true;
+  static constexpr bool round = false;
+  static constexpr const char* name = "cylinder";
+
+  /// Throws invalid_argument unless radius and length are positive and finite.
+  void validate() const {
+    detail::require_positive(radius, "the radius of a cylinder");
+    detail::require_positive(length, "the length of a cylinder");
+  }
+
+  [[nodiscard]] real bounding_radius() const { return std::hypot(radius, length / 2); }
+  [[nodiscard]] real volume() const { return pi * radius * radius * length; }
+  /// Principal moments per unit mass: r²/4 + l²/12 across the axis, r²/2 about it.
+  [[nodiscard]] vec3 inertia() const {
+    const real across = radius * radius / 4 + length * length / 12;
+    return {across, across, radius * radius / 2};
+  }
+  /// Furthest point along `direction`, on a rim; where a direction leaves it open, on the positive
+  /// side.
+  [[nodiscard]] vec3 support(const vec3& direction) const {
+    const real x = direction[0], y = direction[1];
+    const real largest = std::max(std::abs(x), std::abs(y));
+    const real z = direction[2] < 0 ? -length / 2 : length / 2;
+    if (!(largest > 0)) return {radius, 0, z};
+    const real u = x / largest, v = y / largest, scale = radius / std::sqrt(u * u + v * v);
+    return {scale * u, scale * v, z};
+  }
+  /// Distance of the furthest point from the point p.
+  [[nodiscard]] real reach_from(const vec3& p) const {
+    return std::hypot(std::hypot(p[0], p[1]) + radius, std::abs(p[2]) + length / 2);
+  }
+  [[nodiscard]] vec3 half_extents(const pose& at) const {
+    const vec3 axis = rotated(at.orientation, vec3(0, 0, 1));
+    const auto along = [&](int i, int j, int k) {
+      return std::abs(axis[i]) * length / 2 + std::hypot(axis[j], axis[k]) * radius;
+    };
+    return {along(0, 1, 2), along(1, 2, 0), along(2, 0, 1)};
+  }
+
+  friend bool operator==(const cylinder&, const cylinder&) = default;
+};
+
+}  // namespace talus

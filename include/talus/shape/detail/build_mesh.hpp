@@ -1,0 +1,150 @@
+#pragma once
+// From points to the mesh of their hull, in the frame of the centre of mass and the principal axes.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/shape/detail/convex_hull.hpp"
+#include "talus/shape/detail/principal_axes.hpp"
+#include "talus/shape/polyhedron_mesh.hpp"
+
+namespace talus::detail {
+
+/// Moments of the solid inside closed faces, about the point `base`: a sum over tetrahedra. The
+/// covariance of one with its tip at the origin is det/120 (s s^T + a a^T + b b^T + c c^T), s = a +
+/// b + c (Blow, Binstock 2004).
+template <class Real>
+[[nodiscard]] mass_moments<Real> moments_of_solid(const std::vector<vector3<Real>>& points,
+                                                  const hull_faces& faces,
+                                                  const vector3<Real>& base) {
+  mass_moments<Real> sum;
+  for (const auto& face : faces)
+    for (std::size_t k = 1; k + 1 < face.size(); ++k) {
+      const vector3<Real> a = points[face[0]] - base, b = points[face[k]] - base,
+                          c = points[face[k + 1]] - base, s = a + b + c;
+      const Real det = a.dot(b.cross(c));
+      sum.mass += det / 6;
+      sum.first += det / 24 * s;
+      sum.second += det / 120 *
+                    (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+    }
+  return sum;
+}
+
+/// Faces, edges and sizes of a mesh whose vertices are there.
+template <class Real>
+void complete_mesh(polyhedron_mesh& mesh, const hull_faces& faces) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> edge_of;
+  std::vector<std::vector<std::uint32_t>> around(mesh.vertices.size());
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    const auto& face = faces[f];
+    if (face.size() > polyhedron_mesh::max_corners)
+      fail<std::invalid_argument>(
+          "a face of a convex_polyhedron has {} corners, but at most {} are possible: give fewer "
+          "vertices",
+          face.size(), polyhedron_mesh::max_corners);
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    vector3<Real> area = vector3<Real>::Zero();
+    for (std::size_t k = 1; k + 1 < face.size(); ++k)
+      area += (mesh.vertices[face[k]] - mesh.vertices[face[0]])
+                  .cross(mesh.vertices[face[k + 1]] - mesh.vertices[face[0]]);
+    const vector3<Real> normal = unit(area);
+    Real offset = 0;
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const auto from = face[k], to = face[(k + 1) % face.size()];
+      offset += normal.dot(mesh.vertices[from]) / Real(face.size());
+      mesh.corners.push_back(from);
+      around[from].push_back(f);
+      const auto known = edge_of.find({to, from});
+      if (known != edge_of.end()) {
+        mesh.edges[known->second].right = f;
+        mesh.corner_edges.push_back(known->second);
+      } else {
+        const auto number = static_cast<std::uint32_t>(mesh.edges.size());
+        edge_of[{from, to}] = number;
+        mesh.edges.push_back({from, to, f, f});
+        mesh.corner_edges.push_back(number);
+      }
+    }
+    mesh.normals.push_back(normal);
+    mesh.offsets.push_back(offset);
+  }
+  mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  for (const auto& list : around) {
+    mesh.around_begin.push_back(static_cast<std::uint32_t>(mesh.around.size()));
+    mesh.around.insert(mesh.around.end(), list.begin(), list.end());
+  }
+  mesh.around_begin.push_back(static_cast<std::uint32_t>(mesh.around.size()));
+
+  auto& m = mesh.measured;
+  m.half_width = std::numeric_limits<Real>::infinity();
+  m.inner_radius = *std::min_element(mesh.offsets.begin(), mesh.offsets.end());
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    const vector3<Real>& n = mesh.normals[f];
+    const auto lowest = mesh.furthest(vec3(-n));
+    m.half_width = std::min(m.half_width, (mesh.offsets[f] - n.dot(mesh.vertices[lowest])) / 2);
+  }
+  m.bounding_radius = 0;
+  for (const vec3& v : mesh.vertices) m.bounding_radius = std::max(m.bounding_radius, v.norm());
+}
+
+/// The mesh of the hull of `points`. Throws invalid_argument where they do not span space, are not
+/// finite, or are too many.
+template <class Real>
+[[nodiscard]] polyhedron_mesh build_mesh(const std::vector<vector3<Real>>& points) {
+  for (const auto& p : points)
+    if (!finite(p))
+      fail<std::invalid_argument>(
+          "the vertices of a convex_polyhedron must be finite, but one is {}", p);
+  hull_faces faces = convex_hull<Real>(points);
+  if (faces.empty())
+    fail<std::invalid_argument>(
+        "the {} vertices of a convex_polyhedron span no volume: give at least four that do not lie "
+        "in one plane",
+        points.size());
+
+  // Keep the points that are corners, in the order in which they were given.
+  std::vector<std::uint32_t> number(points.size(), 0);
+  for (const auto& face : faces)
+    for (const auto i : face) number[i] = 1;
+  std::vector<vector3<Real>> kept;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (number[i] != 0) {
+      number[i] = static_cast<std::uint32_t>(kept.size());
+      kept.push_back(points[i]);
+    }
+  if (kept.size() > polyhedron_mesh::max_vertices)
+    fail<std::invalid_argument>(
+        "a convex_polyhedron has {} vertices, but at most {} are possible: give fewer", kept.size(),
+        polyhedron_mesh::max_vertices);
+  for (auto& face : faces) {
+    for (auto& i : face) i = number[i];
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+  }
+  std::sort(faces.begin(), faces.end());
+
+  vector3<Real> base = vector3<Real>::Zero();
+  for (const auto& p : kept) base += p / Real(kept.size());
+  const auto moments = moments_of_solid<Real>(kept, faces, base);
+  const auto principal = moments.reduce();
+
+  polyhedron_mesh mesh;
+  mesh.measured.volume = moments.mass;
+  mesh.measured.inertia = principal.inertia;
+  mesh.measured.frame = {base + principal.frame.position, principal.frame.orientation};
+  const matrix3<Real> turn = principal.frame.orientation.toRotationMatrix().transpose();
+  for (const auto& p : kept) mesh.vertices.push_back(turn * (p - mesh.measured.frame.position));
+  complete_mesh<Real>(mesh, faces);
+
+  byte_buffer content;
+  byte_writer writer(content);
+  mesh.pack(writer);
+  mesh.id = id_of_content(content);
+  return mesh;
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,61 @@
+#pragma once
+// From a symmetric second moment to principal axes. Templates of the scalar here and in the other
+// headers of shape/detail: programs without polyhedra and unions do not compile them.
+#include <cmath>
+
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// Axes (columns, right-handed) in which `m`, symmetric, is diagonal, by Jacobi's rotations. Axes
+/// that are principal already stay, to the bit; round-off beside the diagonal counts as zero.
+template <class Real>
+[[nodiscard]] matrix3<Real> principal_axes(matrix3<Real> m) {
+  matrix3<Real> axes = matrix3<Real>::Identity();
+  const Real zero = Real(1e-13) * m.trace();
+  for (int sweep = 0; sweep < 50; ++sweep) {
+    bool diagonal = true;
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (!(std::abs(m(p, q)) > zero)) continue;
+        diagonal = false;
+        const Real theta = (m(q, q) - m(p, p)) / (2 * m(p, q));
+        const Real t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::hypot(theta, Real(1)));
+        const Real c = 1 / std::hypot(t, Real(1)), s = t * c;
+        matrix3<Real> turn = matrix3<Real>::Identity();
+        turn(p, p) = turn(q, q) = c;
+        turn(p, q) = s, turn(q, p) = -s;
+        m = (turn.transpose() * m * turn).eval();
+        axes = (axes * turn).eval();
+      }
+    if (diagonal) break;
+  }
+  return axes;
+}
+
+/// Mass with its first and second moments about a fixed point.
+template <class Real>
+struct mass_moments {
+  Real mass = 0;
+  vector3<Real> first = vector3<Real>::Zero();
+  matrix3<Real> second = matrix3<Real>::Zero();  ///< integral of x x^T
+
+  struct principal {
+    pose frame;             ///< centre of mass, principal axes
+    vector3<Real> inertia;  ///< moments per unit mass
+  };
+  [[nodiscard]] principal reduce() const {
+    const vector3<Real> centre = first / mass;
+    const matrix3<Real> spread = second / mass - centre * centre.transpose();
+    const matrix3<Real> axes = principal_axes<Real>(spread);
+    quaternion<Real> q(axes);
+    q.normalize();
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    const matrix3<Real> turned = q.toRotationMatrix();
+    vector3<Real> along;
+    for (int i = 0; i < 3; ++i) along[i] = turned.col(i).dot(spread * turned.col(i));
+    return {{centre, q}, {along[1] + along[2], along[2] + along[0], along[0] + along[1]}};
+  }
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,52 @@
+#pragma once
+// Where a shape's own coordinates lie in the frame of its body. The two are the same for a sphere
+// or a box; a polyhedron or a union is given in coordinates of the user's choice, but its body
+// turns about the centre of mass, along the principal axes.
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// The pose `inner`, given in a frame that itself lies at `outer`.
+[[nodiscard]] inline pose combined(const pose& outer, const pose& inner) {
+  const quat &a = outer.orientation, &b = inner.orientation;
+  return {outer.to_world(inner.position),
+          quat(a.w() * b.w() - a.x() * b.x() - a.y() * b.y() - a.z() * b.z(),
+               a.w() * b.x() + a.x() * b.w() + a.y() * b.z() - a.z() * b.y(),
+               a.w() * b.y() + a.y() * b.w() + a.z() * b.x() - a.x() * b.z(),
+               a.w() * b.z() + a.z() * b.w() + a.x() * b.y() - a.y() * b.x())};
+}
+/// The pose of the world in the frame that lies at `p`.
+[[nodiscard]] inline pose inverse(const pose& p) {
+  const quat back(p.orientation.w(), -p.orientation.x(), -p.orientation.y(), -p.orientation.z());
+  return {rotated(back, vec3(-p.position[0], -p.position[1], -p.position[2])), back};
+}
+
+}  // namespace detail
+
+/// The frame of the body (centre of mass, principal axes) in the coordinates in which the shape was
+/// given: `frame()` of the shape, or no difference where it has none.
+template <class Shape>
+[[nodiscard]] pose body_frame(const Shape& s) {
+  if constexpr (requires { s.frame(); })
+    return s.frame();
+  else
+    return {};
+}
+
+/// The pose that a body must have for the coordinates in which its shape was given to lie at `at`:
+/// `const pose p = placed(wedge); body{.shape = wedge, .position = p.position, .orientation =
+/// p.orientation}` puts every vertex where it was written.
+template <class Shape>
+[[nodiscard]] pose placed(const Shape& s, const pose& at = {}) {
+  return detail::combined(at, body_frame(s));
+}
+
+/// The inverse: where the coordinates in which the shape was given lie, for a body at `body`.
+template <class Shape>
+[[nodiscard]] pose given_frame(const Shape& s, const pose& body) {
+  return detail::combined(body, detail::inverse(body_frame(s)));
+}
+
+}  // namespace talus

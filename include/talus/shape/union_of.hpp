@@ -1,0 +1,217 @@
+#pragma once
+// Rigid bodies built from several shapes: agglomerates of spheres, hammers, a whole stair. Bodies
+// of one form share their parts: a copy of the shape costs a reference.
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/type_list.hpp"
+#include "talus/shape/detail/principal_axes.hpp"
+#include "talus/shape/detail/union_parts.hpp"
+#include "talus/shape/frame.hpp"
+
+namespace talus {
+
+template <class... Shapes>
+class union_of;
+
+namespace detail {
+template <class Shape>
+inline constexpr bool is_union = false;
+template <class... Shapes>
+inline constexpr bool is_union<union_of<Shapes...>> = true;
+
+template <class Shape>
+inline constexpr bool is_part_of_union = [] {
+  if constexpr (requires { Shape::finite; })
+    return Shape::finite && !is_union<Shape>;
+  else
+    return false;
+}();
+}  // namespace detail
+
+/// A union of parts of the named shapes, given in any frame:
+/// `union_of<box, capsule> hammer{{{.shape = box{{1, 1, 2}}, .at = {{0, 0, 3}}}, {.shape =
+/// stick}}}`. Its mass is the sum of those of its parts, each density (relative to that of the
+/// material) times volume; where parts overlap the user decides what that means, by the densities.
+/// Centre of mass and inertia are computed from that. The frame of the body lies at the centre of
+/// mass along the principal axes: `frame()` says where that is in the coordinates of the parts, and
+/// `placed(shape, pose)` of shape/frame.hpp gives the pose of a body whose parts shall lie where
+/// they were given.
+template <class... Shapes>
+class union_of {
+  static_assert(sizeof...(Shapes) > 0,
+                "union_of<> names no shape: name those of the parts, as in union_of<sphere, box>");
+  static_assert((... && detail::is_part_of_union<Shapes>),
+                "union_of<...> takes shapes with a volume that are no unions themselves: leave out "
+                "the others, and add the parts of a union one by one");
+  static_assert(detail::all_different<type_list<Shapes...>>,
+                "union_of<...> names a shape twice: keep one of the two");
+  using data = detail::union_parts<Shapes...>;
+
+ public:
+  struct part {
+    std::variant<Shapes...> shape;
+    pose at{};         ///< of the coordinates in which the shape was given
+    real density = 1;  ///< times that of the body's material; 0 for a part without mass
+  };
+
+  static constexpr bool finite = true;
+  static constexpr bool round = false;
+  static constexpr const char* name = "union_of";
+  static constexpr std::size_t max_parts = 65535;
+
+  /// No union yet: to be assigned to.
+  union_of() = default;
+  /// Throws invalid_argument for a part that makes no sense, for no mass at all, and for more than
+  /// 65,535 parts.
+  explicit union_of(const std::vector<part>& parts) : data_(build<real>(parts)) {}
+
+  /// Throws invalid_argument if there are no parts.
+  void validate() const {
+    if (data_ == nullptr)
+      detail::fail<std::invalid_argument>(
+          "a union_of without parts is no body: make it from a list of parts");
+  }
+
+  [[nodiscard]] std::size_t parts() const { return data_->entries.size(); }
+  /// Calls f(shape, pose in the frame of the body) for each part, in the order given.
+  template <class F>
+  void each_part(F&& f) const {
+    for (std::size_t n = 0; n < parts(); ++n)
+      data_->visit(n, [&](const auto& shape, const pose& at, real) { f(shape, at); });
+  }
+  /// Calls f(number, shape, pose) for the parts that may lie within `reach` of a point of the
+  /// body's frame, in an order that depends on the union alone.
+  template <class F>
+  void each_part_near(const vec3& point, real reach, F&& f) const {
+    data_->near(point, reach, [&](std::size_t n) {
+      data_->visit(n, [&](const auto& shape, const pose& at, real) { f(n, shape, at); });
+    });
+  }
+
+  /// The frame of the body in the coordinates of the parts.
+  [[nodiscard]] const pose& frame() const { return data_->frame; }
+  [[nodiscard]] real bounding_radius() const { return data_->bounding_radius; }
+  /// Sum over the parts of relative density times volume: what the mass is counted by.
+  [[nodiscard]] real volume() const { return data_->volume; }
+  /// Principal moments per unit mass.
+  [[nodiscard]] const vec3& inertia() const { return data_->inertia; }
+  /// Furthest point of all parts along `direction`; of equals, that of the first part.
+  [[nodiscard]] vec3 support(const vec3& direction) const {
+    vec3 furthest(0, 0, 0);
+    bool found = false;
+    each_part([&](const auto& shape, const pose& at) {
+      const vec3 p = at.to_world(
+          shape.support(detail::inverse({{0, 0, 0}, at.orientation}).to_world(direction)));
+      if (!found || direction.dot(p) > direction.dot(furthest)) furthest = p, found = true;
+    });
+    return furthest;
+  }
+  /// Of the smallest such box about the centre of mass.
+  [[nodiscard]] vec3 half_extents(const pose& at) const {
+    vec3 half(0, 0, 0);
+    const pose back = detail::inverse({{0, 0, 0}, at.orientation});
+    for (int i = 0; i < 3; ++i)
+      for (const real sign : {-1., 1.}) {
+        const vec3 d = back.to_world(vec3(sign * vec3::Unit(i)));
+        half[i] = std::max(half[i], d.dot(support(d)));
+      }
+    return half;
+  }
+
+  template <class Writer>
+  void pack(Writer& out) const {
+    detail::put_shared(out, data_);
+  }
+  template <class Reader>
+  static union_of unpack(Reader& in) {
+    union_of u;
+    u.data_ = detail::get_shared<data>(in);
+    return u;
+  }
+
+  /// Equal in every part.
+  friend bool operator==(const union_of& a, const union_of& b) {
+    return a.data_ == b.data_ || (a.data_ && b.data_ && a.data_->id == b.data_->id);
+  }
+
+ private:
+  static void validate(const std::vector<part>& parts) {
+    if (parts.empty() || parts.size() > max_parts)
+      detail::fail<std::invalid_argument>(
+          "a union_of has from 1 to {} parts, but {} were given: split it, or give some", max_parts,
+          parts.size());
+    real mass = 0;
+    for (std::size_t n = 0; n < parts.size(); ++n) {
+      const part& p = parts[n];
+      std::visit([](const auto& shape) { shape.validate(); }, p.shape);
+      if (!(p.density >= 0) || !std::isfinite(p.density))
+        detail::fail<std::invalid_argument>(
+            "the density of part {} of a union_of must be finite and not negative, but is {}", n,
+            p.density);
+      if (!detail::finite(p.at.position) || !(std::abs(p.at.orientation.norm() - 1) < 1e-6))
+        detail::fail<std::invalid_argument>(
+            "part {} of a union_of needs a finite position and a unit quaternion, but is at {} "
+            "with "
+            "a quaternion of norm {}",
+            n, p.at.position, p.at.orientation.norm());
+      mass += p.density;
+    }
+    if (!(mass > 0))
+      detail::fail<std::invalid_argument>(
+          "all {} parts of a union_of have density 0: give one of them a mass", parts.size());
+  }
+
+  template <class Real>
+  [[nodiscard]] static std::shared_ptr<const data> build(const std::vector<part>& parts) {
+    validate(parts);
+    // Moments about the first part, so that nothing is lost where all is far from the origin.
+    const vec3 base = parts[0].at.position;
+    detail::mass_moments<Real> moments;
+    std::vector<pose> places;
+    for (const part& p : parts)
+      std::visit(
+          [&](const auto& shape) {
+            const pose at = placed(shape, p.at);
+            const real mass = p.density * shape.volume();
+            const vec3 centre = at.position - base, i = shape.inertia();
+            const vec3 spread(i[1] + i[2] - i[0], i[2] + i[0] - i[1], i[0] + i[1] - i[2]);
+            const matrix3<Real> turn = at.orientation.toRotationMatrix();
+            moments.mass += mass;
+            moments.first += mass * centre;
+            moments.second += mass * (turn * (0.5 * spread).asDiagonal() * turn.transpose() +
+                                      centre * centre.transpose());
+            places.push_back(at);
+          },
+          p.shape);
+    const auto principal = moments.reduce();
+
+    data built;
+    built.volume = moments.mass;
+    built.inertia = principal.inertia;
+    built.frame = {base + principal.frame.position, principal.frame.orientation};
+    const pose back = detail::inverse(built.frame);
+    for (std::size_t n = 0; n < parts.size(); ++n)
+      std::visit(
+          [&](const auto& shape) {
+            built.add(shape, detail::combined(back, places[n]), parts[n].density);
+          },
+          parts[n].shape);
+    built.sort();
+    detail::byte_buffer content;
+    detail::byte_writer writer(content);
+    built.pack(writer);
+    built.id = detail::id_of_content(content);
+    return std::make_shared<const data>(std::move(built));
+  }
+
+  std::shared_ptr<const data> data_;
+};
+
+}  // namespace talus

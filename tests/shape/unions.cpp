@@ -1,0 +1,263 @@
+// Unions: mass, centre, inertia and bounds follow from the parts.
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "talus/concepts.hpp"
+#include "talus/shape/box.hpp"
+#include "talus/shape/capsule.hpp"
+#include "talus/shape/convex_polyhedron.hpp"
+#include "talus/shape/cylinder.hpp"
+#include "talus/shape/sphere.hpp"
+#include "talus/shape/union_of.hpp"
+
+namespace {
+
+using namespace talus;
+using any_union = union_of<sphere, box, capsule, cylinder, convex_polyhedron>;
+static_assert(concepts::finite_shape<any_union>);
+static_assert(!any_union::round);
+
+struct generator {
+  std::mt19937_64 engine;
+  real operator()(real low, real high) {
+    return low + (high - low) * real(engine() >> 11) * 0x1p-53;
+  }
+  vec3 point(const vec3& half) {
+    const real x = (*this)(-1, 1), y = (*this)(-1, 1), z = (*this)(-1, 1);
+    return vec3(x, y, z).cwiseProduct(half);
+  }
+  vec3 direction() {
+    for (;;) {
+      const vec3 v = point({1, 1, 1});
+      if (v.squaredNorm() < 1 && v.squaredNorm() > 1e-3) return v.normalized();
+    }
+  }
+  quat turn() { return rotation(direction(), (*this)(0, 2 * pi)); }
+};
+
+bool inside(const sphere& s, const vec3& p) { return p.norm() <= s.radius; }
+bool inside(const box& s, const vec3& p) {
+  return ((2 * p).cwiseAbs().array() <= s.size.array()).all();
+}
+bool inside(const capsule& s, const vec3& p) {
+  return std::hypot(p[0], p[1], std::max(0., std::abs(p[2]) - s.length / 2)) <= s.radius;
+}
+bool inside(const cylinder& s, const vec3& p) {
+  return std::hypot(p[0], p[1]) <= s.radius && std::abs(p[2]) <= s.length / 2;
+}
+bool inside(const convex_polyhedron& s, const vec3& p) {
+  for (std::size_t f = 0; f < s.mesh().faces(); ++f)
+    if (s.mesh().normals[f].dot(p) > s.mesh().offsets[f]) return false;
+  return true;
+}
+
+template <class F>
+std::string message_of(F&& f) {
+  try {
+    f();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("mass, centre, inertia and bounds of a union agree with sampling its parts") {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    INFO("seed " << seed);
+    generator random{std::mt19937_64(seed)};
+    std::vector<any_union::part> parts;
+    const auto at = [&] { return pose{random.point({1, 1, 1}) + vec3(4, 5, 6), random.turn()}; };
+    parts.push_back({.shape = sphere{0.6}, .at = at()});
+    parts.push_back({.shape = box{{0.7, 1.3, 0.4}}, .at = at(), .density = 2});
+    parts.push_back({.shape = capsule{0.3, 1.1}, .at = at()});
+    parts.push_back({.shape = cylinder{0.5, 0.9}, .at = at(), .density = 0.5});
+    parts.push_back({.shape = convex_polyhedron({{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1.5}}),
+                     .at = at(),
+                     .density = 3});
+    if (seed == 6) parts[1].density = parts[2].density = 0;
+    const any_union u(parts);
+    CHECK_NOTHROW(u.validate());
+    CHECK(u.parts() == parts.size());
+
+    real expected = 0;
+    for (const auto& p : parts)
+      expected += p.density * std::visit([](const auto& s) { return s.volume(); }, p.shape);
+    CHECK(u.volume() == doctest::Approx(expected));
+
+    // Sampling in the frame of the body; a point weighs what the parts around it weigh together.
+    const vec3 half = u.half_extents(pose{});
+    const int n = 60;
+    real mass = 0;
+    vec3 centre = vec3::Zero(), square = vec3::Zero(), mixed = vec3::Zero();
+    for (int x = 0; x < n; ++x)
+      for (int y = 0; y < n; ++y)
+        for (int z = 0; z < n; ++z) {
+          const vec3 p = (vec3(x + random(0, 1), y + random(0, 1), z + random(0, 1)) * (2. / n) -
+                          vec3(1, 1, 1))
+                             .cwiseProduct(half);
+          real weight = 0;
+          std::size_t number = 0;
+          u.each_part([&](const auto& s, const pose& place) {
+            if (inside(s, place.to_body(p))) weight += parts[number].density;
+            ++number;
+          });
+          mass += weight;
+          centre += weight * p;
+          square += weight * p.cwiseProduct(p);
+          mixed += weight * vec3(p[1] * p[2], p[2] * p[0], p[0] * p[1]);
+        }
+    const real radius = u.bounding_radius();
+    CHECK(8 * half.prod() * mass / (real(n) * n * n) == doctest::Approx(expected).epsilon(5e-3));
+    const vec3 m = square / mass;
+    for (int i = 0; i < 3; ++i) {
+      CHECK(u.inertia()[i] == doctest::Approx(m[(i + 1) % 3] + m[(i + 2) % 3]).epsilon(5e-3));
+      CHECK(std::abs(centre[i] / mass) < 3e-3 * radius);
+      CHECK(std::abs(mixed[i] / mass) < 3e-3 * radius * radius);
+    }
+
+    // Support and bounds.
+    real furthest = 0;
+    for (int k = 0; k < 20000; ++k) {
+      const vec3 d = random.direction(), p = u.support(d);
+      furthest = std::max(furthest, p.norm());
+      if (k >= 200) continue;
+      bool within = false;
+      u.each_part([&](const auto& s, const pose& place) {
+        within = within || inside(s, place.to_body(p) * (1 - 1e-9));
+        CHECK(d.dot(place.to_world(s.support(place.orientation.conjugate() * d))) <=
+              d.dot(p) + 1e-12);
+      });
+      CHECK(within);
+      CHECK((u.support(1e-200 * d) - p).norm() < 1e-9);
+    }
+    CHECK(furthest <= radius * (1 + 1e-12));
+    CHECK(furthest > 0.998 * radius);
+    for (int k = 0; k < 20; ++k) {
+      const pose place{random.point({9, 9, 9}), random.turn()};
+      const vec3 box_half = u.half_extents(place);
+      for (int axis = 0; axis < 3; ++axis) {
+        real reach = 0;
+        for (const real sign : {-1., 1.})
+          reach = std::max(
+              reach, sign * (place.orientation * u.support(place.orientation.conjugate() *
+                                                           vec3(sign * vec3::Unit(axis))))[axis]);
+        CHECK(reach == doctest::Approx(box_half[axis]));
+      }
+    }
+
+    // Parts lie where they were put once the body lies where placed() says.
+    const pose given{random.point({3, 3, 3}), random.turn()}, body = placed(u, given);
+    std::size_t number = 0;
+    u.each_part([&](const auto& s, const pose& place) {
+      const pose there = detail::combined(body, place),
+                 wanted = placed(s, detail::combined(given, parts[number++].at));
+      CHECK((there.position - wanted.position).norm() < 1e-12);
+      CHECK(std::abs(there.orientation.dot(wanted.orientation)) ==
+            doctest::Approx(1).epsilon(1e-12));
+    });
+  }
+}
+
+TEST_CASE("two spheres side by side have the inertia of the textbook") {
+  using pair = union_of<sphere>;
+  const pair u(
+      {{.shape = sphere{1}, .at = {{10, 0, 2}}}, {.shape = sphere{1}, .at = {{10, 0, 4}}}});
+  CHECK(u.volume() == doctest::Approx(8 * pi / 3));
+  CHECK((u.frame().position - vec3(10, 0, 3)).norm() < 1e-14);
+  CHECK(u.frame().orientation.w() == 1);
+  CHECK((u.inertia() - vec3(1.4, 1.4, 0.4)).norm() < 1e-14);
+  CHECK(u.bounding_radius() == doctest::Approx(2));
+
+  // A box cut into eight is a box.
+  using blocks = union_of<box>;
+  std::vector<blocks::part> parts;
+  for (unsigned c = 0; c < 8; ++c)
+    parts.push_back(
+        {.shape = box{{1, 2, 3}}, .at = {vec3(c & 1u, 2. * (c >> 1 & 1u), 3. * (c >> 2))}});
+  const blocks b(parts);
+  const box whole{{2, 4, 6}};
+  CHECK(b.volume() == doctest::Approx(whole.volume()));
+  CHECK((b.inertia() - whole.inertia()).norm() < 1e-12);
+  CHECK(b.bounding_radius() == doctest::Approx(whole.bounding_radius()));
+  CHECK((b.frame().position - vec3(0.5, 1, 1.5)).norm() < 1e-13);
+  CHECK((b.half_extents(pose{}) - whole.half()).norm() < 1e-12);
+}
+
+TEST_CASE("a part without mass counts for contacts and bounds only") {
+  using pair = union_of<sphere>;
+  const pair u({{.shape = sphere{1}}, {.shape = sphere{1}, .at = {{3, 0, 0}}, .density = 0}});
+  CHECK(u.volume() == doctest::Approx(4 * pi / 3));
+  CHECK(u.frame().position == vec3(0, 0, 0));
+  CHECK((u.inertia() - sphere{1}.inertia()).norm() < 1e-15);
+  CHECK(u.bounding_radius() == doctest::Approx(4));
+}
+
+TEST_CASE("unions are shared, compared and sent by content") {
+  const any_union a({{.shape = sphere{1}},
+                     {.shape = convex_polyhedron({{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1.5}}),
+                      .at = {{1, 0, 0}}}});
+  const any_union again(
+      {{.shape = sphere{1}},
+       {.shape = convex_polyhedron({{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1.5}}),
+        .at = {{1, 0, 0}}}});
+  CHECK(a == any_union(a));
+  CHECK(a == again);
+  CHECK_FALSE(a == any_union({{.shape = sphere{1}}}));
+  CHECK_FALSE(a == any_union());
+
+  // Without a memory of the line everything travels; with one, once.
+  detail::shared_memory here, there;
+  for (int message = 0; message < 3; ++message) {
+    here.next_exchange(), there.next_exchange();
+    detail::byte_buffer bytes;
+    detail::byte_writer out(bytes, &here);
+    out.put(a);
+    out.put(a);
+    detail::byte_reader in(bytes, &there);
+    const auto one = in.get<any_union>(), two = in.get<any_union>();
+    CHECK(in.empty());
+    CHECK(one == a);
+    CHECK(two == a);
+    CHECK(one.inertia() == a.inertia());
+    CHECK(one.bounding_radius() == a.bounding_radius());
+    CHECK((bytes.size() == 34) == (message > 0));
+    const vec3 d = vec3(1, 2, 3);
+    CHECK(one.support(d) == a.support(d));
+  }
+  // What is long unused is forgotten on both sides alike, and sent again.
+  for (int message = 0; message < 60; ++message) here.next_exchange(), there.next_exchange();
+  CHECK(here.size() == 0);
+  CHECK(there.size() == 0);
+  detail::byte_buffer bytes;
+  detail::byte_writer out(bytes, &here);
+  out.put(a);
+  CHECK(bytes.size() > 34);
+  detail::byte_reader in(bytes, &there);
+  CHECK(in.get<any_union>() == a);
+  // A name without the data is refused.
+  detail::byte_buffer name_only;
+  detail::byte_writer(name_only, &here).put(a);
+  detail::byte_reader stranger(name_only);
+  CHECK_THROWS_AS(stranger.get<any_union>(), std::runtime_error);
+}
+
+TEST_CASE("impossible unions are refused by name") {
+  using pair = union_of<sphere, box>;
+  CHECK(message_of([] { pair().validate(); }).find("without parts") != std::string::npos);
+  CHECK(message_of([] { pair(std::vector<pair::part>{}); }).find("parts") != std::string::npos);
+  CHECK(message_of([] { pair({{.shape = sphere{-1}}}); }).find("radius of a sphere") !=
+        std::string::npos);
+  CHECK(message_of([] { pair({{.shape = box{}, .density = -1}}); }).find("density of part 0") !=
+        std::string::npos);
+  CHECK(message_of([] { pair({{.shape = box{}, .density = 0}}); }).find("density 0") !=
+        std::string::npos);
+  CHECK(message_of([] {
+          pair({{.shape = box{}, .at = {{1 / real(0), 0, 0}}}});
+        }).find("part 0") != std::string::npos);
+  CHECK(message_of([] {
+          pair({{.shape = box{}, .at = {{0, 0, 0}, quat(1, 1, 0, 0)}}});
+        }).find("unit quaternion") != std::string::npos);
+}
