@@ -25,7 +25,8 @@ for pattern in 'talus::box\b' 'box_(pair|axes|manifold)' 'general_contact' 'solv
 done
 for pattern in 'talus::plane\b' 'orientation' 'turned' 'MPI_' 'boost::mpi' 'talus::threads' \
   'thread_team' 'std::thread' 'pthread_create' 'talus::domain<' 'grid_cells::owner' 'migrate' \
-  'share_shadow_copies' 'share_velocities' 'connection_checker'; do
+  'share_shadow_copies' 'share_velocities' 'connection_checker' 'talus::(capsule|cylinder)\b' \
+  'polyhedron' 'union_of' 'convex_' 'shared_(memory|data)'; do
   absent "$pattern"
 done
 exit $failed
