@@ -49,16 +49,14 @@ stone steps_around_the_column() {
 
 int main(int argc, char** argv) {
   return run<stair, stair_options>(argc, argv, [](auto& world, const stair_options& options) {
-    // From the top at -x over +y to +x, then down along -y. Nothing crosses x = 0 where y < 0.
+    // From the top at -x over +y to +x, then down along -y. Rank 0 has the quarter x < 0, y < 0
+    // too, and at the axis, where all ranks meet, is the column.
     const half_space right(1, 0, 0, 0), front(0, -1, 0, 0);
-    const ring<dynamic> around{.sectors = options.sectors,
-                               .axis = {0, 0, -1},
-                               .start = {-1, 0, 0},
-                               .angle = pi,
-                               .hub = d + 1};
+    const auto around = ring<dynamic>{
+        .sectors = options.sectors, .axis = {0, 0, -1}, .start = {-1, 0, 0}, .angle = pi};
     const slabs<dynamic> foot{.count = options.slabs, .axis = {0, -1, 0}, .lower = 0, .upper = 20};
     world.decompose(join(around, within(intersect(right, front), foot))
-                        .closed(intersect(complement(right), front)));
+                        .closed(intersect(right, complement(right), front, complement(front))));
     world.gravity({0, 0, -2});
     const auto granite = world.material(materials::granite);
     const auto granular = world.material({.density = 1, .restitution = 0.5, .friction = 0.05});
@@ -91,9 +89,7 @@ int main(int argc, char** argv) {
     };
     const auto tend = [&] {
       if (world.steps() % every == 0) world.exclusive(0, emit);
-      world.exclusive(world.ranks() - 1, [&] {
-        removed += world.destroy_if([](const auto& b) { return b.position()[1] < -20.5; });
-      });
+      removed += world.destroy_if([](const auto& b) { return b.position()[1] < -20.5; });
     };
     tend();
     world.after_each_step(tend);
