@@ -49,7 +49,8 @@ namespace concepts {
 
 /// A body's form: sphere, box, plane. Data with functions in its own frame, whose origin is the
 /// centre of mass and whose axes are the principal axes of inertia. Plain data; or it says itself
-/// how it travels (`packs_itself` of core/bytes.hpp), and shares what is large (core/shared_data.hpp).
+/// how it travels (`packs_itself` of core/bytes.hpp), and shares what is large
+/// (core/shared_data.hpp).
 /// - `finite`: has a volume, and so a mass
 /// - `round`: isotropic inertia, every contact normal through the centre: orientation never matters
 /// - `name`: as messages call it
@@ -72,7 +73,8 @@ concept shape = requires(const Shape& s) {
 /// and, where a shape offers them,
 /// - `frame()`: the frame of the body in the coordinates that the shape was given in; the same
 ///   without it (see shape/frame.hpp)
-/// - `reach_from(point)`: distance of the furthest point; bounds unions, which without it are larger
+/// - `reach_from(point)`: distance of the furthest point; bounds unions, which without it are
+/// larger
 template <class Shape>
 concept finite_shape = shape<Shape> && Shape::finite &&
     requires(const Shape& s, const vec3& v, const pose& p) {

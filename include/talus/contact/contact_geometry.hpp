@@ -7,9 +7,9 @@
 namespace talus {
 
 struct contact_geometry {
-  vec3 normal;                ///< unit, from body b towards body a
-  vec3 point;                 ///< midway between the two surfaces, in the world
-  real gap = 0;               ///< signed distance of the surfaces along the normal; overlap < 0
+  vec3 normal;   ///< unit, from body b towards body a
+  vec3 point;    ///< midway between the two surfaces, in the world
+  real gap = 0;  ///< signed distance of the surfaces along the normal; overlap < 0
   /// Names the point within its pair, the same from step to step: 32 bits for the parts that meet,
   /// and 16 above for each body that is a union, its part.
   std::uint64_t feature = 0;

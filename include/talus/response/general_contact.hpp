@@ -20,8 +20,8 @@ template <class Law, contact_side A, contact_side B>
 struct general_contact {
   static constexpr bool paired = B != contact_side::immovable;
   static constexpr int rows = Law::friction ? 3 : 1;
-  /// One by one in the order of the list: stacks converge much faster when the impulses travel along
-  /// them, and the local solution costs more than waiting.
+  /// One by one in the order of the list: stacks converge much faster when the impulses travel
+  /// along them, and the local solution costs more than waiting.
   static constexpr std::size_t streams = 1;
   using change = Eigen::Matrix<real, rows, 1>;  ///< impulse in the frame
 

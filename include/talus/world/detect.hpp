@@ -99,8 +99,7 @@ class contact_maker {
     const bool own_a = i < a_.locals, own_b = !paired || j < b_.locals;
     const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
     if constexpr (paired && !state_type::link_type::alone)
-      if (s_.strangers && !own_a && !own_b)
-        require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
+      if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
     if (!((own_a && moves_a) || (own_b && moves_b))) return;
     const bool boundary = paired && own_a != own_b && moves_a && moves_b;
     if constexpr (paired)
