@@ -5,30 +5,13 @@
 #include <set>
 #include <vector>
 
+#include "../generator.hpp"
 #include "talus/detect/narrow.hpp"
 
 namespace {
 
 using namespace talus;
 using contacts = std::vector<contact_geometry>;
-
-struct generator {
-  std::mt19937_64 engine;
-  real operator()(real low, real high) {
-    return low + (high - low) * real(engine() >> 11) * 0x1p-53;
-  }
-  vec3 point(real half) {
-    const real x = (*this)(-half, half), y = (*this)(-half, half);
-    return {x, y, (*this)(-half, half)};
-  }
-  vec3 direction() {
-    for (;;) {
-      const vec3 v = point(1);
-      if (v.squaredNorm() < 1 && v.squaredNorm() > 1e-3) return v.normalized();
-    }
-  }
-  quat turn() { return rotation(direction(), (*this)(0, 2 * pi)); }
-};
 
 struct posed {
   box shape;

@@ -1,5 +1,6 @@
 // The broad phase against the sum over all pairs, in every arrangement that could upset a grid.
 #include "talus/detect/hash_grid.hpp"
+#include "../generator.hpp"
 
 #include <doctest/doctest.h>
 
@@ -20,17 +21,6 @@ struct cloud {
     reaches.push_back(r);
   }
   [[nodiscard]] std::size_t size() const { return centres.size(); }
-};
-
-struct generator {
-  std::mt19937_64 engine;
-  real operator()(real low, real high) {
-    return low + (high - low) * real(engine() >> 11) * 0x1p-53;
-  }
-  vec3 point(real half) {
-    const real x = (*this)(-half, half), y = (*this)(-half, half);
-    return {x, y, (*this)(-half, half)};
-  }
 };
 
 bool touch(const vec3& a, real ra, const vec3& b, real rb) {

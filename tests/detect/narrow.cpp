@@ -1,5 +1,6 @@
 // Contacts of spheres, planes and boxes (but box with box) against closed forms and symmetries.
 #include "talus/detect/narrow.hpp"
+#include "../generator.hpp"
 
 #include <doctest/doctest.h>
 
@@ -16,18 +17,6 @@ static_assert(collidable<sphere, plane> && collidable<plane, sphere>);
 static_assert(collidable<sphere, box> && collidable<box, sphere>);
 static_assert(collidable<box, plane> && collidable<plane, box>);
 static_assert(!collidable<plane, plane>);
-
-struct generator {
-  std::mt19937_64 engine;
-  real operator()(real low, real high) {
-    return low + (high - low) * real(engine() >> 11) * 0x1p-53;
-  }
-  vec3 point(real half) {
-    const real x = (*this)(-half, half), y = (*this)(-half, half);
-    return {x, y, (*this)(-half, half)};
-  }
-  quat turn() { return rotation(point(1) + vec3(1e-9, 0, 0), (*this)(0, 2 * pi)); }
-};
 
 template <class A, class B>
 contacts find(const A& a, const pose& pa, const B& b, const pose& pb, real margin) {

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "../generator.hpp"
 #include "talus/concepts.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
@@ -23,23 +24,7 @@ static_assert(concepts::shape<plane> && !concepts::finite_shape<plane>);
 static_assert(!concepts::shape<int> && !concepts::shape<vec3>);
 static_assert(sphere::round && !box::round);
 
-struct generator {
-  std::mt19937_64 engine;
-  real operator()(real low, real high) {
-    return low + (high - low) * real(engine() >> 11) * 0x1p-53;
-  }
-  vec3 point(const vec3& half) {
-    const real x = (*this)(-1, 1), y = (*this)(-1, 1), z = (*this)(-1, 1);
-    return vec3(x, y, z).cwiseProduct(half);
-  }
-  vec3 direction() {
-    for (;;) {
-      const vec3 v = point({1, 1, 1});
-      if (v.squaredNorm() < 1 && v.squaredNorm() > 1e-3) return v.normalized();
-    }
-  }
-  pose place() { return {point({9, 9, 9}), rotation(direction(), (*this)(0, 2 * pi))}; }
-};
+pose place(generator& random) { return {random.point(9), random.turn()}; }
 
 // Directions from which the shape is cut out again: a point is inside if no support plane has it
 // in front. Only as fine as the directions, which the tolerance allows for.
@@ -66,7 +51,7 @@ void check_laws(const Shape& s, Inside inside, std::uint64_t seed) {
   CHECK(furthest > s.bounding_radius() * 0.999);
 
   for (int k = 0; k < 50; ++k) {
-    const pose at = random.place();
+    const pose at = place(random);
     const vec3 half = s.half_extents(at);
     for (int axis = 0; axis < 3; ++axis) {
       real reach = 0;

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "../generator.hpp"
 #include "talus/concepts.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
@@ -17,24 +18,6 @@ using namespace talus;
 using any_union = union_of<sphere, box, capsule, cylinder, convex_polyhedron>;
 static_assert(concepts::finite_shape<any_union>);
 static_assert(!any_union::round);
-
-struct generator {
-  std::mt19937_64 engine;
-  real operator()(real low, real high) {
-    return low + (high - low) * real(engine() >> 11) * 0x1p-53;
-  }
-  vec3 point(const vec3& half) {
-    const real x = (*this)(-1, 1), y = (*this)(-1, 1), z = (*this)(-1, 1);
-    return vec3(x, y, z).cwiseProduct(half);
-  }
-  vec3 direction() {
-    for (;;) {
-      const vec3 v = point({1, 1, 1});
-      if (v.squaredNorm() < 1 && v.squaredNorm() > 1e-3) return v.normalized();
-    }
-  }
-  quat turn() { return rotation(direction(), (*this)(0, 2 * pi)); }
-};
 
 bool inside(const sphere& s, const vec3& p) { return p.norm() <= s.radius; }
 bool inside(const box& s, const vec3& p) {
