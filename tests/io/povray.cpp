@@ -93,3 +93,13 @@ TEST_CASE("POV-Ray accepts the picture, where it is installed") {
   std::filesystem::remove(file);
   std::filesystem::remove(png);
 }
+
+TEST_CASE("a picture inside an exclusive section is a runtime_error, as all ranks must take part") {
+  threads::launch({.ranks = 1}, [](threads::link& link) {
+    world<scenario<bodies<sphere>>> w(link);
+    w.exclusive(0, [&] {
+      CHECK_THROWS_WITH_AS(write_povray(w, file.string(), {}),
+                           doctest::Contains("all ranks must take part"), std::runtime_error);
+    });
+  });
+}
