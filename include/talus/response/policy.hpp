@@ -3,15 +3,9 @@
 #include <type_traits>
 
 #include "talus/core/policy.hpp"
+#include "talus/response/nonlinear_gauss_seidel.hpp"
 
 namespace talus {
-
-/// Sweeps over the contacts, each solved exactly for its cone with all others held (nonlinear
-/// block Gauss-Seidel; Jourdan, Alart, Jean 1998), started from the impulses of the last step.
-struct nonlinear_gauss_seidel final {
-  using talus_part_of = roles::solver;
-  static constexpr const char* name = "nonlinear_gauss_seidel";
-};
 
 /// Velocities first, from forces and impulses; then positions from the new velocities.
 struct semi_implicit_euler final {

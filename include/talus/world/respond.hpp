@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "talus/response/integrate.hpp"
-#include "talus/response/nonlinear_gauss_seidel.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/state.hpp"
 
@@ -53,9 +52,8 @@ template <class Scenario>
 void respond(world_state<Scenario>& s) {
   gather_velocities(s);
   s.each_contact_list([&](auto& list) { list.recall(s.history); });
-  solve_nonlinear_gauss_seidel(s.contacts, s.solver, s.settings,
-                               world_state<Scenario>::law::correction,
-                               shared_velocities<Scenario>(s));
+  Scenario::solver::solve(s.contacts, s.solver, s.settings, world_state<Scenario>::law::correction,
+                          shared_velocities<Scenario>(s));
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);
