@@ -1,0 +1,113 @@
+#pragma once
+// Frictional contact problems in FCLIB's HDF5 format (Acary, Brémond, Koziara, Pérignon 2014).
+#include <hdf5.h>
+
+#include <string>
+#include <vector>
+
+#include "problem.hpp"
+
+namespace fc3d {
+
+/// An identifier of the HDF5 library, given back at the end.
+class hdf5_handle {
+ public:
+  hdf5_handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  hdf5_handle(const hdf5_handle&) = delete;
+  hdf5_handle& operator=(const hdf5_handle&) = delete;
+  ~hdf5_handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  [[nodiscard]] hid_t get() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// All values of a data set, converted to Number (int or double).
+template <class Number>
+std::vector<Number> read_all(hid_t file, const std::string& name) {
+  const hdf5_handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!set) fail<std::runtime_error>("there is no data set '{}' in it", name);
+  const hdf5_handle space(H5Dget_space(set.get()), H5Sclose);
+  const hssize_t count = space ? H5Sget_simple_extent_npoints(space.get()) : -1;
+  if (count < 0 || count > most_entries)
+    fail<std::runtime_error>("the size of data set '{}' is out of bounds", name);
+  std::vector<Number> all(static_cast<std::size_t>(count));
+  const hid_t type = std::is_same_v<Number, int> ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
+  if (H5Dread(set.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
+    fail<std::runtime_error>("data set '{}' cannot be read", name);
+  return all;
+}
+
+inline int read_one(hid_t file, const std::string& name) {
+  const auto all = read_all<int>(file, name);
+  if (all.size() != 1)
+    fail<std::runtime_error>("data set '{}' should be one number, but has {}", name, all.size());
+  return all[0];
+}
+
+/// A local problem in FCLIB's format; W in compressed rows (nz = -2), compressed columns (-1) or
+/// triplets (>= 0). Throws runtime_error or invalid_argument that says what is wrong.
+inline assembled_problem read_fclib(const std::string& path) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const hdf5_handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!file) fail<std::runtime_error>("is not a sound HDF5 file");
+  const hid_t f = file.get();
+  const std::string top = "fclib_local/", w = top + "W/";
+  if (H5Lexists(f, "fclib_local", H5P_DEFAULT) <= 0) {
+    if (H5Lexists(f, "fclib_global", H5P_DEFAULT) > 0)
+      fail<std::runtime_error>("holds a global problem; only local ones are read");
+    fail<std::runtime_error>("has no group fclib_local");
+  }
+  if (const int d = read_one(f, top + "spacedim"); d != 3)
+    fail<std::runtime_error>("the dimension should be 3, but is {}", d);
+  const int rows = read_one(f, w + "m"), columns = read_one(f, w + "n"), nz = read_one(f, w + "nz");
+  auto q = read_all<double>(f, top + "vectors/q");
+  auto mu = read_all<double>(f, top + "vectors/mu");
+  const auto size = static_cast<int>(3 * mu.size());
+  if (rows != size || columns != size || q.size() != static_cast<std::size_t>(size))
+    fail<std::runtime_error>("{} coefficients of friction, but W is {} by {} and q has {} values",
+                             mu.size(), rows, columns, q.size());
+  const auto p = read_all<int>(f, w + "p"), i = read_all<int>(f, w + "i");
+  const auto x = read_all<double>(f, w + "x");
+
+  block_gatherer gather;
+  const auto inside = [&](int k) { return k >= 0 && k < size; };
+  if (nz >= 0) {
+    const auto count = static_cast<std::size_t>(nz);
+    if (p.size() < count || i.size() < count || x.size() < count)
+      fail<std::runtime_error>("{} triplets, but W/p, W/i, W/x have {}, {}, {} values", nz,
+                               p.size(), i.size(), x.size());
+    // As in CSparse, from which the format comes: i rows, p columns.
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!inside(i[k]) || !inside(p[k]))
+        fail<std::runtime_error>("an element of W is at ({}, {}), outside", i[k], p[k]);
+      gather.add(i[k], p[k], x[k]);
+    }
+  } else if (nz == -1 || nz == -2) {
+    const auto lines = static_cast<std::size_t>(size);
+    const auto stored = std::min(i.size(), x.size());
+    if (p.size() < lines + 1 || p[0] != 0)
+      fail<std::runtime_error>("W/p should have {} values and begin with 0", lines + 1);
+    for (std::size_t line = 0; line < lines; ++line) {
+      if (p[line + 1] < p[line] || static_cast<std::size_t>(p[line + 1]) > stored)
+        fail<std::runtime_error>("W/p must ascend up to the {} values stored", stored);
+      for (auto k = static_cast<std::size_t>(p[line]); k < static_cast<std::size_t>(p[line + 1]);
+           ++k) {
+        if (!inside(i[k])) fail<std::runtime_error>("W/i holds {}, outside", i[k]);
+        if (nz == -2)
+          gather.add(static_cast<int>(line), i[k], x[k]);
+        else
+          gather.add(i[k], static_cast<int>(line), x[k]);
+      }
+    }
+  } else {
+    fail<std::runtime_error>("W/nz should be -2, -1 or at least 0, but is {}", nz);
+  }
+  return assemble(gather.take(), Eigen::Map<const vecx>(q.data(), size), std::move(mu));
+}
+
+}  // namespace fc3d

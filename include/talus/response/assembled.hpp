@@ -1,0 +1,160 @@
+#pragma once
+// A contact problem with its Delassus operator written out: u = W r + q, Coulomb's law at each
+// contact. The time step never needs it; problems from elsewhere and direct solvers do.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+using vecx = Eigen::VectorXd;
+
+/// The block of W that tells the velocity of contact `row` for an impulse at contact `column`.
+struct delassus_block {
+  std::int32_t row = 0;
+  std::int32_t column = 0;
+  mat3 value;
+};
+
+/// Contacts in local frames (normal, tangent, tangent): u = W r + q, û = u + mu |u_t| e_n, and
+/// K* contains û, orthogonal to r in K, the Coulomb cone |r_t| <= mu r_n (De Saxcé's form of
+/// Coulomb's law with Signorini's condition). W is sparse by blocks of 3 x 3, in compressed rows;
+/// every diagonal block is there. W need be neither regular nor quite symmetric.
+struct assembled_problem {
+  std::vector<std::int32_t> start{0};  ///< of each row in `column` and `block`, and the end
+  std::vector<std::int32_t> column;    ///< ascending in each row
+  std::vector<mat3> block;
+  std::vector<std::int32_t> diagonal;  ///< place of each row's diagonal block
+  vecx q;                              ///< velocities without impulses
+  std::vector<real> mu;
+
+  [[nodiscard]] int contacts() const { return static_cast<int>(mu.size()); }
+  [[nodiscard]] const mat3& own(int i) const { return block[diagonal[i]]; }
+
+  /// Sum over row i of W r.
+  [[nodiscard]] vec3 row_product(int i, const vecx& r) const {
+    vec3 sum{0, 0, 0};
+    for (auto k = start[i]; k < start[i + 1]; ++k)
+      sum.noalias() += block[k] * r.segment<3>(3 * column[k]);
+    return sum;
+  }
+  /// u = W r + q
+  void velocity(const vecx& r, vecx& u) const {
+    u.resize(q.size());
+    for (int i = 0; i < contacts(); ++i)
+      u.segment<3>(3 * i) = q.segment<3>(3 * i) + row_product(i, r);
+  }
+  /// Mean of the diagonal of W: the scale of an inverse mass. 1 where that says nothing.
+  [[nodiscard]] real mean_diagonal() const {
+    real sum = 0;
+    for (int i = 0; i < contacts(); ++i) sum += own(i).trace();
+    const real mean = contacts() > 0 ? sum / (3 * contacts()) : 0;
+    return mean > 0 && std::isfinite(mean) ? mean : 1;
+  }
+};
+
+/// A problem of mu.size() contacts from blocks in any order; those of one place are added up.
+/// Throws invalid_argument for places outside the matrix, sizes that do not fit, values that are
+/// not finite, and negative friction.
+[[nodiscard]] inline assembled_problem assemble(std::vector<delassus_block> blocks, vecx q,
+                                                std::vector<real> mu) {
+  const auto n = static_cast<std::int32_t>(mu.size());
+  if (q.size() != 3 * static_cast<Eigen::Index>(n))
+    fail<std::invalid_argument>("{} contacts need {} values of q, not {}", n, 3 * n, q.size());
+  for (std::int32_t i = 0; i < n; ++i) {
+    if (!(mu[i] >= 0) || !std::isfinite(mu[i]))
+      fail<std::invalid_argument>("contact {}: friction must be finite and >= 0, but is {}", i,
+                                  mu[i]);
+    if (!q.segment<3>(3 * i).allFinite())
+      fail<std::invalid_argument>("contact {}: q is not finite", i);
+  }
+  for (const auto& b : blocks) {
+    if (b.row < 0 || b.row >= n || b.column < 0 || b.column >= n)
+      fail<std::invalid_argument>("a block of W at ({}, {}) is outside of {} contacts", b.row,
+                                  b.column, n);
+    if (!b.value.allFinite())
+      fail<std::invalid_argument>("the block of W at ({}, {}) is not finite", b.row, b.column);
+  }
+  for (std::int32_t i = 0; i < n; ++i) blocks.push_back({i, i, mat3::Zero()});
+  std::stable_sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) {
+    return a.row != b.row ? a.row < b.row : a.column < b.column;
+  });
+
+  assembled_problem p;
+  p.q = std::move(q);
+  p.mu = std::move(mu);
+  p.diagonal.resize(n);
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    const auto& b = blocks[k];
+    if (k > 0 && b.row == blocks[k - 1].row && b.column == blocks[k - 1].column) {
+      p.block.back() += b.value;
+      continue;
+    }
+    if (b.row == b.column) p.diagonal[b.row] = static_cast<std::int32_t>(p.block.size());
+    p.start.resize(b.row + 2, static_cast<std::int32_t>(p.block.size()));
+    p.column.push_back(b.column);
+    p.block.push_back(b.value);
+    p.start[b.row + 1] = static_cast<std::int32_t>(p.block.size());
+  }
+  return p;
+}
+
+/// The point of the Coulomb cone |x_t| <= mu x_n nearest to x.
+[[nodiscard]] inline vec3 project_on_cone(const vec3& x, real mu) {
+  const real t = std::hypot(x[1], x[2]);
+  if (t <= mu * x[0]) return x;
+  if (mu * t <= -x[0]) return {0, 0, 0};
+  const real n = (x[0] + mu * t) / (1 + mu * mu);
+  const real scale = t > 0 ? mu * n / t : 0;
+  return {n, scale * x[1], scale * x[2]};
+}
+
+/// How wrong an r is: the residual of the natural map, with û from u = W r + q.
+struct contact_error {
+  real scaled = 0;    ///< |r - P(r - rho û)| / max(|r|, rho |q|, rho |u|), rho = 1/mean_diagonal()
+  real by_q = 0;      ///< |r - P(r - û)| / |q| (Acary, Brémond, Huber 2018)
+  real relative = 0;  ///< the same over max(|q|, |r|, |u|)
+};
+
+/// |r - P(r - rho û)|
+[[nodiscard]] inline real natural_residual(const assembled_problem& p, const vecx& r, const vecx& u,
+                                           real rho) {
+  real sum = 0;
+  for (int i = 0; i < p.contacts(); ++i) {
+    const vec3 ri = r.segment<3>(3 * i);
+    vec3 v = u.segment<3>(3 * i);
+    v[0] += p.mu[i] * std::hypot(v[1], v[2]);
+    sum += (ri - project_on_cone(ri - rho * v, p.mu[i])).squaredNorm();
+  }
+  return std::sqrt(sum);
+}
+
+/// 0 / 0 is no error; anything else over 0, and what is not a number, is an infinite one.
+[[nodiscard]] inline real error_ratio(real residual, real size) {
+  if (residual == 0 && size >= 0) return 0;
+  const real ratio = residual / size;
+  return ratio >= 0 ? ratio : HUGE_VAL;
+}
+
+/// The error measure that solvers stop at; `u` is W r + q.
+[[nodiscard]] inline real scaled_error(const assembled_problem& p, const vecx& r, const vecx& u,
+                                       real rho) {
+  return error_ratio(natural_residual(p, r, u, rho),
+                     std::max({r.norm(), rho * p.q.norm(), rho * u.norm()}));
+}
+
+[[nodiscard]] inline contact_error error_of(const assembled_problem& p, const vecx& r) {
+  vecx u;
+  p.velocity(r, u);
+  const real plain = natural_residual(p, r, u, 1);
+  return {scaled_error(p, r, u, 1 / p.mean_diagonal()), error_ratio(plain, p.q.norm()),
+          error_ratio(plain, std::max({p.q.norm(), r.norm(), u.norm()}))};
+}
+
+}  // namespace talus::detail

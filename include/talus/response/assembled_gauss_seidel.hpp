@@ -1,0 +1,52 @@
+#pragma once
+// Nonlinear Gauss-Seidel on an assembled problem.
+#include <vector>
+
+#include "talus/response/assembled.hpp"
+#include "talus/response/coulomb.hpp"
+
+namespace talus::detail {
+
+/// Each contact in turn solved exactly for its cone with all others held (Jourdan, Alart, Jean
+/// 1998). A contact whose own block is (nearly) singular is held by a proximal term, which keeps
+/// the solutions of the whole what they are.
+class assembled_sweeps {
+ public:
+  explicit assembled_sweeps(const assembled_problem& p) : p_(&p) {
+    const real mean = p.mean_diagonal();
+    own_.reserve(p.contacts());
+    for (int i = 0; i < p.contacts(); ++i) {
+      mat3 w = p.own(i);
+      const real size = std::max(w.cwiseAbs().maxCoeff(), 1e-12 * mean);
+      // Leading minors: positive if w is (nearly symmetric and) positive definite.
+      const real a = w(0, 0), b = a * w(1, 1) - w(0, 1) * w(1, 0), c = w.determinant();
+      const bool sound = a > 1e-9 * size && b > 1e-9 * a * size && c > 1e-9 * b * size;
+      const real hold = sound ? 0 : 1e-6 * size;
+      w.diagonal().array() += hold;
+      own_.push_back(w);
+    }
+  }
+
+  /// One sweep, up or down the contacts; |change of r|².
+  real operator()(vecx& r, bool down = false) const {
+    const int n = p_->contacts();
+    real moved = 0;
+    for (int k = 0; k < n; ++k) {
+      const int i = down ? n - 1 - k : k;
+      auto ri = r.segment<3>(3 * i);
+      const vec3 before = ri;
+      const vec3 rest = p_->q.segment<3>(3 * i) + p_->row_product(i, r) - own_[i] * before;
+      const vec3 now = solve_coulomb(own_[i], rest, p_->mu[i]);
+      if (!now.allFinite()) continue;
+      ri = now;
+      moved += (now - before).squaredNorm();
+    }
+    return moved;
+  }
+
+ private:
+  const assembled_problem* p_;
+  std::vector<mat3> own_;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,184 @@
+#pragma once
+// Newton's method for an assembled contact problem with a proximal term.
+#include <Eigen/LU>
+#include <Eigen/SparseLU>
+#include <vector>
+
+#include "talus/response/assembled.hpp"
+
+namespace talus::detail {
+
+/// A linear system of 3 x 3 blocks, solved by LU: dense where it is small, else sparse.
+class block_system {
+ public:
+  static constexpr int dense_limit = 600;
+
+  void reset(int blocks) {
+    n_ = 3 * blocks;
+    dense_ = n_ <= dense_limit;
+    if (dense_) {
+      matrix_.setZero(n_, n_);
+    } else {
+      entries_.clear();
+    }
+  }
+  void add(int row, int column, const mat3& value) {
+    if (dense_) {
+      matrix_.block<3, 3>(3 * row, 3 * column) += value;
+    } else {
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) entries_.emplace_back(3 * row + a, 3 * column + b, value(a, b));
+    }
+  }
+  [[nodiscard]] bool solve(const vecx& right, vecx& x) {
+    if (dense_) {
+      x = matrix_.partialPivLu().solve(right);
+    } else {
+      Eigen::SparseMatrix<real> a(n_, n_);
+      a.setFromTriplets(entries_.begin(), entries_.end());
+      Eigen::SparseLU<Eigen::SparseMatrix<real>, Eigen::COLAMDOrdering<int>> lu;
+      lu.compute(a);
+      if (lu.info() != Eigen::Success) return false;
+      x = lu.solve(right);
+    }
+    return x.allFinite();
+  }
+
+ private:
+  int n_ = 0;
+  bool dense_ = true;
+  Eigen::MatrixXd matrix_;
+  std::vector<Eigen::Triplet<real>> entries_;
+};
+
+/// Semi-smooth Newton steps on the function of Alart and Curnier (1991) for the problem with
+/// u = W r + q + alpha (r - centre). The proximal term makes the linear systems regular where W is
+/// not; with the centre moved to each solution it does not change what is converged to.
+class assembled_newton {
+ public:
+  explicit assembled_newton(const assembled_problem& p) : p_(&p), place_(p.contacts()) {}
+
+  /// Newton steps on r until the residual fell by `reduction`, at most `steps`; the residual over
+  /// that at the start.
+  real solve(vecx& r, const vecx& centre, real alpha, real reduction, int steps) {
+    alpha_ = alpha;
+    steps_ = 0;
+    real now = residual(r, centre, f_);
+    const real start = now;
+    for (int k = 0; k < steps && now > reduction * start; ++k) {
+      ++steps_;
+      if (!direction(r)) break;
+      // The longest step that does well, else the best of all.
+      real best = HUGE_VAL;
+      vecx chosen;
+      real length = 1;
+      for (int trial = 0; trial < 10; ++trial, length *= 0.5) {
+        trial_ = r + length * step_;
+        const real there = residual(trial_, centre, trial_f_);
+        if (there < best) {
+          best = there;
+          chosen = trial_;
+        }
+        if (best < (1 - 0.1 * length) * now) break;
+      }
+      if (!(best < now)) break;
+      r = chosen;
+      const real before = now;
+      now = residual(r, centre, f_);
+      if (now > 0.999 * before) break;
+    }
+    return start > 0 ? now / start : 0;
+  }
+
+  /// Linear systems solved in the last solve().
+  [[nodiscard]] int steps() const { return steps_; }
+
+ private:
+  enum class state { open, sticks, slides };
+
+  real rho(int i) const { return 3 / (p_->own(i).trace() + 3 * alpha_); }
+
+  state state_of(int i, const vecx& r, const vecx& u, vec3& y) const {
+    y = r.segment<3>(3 * i) - rho(i) * u.segment<3>(3 * i);
+    if (y[0] <= 0) return state::open;
+    const real t = std::hypot(y[1], y[2]);
+    return p_->mu[i] > 0 && t <= p_->mu[i] * y[0] ? state::sticks : state::slides;
+  }
+
+  real residual(const vecx& r, const vecx& centre, vecx& f) {
+    p_->velocity(r, u_);
+    u_ += alpha_ * (r - centre);
+    f.resize(r.size());
+    for (int i = 0; i < p_->contacts(); ++i) {
+      vec3 y;
+      auto fi = f.segment<3>(3 * i);
+      const auto ri = r.segment<3>(3 * i);
+      const auto ui = u_.segment<3>(3 * i);
+      switch (state_of(i, r, u_, y)) {
+        case state::open:
+          fi = ri;
+          break;
+        case state::sticks:
+          fi = rho(i) * ui;
+          break;
+        case state::slides: {
+          const real t = std::hypot(y[1], y[2]), scale = t > 0 ? p_->mu[i] * y[0] / t : 0;
+          fi = vec3(rho(i) * ui[0], ri[1] - scale * y[1], ri[2] - scale * y[2]);
+        }
+      }
+    }
+    return f.norm();
+  }
+
+  /// The Newton step from r; u_ and f_ belong to it. Open contacts drop out: theirs is -r.
+  bool direction(const vecx& r) {
+    const int n = p_->contacts();
+    vec3 y;
+    int active = 0;
+    step_ = -r;
+    for (int i = 0; i < n; ++i) place_[i] = state_of(i, r, u_, y) == state::open ? -1 : active++;
+    if (active == 0) return true;
+    system_.reset(active);
+    vecx right(3 * active), x;
+    for (int i = 0; i < n; ++i) {
+      const int row = place_[i];
+      if (row < 0) continue;
+      // f changes by of_u du + of_r dr
+      mat3 of_u = rho(i) * mat3::Identity(), of_r = mat3::Zero();
+      if (state_of(i, r, u_, y) == state::slides) {
+        const real t = std::hypot(y[1], y[2]), mu = p_->mu[i];
+        const real c = t > 0 ? y[1] / t : 0, s = t > 0 ? y[2] / t : 0;
+        const real turn = t > 0 ? mu * y[0] / t : 0;
+        const Eigen::Vector2d d{c, s};
+        const Eigen::Matrix2d across = turn * (Eigen::Matrix2d::Identity() - d * d.transpose());
+        of_r.bottomRightCorner<2, 2>() = Eigen::Matrix2d::Identity() - across;
+        of_r.bottomLeftCorner<2, 1>() = -mu * d;
+        of_u.bottomRightCorner<2, 2>() = rho(i) * across;
+        of_u.bottomLeftCorner<2, 1>() = rho(i) * mu * d;
+      }
+      vec3 known{0, 0, 0};
+      for (auto k = p_->start[i]; k < p_->start[i + 1]; ++k) {
+        const int j = p_->column[k];
+        if (place_[j] >= 0)
+          system_.add(row, place_[j], of_u * p_->block[k]);
+        else
+          known += p_->block[k] * r.segment<3>(3 * j);
+      }
+      system_.add(row, row, alpha_ * of_u + of_r);
+      right.segment<3>(3 * row) = of_u * known - f_.segment<3>(3 * i);
+    }
+    if (!system_.solve(right, x)) return false;
+    for (int i = 0; i < n; ++i)
+      if (place_[i] >= 0) step_.segment<3>(3 * i) = x.segment<3>(3 * place_[i]);
+    return true;
+  }
+
+  const assembled_problem* p_;
+  std::vector<int> place_;  ///< in the linear system, -1 for open contacts
+  block_system system_;
+  real alpha_ = 0;
+  int steps_ = 0;
+  vecx u_, f_, trial_, trial_f_, step_;
+};
+
+}  // namespace talus::detail
