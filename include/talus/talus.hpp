@@ -1,11 +1,17 @@
 #pragma once
 // The one include: everything but the transport over MPI, which is <talus/mpi.hpp>.
 #include "talus/observe/digest.hpp"
+#include "talus/observe/energy.hpp"
+#include "talus/observe/force.hpp"
 #include "talus/observe/memory.hpp"
+#include "talus/observe/momentum.hpp"
+#include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
+#include "talus/observe/overlaps.hpp"
 #include "talus/observe/penetration.hpp"
 #include "talus/observe/progress.hpp"
 #include "talus/observe/summary.hpp"
+#include "talus/observe/time_series.hpp"
 #include "talus/parallel/any_decomposition.hpp"
 #include "talus/parallel/by_hand.hpp"
 #include "talus/parallel/cells.hpp"

@@ -1,5 +1,4 @@
-// expects: features<...> takes orientation, forces, user_ids, visibility and damping, and this type
-// is none of them
+// expects: features<...> takes orientation, forces, user_ids, visibility, damping and the monitors
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

@@ -48,21 +48,41 @@ TEST_CASE("what is not named has its default") {
   CHECK(o.iterations == 10);
   CHECK(o.seed == 1);
   CHECK(o.json.empty());
+  CHECK(o.csv.empty());
+  CHECK(o.csv_every == 10);
   CHECK(!o.quiet);
   CHECK(parse_words<well_options>({}).steps == 6000);
 }
 
 TEST_CASE("every option is read") {
-  const auto o =
-      parse_words<well_options>({"--steps", "12", "--dt=0.25", "--ranks", "4", "--iterations", "50",
-                                 "--seed", "18446744073709551615", "--json", "out.json", "--quiet",
-                                 "--spheres", "0", "--damping", "1"});
+  const auto o = parse_words<well_options>({"--steps",
+                                            "12",
+                                            "--dt=0.25",
+                                            "--ranks",
+                                            "4",
+                                            "--iterations",
+                                            "50",
+                                            "--seed",
+                                            "18446744073709551615",
+                                            "--json",
+                                            "out.json",
+                                            "--csv",
+                                            "out.csv",
+                                            "--csv-every",
+                                            "3",
+                                            "--quiet",
+                                            "--spheres",
+                                            "0",
+                                            "--damping",
+                                            "1"});
   CHECK(o.steps == 12);
   CHECK(o.dt == 0.25);
   CHECK(o.ranks == 4);
   CHECK(o.iterations == 50);
   CHECK(o.seed == ~std::uint64_t{0});
   CHECK(o.json == "out.json");
+  CHECK(o.csv == "out.csv");
+  CHECK(o.csv_every == 3);
   CHECK(o.quiet);
   CHECK(o.spheres == 0);
   CHECK(o.damping == 1);
@@ -99,6 +119,7 @@ TEST_CASE("values that make no sense are refused") {
   CHECK(refusal<well_options>({"--damping", "1.5"}) ==
         "--damping must be between 0 and 1, but is 1.5; see --help");
   CHECK(refusal({"--json"}).find("--json") == 0);
+  CHECK(refusal({"--csv-every", "0"}) == "--csv-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--steps", "1", "--steps", "2"}).find("--steps") == 0);
   CHECK(refusal<well_options>({"--flat", "--spheres", "6000"}) ==
         "--flat holds at most 5000 spheres");

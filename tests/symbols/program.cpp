@@ -1,10 +1,11 @@
-// A serial world of spheres (and of boxes, with TALUS_BOXES) for check.sh to look into. It is
-// compiled without optimisation: nothing is inlined, so all code in use has a symbol.
+// A serial world of spheres (and of boxes, with monitors, with TALUS_BOXES) for check.sh to look
+// into. It is compiled without optimisation: nothing is inlined, so all code in use has a symbol.
 #include <talus/talus.hpp>
 using namespace talus;
 
 #ifdef TALUS_BOXES
-using scene = scenario<bodies<sphere, box>, transport<serial>>;
+using scene = scenario<bodies<sphere, box>, transport<serial>,
+                       features<energy_ledger, momentum_balance, penetration_monitor>>;
 #else
 using scene = scenario<bodies<sphere>, transport<serial>>;
 #endif

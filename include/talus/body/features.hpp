@@ -1,5 +1,6 @@
 #pragma once
-// features<...>: what bodies can carry beyond the necessary. What is not named costs nothing.
+// features<...>: what bodies can carry and what a run can watch beyond the necessary. What is not
+// named costs nothing.
 #include <type_traits>
 
 #include "talus/core/policy.hpp"
@@ -33,6 +34,25 @@ struct damping final {
   static constexpr const char* name = "damping";
 };
 
+// Monitors: they watch every step, and change no trajectory by a bit.
+
+/// Books where energy comes from and goes to, entry by entry: observe/energy.hpp.
+struct energy_ledger final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "energy_ledger";
+};
+/// Holds the change of momentum against what changed it, and what the ground bears against the
+/// weight above it: observe/momentum.hpp.
+struct momentum_balance final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "momentum_balance";
+};
+/// Overlaps of all steps, as detection finds them: observe/overlaps.hpp.
+struct penetration_monitor final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "penetration_monitor";
+};
+
 namespace detail {
 
 template <class Feature>
@@ -40,9 +60,11 @@ struct is_feature : std::bool_constant<is_part<Feature, roles::features>> {};
 
 template <class Feature>
 struct part_of_features {
-  static_assert(is_feature<Feature>::value,
-                "features<...> takes orientation, forces, user_ids, visibility and damping, and "
-                "this type is none of them: remove it");
+  static_assert(
+      is_feature<Feature>::value,
+      "features<...> takes orientation, forces, user_ids, visibility, damping and the "
+      "monitors energy_ledger, momentum_balance and penetration_monitor, and this type is "
+      "none of them: remove it");
 };
 
 }  // namespace detail

@@ -25,6 +25,7 @@ template <class Scenario>
   of(s.solver.turn);
   of(s.solver.tensors);
   of(s.solver.boundary_contacts);
+  if constexpr (Scenario::template has_feature<energy_ledger>) of(s.monitors.energy.mean);
   return bytes + s.history.bytes();
 }
 

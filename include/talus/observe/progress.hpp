@@ -21,7 +21,8 @@ class progress_line {
       : out_(out), terminal_(out != nullptr && isatty(fileno(out)) != 0) {}
 
   /// Call after each step; a line appears every 0.2 s on a terminal, every 10 s elsewhere.
-  void update(std::uint64_t step, std::uint64_t steps) {
+  /// `note` is added to it, as in ", overlap 1e-5".
+  void update(std::uint64_t step, std::uint64_t steps, const std::string& note = {}) {
     if (out_ == nullptr) return;
     const double now = detail::wall_seconds();
     if (step != steps && now - shown_ < (terminal_ ? 0.2 : 10)) return;
@@ -32,9 +33,9 @@ class progress_line {
     const double left = speed > 0 ? static_cast<double>(steps - step) / speed : 0;
     const double part = static_cast<double>(step) / static_cast<double>(steps);
     const std::string line =
-        detail::compose("{}step {} of {} ({} %), {} steps/s, {} left{}", terminal_ ? "\r" : "",
+        detail::compose("{}step {} of {} ({} %), {} steps/s, {} left{}{}", terminal_ ? "\r" : "",
                         step, steps, std::lround(100 * part), detail::text(speed, 4),
-                        duration(left), terminal_ ? "\x1b[K" : "\n");
+                        duration(left), note, terminal_ ? "\x1b[K" : "\n");
     std::fputs(line.c_str(), out_);
     if (terminal_ && step == steps) std::fputs("\n", out_);
     std::fflush(out_);

@@ -11,6 +11,7 @@
 #include "talus/core/error.hpp"
 #include "talus/observe/digest.hpp"
 #include "talus/observe/memory.hpp"
+#include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
 #include "talus/world/world.hpp"
@@ -39,7 +40,8 @@ struct summary {
   double collectives_per_step = 0;
   double bytes_per_body = 0;
   std::string digest;
-  results own;  ///< of the scenario
+  std::vector<measured> monitors;  ///< of the last step, or of all where the name says so
+  results own;                     ///< of the scenario
 };
 
 namespace detail {
@@ -97,6 +99,7 @@ template <class Scenario>
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);
   r.digest = state_digest(w);
+  r.monitors = measure_monitors(w).values;
 
   std::uint64_t contacts = 0;
   s.each_contact_list([&](const auto& list) {
@@ -159,6 +162,7 @@ template <class Scenario>
   o.add("collectives_per_step", r.collectives_per_step);
   o.add("bytes_per_body", r.bytes_per_body);
   o.add("state_digest", r.digest);
+  for (const measured& m : r.monitors) o.add(m.name, m.value);
   for (const auto& [name, value] : r.own) o.add(name, value);
   return o.str();
 }
@@ -174,6 +178,11 @@ template <class Scenario>
   for (const auto& [name, value] : r.own)
     ((((own += own.empty() ? "  results  " : ", ") += name) += " ") += text(value, 5));
   if (!own.empty()) own += "\n";
+  std::string monitors;
+  for (const measured& m : r.monitors)
+    ((((monitors += monitors.empty() ? "  monitors " : ", ") += m.name) += " ") +=
+     text(m.value, 3));
+  if (!monitors.empty()) own = monitors + "\n" + own;
   return detail::compose(
       "{}: {} bodies ({} movable) on {} rank(s), {}, {} steps of {}\n"
       "  speed    {} ms of processor per step, {} s in all; detect {} %, respond {} %, exchange {} "

@@ -44,6 +44,15 @@ class contact_list {
     for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
   }
 
+  /// Calls f(contact, acts_on_a, acts_on_b): on which of its bodies it acts on this rank. Over all
+  /// ranks each contact acts on each body once.
+  template <class F>
+  void each_acting(F&& f) const {
+    for (const Contact& c : interior_) f(c, true, true);
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      f(boundary_[i], bool(owns_a_[i]), !owns_a_[i]);
+  }
+
   /// Takes up the impulses of the last step.
   void recall(const contact_history& history) {
     for (std::size_t i = 0; i < interior_.size(); ++i)

@@ -159,18 +159,20 @@ class command_line {
 ///     }
 ///   };
 struct options {
-  std::size_t steps = 1000;  ///< time steps
-  double dt = 0.005;         ///< length of a step, in units of time
-  int ranks = 0;             ///< ranks to start; 0: as the decomposition says
-  int iterations = 10;       ///< of the contact solver, per step
-  std::uint64_t seed = 1;    ///< of all random numbers
-  std::string json;          ///< file for the results; empty: none
-  bool quiet = false;        ///< no progress, no summary
-  std::string frames;        ///< folder for pictures; empty: none
-  std::size_t every = 100;   ///< steps between pictures
-  std::string colour;        ///< "rank" or "speed"; empty: as the scene likes it
-  bool copies = false;       ///< pictures show shadow copies
-  bool domains = false;      ///< pictures show what each rank owns
+  std::size_t steps = 1000;    ///< time steps
+  double dt = 0.005;           ///< length of a step, in units of time
+  int ranks = 0;               ///< ranks to start; 0: as the decomposition says
+  int iterations = 10;         ///< of the contact solver, per step
+  std::uint64_t seed = 1;      ///< of all random numbers
+  std::string json;            ///< file for the results; empty: none
+  std::string csv;             ///< file for a time series; empty: none
+  std::size_t csv_every = 10;  ///< steps between its lines
+  bool quiet = false;          ///< no progress, no summary
+  std::string frames;          ///< folder for pictures; empty: none
+  std::size_t every = 100;     ///< steps between pictures
+  std::string colour;          ///< "rank" or "speed"; empty: as the scene likes it
+  bool copies = false;         ///< pictures show shadow copies
+  bool domains = false;        ///< pictures show what each rank owns
 
   void describe(auto& cli) {
     cli.add("--steps", steps, "time steps");
@@ -179,6 +181,8 @@ struct options {
     cli.add("--iterations", iterations, "iterations of the solver per step", 1);
     cli.add("--seed", seed, "seed of all random numbers");
     cli.add("--json", json, "write the results to this file");
+    cli.add("--csv", csv, "write a time series, comma-separated, to this file");
+    cli.add("--csv-every", csv_every, "steps from one of its lines to the next", 1);
     cli.add("--quiet", quiet, "no progress, no summary");
     cli.add("--frames", frames, "write pictures for POV-Ray into this folder");
     cli.add("--every", every, "steps from one picture to the next", 1);

@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "talus/core/clock.hpp"
+#include "talus/observe/monitors.hpp"
 #include "talus/observe/progress.hpp"
 #include "talus/observe/summary.hpp"
+#include "talus/observe/time_series.hpp"
 #include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/launcher.hpp"
 #include "talus/scene/options.hpp"
@@ -35,6 +37,9 @@ inline void require_writable(const std::string& file) {
         file);
 }
 
+/// Steps from one reading of the monitors for the progress line to the next: all ranks take part.
+inline constexpr std::uint64_t note_every = 50;
+
 /// One rank of the program: set-up, steps with progress, figures.
 template <class Scenario, class Options, class SetUp>
 void run_rank(typename Scenario::transport::link& link, const Options& options,
@@ -46,7 +51,16 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
   if (speaks) require_writable(options.json);
 
   progress_line progress(speaks && !options.quiet ? stderr : nullptr);
-  w.after_each_step([&] { progress.update(w.steps(), options.steps); });
+  time_series table(options.csv, speaks);
+  w.before_simulating([&] { table.sample(w); });
+  std::string note;
+  w.after_each_step([&] {
+    if constexpr (has_monitors<Scenario>)
+      if (!options.quiet && (w.steps() % note_every == 0 || w.steps() == options.steps))
+        note = measure_monitors(w).text;
+    progress.update(w.steps(), options.steps, note);
+    if (w.steps() % options.csv_every == 0) table.sample(w);
+  });
   const double cpu = thread_seconds();
   const double start = wall_seconds();
   results own;
@@ -57,6 +71,7 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
   const double wall = wall_seconds() - start;
 
   if (w.steps() == 0) w.synchronize();
+  table.sample(w);
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
   figures.own = std::move(own);

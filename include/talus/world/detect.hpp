@@ -122,6 +122,8 @@ class contact_maker {
                      u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
                    }
                    if (parts_before_touching(i, j, g, u)) return;
+                   if constexpr (watches<Scenario, penetration_monitor>)
+                     if (!boundary || own_a) s_.monitors.overlaps.add(g.gap);
                    contact_type c;
                    c.a = static_cast<std::int32_t>(first_a_ + i);
                    if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
@@ -229,6 +231,7 @@ template <class Scenario>
 void detect(world_state<Scenario>& s) {
   prepare_detection(s);
   s.each_contact_list([](auto& list) { list.clear(); });
+  if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
 
   const auto margin = [](const auto& store, const std::vector<real>& reach, std::size_t i) {
     return reach[i] - store.shape[i].bounding_radius();

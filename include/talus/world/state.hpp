@@ -20,6 +20,7 @@
 #include "talus/response/solver_settings.hpp"
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/contact_kinds.hpp"
+#include "talus/world/monitors.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/stage_clock.hpp"
 
@@ -118,6 +119,7 @@ struct world_state {
 
   stage_seconds seconds;
   step_traffic sent;
+  [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
 
   /// Calls f(bodies of a shape) for every shape of the scenario.
   template <class F>

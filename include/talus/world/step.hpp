@@ -1,7 +1,9 @@
 #pragma once
 // One time step.
 #include "talus/world/detect.hpp"
+#include "talus/world/energy_ledger.hpp"
 #include "talus/world/hand_over.hpp"
+#include "talus/world/momentum_balance.hpp"
 #include "talus/world/respond.hpp"
 #include "talus/world/state.hpp"
 
@@ -25,12 +27,17 @@ void step(world_state<Scenario>& s, real dt) {
   timed(s, s.seconds.detect, [&] {
     detect(s);  // contacts of local bodies with each other, with shadow copies, with global bodies
   });
+  if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
   timed(s, s.seconds.respond, [&] {
     respond(s);  // velocities that fulfil the contact law, iterated with the neighbours
   });
+  if constexpr (watches<Scenario, energy_ledger>) book_response(s);
+  if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
   timed(s, s.seconds.integrate, [&] {
     integrate(s);  // positions of the bodies owned here
   });
+  if constexpr (watches<Scenario, energy_ledger>) book_motion(s), close_energy(s);
+  if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
   ++s.steps;
   s.time += dt;
   hand_over(s);  // bodies that left go to their new owner, shadow copies are refreshed

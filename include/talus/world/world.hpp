@@ -262,6 +262,8 @@ class world {
   void simulate(const simulation& s);
   /// Calls f() after each step of simulate().
   void after_each_step(std::function<void()> f) { observers_.push_back(std::move(f)); }
+  /// Calls f() at the start of each simulate(), when all bodies are with their owners.
+  void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
 
   [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
   [[nodiscard]] real time() const { return state_.time; }
@@ -332,7 +334,7 @@ class world {
   std::uint64_t fills_ = 0;
   std::uint64_t attempts_ = 0;
   std::uint64_t added_here_ = 0;
-  std::vector<std::function<void()>> observers_;
+  std::vector<std::function<void()>> observers_, starters_;
 };
 
 }  // namespace talus

@@ -291,6 +291,7 @@ void world<Scenario>::simulate(const simulation& s) {
   detail::require_positive(s.dt, "the time step dt");
   state_.dt = s.dt;
   synchronize();
+  for (const auto& start : starters_) start();
   for (std::size_t k = 0; k < s.steps; ++k) {
     step(s.dt);
     for (const auto& observe : observers_) observe();

@@ -1,0 +1,43 @@
+#pragma once
+// What contacts do to one body.
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// Collective: the force of all contacts on the body in the last step, their impulse over its
+/// length; on a floor, it is the weight above it. Every rank names the same body, which may be
+/// global or live on any rank. Zero before the first step.
+template <class Scenario, class Shape>
+[[nodiscard]] vec3 contact_force(world<Scenario>& w, handle<Shape> h) {
+  w.require_all_ranks("contact_force");
+  const auto& s = w.state();
+  // The contacts of a body that moves are all known to its owner; others are counted by the owners
+  // of the bodies that meet it. (More ranks may remember them.)
+  std::vector<system_id> own;
+  bool owned = false;
+  w.for_each_local([&](const auto& b) {
+    own.push_back(b.id());
+    owned = owned || b.id() == h.id;
+  });
+  std::sort(own.begin(), own.end());
+  const auto found = w.find(h);
+  double fixed = found && found->is_fixed();
+  w.link().reduce(reduction::max, std::span(&fixed, 1));
+  vec3 impulse{0, 0, 0};
+  for (const detail::remembered_contact& c : s.history.entries()) {
+    if (c.key.a != h.id && c.key.b != h.id) continue;
+    const bool first = c.key.a == h.id;
+    const bool counts =
+        fixed != 0 ? std::binary_search(own.begin(), own.end(), first ? c.key.b : c.key.a) : owned;
+    if (counts) impulse += first ? c.impulse : vec3(-c.impulse);
+  }
+  std::array<double, 3> sum{impulse[0], impulse[1], impulse[2]};
+  w.link().reduce(reduction::sum, sum);
+  return s.dt > 0 ? vec3(vec3(sum[0], sum[1], sum[2]) / s.dt) : vec3(0, 0, 0);
+}
+
+}  // namespace talus

@@ -1,0 +1,77 @@
+#pragma once
+// The values of all monitors a scenario names, by name: for the progress line, the JSON file and
+// time series.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/observe/energy.hpp"
+#include "talus/observe/momentum.hpp"
+#include "talus/observe/overlaps.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// One number, and what it is made of: M mass, L length, T time, 1 for a mere number.
+struct measured {
+  std::string_view name;
+  std::string_view dimension;
+  double value = 0;
+};
+
+/// What the monitors say, and in short.
+struct monitor_values {
+  std::vector<measured> values;
+  std::string text;  ///< as in ", energy closes to 1e-16"; empty without monitors
+};
+
+/// Whether the scenario names a monitor.
+template <class Scenario>
+inline constexpr bool has_monitors = Scenario::template has_feature<energy_ledger> ||
+                                     Scenario::template has_feature<momentum_balance> ||
+                                     Scenario::template has_feature<penetration_monitor>;
+
+/// Collective: asks every monitor that the scenario names, and costs nothing where it names none.
+template <class Scenario>
+[[nodiscard]] monitor_values measure_monitors(world<Scenario>& w) {
+  monitor_values m;
+  const auto add = [&](std::string_view name, std::string_view dimension, double value) {
+    m.values.push_back({name, dimension, value});
+  };
+  const auto say = [&](std::string_view what, double value) {
+    ((((m.text += ", ") += what) += " ") += detail::text(value, 2));
+  };
+  if constexpr (Scenario::template has_feature<penetration_monitor>) {
+    const overlap_account o = measure_overlaps(w);
+    add("overlap_mean", "1", o.mean);
+    add("overlap_max", "1", o.max);
+    add("overlap_worst", "1", o.worst);
+    say("overlap", o.mean);
+  }
+  if constexpr (Scenario::template has_feature<momentum_balance>) {
+    const momentum_account b = measure_momentum(w);
+    add("momentum_error", "1", b.error());
+    add("borne_weight", "1", b.borne_weight());
+    say("momentum", b.error());
+  }
+  if constexpr (Scenario::template has_feature<energy_ledger>) {
+    constexpr std::string_view energy = "M L^2/T^2";
+    const energy_balance e = measure_energy(w);
+    add("energy_initial", energy, e.initial);
+    add("energy_changes", energy, e.changes);
+    add("energy_work", energy, e.total.work);
+    add("energy_friction", energy, e.total.friction);
+    add("energy_impact", energy, e.total.impact);
+    add("energy_damping", energy, e.total.damping);
+    add("energy_correction", energy, e.total.correction);
+    add("energy_scheme", energy, e.total.scheme);
+    add("energy_error", "1", e.error());
+    add("energy_error_worst", "1", e.worst);
+    say("energy", e.error());
+  }
+  if constexpr (!has_monitors<Scenario>) (void)w, (void)add, (void)say;
+  return m;
+}
+
+}  // namespace talus

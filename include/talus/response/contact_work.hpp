@@ -1,0 +1,49 @@
+#pragma once
+// What a contact gives to its two bodies, in parts: for monitors of energy and momentum.
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// The impulse of a contact on its body a; that on b is the opposite.
+struct split_impulse {
+  vec3 normal{0, 0, 0};
+  vec3 tangential{0, 0, 0};
+};
+
+template <class Contact>
+[[nodiscard]] split_impulse impulse_in_parts(const Contact& c) {
+  split_impulse p;
+  if constexpr (requires { c.frame; }) {
+    p.normal = c.r[0] * c.frame.row(0).transpose();
+    if constexpr (Contact::rows == 3)
+      p.tangential = c.frame.template bottomRows<2>().transpose() * c.r.template tail<2>();
+  } else {
+    p.normal = c.rn * c.normal;
+    if constexpr (requires { c.rt; }) p.tangential = c.rt;
+  }
+  return p;
+}
+
+/// Velocity of the contact point on body a, which moves with v and turns with w. With the impulse
+/// on a it makes the work done on that body, to round-off: it is what the solver's velocities meet.
+template <class Contact>
+[[nodiscard]] vec3 velocity_on_a(const Contact& c, const vec3& v, const vec3& w) {
+  if constexpr (requires { c.frame; })
+    return v + w.cross(c.arm_a);
+  else if constexpr (requires { c.rt; })
+    return v + c.arm_a * c.normal.cross(w);
+  else
+    return v;
+}
+/// The same for body b.
+template <class Contact>
+[[nodiscard]] vec3 velocity_on_b(const Contact& c, const vec3& v, const vec3& w) {
+  if constexpr (requires { c.frame; })
+    return v + w.cross(c.arm_b);
+  else if constexpr (requires { c.rt; })
+    return v - c.arm_b * c.normal.cross(w);
+  else
+    return v;
+}
+
+}  // namespace talus::detail

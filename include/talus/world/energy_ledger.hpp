@@ -1,0 +1,172 @@
+#pragma once
+// Keeps the energy ledger during a step: every entry from what happened, none as the remainder.
+#include <cmath>
+
+#include "talus/response/contact_work.hpp"
+#include "talus/response/integrate.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Calls f(store, i, index in the solver's arrays) for each body owned here that can move.
+template <class Scenario, class F>
+void each_moving_local(world_state<Scenario>& s, F&& f) {
+  s.each_finite_shape([&](auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i)
+      if (b.movable.inverse_mass[i] != 0) f(b.movable, i, b.first + i);
+  });
+}
+
+/// Twice the energy of rotation of body i, turned by q, at angular velocity w.
+template <class Store>
+[[nodiscard]] real twice_spin_energy(const Store& store, std::size_t i, const quat& q,
+                                     const vec3& w) {
+  const vec3 inertia = store.shape[i].inertia() / store.inverse_mass[i];
+  if constexpr (Store::tensor) {
+    const vec3 own = q.conjugate() * w;
+    return inertia.dot(own.cwiseProduct(own));
+  } else {
+    return inertia[0] * w.squaredNorm();
+  }
+}
+
+/// Of the bodies owned here, as they are now.
+template <class Scenario>
+[[nodiscard]] energy_sums energy_of(world_state<Scenario>& s) {
+  compensated_sum<double> kinetic, potential;
+  double height = 0;
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
+    const real mass = 1 / store.inverse_mass[i], fall = mass * s.gravity.dot(store.position[i]);
+    kinetic +=
+        0.5 * (mass * store.velocity[i].squaredNorm() +
+               twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]));
+    potential += -fall;
+    height += std::abs(fall);
+  });
+  return {kinetic.value(), potential.value(), kinetic.value() + height};
+}
+
+/// Before a step: what the user has changed since the last one.
+template <class Scenario>
+void open_energy(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  r.running = {};
+  r.exchanged = 0;
+  r.before = energy_of(s);
+  const double energy = r.before.kinetic + r.before.potential;
+  if (r.started)
+    r.changes += energy - (r.after.kinetic + r.after.potential);
+  else
+    r.initial = energy;
+  r.started = true;
+}
+
+/// Works of the contacts. Impulses change the velocities together, and the change of m v^2/2 is
+/// that of m v times the mean of v before and after. So each impulse, all of it from the remembered
+/// part on, does the work of meeting the mean velocity of its point, and these works add up to the
+/// change of kinetic energy exactly. A rank books the work on the bodies it moves; what a contact
+/// across ranks dissipates is the sum of what both ranks book.
+template <class Scenario>
+void book_contacts(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  const solver_state& solver = s.solver;
+  s.each_contact_list([&]<class List>(const List& list) {
+    list.each_acting([&](const auto& c, bool on_a, bool on_b) {
+      using contact = std::remove_cvref_t<decltype(c)>;
+      const split_impulse p = impulse_in_parts(c);
+      vec3 u{0, 0, 0};
+      const auto a = static_cast<std::size_t>(c.a);
+      if (on_a) {
+        const auto& m = r.mean[a];
+        const vec3 ua = velocity_on_a(c, m.v, m.w);
+        u += ua;
+        if (solver.bodies[a].inverse_mass == 0) r.running.work -= (p.normal + p.tangential).dot(ua);
+      }
+      if constexpr (contact::paired)
+        if (on_b) {
+          const auto b = static_cast<std::size_t>(c.b);
+          const auto& m = r.mean[b];
+          const vec3 ub = velocity_on_b(c, m.v, m.w);
+          u -= ub;
+          if (solver.bodies[b].inverse_mass == 0)
+            r.running.work += (p.normal + p.tangential).dot(ub);
+        }
+      const real normal = p.normal.dot(u), tangential = p.tangential.dot(u);
+      r.running.impact -= normal;
+      r.running.friction -= tangential;
+      r.exchanged += std::abs(normal) + std::abs(tangential);
+    });
+  });
+}
+
+/// After the response, before positions move: velocities before it are still in the store, those
+/// after it in the solver's arrays.
+template <class Scenario>
+void book_response(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  const solver_state& solver = s.solver;
+  const real kept = s.damping == 1 ? 1 : std::pow(s.damping, s.dt), lost = 1 - kept * kept;
+  r.mean.resize(solver.bodies.size());
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      const solver_body& after = solver.bodies[b.first + i];
+      r.mean[b.first + i] = {0.5 * (b.movable.velocity[i] + after.v),
+                             0.5 * (b.movable.angular_velocity[i] + after.w)};
+    }
+  });
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
+    using store_type = std::remove_cvref_t<decltype(store)>;
+    const real mass = 1 / store.inverse_mass[i];
+    const auto& mean = r.mean[k];
+    const solver_body& after = solver.bodies[k];
+    const vec3 pull = (s.dt * mass) * s.gravity;
+    // Gravity speeds up at the mean velocity and falls at the last one.
+    r.running.scheme += pull.dot(mean.v - kept * after.v);
+    if constexpr (store_type::forced)
+      r.running.work += s.dt * (store.force[i].dot(mean.v) + store.torque[i].dot(mean.w));
+    if constexpr (world_state<Scenario>::law::correction)
+      r.running.correction += -pull.dot(solver.shift[k]);
+    const bool damped = kept != 1;
+    if (!damped && !store_type::tensor) return;
+    const real spin = twice_spin_energy(store, i, store.pose(i).orientation, after.w);
+    if (damped) r.running.damping += (0.5 * lost) * (mass * after.v.squaredNorm() + spin);
+    if constexpr (store_type::tensor) r.running.scheme += -0.5 * kept * kept * spin;
+  });
+  book_contacts(s);
+}
+
+/// After positions have moved: what free rotation and the correction of overlaps did to the energy
+/// of rotation. The correction turns bodies last and leaves their angular velocity.
+template <class Scenario>
+void book_motion(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
+    if constexpr (std::remove_cvref_t<decltype(store)>::tensor) {
+      const vec3& w = store.angular_velocity[i];
+      const quat& last = store.orientation_of[i];
+      quat free = last;
+      if constexpr (world_state<Scenario>::law::correction)
+        free = turned<real>(last, -s.dt * s.solver.turn[k - s.solver.first_tensor]);
+      const real spin = twice_spin_energy(store, i, free, w);
+      r.running.scheme += 0.5 * spin;
+      if constexpr (world_state<Scenario>::law::correction)
+        r.running.correction += 0.5 * (twice_spin_energy(store, i, last, w) - spin);
+    }
+    (void)k;
+  });
+}
+
+/// At the end of a step, before bodies are handed over: what the entries leave open.
+template <class Scenario>
+void close_energy(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  r.after = energy_of(s);
+  r.step = r.running.value();
+  r.total += r.step;
+  r.closure = (r.after.kinetic - r.before.kinetic) + (r.after.potential - r.before.potential) -
+              r.step.net();
+  r.scale = std::max(r.before.scale, r.after.scale) + r.exchanged;
+  if (r.scale > 0) r.worst = std::max(r.worst, std::abs(r.closure) / r.scale);
+}
+
+}  // namespace talus::detail
