@@ -360,6 +360,40 @@ TEST_CASE("a resting box keeps its normal and its features while it trembles") {
     }
 }
 
+TEST_CASE(
+    "a box that slides and turns on another keeps its features, so that its load is remembered") {
+  const posed below = unit_box({0, 0, 0});
+  for (const bool swap : {false, true}) {
+    const auto names = [&](const posed& above) {
+      return features(swap ? find(above, below, 0.02) : find(below, above, 0.02));
+    };
+    const auto still = names(unit_box({0, 0, 1}));
+    CHECK(still.size() == 4);
+    generator random{std::mt19937_64(4)};
+    for (int k = 0; k < 1000; ++k) {
+      const vec3 shift{random(-0.7, 0.7), random(-0.7, 0.7), 1};
+      CHECK(names(unit_box(shift)) == still);
+      const quat turn = rotation({0, 0, 1}, random(-0.3, 0.3));
+      CHECK(names(unit_box({0.01 * shift[0], 0.01 * shift[1], 1}, turn)) == still);
+    }
+  }
+}
+
+TEST_CASE("no point of a meeting is named twice, parallel edges and coincident corners included") {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    INFO("seed " << seed);
+    generator random{std::mt19937_64(seed)};
+    const auto quarter = [&] { return std::round(random(-4, 4)) * pi / 8; };
+    for (int k = 0; k < 30000; ++k) {
+      const quat turn = rotation({1, 0, 0}, quarter()) * rotation({0, 1, 0}, quarter());
+      const vec3 at = random.point(6).array().round() / 4;
+      const contacts c = find(unit_box({0, 0, 0}, rotation({0, 0, 1}, quarter())),
+                              unit_box(at, turn * rotation({0, 0, 1}, quarter())), 0.05);
+      CHECK(features(c).size() == c.size());
+    }
+  }
+}
+
 TEST_CASE("of a patch with many corners the deepest and a large area are kept") {
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     INFO("seed " << seed);

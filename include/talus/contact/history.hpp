@@ -45,6 +45,14 @@ class contact_history {
       if (entries_[slots_[s] - 1].key == key) return &entries_[slots_[s] - 1].impulse;
     return nullptr;
   }
+  /// Calls f(remembered_contact) for all contacts of a pair.
+  template <class F>
+  void each_of_pair(const contact_key& pair, F&& f) const {
+    if (slots_.empty()) return;
+    const auto mask = slots_.size() - 1;
+    for (auto s = pair.hash() & mask; slots_[s] != 0; s = (s + 1) & mask)
+      if (entries_[slots_[s] - 1].key.same_pair(pair)) f(entries_[slots_[s] - 1]);
+  }
   [[nodiscard]] std::span<const remembered_contact> entries() const { return entries_; }
   [[nodiscard]] std::size_t bytes() const {
     return entries_.capacity() * sizeof(remembered_contact) +

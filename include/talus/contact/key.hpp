@@ -16,8 +16,12 @@ struct contact_key {
 
   friend bool operator==(const contact_key&, const contact_key&) = default;
 
+  [[nodiscard]] bool same_pair(const contact_key& other) const {
+    return a == other.a && b == other.b;
+  }
+  /// Of the pair alone, so that its contacts are found together.
   [[nodiscard]] std::uint64_t hash() const {
-    return mix(value_of(a) ^ (value_of(b) * 0x9e3779b97f4a7c15ull) ^ feature);
+    return mix(value_of(a) ^ (value_of(b) * 0x9e3779b97f4a7c15ull));
   }
 };
 

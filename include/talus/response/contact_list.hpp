@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "talus/contact/history.hpp"
 #include "talus/contact/key.hpp"
+#include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -55,10 +55,8 @@ class contact_list {
 
   /// Takes up the impulses of the last step.
   void recall(const contact_history& history) {
-    for (std::size_t i = 0; i < interior_.size(); ++i)
-      if (const vec3* p = history.find(interior_keys_[i])) interior_[i].warm(*p);
-    for (std::size_t i = 0; i < boundary_.size(); ++i)
-      if (const vec3* p = history.find(boundary_keys_[i])) boundary_[i].warm(*p);
+    detail::recall(history, interior_keys_, interior_);
+    detail::recall(history, boundary_keys_, boundary_);
   }
   void remember(contact_history& history) const {
     for (std::size_t i = 0; i < interior_.size(); ++i)

@@ -19,6 +19,7 @@ enum class contact_side { scalar, tensor, immovable };
 template <class Law, contact_side A, contact_side B>
 struct general_contact {
   static constexpr bool paired = B != contact_side::immovable;
+  static constexpr bool patches = true;  ///< a pair of bodies has several such contacts
   static constexpr int rows = Law::friction ? 3 : 1;
   /// One by one in the order of the list: stacks converge much faster when the impulses travel
   /// along them, and the local solution costs more than waiting.
@@ -31,7 +32,7 @@ struct general_contact {
   vec3 arm_a{0, 0, 0};                 ///< from the centre of mass to the contact point
   vec3 arm_b{0, 0, 0};
   real target = 0;    ///< least separating velocity after the step
-  real push = 0;      ///< least separating rate of the correction
+  real push = 0;      ///< least separating rate of the correction; at rest and under load, the rate
   real friction = 0;  ///< coefficient mu
   Eigen::Matrix<real, rows, rows> delassus;
   change r = change::Zero();  ///< impulse in the frame
@@ -89,7 +90,9 @@ struct general_contact {
     real rate = n.dot(shift_at<A>(s, a, arm_a));
     if constexpr (paired) rate -= n.dot(shift_at<B>(s, b, arm_b));
     const real before = pushed;
-    pushed = std::max(real{0}, pushed - (rate - push) / delassus(0, 0));
+    const real next = pushed - (rate - push) / delassus(0, 0);
+    // Surfaces that hold each other neither part nor meet but by the push.
+    pushed = target == 0 && r[0] > 0 ? next : std::max(real{0}, next);
     return pushed - before;
   }
   void push_a(solver_state& s, real d) const { push_one<A>(s, a, arm_a, d); }

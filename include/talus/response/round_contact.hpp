@@ -55,7 +55,7 @@ struct round_contact : round_friction<Law::friction> {
   std::int32_t a = 0;
   std::int32_t b = -1;
   real target = 0;  ///< least separating velocity after the step
-  real push = 0;    ///< least separating rate of the correction
+  real push = 0;    ///< least separating rate of the correction; at rest and under load, the rate
   real rn = 0;      ///< normal impulse
   real pushed = 0;  ///< normal impulse of the correction
 
@@ -142,7 +142,9 @@ struct round_contact : round_friction<Law::friction> {
     real rate = normal.dot(s.shift[a]);
     if constexpr (paired) rate -= normal.dot(s.shift[b]);
     const real before = pushed;
-    pushed = std::max(real{0}, pushed - (rate - push) * inverse_wn);
+    const real next = pushed - (rate - push) * inverse_wn;
+    // Surfaces that hold each other neither part nor meet but by the push.
+    pushed = target == 0 && rn > 0 ? next : std::max(real{0}, next);
     return pushed - before;
   }
   void push_a(solver_state& s, real d) const {

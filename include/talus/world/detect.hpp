@@ -16,8 +16,12 @@ struct contact_conditions {
 };
 
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
-/// - Of an overlap, a part is corrected; a gap may close. (Were it held open, the correction would
-///   lift bodies without end, and stacks would sway.)
+/// - A gap that gravity closes within a step is none: surfaces hold there, u_n >= 0, and the
+///   correction draws loaded ones together. (Were bodies let fall into it, positions would act on
+///   velocities, and stacks would sway: iterations that are cut short answer only a part c < 1 of a
+///   velocity that is slow to converge, and with impulses that are remembered the motion dv = y,
+///   dy = -c (v + y + gap/dt) swings up unless c is nearly 1.)
+/// - Of an overlap or a gap that is held, a part is corrected; other gaps may close.
 /// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
 ///   -e u_n (Newton); a slower one is resting contact, which must not jitter. Without rebound, e =
 ///   0, the surfaces still meet.
@@ -30,8 +34,9 @@ template <class Law>
                                                real creep, real correction) {
   contact_conditions c;
   const real un = normal.dot(u);
-  c.target = gap > 0 ? -gap / dt : 0;
-  if constexpr (Law::correction) c.push = gap < 0 ? -correction * gap / dt : -gap / dt;
+  const bool held = gap <= (Law::correction ? gravity * dt * dt : 0);
+  c.target = held ? 0 : -gap / dt;
+  if constexpr (Law::correction) c.push = held ? -correction * gap / dt : -gap / dt;
   if constexpr (Law::restitution)
     if (pair.restitution > 0 && un < -2 * gravity * dt && gap + un * dt <= 0)
       c.target = std::max(c.target, -pair.restitution * un);

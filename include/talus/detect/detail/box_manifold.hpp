@@ -110,7 +110,7 @@ class box_manifold {
     size_ = 4;
   }
 
-  /// Calls f(box_contact) in the order of the features.
+  /// Calls f(box_contact) for the corners, each name once.
   template <class F>
   void for_each(F&& f) {
     std::sort(corners_.begin(), corners_.begin() + size_, [](auto& a, auto& b) {
@@ -118,6 +118,10 @@ class box_manifold {
     });
     for (unsigned k = 0; k < size_; ++k) {
       const corner& c = corners_[k];
+      // (The same corner can be there twice, where it lies on two sides.)
+      if (k > 0 && c.incident == corners_[k - 1].incident &&
+          c.reference == corners_[k - 1].reference)
+        continue;
       box_contact<Real> out;
       out.normal = vector3<Real>::Zero();
       out.normal[axis_] = sign_;
@@ -168,5 +172,38 @@ class box_manifold {
   std::array<corner, 8> corners_;
   corner lowest_;
 };
+
+/// Names four contacts by the quarter of the patch in which each lies, seen along the axes of a, if
+/// there is clearly one in each; and sorts them. What parts of two boxes cross changes while one
+/// slides on the other, the quarters do not: so impulses are remembered.
+template <class Real>
+void name_by_quarters(const box_pair<Real>& p, std::array<box_contact<Real>, 4>& c) {
+  const vector3<Real>& normal = c[0].normal;
+  const vector3<Real> seen_from_b = p.axes.transpose() * normal;
+  int axis = 0, of_b = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  seen_from_b.cwiseAbs().maxCoeff(&of_b);
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const vector3<Real> middle = Real(0.25) * (c[0].point + c[1].point + c[2].point + c[3].point);
+  Real width[2] = {0, 0};
+  for (const auto& k : c) {
+    width[0] = std::max(width[0], std::abs(k.point[u] - middle[u]));
+    width[1] = std::max(width[1], std::abs(k.point[v] - middle[v]));
+  }
+  unsigned seen = 0;
+  std::array<box_part, 4> parts{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Real x = c[k].point[u] - middle[u], y = c[k].point[v] - middle[v];
+    if (std::abs(x) < Real(0.1) * width[0] || std::abs(y) < Real(0.1) * width[1]) return;
+    seen |= 1u << ((x > 0) + 2 * (y > 0));
+    parts[k] = side(axis, normal[axis] > 0) | side(u, x > 0) | side(v, y > 0);
+  }
+  if (seen != 15) return;
+  for (std::size_t k = 0; k < 4; ++k) {
+    c[k].a = parts[k];
+    c[k].b = side(of_b, seen_from_b[of_b] < 0);
+  }
+  std::sort(c.begin(), c.end(), [](auto& x, auto& y) { return x.feature() < y.feature(); });
+}
 
 }  // namespace talus::detail

@@ -12,8 +12,9 @@ namespace talus {
 /// their nearest points, unless a face serves as well. Faces of a are preferred to those of b, and
 /// faces to edges, by half a percent of the smallest half edge and five percent of the gap (edges
 /// crossing within 11 degrees of a face's normal count as that face), so that the choice holds
-/// while a box rests on another. A feature names the parts of the two boxes that
-/// meet, and is the same whichever face is the reference; it is below 4096.
+/// while a box rests on another. A feature names the parts of the two boxes that meet (of four
+/// points, one in each quarter of a patch, the corner of a that looks the same way); it is the same
+/// whichever face is the reference, and below 4096.
 template <class Sink, class Real = real>
 void collide(const box& a, const pose& pa, const box& b, const pose& pb, real margin, Sink&& sink) {
   using namespace detail;
@@ -55,10 +56,15 @@ void collide(const box& a, const pose& pa, const box& b, const pose& pb, real ma
     }
     if (use) {
       patch.reduce(Real(1e-4) * smallest);
+      std::array<box_contact<Real>, 4> found;
+      std::size_t size = 0;
       patch.for_each([&](const box_contact<Real>& c) {
-        if (!face_of_b) return emit(c);
-        emit({-(pair.axes * c.normal), pair.from_b(c.point), c.gap, c.b, c.a});
+        found[size++] = face_of_b ? box_contact<Real>{-(pair.axes * c.normal), pair.from_b(c.point),
+                                                      c.gap, c.b, c.a}
+                                  : c;
       });
+      if (size == 4) name_by_quarters(pair, found);
+      for (std::size_t k = 0; k < size; ++k) emit(found[k]);
       return;
     }
   }
