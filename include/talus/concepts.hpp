@@ -157,9 +157,11 @@ concept generating_decomposition = decomposition<Decomposition> &&
 ///   in which they are made; ranks may otherwise drift apart. One exchange is open at a time
 /// - `start_fixed`, `finish_fixed`: the same where each parcel's `in` is sized to what will come
 ///   (else runtime_error), for the iterations of a solver
+/// - `start_reduce(how, values)` brings this rank's values and returns at once,
+///   `finish_reduce(values)` waits for those of all ranks and combines them, as reduce() does.
+///   Exchanges may lie between; one such reduction is open at a time
 /// - the rest is collective, for set-up and outputs only: every rank calls the same ones in the
-/// same
-///   order. `gather` has its result on rank 0 alone, `broadcast` comes from there
+///   same order. `gather` has its result on rank 0 alone, `broadcast` comes from there
 /// - `counters()`: what this rank has sent so far
 template <class Link>
 concept link = std::movable<Link> &&
@@ -179,6 +181,8 @@ concept link = std::movable<Link> &&
   l.broadcast(bytes);
   l.reduce(how, reals);
   l.reduce(how, counts);
+  l.start_reduce(how, reals);
+  l.finish_reduce(reals);
 };
 
 /// How ranks talk: starts ranks and runs main(link&) on each. An exception on any rank ends all of

@@ -265,6 +265,43 @@ void has_collectives(int ranks) {
   });
 }
 
+/// Ranks go on with exchanges, other collectives and much drift between the two halves.
+template <concepts::transport Transport>
+void reduces_while_it_goes_on(int ranks, int rounds = 40) {
+  on_ranks<Transport>(ranks, [&](auto& l) {
+    const int me = l.rank();
+    std::mt19937 random(static_cast<unsigned>(7 + me));
+    auto parcels = parcels_around(l);
+    const auto value = [](int r, int round) { return std::sin(r + 0.1 * round) * (1 + r % 3); };
+    for (int round = 0; round < rounds; ++round) {
+      const auto how = static_cast<reduction>(round % 3);
+      std::vector<double> values{value(me, round), 1.0 * me, 0.1}, expected = values;
+      if (round % 5 == 0) expected = values = {};  // nothing is a reduction too
+      l.start_reduce(how, std::span<const double>(values));
+      l.reduce(how, std::span(expected));  // a collective in between
+      for (double& v : values) v = -1;     // they have been taken
+      for (int k = 0; k < round % 4; ++k) exchange_fixed(l, parcels, 4 * round + k);
+      if (random() % 8 == 0)
+        std::this_thread::sleep_for(std::chrono::microseconds(random() % 2000));
+      l.finish_reduce(std::span(values));
+      demand(std::memcmp(values.data(), expected.data(), 8 * values.size()) == 0,
+             "the same as reduce, to the bit");
+    }
+    const traffic before = l.counters();
+    double x = me == ranks - 1 ? std::numeric_limits<double>::quiet_NaN() : me;
+    demand_error<std::logic_error>([&] { l.finish_reduce(std::span(&x, 1)); },
+                                   "finish_reduce without start_reduce");
+    l.start_reduce(reduction::max, std::span<const double>(&x, 1));
+    demand_error<std::logic_error>(
+        [&] { l.start_reduce(reduction::max, std::span<const double>(&x, 1)); },
+        "two reductions at a time");
+    demand_error<std::logic_error>([&] { l.finish_reduce({}); }, "another number of values");
+    l.finish_reduce(std::span(&x, 1));
+    demand(std::isnan(x), "a NaN of one rank is not lost");
+    demand(l.counters() - before == traffic{0, 0, 1}, "it counts as one collective");
+  });
+}
+
 template <concepts::transport Transport>
 void counts_what_it_sends(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
@@ -331,6 +368,7 @@ void obeys_all(int ranks) {
   exchanges_nothing<Transport>(ranks);
   talks_to_itself<Transport>(ranks);
   has_collectives<Transport>(ranks);
+  reduces_while_it_goes_on<Transport>(ranks);
   counts_what_it_sends<Transport>(ranks);
   refuses_misuse<Transport>(ranks);
 }

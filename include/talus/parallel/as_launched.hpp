@@ -72,6 +72,13 @@ struct as_launched {
       std::visit([&](auto& l) { l.reduce(how, values); }, any_);
     }
 
+    void start_reduce(reduction how, std::span<const double> values) {
+      std::visit([&](auto& l) { l.start_reduce(how, values); }, any_);
+    }
+    void finish_reduce(std::span<double> values) {
+      std::visit([&](auto& l) { l.finish_reduce(values); }, any_);
+    }
+
     /// The transport in use, for the summary of a run.
     [[nodiscard]] const char* transport_name() const {
       constexpr const char* names[] = {serial::name, threads::name, mpi::name};

@@ -1,8 +1,9 @@
 #pragma once
 // Ranks as MPI processes. The only transport that includes MPI.
 //
-// Boost.MPI does everything but three things it has not (1.74): non-blocking messages without a
-// heap allocation each, a wait that tells the size of each message, and windows. These are C.
+// Boost.MPI does everything but four things it has not (1.74): non-blocking messages without a
+// heap allocation each, a wait that tells the size of each message, non-blocking collectives, and
+// windows. These are C.
 #include <mpi.h>
 
 #include <boost/mpi/collectives.hpp>
@@ -157,9 +158,20 @@ struct mpi {
       if (values.empty()) return;
       std::vector<double> all(values.size() * static_cast<std::size_t>(size_));
       boost::mpi::all_gather(ranks_, values.data(), static_cast<int>(values.size()), all.data());
-      std::copy_n(all.begin(), values.size(), values.begin());
-      for (auto at = all.begin() + std::ssize(values); at != all.end(); at += std::ssize(values))
-        detail::combine<double>(how, values, {at, values.size()});
+      combine(how, values, all);
+    }
+    void start_reduce(reduction how, std::span<const double> values) {
+      exchange_.start_reduce(how, values.size(), rank_);
+      brought_.assign(values.begin(), values.end());
+      all_brought_.resize(values.size() * static_cast<std::size_t>(size_));
+      const int n = static_cast<int>(values.size());
+      BOOST_MPI_CHECK_RESULT(MPI_Iallgather, (brought_.data(), n, MPI_DOUBLE, all_brought_.data(),
+                                              n, MPI_DOUBLE, ranks_, &reduction_));
+    }
+    void finish_reduce(std::span<double> values) {
+      const reduction how = exchange_.finish_reduce(values.size(), rank_);
+      wait(reduction_);
+      combine(how, values, all_brought_);
     }
     void reduce(reduction how, std::span<std::uint64_t> values) {
       exchange_.count_collective(rank_);
@@ -175,6 +187,13 @@ struct mpi {
     }
 
    private:
+    /// From rank 0 upwards, so that all ranks have the same to the bit.
+    static void combine(reduction how, std::span<double> values, std::span<const double> all) {
+      if (values.empty()) return;
+      std::copy_n(all.begin(), values.size(), values.begin());
+      for (std::size_t at = values.size(); at < all.size(); at += values.size())
+        detail::combine<double>(how, values, all.subspan(at, values.size()));
+    }
     /// But to itself: what comes from there is what was sent there, parcel by parcel.
     void send_all(std::span<const parcel> parcels) {
       sends_.clear();
@@ -226,6 +245,8 @@ struct mpi {
     detail::open_exchange exchange_;
     std::vector<MPI_Request> sends_;
     std::vector<MPI_Request> receives_;
+    std::vector<double> brought_, all_brought_;  ///< to the open reduction
+    MPI_Request reduction_ = MPI_REQUEST_NULL;
   };
 
   /// Calls main(link&) on this process. Initialises MPI if the program has not, and then finalises

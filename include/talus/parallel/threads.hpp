@@ -75,6 +75,14 @@ struct threads {
     }
     void reduce(reduction how, std::span<double> values) { combine_all(how, values); }
     void reduce(reduction how, std::span<std::uint64_t> values) { combine_all(how, values); }
+    void start_reduce(reduction how, std::span<const double> values) {
+      exchange_.start_reduce(how, values.size(), rank_);
+      team_->bring(rank_, std::as_bytes(values));
+    }
+    void finish_reduce(std::span<double> values) {
+      const reduction how = exchange_.finish_reduce(values.size(), rank_);
+      team_->take(rank_, [&](contributions all) { combine(how, values, all); });
+    }
 
    private:
     void post(std::span<parcel> parcels, sizes how) {
@@ -99,17 +107,20 @@ struct threads {
 
     template <class T>
     void combine_all(reduction how, std::span<T> values) {
-      meet(team::meeting::reduce, std::as_bytes(values), [&](contributions all) {
-        std::vector<T> theirs(values.size());
-        for (std::size_t r = 0; r < all.size(); ++r) {
-          if (all[r].bytes.size() != values.size_bytes())
-            detail::fail<std::logic_error>("ranks {} and {} reduce different numbers of values",
-                                           rank_, r);
-          if (values.empty()) continue;
-          std::memcpy(r ? theirs.data() : values.data(), all[r].bytes.data(), values.size_bytes());
-          if (r) detail::combine<T>(how, values, theirs);
-        }
-      });
+      meet(team::meeting::reduce, std::as_bytes(values),
+           [&](contributions all) { combine(how, values, all); });
+    }
+    template <class T>
+    void combine(reduction how, std::span<T> values, contributions all) {
+      std::vector<T> theirs(values.size());
+      for (std::size_t r = 0; r < all.size(); ++r) {
+        if (all[r].bytes.size() != values.size_bytes())
+          detail::fail<std::logic_error>("ranks {} and {} reduce different numbers of values",
+                                         rank_, r);
+        if (values.empty()) continue;
+        std::memcpy(r ? theirs.data() : values.data(), all[r].bytes.data(), values.size_bytes());
+        if (r) detail::combine<T>(how, values, theirs);
+      }
     }
 
     team* team_;

@@ -57,6 +57,23 @@ struct general_contact {
   [[nodiscard]] vec3 impulse() const { return frame.transpose() * r; }
   [[nodiscard]] change whole() const { return r; }
 
+  // What the residual is made of; see residual.hpp.
+  [[nodiscard]] vec3 axis() const { return frame.row(0); }
+  [[nodiscard]] real mu() const { return Law::friction ? friction : 0; }
+  /// Of a against b at the point of contact; without friction its normal part alone.
+  [[nodiscard]] vec3 relative_velocity(const solver_state& s) const {
+    vec3 u = s.bodies[a].v + s.bodies[a].w.cross(arm_a);
+    if constexpr (paired) u -= s.bodies[b].v + s.bodies[b].w.cross(arm_b);
+    if constexpr (!Law::friction) u = axis().dot(u) * axis();
+    return u;
+  }
+  /// Sum of the diagonal of the Delassus block, with undivided masses.
+  [[nodiscard]] real mobility_trace(const solver_state& s) const {
+    mat3 w = mobility<A>(s, a, arm_a, 1);
+    if constexpr (paired) w += mobility<B>(s, b, arm_b, 1);
+    return (frame * w * frame.transpose()).trace();
+  }
+
   change relax(const solver_state& s) {
     vec3 u = s.bodies[a].v + s.bodies[a].w.cross(arm_a);
     if constexpr (paired) u -= s.bodies[b].v + s.bodies[b].w.cross(arm_b);

@@ -46,6 +46,7 @@ struct round_change<false> {
 template <class Law, partner Partner>
 struct round_contact : round_friction<Law::friction> {
   static constexpr bool paired = Partner == partner::moving;
+  static constexpr int rows = Law::friction ? 3 : 1;  ///< of the Delassus operator
   /// Contacts that follow each other in the list share a body, so that each would wait for the one
   /// before; contacts far apart do not, and the processor works on several at once.
   static constexpr std::size_t streams = 3;
@@ -95,6 +96,38 @@ struct round_contact : round_friction<Law::friction> {
       return {tangent(), rn};
     else
       return {rn};
+  }
+
+  // What the residual is made of; see residual.hpp.
+  [[nodiscard]] const vec3& axis() const { return normal; }
+  [[nodiscard]] real mu() const {
+    if constexpr (Law::friction)
+      return this->friction;
+    else
+      return 0;
+  }
+  /// Of a against b at the point of contact; without friction its normal part alone.
+  [[nodiscard]] vec3 relative_velocity(const solver_state& s) const {
+    vec3 u = s.bodies[a].v;
+    if constexpr (paired) u -= s.bodies[b].v;
+    if constexpr (Law::friction) {
+      vec3 spin = this->arm_a * s.bodies[a].w;
+      if constexpr (paired) spin += this->arm_b * s.bodies[b].w;
+      return u + normal.cross(spin);
+    } else {
+      return normal.dot(u) * normal;
+    }
+  }
+  /// Sum of the diagonal of the Delassus block, with undivided masses.
+  [[nodiscard]] real mobility_trace(const solver_state& s) const {
+    const solver_body& A = s.bodies[a];
+    real trace = rows * A.inverse_mass;
+    if constexpr (paired) trace += rows * s.bodies[b].inverse_mass;
+    if constexpr (Law::friction) {
+      trace += 2 * this->arm_a * this->arm_a * A.inverse_inertia;
+      if constexpr (paired) trace += 2 * this->arm_b * this->arm_b * s.bodies[b].inverse_inertia;
+    }
+    return trace;
   }
 
   /// Solves this contact with all others held; the change is still to be applied.

@@ -212,7 +212,9 @@ class contact_maker {
 /// Sorts the bodies of each shape into its grid.
 template <class Scenario>
 void prepare_detection(world_state<Scenario>& s) {
-  number_bodies(s);
+  const body_counts count = number_bodies(s);
+  s.solver.first_tensor = count.scalar;
+  s.solver.bodies.resize(count.all);
   s.each_finite_shape([&](auto& b) {
     const auto sort = [&](auto& store, std::vector<real>& reach, hash_grid& grid) {
       reach.resize(store.size());

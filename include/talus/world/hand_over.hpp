@@ -12,9 +12,14 @@
 
 namespace talus::detail {
 
-/// Gives each shape its range in the solver's arrays: scalar inertia first, then tensors.
+struct body_counts {
+  std::size_t scalar = 0, all = 0;
+};
+
+/// Gives each shape its range in the solver's arrays: scalar inertia first, then tensors. The
+/// arrays themselves keep what the last step left until the next one begins.
 template <class Scenario>
-void number_bodies(world_state<Scenario>& s) {
+body_counts number_bodies(world_state<Scenario>& s) {
   std::size_t next = 0;
   const auto number = [&](auto& b, bool tensors) {
     if (std::remove_cvref_t<decltype(b.movable)>::tensor != tensors) return;
@@ -22,9 +27,9 @@ void number_bodies(world_state<Scenario>& s) {
     next += b.movable.size();
   };
   s.each_finite_shape([&](auto& b) { number(b, false); });
-  s.solver.first_tensor = next;
+  const std::size_t scalar = next;
   s.each_finite_shape([&](auto& b) { number(b, true); });
-  s.solver.bodies.resize(next);
+  return {scalar, next};
 }
 
 /// Rebuilds the shadow copies of all shapes: those of neighbour n are taken from `in[n]`, or stay
@@ -183,23 +188,29 @@ std::size_t migrate(world_state<Scenario>& s) {
 template <class Scenario>
 void list_travelling_velocities(world_state<Scenario>& s) {
   number_bodies(s);
-  for (auto& n : s.neighbours) n.sent.clear(), n.received.clear();
+  s.travelling.resize(s.neighbours.size());
+  for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
+    s.travelling[n].rank = s.neighbours[n].rank;
+    s.travelling[n].sent.clear(), s.travelling[n].received.clear();
+  }
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
     std::size_t copy = b.movable.locals;
-    for (auto& n : s.neighbours) {
-      for (const auto i : n.shadowed[k])
+    for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
+      for (const auto i : s.neighbours[n].shadowed[k])
         if (b.movable.inverse_mass[i] != 0)
-          n.sent.push_back(static_cast<std::uint32_t>(b.first + i));
-      for (std::size_t c = 0; c < n.copies[k]; ++c, ++copy)
+          s.travelling[n].sent.push_back(static_cast<std::uint32_t>(b.first + i));
+      for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++copy)
         if (b.movable.inverse_mass[copy] != 0)
-          n.received.push_back(static_cast<std::uint32_t>(b.first + copy));
+          s.travelling[n].received.push_back(static_cast<std::uint32_t>(b.first + copy));
     }
     ++k;
   });
+  // Where there is nothing to say, there is nothing to say on the other side either.
+  std::erase_if(s.travelling,
+                [](const auto& other) { return other.sent.empty() && other.received.empty(); });
   s.velocity_parcels.clear();
-  for (const auto& n : s.neighbours)
-    if (!n.sent.empty() || !n.received.empty()) s.velocity_parcels.push_back({.rank = n.rank});
+  for (const auto& other : s.travelling) s.velocity_parcels.push_back({.rank = other.rank});
 }
 
 /// Sends every neighbour the copies it needs: of each body here that may touch one of its bodies,
@@ -279,6 +290,7 @@ void hand_over(world_state<Scenario>& s) {
     match_connections(s);
     refuse_closed_faces(s, true);
     migrate(s);
+    s.travelled.swap(s.travelling);
     share_shadow_copies(s, true);
   }
   s.changed = false;

@@ -80,8 +80,7 @@ class shared_velocities {
     constexpr std::size_t bytes = Scalars * sizeof(real);
     real values[Scalars];
     std::size_t count = 0;
-    for (const auto& other : s_.neighbours) {
-      if (other.sent.empty() && other.received.empty()) continue;  // so it is on the other side
+    for (const auto& other : s_.travelling) {
       parcel& p = s_.velocity_parcels[count++];
       p.out.resize(other.sent.size() * bytes);
       p.in.resize(other.received.size() * bytes);
@@ -96,8 +95,7 @@ class shared_velocities {
     s_.link->start_fixed(s_.velocity_parcels);
     s_.link->finish_fixed(s_.velocity_parcels);
     count = 0;
-    for (const auto& other : s_.neighbours) {
-      if (other.sent.empty() && other.received.empty()) continue;
+    for (const auto& other : s_.travelling) {
       const std::byte* from = s_.velocity_parcels[count++].in.data();
       for (const std::uint32_t i : other.received) {
         std::memcpy(values, from, bytes);

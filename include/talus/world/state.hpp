@@ -43,8 +43,15 @@ namespace detail {
 /// Stands for shared_memory where no shape shares data.
 struct no_shared_memory {};
 
-/// What this rank and one of its neighbours know of each other's bodies. The lists are fixed from
-/// one handover to the next, so that velocities travel without ids.
+/// The bodies whose velocities travel between this rank and one of its neighbours, in solver
+/// indices: fixed from one handover to the next, so that they travel without ids.
+struct travelling_velocities {
+  int rank = 0;
+  std::vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move
+  std::vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
+};
+
+/// What this rank and one of its neighbours know of each other's bodies.
 template <std::size_t Shapes, class Memory>
 struct neighbour {
   int rank = 0;
@@ -53,9 +60,7 @@ struct neighbour {
   std::array<std::vector<std::uint32_t>, Shapes>
       shadowed;                              ///< own bodies with a copy there, by shape
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
-  std::vector<std::uint32_t> sent;      ///< those of `shadowed` that can move, in solver indices
-  std::vector<std::uint32_t> received;  ///< those of `copies` that can move, in solver indices
-  [[no_unique_address]] Memory memory;  ///< of the shared data of shapes
+  [[no_unique_address]] Memory memory;       ///< of the shared data of shapes
 
   /// Both ends call it before each exchange of bodies.
   void next_exchange() {
@@ -113,7 +118,9 @@ struct world_state {
   std::vector<neighbour<shape_count, memory_type>>
       neighbours;                        ///< one for each connection, in the same order
   std::vector<parcel> parcels;           ///< likewise: handovers
-  std::vector<parcel> velocity_parcels;  ///< for those with movable copies on a side
+  std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
+  std::vector<travelling_velocities> travelled;   ///< in the last step
+  std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
   bool strangers = false;                ///< some neighbours are not connected to each other
   bool changed = true;  ///< bodies were added, removed or changed since the last handover
 

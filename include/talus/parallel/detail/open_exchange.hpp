@@ -1,6 +1,6 @@
 #pragma once
-// The bookkeeping every link shares: one exchange at a time, finished as it was started, and what
-// it sends is counted.
+// The bookkeeping every link shares: one exchange and one open reduction at a time, finished as they
+// were started, and what is sent is counted.
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -8,6 +8,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/parallel/parcel.hpp"
+#include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 
 namespace talus::detail {
@@ -46,6 +47,26 @@ class open_exchange {
     if (open_) fail<std::logic_error>("rank {} calls a collective inside an exchange", rank);
     ++sent_.collectives;
   }
+
+  void start_reduce(reduction how, std::size_t values, int rank) {
+    if (reducing_)
+      fail<std::logic_error>("rank {} starts a reduction before it has finished the last one",
+                             rank);
+    count_collective(rank);
+    how_reduced_ = how;
+    values_ = values;
+    reducing_ = true;
+  }
+  /// Returns how to combine the values.
+  reduction finish_reduce(std::size_t values, int rank) {
+    if (!reducing_ || values != values_)
+      fail<std::logic_error>(
+          "rank {} finishes a reduction that it has not started: start_reduce and finish_reduce "
+          "take the same number of values, in turn",
+          rank);
+    reducing_ = false;
+    return how_reduced_;
+  }
   [[nodiscard]] const traffic& sent() const { return sent_; }
 
  private:
@@ -53,6 +74,9 @@ class open_exchange {
   std::span<const parcel> parcels_;
   sizes how_ = sizes::unknown;
   bool open_ = false;
+  reduction how_reduced_ = reduction::sum;
+  std::size_t values_ = 0;
+  bool reducing_ = false;
 };
 
 /// A neighbour did not send what both sides had agreed on.

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "talus/core/error.hpp"
@@ -30,9 +31,11 @@ class thread_team {
   explicit thread_team(int ranks)
       : boxes_(static_cast<std::size_t>(ranks)),
         doing_(static_cast<std::size_t>(ranks)),
-        running_(ranks) {
+        running_(ranks),
+        taken_(static_cast<std::size_t>(ranks)) {
     for (auto& d : doing_) d = busy;
     for (auto& board : boards_) board.resize(boxes_.size());
+    for (auto& board : open_boards_) board.resize(boxes_.size());
   }
   [[nodiscard]] int size() const { return static_cast<int>(boxes_.size()); }
 
@@ -100,6 +103,33 @@ class thread_team {
     read(std::span<const contribution>(board));
   }
 
+  /// A meeting in two parts: bring() leaves this rank's contribution and goes on, take() waits for
+  /// those of all. Each rank takes before it brings again.
+  void bring(int rank, std::span<const std::byte> mine) {
+    const std::lock_guard lock(open_mutex_);
+    if (failed_) throw aborted{};
+    auto& board = open_boards_[open_round_ % 2];
+    board[static_cast<std::size_t>(rank)] = {meeting::reduce, byte_buffer(mine.begin(), mine.end())};
+    if (++brought_ < size()) return;
+    brought_ = 0;
+    ++open_round_;
+    running_ += std::exchange(takers_, 0);  // before this rank itself can fall asleep
+    open_bell_.notify_all();
+  }
+  template <class Read>
+  void take(int rank, Read read) {
+    const auto mine = taken_[static_cast<std::size_t>(rank)]++;
+    std::unique_lock lock(open_mutex_);
+    if (failed_) throw aborted{};
+    if (open_round_ <= mine) {
+      ++takers_;
+      sleep(rank, meeting_others, lock, open_bell_, [&] { return open_round_ > mine; });
+    }
+    lock.unlock();
+    // As above: nobody brings to this board again before all have read it.
+    read(std::span<const contribution>(open_boards_[mine % 2]));
+  }
+
   /// Only the first error counts. Wakes every rank that sleeps, with `aborted`.
   void end_with(std::exception_ptr error) noexcept {
     {
@@ -110,6 +140,7 @@ class thread_team {
     failed_ = true;
     for (mailbox& box : boxes_) ring(box.mutex, box.bell);
     ring(meeting_mutex_, meeting_bell_);
+    ring(open_mutex_, open_bell_);
   }
 
   /// `rank` has returned from its main.
@@ -202,6 +233,14 @@ class thread_team {
   std::array<std::vector<contribution>, 2> boards_;
   std::uint64_t round_ = 0;
   int arrived_ = 0;
+
+  std::mutex open_mutex_;
+  std::condition_variable open_bell_;
+  std::array<std::vector<contribution>, 2> open_boards_;
+  std::vector<std::uint64_t> taken_;  ///< rounds that each rank has taken
+  std::uint64_t open_round_ = 0;
+  int brought_ = 0;
+  int takers_ = 0;  ///< ranks that sleep in take()
 
   std::atomic<bool> failed_ = false;
   std::mutex error_mutex_;

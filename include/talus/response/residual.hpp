@@ -1,0 +1,86 @@
+#pragma once
+// The contact residual, from the contacts as they are: no operator is assembled.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <tuple>
+
+#include "talus/core/math.hpp"
+#include "talus/response/natural_map.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// Whether contacts of this kind obey Coulomb's law, so that a residual is defined for them.
+template <class Contact>
+concept has_residual = requires(const Contact& c, const solver_state& s) {
+  c.relative_velocity(s);
+  c.mobility_trace(s);
+};
+
+/// Calls f(contact) for each contact that obeys Coulomb's law and counts on this rank.
+template <class Lists, class F>
+void each_counted(const Lists& lists, F&& f) {
+  const auto of_list = [&](const auto& list) {
+    list.each([&](const auto& c, bool counts_here) {
+      if constexpr (has_residual<std::remove_cvref_t<decltype(c)>>)
+        if (counts_here) f(c);
+    });
+  };
+  std::apply([&](const auto&... list) { (of_list(list), ...); }, lists);
+}
+
+/// The relative velocity, less the one that gap and restitution ask for.
+template <class Contact>
+[[nodiscard]] vec3 violation(const Contact& c, const solver_state& s) {
+  return c.relative_velocity(s) - c.target * c.axis();
+}
+
+/// Of all contacts together, the parts of the residual that no iteration changes. Sums over ranks.
+struct residual_scale {
+  std::array<double, 3> sums{};  ///< the diagonal of the Delassus operator, its rows, |q|^2
+
+  template <class Contact>
+  void add(const Contact& c, const solver_state& s, const vec3& q) {
+    sums[0] += c.mobility_trace(s);
+    sums[1] += Contact::rows;
+    sums[2] += q.squaredNorm();
+  }
+  /// The mass that turns velocities into impulses: 1 / mean diagonal.
+  [[nodiscard]] double rho() const { return sums[0] > 0 ? sums[1] / sums[0] : 0; }
+};
+
+/// The parts that each iteration changes.
+struct residual_sums {
+  std::array<double, 4> sums{};  ///< |natural map|^2, |r|^2, |u|^2, number of contacts
+  double largest = 0;            ///< of the squares of the natural maps
+
+  template <class Contact>
+  void add(const Contact& c, const solver_state& s, double rho) {
+    const vec3 r = c.impulse(), u = violation(c, s);
+    const double square = natural_map(r, u, c.axis(), c.mu(), rho).squaredNorm();
+    sums[0] += square;
+    sums[1] += r.squaredNorm();
+    sums[2] += u.squaredNorm();
+    sums[3] += 1;
+    if (!(square <= largest)) largest = square;  // a NaN is not lost
+  }
+  /// |natural map| / max(|r|, rho |q|, rho |u|); 0 where nothing touches.
+  [[nodiscard]] double value(const residual_scale& scale) const {
+    return sums[0] == 0 ? 0 : std::sqrt(sums[0] / square_of(scale));
+  }
+  /// The largest natural map of a contact over the root mean square of the same scale: the residual
+  /// is the root mean square of such values.
+  [[nodiscard]] double worst(const residual_scale& scale) const {
+    return largest == 0 ? 0 : std::sqrt(largest * sums[3] / square_of(scale));
+  }
+
+ private:
+  [[nodiscard]] double square_of(const residual_scale& scale) const {
+    const double rho = scale.rho();
+    return std::max({sums[1], rho * rho * scale.sums[2], rho * rho * sums[2]});
+  }
+};
+
+}  // namespace talus::detail
