@@ -159,7 +159,8 @@ concept generating_decomposition = decomposition<Decomposition> &&
 ///   (else runtime_error), for the iterations of a solver
 /// - `start_reduce(how, values)` brings this rank's values and returns at once,
 ///   `finish_reduce(values)` waits for those of all ranks and combines them, as reduce() does.
-///   Exchanges may lie between; one such reduction is open at a time
+///   The values stay as they are in between, where exchanges may lie; one such reduction is open at
+///   a time
 /// - the rest is collective, for set-up and outputs only: every rank calls the same ones in the
 ///   same order. `gather` has its result on rank 0 alone, `broadcast` comes from there
 /// - `counters()`: what this rank has sent so far

@@ -2,6 +2,7 @@
 // The end of a run in figures: speed beside error.
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
+#include "talus/observe/residual.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -32,7 +34,10 @@ struct summary {
   std::uint64_t contacts = 0;  ///< considered by the solver in the last step
   motion moving;
   penetration overlap;
-  double cpu_seconds = 0;  ///< of all ranks together
+  contact_residual residual;  ///< of the last step
+  talus::convergence solved;  ///< of all steps
+  solver_settings solver;     ///< as they are now
+  double cpu_seconds = 0;     ///< of all ranks together
   double wall_seconds = 0;
   stage_seconds seconds;                    ///< of the slowest rank
   std::uint64_t messages_per_step_max = 0;  ///< sent by one rank in one step
@@ -72,6 +77,9 @@ class json_object {
   }
   void add(std::string_view key, std::uint64_t value) { put(key, std::to_string(value)); }
   void add(std::string_view key, int value) { put(key, std::to_string(value)); }
+  void add(std::string_view key, std::same_as<bool> auto value) {
+    put(key, value ? "true" : "false");
+  }
   [[nodiscard]] std::string str() const { return "{\n" + text_ + "\n}\n"; }
 
  private:
@@ -98,6 +106,9 @@ template <class Scenario>
   r.dt = s.dt;
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);
+  r.residual = measure_residual(w);
+  r.solved = w.convergence();
+  r.solver = w.solver();
   r.digest = state_digest(w);
   r.monitors = measure_monitors(w).values;
 
@@ -126,6 +137,17 @@ template <class Scenario>
   return r;
 }
 
+/// Iterations of the contact solver per step.
+[[nodiscard]] inline double mean_iterations(const summary& r) {
+  return static_cast<double>(r.solved.iterations) /
+         static_cast<double>(std::max<std::uint64_t>(1, r.steps));
+}
+
+/// Whether a run that was asked for a residual ended above it.
+[[nodiscard]] inline bool above_tolerance(const summary& r) {
+  return r.solver.tolerance > 0 && !(r.residual.value <= r.solver.tolerance);
+}
+
 /// The figures as one flat JSON object.
 [[nodiscard]] inline std::string to_json(const summary& r) {
   detail::json_object o;
@@ -143,6 +165,14 @@ template <class Scenario>
   o.add("penetration_max", r.overlap.max);
   o.add("gap_mean_loaded", r.overlap.gap_mean_loaded);
   o.add("mean_radius", r.overlap.mean_radius);
+  o.add("residual", r.residual.value);
+  o.add("residual_max", r.residual.max);
+  o.add("residual_worst", r.solved.residual_worst);
+  o.add("tolerance", r.solver.tolerance);
+  o.add("residual_above_tolerance", above_tolerance(r));
+  o.add("steps_above_tolerance", r.solved.steps_above);
+  o.add("iterations_mean", mean_iterations(r));
+  o.add("iterations_max", r.solved.iterations_max);
   o.add("kinetic_energy", r.moving.kinetic_energy);
   o.add("potential_energy", r.moving.potential_energy);
   o.add("max_speed", r.moving.max_speed);
@@ -183,20 +213,35 @@ template <class Scenario>
     ((((monitors += monitors.empty() ? "  monitors " : ", ") += m.name) += " ") +=
      text(m.value, 3));
   if (!monitors.empty()) own = monitors + "\n" + own;
+  std::string tolerance;
+  if (r.solver.tolerance > 0)
+    tolerance = detail::compose(" (asked for {})", text(r.solver.tolerance, 2));
+  std::string warning;
+  if (above_tolerance(r) || r.solved.steps_above > 0)
+    warning = detail::compose(
+        "  warning  the contact residual stayed above {} in {} of {} steps{}: allow more than {} "
+        "iterations, or take a smaller dt\n",
+        text(r.solver.tolerance, 2), r.solved.steps_above, r.steps,
+        above_tolerance(r) ? ", the last among them" : "", r.solver.max_iterations);
   return detail::compose(
       "{}: {} bodies ({} movable) on {} rank(s), {}, {} steps of {}\n"
       "  speed    {} ms of processor per step, {} s in all; detect {} %, respond {} %, exchange {} "
       "%\n"
       "  error    overlap {} of the radius on average, {} at most; {} of {} contacts touch\n"
+      "           residual {} at the end, {} for the worst contact, {} for the worst step "
+      "measured{}; "
+      "{} iterations per step, {} at most\n"
       "  motion   kinetic energy {}, fastest {}, momentum {}\n"
       "  traffic  {} messages and {} bytes per step and rank at most, {} collectives per step\n"
-      "  memory   {} bytes per body; state {}\n{}",
+      "  memory   {} bytes per body; state {}\n{}{}",
       r.scenario, r.moving.bodies, r.moving.movable, r.ranks, r.transport, r.steps, r.dt,
       text(1e3 * r.cpu_seconds / steps, 3), text(r.wall_seconds, 3), percent(r.seconds.detect),
       percent(r.seconds.respond), percent(r.seconds.exchange), text(r.overlap.mean, 2),
-      text(r.overlap.max, 2), r.overlap.touching, r.contacts, text(r.moving.kinetic_energy, 3),
+      text(r.overlap.max, 2), r.overlap.touching, r.contacts, text(r.residual.value, 2),
+      text(r.residual.max, 2), text(r.solved.residual_worst, 2), tolerance,
+      text(mean_iterations(r), 3), r.solved.iterations_max, text(r.moving.kinetic_energy, 3),
       text(r.moving.max_speed, 3), r.moving.momentum, r.messages_per_step_max, r.bytes_per_step_max,
-      text(r.collectives_per_step, 6), std::lround(r.bytes_per_body), r.digest, own);
+      text(r.collectives_per_step, 6), std::lround(r.bytes_per_body), r.digest, own, warning);
 }
 
 }  // namespace talus

@@ -58,7 +58,9 @@ struct serial {
     void start_reduce(reduction how, std::span<const double> values) {
       exchange_.start_reduce(how, values.size(), 0);
     }
-    void finish_reduce(std::span<double> values) { (void)exchange_.finish_reduce(values.size(), 0); }
+    void finish_reduce(std::span<double> values) {
+      (void)exchange_.finish_reduce(values.size(), 0);
+    }
 
    private:
     detail::open_exchange exchange_;

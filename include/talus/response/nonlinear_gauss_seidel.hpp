@@ -5,6 +5,7 @@
 
 #include "talus/core/policy.hpp"
 #include "talus/response/contact_list.hpp"
+#include "talus/response/convergence.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -23,11 +24,12 @@ struct nonlinear_gauss_seidel final {
   /// Solves the contact problem in `lists` (a tuple of contact lists). `ranks` refreshes the shadow
   /// copies: share_velocities_and_counts(), share_velocities(), share_corrections().
   template <class Lists, class Ranks>
-  static void solve(Lists& lists, detail::solver_state& s, const solver_settings& settings,
-                    bool correct, Ranks&& ranks) {
+  static detail::solved solve(Lists& lists, detail::solver_state& s,
+                              const solver_settings& settings, bool correct, Ranks&& ranks) {
     const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
+    detail::convergence<Lists, Ranks> watch(lists, s, settings, ranks);
     each([&](auto& list) { list.weigh_interior(s); });
     each([&](auto& list) { list.apply_remembered(s); });
     if constexpr (!alone) {
@@ -36,9 +38,12 @@ struct nonlinear_gauss_seidel final {
       each([&](auto& list) { list.weigh_boundary(s); });
     }
 
-    for (int k = 0; k < settings.iterations; ++k) {
-      if constexpr (!alone) {
+    int k = 0;
+    for (; k < watch.limit(); ++k) {
+      if constexpr (!alone)
         if (k > 0) ranks.share_velocities();
+      if (watch.reached(k)) break;
+      if constexpr (!alone) {
         each([&](auto& list) { list.relax_boundary(s); });
         each([&](auto& list) { list.apply_boundary(s); });
       }
@@ -46,16 +51,22 @@ struct nonlinear_gauss_seidel final {
         each([&](auto& list) { list.sweep_forward(s); });
       else
         each([&](auto& list) { list.sweep_backward(s); });
+      if (watch.agreed()) {
+        ++k;
+        break;
+      }
     }
+    const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 
-    for (int k = 0; correct && k < settings.correction_iterations; ++k) {
+    for (int i = 0; correct && i < settings.correction_iterations; ++i) {
       if constexpr (!alone) {
-        if (k > 0) ranks.share_corrections();
+        if (i > 0) ranks.share_corrections();
         each([&](auto& list) { list.relax_boundary_push(s); });
         each([&](auto& list) { list.apply_boundary_push(s); });
       }
       each([&](auto& list) { list.sweep_push(s); });
     }
+    return done;
   }
 };
 

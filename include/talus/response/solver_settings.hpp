@@ -4,9 +4,12 @@
 
 namespace talus {
 
-/// How hard the contact problem is worked on.
+/// How hard the contact problem is worked on: for a number of iterations, or until the contact
+/// residual (see measure_residual) is within a tolerance.
 struct solver_settings {
   int iterations = 10;            ///< sweeps over all contacts per step; 5 to 50
+  real tolerance = 0;             ///< contact residual to reach, 1e-2 to 1e-8; 0: fixed iterations
+  int max_iterations = 1000;      ///< at most, where a tolerance is given
   int correction_iterations = 3;  ///< sweeps of the correction of overlaps; 1 to 5
   real correction = 0.2;          ///< part of an overlap that is corrected per step, in [0, 1]
 };

@@ -163,6 +163,8 @@ struct options {
   double dt = 0.005;           ///< length of a step, in units of time
   int ranks = 0;               ///< ranks to start; 0: as the decomposition says
   int iterations = 10;         ///< of the contact solver, per step
+  double tolerance = 0;        ///< contact residual to iterate to; 0: fixed iterations
+  int max_iterations = 0;      ///< at most, with a tolerance; 0: the solver's own limit
   std::uint64_t seed = 1;      ///< of all random numbers
   std::string json;            ///< file for the results; empty: none
   std::string csv;             ///< file for a time series; empty: none
@@ -179,6 +181,9 @@ struct options {
     cli.add_positive("--dt", dt, "length of a time step");
     cli.add("--ranks", ranks, "ranks to start (default: as the decomposition says)", 1);
     cli.add("--iterations", iterations, "iterations of the solver per step", 1);
+    cli.add("--tolerance", tolerance, "iterate until this contact residual (0: fixed iterations)",
+            0, 0.5);
+    cli.add("--max-iterations", max_iterations, "at most, with --tolerance (default: 1000)", 1);
     cli.add("--seed", seed, "seed of all random numbers");
     cli.add("--json", json, "write the results to this file");
     cli.add("--csv", csv, "write a time series, comma-separated, to this file");

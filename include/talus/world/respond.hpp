@@ -52,8 +52,10 @@ template <class Scenario>
 void respond(world_state<Scenario>& s) {
   gather_velocities(s);
   s.each_contact_list([&](auto& list) { list.recall(s.history); });
-  Scenario::solver::solve(s.contacts, s.solver, s.settings, world_state<Scenario>::law::correction,
-                          shared_velocities<Scenario>(s));
+  s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
+                                            world_state<Scenario>::law::correction,
+                                            shared_velocities<Scenario>(s)),
+                    s.settings.tolerance);
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);

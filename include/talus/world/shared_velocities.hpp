@@ -2,6 +2,7 @@
 // How the iterations of a solver see bodies owned by other ranks: shadow velocities, refreshed
 // from their owners by one message per neighbour, velocities only, in a fixed order.
 #include <cstring>
+#include <span>
 
 #include "talus/world/state.hpp"
 
@@ -36,6 +37,12 @@ class shared_velocities {
   void share_velocities() {
     exchange<6>([&](std::uint32_t i, real* out) { put_velocity(i, out); },
                 [&](std::uint32_t i, const real* in) { get_velocity(i, in); });
+  }
+  /// Sums over all ranks, to be taken by finish_reduce() later.
+  void start_reduce(std::span<const double> sums) { s_.link->start_reduce(reduction::sum, sums); }
+  void finish_reduce(std::span<double> sums) {
+    const stage_clock clock(s_.seconds.exchange);
+    s_.link->finish_reduce(sums);
   }
   void share_corrections() {
     solver_state& solver = s_.solver;

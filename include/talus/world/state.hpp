@@ -1,8 +1,10 @@
 #pragma once
 // Everything a world consists of on one rank. The stages of a step work on it, the world is its
 // public face.
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <tuple>
 #include <vector>
 
@@ -15,6 +17,7 @@
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 #include "talus/response/contact_list.hpp"
+#include "talus/response/convergence.hpp"
 #include "talus/response/general_contact.hpp"
 #include "talus/response/round_contact.hpp"
 #include "talus/response/solver_settings.hpp"
@@ -36,6 +39,29 @@ struct step_traffic {
   std::uint64_t messages_max = 0;  ///< in one step
   std::uint64_t bytes_max = 0;     ///< in one step
   std::uint64_t collectives = 0;   ///< in all steps
+};
+
+/// What the contact solver needed and reached in the steps so far; alike on all ranks. Residuals
+/// are NaN until one is measured: in every step where a tolerance is asked for, else where
+/// measure_residual() is called.
+struct convergence {
+  std::uint64_t iterations = 0;                                      ///< of all steps
+  std::uint64_t iterations_max = 0;                                  ///< of a step
+  double residual = std::numeric_limits<double>::quiet_NaN();        ///< the last measured
+  double residual_worst = std::numeric_limits<double>::quiet_NaN();  ///< of those measured
+  std::uint64_t steps_above = 0;  ///< steps that ended above the tolerance
+
+  void add(const detail::solved& done, double tolerance) {
+    iterations += static_cast<std::uint64_t>(done.iterations);
+    iterations_max = std::max(iterations_max, static_cast<std::uint64_t>(done.iterations));
+    if (tolerance == 0) return;
+    add_residual(done.residual);
+    steps_above += !(done.residual <= tolerance);
+  }
+  void add_residual(double value) {
+    residual = value;
+    if (!(residual_worst >= value)) residual_worst = value;
+  }
 };
 
 namespace detail {
@@ -116,16 +142,17 @@ struct world_state {
   using memory_type = std::conditional_t<(filter_types<finite_shapes, shares_data>::size > 0),
                                          shared_memory, no_shared_memory>;
   std::vector<neighbour<shape_count, memory_type>>
-      neighbours;                        ///< one for each connection, in the same order
-  std::vector<parcel> parcels;           ///< likewise: handovers
+      neighbours;                                 ///< one for each connection, in the same order
+  std::vector<parcel> parcels;                    ///< likewise: handovers
   std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
   std::vector<travelling_velocities> travelled;   ///< in the last step
   std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
-  bool strangers = false;                ///< some neighbours are not connected to each other
-  bool changed = true;  ///< bodies were added, removed or changed since the last handover
+  bool strangers = false;  ///< some neighbours are not connected to each other
+  bool changed = true;     ///< bodies were added, removed or changed since the last handover
 
   stage_seconds seconds;
   step_traffic sent;
+  talus::convergence convergence;
   [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
 
   /// Calls f(bodies of a shape) for every shape of the scenario.

@@ -148,6 +148,8 @@ class world {
   }
   [[nodiscard]] solver_settings& solver() { return state_.settings; }
   [[nodiscard]] const solver_settings& solver() const { return state_.settings; }
+  /// Iterations that the solver needed, and contact residuals that it reached.
+  [[nodiscard]] const talus::convergence& convergence() const { return state_.convergence; }
   /// Seed of all random numbers that fill() hands out. Set alike on all ranks.
   void seed(std::uint64_t seed) { seed_ = seed; }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The bookkeeping every link shares: one exchange and one open reduction at a time, finished as they
-// were started, and what is sent is counted.
+// The bookkeeping every link shares: one exchange and one open reduction at a time, finished as
+// they were started, and what is sent is counted.
 #include <cstddef>
 #include <optional>
 #include <span>

@@ -109,7 +109,8 @@ class thread_team {
     const std::lock_guard lock(open_mutex_);
     if (failed_) throw aborted{};
     auto& board = open_boards_[open_round_ % 2];
-    board[static_cast<std::size_t>(rank)] = {meeting::reduce, byte_buffer(mine.begin(), mine.end())};
+    board[static_cast<std::size_t>(rank)] = {meeting::reduce,
+                                             byte_buffer(mine.begin(), mine.end())};
     if (++brought_ < size()) return;
     brought_ = 0;
     ++open_round_;

@@ -265,6 +265,11 @@ void world<Scenario>::step(real dt) {
         "step was called inside a global section on rank {}: close the section first", rank());
   detail::require_positive(dt, "the time step dt");
   const solver_settings& how = state_.settings;
+  if (!(how.tolerance >= 0 && how.tolerance < 1) || how.max_iterations < 1)
+    detail::fail<std::invalid_argument>(
+        "the tolerance of the solver is a contact residual in (0, 1), or 0 for a fixed number of "
+        "iterations, and at least 1 iteration is allowed for it, but they are {} and {}",
+        how.tolerance, how.max_iterations);
   if (how.iterations < 1 || how.correction_iterations < 0 ||
       !(how.correction >= 0 && how.correction <= 1))
     detail::fail<std::invalid_argument>(

@@ -1,0 +1,110 @@
+#pragma once
+// When a solver stops: after a number of iterations, or when the contact residual is small enough.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "talus/response/residual.hpp"
+#include "talus/response/solver_settings.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// What a solver has done in one step; alike on all ranks.
+struct solved {
+  int iterations = 0;
+  /// Contact residual reached, NaN where no tolerance asked for it. Over ranks it is that of the
+  /// last iteration but one.
+  double residual = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Watches the residual while a solver iterates, if a tolerance is asked for; otherwise it counts
+/// and nothing else. Ranks agree by one reduction per check, which runs beside an iteration, so
+/// that all stop after the same one. Checks grow rarer with the iterations (every eighth of their
+/// number), which keeps their cost below that of the iterations.
+///
+///   convergence<Lists, Ranks> watch(lists, state, settings, ranks);   // before any impulse acts
+///   int k = 0;
+///   for (; k < watch.limit(); ++k) {
+///     ...                           // all ranks hold the velocities after k iterations
+///     if (watch.reached(k)) break;  // a lone rank knows at once
+///     ...                           // iterate
+///     if (watch.agreed()) { ++k; break; }
+///   }
+template <class Lists, class Ranks>
+class convergence {
+  static constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
+
+ public:
+  convergence(const Lists& lists, const solver_state& s, const solver_settings& settings,
+              Ranks& ranks)
+      : lists_(lists), s_(s), settings_(settings), ranks_(ranks), watches_(settings.tolerance > 0) {
+    if (!watches_) return;
+    each_counted(lists, [&](const auto& c) { scale_.add(c, s, violation(c, s)); });
+    if constexpr (!alone) ranks_.start_reduce(scale_.sums);
+    opening_ = true;
+  }
+
+  [[nodiscard]] int limit() const {
+    return watches_ ? settings_.max_iterations : settings_.iterations;
+  }
+  [[nodiscard]] bool watches() const { return watches_; }
+
+  /// Checks the velocities after `k` iterations, if a check is due.
+  bool reached(int k) {
+    if (!watches_ || k < next_) return false;
+    next_ = k + std::max(1, k / 8);
+    look();
+    if constexpr (alone) return conclude();
+    return false;
+  }
+  /// Whether the last check has found the residual small enough, on all ranks.
+  bool agreed() {
+    if constexpr (alone) return false;
+    if (!looking_) return false;
+    ranks_.finish_reduce(now_.sums);
+    return conclude();
+  }
+  /// After the last of `k` iterations. Where the tolerance was not reached, `refresh` is called to
+  /// give all ranks the velocities, and the residual is that of the solution.
+  template <class Refresh>
+  [[nodiscard]] solved end(int k, Refresh&& refresh) {
+    if (watches_ && !(residual_ <= settings_.tolerance)) {
+      if constexpr (!alone) refresh();
+      look();
+      if constexpr (!alone) ranks_.finish_reduce(now_.sums);
+      conclude();
+    }
+    return {k, residual_};
+  }
+
+ private:
+  void look() {
+    if constexpr (!alone)
+      if (opening_) ranks_.finish_reduce(scale_.sums);
+    opening_ = false;
+    now_ = {};
+    each_counted(lists_, [&](const auto& c) { now_.add(c, s_, scale_.rho()); });
+    if constexpr (!alone) ranks_.start_reduce(now_.sums);
+    looking_ = true;
+  }
+  bool conclude() {
+    looking_ = false;
+    residual_ = now_.value(scale_);
+    return residual_ <= settings_.tolerance;
+  }
+
+  const Lists& lists_;
+  const solver_state& s_;
+  const solver_settings& settings_;
+  Ranks& ranks_;
+  bool watches_;
+  bool opening_ = false, looking_ = false;  ///< a reduction is open: of the scale, of a check
+  int next_ = 0;
+  residual_scale scale_;
+  residual_sums now_;
+  double residual_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+}  // namespace talus::detail
