@@ -1,9 +1,10 @@
-// What every solver must do; what "solved" means is measured by the contact residual.
+// What every contact solver must do. How well a problem is solved is measured by the residual.
 #include <doctest/doctest.h>
 
 #include <talus/observe/digest.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/observe/residual.hpp>
+#include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/world/world.hpp>
@@ -12,22 +13,22 @@ using namespace talus;
 
 namespace {
 
-constexpr real dt = 1.0 / 240;
+constexpr real g = 9.81, dt = 1.0 / 240;
 
 /// A heap of spheres and boxes in a box of planes, shared out in columns.
-template <class Solver>
+template <class Solver, class Transport = threads>
 struct heap {
-  using scenario_type =
-      scenario<bodies<sphere, box, plane>, solver<Solver>,
-               hard_contact<coulomb_friction, newton_restitution, split_correction>,
-               decomposition<grid<dynamic, dynamic>>>;
-  static constexpr real side = 5;
+  using scenario_type = scenario<bodies<sphere, box, plane>, solver<Solver>, transport<Transport>,
+                                 decomposition<grid<dynamic, dynamic>>>;
+  using world_type = world<scenario_type>;
+  static constexpr real side = 4.5;
 
   static grid<dynamic, dynamic> cells() { return {.lower = {0, 0}, .upper = {side, side}}; }
 
-  static void set_up(world<scenario_type>& w) {
+  /// `steps` steps of the fall and of coming to rest, at the default settings.
+  static void set_up(world_type& w, int steps) {
     const auto stuff = w.material({.restitution = 0.3, .friction = 0.4});
-    w.gravity({0, 0, -9.81});
+    w.gravity({0, 0, -g});
     w.seed(5);
     w.global([&](auto& scope) {
       scope.add(plane{.normal = {0, 0, 1}}, stuff);
@@ -36,45 +37,168 @@ struct heap {
       scope.add(plane{.normal = {0, 1, 0}}, stuff);
       scope.add(plane{.normal = {0, -1, 0}, .offset = -side}, stuff);
     });
-    w.fill(simple_cubic{.spacing = 1, .origin = {0.5, 0.5, 0.5}} &
-               box_region{{0, 0, 0}, {side, side, 4}},
-           [&](const site& at, random_stream& random)
-               -> std::variant<body<sphere>, body<box>> {
-             const vec3 jitter = random.uniform(vec3(-0.02, -0.02, -0.02), vec3(0.02, 0.02, 0.02));
-             if (random.uniform(0, 1) < 0.2)
-               return body{.shape = box{{0.7, 0.6, 0.5}}, .position = at.position + jitter};
-             return body{.shape = sphere{random.uniform(0.4, 0.48)},
-                         .position = at.position + jitter};
-           });
+    w.fill(
+        simple_cubic{.spacing = 0.9, .origin = {0.46, 0.46, 0.45}} &
+            box_region{{0, 0, 0}, {side, side, 3.6}},
+        [&](const site& at, random_stream& random) -> std::variant<body<sphere>, body<box>> {
+          const vec3 push = random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1));
+          if (random.uniform(0, 1) < 0.2)
+            return body{.shape = box{{0.7, 0.6, 0.5}}, .position = at.position, .velocity = push};
+          return body{.shape = sphere{random.uniform(0.4, 0.44)},
+                      .position = at.position,
+                      .velocity = push};
+        });
+    for (int k = 0; k < steps; ++k) w.step(dt);
+  }
+  template <class F>
+  static void on(int ranks, int steps, F&& f) {
+    threads::launch({.ranks = ranks}, [&](threads::link& link) {
+      world_type w(link, cells());
+      set_up(w, steps);
+      f(w, link.rank() == 0);
+    });
   }
 };
 
+template <class World>
+std::uint64_t iterations_of_step(World& w) {
+  const auto before = w.convergence().iterations;
+  w.step(dt);
+  return w.convergence().iterations - before;
+}
+
 }  // namespace
 
-TEST_CASE_TEMPLATE("the residual falls with the iterations, and a tolerance is reached", Solver,
+TEST_CASE_TEMPLATE("the residual falls with the iterations to round-off, on 1 and 4 ranks", Solver,
                    nonlinear_gauss_seidel) {
-  using scene = heap<Solver>;
-  for (const int ranks : {1, 4}) {
-    CAPTURE(ranks);
-    threads::launch({.ranks = ranks}, [&](threads::link& link) {
-      world<typename scene::scenario_type> w(link, scene::cells());
-      scene::set_up(w);
-      for (int k = 0; k < 60; ++k) w.step(dt);
-      for (const int n : {3, 10, 30, 100, 300, 1000, 3000}) {
+  for (const int ranks : {1, 4})
+    heap<Solver>::on(ranks, 90, [&](auto& w, bool speaks) {
+      real before = 1;
+      for (const int n : {3, 30, 300, 3000}) {
         w.solver().iterations = n;
         w.step(dt);
-        const auto r = measure_residual(w);
-        if (link.rank() == 0) MESSAGE(n, ": ", r.value, " ", r.max, " of ", r.contacts);
+        const contact_residual r = measure_residual(w);
+        if (!speaks) continue;
+        MESSAGE(std::string(Solver::name), ", ", ranks, " rank(s), ", n, " iterations: residual ",
+                r.value, ", worst contact ", r.max, ", ", r.contacts, " contacts");
+        CHECK(r.contacts > 150);
+        CHECK(r.max >= r.value);
+        CHECK(r.value < 0.3 * before);
+        before = r.value;
       }
-      for (const real tolerance : {1e-2, 1e-4, 1e-6, 1e-8}) {
-        w.solver().tolerance = tolerance;
-        const auto before = w.convergence().iterations;
-        w.step(dt);
-        const auto told = w.convergence().residual;
-        const auto r = measure_residual(w);
-        if (link.rank() == 0)
-          MESSAGE(tolerance, ": ", r.value, " told ", told, " ", w.convergence().iterations - before);
-      }
+      if (speaks) CHECK(before < 1e-10);
     });
+}
+
+TEST_CASE_TEMPLATE(
+    "with a tolerance all ranks stop after the same iteration, where the residual is within it",
+    Solver, nonlinear_gauss_seidel) {
+  for (const int ranks : {1, 4})
+    heap<Solver>::on(ranks, 90, [&](auto& w, bool speaks) {
+      w.solver().max_iterations = 20000;
+      for (const real tolerance : {1e-2, 1e-4, 1e-7}) {
+        w.solver().tolerance = tolerance;
+        const std::uint64_t needed = iterations_of_step(w);
+        const double told = w.convergence().residual;
+        const contact_residual r = measure_residual(w);
+        std::uint64_t least = needed, most = needed;
+        w.link().reduce(reduction::min, std::span(&least, 1));
+        w.link().reduce(reduction::max, std::span(&most, 1));
+        if (!speaks) continue;
+        CHECK(needed > 1);
+        MESSAGE(std::string(Solver::name), ", ", ranks, " rank(s), tolerance ", tolerance, ": ",
+                needed, " iterations, residual ", told, " told and ", r.value, " measured");
+        CHECK(least == most);
+        CHECK(told <= tolerance);
+        CHECK(r.value == doctest::Approx(told).epsilon(1e-6));
+      }
+      w.solver().max_iterations = 5;  // not enough, and said so
+      const std::uint64_t above = w.convergence().steps_above;
+      CHECK(iterations_of_step(w) == 5);
+      const double told = w.convergence().residual;
+      const contact_residual r = measure_residual(w);
+      if (!speaks) return;
+      CHECK(w.convergence().steps_above == above + 1);
+      CHECK(told > 1e-7);
+      CHECK(r.value == doctest::Approx(told).epsilon(1e-9));
+    });
+}
+
+TEST_CASE_TEMPLATE(
+    "measuring the residual changes nothing, and steps without a tolerance are not "
+    "collective",
+    Solver, nonlinear_gauss_seidel) {
+  for (const int ranks : {1, 4}) {
+    std::vector<std::string> digests;
+    for (const bool measured : {false, true})
+      heap<Solver>::on(ranks, 60, [&](auto& w, bool speaks) {
+        CHECK(w.state().sent.collectives == 0);
+        for (int k = 0; k < 30; ++k) {
+          w.step(dt);
+          if (measured) (void)measure_residual(w);
+        }
+        CHECK(w.state().sent.collectives == 0);
+        const auto digest = state_digest(w);
+        if (speaks) digests.push_back(digest);
+      });
+    CHECK(digests[0] == digests[1]);
   }
+}
+
+TEST_CASE("the residual is what its definition says: two frictionless balls, one upon the other") {
+  using balls = scenario<bodies<sphere, plane>, hard_contact<>, transport<serial>>;
+  serial::link link;
+  world<balls> w(link);
+  w.material({.density = 3});
+  w.gravity({0, 0, -g});
+  w.global([&](auto& scope) { scope.add(plane{.normal = {0, 0, 1}}, {}); });
+  const auto low = w.add(body{.shape = sphere{0.5}, .position = {0, 0, 0.5}});
+  const auto high = w.add(body{.shape = sphere{0.5}, .position = {0, 0, 1.5}});
+  w.solver().iterations = 1;
+  w.step(dt);
+  const real m = w[low].mass(), v0 = w[low].velocity()[2], v1 = w[high].velocity()[2];
+  // Both balls had -g dt; contacts: floor against low (impulse r0), low against high (r1).
+  const real r1 = m * (v1 + g * dt), r0 = m * (v0 + g * dt) + r1, u0 = v0, u1 = v1 - v0;
+  const real rho = 2 / (1 / m + 2 / m);
+  const auto map = [&](real r, real u) { return r - std::max(real{0}, r - rho * u); };
+  const real q = g * dt;  // of the floor's contact; the other one's is 0
+  const real scale = std::max({std::hypot(r0, r1), rho * q, rho * std::hypot(u0, u1)});
+  const real value = std::hypot(map(r0, u0), map(r1, u1)) / scale;
+  const real worst = std::max(std::abs(map(r0, u0)), std::abs(map(r1, u1))) / scale * std::sqrt(2);
+  const contact_residual found = measure_residual(w);
+  CHECK(found.contacts == 2);
+  CHECK(value > 0.01);
+  CHECK(found.value == doctest::Approx(value).epsilon(1e-12));
+  CHECK(found.max == doctest::Approx(worst).epsilon(1e-12));
+}
+
+TEST_CASE("the residual sees what the cone leaves out: sliding must oppose friction") {
+  const vec3 n{0, 0, 1};
+  const real mu = 0.5, rho = 2;
+  const auto map = [&](const vec3& r, const vec3& u) {
+    return detail::natural_map(r, u, n, mu, rho).norm();
+  };
+  CHECK(map({0, 0, 0}, {3, 0, 1}) == 0);        // parts
+  CHECK(map({0.3, 0, 1}, {0, 0, 0}) == 0);      // sticks inside the cone
+  CHECK(map({-0.5, 0, 1}, {4, 0, 0}) < 1e-15);  // slides, friction against it
+  CHECK(map({0.5, 0, 1}, {4, 0, 0}) > 0.5);     // with it
+  CHECK(map({-0.3, 0, 1}, {4, 0, 0}) > 0.1);    // slides inside the cone
+  CHECK(map({-0.5, 0, 1}, {4, 0, 1}) > 0.5);    // parts under load
+  CHECK(map({-0.5, 0, 1}, {4, 0, -1}) > 0.5);   // sinks
+  CHECK(detail::natural_map({0.2, 0, 1}, {0, 0, 0}, n, 0, rho).norm() > 0.19);  // no friction
+}
+
+TEST_CASE("settings of the solver that make no sense are refused") {
+  using balls = scenario<bodies<sphere>, transport<serial>>;
+  serial::link link;
+  world<balls> w(link);
+  w.solver().tolerance = -1;
+  CHECK_THROWS_WITH_AS(w.step(dt), doctest::Contains("tolerance of the solver"),
+                       std::invalid_argument);
+  w.solver() = {.tolerance = 1e-6, .max_iterations = 0};
+  CHECK_THROWS_AS(w.step(dt), std::invalid_argument);
+  w.solver() = {.tolerance = 1e-6};
+  w.step(dt);  // nothing to solve
+  CHECK(w.convergence().iterations == 0);
+  CHECK(w.convergence().residual == 0);
 }

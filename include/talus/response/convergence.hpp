@@ -14,23 +14,22 @@ namespace talus::detail {
 /// What a solver has done in one step; alike on all ranks.
 struct solved {
   int iterations = 0;
-  /// Contact residual reached, NaN where no tolerance asked for it. Over ranks it is that of the
-  /// last iteration but one.
+  /// Contact residual of the solution, NaN where no tolerance asked for it.
   double residual = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Watches the residual while a solver iterates, if a tolerance is asked for; otherwise it counts
-/// and nothing else. Ranks agree by one reduction per check, which runs beside an iteration, so
-/// that all stop after the same one. Checks grow rarer with the iterations (every eighth of their
-/// number), which keeps their cost below that of the iterations.
+/// and nothing else. Ranks agree by one reduction per check, so that all stop after the same
+/// iteration; all but the last of them run beside an iteration. Checks grow rarer with the
+/// iterations (every eighth of their number), which keeps their cost below that of the iterations.
 ///
 ///   convergence<Lists, Ranks> watch(lists, state, settings, ranks);   // before any impulse acts
 ///   int k = 0;
 ///   for (; k < watch.limit(); ++k) {
 ///     ...                           // all ranks hold the velocities after k iterations
-///     if (watch.reached(k)) break;  // a lone rank knows at once
+///     if (watch.reached(k)) break;
 ///     ...                           // iterate
-///     if (watch.agreed()) { ++k; break; }
+///     watch.hear();
 ///   }
 template <class Lists, class Ranks>
 class convergence {
@@ -51,29 +50,28 @@ class convergence {
   }
   [[nodiscard]] bool watches() const { return watches_; }
 
-  /// Checks the velocities after `k` iterations, if a check is due.
+  /// Checks the velocities after `k` iterations, if a check is due: whether they are the solution.
   bool reached(int k) {
-    if (!watches_ || k < next_) return false;
+    if (!watches_ || (k < next_ && !hopeful_)) return false;
     next_ = k + std::max(1, k / 8);
     look();
-    if constexpr (alone) return conclude();
-    return false;
+    if (alone || hopeful_) settled_ = conclude();
+    return settled_;
   }
-  /// Whether the last check has found the residual small enough, on all ranks.
-  bool agreed() {
-    if constexpr (alone) return false;
-    if (!looking_) return false;
-    ranks_.finish_reduce(now_.sums);
-    return conclude();
+  /// Takes in what the ranks have found, one iteration ago. If that was small enough, the next
+  /// check is made at once and waited for, so that the velocities that are kept are those that
+  /// passed.
+  void hear() {
+    if constexpr (!alone)
+      if (looking_) hopeful_ = conclude();
   }
   /// After the last of `k` iterations. Where the tolerance was not reached, `refresh` is called to
-  /// give all ranks the velocities, and the residual is that of the solution.
+  /// give all ranks the velocities, and the residual is that of what was reached.
   template <class Refresh>
   [[nodiscard]] solved end(int k, Refresh&& refresh) {
-    if (watches_ && !(residual_ <= settings_.tolerance)) {
+    if (watches_ && !settled_) {
       if constexpr (!alone) refresh();
       look();
-      if constexpr (!alone) ranks_.finish_reduce(now_.sums);
       conclude();
     }
     return {k, residual_};
@@ -90,6 +88,7 @@ class convergence {
     looking_ = true;
   }
   bool conclude() {
+    if constexpr (!alone) ranks_.finish_reduce(now_.sums);
     looking_ = false;
     residual_ = now_.value(scale_);
     return residual_ <= settings_.tolerance;
@@ -101,6 +100,7 @@ class convergence {
   Ranks& ranks_;
   bool watches_;
   bool opening_ = false, looking_ = false;  ///< a reduction is open: of the scale, of a check
+  bool hopeful_ = false, settled_ = false;
   int next_ = 0;
   residual_scale scale_;
   residual_sums now_;

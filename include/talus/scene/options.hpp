@@ -181,8 +181,8 @@ struct options {
     cli.add_positive("--dt", dt, "length of a time step");
     cli.add("--ranks", ranks, "ranks to start (default: as the decomposition says)", 1);
     cli.add("--iterations", iterations, "iterations of the solver per step", 1);
-    cli.add("--tolerance", tolerance, "iterate until this contact residual (0: fixed iterations)",
-            0, 0.5);
+    cli.add("--tolerance", tolerance, "contact residual to iterate to (default: fixed iterations)",
+            1e-14, 0.5);
     cli.add("--max-iterations", max_iterations, "at most, with --tolerance (default: 1000)", 1);
     cli.add("--seed", seed, "seed of all random numbers");
     cli.add("--json", json, "write the results to this file");
