@@ -16,10 +16,10 @@ namespace {
 constexpr real g = 9.81, dt = 1.0 / 240;
 
 /// A heap of spheres and boxes in a box of planes, shared out in columns.
-template <class Solver, class Transport = threads>
+template <class Solver, class Transport = threads, class... Monitors>
 struct heap {
   using scenario_type = scenario<bodies<sphere, box, plane>, solver<Solver>, transport<Transport>,
-                                 decomposition<grid<dynamic, dynamic>>>;
+                                 decomposition<grid<dynamic, dynamic>>, features<Monitors...>>;
   using world_type = world<scenario_type>;
   static constexpr real side = 4.5;
 
@@ -201,4 +201,31 @@ TEST_CASE("settings of the solver that make no sense are refused") {
   w.step(dt);  // nothing to solve
   CHECK(w.convergence().iterations == 0);
   CHECK(w.convergence().residual == 0);
+}
+
+TEST_CASE("a monitor notes the residual of every step, and changes none") {
+  using plain = heap<nonlinear_gauss_seidel>;
+  using watched = heap<nonlinear_gauss_seidel, threads, residual_monitor>;
+  for (const int ranks : {1, 4}) {
+    std::vector<std::string> digests;
+    double worst = 0;
+    const auto note = [&](auto& w, bool speaks) {
+      const auto digest = state_digest(w);
+      if (speaks) digests.push_back(digest);
+    };
+    plain::on(ranks, 0, [&](auto& w, bool speaks) {
+      for (int k = 0; k < 60; ++k) {
+        w.step(dt);
+        const double now = measure_residual(w).value;
+        if (speaks) worst = std::max(worst, now);
+      }
+      note(w, speaks);
+    });
+    watched::on(ranks, 60, [&](auto& w, bool speaks) {
+      note(w, speaks);
+      if (speaks) CHECK(w.convergence().residual_worst == worst);
+    });
+    CHECK(digests[0] == digests[1]);
+    CHECK(worst > 1e-6);
+  }
 }

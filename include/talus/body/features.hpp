@@ -53,6 +53,12 @@ struct penetration_monitor final {
   static constexpr const char* name = "penetration_monitor";
 };
 
+/// The contact residual of every step: observe/residual.hpp. Over ranks it is collective.
+struct residual_monitor final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "residual_monitor";
+};
+
 namespace detail {
 
 template <class Feature>
@@ -63,8 +69,8 @@ struct part_of_features {
   static_assert(
       is_feature<Feature>::value,
       "features<...> takes orientation, forces, user_ids, visibility, damping and the "
-      "monitors energy_ledger, momentum_balance and penetration_monitor, and this type is "
-      "none of them: remove it");
+      "monitors energy_ledger, momentum_balance, penetration_monitor and residual_monitor, and "
+      "this type is none of them: remove it");
 };
 
 }  // namespace detail

@@ -30,7 +30,8 @@ struct monitor_values {
 template <class Scenario>
 inline constexpr bool has_monitors = Scenario::template has_feature<energy_ledger> ||
                                      Scenario::template has_feature<momentum_balance> ||
-                                     Scenario::template has_feature<penetration_monitor>;
+                                     Scenario::template has_feature<penetration_monitor> ||
+                                     Scenario::template has_feature<residual_monitor>;
 
 /// Collective: asks every monitor that the scenario names, and costs nothing where it names none.
 template <class Scenario>
@@ -48,6 +49,12 @@ template <class Scenario>
     add("overlap_max", "1", o.max);
     add("overlap_worst", "1", o.worst);
     say("overlap", o.mean);
+  }
+  if constexpr (Scenario::template has_feature<residual_monitor>) {
+    const convergence& c = w.convergence();
+    add("contact_residual", "1", c.residual);
+    add("contact_residual_worst", "1", c.residual_worst);
+    say("residual", c.residual);
   }
   if constexpr (Scenario::template has_feature<momentum_balance>) {
     const momentum_account b = measure_momentum(w);

@@ -1,84 +1,16 @@
 #pragma once
 // How well the velocities and impulses of the last step fulfil the contact law.
-#include <cstdint>
-#include <cstring>
-#include <vector>
-
-#include "talus/response/residual.hpp"
+#include "talus/world/last_residual.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
-
-/// The contact residual, without dimension: |r - P_K(r - rho u^)| / max(|r|, rho |q|, rho |u|), the
-/// natural map of the frictional contact problem in De Saxce's form (Acary, Bremond, Huber 2018).
-/// r are the impulses, u = W r + q the relative velocities less what gaps and restitution ask for,
-/// u^ = u + mu |u_t| n, K the Coulomb cones, rho = 1 / mean diagonal of W.
-struct contact_residual {
-  double value = 0;  ///< of all contacts; 0 where nothing touches
-  /// Of the worst contact, over the root mean square of the scale: `value` is the root mean square
-  /// of such values.
-  double max = 0;
-  std::uint64_t contacts = 0;
-};
-
-namespace detail {
-
-/// Gives shadow copies what their owners have, in two solver states of the last step.
-template <class Scenario>
-void refresh_last_step(world_state<Scenario>& s, solver_state& x, solver_state& y) {
-  constexpr std::size_t bytes = 4 * sizeof(vec3);
-  const auto each = [&](std::uint32_t i, auto&& f) {
-    f(x.bodies[i].v), f(x.bodies[i].w), f(y.bodies[i].v), f(y.bodies[i].w);
-  };
-  std::vector<parcel> parcels;
-  for (const auto& other : s.travelled) {
-    parcel& p = parcels.emplace_back(parcel{.rank = other.rank});
-    p.out.resize(other.sent.size() * bytes);
-    p.in.resize(other.received.size() * bytes);
-    std::byte* to = p.out.data();
-    for (const auto i : other.sent)
-      each(i, [&](const vec3& v) { std::memcpy(to, v.data(), sizeof v), to += sizeof v; });
-  }
-  s.link->start_fixed(parcels);
-  s.link->finish_fixed(parcels);
-  for (std::size_t n = 0; n < parcels.size(); ++n) {
-    const std::byte* from = parcels[n].in.data();
-    for (const auto i : s.travelled[n].received)
-      each(i, [&](vec3& v) { std::memcpy(v.data(), from, sizeof v), from += sizeof v; });
-  }
-}
-
-}  // namespace detail
 
 /// Collective: the residual of the last step, whatever has happened to bodies and connections
 /// since; it is also noted in world::convergence(). Changes nothing else.
 template <class Scenario>
 contact_residual measure_residual(world<Scenario>& w) {
   w.require_all_ranks("measure_residual");
-  auto& s = w.state();
-  // Velocities at the end, and what the impulses gave to them: u and W r are read from these.
-  detail::solver_state after = s.solver, given = s.solver;
-  for (auto& body : given.bodies) body.v.setZero(), body.w.setZero();
-  s.each_contact_list([&](const auto& list) {
-    if constexpr (requires { list.apply_remembered(given); }) list.apply_remembered(given);
-  });
-  if constexpr (!detail::world_state<Scenario>::link_type::alone)
-    detail::refresh_last_step(s, after, given);
-
-  detail::residual_scale scale;
-  detail::each_counted(s.contacts, [&](const auto& c) {
-    scale.add(c, after, detail::violation(c, after) - c.relative_velocity(given));
-  });
-  w.link().reduce(reduction::sum, scale.sums);
-  detail::residual_sums sums;
-  detail::each_counted(s.contacts, [&](const auto& c) { sums.add(c, after, scale.rho()); });
-  w.link().reduce(reduction::sum, sums.sums);
-  w.link().reduce(reduction::max, std::span(&sums.largest, 1));
-
-  const contact_residual r{sums.value(scale), sums.worst(scale),
-                           static_cast<std::uint64_t>(sums.sums[3])};
-  s.convergence.add_residual(r.value);
-  return r;
+  return detail::last_residual(w.state());
 }
 
 }  // namespace talus

@@ -3,6 +3,7 @@
 #include "talus/world/detect.hpp"
 #include "talus/world/energy_ledger.hpp"
 #include "talus/world/hand_over.hpp"
+#include "talus/world/last_residual.hpp"
 #include "talus/world/momentum_balance.hpp"
 #include "talus/world/respond.hpp"
 #include "talus/world/state.hpp"
@@ -41,6 +42,7 @@ void step(world_state<Scenario>& s, real dt) {
   ++s.steps;
   s.time += dt;
   hand_over(s);  // bodies that left go to their new owner, shadow copies are refreshed
+  if constexpr (watches<Scenario, residual_monitor>) (void)last_residual(s);
 }
 
 }  // namespace talus::detail
