@@ -31,7 +31,7 @@ class bullet_engine {
     const pair_law ball_law{friction.friction, restitution.friction};
     const pair_law fixed_law{friction.restitution, restitution.restitution};
 
-    bodies_.reserve(s.balls.size() + s.walls.size() + s.blocks.size());
+    bodies_.reserve(s.balls.size() + s.walls.size() + s.blocks.size() + s.crates.size());
     const btQuaternion upright(0, 0, 0, 1);
     for (const ball& b : s.balls) {
       auto* body = add(std::make_unique<btSphereShape>(btScalar(b.radius)),
@@ -48,6 +48,15 @@ class bullet_engine {
       const auto [w, x, y, z] = b.orientation;
       add(std::make_unique<btBoxShape>(vector(b.size) * btScalar(0.5)), 0, vector(b.centre),
           btQuaternion(btScalar(x), btScalar(y), btScalar(z), btScalar(w)), fixed_law);
+    }
+    for (const crate& c : s.crates) {
+      const auto [w, x, y, z] = c.orientation;
+      auto* body = add(std::make_unique<btBoxShape>(vector(c.size) * btScalar(0.5)),
+                       c.density * c.size[0] * c.size[1] * c.size[2], vector(c.centre),
+                       btQuaternion(btScalar(x), btScalar(y), btScalar(z), btScalar(w)), ball_law);
+      body->setLinearVelocity(vector(c.velocity));
+      body->setAngularVelocity(vector(c.spin));
+      body->setActivationState(DISABLE_DEACTIVATION);
     }
   }
 
@@ -66,6 +75,20 @@ class bullet_engine {
       const btRigidBody& body = *bodies_[i];
       out[i] = {plain(body.getCenterOfMassPosition()), scene_.balls[i].radius,
                 plain(body.getLinearVelocity()), plain(body.getAngularVelocity())};
+    }
+    return out;
+  }
+
+  [[nodiscard]] std::vector<crate> crates() const {
+    std::vector<crate> out = scene_.crates;
+    const auto first = bodies_.size() - out.size();
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const btRigidBody& body = *bodies_[first + i];
+      const btQuaternion q = body.getWorldTransform().getRotation();
+      out[i].centre = plain(body.getCenterOfMassPosition());
+      out[i].orientation = {q.w(), q.x(), q.y(), q.z()};
+      out[i].velocity = plain(body.getLinearVelocity());
+      out[i].spin = plain(body.getAngularVelocity());
     }
     return out;
   }

@@ -48,6 +48,22 @@ class ode_engine {
       dGeomSetQuaternion(geom, q);
       fix(geom);
     }
+    for (const crate& c : s.crates) {
+      const dGeomID geom = number(dCreateBox(space_, c.size[0], c.size[1], c.size[2]));
+      const dBodyID body = dBodyCreate(world_);
+      dMass mass;
+      dMassSetBox(&mass, c.density, c.size[0], c.size[1], c.size[2]);
+      dBodySetMass(body, &mass);
+      dBodySetPosition(body, c.centre[0], c.centre[1], c.centre[2]);
+      const dQuaternion q = {c.orientation[0], c.orientation[1], c.orientation[2],
+                             c.orientation[3]};
+      dBodySetQuaternion(body, q);
+      dBodySetLinearVel(body, c.velocity[0], c.velocity[1], c.velocity[2]);
+      dBodySetAngularVel(body, c.spin[0], c.spin[1], c.spin[2]);
+      dBodySetAutoDisableFlag(body, 0);
+      dGeomSetBody(geom, body);
+      crates_.push_back(body);
+    }
   }
 
   ~ode_engine() {
@@ -76,6 +92,19 @@ class ode_engine {
     for (std::size_t i = 0; i < out.size(); ++i)
       out[i] = {plain(dBodyGetPosition(bodies_[i])), scene_.balls[i].radius,
                 plain(dBodyGetLinearVel(bodies_[i])), plain(dBodyGetAngularVel(bodies_[i]))};
+    return out;
+  }
+
+  [[nodiscard]] std::vector<crate> crates() const {
+    std::vector<crate> out = scene_.crates;
+    const auto plain = [](const dReal* v) { return vec{v[0], v[1], v[2]}; };
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const dReal* q = dBodyGetQuaternion(crates_[i]);
+      out[i].centre = plain(dBodyGetPosition(crates_[i]));
+      out[i].orientation = {q[0], q[1], q[2], q[3]};
+      out[i].velocity = plain(dBodyGetLinearVel(crates_[i]));
+      out[i].spin = plain(dBodyGetAngularVel(crates_[i]));
+    }
     return out;
   }
 
@@ -125,8 +154,15 @@ class ode_engine {
   }
 
   void touch(dGeomID first, dGeomID second) {
-    dContact contact{};
-    if (dCollide(first, second, 1, &contact.geom, sizeof contact) == 0) return;
+    // One point where a sphere is involved; all that ODE offers between boxes and planes.
+    const bool round =
+        dGeomGetClass(first) == dSphereClass || dGeomGetClass(second) == dSphereClass;
+    dContact contacts[8];  // of the surface ODE reads what the mode names
+    const int count = dCollide(first, second, round ? 1 : 8, &contacts[0].geom, sizeof contacts[0]);
+    for (int i = 0; i < count; ++i) touch_at(first, second, contacts[i]);
+  }
+
+  void touch_at(dGeomID first, dGeomID second, dContact& contact) {
     const bool free = dGeomGetBody(first) && dGeomGetBody(second);
     const pair_law& law = free ? scene_.between_balls : scene_.against_fixed;
     contact.surface.mode = dContactApprox1;
@@ -151,7 +187,7 @@ class ode_engine {
   dWorldID world_{};
   dSpaceID space_{};
   dJointGroupID joints_{};
-  std::vector<dBodyID> bodies_;
+  std::vector<dBodyID> bodies_, crates_;
   std::deque<load> loads_;  // joints keep pointers into it
   std::size_t contacts_ = 0, numbered_ = 0;
   bool watch_ = false;

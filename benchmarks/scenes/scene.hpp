@@ -21,6 +21,18 @@ struct ball {
   vec spin{};
 };
 
+/// A free box: full edge lengths, orientation as unit quaternion (w, x, y, z) from box to world,
+/// spin in the world frame; the initial state in a scene, the final one in what an engine hands
+/// back.
+struct crate {
+  vec centre{};
+  vec size{1, 1, 1};
+  std::array<double, 4> orientation{1, 0, 0, 0};
+  vec velocity{};
+  vec spin{};
+  double density = 1;
+};
+
 /// A fixed plane; solid where normal . x <= offset. The normal has unit length.
 struct wall {
   vec normal{0, 0, 1};
@@ -45,8 +57,9 @@ struct scene {
   std::vector<ball> balls;
   std::vector<wall> walls;
   std::vector<block> blocks;
-  double density = 1;
-  pair_law between_balls;
+  std::vector<crate> crates;
+  double density = 1;      ///< of the balls
+  pair_law between_balls;  ///< and crates: between what moves
   pair_law against_fixed;
   double gravity = 0;  ///< acceleration along z, negative downwards
   double dt = 0;       ///< time step
@@ -97,6 +110,10 @@ inline std::string digest(const scene& s) {
     eat_all(b.position), eat(b.radius), eat_all(b.velocity), eat_all(b.spin);
   for (const wall& w : s.walls) eat_all(w.normal), eat(w.offset);
   for (const block& b : s.blocks) eat_all(b.centre), eat_all(b.size), eat_all(b.orientation);
+  for (const crate& c : s.crates) {
+    eat_all(c.centre), eat_all(c.size), eat_all(c.orientation), eat_all(c.velocity);
+    eat_all(c.spin), eat(c.density);
+  }
   eat(s.density, s.between_balls.friction, s.between_balls.restitution, s.against_fixed.friction,
       s.against_fixed.restitution, s.gravity, s.dt);
   char text[17];

@@ -12,12 +12,13 @@
 
 namespace bench {
 
-template <class... Shapes>
-class talus_engine {
-  using scenario = talus::scenario<talus::bodies<Shapes...>, talus::transport<talus::serial>>;
+template <class Shapes, class... Policies>
+class talus_engine_with {
+  using scenario = talus::scenario<Shapes, talus::transport<talus::serial>, Policies...>;
+  static constexpr bool boxes = scenario::template has_shape<talus::box>;
 
  public:
-  talus_engine(const scene& s, int iterations) : scene_(s), world_(link_) {
+  explicit talus_engine_with(const scene& s, int iterations = 0) : scene_(s), world_(link_) {
     if (iterations > 0) world_.solver().iterations = iterations;
     const auto loose = world_.material({.density = s.density,
                                         .restitution = s.between_balls.restitution,
@@ -32,14 +33,21 @@ class talus_engine {
       for (const wall& w : s.walls)
         scope.add(talus::plane{.normal = vector(w.normal), .offset = w.offset}, firm);
     });
-    if constexpr ((std::is_same_v<Shapes, talus::box> || ...))
+    if constexpr (boxes) {
       for (const block& b : s.blocks)
-        world_.add(talus::body{
-            .shape = talus::box{.size = vector(b.size)},
-            .position = vector(b.centre),
-            .material = firm,
-            .orientation = {b.orientation[0], b.orientation[1], b.orientation[2], b.orientation[3]},
-            .fixed = true});
+        world_.add(talus::body{.shape = talus::box{.size = vector(b.size)},
+                               .position = vector(b.centre),
+                               .material = firm,
+                               .orientation = turn(b.orientation),
+                               .fixed = true});
+      for (const crate& c : s.crates)
+        world_.add(talus::body{.shape = talus::box{.size = vector(c.size)},
+                               .position = vector(c.centre),
+                               .material = of_density(c.density, loose, firm),
+                               .velocity = vector(c.velocity),
+                               .angular_velocity = vector(c.spin),
+                               .orientation = turn(c.orientation)});
+    }
     for (const ball& b : s.balls)
       world_.add(talus::body{.shape = talus::sphere{b.radius},
                              .position = vector(b.position),
@@ -62,6 +70,22 @@ class talus_engine {
                      array(store.angular_velocity[i])});
     return all;
   }
+  /// After the blocks, which are boxes too.
+  [[nodiscard]] std::vector<crate> crates() const {
+    std::vector<crate> all = scene_.crates;
+    if constexpr (boxes) {
+      const auto& store = world_.state().template of<talus::box>().movable;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const std::size_t at = scene_.blocks.size() + i;
+        const talus::quat& q = store.orientation_of[at];
+        all[i].centre = array(store.position[at]);
+        all[i].orientation = {q.w(), q.x(), q.y(), q.z()};
+        all[i].velocity = array(store.velocity[at]);
+        all[i].spin = array(store.angular_velocity[at]);
+      }
+    }
+    return all;
+  }
   [[nodiscard]] std::size_t contacts() const {
     std::size_t n = 0;
     world_.state().each_contact_list([&](const auto& list) { n += list.size(); });
@@ -76,8 +100,7 @@ class talus_engine {
     };
     add(world_.state().template of<talus::sphere>().movable, partner::ball);
     add(world_.state().template of<talus::plane>().global, partner::wall);
-    if constexpr ((std::is_same_v<Shapes, talus::box> || ...))
-      add(world_.state().template of<talus::box>().movable, partner::block);
+    if constexpr (boxes) add(world_.state().template of<talus::box>().movable, partner::block);
     const auto by_id = [](const entry& x, const entry& y) { return x.first < y.first; };
     std::sort(bodies.begin(), bodies.end(), by_id);
     const auto find = [&](talus::system_id id) {
@@ -102,12 +125,35 @@ class talus_engine {
   }
 
  private:
+  /// A material for each density of crates, else alike.
+  talus::material_id of_density(double density, talus::material_id loose, talus::material_id firm) {
+    if (density == scene_.density) return loose;
+    for (const auto& [known, id] : densities_)
+      if (known == density) return id;
+    const auto id = world_.material({.density = density});
+    const auto law = [](const pair_law& p) {
+      return talus::pair_material{p.restitution, p.friction, p.friction};
+    };
+    world_.material_pair(id, loose, law(scene_.between_balls));
+    world_.material_pair(id, firm, law(scene_.against_fixed));
+    for (const auto& [known, other] : densities_)
+      world_.material_pair(id, other, law(scene_.between_balls));
+    world_.material_pair(id, id, law(scene_.between_balls));
+    densities_.emplace_back(density, id);
+    return id;
+  }
+  static talus::quat turn(const std::array<double, 4>& q) { return {q[0], q[1], q[2], q[3]}; }
   static talus::vec3 vector(const vec& v) { return {v[0], v[1], v[2]}; }
   static vec array(const talus::vec3& v) { return {v[0], v[1], v[2]}; }
 
   scene scene_;
   talus::serial::link link_;
   talus::world<scenario> world_;
+  std::vector<std::pair<double, talus::material_id>> densities_;
 };
+
+/// With the default solver.
+template <class... Shapes>
+using talus_engine = talus_engine_with<talus::bodies<Shapes...>>;
 
 }  // namespace bench
