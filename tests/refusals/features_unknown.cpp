@@ -1,4 +1,5 @@
-// expects: features<...> takes orientation, forces, user_ids, visibility, damping and the monitors
+// expects: features<...> takes orientation, forces, user_ids, visibility, damping,
+// continuous_collision and the monitors
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

@@ -33,6 +33,11 @@ struct damping final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "damping";
 };
+/// Bodies that move far in a step stop at what they meet on their way: see world/continuous.hpp.
+struct continuous_collision final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "continuous_collision";
+};
 
 // Monitors: they watch every step, and change no trajectory by a bit.
 
@@ -66,11 +71,11 @@ struct is_feature : std::bool_constant<is_part<Feature, roles::features>> {};
 
 template <class Feature>
 struct part_of_features {
-  static_assert(
-      is_feature<Feature>::value,
-      "features<...> takes orientation, forces, user_ids, visibility, damping and the "
-      "monitors energy_ledger, momentum_balance, penetration_monitor and residual_monitor, and "
-      "this type is none of them: remove it");
+  static_assert(is_feature<Feature>::value,
+                "features<...> takes orientation, forces, user_ids, visibility, damping, "
+                "continuous_collision and the monitors energy_ledger, momentum_balance, "
+                "penetration_monitor and residual_monitor, and "
+                "this type is none of them: remove it");
 };
 
 }  // namespace detail

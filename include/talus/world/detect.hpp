@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "talus/detect/narrow.hpp"
+#include "talus/world/continuous.hpp"
 #include "talus/world/hand_over.hpp"
 #include "talus/world/state.hpp"
 
@@ -126,6 +127,11 @@ class contact_maker {
                      arm_b = g.point - b_.position[j];
                      u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
                    }
+                   if constexpr (state_type::continuous) {
+                     if (not_met(i, j, g.gap, pair)) return;
+                     u += flown(a_, i, first_a_);
+                     if constexpr (paired) u -= flown(b_, j, first_b_);
+                   }
                    if (parts_before_touching(i, j, g, u)) return;
                    if constexpr (watches<Scenario, penetration_monitor>)
                      if (!boundary || own_a) s_.monitors.overlaps.add(g.gap);
@@ -137,6 +143,12 @@ class contact_maker {
                                                         creep(i), s_.settings.correction);
                    c.target = want.target;
                    c.push = want.push;
+                   if constexpr (state_type::continuous) {
+                     const bool rebounds = c.target > 0;
+                     c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
+                     if constexpr (paired)
+                       c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
+                   }
                    if constexpr (law::friction) c.friction = want.friction;
                    const contact_key key{a_.id[i], b_.id[j], g.feature};
                    if (boundary)
@@ -157,6 +169,36 @@ class contact_maker {
     if constexpr (store_a::tensor) closing -= turning(a_, i);
     if constexpr (paired && store_b::tensor) closing -= turning(b_, j);
     return g.gap + closing > slack - excess(i, j);
+  }
+  [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }
+  /// Bodies apart that were followed on their way and do not meet in this step. (Where one of them
+  /// struck something its way is another one from then on: as without following, it is kept from
+  /// entering the other, unless that would be a rebound at a distance.)
+  bool not_met(std::size_t i, std::size_t j, real gap, const pair_material& pair) const {
+    const real zone = contact_zone(a_.shape[i], b_.shape[j]);
+    if (gap <= zone) return false;
+    real way = way_of(s_, a_, i);
+    bool struck = impact_time(first_a_ + i) != never;
+    if constexpr (paired) {
+      way += way_of(s_, b_, j);
+      struck = struck || impact_time(first_b_ + j) != never;
+    }
+    return way > slow_way(s_, zone) && !(struck && !(law::restitution && pair.restitution > 0));
+  }
+  /// What the true velocity of a body at its impact is above the stored one.
+  template <class Store>
+  vec3 flown(const Store& store, std::size_t i, std::size_t first) const {
+    const real t = impact_time(first + i);
+    if (t == never) return {0, 0, 0};
+    return (real(0.5) * s_.dt + t) * acceleration_of(s_, store, i);
+  }
+  /// The same at the end of the step above what the velocity is after the impact: of a body that
+  /// rebounds and flies on, or else of one that stays.
+  template <class Store>
+  vec3 to_fly(const Store& store, std::size_t i, std::size_t first, bool rebounds) const {
+    const real t = impact_time(first + i);
+    if (t == never) return {0, 0, 0};
+    return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
   }
   /// The slack of a large body that is none of a small one beside it: both have that of the small.
   real excess(std::size_t i, std::size_t j) const {
@@ -209,16 +251,19 @@ class contact_maker {
   real gravity_;
 };
 
-/// Sorts the bodies of each shape into its grid.
-template <class Scenario>
-void prepare_detection(world_state<Scenario>& s) {
+/// Sorts the bodies of each shape into its grid; reach(store, i, index in the solver's arrays) says
+/// how far a movable body reaches.
+template <class Scenario, class Reach>
+void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
   const body_counts count = number_bodies(s);
   s.solver.first_tensor = count.scalar;
   s.solver.bodies.resize(count.all);
   s.each_finite_shape([&](auto& b) {
     const auto sort = [&](auto& store, std::vector<real>& reach, hash_grid& grid) {
       reach.resize(store.size());
-      for (std::size_t i = 0; i < store.size(); ++i) reach[i] = reach_of(store, i, s.dt);
+      for (std::size_t i = 0; i < store.size(); ++i)
+        reach[i] = &store == &b.movable ? reach_of_movable(store, i, b.first + i)
+                                        : reach_of(store, i, s.dt);
       try {
         grid.build(store.position, reach);
       } catch (const unplaceable& e) {
@@ -233,20 +278,22 @@ void prepare_detection(world_state<Scenario>& s) {
   });
 }
 
-/// Finds all contacts that this rank computes: those that touch a body it owns.
 template <class Scenario>
-void detect(world_state<Scenario>& s) {
-  prepare_detection(s);
-  s.each_contact_list([](auto& list) { list.clear(); });
-  if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
+void prepare_detection(world_state<Scenario>& s) {
+  prepare_detection(
+      s, [&](const auto& store, std::size_t i, std::size_t) { return reach_of(store, i, s.dt); });
+}
 
+/// Hands all pairs of bodies within reach of each other to the Maker of their shapes.
+template <template <class, class, class, partner> class Maker, class Scenario>
+void each_close_pair(world_state<Scenario>& s) {
   const auto margin = [](const auto& store, const std::vector<real>& reach, std::size_t i) {
     return reach[i] - store.shape[i].bounding_radius();
   };
   s.each_finite_shape([&](auto& a) {
     using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
 
-    contact_maker<Scenario, A, A, partner::moving> among(s);
+    Maker<Scenario, A, A, partner::moving> among(s);
     a.grid.pairs([&](std::size_t i, std::size_t j) {
       among(i, j, margin(a.movable, a.reach, i), margin(a.movable, a.reach, j));
     });
@@ -256,12 +303,12 @@ void detect(world_state<Scenario>& s) {
       constexpr bool later =
           index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
       if constexpr (B::finite && later) {
-        contact_maker<Scenario, A, B, partner::moving> between(s);
+        Maker<Scenario, A, B, partner::moving> between(s);
         a.grid.pairs_with(b.grid, [&](std::size_t i, std::size_t j) {
           between(i, j, margin(a.movable, a.reach, i), margin(b.movable, b.reach, j));
         });
       }
-      contact_maker<Scenario, A, B, partner::immovable> against(s);
+      Maker<Scenario, A, B, partner::immovable> against(s);
       if constexpr (B::finite) {
         if (b.global.size() > 0)
           a.grid.pairs_with(b.global_grid, [&](std::size_t i, std::size_t j) {
@@ -274,6 +321,23 @@ void detect(world_state<Scenario>& s) {
       }
     });
   });
+}
+
+/// Finds all contacts that this rank computes: those that touch a body it owns.
+template <class Scenario>
+void detect(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::continuous) {
+    prepare_detection(s);
+    follow_flights(s, [&] { each_close_pair<impact_finder>(s); });
+    prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t k) {
+      return reach_after_flight(s, store, i, k);
+    });
+  } else {
+    prepare_detection(s);
+  }
+  s.each_contact_list([](auto& list) { list.clear(); });
+  if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
+  each_close_pair<contact_maker>(s);
 }
 
 }  // namespace talus::detail

@@ -135,6 +135,24 @@ void book_response(world_state<Scenario>& s) {
   book_contacts(s);
 }
 
+/// Of continuous collision: a body was brought to its impact, before the response. `from`, `turned`
+/// and `w` are its pose and angular velocity before.
+template <class Scenario, class Store>
+void book_flight(world_state<Scenario>& s, const Store& store, std::size_t i, const pose& from,
+                 const vec3& w) {
+  auto& scheme = s.monitors.energy.running.scheme;
+  scheme += -s.gravity.dot(store.position[i] - from.position) / store.inverse_mass[i];
+  if constexpr (Store::tensor)
+    scheme +=
+        0.5 * (twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]) -
+               twice_spin_energy(store, i, from.orientation, w));
+}
+/// And then it went on by less than its last velocity times the step: by `missing`.
+template <class Scenario, class Store>
+void book_stop(world_state<Scenario>& s, const Store& store, std::size_t i, const vec3& missing) {
+  s.monitors.energy.running.scheme += s.gravity.dot(missing) / store.inverse_mass[i];
+}
+
 /// After positions have moved: what free rotation and the correction of overlaps did to the energy
 /// of rotation. The correction turns bodies last and leaves their angular velocity.
 template <class Scenario>

@@ -303,6 +303,14 @@ void announce_changes(world_state<Scenario>& s) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
     if (s.changed) refuse_closed_faces(s, false);
+    if constexpr (world_state<Scenario>::continuous) {
+      // The first round tells how far bodies fly now, the second acts on it.
+      std::vector<real> before;
+      for (const auto& n : s.neighbours) before.push_back(n.reach);
+      share_shadow_copies(s, s.changed);
+      for (std::size_t n = 0; n < before.size(); ++n)
+        s.changed = s.changed || s.neighbours[n].reach > before[n];
+    }
     share_shadow_copies(s, s.changed);
   }
   s.changed = false;

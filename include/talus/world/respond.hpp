@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "talus/response/integrate.hpp"
+#include "talus/world/continuous.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/state.hpp"
 
@@ -76,17 +77,26 @@ void integrate(world_state<Scenario>& s) {
       store.velocity[i] = kept * body.v;
       store.angular_velocity[i] = kept * body.w;
       vec3 rate = store.velocity[i];
+      real left = s.dt;
+      if constexpr (world_state<Scenario>::continuous)
+        if (const real t = s.impacts.time[b.first + i]; t != never) {
+          rate += (real(0.5) * t) * acceleration_of(s, store, i);
+          left = s.impacts.found[b.first + i] - t;
+          rate *= left / s.dt;
+          if constexpr (watches<Scenario, energy_ledger>)
+            book_stop(s, store, i, s.dt * (store.velocity[i] - rate));
+        }
       if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i];
       store.position[i] += s.dt * rate;
       if constexpr (store_type::tensor) {
         store.angular_velocity[i] = rotate_freely(
-            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), s.dt);
+            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), left);
         if constexpr (world_state<Scenario>::law::correction)
           store.orientation_of[i] = turned<real>(
               store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor]);
       } else if constexpr (store_type::oriented) {
         store.orientation_of[i] =
-            turned<real>(store.orientation_of[i], s.dt * store.angular_velocity[i]);
+            turned<real>(store.orientation_of[i], left * store.angular_velocity[i]);
       }
     }
     if constexpr (store_type::forced) {

@@ -44,6 +44,11 @@ class shared_velocities {
     const stage_clock clock(s_.seconds.exchange);
     s_.link->finish_reduce(sums);
   }
+  /// One value of each body.
+  void share_values(std::vector<real>& values) {
+    exchange<1>([&](std::uint32_t i, real* out) { out[0] = values[i]; },
+                [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
+  }
   void share_corrections() {
     solver_state& solver = s_.solver;
     if constexpr (!turning)

@@ -100,6 +100,14 @@ struct neighbour {
   }
 };
 
+/// When bodies strike something in the step under way; see world/continuous.hpp.
+struct impact_times {
+  std::vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
+  std::vector<real> found;
+  bool second_round = false;
+};
+struct no_impact_times {};
+
 template <class Shape>
 struct is_finite : std::bool_constant<Shape::finite> {};
 template <class Shape>
@@ -132,6 +140,11 @@ struct world_state {
   real dt = 0;  ///< of the last step, or of the one under way
   std::uint64_t steps = 0;
   real time = 0;
+
+  /// Whether bodies are followed on their way through a step.
+  static constexpr bool continuous =
+      contains_type<typename Scenario::features, continuous_collision>;
+  [[no_unique_address]] std::conditional_t<continuous, impact_times, no_impact_times> impacts;
 
   lists_type contacts;
   contact_history history;

@@ -25,15 +25,19 @@ template <class Scenario>
 void step(world_state<Scenario>& s, real dt) {
   s.dt = dt;
   announce_changes(s);
+  if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
   timed(s, s.seconds.detect, [&] {
     detect(s);  // contacts of local bodies with each other, with shadow copies, with global bodies
   });
-  if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
   timed(s, s.seconds.respond, [&] {
     respond(s);  // velocities that fulfil the contact law, iterated with the neighbours
   });
   if constexpr (watches<Scenario, energy_ledger>) book_response(s);
   if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
+  if constexpr (world_state<Scenario>::continuous)
+    timed(s, s.seconds.detect, [&] {  // until when bodies that struck something go on
+      limit_flights(s, [&] { each_close_pair<flight_stopper>(s); });
+    });
   timed(s, s.seconds.integrate, [&] {
     integrate(s);  // positions of the bodies owned here
   });

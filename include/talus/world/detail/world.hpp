@@ -276,6 +276,8 @@ void world<Scenario>::step(real dt) {
         "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap in "
         "[0, 1] to correct, but has {}, {} and {}",
         how.iterations, how.correction_iterations, how.correction);
+  // How far bodies reach in a step is told to the neighbours before it.
+  if (dt > state_.dt) state_.dt = dt, state_.changed = true;
   if (!synchronized_) synchronize();
   if (rewired_)
     detail::fail<std::runtime_error>(

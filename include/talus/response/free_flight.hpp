@@ -1,0 +1,40 @@
+#pragma once
+// Where a body goes in a step if nothing is in its way.
+#include "talus/core/math.hpp"
+#include "talus/response/free_rotation.hpp"
+
+namespace talus::detail {
+
+/// A parabola through the places that semi-implicit Euler reaches: x + (v + a dt/2) t + a t^2/2 is
+/// there after any number of steps of constant acceleration, so that a velocity of that scheme is
+/// the true one half a step before. A body whose orientation matters turns as a free one does.
+template <bool Turns>
+struct free_flight {
+  vec3 position{0, 0, 0};
+  vec3 velocity{0, 0, 0};  ///< at time 0, the true one
+  vec3 acceleration{0, 0, 0};
+  quat orientation{1, 0, 0, 0};
+  vec3 spin{0, 0, 0};     ///< angular velocity
+  vec3 inertia{1, 1, 1};  ///< principal moments, to a factor
+
+  [[nodiscard]] vec3 place(real t) const {
+    return position + t * velocity + (real(0.5) * t * t) * acceleration;
+  }
+  [[nodiscard]] vec3 speed(real t) const { return velocity + t * acceleration; }
+  [[nodiscard]] pose at(real t) const {
+    pose p{place(t), orientation};
+    if constexpr (Turns)
+      if (spin.squaredNorm() > 0) (void)rotate_freely(p.orientation, spin, inertia, t);
+    return p;
+  }
+  /// The body at rest where it is at time t.
+  [[nodiscard]] free_flight stopped(real t) const {
+    const pose p = at(t);
+    free_flight f;
+    f.position = p.position;
+    f.orientation = p.orientation;
+    return f;
+  }
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,328 @@
+#pragma once
+// features<continuous_collision>: a body that strikes something in a step is first brought to the
+// time of its first impact in that step. Contacts are found and solved there, with the true normal
+// and nothing at a distance, and it goes the rest of the step with its new velocity, but only until
+// it meets something else, and no further than half its inner radius, beyond which nobody has
+// looked. So nothing passes through anything, however thin, nobody is deflected by what it passes,
+// and bodies rebound where they are struck. All this is for bodies faster than what gravity adds in
+// a step or two; slower ones are in contact, or nearly so.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "talus/detect/narrow.hpp"
+#include "talus/detect/time_of_impact.hpp"
+#include "talus/response/free_flight.hpp"
+#include "talus/world/energy_ledger.hpp"
+#include "talus/world/shared_velocities.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Acceleration of a body by gravity and the forces on it.
+template <class Scenario, class Store>
+[[nodiscard]] vec3 acceleration_of(const world_state<Scenario>& s, const Store& store,
+                                   std::size_t i) {
+  if (store.inverse_mass[i] == 0) return {0, 0, 0};
+  vec3 a = s.gravity;
+  if constexpr (Store::forced) a += store.inverse_mass[i] * store.force[i];
+  return a;
+}
+
+/// The flight of a body in this step. (What torques add in the step is not in it.)
+template <class Scenario, class Store>
+[[nodiscard]] auto flight_of(const world_state<Scenario>& s, const Store& store, std::size_t i) {
+  free_flight<Store::tensor> f;
+  f.position = store.position[i];
+  f.orientation = store.pose(i).orientation;
+  if (store.inverse_mass[i] == 0) return f;
+  f.acceleration = acceleration_of(s, store, i);
+  f.velocity = store.velocity[i] + (real(0.5) * s.dt) * f.acceleration;
+  if constexpr (Store::tensor) {
+    f.spin = store.angular_velocity[i];
+    f.inertia = store.shape[i].inertia();
+  }
+  return f;
+}
+
+/// How far a point of a body can come in this step.
+template <class Scenario, class Store>
+[[nodiscard]] real way_of(const world_state<Scenario>& s, const Store& store, std::size_t i) {
+  if (store.inverse_mass[i] == 0) return 0;
+  real speed = store.velocity[i].norm() + s.dt * acceleration_of(s, store, i).norm();
+  if constexpr (Store::tensor)
+    speed += store.shape[i].bounding_radius() * store.angular_velocity[i].norm();
+  return s.dt * speed;
+}
+
+/// Radius of the ball about the centre that fits into a convex shape, or about that.
+template <class Shape>
+[[nodiscard]] real inner_radius(const Shape& shape) {
+  if constexpr (Shape::round) {
+    return shape.bounding_radius();
+  } else {
+    real least = never;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const real sign : {-1., 1.})
+        least = std::min(least, sign * shape.support(sign * vec3::Unit(axis))[axis]);
+    return least;
+  }
+}
+
+/// Slack within which two bodies are in contact: contact_slack of the smaller one, for each.
+template <class A, class B>
+[[nodiscard]] real contact_zone(const A& a, const B& b) {
+  if constexpr (B::finite)
+    return 2 * contact_slack * std::min(a.bounding_radius(), b.bounding_radius());
+  else
+    return contact_slack * a.bounding_radius();
+}
+
+/// A way in a step up to which a body counts as slow.
+template <class Scenario>
+[[nodiscard]] real slow_way(const world_state<Scenario>& s, real zone) {
+  return 3 * s.gravity.norm() * s.dt * s.dt + real(1e-3) * zone;
+}
+
+/// What counts as an impact of two shapes.
+template <class Scenario, class A, class B>
+[[nodiscard]] impact_search search_for(const world_state<Scenario>& s, const A& a, const B& b) {
+  real thickness = inner_radius(a), size = a.bounding_radius();
+  if constexpr (B::finite) {
+    thickness = std::min(thickness, inner_radius(b));
+    size = std::min(size, b.bounding_radius());
+  }
+  return {.from = 0,
+          .to = s.dt,
+          .touch = real(1e-6) * size,
+          .zone = contact_zone(a, b),
+          .rest = 2 * s.gravity.norm() * s.dt,
+          .plunge = real(0.5) * thickness};
+}
+
+/// Finds the first impacts of two bodies and keeps the earliest of each body in `impacts.found`. In
+/// the first round all fly as they were going to. In the second those that were stopped stand where
+/// they are, in the way of the others.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner>
+class impact_finder {
+  using state_type = world_state<Scenario>;
+  static constexpr bool paired = Partner == partner::moving;
+  using store_a = body_store<ShapeA, typename Scenario::features>;
+  using store_b = body_store<ShapeB, typename Scenario::features>;
+
+ public:
+  explicit impact_finder(state_type& s)
+      : s_(s),
+        a_(s.template of<ShapeA>().movable),
+        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
+        first_a_(s.template of<ShapeA>().first),
+        first_b_(paired ? s.template of<ShapeB>().first : 0) {}
+
+  void operator()(std::size_t i, std::size_t j, real, real) {
+    // In the order of their ids, so that every rank that sees the pair computes the same.
+    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
+      if (b_.id[j] < a_.id[i]) std::swap(i, j);
+    if (i >= a_.locals && (!paired || j >= b_.locals)) return;
+    const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
+    if (!moves_a && !moves_b) return;
+    const real zone = contact_zone(a_.shape[i], b_.shape[j]);
+    real way = way_of(s_, a_, i);
+    if constexpr (paired) way += way_of(s_, b_, j);
+    if (!(way > slow_way(s_, zone))) return;
+
+    impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
+    real& time_a = s_.impacts.found[first_a_ + i];
+    auto fa = flight_of(s_, a_, i);
+    auto fb = flight_of(s_, b_, j);
+    if (s_.impacts.second_round) {
+      // Whoever stops first is in the way of the other from then on.
+      const real until_a = std::min(s_.impacts.time[first_a_ + i], s_.dt);
+      const real until_b = paired ? std::min(s_.impacts.time[first_b_ + j], s_.dt) : s_.dt;
+      search.from = std::min(until_a, until_b);
+      search.to = std::max(until_a, until_b);
+      if (!(search.from < search.to)) return;
+      if (until_a < until_b)
+        fa = fa.stopped(until_a);
+      else if (paired)
+        fb = fb.stopped(until_b);
+      else
+        return;  // what is global stands there anyway
+    }
+    const real t = time_of_impact(a_.shape[i], fa, b_.shape[j], fb, search);
+    if (t == never) return;
+    if (moves_a) time_a = std::min(time_a, t);
+    if constexpr (paired) {
+      real& time_b = s_.impacts.found[first_b_ + j];
+      if (moves_b) time_b = std::min(time_b, t);
+    }
+  }
+
+ private:
+  state_type& s_;
+  store_a& a_;
+  store_b& b_;
+  std::size_t first_a_, first_b_;
+};
+
+/// Throws runtime_error if a body flies over domains that the connections do not cover.
+template <class Scenario>
+void require_covered_flights(const world_state<Scenario>& s) {
+  if constexpr (requires { s.own.covered(); }) {
+    const real covered = s.own.covered();
+    s.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = 0; i < b.movable.locals; ++i)
+        if (const real way = way_of(s, b.movable, i); way > covered)
+          fail<std::runtime_error>(
+              "body {} at {} moves by {} in step {}, further than the {} that the connections of "
+              "rank {} cover, so that what it meets there would be lost: decompose with "
+              "a reach of {}, or take a smaller time step",
+              b.movable.id[i], text(b.movable.position[i]), text(way, 4), s.steps, text(covered, 4),
+              s.link->rank(), text(way, 4));
+    });
+  }
+}
+
+/// Brings the bodies that strike something in this step, and the shadow copies of such bodies, to
+/// the time of their first impact; s.impacts.time says when, `never` for all others.
+template <class Scenario, class EachClosePair>
+void follow_flights(world_state<Scenario>& s, EachClosePair&& each_close_pair) {
+  require_covered_flights(s);
+  std::size_t bodies = 0;
+  s.each_finite_shape([&](auto& b) { bodies += b.movable.size(); });
+  impact_times& impacts = s.impacts;
+  impacts.time.assign(bodies, never);
+  impacts.found.assign(bodies, never);
+  for (const bool second : {false, true}) {
+    impacts.second_round = second;
+    const bool some =
+        std::any_of(impacts.time.begin(), impacts.time.end(), [](real t) { return t != never; });
+    if (!second || some) each_close_pair();
+    impacts.time = impacts.found;
+    if constexpr (!world_state<Scenario>::link_type::alone)
+      shared_velocities<Scenario>(s).share_values(impacts.time);
+    impacts.found = impacts.time;
+  }
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    using store_type = std::remove_reference_t<decltype(store)>;
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      const real t = impacts.time[b.first + i];
+      if (t == never || store.inverse_mass[i] == 0) continue;
+      const pose from = store.pose(i);
+      const vec3 w = store.angular_velocity[i];
+      store.position[i] = flight_of(s, store, i).place(t);
+      if constexpr (store_type::tensor)
+        store.angular_velocity[i] = rotate_freely(
+            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), t);
+      else if constexpr (store_type::oriented)
+        store.orientation_of[i] =
+            turned<real>(store.orientation_of[i], t * store.angular_velocity[i]);
+      if constexpr (watches<Scenario, energy_ledger>)
+        if (i < store.locals) book_flight(s, store, i, from, w);
+      (void)from, (void)w;
+    }
+  });
+}
+
+/// How far a body reaches for its contacts, once its flight is known. (A body that turns in place
+/// or flies slowly was not followed; one that struck something goes half its inner radius at most.)
+template <class Scenario, class Store>
+[[nodiscard]] real reach_after_flight(const world_state<Scenario>& s, const Store& store,
+                                      std::size_t i, std::size_t body) {
+  const real radius = store.shape[i].bounding_radius(), slack = contact_slack * radius;
+  const real furthest = s.impacts.time[body] == never
+                            ? slack
+                            : std::max(slack, real(0.5) * inner_radius(store.shape[i]));
+  return radius + slack + std::min(way_of(s, store, i), furthest);
+}
+
+/// After an impact: how a body goes on, and until when.
+template <class Scenario, class Store>
+[[nodiscard]] auto rest_of_flight(const world_state<Scenario>& s, const Store& store, std::size_t i,
+                                  std::size_t body) {
+  free_flight<Store::tensor> f;
+  f.position = store.position[i];
+  f.orientation = store.pose(i).orientation;
+  if (store.inverse_mass[i] == 0) return f;
+  const real t = s.impacts.time[body];
+  f.velocity = s.solver.bodies[body].v;
+  if (t != never) f.velocity += (real(0.5) * t) * acceleration_of(s, store, i);
+  if constexpr (Store::tensor) {
+    f.spin = s.solver.bodies[body].w;
+    f.inertia = store.shape[i].inertia();
+  }
+  return f;
+}
+
+/// Ends the rest of the step of a body that struck something where it meets something else.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner>
+class flight_stopper {
+  using state_type = world_state<Scenario>;
+  static constexpr bool paired = Partner == partner::moving;
+  using store_a = body_store<ShapeA, typename Scenario::features>;
+  using store_b = body_store<ShapeB, typename Scenario::features>;
+
+ public:
+  explicit flight_stopper(state_type& s)
+      : s_(s),
+        a_(s.template of<ShapeA>().movable),
+        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
+        first_a_(s.template of<ShapeA>().first),
+        first_b_(paired ? s.template of<ShapeB>().first : 0) {}
+
+  void operator()(std::size_t i, std::size_t j, real, real) {
+    const std::size_t a = first_a_ + i, b = first_b_ + j;
+    const auto& time = s_.impacts.time;
+    const bool stops_a = i < a_.locals && time[a] != never;
+    const bool stops_b = paired && j < b_.locals && time[b] != never;
+    if (!stops_a && !stops_b) return;
+    // From the later of the two impacts on; who is not struck is still where it began.
+    impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
+    auto fa = rest_of_flight(s_, a_, i, a);
+    free_flight<store_b::tensor> fb;
+    if constexpr (paired)
+      fb = rest_of_flight(s_, b_, j, b);
+    else
+      fb = flight_of(s_, b_, j);
+    const real from_a = time[a] == never ? 0 : time[a];
+    const real from_b = !paired || time[b] == never ? 0 : time[b];
+    search.from = std::max(from_a, from_b);
+    fa.position -= from_a * fa.velocity;
+    fb.position -= from_b * fb.velocity;
+    const real t = time_of_impact(a_.shape[i], fa, b_.shape[j], fb, search);
+    if (t == never) return;
+    if (stops_a) s_.impacts.found[a] = std::min(s_.impacts.found[a], t);
+    if (stops_b) s_.impacts.found[b] = std::min(s_.impacts.found[b], t);
+  }
+
+ private:
+  state_type& s_;
+  store_a& a_;
+  store_b& b_;
+  std::size_t first_a_, first_b_;
+};
+
+/// After the response: until when the bodies that struck something go on, in s.impacts.found.
+template <class Scenario, class EachClosePair>
+void limit_flights(world_state<Scenario>& s, EachClosePair&& each_close_pair) {
+  impact_times& impacts = s.impacts;
+  impacts.found.assign(impacts.time.size(), s.dt);
+  if (std::all_of(impacts.time.begin(), impacts.time.end(), [](real t) { return t == never; }))
+    return;
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      const real t = impacts.time[b.first + i];
+      if (t == never) continue;
+      const auto f = rest_of_flight(s, store, i, b.first + i);
+      real speed = f.velocity.norm();
+      if constexpr (std::remove_reference_t<decltype(store)>::tensor)
+        speed += store.shape[i].bounding_radius() * f.spin.norm();
+      const real furthest = real(0.5) * inner_radius(store.shape[i]);
+      if (speed * (s.dt - t) > furthest) impacts.found[b.first + i] = t + furthest / speed;
+    }
+  });
+  each_close_pair();
+}
+
+}  // namespace talus::detail
