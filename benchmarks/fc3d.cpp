@@ -7,6 +7,7 @@
 #include <map>
 
 #include "fc3d/problem.hpp"
+#include "fc3d/timing.hpp"
 #include "talus/response/solve_assembled.hpp"
 #ifdef TALUS_WITH_HDF5
 #include "fc3d/fclib.hpp"
@@ -17,17 +18,16 @@
 
 namespace fc3d {
 
-inline double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+struct problem {
+  assembled_problem p;
+  std::string text;  ///< in Siconos' format, if it was read from that
+};
 
-assembled_problem read(const std::string& path) {
-  const std::string bytes = contents(path);
-  if (bytes.rfind("\211HDF\r\n\032\n", 0) != 0) return read_text(bytes);
+problem read(const std::string& path) {
+  std::string bytes = contents(path);
+  if (bytes.rfind("\211HDF\r\n\032\n", 0) != 0) return {read_text(bytes), bytes};
 #ifdef TALUS_WITH_HDF5
-  return read_fclib(path);
+  return {read_fclib(path), {}};
 #else
   fail<std::runtime_error>(
       "is in HDF5, and this program was built without it; install libhdf5-dev and build again");
@@ -48,23 +48,30 @@ void print(const std::string& path, int contacts, const std::string& solver, dou
 
 void run(const std::string& path, const assembled_problem& p, const std::string& solver,
          const settings& s) {
-  // What is over in no time is measured several times; the median counts.
-  std::vector<double> times;
   talus::detail::assembled_result result;
   vecx r;
-  double total = 0;
-  while (times.empty() || (total < 0.02 && times.size() < 9)) {
+  const double seconds = median_seconds([&](auto&& timed) {
     r = vecx::Zero(p.q.size());
     const double start = cpu_seconds();
-    result = talus::detail::solve_assembled(p, r, s.tolerance, 1'000'000,
-                                            [&] { return cpu_seconds() - start < s.seconds; });
-    times.push_back(cpu_seconds() - start);
-    total += times.back();
-  }
-  std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-  print(path, p.contacts(), solver, s.tolerance, result.iterations, 1e3 * times[times.size() / 2],
+    timed([&] {
+      result = talus::detail::solve_assembled(p, r, s.tolerance, 1'000'000,
+                                              [&] { return cpu_seconds() - start < s.seconds; });
+    });
+  });
+  print(path, p.contacts(), solver, s.tolerance, result.iterations, 1e3 * seconds,
         talus::detail::error_of(p, r));
 }
+
+#ifdef TALUS_WITH_SICONOS
+void run_rivals(const std::string& path, const problem& file, const settings& s) {
+  const std::string text = file.text.empty() ? as_text(file.p) : file.text;
+  for (const rival& way : rivals()) {
+    const rival_result found = run_rival(way, file.p, text, s.tolerance, s.seconds);
+    print(path, file.p.contacts(), way.name, s.tolerance, found.iterations, 1e3 * found.seconds,
+          talus::detail::error_of(file.p, found.r));
+  }
+}
+#endif
 
 }  // namespace fc3d
 
@@ -78,6 +85,8 @@ int main(int argc, char** argv) {
   app.add_option("--tol", settings.tolerance, "largest err_scaled")->capture_default_str();
   app.add_option("--max-seconds", settings.seconds, "CPU time for each problem and solver")
       ->capture_default_str();
+  bool siconos = false;
+  app.add_flag("--siconos", siconos, "Siconos' solvers beside it");
   CLI11_PARSE(app, argc, argv);
 
   std::printf(
@@ -90,7 +99,11 @@ int main(int argc, char** argv) {
       continue;
     }
     try {
-      fc3d::run(path, fc3d::read(path), solver, settings);
+      const fc3d::problem file = fc3d::read(path);
+      fc3d::run(path, file.p, solver, settings);
+#ifdef TALUS_WITH_SICONOS
+      if (siconos) fc3d::run_rivals(path, file, settings);
+#endif
     } catch (const std::exception& e) {
       std::fprintf(stderr, "fc3d: %s: %s\n", path.c_str(), e.what());
       ++failed;

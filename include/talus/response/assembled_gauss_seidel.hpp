@@ -27,8 +27,23 @@ class assembled_sweeps {
     }
   }
 
-  /// One sweep, up or down the contacts; |change of r|².
+  /// One sweep, up or down the contacts, for u = W r + q + alpha (r - centre); |change of r|².
+  real operator()(vecx& r, bool down, real alpha, const vecx& centre) const {
+    return sweep(r, down, [&](int i, const vec3& rest) {
+      mat3 w = own_[i];
+      w.diagonal().array() += alpha;
+      return solve_coulomb(w, rest - alpha * centre.segment<3>(3 * i), p_->mu[i]);
+    });
+  }
+  /// The same without the proximal term.
   real operator()(vecx& r, bool down = false) const {
+    return sweep(r, down,
+                 [&](int i, const vec3& rest) { return solve_coulomb(own_[i], rest, p_->mu[i]); });
+  }
+
+ private:
+  template <class Local>
+  real sweep(vecx& r, bool down, Local&& local) const {
     const int n = p_->contacts();
     real moved = 0;
     for (int k = 0; k < n; ++k) {
@@ -36,7 +51,7 @@ class assembled_sweeps {
       auto ri = r.segment<3>(3 * i);
       const vec3 before = ri;
       const vec3 rest = p_->q.segment<3>(3 * i) + p_->row_product(i, r) - own_[i] * before;
-      const vec3 now = solve_coulomb(own_[i], rest, p_->mu[i]);
+      const vec3 now = local(i, rest);
       if (!now.allFinite()) continue;
       ri = now;
       moved += (now - before).squaredNorm();
@@ -44,7 +59,6 @@ class assembled_sweeps {
     return moved;
   }
 
- private:
   const assembled_problem* p_;
   std::vector<mat3> own_;
 };

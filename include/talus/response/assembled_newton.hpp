@@ -1,93 +1,59 @@
 #pragma once
 // Newton's method for an assembled contact problem with a proximal term.
-#include <Eigen/LU>
-#include <Eigen/SparseLU>
 #include <vector>
 
 #include "talus/response/assembled.hpp"
+#include "talus/response/assembled_gauss_seidel.hpp"
+#include "talus/response/block_system.hpp"
 
 namespace talus::detail {
-
-/// A linear system of 3 x 3 blocks, solved by LU: dense where it is small, else sparse.
-class block_system {
- public:
-  static constexpr int dense_limit = 600;
-
-  void reset(int blocks) {
-    n_ = 3 * blocks;
-    dense_ = n_ <= dense_limit;
-    if (dense_) {
-      matrix_.setZero(n_, n_);
-    } else {
-      entries_.clear();
-    }
-  }
-  void add(int row, int column, const mat3& value) {
-    if (dense_) {
-      matrix_.block<3, 3>(3 * row, 3 * column) += value;
-    } else {
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) entries_.emplace_back(3 * row + a, 3 * column + b, value(a, b));
-    }
-  }
-  [[nodiscard]] bool solve(const vecx& right, vecx& x) {
-    if (dense_) {
-      x = matrix_.partialPivLu().solve(right);
-    } else {
-      Eigen::SparseMatrix<real> a(n_, n_);
-      a.setFromTriplets(entries_.begin(), entries_.end());
-      Eigen::SparseLU<Eigen::SparseMatrix<real>, Eigen::COLAMDOrdering<int>> lu;
-      lu.compute(a);
-      if (lu.info() != Eigen::Success) return false;
-      x = lu.solve(right);
-    }
-    return x.allFinite();
-  }
-
- private:
-  int n_ = 0;
-  bool dense_ = true;
-  Eigen::MatrixXd matrix_;
-  std::vector<Eigen::Triplet<real>> entries_;
-};
 
 /// Semi-smooth Newton steps on the function of Alart and Curnier (1991) for the problem with
 /// u = W r + q + alpha (r - centre). The proximal term makes the linear systems regular where W is
 /// not; with the centre moved to each solution it does not change what is converged to.
 class assembled_newton {
  public:
-  explicit assembled_newton(const assembled_problem& p) : p_(&p), place_(p.contacts()) {}
+  assembled_newton(const assembled_problem& p, const assembled_sweeps& sweep)
+      : p_(&p), sweep_(&sweep), place_(p.contacts()) {}
 
-  /// Newton steps on r until the residual fell by `reduction`, at most `steps`; the residual over
-  /// that at the start.
-  real solve(vecx& r, const vecx& centre, real alpha, real reduction, int steps) {
+  /// Moves r towards the solution of the problem with the proximal term, until its residual is
+  /// within `accuracy` times |r - centre| or after `steps` linear systems. Where a Newton step
+  /// gains little, sweeps sort out which contacts stick, slide and open. Whether it got there.
+  template <class GoOn>
+  bool solve(vecx& r, const vecx& centre, real alpha, real accuracy, int steps, GoOn&& go_on) {
     alpha_ = alpha;
     steps_ = 0;
-    real now = residual(r, centre, f_);
-    const real start = now;
-    for (int k = 0; k < steps && now > reduction * start; ++k) {
+    real now = residual(r, centre, f_), best = now;
+    vecx best_r = r;
+    const real aim = accuracy * now;
+    for (int k = 0, idle = 0; k < steps && idle < 6 && go_on(); ++k) {
       ++steps_;
-      if (!direction(r)) break;
-      // The longest step that does well, else the best of all.
-      real best = HUGE_VAL;
-      vecx chosen;
-      real length = 1;
-      for (int trial = 0; trial < 10; ++trial, length *= 0.5) {
-        trial_ = r + length * step_;
-        const real there = residual(trial_, centre, trial_f_);
-        if (there < best) {
-          best = there;
-          chosen = trial_;
-        }
-        if (best < (1 - 0.1 * length) * now) break;
-      }
-      if (!(best < now)) break;
-      r = chosen;
       const real before = now;
+      if (direction(r)) {
+        // The first length that does well, else the best of all.
+        real least = HUGE_VAL, length = 1;
+        for (int trial = 0; trial < 8; ++trial, length *= 0.5) {
+          trial_ = r + length * step_;
+          const real found = residual(trial_, centre, trial_f_);
+          if (found < least) least = found, chosen_ = trial_;
+          if (least < (1 - 0.1 * length) * now) break;
+        }
+        if (least < now) r = chosen_;
+        now = std::min(now, least);
+      }
+      if (now > 0.7 * before)
+        for (int j = 0; j < 6; ++j) (*sweep_)(r, j % 2 != 0, alpha, centre);
       now = residual(r, centre, f_);
-      if (now > 0.999 * before) break;
+      if (now < best) {
+        idle = now < 0.9 * best ? 0 : idle + 1;
+        best = now, best_r = r;
+      } else {
+        ++idle;
+      }
+      if (now <= aim) return true;
     }
-    return start > 0 ? now / start : 0;
+    r = best_r;
+    return best <= aim;
   }
 
   /// Linear systems solved in the last solve().
@@ -167,18 +133,19 @@ class assembled_newton {
       system_.add(row, row, alpha_ * of_u + of_r);
       right.segment<3>(3 * row) = of_u * known - f_.segment<3>(3 * i);
     }
-    if (!system_.solve(right, x)) return false;
+    if (!system_.factorize() || !system_.solve(right, x)) return false;
     for (int i = 0; i < n; ++i)
       if (place_[i] >= 0) step_.segment<3>(3 * i) = x.segment<3>(3 * place_[i]);
     return true;
   }
 
   const assembled_problem* p_;
+  const assembled_sweeps* sweep_;
   std::vector<int> place_;  ///< in the linear system, -1 for open contacts
   block_system system_;
   real alpha_ = 0;
   int steps_ = 0;
-  vecx u_, f_, trial_, trial_f_, step_;
+  vecx u_, f_, trial_, trial_f_, step_, chosen_;
 };
 
 }  // namespace talus::detail

@@ -4,6 +4,7 @@
 
 #include "talus/response/assembled.hpp"
 #include "talus/response/assembled_gauss_seidel.hpp"
+#include "talus/response/assembled_interior_point.hpp"
 #include "talus/response/assembled_newton.hpp"
 
 namespace talus::detail {
@@ -28,7 +29,7 @@ assembled_result solve_assembled(const assembled_problem& p, vecx& r, real toler
   const int n = p.contacts();
   if (r.size() != 3 * n || !r.allFinite()) r = vecx::Zero(3 * n);
   const real mean = p.mean_diagonal(), rho = 1 / mean;
-  vecx u, best = r, x = r;
+  vecx u, best = r;
   assembled_result result;
   result.error = HUGE_VAL;
   const auto look = [&](const vecx& at) {
@@ -37,50 +38,66 @@ assembled_result solve_assembled(const assembled_problem& p, vecx& r, real toler
     if (e < result.error) result.error = e, best = at;
     return e;
   };
-  const auto done = [&] {
-    return result.error <= tolerance || result.iterations >= max_iterations || !go_on();
+  const auto go = [&] {
+    return result.error > tolerance && result.iterations < max_iterations && go_on();
   };
 
-  look(x);
-  if (x.squaredNorm() > 0) look(vecx::Zero(3 * n));
-  x = best;
+  look(r);
+  if (r.squaredNorm() > 0) look(vecx::Zero(3 * n));
   const assembled_sweeps sweep(p);
-  // Sweeps as long as they pay: cheap, and the best start for Newton's method.
+  assembled_newton newton(p, sweep);
+  vecx swept = best, x, centre;
+
   const auto sweeps = [&](int count, real least) {
-    real last = look(x);
-    for (int k = 0; k < count && !done(); k += 5) {
-      for (int j = 0; j < 5; ++j) sweep(x, (result.iterations++ & 1) != 0);
-      const real e = look(x);
+    real last = HUGE_VAL;
+    for (int k = 0; k < count && go(); k += 5) {
+      for (int j = 0; j < 5; ++j) sweep(swept, (result.iterations++ & 1) != 0);
+      const real e = look(swept);
       if (e > least * last) break;
       last = e;
     }
   };
-  sweeps(30, 0.9);
-
-  assembled_newton newton(p);
-  real alpha = 1e-3 * mean;
-  vecx centre;
-  for (int failures = 0; !done() && failures < 30;) {
-    x = centre = best;
-    const real before = result.error;
-    const real inner = newton.solve(x, centre, alpha, 0.05, 12);
-    result.iterations += newton.steps();
-    real e = look(x);
-    if (e > tolerance) {
-      for (int j = 0; j < 2; ++j) sweep(x, j != 0);
+  // Newton's method with a proximal term that shrinks while it works.
+  const auto proximal = [&](real alpha, int patience) {
+    x = best;
+    real mark = result.error;
+    for (int lost = 0, since = 0; go() && lost < 6 && since < patience; ++since) {
+      centre = x;
+      const bool solved = newton.solve(x, centre, alpha, 0.1, 15, go_on);
+      result.iterations += newton.steps();
+      const real e = look(x);
+      if (solved) {
+        alpha = std::max(alpha * (newton.steps() < 5 ? 0.1 : 0.5), 1e-12 * mean);
+        lost = 0;
+      } else {
+        alpha = std::min(5 * alpha, 1e3 * mean);
+        ++lost;
+        if (e > 2 * result.error) x = best;
+      }
+      if (result.error < 0.5 * mark) mark = result.error, since = 0;
+    }
+  };
+  const auto interior = [&] {
+    assembled_interior_point method(p);
+    real mark = HUGE_VAL;
+    for (int k = 0, since = 0; k < 80 && since < 8 && go() && method.step(); ++k, ++since) {
+      ++result.iterations;
+      x = method.impulses();
+      real e = look(x);
+      sweep(x);
       e = std::min(e, look(x));
+      if (e < 0.8 * mark || (k < 20 && method.length() > 0.3)) mark = std::min(e, mark), since = 0;
     }
-    if (e < 0.5 * before && inner < 0.1) {
-      alpha = std::max(0.1 * alpha, 1e-12 * mean);
-    } else if (e < 0.9 * before) {
-      alpha = std::max(0.5 * alpha, 1e-12 * mean);
-    } else {
-      ++failures;
-      alpha *= 10;
-      if (alpha > 100 * mean) alpha = 1e-4 * mean;
-      x = best;
-      sweeps(20, 0.99);
-    }
+  };
+
+  sweeps(30, 0.9);
+  proximal(1e-3 * mean, 4);
+  interior();
+  proximal(1e-3 * std::min(real{1}, result.error) * mean, 6);
+  for (int round = 1; go() && round < 10; ++round) {
+    if (result.error < 0.1 * look(swept)) swept = best;
+    sweeps(30 << round, 1);
+    proximal(1e-3 * mean, 10 + 5 * round);
   }
   r = best;
   result.converged = result.error <= tolerance;
