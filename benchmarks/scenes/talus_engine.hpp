@@ -108,7 +108,7 @@ class talus_engine_with {
     };
     std::vector<loaded_pair> pairs;
     for (const auto& c : world_.state().history.entries()) {
-      if (c.impulse.squaredNorm() == 0) continue;
+      if (c.memory.squaredNorm() == 0) continue;
       auto a = find(c.key.a), b = find(c.key.b);
       if (a.kind != partner::ball) std::swap(a, b);
       pairs.push_back({a.other, b.kind, b.other});

@@ -199,9 +199,13 @@ template <class Method>
 concept broad_phase = detail::part_for<Method, roles::broad_phase>;
 
 /// What holds at a contact.
+/// - `soft`: bodies overlap and springs push them apart; otherwise impulses keep them apart
 /// - `friction`, `restitution`, `correction`: whether each is there
+/// - `memory`: what a contact keeps from step to step, found by its key
 template <class Law>
 concept contact_law = requires {
+  typename Law::memory;
+  { Law::soft } -> std::convertible_to<bool>;
   { Law::friction } -> std::convertible_to<bool>;
   { Law::restitution } -> std::convertible_to<bool>;
   { Law::correction } -> std::convertible_to<bool>;

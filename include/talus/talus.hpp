@@ -1,5 +1,6 @@
 #pragma once
 // The one include: everything but the transport over MPI, which is <talus/mpi.hpp>.
+#include "talus/observe/critical_dt.hpp"
 #include "talus/observe/digest.hpp"
 #include "talus/observe/energy.hpp"
 #include "talus/observe/force.hpp"

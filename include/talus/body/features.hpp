@@ -66,6 +66,12 @@ struct residual_monitor final {
 
 namespace detail {
 
+/// Bodies keep the force and torque of their contacts from step to step. Not for users: the
+/// integrator asks for it.
+struct contact_forces final {
+  using talus_part_of = roles::features;
+};
+
 template <class Feature>
 struct is_feature : std::bool_constant<is_part<Feature, roles::features>> {};
 

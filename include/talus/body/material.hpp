@@ -20,6 +20,11 @@ struct material {
   real friction = 0;     ///< Coulomb's coefficient of friction, static, and dynamic unless given
   /// Coefficient of dynamic friction; not a number means the same as `friction`.
   real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
+  // Of soft contacts only; hard ones read none of these.
+  real stiffness = 0;         ///< force per overlap of two such bodies; linear_spring_dashpot
+  real youngs_modulus = 0;    ///< force per area; glass 7e10 Pa, often softened; hertz_mindlin
+  real poisson_ratio = 0.25;  ///< in [0, 0.5]; hertz_mindlin
+  real rolling_friction = 0;  ///< lever arm of the rolling moment over the radius; 0.01 to 0.5
 
   [[nodiscard]] constexpr real sliding_friction() const {
     return dynamic_friction == dynamic_friction ? dynamic_friction : friction;
@@ -51,6 +56,7 @@ class material_table {
   material_id add(const material& m) {
     detail::require_positive(m.density, "the density of a material");
     check(m.restitution, m.friction, m.sliding_friction());
+    check_soft(m);
     if (materials_.size() >= std::numeric_limits<std::uint16_t>::max())
       detail::fail<std::invalid_argument>("a world holds at most 65535 materials; reuse them");
     const auto n = materials_.size();
@@ -61,6 +67,7 @@ class material_table {
     for (std::size_t i = 0; i <= n; ++i)
       grown[i * (n + 1) + n] = grown[n * (n + 1) + i] = mean(materials_[i], m);
     pairs_ = std::move(grown);
+    ++revision_;
     return material_id{static_cast<std::uint16_t>(n)};
   }
 
@@ -68,6 +75,7 @@ class material_table {
   void set_pair(material_id a, material_id b, const pair_material& p) {
     check(p.restitution, p.friction, p.dynamic_friction);
     pairs_[at(a, b)] = pairs_[at(b, a)] = p;
+    ++revision_;
   }
 
   [[nodiscard]] const material& operator[](material_id m) const {
@@ -78,6 +86,8 @@ class material_table {
     return pairs_[index(a) * materials_.size() + index(b)];
   }
   [[nodiscard]] std::size_t size() const { return materials_.size(); }
+  /// Grows with every change, so that what is derived from the table can be kept.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
  private:
   static std::size_t index(material_id m) { return static_cast<std::size_t>(m); }
@@ -105,6 +115,19 @@ class material_table {
           "the dynamic friction of a material must lie between 0 and the static one, {}, but is {}",
           friction, dynamic);
   }
+  static void check_soft(const material& m) {
+    const auto not_negative = [](real value, const char* what) {
+      if (!(value >= 0) || !std::isfinite(value))
+        detail::fail<std::invalid_argument>("{} must be finite and not negative, but is {}", what,
+                                            value);
+    };
+    not_negative(m.stiffness, "the stiffness of a material");
+    not_negative(m.youngs_modulus, "Young's modulus of a material");
+    not_negative(m.rolling_friction, "the rolling friction of a material");
+    if (!(m.poisson_ratio >= 0 && m.poisson_ratio <= 0.5))
+      detail::fail<std::invalid_argument>(
+          "Poisson's ratio of a material must lie in [0, 0.5], but is {}", m.poisson_ratio);
+  }
   static pair_material mean(const material& a, const material& b) {
     return {0.5 * (a.restitution + b.restitution), 0.5 * (a.friction + b.friction),
             0.5 * (a.sliding_friction() + b.sliding_friction())};
@@ -112,6 +135,7 @@ class material_table {
 
   std::vector<material> materials_;
   std::vector<pair_material> pairs_;
+  std::uint64_t revision_ = 0;
 };
 
 }  // namespace talus

@@ -44,6 +44,8 @@ struct body_store {
   static constexpr bool tensor =
       Shape::finite && !Shape::round;  ///< inertia is not a multiple of 1
   static constexpr bool forced = Shape::finite && contains_type<Features, forces>;
+  static constexpr bool keeps_contact_forces =
+      Shape::finite && contains_type<Features, contact_forces>;
   static constexpr bool numbered = contains_type<Features, user_ids>;
 
   std::vector<system_id> id;
@@ -55,8 +57,10 @@ struct body_store {
   std::vector<material_id> material;
   std::vector<std::uint8_t> flags;
   column<oriented, quat> orientation_of;
-  column<forced, vec3> force;   ///< world frame, cleared after each step
-  column<forced, vec3> torque;  ///< about the centre of mass, world frame
+  column<forced, vec3> force;                         ///< world frame, cleared after each step
+  column<forced, vec3> torque;                        ///< about the centre of mass, world frame
+  column<keeps_contact_forces, vec3> contact_force;   ///< of the present contacts, world frame
+  column<keeps_contact_forces, vec3> contact_torque;  ///< likewise, about the centre of mass
   column<numbered, std::uint32_t> user_id;
   std::size_t locals = 0;  ///< bodies [0, locals) are owned here, the rest are shadow copies
 
@@ -69,6 +73,7 @@ struct body_store {
         f(flags);
     if constexpr (oriented) f(orientation_of);
     if constexpr (forced) f(force), f(torque);
+    if constexpr (keeps_contact_forces) f(contact_force), f(contact_torque);
     if constexpr (numbered) f(user_id);
   }
   template <class F>
@@ -84,6 +89,8 @@ struct body_store {
         f(inverse_mass, other.inverse_mass), f(material, other.material), f(flags, other.flags);
     if constexpr (oriented) f(orientation_of, other.orientation_of);
     if constexpr (forced) f(force, other.force), f(torque, other.torque);
+    if constexpr (keeps_contact_forces)
+      f(contact_force, other.contact_force), f(contact_torque, other.contact_torque);
     if constexpr (numbered) f(user_id, other.user_id);
   }
 

@@ -1,5 +1,7 @@
 #pragma once
-// What contacts remember from one step to the next: their impulse, for warm starting.
+// What contacts remember from one step to the next: hard ones their impulse, for warm starting,
+// soft ones their springs. It goes with the bodies to other ranks.
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -10,14 +12,18 @@
 
 namespace talus::detail {
 
-struct remembered_contact {
+template <class Memory>
+struct kept_contact {
   contact_key key;
-  vec3 impulse{0, 0, 0};  ///< on body a, world frame
+  Memory memory;  ///< of a hard contact: the impulse on body a, world frame
 };
 
 /// Contacts of the last step, found by key: open addressing, rebuilt every step.
-class contact_history {
+template <class Memory>
+class history_of {
  public:
+  using entry = kept_contact<Memory>;
+
   void clear() {
     entries_.clear();
     slots_.assign(slots_.size(), 0);
@@ -32,20 +38,20 @@ class contact_history {
     else
       std::fill(slots_.begin(), slots_.end(), 0);
   }
-  void add(const contact_key& key, const vec3& impulse) {
+  void add(const contact_key& key, const Memory& memory) {
     if (2 * (entries_.size() + 1) > slots_.size()) grow();
-    entries_.push_back({key, impulse});
+    entries_.push_back({key, memory});
     insert(entries_.size());
   }
-  /// The impulse of the contact in the last step, or null where it is new.
-  [[nodiscard]] const vec3* find(const contact_key& key) const {
+  /// What the contact kept in the last step, or null where it is new.
+  [[nodiscard]] const Memory* find(const contact_key& key) const {
     if (slots_.empty()) return nullptr;
     const auto mask = slots_.size() - 1;
     for (auto s = key.hash() & mask; slots_[s] != 0; s = (s + 1) & mask)
-      if (entries_[slots_[s] - 1].key == key) return &entries_[slots_[s] - 1].impulse;
+      if (entries_[slots_[s] - 1].key == key) return &entries_[slots_[s] - 1].memory;
     return nullptr;
   }
-  /// Calls f(remembered_contact) for all contacts of a pair.
+  /// Calls f(entry) for all contacts of a pair.
   template <class F>
   void each_of_pair(const contact_key& pair, F&& f) const {
     if (slots_.empty()) return;
@@ -53,10 +59,9 @@ class contact_history {
     for (auto s = pair.hash() & mask; slots_[s] != 0; s = (s + 1) & mask)
       if (entries_[slots_[s] - 1].key.same_pair(pair)) f(entries_[slots_[s] - 1]);
   }
-  [[nodiscard]] std::span<const remembered_contact> entries() const { return entries_; }
+  [[nodiscard]] std::span<const entry> entries() const { return entries_; }
   [[nodiscard]] std::size_t bytes() const {
-    return entries_.capacity() * sizeof(remembered_contact) +
-           slots_.capacity() * sizeof(std::uint32_t);
+    return entries_.capacity() * sizeof(entry) + slots_.capacity() * sizeof(std::uint32_t);
   }
 
  private:
@@ -71,8 +76,12 @@ class contact_history {
     for (std::size_t n = 1; n <= entries_.size(); ++n) insert(n);
   }
 
-  std::vector<remembered_contact> entries_;
+  std::vector<entry> entries_;
   std::vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
 };
+
+/// The history of hard contacts.
+using contact_history = history_of<vec3>;
+using remembered_contact = kept_contact<vec3>;
 
 }  // namespace talus::detail

@@ -1,5 +1,6 @@
 #pragma once
 // hard_contact<...>: bodies do not overlap, and the parts say what else holds at a contact.
+#include "talus/core/math.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/core/type_list.hpp"
 
@@ -30,9 +31,15 @@ struct no_correction final {
 
 namespace detail {
 
+/// Parts that only soft_contact<...> takes; see contact/soft_law.hpp.
+template <class Part>
+inline constexpr bool is_soft_part = requires {
+  typename Part::talus_part_of_soft_contact;
+};
+
 template <class Part>
 struct part_of_hard_contact {
-  static_assert(is_part<Part, roles::contact_law>,
+  static_assert(is_part<Part, roles::contact_law> && !is_soft_part<Part>,
                 "hard_contact<...> takes coulomb_friction, newton_restitution, split_correction "
                 "and no_correction, and this type is none of them: remove it");
 };
@@ -45,7 +52,9 @@ template <class... Parts>
 struct hard_contact final {
   using talus_role = roles::contact_law;
   using list = type_list<Parts...>;
+  using memory = vec3;  ///< of a contact from step to step: its impulse
 
+  static constexpr bool soft = false;
   static constexpr bool friction = detail::contains_type<list, coulomb_friction>;
   static constexpr bool restitution = detail::contains_type<list, newton_restitution>;
   /// Whether overlaps are corrected; so they are when neither correction is named.

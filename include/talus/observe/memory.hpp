@@ -20,11 +20,16 @@ template <class Scenario>
     bytes += b.grid.bytes() + b.global_grid.bytes();
   });
   s.each_contact_list([&](const auto& list) { bytes += list.bytes(); });
-  of(s.solver.bodies);
-  of(s.solver.shift);
-  of(s.solver.turn);
-  of(s.solver.tensors);
-  of(s.solver.boundary_contacts);
+  if constexpr (Scenario::contact_law::soft) {
+    of(s.soft.bodies);
+    bytes += s.soft.pairs.bytes() + s.recorded.bytes();
+  } else {
+    of(s.solver.bodies);
+    of(s.solver.shift);
+    of(s.solver.turn);
+    of(s.solver.tensors);
+    of(s.solver.boundary_contacts);
+  }
   if constexpr (Scenario::template has_feature<energy_ledger>) of(s.monitors.energy.mean);
   return bytes + s.history.bytes();
 }

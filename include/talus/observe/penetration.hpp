@@ -15,7 +15,8 @@ namespace talus {
 struct penetration {
   double mean = 0;  ///< over the points of negative gap
   double max = 0;
-  double gap_mean_loaded = 0;  ///< mean |gap| over the points that carried an impulse
+  double gap_mean_loaded =
+      0;  ///< mean |gap| over the points that carried an impulse (soft: overlap)
   std::uint64_t touching = 0;  ///< points with a gap of at most a thousandth of the mean radius
   double mean_radius = 0;      ///< a length
 };
@@ -41,6 +42,7 @@ void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool other
               bool same_shape, const History& history, real radius) {
   using shape = typename Store::shape_type;
   using other = typename Others::shape_type;
+  constexpr bool soft = !std::is_same_v<History, contact_history>;
   const real margin = 0.02 * radius;
   const auto pair = [&](std::size_t i, std::size_t j) {
     const bool own_i = i < own.locals, own_j = others_move && j < others.locals;
@@ -50,8 +52,12 @@ void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool other
     if (others_move && !(forward ? own_i : own_j)) return;
     if (own.fixed(i) && (!others_move || others.fixed(j))) return;
     const auto count = [&](const contact_geometry& g, const contact_key& key) {
-      const vec3* impulse = history.find(key);
-      sums.add(g.gap, radius, impulse != nullptr && impulse->squaredNorm() > 0);
+      if constexpr (soft) {
+        sums.add(g.gap, radius, g.gap < 0);
+      } else {
+        const vec3* impulse = history.find(key);
+        sums.add(g.gap, radius, impulse != nullptr && impulse->squaredNorm() > 0);
+      }
     };
     if (forward)
       collide_pair(own.shape[i], own.pose(i), others.shape[j], others.pose(j), margin,

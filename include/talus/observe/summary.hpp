@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/observe/critical_dt.hpp"
 #include "talus/observe/digest.hpp"
 #include "talus/observe/memory.hpp"
 #include "talus/observe/monitors.hpp"
@@ -31,7 +32,8 @@ struct summary {
   int ranks = 1;
   std::uint64_t steps = 0;
   double dt = 0;
-  std::uint64_t contacts = 0;  ///< considered by the solver in the last step
+  double critical_dt = 0;      ///< of soft contacts, at the end; 0: the contacts are hard
+  std::uint64_t contacts = 0;  ///< considered in the last step
   motion moving;
   penetration overlap;
   contact_residual residual;  ///< of the last step
@@ -104,17 +106,23 @@ template <class Scenario>
   r.ranks = w.ranks();
   r.steps = w.steps();
   r.dt = s.dt;
+  if constexpr (Scenario::contact_law::soft) r.critical_dt = critical_dt(w);
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);
-  r.residual = measure_residual(w);
-  r.solved = w.convergence();
-  r.solver = w.solver();
+  if constexpr (!Scenario::contact_law::soft) {
+    r.residual = measure_residual(w);
+    r.solved = w.convergence();
+    r.solver = w.solver();
+  }
   r.digest = state_digest(w);
   r.monitors = measure_monitors(w).values;
 
   std::uint64_t contacts = 0;
   s.each_contact_list([&](const auto& list) {
-    list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
+    if constexpr (requires { list.counted(); })
+      contacts += list.counted();
+    else
+      list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
   });
   std::array<std::uint64_t, 2> sums{contacts, bytes_in_use(w)};
   link.reduce(reduction::sum, sums);
@@ -148,6 +156,14 @@ template <class Scenario>
   return r.solver.tolerance > 0 && !(r.residual.value <= r.solver.tolerance);
 }
 
+/// Whether the contacts are soft: then there is a critical time step, and nothing to solve.
+[[nodiscard]] inline bool soft(const summary& r) { return r.critical_dt > 0; }
+
+/// Whether the run was too coarse for its soft contacts, so that they gained energy.
+[[nodiscard]] inline bool dt_above_critical(const summary& r) {
+  return soft(r) && r.dt > r.critical_dt;
+}
+
 /// The figures as one flat JSON object.
 [[nodiscard]] inline std::string to_json(const summary& r) {
   detail::json_object o;
@@ -157,6 +173,10 @@ template <class Scenario>
   o.add("ranks", r.ranks);
   o.add("steps", r.steps);
   o.add("dt", r.dt);
+  if (soft(r)) {
+    o.add("critical_dt", r.critical_dt);
+    o.add("dt_above_critical", int{dt_above_critical(r)});
+  }
   o.add("bodies", r.moving.bodies);
   o.add("bodies_movable", r.moving.movable);
   o.add("contacts", r.contacts);
@@ -165,14 +185,16 @@ template <class Scenario>
   o.add("penetration_max", r.overlap.max);
   o.add("gap_mean_loaded", r.overlap.gap_mean_loaded);
   o.add("mean_radius", r.overlap.mean_radius);
-  o.add("residual", r.residual.value);
-  o.add("residual_max", r.residual.max);
-  o.add("residual_worst", r.solved.residual_worst);
-  o.add("tolerance", r.solver.tolerance);
-  o.add("residual_above_tolerance", above_tolerance(r));
-  o.add("steps_above_tolerance", r.solved.steps_above);
-  o.add("iterations_mean", mean_iterations(r));
-  o.add("iterations_max", r.solved.iterations_max);
+  if (!soft(r)) {
+    o.add("residual", r.residual.value);
+    o.add("residual_max", r.residual.max);
+    o.add("residual_worst", r.solved.residual_worst);
+    o.add("tolerance", r.solver.tolerance);
+    o.add("residual_above_tolerance", above_tolerance(r));
+    o.add("steps_above_tolerance", r.solved.steps_above);
+    o.add("iterations_mean", mean_iterations(r));
+    o.add("iterations_max", r.solved.iterations_max);
+  }
   o.add("kinetic_energy", r.moving.kinetic_energy);
   o.add("potential_energy", r.moving.potential_energy);
   o.add("max_speed", r.moving.max_speed);
@@ -223,25 +245,37 @@ template <class Scenario>
         "iterations, or take a smaller dt\n",
         text(r.solver.tolerance, 2), r.solved.steps_above, r.steps,
         above_tolerance(r) ? ", the last among them" : "", r.solver.max_iterations);
+  if (dt_above_critical(r))
+    warning += detail::compose(
+        "  warning  dt {} is above the critical time step {} of the soft contacts: the results "
+        "mean "
+        "nothing; take a fifth of it or less\n",
+        r.dt, text(r.critical_dt, 4));
+  const std::string solving =
+      soft(r) ? detail::compose("           dt is {} of the critical time step {}\n",
+                                text(r.dt / r.critical_dt, 3), text(r.critical_dt, 3))
+              : detail::compose(
+                    "           residual {} at the end, {} for the worst contact, {} for the worst "
+                    "step measured{}; {} iterations per step, {} at most\n",
+                    text(r.residual.value, 2), text(r.residual.max, 2),
+                    text(r.solved.residual_worst, 2), tolerance, text(mean_iterations(r), 3),
+                    r.solved.iterations_max);
   return detail::compose(
       "{}: {} bodies ({} movable) on {} rank(s), {}, {} steps of {}\n"
       "  speed    {} ms of processor per step, {} s in all; detect {} %, respond {} %, exchange {} "
       "%\n"
       "  error    overlap {} of the radius on average, {} at most; {} of {} contacts touch\n"
-      "           residual {} at the end, {} for the worst contact, {} for the worst step "
-      "measured{}; "
-      "{} iterations per step, {} at most\n"
+      "{}"
       "  motion   kinetic energy {}, fastest {}, momentum {}\n"
       "  traffic  {} messages and {} bytes per step and rank at most, {} collectives per step\n"
       "  memory   {} bytes per body; state {}\n{}{}",
       r.scenario, r.moving.bodies, r.moving.movable, r.ranks, r.transport, r.steps, r.dt,
       text(1e3 * r.cpu_seconds / steps, 3), text(r.wall_seconds, 3), percent(r.seconds.detect),
       percent(r.seconds.respond), percent(r.seconds.exchange), text(r.overlap.mean, 2),
-      text(r.overlap.max, 2), r.overlap.touching, r.contacts, text(r.residual.value, 2),
-      text(r.residual.max, 2), text(r.solved.residual_worst, 2), tolerance,
-      text(mean_iterations(r), 3), r.solved.iterations_max, text(r.moving.kinetic_energy, 3),
-      text(r.moving.max_speed, 3), r.moving.momentum, r.messages_per_step_max, r.bytes_per_step_max,
-      text(r.collectives_per_step, 6), std::lround(r.bytes_per_body), r.digest, own, warning);
+      text(r.overlap.max, 2), r.overlap.touching, r.contacts, solving,
+      text(r.moving.kinetic_energy, 3), text(r.moving.max_speed, 3), r.moving.momentum,
+      r.messages_per_step_max, r.bytes_per_step_max, text(r.collectives_per_step, 6),
+      std::lround(r.bytes_per_body), r.digest, own, warning);
 }
 
 }  // namespace talus

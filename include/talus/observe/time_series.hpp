@@ -46,7 +46,10 @@ class time_series {
     const penetration p = measure_penetration(w);
     std::uint64_t contacts = 0;
     w.state().each_contact_list([&](const auto& list) {
-      list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
+      if constexpr (requires { list.counted(); })
+        contacts += list.counted();
+      else
+        list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
     });
     w.link().reduce(reduction::sum, std::span(&contacts, 1));
     constexpr const char *energy = "M L^2/T^2", *momentum = "M L/T";

@@ -13,6 +13,15 @@ struct semi_implicit_euler final {
   static constexpr const char* name = "semi_implicit_euler";
 };
 
+/// Half of the change of velocity, positions with the velocity at mid-step, and from the forces
+/// there the other half (Verlet 1967 in the form of Swope, Andersen, Berens, Wilson 1982). Second
+/// order where forces depend on positions. For soft contacts: hard ones have impulses, not forces.
+/// Between steps shadow copies hold the velocity at mid-step.
+struct velocity_verlet final {
+  using talus_part_of = roles::integrator;
+  static constexpr const char* name = "velocity_verlet";
+};
+
 /// Policy: the solver of the contact problem. Default: solver<nonlinear_gauss_seidel>.
 template <class Method>
 struct solver final {
@@ -29,7 +38,8 @@ template <class Method>
 struct integrator final {
   static_assert(detail::is_part<Method, roles::integrator>,
                 "integrator<...> takes an integrator, and this type is none: write "
-                "integrator<semi_implicit_euler>");
+                "integrator<semi_implicit_euler>, or integrator<velocity_verlet> for soft "
+                "contacts");
   using talus_role = roles::integrator;
   using type = Method;
   static std::string describe() { return detail::describe_list<Method>("integrator"); }

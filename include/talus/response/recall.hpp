@@ -32,7 +32,7 @@ void inherit(const contact_history& history, std::span<const contact_key> keys,
   std::sort(gone.begin(), gone.begin() + size,
             [](auto* x, auto* y) { return x->key.feature < y->key.feature; });
   vec3 sum{0, 0, 0};
-  for (std::size_t k = 0; k < size; ++k) sum += gone[k]->impulse;
+  for (std::size_t k = 0; k < size; ++k) sum += gone[k]->memory;
   for (const auto& key : keys) heirs += history.find(key) == nullptr;
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (history.find(keys[i]) == nullptr) contacts[i].warm(sum / static_cast<real>(heirs));

@@ -45,9 +45,11 @@ template <class Scenario, class Options, class SetUp>
 void run_rank(typename Scenario::transport::link& link, const Options& options,
               const std::string& name, SetUp& set_up) {
   world<Scenario> w(link);
-  w.solver().iterations = options.iterations;
-  w.solver().tolerance = options.tolerance;
-  if (options.max_iterations > 0) w.solver().max_iterations = options.max_iterations;
+  if constexpr (!Scenario::contact_law::soft) {
+    w.solver().iterations = options.iterations;
+    w.solver().tolerance = options.tolerance;
+    if (options.max_iterations > 0) w.solver().max_iterations = options.max_iterations;
+  }
   w.seed(options.seed);
   const bool speaks = link.rank() == 0;
   if (speaks) require_writable(options.json);

@@ -256,8 +256,12 @@ class contact_maker {
 template <class Scenario, class Reach>
 void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
   const body_counts count = number_bodies(s);
-  s.solver.first_tensor = count.scalar;
-  s.solver.bodies.resize(count.all);
+  if constexpr (world_state<Scenario>::law::soft) {
+    s.soft.bodies.resize(count.all);
+  } else {
+    s.solver.first_tensor = count.scalar;
+    s.solver.bodies.resize(count.all);
+  }
   s.each_finite_shape([&](auto& b) {
     const auto sort = [&](auto& store, std::vector<real>& reach, hash_grid& grid) {
       reach.resize(store.size());
@@ -280,20 +284,25 @@ void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
 
 template <class Scenario>
 void prepare_detection(world_state<Scenario>& s) {
-  prepare_detection(
-      s, [&](const auto& store, std::size_t i, std::size_t) { return reach_of(store, i, s.dt); });
+  prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t) {
+    if constexpr (world_state<Scenario>::law::soft)
+      return store.shape[i].bounding_radius();
+    else
+      return reach_of(store, i, s.dt);
+  });
 }
 
-/// Hands all pairs of bodies within reach of each other to the Maker of their shapes.
-template <template <class, class, class, partner> class Maker, class Scenario>
-void each_close_pair(world_state<Scenario>& s) {
+/// Finds all pairs of bodies within reach of each other: make<A, B, partner>() makes what takes the
+/// pairs of the shapes A and B, as (index of a, index of b, margin of a, margin of b).
+template <class Scenario, class Make>
+void each_close_pair(world_state<Scenario>& s, Make&& make) {
   const auto margin = [](const auto& store, const std::vector<real>& reach, std::size_t i) {
     return reach[i] - store.shape[i].bounding_radius();
   };
   s.each_finite_shape([&](auto& a) {
     using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
 
-    Maker<Scenario, A, A, partner::moving> among(s);
+    auto among = make.template operator()<A, A, partner::moving>();
     a.grid.pairs([&](std::size_t i, std::size_t j) {
       among(i, j, margin(a.movable, a.reach, i), margin(a.movable, a.reach, j));
     });
@@ -303,12 +312,12 @@ void each_close_pair(world_state<Scenario>& s) {
       constexpr bool later =
           index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
       if constexpr (B::finite && later) {
-        Maker<Scenario, A, B, partner::moving> between(s);
+        auto between = make.template operator()<A, B, partner::moving>();
         a.grid.pairs_with(b.grid, [&](std::size_t i, std::size_t j) {
           between(i, j, margin(a.movable, a.reach, i), margin(b.movable, b.reach, j));
         });
       }
-      Maker<Scenario, A, B, partner::immovable> against(s);
+      auto against = make.template operator()<A, B, partner::immovable>();
       if constexpr (B::finite) {
         if (b.global.size() > 0)
           a.grid.pairs_with(b.global_grid, [&](std::size_t i, std::size_t j) {
@@ -321,6 +330,12 @@ void each_close_pair(world_state<Scenario>& s) {
       }
     });
   });
+}
+
+/// The same with a Maker<Scenario, A, B, partner>(s) for the pairs of A and B.
+template <template <class, class, class, partner> class Maker, class Scenario>
+void each_close_pair(world_state<Scenario>& s) {
+  each_close_pair(s, [&]<class A, class B, partner P>() { return Maker<Scenario, A, B, P>(s); });
 }
 
 /// Finds all contacts that this rank computes: those that touch a body it owns.

@@ -16,8 +16,8 @@ struct body_counts {
   std::size_t scalar = 0, all = 0;
 };
 
-/// Gives each shape its range in the solver's arrays: scalar inertia first, then tensors. The
-/// arrays themselves keep what the last step left until the next one begins.
+/// Gives each shape its range in the arrays of the response: scalar inertia first, then tensors.
+/// The arrays themselves keep what the last step left until the next one begins.
 template <class Scenario>
 body_counts number_bodies(world_state<Scenario>& s) {
   std::size_t next = 0;
@@ -118,6 +118,13 @@ template <class Scenario>
                   "the start");
 }
 
+/// How far a body reaches until the next copies are made. Soft contacts are found where the copies
+/// are, hard ones where they might be a step later.
+template <class Scenario, class Store>
+[[nodiscard]] real shadow_reach(const world_state<Scenario>& s, const Store& store, std::size_t i) {
+  return reach_of(store, i, world_state<Scenario>::law::soft ? 0 : s.dt);
+}
+
 /// Sends bodies whose centre has left to their new owner, with the memory of their contacts.
 /// Returns the number of bodies that this rank still holds for others (only where the way to their
 /// owner is longer than one connection).
@@ -140,6 +147,8 @@ std::size_t migrate(world_state<Scenario>& s) {
       to[n].push_back(i);
       gone.push_back(i);
       leaving.emplace_back(store.id[i], n);
+      if constexpr (world_state<Scenario>::law::soft)
+        s.neighbours[n].reach = std::max(s.neighbours[n].reach, shadow_reach(s, store, i));
     }
     for (std::size_t n = 0; n < to.size(); ++n) {
       byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
@@ -149,7 +158,8 @@ std::size_t migrate(world_state<Scenario>& s) {
     for (auto i = gone.rbegin(); i != gone.rend(); ++i) store.remove_local(*i);
   });
 
-  std::vector<std::vector<remembered_contact>> memories(s.parcels.size());
+  using remembered = typename world_state<Scenario>::history_type::entry;
+  std::vector<std::vector<remembered>> memories(s.parcels.size());
   if (!leaving.empty()) {
     std::sort(leaving.begin(), leaving.end());
     const auto find = [&](system_id id) {
@@ -157,14 +167,14 @@ std::size_t migrate(world_state<Scenario>& s) {
           std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
       return at != leaving.end() && at->first == id ? at->second : memories.size();
     };
-    for (const remembered_contact& c : s.history.entries()) {
+    for (const remembered& c : s.history.entries()) {
       const auto a = find(c.key.a), b = find(c.key.b);
       if (a < memories.size()) memories[a].push_back(c);
       if (b < memories.size() && b != a) memories[b].push_back(c);
     }
   }
   for (std::size_t n = 0; n < memories.size(); ++n)
-    byte_writer(s.parcels[n].out).put(std::span<const remembered_contact>(memories[n]));
+    byte_writer(s.parcels[n].out).put(std::span<const remembered>(memories[n]));
 
   s.link->start(s.parcels);
   s.link->finish(s.parcels);
@@ -178,8 +188,8 @@ std::size_t migrate(world_state<Scenario>& s) {
         passing += !s.own.contains(b.movable.position[b.movable.locals++]);
       }
     });
-    for (const remembered_contact& c : in.get_all<remembered_contact>())
-      if (s.history.find(c.key) == nullptr) s.history.add(c.key, c.impulse);
+    for (const remembered& c : in.get_all<remembered>())
+      if (s.history.find(c.key) == nullptr) s.history.add(c.key, c.memory);
   }
   return passing;
 }
@@ -224,7 +234,7 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   s.each_finite_shape([&](auto& b) {
     b.reach.resize(b.movable.size());
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
-      b.reach[i] = reach_of(b.movable, i, s.dt);
+      b.reach[i] = shadow_reach(s, b.movable, i);
       largest = std::max(largest, b.reach[i]);
       if (i < b.movable.locals && b.movable.shape[i].bounding_radius() > covered)
         require_reached(s, b.movable.id[i], b.movable.shape[i], b.movable.position[i]);
@@ -240,7 +250,9 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
         const vec3& p = b.movable.position[i];
         s.own.for_each_within(p, b.reach[i] + furthest, [&](std::size_t n) {
           auto& other = s.neighbours[n];
-          if (s.own.connections()[n].distance(p) <= b.reach[i] + other.reach)
+          // A force that is missing for a step is an error: a large body may just have gone there.
+          const real there = world_state<Scenario>::law::soft ? furthest : other.reach;
+          if (s.own.connections()[n].distance(p) <= b.reach[i] + there)
             other.shadowed[k].push_back(static_cast<std::uint32_t>(i));
         });
       }
@@ -279,7 +291,7 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   }
   if (!any) return;
   rebuild_shadow_copies(s, before, renewed);
-  list_travelling_velocities(s);
+  if constexpr (!world_state<Scenario>::law::soft) list_travelling_velocities(s);
 }
 
 /// The handover at the end of a step.
@@ -290,7 +302,7 @@ void hand_over(world_state<Scenario>& s) {
     match_connections(s);
     refuse_closed_faces(s, true);
     migrate(s);
-    s.travelled.swap(s.travelling);
+    if constexpr (!world_state<Scenario>::law::soft) s.travelled.swap(s.travelling);
     share_shadow_copies(s, true);
   }
   s.changed = false;

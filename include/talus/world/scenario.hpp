@@ -5,6 +5,7 @@
 #include "talus/body/bodies.hpp"
 #include "talus/body/features.hpp"
 #include "talus/contact/law.hpp"
+#include "talus/contact/soft_law.hpp"
 #include "talus/detect/policy.hpp"
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/policy.hpp"
@@ -21,6 +22,15 @@ struct in_role {
   template <class Type>
   struct played_by : std::bool_constant<plays<Type, Role>> {};
 };
+
+template <class List, class Type>
+struct list_and;
+template <class... Types, class Type>
+struct list_and<type_list<Types...>, Type> {
+  using type = type_list<Types..., Type>;
+};
+template <class List, class Type>
+using list_with = typename list_and<List, Type>::type;
 
 /// The first policy of a role, or its default. Later ones have been refused.
 template <class Role, class Default, class... Policies>
@@ -46,7 +56,10 @@ struct argument_of_scenario {
   static_assert(!bare_transport,
                 "scenario<...> takes a transport inside transport<...>: write transport<threads> "
                 "for a bare threads, and likewise for this type");
-  static_assert(!is_part<Type, roles::contact_law>,
+  static_assert(!is_soft_part<Type>,
+                "scenario<...> takes the parts of a contact law inside soft_contact<...>: write "
+                "soft_contact<linear_spring_dashpot> for a bare linear_spring_dashpot");
+  static_assert(!is_part<Type, roles::contact_law> || is_soft_part<Type>,
                 "scenario<...> takes the parts of a contact law inside hard_contact<...>: write "
                 "hard_contact<coulomb_friction> for a bare coulomb_friction");
   static_assert(!is_part<Type, roles::solver>,
@@ -61,10 +74,11 @@ struct argument_of_scenario {
   static_assert(!is_part<Type, roles::features>,
                 "scenario<...> takes a feature inside features<...>: write features<orientation> "
                 "for a bare orientation, and likewise for this type");
-  static_assert(policy<Type> || bare_shape || bare_decomposition || bare_transport || bare_part,
-                "scenario<...> takes talus policies only, and this type is none: remove it, or use "
-                "one of bodies, hard_contact, solver, broad_phase, integrator, decomposition, "
-                "transport, precision, features");
+  static_assert(
+      policy<Type> || bare_shape || bare_decomposition || bare_transport || bare_part,
+      "scenario<...> takes talus policies only, and this type is none: remove it, or use "
+      "one of bodies, hard_contact, soft_contact, solver, broad_phase, integrator, decomposition, "
+      "transport, precision, features");
 };
 
 }  // namespace detail
@@ -77,7 +91,8 @@ struct scenario final {
   static_assert(detail::at_most_one<roles::bodies, Policies...>,
                 "scenario<...> names the role 'bodies' twice: put all shapes into one bodies<...>");
   static_assert(detail::at_most_one<roles::contact_law, Policies...>,
-                "scenario<...> names the role 'contact law' twice: keep one hard_contact<...>");
+                "scenario<...> names the role 'contact law' twice: keep one hard_contact<...> or "
+                "soft_contact<...>");
   static_assert(detail::at_most_one<roles::solver, Policies...>,
                 "scenario<...> names the role 'solver' twice: keep one solver<...>");
   static_assert(detail::at_most_one<roles::broad_phase, Policies...>,
@@ -106,19 +121,38 @@ struct scenario final {
   using transport_policy = pick<roles::transport, talus::transport<threads>>;
   using precision_policy = pick<roles::precision, talus::precision<double>>;
   using features_policy = pick<roles::features, talus::features<>>;
+  using law_policy = pick<roles::contact_law,
+                          hard_contact<coulomb_friction, newton_restitution, split_correction>>;
+
+  static constexpr bool verlet = std::is_same_v<typename integrator_policy::type, velocity_verlet>;
+  static_assert(!law_policy::soft || (... && !detail::plays<Policies, roles::solver>),
+                "scenario<...> names a solver and soft_contact<...>, but soft contacts are forces "
+                "and have nothing to solve: remove the solver, or use hard_contact<...>");
+  template <class Feature>
+  static constexpr bool names = detail::contains_type<typename features_policy::list, Feature>;
+  static_assert(
+      !law_policy::soft || !(names<energy_ledger> || names<momentum_balance> ||
+                             names<residual_monitor> || names<continuous_collision>),
+      "scenario<...> names soft_contact<...> and a feature that needs the impulses of hard "
+      "contacts: remove energy_ledger, momentum_balance, residual_monitor and "
+      "continuous_collision, or use hard_contact<...>");
+  static_assert(law_policy::soft || !verlet,
+                "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "
+                "are no forces that it could use: remove the integrator, or use "
+                "soft_contact<...>");
 
  public:
-  using shapes = typename bodies_policy::list;  ///< sphere and plane
-  using contact_law =                           ///< friction, restitution and correction
-      pick<roles::contact_law,
-           hard_contact<coulomb_friction, newton_restitution, split_correction>>;
-  using solver = typename solver_policy::type;                ///< nonlinear_gauss_seidel
-  using broad_phase = typename broad_phase_policy::type;      ///< linear_hash_grid
-  using integrator = typename integrator_policy::type;        ///< semi_implicit_euler
+  using shapes = typename bodies_policy::list;            ///< sphere and plane
+  using contact_law = law_policy;                         ///< friction, restitution and correction
+  using solver = typename solver_policy::type;            ///< nonlinear_gauss_seidel
+  using broad_phase = typename broad_phase_policy::type;  ///< linear_hash_grid
+  using integrator = typename integrator_policy::type;    ///< semi_implicit_euler
   using decomposition = typename decomposition_policy::type;  ///< a grid for any number of ranks
   using transport = typename transport_policy::type;          ///< threads
   using precision = typename precision_policy::type;          ///< double
-  using features = typename features_policy::list;            ///< none
+  using features = std::conditional_t<                        ///< none
+      verlet, detail::list_with<typename features_policy::list, detail::contact_forces>,
+      typename features_policy::list>;
 
   template <class Shape>
   static constexpr bool has_shape = detail::contains_type<shapes, Shape>;
@@ -129,10 +163,11 @@ struct scenario final {
   static std::string describe() {
     using detail::describe_policy;
     return describe_policy<bodies_policy>() + ' ' + describe_policy<contact_law>() + ' ' +
-           describe_policy<solver_policy>() + ' ' + describe_policy<broad_phase_policy>() + ' ' +
-           describe_policy<integrator_policy>() + ' ' + describe_policy<decomposition_policy>() +
-           ' ' + describe_policy<transport_policy>() + ' ' + describe_policy<precision_policy>() +
-           ' ' + describe_policy<features_policy>();
+           (contact_law::soft ? "" : describe_policy<solver_policy>() + ' ') +
+           describe_policy<broad_phase_policy>() + ' ' + describe_policy<integrator_policy>() +
+           ' ' + describe_policy<decomposition_policy>() + ' ' +
+           describe_policy<transport_policy>() + ' ' + describe_policy<precision_policy>() + ' ' +
+           describe_policy<features_policy>();
   }
 };
 

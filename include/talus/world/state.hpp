@@ -9,21 +9,15 @@
 #include <vector>
 
 #include "talus/body/material.hpp"
-#include "talus/contact/history.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/lone_domain.hpp"
 #include "talus/parallel/parcel.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
-#include "talus/response/contact_list.hpp"
-#include "talus/response/convergence.hpp"
-#include "talus/response/general_contact.hpp"
-#include "talus/response/round_contact.hpp"
-#include "talus/response/solver_settings.hpp"
 #include "talus/world/bodies_of_shape.hpp"
-#include "talus/world/contact_kinds.hpp"
 #include "talus/world/monitors.hpp"
+#include "talus/world/response_state.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/stage_clock.hpp"
 
@@ -41,41 +35,10 @@ struct step_traffic {
   std::uint64_t collectives = 0;   ///< in all steps
 };
 
-/// What the contact solver needed and reached in the steps so far; alike on all ranks. Residuals
-/// are NaN until one is measured: in every step where a tolerance is asked for, else where
-/// measure_residual() is called.
-struct convergence {
-  std::uint64_t iterations = 0;                                      ///< of all steps
-  std::uint64_t iterations_max = 0;                                  ///< of a step
-  double residual = std::numeric_limits<double>::quiet_NaN();        ///< the last measured
-  double residual_worst = std::numeric_limits<double>::quiet_NaN();  ///< of those measured
-  std::uint64_t steps_above = 0;  ///< steps that ended above the tolerance
-
-  void add(const detail::solved& done, double tolerance) {
-    iterations += static_cast<std::uint64_t>(done.iterations);
-    iterations_max = std::max(iterations_max, static_cast<std::uint64_t>(done.iterations));
-    if (tolerance == 0) return;
-    add_residual(done.residual);
-    steps_above += !(done.residual <= tolerance);
-  }
-  void add_residual(double value) {
-    residual = value;
-    if (!(residual_worst >= value)) residual_worst = value;
-  }
-};
-
 namespace detail {
 
 /// Stands for shared_memory where no shape shares data.
 struct no_shared_memory {};
-
-/// The bodies whose velocities travel between this rank and one of its neighbours, in solver
-/// indices: fixed from one handover to the next, so that they travel without ids.
-struct travelling_velocities {
-  int rank = 0;
-  std::vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move
-  std::vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
-};
 
 /// What this rank and one of its neighbours know of each other's bodies.
 template <std::size_t Shapes, class Memory>
@@ -114,7 +77,12 @@ template <class Shape>
 struct shares_data : std::bool_constant<packs_itself<Shape>> {};
 
 template <class Scenario>
-struct world_state {
+using response_state =
+    typename response_of<typename Scenario::shapes, typename Scenario::contact_law>::type;
+
+/// The contacts and what finds their impulses or forces are in the base.
+template <class Scenario>
+struct world_state : response_state<Scenario> {
   static_assert(complete<typename Scenario::transport>,
                 "a world needs the transport of its scenario, which is threads unless it names "
                 "another: write #include <talus/parallel/threads.hpp>");
@@ -125,7 +93,8 @@ struct world_state {
   using bodies_type = bodies_of_shape<Shape, typename Scenario::features>;
   using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;
   using law = typename Scenario::contact_law;
-  using lists_type = contact_lists_of<typename Scenario::shapes, law>;
+  using lists_type = typename response_state<Scenario>::lists_type;
+  using history_type = typename response_state<Scenario>::history_type;
 
   world_state(link_type& l, domain_type d) : link(&l), own(std::move(d)) {}
 
@@ -136,8 +105,7 @@ struct world_state {
 
   vec3 gravity{0, 0, 0};
   real damping = 1;  ///< part of the velocity kept per unit of time
-  solver_settings settings;
-  real dt = 0;  ///< of the last step, or of the one under way
+  real dt = 0;       ///< of the last step, or of the one under way
   std::uint64_t steps = 0;
   real time = 0;
 
@@ -146,26 +114,18 @@ struct world_state {
       contains_type<typename Scenario::features, continuous_collision>;
   [[no_unique_address]] std::conditional_t<continuous, impact_times, no_impact_times> impacts;
 
-  lists_type contacts;
-  contact_history history;
-  solver_state solver;
-
   using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
   static constexpr std::size_t shape_count = finite_shapes::size;
   using memory_type = std::conditional_t<(filter_types<finite_shapes, shares_data>::size > 0),
                                          shared_memory, no_shared_memory>;
   std::vector<neighbour<shape_count, memory_type>>
-      neighbours;                                 ///< one for each connection, in the same order
-  std::vector<parcel> parcels;                    ///< likewise: handovers
-  std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
-  std::vector<travelling_velocities> travelled;   ///< in the last step
-  std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
-  bool strangers = false;  ///< some neighbours are not connected to each other
-  bool changed = true;     ///< bodies were added, removed or changed since the last handover
+      neighbours;               ///< one for each connection, in the same order
+  std::vector<parcel> parcels;  ///< likewise: handovers
+  bool strangers = false;       ///< some neighbours are not connected to each other
+  bool changed = true;          ///< bodies were added, removed or changed since the last handover
 
   stage_seconds seconds;
   step_traffic sent;
-  talus::convergence convergence;
   [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
 
   /// Calls f(bodies of a shape) for every shape of the scenario.
@@ -200,11 +160,11 @@ struct world_state {
   }
   template <class F>
   void each_contact_list(F&& f) {
-    std::apply([&](auto&... list) { (f(list), ...); }, contacts);
+    std::apply([&](auto&... list) { (f(list), ...); }, this->contacts);
   }
   template <class F>
   void each_contact_list(F&& f) const {
-    std::apply([&](const auto&... list) { (f(list), ...); }, contacts);
+    std::apply([&](const auto&... list) { (f(list), ...); }, this->contacts);
   }
 };
 

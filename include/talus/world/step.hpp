@@ -1,11 +1,14 @@
 #pragma once
 // One time step.
+#include <type_traits>
+
 #include "talus/world/detect.hpp"
 #include "talus/world/energy_ledger.hpp"
 #include "talus/world/hand_over.hpp"
 #include "talus/world/last_residual.hpp"
 #include "talus/world/momentum_balance.hpp"
 #include "talus/world/respond.hpp"
+#include "talus/world/soft_step.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -23,29 +26,40 @@ void timed(world_state<Scenario>& s, double& total, Stage&& stage) {
 
 template <class Scenario>
 void step(world_state<Scenario>& s, real dt) {
+  const auto detect_stage = [&](auto&& f) { timed(s, s.seconds.detect, f); };
+  const auto respond_stage = [&](auto&& f) { timed(s, s.seconds.respond, f); };
+  const auto integrate_stage = [&](auto&& f) { timed(s, s.seconds.integrate, f); };
+  constexpr bool verlet = std::is_same_v<typename Scenario::integrator, velocity_verlet>;
   s.dt = dt;
   announce_changes(s);
-  if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
-  timed(s, s.seconds.detect, [&] {
-    detect(s);  // contacts of local bodies with each other, with shadow copies, with global bodies
-  });
-  timed(s, s.seconds.respond, [&] {
-    respond(s);  // velocities that fulfil the contact law, iterated with the neighbours
-  });
-  if constexpr (watches<Scenario, energy_ledger>) book_response(s);
-  if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
-  if constexpr (world_state<Scenario>::continuous)
-    timed(s, s.seconds.detect, [&] {  // until when bodies that struck something go on
-      limit_flights(s, [&] { each_close_pair<flight_stopper>(s); });
-    });
-  timed(s, s.seconds.integrate, [&] {
-    integrate(s);  // positions of the bodies owned here
-  });
-  if constexpr (watches<Scenario, energy_ledger>) book_motion(s), close_energy(s);
-  if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
+  if constexpr (!Scenario::contact_law::soft) {
+    if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
+    detect_stage([&] { detect(s); });  // contacts of local bodies with each other, copies, globals
+    respond_stage([&] { respond(s); });  // velocities that fulfil the contact law
+    if constexpr (watches<Scenario, energy_ledger>) book_response(s);
+    if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
+    if constexpr (world_state<Scenario>::continuous)
+      detect_stage([&] {  // until when bodies that struck something go on
+        limit_flights(s, [&] { each_close_pair<flight_stopper>(s); });
+      });
+    integrate_stage([&] { integrate(s); });  // positions of the bodies owned here
+    if constexpr (watches<Scenario, energy_ledger>) book_motion(s), close_energy(s);
+    if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
+  } else if constexpr (verlet) {
+    integrate_stage([&] { kick(s, dt / 2), drift(s, dt); });
+    hand_over(s);
+    detect_stage([&] { prepare_detection(s); });
+    respond_stage([&] { measure_forces(s); });
+    integrate_stage([&] { kick(s, dt / 2), end_forces(s); });
+  } else {
+    detect_stage([&] { prepare_detection(s); });
+    respond_stage([&] { measure_forces(s); });  // of all overlaps with a body owned here
+    integrate_stage([&] { kick(s, dt), end_forces(s), drift(s, dt); });
+  }
   ++s.steps;
   s.time += dt;
-  hand_over(s);  // bodies that left go to their new owner, shadow copies are refreshed
+  if constexpr (!verlet)
+    hand_over(s);  // bodies that left go to their new owner, shadow copies are refreshed
   if constexpr (watches<Scenario, residual_monitor>) (void)last_residual(s);
 }
 

@@ -122,6 +122,8 @@ class world {
 
   material_id material(const talus::material& m) {
     sections_.require_all_ranks("material", rank());
+    if constexpr (Scenario::contact_law::soft)
+      detail::require_springs<typename Scenario::contact_law>(m);
     return state_.materials.add(m);
   }
   /// Properties of contacts between two materials, instead of the mean of theirs.
@@ -146,10 +148,17 @@ class world {
       state_.damping = kept;
     }
   }
-  [[nodiscard]] solver_settings& solver() { return state_.settings; }
-  [[nodiscard]] const solver_settings& solver() const { return state_.settings; }
+  [[nodiscard]] solver_settings& solver() requires(!Scenario::contact_law::soft) {
+    return state_.settings;
+  }
+  [[nodiscard]] const solver_settings& solver() const requires(!Scenario::contact_law::soft) {
+    return state_.settings;
+  }
   /// Iterations that the solver needed, and contact residuals that it reached.
-  [[nodiscard]] const talus::convergence& convergence() const { return state_.convergence; }
+  [[nodiscard]] const talus::convergence& convergence() const
+      requires(!Scenario::contact_law::soft) {
+    return state_.convergence;
+  }
   /// Seed of all random numbers that fill() hands out. Set alike on all ranks.
   void seed(std::uint64_t seed) { seed_ = seed; }
 

@@ -264,20 +264,22 @@ void world<Scenario>::step(real dt) {
     detail::fail<std::logic_error>(
         "step was called inside a global section on rank {}: close the section first", rank());
   detail::require_positive(dt, "the time step dt");
-  const solver_settings& how = state_.settings;
-  if (!(how.tolerance >= 0 && how.tolerance < 1) || how.max_iterations < 1)
-    detail::fail<std::invalid_argument>(
-        "the tolerance of the solver is a contact residual in (0, 1), or 0 for a fixed number of "
-        "iterations, and at least 1 iteration is allowed for it, but they are {} and {}",
-        how.tolerance, how.max_iterations);
-  if (how.iterations < 1 || how.correction_iterations < 0 ||
-      !(how.correction >= 0 && how.correction <= 1))
-    detail::fail<std::invalid_argument>(
-        "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap in "
-        "[0, 1] to correct, but has {}, {} and {}",
-        how.iterations, how.correction_iterations, how.correction);
-  // How far bodies reach in a step is told to the neighbours before it.
-  if (dt > state_.dt) state_.dt = dt, state_.changed = true;
+  if constexpr (!Scenario::contact_law::soft) {
+    const solver_settings& how = state_.settings;
+    if (!(how.tolerance >= 0 && how.tolerance < 1) || how.max_iterations < 1)
+      detail::fail<std::invalid_argument>(
+          "the tolerance of the solver is a contact residual in (0, 1), or 0 for a fixed number of "
+          "iterations, and at least 1 iteration is allowed for it, but they are {} and {}",
+          how.tolerance, how.max_iterations);
+    if (how.iterations < 1 || how.correction_iterations < 0 ||
+        !(how.correction >= 0 && how.correction <= 1))
+      detail::fail<std::invalid_argument>(
+          "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap in "
+          "[0, 1] to correct, but has {}, {} and {}",
+          how.iterations, how.correction_iterations, how.correction);
+    // How far bodies reach in a step is told to the neighbours before it.
+    if (dt > state_.dt) state_.dt = dt, state_.changed = true;
+  }
   if (!synchronized_) synchronize();
   if (rewired_)
     detail::fail<std::runtime_error>(

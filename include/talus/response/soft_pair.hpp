@@ -1,0 +1,118 @@
+#pragma once
+// What two materials make of a soft contact: stiffnesses and the damping ratio.
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "talus/body/material.hpp"
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// Properties of the soft contacts of a pair of materials. Lengths under the roots of Hertz' theory
+/// are still to be put in: K = stiffness, or stiffness * a with the radius a = sqrt(R d) of the
+/// circle of touch, of effective radius R and overlap d; likewise across the normal.
+struct soft_pair {
+  real stiffness = 0;   ///< linear: k; Hertz: 4/3 E*
+  real tangential = 0;  ///< linear: 2/7 k; Mindlin: 8 G*
+  real damping = 0;     ///< damping ratio of the normal spring, in [0, 1]
+  real friction = 0, dynamic_friction = 0, rolling_friction = 0;
+};
+
+/// Restitution of a linear spring and dashpot of damping ratio z that never pulls: contact ends
+/// when the force is zero, after the time 2 acos(z) / (w0 sqrt(1 - z^2)), with e = exp(-2 z acos(z)
+/// / sqrt(1 - z^2)). (The closed form of Schwager, Poeschel 2007, "Coefficient of restitution and
+/// linear-dashpot model revisited", with w0 = sqrt(k/m).) Least value, at critical damping:
+/// exp(-2).
+[[nodiscard]] inline real restitution_of_damping(real ratio) {
+  if (ratio >= 1) return std::exp(real(-2));
+  return std::exp(-2 * ratio * std::acos(ratio) / std::sqrt(1 - ratio * ratio));
+}
+
+/// The damping ratio of a coefficient of restitution; 1, critical damping, for all e under exp(-2).
+/// It serves Hertz' spring as well if its dashpot is c d^(1/4): with y = d^(5/4) its motion becomes
+/// that of a linear one, v dv/dy = -(4/5 k y + 4/5 c v) / m (after Antypov, Elliott 2011, "On an
+/// analytical solution for the damped Hertzian spring"), of damping ratio c / sqrt(5 k m).
+[[nodiscard]] inline real damping_of_restitution(real e) {
+  if (e >= 1) return 0;
+  if (e <= std::exp(real(-2))) return 1;
+  real low = 0, high = 1;
+  for (int k = 0; k < 60; ++k) {
+    const real middle = (low + high) / 2;
+    (restitution_of_damping(middle) > e ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+/// Throws invalid_argument if a material lacks what the springs need.
+template <class Law>
+void require_springs(const material& m) {
+  if constexpr (Law::hertz) {
+    if (!(m.youngs_modulus > 0))
+      fail<std::invalid_argument>(
+          "a material of a scenario with hertz_mindlin needs a positive Young's modulus, but has "
+          "{}: set .youngs_modulus",
+          m.youngs_modulus);
+  } else {
+    if (!(m.stiffness > 0))
+      fail<std::invalid_argument>(
+          "a material of a scenario with linear_spring_dashpot needs a positive stiffness, but has "
+          "{}: set .stiffness",
+          m.stiffness);
+  }
+}
+
+template <class Law>
+[[nodiscard]] soft_pair soft_pair_of(const material& a, const material& b,
+                                     const pair_material& both) {
+  soft_pair p;
+  if constexpr (Law::hertz) {
+    const auto shear = [](const material& m) {
+      return 2 * (2 - m.poisson_ratio) * (1 + m.poisson_ratio) / m.youngs_modulus;
+    };
+    const auto normal = [](const material& m) {
+      return (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
+    };
+    p.stiffness = 4.0 / 3 / (normal(a) + normal(b));
+    p.tangential = 8 / (shear(a) + shear(b));
+  } else {
+    p.stiffness = 2 * a.stiffness * b.stiffness / (a.stiffness + b.stiffness);  // in series
+    p.tangential = 2.0 / 7 * p.stiffness;  // the period of the normal spring, for solid spheres
+  }
+  p.damping = damping_of_restitution(both.restitution);
+  p.friction = both.friction;
+  p.dynamic_friction = both.dynamic_friction;
+  p.rolling_friction = 0.5 * (a.rolling_friction + b.rolling_friction);
+  return p;
+}
+
+/// The pairs of a table of materials, derived anew only where that has changed.
+template <class Law>
+class soft_pairs {
+ public:
+  void follow(const material_table& materials) {
+    if (revision_ == materials.revision()) return;
+    revision_ = materials.revision();
+    size_ = materials.size();
+    pairs_.resize(size_ * size_);
+    for (std::size_t i = 0; i < size_; ++i)
+      for (std::size_t j = 0; j < size_; ++j) {
+        const auto a = static_cast<material_id>(i), b = static_cast<material_id>(j);
+        pairs_[i * size_ + j] = soft_pair_of<Law>(materials[a], materials[b], materials.pair(a, b));
+      }
+  }
+  [[nodiscard]] const soft_pair& pair(material_id a, material_id b) const {
+    return pairs_[static_cast<std::size_t>(a) * size_ + static_cast<std::size_t>(b)];
+  }
+  [[nodiscard]] std::size_t bytes() const { return pairs_.capacity() * sizeof(soft_pair); }
+
+ private:
+  std::vector<soft_pair> pairs_;
+  std::size_t size_ = 0;
+  std::uint64_t revision_ = 0;  ///< of an empty table
+};
+
+}  // namespace talus::detail

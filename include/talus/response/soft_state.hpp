@@ -1,0 +1,48 @@
+#pragma once
+// What soft contacts work on: motion and forces of all bodies of this rank, whatever their shape.
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "talus/core/math.hpp"
+#include "talus/response/soft_pair.hpp"
+
+namespace talus::detail {
+
+/// Motion of a body as its contacts see it, and the sum of what they do to it: two cache lines.
+struct alignas(64) soft_body {
+  vec3 v{0, 0, 0};
+  real inverse_mass = 0;
+  vec3 w{0, 0, 0};
+  real radius = 0;  ///< of the sphere that it is, or of one of its volume
+  vec3 force{0, 0, 0};
+  real unused_1 = 0;  ///< room for the fourth number of a quad
+  vec3 torque{0, 0, 0};
+  real unused_2 = 0;
+};
+
+/// The number of contacts, for observers; the contacts themselves are not kept.
+struct soft_contacts {
+  std::size_t here = 0;     ///< that count on this rank
+  std::size_t doubled = 0;  ///< that count on another rank, which computes them too
+  [[nodiscard]] std::size_t size() const { return here + doubled; }
+  [[nodiscard]] std::size_t counted() const { return here; }
+  [[nodiscard]] static std::size_t bytes() { return 0; }
+};
+
+template <class Law>
+struct soft_state {
+  std::vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
+  soft_pairs<Law> pairs;
+};
+
+/// The radius that a shape counts with where the theory knows spheres only.
+template <class Shape>
+[[nodiscard]] real sphere_radius(const Shape& s) {
+  if constexpr (Shape::round)
+    return s.bounding_radius();
+  else
+    return std::cbrt(s.volume() * (3 / (4 * pi)));
+}
+
+}  // namespace talus::detail

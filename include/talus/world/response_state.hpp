@@ -1,0 +1,87 @@
+#pragma once
+// What a world holds for its contacts: hard and soft ones share nothing but the history.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include "talus/contact/history.hpp"
+#include "talus/parallel/parcel.hpp"
+#include "talus/response/convergence.hpp"
+#include "talus/response/soft_state.hpp"
+#include "talus/response/solver_settings.hpp"
+#include "talus/response/solver_state.hpp"
+#include "talus/world/contact_kinds.hpp"
+
+namespace talus {
+
+/// What the contact solver needed and reached in the steps so far; alike on all ranks. Residuals
+/// are NaN until one is measured: in every step where a tolerance is asked for, else where
+/// measure_residual() is called.
+struct convergence {
+  std::uint64_t iterations = 0;                                      ///< of all steps
+  std::uint64_t iterations_max = 0;                                  ///< of a step
+  double residual = std::numeric_limits<double>::quiet_NaN();        ///< the last measured
+  double residual_worst = std::numeric_limits<double>::quiet_NaN();  ///< of those measured
+  std::uint64_t steps_above = 0;  ///< steps that ended above the tolerance
+
+  void add(const detail::solved& done, double tolerance) {
+    iterations += static_cast<std::uint64_t>(done.iterations);
+    iterations_max = std::max(iterations_max, static_cast<std::uint64_t>(done.iterations));
+    if (tolerance == 0) return;
+    add_residual(done.residual);
+    steps_above += !(done.residual <= tolerance);
+  }
+  void add_residual(double value) {
+    residual = value;
+    if (!(residual_worst >= value)) residual_worst = value;
+  }
+};
+
+namespace detail {
+
+/// The bodies whose velocities travel between this rank and one of its neighbours, in solver
+/// indices: fixed from one handover to the next, so that they travel without ids.
+struct travelling_velocities {
+  int rank = 0;
+  std::vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move
+  std::vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
+};
+
+template <class Shapes, class Law>
+struct hard_response {
+  using lists_type = contact_lists_of<Shapes, Law>;
+  using history_type = history_of<typename Law::memory>;
+
+  solver_settings settings;
+  lists_type contacts;
+  history_type history;
+  solver_state solver;
+  talus::convergence convergence;
+  std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
+  std::vector<travelling_velocities> travelled;   ///< in the last step
+  std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
+};
+
+template <class Law>
+struct soft_response {
+  using lists_type = std::tuple<soft_contacts>;
+  using history_type = history_of<typename Law::memory>;
+
+  lists_type contacts;             ///< their number
+  history_type history, recorded;  ///< of the last step, and of the one under way
+  soft_state<Law> soft;
+};
+
+template <class Shapes, class Law>
+struct response_of {
+  using type = hard_response<Shapes, Law>;
+};
+template <class Shapes, class Law>
+requires(Law::soft) struct response_of<Shapes, Law> {
+  using type = soft_response<Law>;
+};
+
+}  // namespace detail
+}  // namespace talus

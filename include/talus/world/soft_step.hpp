@@ -1,0 +1,248 @@
+#pragma once
+// The stages of a step with soft contacts: forces from overlaps, velocities from forces, positions
+// from velocities. Each rank computes every contact of a body it owns, from the same data as the
+// other rank that sees it and in the same order of the two bodies: no forces travel, and momentum
+// is conserved to round-off.
+#include <cmath>
+#include <type_traits>
+
+#include "talus/response/integrate.hpp"
+#include "talus/response/soft_force.hpp"
+#include "talus/world/detect.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// The forces of the contact points of one pair of shapes: added up, the springs brought forward by
+/// a step; or, if there is an observer, only told to it, for the present state.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner, class Observer>
+class force_adder {
+  using state_type = world_state<Scenario>;
+  using law = typename state_type::law;
+  static constexpr bool paired = Partner == partner::moving;
+  static constexpr bool observed = !std::is_null_pointer_v<Observer>;
+  using store_a = body_store<ShapeA, typename Scenario::features>;
+  using store_b = body_store<ShapeB, typename Scenario::features>;
+
+ public:
+  force_adder(state_type& s, Observer& observer)
+      : s_(s),
+        observer_(observer),
+        a_(s.template of<ShapeA>().movable),
+        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
+        first_a_(s.template of<ShapeA>().first),
+        first_b_(paired ? s.template of<ShapeB>().first : 0) {}
+
+  void operator()(std::size_t i, std::size_t j, real, real) {
+    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
+      if (b_.id[j] < a_.id[i]) std::swap(i, j);
+    const bool own_a = i < a_.locals, own_b = !paired || j < b_.locals;
+    const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
+    if constexpr (paired && !state_type::link_type::alone)
+      if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
+    if (!((own_a && moves_a) || (own_b && moves_b))) return;
+    const bool boundary = paired && own_a != own_b && moves_a && moves_b;
+    collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), 0,
+                 [&](const contact_geometry& g) {
+                   if (!(g.gap < 0)) return;
+                   if constexpr (paired)
+                     if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
+                                             : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
+                       return;
+                   const contact_key key{a_.id[i], b_.id[j], g.feature};
+                   const soft_force f = add(i, j, g, key);
+                   if constexpr (observed) {
+                     observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
+                   } else {
+                     auto& count = std::get<soft_contacts>(s_.contacts);
+                     const bool counts = own_a || !boundary;
+                     ++(counts ? count.here : count.doubled);
+                     if constexpr (watches<Scenario, penetration_monitor>)
+                       if (counts) s_.monitors.overlaps.add(g.gap);
+                   }
+                 });
+  }
+
+ private:
+  soft_force add(std::size_t i, std::size_t j, const contact_geometry& g, const contact_key& key) {
+    soft_body& A = s_.soft.bodies[first_a_ + i];
+    soft_touch t;
+    t.normal = g.normal;
+    t.overlap = -g.gap;
+    vec3 arm_a = g.point - a_.position[i], arm_b{0, 0, 0};
+    // As for hard contacts: something immovable is met with the surface itself.
+    if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
+    t.u = A.v + A.w.cross(arm_a);
+    t.spin = A.w;
+    t.mean_spin = 0.5 * g.normal.dot(A.w);
+    real inverse_mass = A.inverse_mass, curvature = 1 / A.radius;
+    real rolling = A.inverse_mass * curvature * curvature;
+    soft_body* B = nullptr;
+    if constexpr (paired) {
+      B = &s_.soft.bodies[first_b_ + j];
+      arm_b = g.point - b_.position[j];
+      t.u -= B->v + B->w.cross(arm_b);
+      t.spin -= B->w;
+      t.mean_spin += 0.5 * g.normal.dot(B->w);
+      inverse_mass += B->inverse_mass;
+      curvature += 1 / B->radius;
+      rolling += B->inverse_mass / (B->radius * B->radius);
+    } else if constexpr (ShapeB::finite) {
+      curvature += 1 / sphere_radius(b_.shape[j]);
+    }
+    t.mass = 1 / inverse_mass;
+    t.radius = 1 / curvature;
+    t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
+
+    typename law::memory memory;
+    if constexpr (law::remembers)
+      if (const auto* old = s_.history.find(key)) memory = *old;
+    const soft_force f = force_of<law>(t, s_.soft.pairs.pair(a_.material[i], b_.material[j]),
+                                       observed ? 0 : s_.dt, memory);
+    if constexpr (observed) return f;
+    if constexpr (law::remembers) s_.recorded.add(key, memory);
+
+    A.force += f.force;
+    if constexpr (law::friction || !ShapeA::round) A.torque += arm_a.cross(f.force);
+    if constexpr (law::rolling) A.torque += f.moment;
+    if constexpr (paired) {
+      B->force -= f.force;
+      if constexpr (law::friction || !ShapeB::round) B->torque -= arm_b.cross(f.force);
+      if constexpr (law::rolling) B->torque -= f.moment;
+    }
+    return f;
+  }
+
+  state_type& s_;
+  Observer& observer_;
+  store_a& a_;
+  store_b& b_;
+  std::size_t first_a_, first_b_;
+};
+
+/// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.
+template <class Scenario, class F>
+void each_movable_store(world_state<Scenario>& s, F&& f) {
+  s.each_finite_shape([&](auto& b) { f(b.movable, b.first); });
+}
+
+/// Reads the motion of all bodies, and sets the sums of their forces to zero.
+template <class Scenario>
+void gather_motion(world_state<Scenario>& s) {
+  s.soft.pairs.follow(s.materials);
+  each_movable_store(s, [&](auto& store, std::size_t first) {
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      soft_body& body = s.soft.bodies[first + i];
+      body = {};
+      body.v = store.velocity[i];
+      body.w = store.angular_velocity[i];
+      body.inverse_mass = store.inverse_mass[i];
+      body.radius = sphere_radius(store.shape[i]);
+    }
+  });
+}
+
+/// Hands every contact that this rank computes to Observer or force_adder.
+template <class Scenario, class Observer>
+void each_soft_contact(world_state<Scenario>& s, Observer& observer) {
+  each_close_pair(s, [&]<class A, class B, partner P>() {
+    return force_adder<Scenario, A, B, P, Observer>(s, observer);
+  });
+}
+
+/// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
+/// over all ranks each acts on each of its bodies once. Changes nothing that a step depends on.
+template <class Scenario, class Observer>
+void observe_forces(world_state<Scenario>& s, Observer&& observer) {
+  prepare_detection(s);
+  gather_motion(s);
+  each_soft_contact(s, observer);
+}
+
+/// Forces and torques of all contacts, from the present positions and velocities; the springs of
+/// the contacts are brought forward by dt. Needs the grids of prepare_detection().
+template <class Scenario>
+void measure_forces(world_state<Scenario>& s) {
+  using law = typename world_state<Scenario>::law;
+  gather_motion(s);
+  auto& count = std::get<soft_contacts>(s.contacts);
+  if constexpr (law::remembers) s.recorded.reset(count.size());
+  count = {};
+  if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
+  std::nullptr_t nobody = nullptr;
+  each_soft_contact(s, nobody);
+  if constexpr (law::remembers) std::swap(s.history, s.recorded);
+
+  each_movable_store(s, [&](auto& store, std::size_t first) {
+    if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_forces)
+      for (std::size_t i = 0; i < store.locals; ++i) {
+        store.contact_force[i] = s.soft.bodies[first + i].force;
+        store.contact_torque[i] = s.soft.bodies[first + i].torque;
+      }
+  });
+}
+
+/// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have
+/// acted for the time `h`.
+template <class Scenario>
+void kick(world_state<Scenario>& s, real h) {
+  const real kept = s.damping == 1 ? 1 : std::pow(s.damping, h);
+  each_movable_store(s, [&](auto& store, std::size_t first) {
+    using store_type = std::remove_reference_t<decltype(store)>;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      const real inverse_mass = store.inverse_mass[i];
+      if (inverse_mass == 0) continue;
+      vec3 force, torque;
+      if constexpr (store_type::keeps_contact_forces) {
+        force = store.contact_force[i];
+        torque = store.contact_torque[i];
+      } else {
+        force = s.soft.bodies[first + i].force;
+        torque = s.soft.bodies[first + i].torque;
+      }
+      if constexpr (store_type::forced) {
+        force += store.force[i];
+        torque += store.torque[i];
+      }
+      if constexpr (store_type::tensor) {
+        const quat q = store.orientation_of[i];
+        torque = q * vec3((q.conjugate() * torque).cwiseQuotient(store.shape[i].inertia()));
+      } else {
+        torque *= 1 / store.shape[i].inertia()[0];
+      }
+      store.velocity[i] = kept * (store.velocity[i] + h * (inverse_mass * force + s.gravity));
+      store.angular_velocity[i] = kept * (store.angular_velocity[i] + (h * inverse_mass) * torque);
+    }
+  });
+}
+
+/// Positions and orientations of the bodies owned here, after free motion for the time `h`.
+template <class Scenario>
+void drift(world_state<Scenario>& s, real h) {
+  each_movable_store(s, [&](auto& store, std::size_t) {
+    using store_type = std::remove_reference_t<decltype(store)>;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      if (store.inverse_mass[i] == 0) continue;
+      store.position[i] += h * store.velocity[i];
+      if constexpr (store_type::tensor)
+        store.angular_velocity[i] = rotate_freely(
+            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), h);
+      else if constexpr (store_type::oriented)
+        store.orientation_of[i] =
+            turned<real>(store.orientation_of[i], vec3(h * store.angular_velocity[i]));
+    }
+  });
+}
+
+/// The user's forces have acted for a step.
+template <class Scenario>
+void end_forces(world_state<Scenario>& s) {
+  each_movable_store(s, [&](auto& store, std::size_t) {
+    if constexpr (std::remove_reference_t<decltype(store)>::forced) {
+      std::fill(store.force.begin(), store.force.end(), vec3(0, 0, 0));
+      std::fill(store.torque.begin(), store.torque.end(), vec3(0, 0, 0));
+    }
+  });
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,14 @@
+// expects: soft_contact<...> takes linear_spring_dashpot or hertz_mindlin, coulomb_friction and
+// expects: rolling_resistance, and this type is none of them
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<soft_contact<hertz_mindlin>>;
+#else
+using scene = scenario<soft_contact<hertz_mindlin, newton_restitution>>;
+#endif
+
+const scene checked;
+
+int main() {}
