@@ -4,13 +4,14 @@
 
 #include "talus/response/assembled.hpp"
 #include "talus/response/assembled_gauss_seidel.hpp"
-#include "talus/response/block_system.hpp"
 
 namespace talus::detail {
 
 /// Semi-smooth Newton steps on the function of Alart and Curnier (1991) for the problem with
 /// u = W r + q + alpha (r - centre). The proximal term makes the linear systems regular where W is
-/// not; with the centre moved to each solution it does not change what is converged to.
+/// not; with the centre moved to each solution it does not change what is converged to. System
+/// solves the linear systems: block_system, or band_system.
+template <class System>
 class assembled_newton {
  public:
   assembled_newton(const assembled_problem& p, const assembled_sweeps& sweep)
@@ -56,7 +57,28 @@ class assembled_newton {
     return best <= aim;
   }
 
-  /// Linear systems solved in the last solve().
+  /// Whole Newton steps, whatever they do to the residual: where many contacts share a load, the
+  /// way to the right choice of those that carry it leads through large residuals. Ends when the
+  /// residual is within `accuracy` times |r - centre|, else hands back the best of `steps`. Whether
+  /// it got there.
+  bool solve_by_whole_steps(vecx& r, const vecx& centre, real alpha, real accuracy, int steps) {
+    alpha_ = alpha;
+    steps_ = 0;
+    real now = residual(r, centre, f_), best = now;
+    vecx best_r = r;
+    while (steps_ < steps) {
+      ++steps_;
+      if (!direction(r)) break;
+      r += step_;
+      now = residual(r, centre, f_);
+      if (now < best) best = now, best_r = r;
+      if (now <= accuracy * (r - centre).norm()) return true;
+    }
+    r = best_r;
+    return false;
+  }
+
+  /// Linear systems solved by the last call.
   [[nodiscard]] int steps() const { return steps_; }
 
  private:
@@ -142,7 +164,7 @@ class assembled_newton {
   const assembled_problem* p_;
   const assembled_sweeps* sweep_;
   std::vector<int> place_;  ///< in the linear system, -1 for open contacts
-  block_system system_;
+  System system_;
   real alpha_ = 0;
   int steps_ = 0;
   vecx u_, f_, trial_, trial_f_, step_, chosen_;

@@ -84,6 +84,21 @@ class contact_list {
   void sweep_forward(solver_state& s) {
     in_streams([&](std::size_t i) { sweep_one(s, i); });
   }
+  /// A sweep backward that notes which interior contacts still change by more than `speed`.
+  void sweep_watched(solver_state& s, real speed) {
+    stalled_.clear();
+    const std::size_t part = interior_.size() / streams;
+    for (std::size_t i = interior_.size(); i-- > streams * part;) watch_one(s, i, speed);
+    for (std::size_t i = part; i-- > 0;)
+      for (std::size_t k = streams; k-- > 0;) watch_one(s, k * part + i, speed);
+  }
+  [[nodiscard]] std::size_t stalled() const { return stalled_.size(); }
+  template <class F>
+  void each_stalled(F&& f) const {
+    for (const auto& [i, change] : stalled_) f(interior_[i], change);
+  }
+  [[nodiscard]] const std::vector<Contact>& interior() const { return interior_; }
+  [[nodiscard]] Contact& interior(std::size_t i) { return interior_[i]; }
   void sweep_backward(solver_state& s) {
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) sweep_one(s, i);
@@ -130,6 +145,13 @@ class contact_list {
     Contact& c = interior_[i];
     c.apply(s, c.relax(s));
   }
+  void watch_one(solver_state& s, std::size_t i, real speed) {
+    Contact& c = interior_[i];
+    const auto d = c.relax(s);
+    c.apply(s, d);
+    const real change = c.speed_of(d);
+    if (change > speed) stalled_.push_back({i, change});
+  }
   void apply_own(solver_state& s, std::size_t i, const typename Contact::change& d) const {
     if (owns_a_[i])
       boundary_[i].apply_to_a(s, d);
@@ -142,6 +164,7 @@ class contact_list {
   std::vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   std::vector<typename Contact::change> changes_;
   std::vector<real> pushes_;
+  std::vector<std::pair<std::size_t, real>> stalled_;
 };
 
 }  // namespace talus::detail

@@ -5,6 +5,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/response/coulomb.hpp"
+#include "talus/response/frame_around.hpp"
 #include "talus/response/round_contact.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -56,6 +57,19 @@ struct general_contact {
   }
   [[nodiscard]] vec3 impulse() const { return frame.transpose() * r; }
   [[nodiscard]] change whole() const { return r; }
+
+  // What solving several contacts as one needs; see stalled_islands.hpp.
+  [[nodiscard]] mat3 axes() const {
+    if constexpr (Law::friction)
+      return frame;
+    else
+      return frame_around<real>(axis());
+  }
+  [[nodiscard]] const vec3& lever_a() const { return arm_a; }
+  [[nodiscard]] const vec3& lever_b() const { return arm_b; }
+  [[nodiscard]] change since(const change& before) const { return r - before; }
+  /// The change of velocity at the contact that a change of its impulse makes.
+  [[nodiscard]] real speed_of(const change& d) const { return d.norm() * delassus(0, 0); }
 
   // What the residual is made of; see residual.hpp.
   [[nodiscard]] vec3 axis() const { return frame.row(0); }
@@ -152,16 +166,5 @@ struct general_contact {
     return split * (s.bodies[i].inverse_mass * mat3::Identity() - x * inverse * x);
   }
 };
-
-/// Rows (n, t1, t2): an orthonormal frame around the unit normal n (Duff et al. 2017).
-template <class Real>
-[[nodiscard]] matrix3<Real> frame_around(const vector3<Real>& n) {
-  const Real sign = std::copysign(Real{1}, n[2]), p = -1 / (sign + n[2]), q = n[0] * n[1] * p;
-  matrix3<Real> f;
-  f << n[0], n[1], n[2],                                   //
-      1 + sign * n[0] * n[0] * p, sign * q, -sign * n[0],  //
-      q, sign + n[1] * n[1] * p, -n[1];
-  return f;
-}
 
 }  // namespace talus::detail

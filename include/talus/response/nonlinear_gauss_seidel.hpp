@@ -8,6 +8,7 @@
 #include "talus/response/convergence.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
+#include "talus/response/stalled_islands.hpp"
 
 namespace talus {
 
@@ -16,7 +17,9 @@ namespace talus {
 /// Between ranks, momentum is conserved thus: boundary contacts are solved simultaneously, from the
 /// velocities that both ranks hold alike, with the mass of each body split among its boundary
 /// contacts so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012);
-/// then each rank sweeps its interior contacts.
+/// then each rank sweeps its interior contacts. What the sweeps get nowhere with, such as a heavy
+/// body on light ones, is solved by Newton's method after the last of them (see
+/// response/stalled_islands.hpp).
 struct nonlinear_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "nonlinear_gauss_seidel";
@@ -38,6 +41,7 @@ struct nonlinear_gauss_seidel final {
       each([&](auto& list) { list.weigh_boundary(s); });
     }
 
+    const bool looks = detail::stalled_islands::due(s);
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if constexpr (!alone)
@@ -47,7 +51,9 @@ struct nonlinear_gauss_seidel final {
         each([&](auto& list) { list.relax_boundary(s); });
         each([&](auto& list) { list.apply_boundary(s); });
       }
-      if (k % 2 == 0)
+      if (looks && k + 1 == settings.iterations)
+        detail::stalled_islands().sweep_and_solve(lists, s);
+      else if (k % 2 == 0)
         each([&](auto& list) { list.sweep_forward(s); });
       else
         each([&](auto& list) { list.sweep_backward(s); });

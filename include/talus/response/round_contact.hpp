@@ -8,6 +8,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/core/quad.hpp"
+#include "talus/response/frame_around.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -128,6 +129,33 @@ struct round_contact : round_friction<Law::friction> {
       if constexpr (paired) trace += 2 * this->arm_b * this->arm_b * s.bodies[b].inverse_inertia;
     }
     return trace;
+  }
+
+  // What solving several contacts as one needs; see stalled_islands.hpp.
+  [[nodiscard]] mat3 axes() const { return frame_around<real>(normal); }
+  [[nodiscard]] vec3 lever_a() const {
+    if constexpr (Law::friction)
+      return -this->arm_a * normal;
+    else
+      return {0, 0, 0};
+  }
+  [[nodiscard]] vec3 lever_b() const {
+    if constexpr (Law::friction)
+      return this->arm_b * normal;
+    else
+      return {0, 0, 0};
+  }
+  [[nodiscard]] change since(const change& before) const {
+    if constexpr (Law::friction)
+      return {tangent() - before.t, rn - before.n};
+    else
+      return {rn - before.n};
+  }
+  /// The change of velocity at the contact that a change of its impulse makes.
+  [[nodiscard]] real speed_of(const change& d) const {
+    real square = d.n * d.n;
+    if constexpr (Law::friction) square += sum_of_products(d.t, d.t);
+    return std::sqrt(square) / inverse_wn;
   }
 
   /// Solves this contact with all others held; the change is still to be applied.

@@ -6,6 +6,7 @@
 #include "talus/response/assembled_gauss_seidel.hpp"
 #include "talus/response/assembled_interior_point.hpp"
 #include "talus/response/assembled_newton.hpp"
+#include "talus/response/block_system.hpp"
 
 namespace talus::detail {
 
@@ -45,7 +46,7 @@ assembled_result solve_assembled(const assembled_problem& p, vecx& r, real toler
   look(r);
   if (r.squaredNorm() > 0) look(vecx::Zero(3 * n));
   const assembled_sweeps sweep(p);
-  assembled_newton newton(p, sweep);
+  assembled_newton<block_system> newton(p, sweep);
   vecx swept = best, x, centre;
 
   const auto sweeps = [&](int count, real least) {

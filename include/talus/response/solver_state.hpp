@@ -30,6 +30,8 @@ struct solver_state {
   std::size_t first_tensor = 0;
   /// Number of contacts of a body whose partner lives on another rank; only where there are ranks.
   std::vector<std::uint32_t> boundary_contacts;
+  real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
+  int pause = 0;   ///< steps for which stalled_islands need not look
 
   [[nodiscard]] const mat3& tensor(std::size_t body) const { return tensors[body - first_tensor]; }
 };

@@ -13,6 +13,7 @@ namespace talus::detail {
 template <class Scenario>
 void gather_velocities(world_state<Scenario>& s) {
   solver_state& solver = s.solver;
+  solver.speed = s.dt * s.gravity.norm();
   solver.tensors.resize(solver.bodies.size() - solver.first_tensor);
   if constexpr (world_state<Scenario>::law::correction) {
     solver.shift.assign(solver.bodies.size(), vec3(0, 0, 0));

@@ -1,0 +1,20 @@
+#pragma once
+// Tangents to a contact normal.
+#include <cmath>
+
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// Rows (n, t1, t2): an orthonormal frame around the unit normal n (Duff et al. 2017).
+template <class Real>
+[[nodiscard]] matrix3<Real> frame_around(const vector3<Real>& n) {
+  const Real sign = std::copysign(Real{1}, n[2]), p = -1 / (sign + n[2]), q = n[0] * n[1] * p;
+  matrix3<Real> f;
+  f << n[0], n[1], n[2],                                   //
+      1 + sign * n[0] * n[0] * p, sign * q, -sign * n[0],  //
+      q, sign + n[1] * n[1] * p, -n[1];
+  return f;
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,140 @@
+#pragma once
+// A few contacts of a time step as one assembled problem, ordered so that its band is narrow.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "talus/response/assembled.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// What the Delassus operator needs to know of one contact.
+struct island_contact {
+  std::int32_t a = 0, b = -1;  ///< bodies; b = -1 where it cannot move
+  mat3 axes;                   ///< rows: normal from b to a, two tangents
+  vec3 arm_a, arm_b;           ///< from the centres of mass to the contact point
+  real target = 0, friction = 0;
+  vec3 impulse;  ///< on a, in the world
+};
+
+/// Orders contacts along the chain of bodies that they connect (Cuthill and McKee 1969): contacts
+/// of one body then lie close together. Returns the order and the half bandwidth in contacts.
+class contact_order {
+ public:
+  explicit contact_order(const std::vector<island_contact>& contacts) {
+    const std::size_t n = contacts.size();
+    std::vector<std::pair<std::int32_t, std::uint32_t>> ends;  // body, contact
+    for (std::size_t i = 0; i < n; ++i)
+      for (const std::int32_t body : {contacts[i].a, contacts[i].b})
+        if (body >= 0) ends.emplace_back(body, static_cast<std::uint32_t>(i));
+    std::sort(ends.begin(), ends.end());
+    of_body_.clear();
+    bodies_of_.assign(n, {-1, -1});
+    for (std::size_t k = 0; k < ends.size(); ++k) {
+      if (k == 0 || ends[k].first != ends[k - 1].first) of_body_.emplace_back();
+      of_body_.back().push_back(ends[k].second);
+      auto& own = bodies_of_[ends[k].second];
+      (own[0] < 0 ? own[0] : own[1]) = static_cast<std::int32_t>(of_body_.size()) - 1;
+    }
+    // Twice: the last contact of a search from anywhere lies at an end of the chain.
+    search(0);
+    search(order_.back());
+    std::vector<std::uint32_t> place(n);
+    for (std::size_t k = 0; k < n; ++k) place[order_[k]] = static_cast<std::uint32_t>(k);
+    for (const auto& touching : of_body_) {
+      std::uint32_t first = ~0u, last = 0;
+      for (const auto i : touching)
+        first = std::min(first, place[i]), last = std::max(last, place[i]);
+      half_ = std::max<std::size_t>(half_, last - first);
+    }
+  }
+  [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
+  [[nodiscard]] std::size_t half_bandwidth() const { return half_; }
+
+ private:
+  void search(std::uint32_t start) {
+    std::vector<char> seen(bodies_of_.size(), 0), met(of_body_.size(), 0);
+    order_.assign(1, start);
+    seen[start] = 1;
+    for (std::size_t k = 0; k < order_.size(); ++k)
+      for (const std::int32_t body : bodies_of_[order_[k]]) {
+        if (body < 0 || met[static_cast<std::size_t>(body)]) continue;
+        met[static_cast<std::size_t>(body)] = 1;
+        for (const auto next : of_body_[static_cast<std::size_t>(body)])
+          if (!seen[next]) seen[next] = 1, order_.push_back(next);
+      }
+  }
+
+  std::vector<std::vector<std::uint32_t>> of_body_;
+  std::vector<std::array<std::int32_t, 2>> bodies_of_;
+  std::vector<std::uint32_t> order_;
+  std::size_t half_ = 0;
+};
+
+/// Assembles the problem of these contacts at the velocities of `s`, which contain their impulses;
+/// `r` becomes those in the axes of the contacts.
+[[nodiscard]] inline assembled_problem assemble_island(const std::vector<island_contact>& contacts,
+                                                       const solver_state& s, vecx& r) {
+  struct end {
+    std::int32_t body;
+    std::int32_t contact;
+    mat3 turning;  // u = sign axes v + turning w
+    real sign;
+  };
+  const std::size_t n = contacts.size();
+  std::vector<end> ends;
+  ends.reserve(2 * n);
+  vecx q(3 * n);
+  r.resize(3 * static_cast<Eigen::Index>(n));
+  std::vector<real> mu(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const island_contact& c = contacts[i];
+    vec3 u{-c.target, 0, 0};
+    const auto side = [&](std::int32_t body, const vec3& arm, real sign) {
+      if (body < 0) return;
+      mat3 x;
+      x << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;
+      const mat3 turning = -sign * (c.axes * x);
+      const solver_body& moving = s.bodies[static_cast<std::size_t>(body)];
+      u += sign * (c.axes * moving.v) + turning * moving.w;
+      if (moving.inverse_mass != 0)
+        ends.push_back({body, static_cast<std::int32_t>(i), turning, sign});
+    };
+    side(c.a, c.arm_a, 1);
+    side(c.b, c.arm_b, -1);
+    q.segment<3>(3 * i) = u;
+    r.segment<3>(3 * i) = c.axes * c.impulse;
+    mu[i] = c.friction;
+  }
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const end& a, const end& b) { return a.body < b.body; });
+  std::vector<delassus_block> blocks;
+  for (std::size_t first = 0, last = 0; first < ends.size(); first = last) {
+    while (last < ends.size() && ends[last].body == ends[first].body) ++last;
+    const auto body = static_cast<std::size_t>(ends[first].body);
+    const real inverse_mass = s.bodies[body].inverse_mass;
+    const mat3 inertia = body >= s.first_tensor
+                             ? s.tensor(body)
+                             : mat3(s.bodies[body].inverse_inertia * mat3::Identity());
+    for (std::size_t i = first; i < last; ++i)
+      for (std::size_t j = first; j < last; ++j) {
+        const mat3& A = contacts[static_cast<std::size_t>(ends[i].contact)].axes;
+        const mat3& B = contacts[static_cast<std::size_t>(ends[j].contact)].axes;
+        blocks.push_back({ends[i].contact, ends[j].contact,
+                          (ends[i].sign * ends[j].sign * inverse_mass) * (A * B.transpose()) +
+                              ends[i].turning * inertia * ends[j].turning.transpose()});
+      }
+  }
+  assembled_problem p = assemble(std::move(blocks), std::move(q), std::move(mu));
+  vecx own;
+  p.velocity(r, own);  // W r + q, with the present velocities for q
+  p.q = 2 * p.q - own;
+  return p;
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,56 @@
+#pragma once
+// Solves an island to round-off by Newton's method, or as far as it gets.
+#include <algorithm>
+
+#include "talus/response/assembled.hpp"
+#include "talus/response/assembled_gauss_seidel.hpp"
+#include "talus/response/assembled_newton.hpp"
+#include "talus/response/band_system.hpp"
+
+namespace talus::detail {
+
+/// Improves the impulses r of `p`, never making their error larger, with at most `most_systems`
+/// linear systems; returns how many it took. Proximal points, each found by whole Newton steps: one
+/// is enough where it is known which contacts carry. The proximal term starts where degenerate
+/// choices (which three feet of a box carry it?) are settled, and shrinks until weak directions (a
+/// heavy body on light ones) are solved too.
+inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
+  const real mean = p.mean_diagonal(), rho = 1 / mean;
+  vecx u;
+  const auto error = [&](const vecx& at) {
+    p.velocity(at, u);
+    return natural_residual(p, at, u, rho);
+  };
+  vecx best = r, x;
+  real least = error(r);
+  const real enough = 1e-14 * r.norm() + 1e-11 * rho * p.q.norm();
+  const assembled_sweeps sweep(p);
+  assembled_newton<band_system> newton(p, sweep);
+  real alpha = 1e-5 * mean;
+  int systems = 0;
+  for (int lost = 0; least > enough && lost < 3 && systems < most_systems;) {
+    const real before = least;
+    x = best;
+    const vecx centre = best;
+    const bool there = newton.solve_by_whole_steps(x, centre, alpha, 0.1 * alpha * rho,
+                                                   std::min(8, most_systems - systems));
+    systems += newton.steps();
+    if (const real e = error(x); e < least) least = e, best = x;
+    if (least < 0.5 * before)
+      lost = 0;
+    else if (!there || alpha <= 1e-9 * mean)
+      ++lost;
+    if (there) {
+      alpha = std::max(0.1 * alpha, 1e-10 * mean);
+    } else {
+      alpha = std::min(30 * alpha, mean);
+      x = best;
+      for (int k = 0; k < 6; ++k) sweep(x, k % 2 == 1);
+      if (const real e = error(x); e < least) least = e, best = x;
+    }
+  }
+  r = best;
+  return systems;
+}
+
+}  // namespace talus::detail

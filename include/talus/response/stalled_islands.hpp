@@ -1,0 +1,183 @@
+#pragma once
+// Small groups of contacts on which sweeps make no headway (a heavy body on light ones, a tall
+// stack) are solved as one problem.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+#include "talus/response/band_system.hpp"
+#include "talus/response/island_problem.hpp"
+#include "talus/response/island_solver.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// Finds the islands (contacts connected through bodies that can move) on which the last sweep
+/// still changed more than it should, and solves those for which that is cheap. What sweeps leave
+/// of an error grows with the ratio of the masses and the square of the bodies in a row: a stack of
+/// ten with a top of a thousand times the density needs tens of thousands of sweeps, and one
+/// Newton step. Contacts with bodies of other ranks keep their impulses.
+class stalled_islands {
+ public:
+  /// Whether to look for stalled islands in this step. Where all that stalls is too large to be
+  /// solved here, as in a pile, looking is put off for some steps.
+  [[nodiscard]] static bool due(solver_state& s) {
+    if (s.pause == 0) return true;
+    --s.pause;
+    return false;
+  }
+
+  /// The last sweep, and then what has stalled.
+  template <class Lists>
+  void sweep_and_solve(Lists& lists, solver_state& s) {
+    const real least = 1e-9 * s.speed;  // less cannot matter
+    std::size_t stalled = 0, contacts = 0;
+    each_list(lists, [&](auto& list, std::size_t) {
+      list.sweep_watched(s, least);
+      stalled += list.stalled();
+      contacts += list.interior().size();
+    });
+    if (stalled == 0) return;
+    join_bodies(lists, s);
+    gather(lists, s);
+    std::stable_sort(islands_.begin(), islands_.end(),
+                     [](const island& a, const island& b) { return a.stall() > b.stall(); });
+    real budget = std::max(least_budget, budget_per_contact * static_cast<real>(contacts));
+    bool solved = false;
+    for (const island& one : islands_)
+      if (one.stall() > let_be * s.speed) solved |= solve_one(one, lists, s, budget);
+    if (!solved && stalled > most_contacts) s.pause = 7;
+  }
+
+ private:
+  static constexpr std::size_t most_contacts = 1000;
+  /// Floating-point operations that a step may spend here: what the sweeps take, or that of a
+  /// tall stack.
+  static constexpr real least_budget = 2e8, budget_per_contact = 2000;
+  /// The part of solver_state::speed that may be left as error.
+  static constexpr real let_be = 0.1;
+
+  struct member {
+    std::size_t list, index;
+  };
+  struct island {
+    std::vector<member> contacts;
+    std::size_t size = 0;
+    real change = 0;  ///< largest change of velocity in the last sweep
+    real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
+    /// Estimate of the error: each sweep takes one part in (rows² * ratio of masses) from it, with
+    /// four contacts in a row.
+    [[nodiscard]] real stall() const {
+      const real rows = 1 + 0.25 * static_cast<real>(size);
+      return size > most_contacts ? 0 : change * rows * rows * most_mass / least_mass;
+    }
+  };
+
+  template <class Lists, class F>
+  static void each_list(Lists& lists, F&& f) {
+    std::apply(
+        [&](auto&... list) {
+          std::size_t k = 0;
+          (f(list, k++), ...);
+        },
+        lists);
+  }
+  template <class Lists, class F>
+  static void with_contact(Lists& lists, const member& m, F&& f) {
+    each_list(lists, [&](auto& list, std::size_t k) {
+      if (k == m.list) f(list.interior(m.index));
+    });
+  }
+  static const solver_body& body(const solver_state& s, std::int32_t i) {
+    return s.bodies[static_cast<std::size_t>(i)];
+  }
+  static bool moves(const solver_state& s, std::int32_t i) { return body(s, i).inverse_mass != 0; }
+
+  [[nodiscard]] std::uint32_t root(std::int32_t of) {
+    auto i = static_cast<std::uint32_t>(of);
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  template <class Lists>
+  void join_bodies(Lists& lists, const solver_state& s) {
+    parent_.resize(s.bodies.size());
+    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    each_list(lists, [&](const auto& list, std::size_t) {
+      for (const auto& c : list.interior())
+        if (c.paired && moves(s, c.a) && moves(s, c.b)) {
+          const auto a = root(c.a), b = root(c.b);
+          if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+        }
+    });
+  }
+  template <class Lists>
+  void gather(Lists& lists, const solver_state& s) {
+    islands_.clear();
+    number_.assign(s.bodies.size(), 0);  // from 1, of the island of a root
+    const auto number_of = [&](const auto& c) -> std::uint32_t& {
+      return number_[root(moves(s, c.a) ? c.a : c.b)];
+    };
+    each_list(lists, [&](const auto& list, std::size_t) {
+      list.each_stalled([&](const auto& c, real change) {
+        auto& number = number_of(c);
+        if (number == 0) {
+          islands_.emplace_back();
+          number = static_cast<std::uint32_t>(islands_.size());
+        }
+        island& one = islands_[number - 1];
+        one.change = std::max(one.change, change);
+      });
+    });
+    each_list(lists, [&](const auto& list, std::size_t k) {
+      for (std::size_t i = 0; i < list.interior().size(); ++i) {
+        const auto& c = list.interior()[i];
+        const auto number = number_of(c);
+        if (number == 0) continue;
+        island& one = islands_[number - 1];
+        if (one.size++ >= most_contacts) continue;
+        one.contacts.push_back({k, i});
+        for (const std::int32_t end : {c.a, c.paired ? c.b : c.a})
+          if (moves(s, end)) {
+            const real mass = 1 / body(s, end).inverse_mass;
+            one.least_mass = std::min(one.least_mass, mass);
+            one.most_mass = std::max(one.most_mass, mass);
+          }
+      }
+    });
+  }
+
+  /// Whether the island could be afforded.
+  template <class Lists>
+  bool solve_one(const island& one, Lists& lists, solver_state& s, real& budget) {
+    std::vector<island_contact> contacts;
+    for (const member& m : one.contacts)
+      with_contact(lists, m, [&](const auto& c) {
+        contacts.push_back({c.a, c.paired ? c.b : -1, c.axes(), c.lever_a(), c.lever_b(), c.target,
+                            c.mu(), c.impulse()});
+      });
+    const contact_order order(contacts);
+    const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
+    if (cost > budget / 2) return false;
+    std::vector<island_contact> chain;
+    for (const auto i : order.order()) chain.push_back(contacts[i]);
+    vecx r;
+    const assembled_problem problem = assemble_island(chain, s, r);
+    budget -= cost * solve_island(problem, r, static_cast<int>(budget / cost));
+    for (std::size_t k = 0; k < chain.size(); ++k)
+      with_contact(lists, one.contacts[order.order()[k]], [&](auto& c) {
+        const auto before = c.whole();
+        c.warm(chain[k].axes.transpose() * r.segment<3>(3 * static_cast<Eigen::Index>(k)));
+        c.apply(s, c.since(before));
+      });
+    return true;
+  }
+
+  std::vector<std::uint32_t> parent_, number_;
+  std::vector<island> islands_;
+};
+
+}  // namespace talus::detail
