@@ -1,0 +1,131 @@
+// Stacks, walls and pyramids of boxes at the default settings: they stand, without drift, on one
+// rank and where the boundaries of four cut through the middle of bodies; of any size, anywhere.
+#include <doctest/doctest.h>
+
+#include "../validation/record.hpp"
+#include "ranks.hpp"
+
+using namespace talus;
+using namespace talus::hard;
+using namespace talus::validation;
+
+namespace {
+
+using blocks = scene<box, plane>;
+constexpr real g = 9.81;
+
+const cuts whole{.cells = {1, 1, 1}};
+const cuts quarters{.cells = {2, 2, 1}};
+
+/// Scale of a scene: lengths times `unit`, and the time step times its root, about `centre`.
+struct frame_of {
+  real unit = 1;
+  vec3 centre{0, 0, 0};
+
+  [[nodiscard]] real dt() const { return std::sqrt(unit) / 240; }
+  [[nodiscard]] vec3 at(const vec3& p) const { return centre + unit * p; }
+};
+
+template <class World>
+void floor_at(World& w, const frame_of& f, real friction) {
+  const auto m = w.material({.friction = friction});
+  w.gravity({0, 0, -g});
+  w.global([&](auto& s) { s.add(plane{.normal = {0, 0, 1}, .offset = f.centre[2]}, m); });
+}
+
+/// Unit boxes on each other; `sway` is how far they stand to the sides, in turn.
+template <class World>
+void stack(World& w, int n, const frame_of& f = {}, real sway = 0) {
+  floor_at(w, f, 0.5);
+  for (int k = 0; k < n; ++k) {
+    const vec3 side{k % 2 ? sway : -sway, k % 4 < 2 ? sway : -sway, 0};
+    w.add_if_local(
+        body{.shape = box{f.unit * vec3(1, 1, 1)}, .position = f.at(vec3(0, 0, k + 0.5) + side)});
+  }
+}
+template <class World>
+void pyramid(World& w, int base, const frame_of& f = {}) {
+  floor_at(w, f, 0.6);
+  for (int row = 0; row < base; ++row)
+    for (int k = 0; k < base - row; ++k)
+      w.add_if_local(body{.shape = box{f.unit * vec3(1, 1, 1)},
+                          .position = f.at({k + 0.5 * row - 0.5 * base, 0, row + 0.5})});
+}
+/// Running bond of bricks 1 x 0.5 x 0.5. Every other row is shifted by half a brick, the lowest
+/// first: so the brick at the end of each of these is held down by the row above.
+template <class World>
+void wall(World& w, int rows, int columns, const frame_of& f = {}) {
+  floor_at(w, f, 0.5);
+  for (int row = 0; row < rows; ++row)
+    for (int k = 0; k < columns; ++k)
+      w.add_if_local(
+          body{.shape = box{f.unit * vec3(1, 0.5, 0.5)},
+               .position = f.at({k + 0.5 * ((row + 1) % 2) - 0.5 * columns, 0, 0.5 * row + 0.25})});
+}
+
+/// The bodies are where they were, at rest; errors over the unit of length.
+void check_stands(const std::string& name, const outcome& o, const frame_of& f, real drift,
+                  real overlap = 1e-4) {
+  CHECK(o.finite);
+  {
+    vec3 d(0, 0, 0);
+    for (auto& b : o.bodies) {
+      vec3 e = b.end.position - b.start.position;
+      for (int i = 0; i < 3; ++i) d[i] = std::max(d[i], std::abs(e[i]) / f.unit);
+    }
+    MESSAGE(name, " end drift ", d.transpose());
+  }
+  check_error(name, "furthest from the start at any time", o.furthest() / f.unit, drift);
+  check_error(name, "deepest overlap at any time, over the mean radius", o.deepest, overlap);
+  check_error(name, "kinetic energy at the end, over m g h",
+              o.after.kinetic_energy / (o.mass() * g * f.unit), 1e-6);
+}
+
+}  // namespace
+
+TEST_CASE("a stack of ten boxes stands for 60 s without drift") {
+  const frame_of f;
+  const auto o = run<blocks>(
+      whole, f.dt(), 240 * 60, [](auto& w) { stack(w, 10); }, 240);
+  check_stands("stack of 10, 60 s", o, f, 1e-3);
+}
+
+TEST_CASE("a stack of ten boxes stands where four ranks meet") {
+  const frame_of f;
+  for (const real sway : {0.0, 0.01}) {
+    const auto o = run<blocks>(quarters, f.dt(), 240 * 5, [&](auto& w) { stack(w, 10, f, sway); });
+    check_stands("stack of 10, boundaries along it, sides " + std::to_string(sway), o, f, 1e-3);
+  }
+  const cuts layers{.cells = {1, 1, 4}, .cuts = {.z = {2.5, 5.5, 7.5}}};
+  const auto o = run<blocks>(layers, f.dt(), 240 * 5, [&](auto& w) { stack(w, 10, f); });
+  check_stands("stack of 10, boundaries across it", o, f, 1e-3);
+}
+
+TEST_CASE("a pyramid and a wall stand on one rank and on four") {
+  const frame_of f;
+  for (const cuts& domains : {whole, quarters}) {
+    const std::string ranks = domains.size() == 1 ? ", 1 rank" : ", 4 ranks";
+    const auto p = run<blocks>(domains, f.dt(), 240 * 3, [&](auto& w) { pyramid(w, 10); });
+    check_stands("pyramid of 10" + ranks, p, f, 1e-3);
+    const auto o = run<blocks>(domains, f.dt(), 240 * 3, [&](auto& w) { wall(w, 10, 10); });
+    check_stands("wall of 10 by 10" + ranks, o, f, 1e-3);
+  }
+}
+
+TEST_CASE("stacks a million times smaller and larger, and a million lengths away, stand as well") {
+  for (const cuts& domains : {whole, quarters})
+    for (const frame_of& f :
+         {frame_of{1e-6, {0, 0, 0}}, frame_of{1e6, {0, 0, 0}}, frame_of{1, {1e6, -1e6, 1e6}}}) {
+      const std::string ranks = domains.size() == 1 ? ", 1 rank" : ", 4 ranks";
+      cuts here = domains;
+      if (domains.size() == 4) here.cuts = {.x = {f.centre[0]}, .y = {f.centre[1]}};
+      const auto o = run<blocks>(here, f.dt(), 240 * 3, [&](auto& w) { stack(w, 10, f); });
+      check_stands("stack of 10, unit " + std::to_string(f.unit) + ", centre " +
+                       std::to_string(f.centre[0]) + ranks,
+                   o, f, 1e-3);
+      const auto p = run<blocks>(here, f.dt(), 240 * 2, [&](auto& w) { pyramid(w, 5, f); });
+      check_stands("pyramid of 5, unit " + std::to_string(f.unit) + ", centre " +
+                       std::to_string(f.centre[0]) + ranks,
+                   p, f, 1e-3);
+    }
+}
