@@ -27,7 +27,6 @@ struct way {
   vec3 velocity{0, 0, 0}, angular_velocity{0, 0, 0};
   real furthest = 0;  ///< from where it started, at any step
   real fastest = 0;   ///< any point of it, at any step
-  real start_radius = 0;
 };
 
 struct outcome {
@@ -58,6 +57,16 @@ struct outcome {
   [[nodiscard]] real mass() const { return after.mass; }
 };
 
+/// Bound of what turning adds to the speed of a point of a body.
+template <class Body>
+real surface_speed(const Body& b) {
+  const vec3 w = (b.orientation().conjugate() * b.angular_velocity()).cwiseAbs();
+  const vec3 half = b.shape().half_extents(pose{});
+  return vec3(w[1] * half[2] + w[2] * half[1], w[2] * half[0] + w[0] * half[2],
+              w[0] * half[1] + w[1] * half[0])
+      .norm();
+}
+
 /// Makes a world on each rank of `domains`, lets set_up(world) add bodies with add_if_local, and
 /// takes `steps` steps; looks at overlaps and energy every `every` steps.
 template <class Scenario>
@@ -77,7 +86,6 @@ outcome run(const cuts& domains, real dt, int steps,
         if (b.is_fixed()) return;
         way& mine = ways[b.id()];
         mine.start = b.pose();
-        mine.start_radius = b.shape().bounding_radius();
       });
     }
     link.barrier();
@@ -102,8 +110,7 @@ outcome run(const cuts& domains, real dt, int steps,
         if (b.is_fixed()) return;
         way& mine = ways.find(b.id())->second;  // one rank at a time owns it
         mine.furthest = std::max(mine.furthest, (b.position() - mine.start.position).norm());
-        mine.fastest = std::max(
-            mine.fastest, b.velocity().norm() + b.angular_velocity().norm() * mine.start_radius);
+        mine.fastest = std::max(mine.fastest, b.velocity().norm() + surface_speed(b));
       });
       if (k % every == 0 || k == steps) look();
     }
@@ -117,7 +124,7 @@ outcome run(const cuts& domains, real dt, int steps,
       result.finite = result.finite && b.position().allFinite() && b.velocity().allFinite() &&
                       b.angular_velocity().allFinite() && b.orientation().coeffs().allFinite();
     });
-    for (const auto& c : w.state().history.entries()) result.contacts += c.impulse.norm() > 0;
+    for (const auto& c : w.state().history.entries()) result.contacts += c.memory.norm() > 0;
   });
   for (const auto& [id, way] : ways) result.bodies.push_back(way);
   return result;

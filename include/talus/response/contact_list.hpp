@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/response/boundary_patch.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -65,16 +66,17 @@ class contact_list {
       history.add(boundary_keys_[i], boundary_[i].impulse());
   }
 
+  /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
   void count_boundary(solver_state& s) const {
-    for (std::size_t i = 0; i < boundary_.size(); ++i)
-      ++s.boundary_contacts[owns_a_[i] ? boundary_[i].a : boundary_[i].b];
+    each_patch(boundary_keys_, [&](std::size_t first, std::size_t) {
+      ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
+    });
   }
   void weigh_interior(const solver_state& s) {
     for (Contact& c : interior_) c.weigh(s, 1, 1);
   }
   void weigh_boundary(const solver_state& s) {
-    for (Contact& c : boundary_)
-      c.weigh(s, std::max(1u, s.boundary_contacts[c.a]), std::max(1u, s.boundary_contacts[c.b]));
+    for (Contact& c : boundary_) c.weigh(s, parts_of(s, c.a), parts_of(s, c.b));
   }
   void apply_remembered(solver_state& s) const {
     for (const Contact& c : interior_) c.apply(s, c.whole());
@@ -105,10 +107,20 @@ class contact_list {
     for (std::size_t i = part; i-- > 0;)
       for (std::size_t k = streams; k-- > 0;) sweep_one(s, k * part + i);
   }
-  /// Solves all boundary contacts from one and the same state; the changes are applied later.
-  void relax_boundary(const solver_state& s) {
+  /// Solves all boundary contacts from one and the same state, those of a pair together; the
+  /// changes are applied later.
+  void relax_boundary(solver_state& s) {
     changes_.resize(boundary_.size());
-    for (std::size_t i = 0; i < boundary_.size(); ++i) changes_[i] = boundary_[i].relax(s);
+    each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
+      changes_[first] = boundary_[first].relax(s);
+      if constexpr (comes_in_patches<Contact>)
+        if (last - first > 1)
+          by_themselves(s, first, last, [&](std::size_t i, bool again) {
+            const auto d = again || i > first ? boundary_[i].relax(s) : changes_[i];
+            changes_[i] = again ? changes_[i] + d : d;
+            boundary_[i].apply(s, d);
+          });
+    });
   }
   void apply_boundary(solver_state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
@@ -121,9 +133,18 @@ class contact_list {
       if (d != 0) c.push_a(s, d), c.push_b(s, d);
     });
   }
-  void relax_boundary_push(const solver_state& s) {
+  void relax_boundary_push(solver_state& s) {
     pushes_.resize(boundary_.size());
-    for (std::size_t i = 0; i < boundary_.size(); ++i) pushes_[i] = boundary_[i].relax_push(s);
+    each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
+      pushes_[first] = boundary_[first].relax_push(s);
+      if constexpr (comes_in_patches<Contact>)
+        if (last - first > 1)
+          by_themselves(s, first, last, [&](std::size_t i, bool again) {
+            const real d = again || i > first ? boundary_[i].relax_push(s) : pushes_[i];
+            pushes_[i] = again ? pushes_[i] + d : d;
+            boundary_[i].push_a(s, d), boundary_[i].push_b(s, d);
+          });
+    });
   }
   void apply_boundary_push(solver_state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i)
@@ -140,6 +161,18 @@ class contact_list {
     for (std::size_t i = 0; i < part; ++i)
       for (std::size_t k = 0; k < streams; ++k) f(k * part + i);
     for (std::size_t i = streams * part; i < interior_.size(); ++i) f(i);
+  }
+  static real parts_of(const solver_state& s, std::int32_t body) {
+    return std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]);
+  }
+  /// Sweeps f(contact, again) forward and backward through the contacts of one pair, which sees
+  /// nothing else and is left as it was.
+  template <class F>
+  void by_themselves(solver_state& s, std::size_t first, std::size_t last, F&& f) {
+    const Contact& c = boundary_[first];
+    const split_pair alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
+    for (std::size_t i = first; i < last; ++i) f(i, false);
+    for (std::size_t i = last - 1; i-- > first;) f(i, true);
   }
   void sweep_one(solver_state& s, std::size_t i) {
     Contact& c = interior_[i];

@@ -15,8 +15,8 @@ namespace talus {
 /// Sweeps over the contacts, each solved exactly for its cone with all others held (nonlinear
 /// block Gauss-Seidel; Jourdan, Alart, Jean 1998), started from the impulses of the last step.
 /// Between ranks, momentum is conserved thus: boundary contacts are solved simultaneously, from the
-/// velocities that both ranks hold alike, with the mass of each body split among its boundary
-/// contacts so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012);
+/// velocities that both ranks hold alike, with the mass of each body split among its boundary pairs
+/// so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012);
 /// then each rank sweeps its interior contacts. What the sweeps get nowhere with, such as a heavy
 /// body on light ones, is solved by Newton's method after the last of them (see
 /// response/stalled_islands.hpp).

@@ -28,7 +28,7 @@ struct solver_state {
   std::vector<vec3> turn;     ///< likewise the rotation, of bodies from first_tensor
   std::vector<mat3> tensors;  ///< inverse inertia, world frame, of bodies from first_tensor
   std::size_t first_tensor = 0;
-  /// Number of contacts of a body whose partner lives on another rank; only where there are ranks.
+  /// Number of bodies on other ranks that a body touches; only where there are ranks.
   std::vector<std::uint32_t> boundary_contacts;
   real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
   int pause = 0;   ///< steps for which stalled_islands need not look

@@ -1,0 +1,68 @@
+#pragma once
+// What all contacts of one pair of bodies do to it, the rest of the world held: how contacts
+// between ranks are solved, where a pair has several.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "talus/contact/key.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// Calls f(first, last) for each run of contacts of one pair of bodies.
+template <class F>
+void each_patch(const std::vector<contact_key>& keys, F&& f) {
+  for (std::size_t first = 0, last = 0; first < keys.size(); first = last) {
+    while (last < keys.size() && keys[last].same_pair(keys[first])) ++last;
+    f(first, last);
+  }
+}
+
+/// For as long as it lives, two bodies are by themselves and their masses divided into parts; then
+/// all is as it was before.
+class split_pair {
+ public:
+  split_pair(solver_state& s, std::int32_t a, std::int32_t b, real parts_a, real parts_b)
+      : s_(s), sides_{save(a, parts_a), save(b, parts_b)} {}
+  split_pair(const split_pair&) = delete;
+  split_pair& operator=(const split_pair&) = delete;
+  ~split_pair() {
+    for (const side& x : sides_) {
+      s_.bodies[x.index] = x.body;
+      if (!s_.shift.empty()) s_.shift[x.index] = x.shift;
+      if (x.index < s_.first_tensor) continue;
+      s_.tensors[x.index - s_.first_tensor] = x.tensor;
+      if (!s_.turn.empty()) s_.turn[x.index - s_.first_tensor] = x.turn;
+    }
+  }
+
+ private:
+  struct side {
+    std::size_t index;
+    solver_body body;
+    mat3 tensor;
+    vec3 shift, turn;
+  };
+  side save(std::int32_t i, real parts) {
+    side x;
+    x.index = static_cast<std::size_t>(i);
+    x.body = s_.bodies[x.index];
+    s_.bodies[x.index].inverse_mass *= parts;
+    s_.bodies[x.index].inverse_inertia *= parts;
+    if (!s_.shift.empty()) x.shift = s_.shift[x.index];
+    if (x.index >= s_.first_tensor) {
+      mat3& tensor = s_.tensors[x.index - s_.first_tensor];
+      x.tensor = tensor;
+      tensor *= parts;
+      if (!s_.turn.empty()) x.turn = s_.turn[x.index - s_.first_tensor];
+    }
+    return x;
+  }
+
+  solver_state& s_;
+  side sides_[2];
+};
+
+}  // namespace talus::detail
