@@ -42,7 +42,7 @@ TEST_CASE("two bodies of any shapes with one centre part without speed, and no l
           const cylinder can{.radius = 0.4, .length = 0.8};
           const convex_polyhedron stone = octahedron();
           int place = 0;
-          const auto next = [&] {
+          const auto next = [&]() -> vec3 {
             const int k = place++;
             return 4.0 * vec3(k % 4 - 2, k / 4 - 2, 0);  // the third is at the origin's column
           };
