@@ -4,12 +4,16 @@
 
 #include <map>
 #include <mutex>
+#include <talus/observe/critical_dt.hpp>
+#include <talus/observe/force.hpp>
 #include <talus/observe/memory.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/observe/penetration.hpp>
 #include <talus/observe/summary.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
+#include <talus/scene/lattice.hpp>
+#include <talus/scene/region.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/world/world.hpp>
 #include <type_traits>
@@ -215,6 +219,81 @@ TEST_CASE("a step sends one handover and no iterations; a dt beyond the critical
     CHECK(to_text(coarse).find("above the critical time step") != std::string::npos);
     CHECK(to_json(coarse).find("\"dt_above_critical\": 1") != std::string::npos);
     CHECK(to_json(coarse).find("\"critical_dt\": ") != std::string::npos);
+  });
+}
+
+TEST_CASE("what the user moves between steps touches in the next one") {
+  using scene = soft_scene<linear, semi_implicit_euler>;
+  threads::launch({.ranks = 1}, [](threads::link& link) {
+    world<scene> w(link, cells{.lower = {-6, -6}, .upper = {6, 6}});
+    w.material(stuff);
+    handle<plane> ground;
+    handle<box> table;
+    w.global([&](auto& s) {
+      ground = s.add(plane{}, {});
+      table = s.add(body{.shape = box{{1, 1, 1}}, .position = {4, 0, 3}});
+    });
+    const auto ball = w.add(body{.shape = sphere{0.5}, .position = {0, 0, 0.7}});
+    const auto other = w.add(body{.shape = sphere{0.5}, .position = {0, 3, 0.7}});
+    const auto touching_after_step = [&] {
+      w.step(1e-5);
+      return std::get<detail::soft_contacts>(w.state().contacts).size();
+    };
+    CHECK(touching_after_step() == 0);
+    w[ground].translate({0, 0, 0.21});
+    CHECK(touching_after_step() == 2);
+    CHECK(contact_force(w, ground)[2] < 0);
+    CHECK(contact_force(w, ball)[2] > 0);
+    w[ground].rotate(rotation({1, 0, 0}, 0.3));  // away from the second ball, into the first
+    w[ground].translate({0, 0, -0.3});
+    CHECK(touching_after_step() == 1);
+    w[other].translate({0, -2.1, 0});
+    w[ground].translate({0, 0, -3});
+    CHECK(touching_after_step() == 1);
+    w[other].translate({0, 5, 0});
+    CHECK(touching_after_step() == 0);
+    w[table].translate({-3.1, 0, -2.3});
+    CHECK(touching_after_step() == 1);
+    w.destroy(table);
+    CHECK(touching_after_step() == 0);
+    w.add(body{.shape = sphere{0.5}, .position = {0, 0, -0.25}});
+    CHECK(touching_after_step() == 1);
+  });
+}
+
+namespace {
+
+using sand = scenario<bodies<sphere, plane>,
+                      soft_contact<linear_spring_dashpot, coulomb_friction, rolling_resistance>,
+                      integrator<velocity_verlet>, decomposition<grid<dynamic, dynamic>>>;
+
+/// The force on the floor over the weight.
+real pour(world<sand>& world) {
+  const auto grain = world.material({.density = 2,
+                                     .restitution = 0.4,
+                                     .friction = 0.5,
+                                     .stiffness = 1e4,
+                                     .rolling_friction = 0.05});
+  world.gravity({0, 0, -9.81});
+  handle<plane> floor;
+  world.global([&](auto& scope) { floor = scope.add(plane{}, grain); });
+  const auto sites = simple_cubic{.spacing = 1} & box_region{{-3, -3, 0.4}, {3, 3, 2.6}};
+  world.fill(sites, [&](const site& s, random_stream& random) {
+    return body{.shape = sphere{random.uniform(0.4, 0.5)}, .position = s.position};
+  });
+  const real dt = critical_dt(world) / 5;
+  world.simulate({.steps = 3000, .dt = dt});
+  return -contact_force(world, floor)[2] / (9.81 * measure_motion(world).mass);
+}
+
+}  // namespace
+
+TEST_CASE("the scenario of docs/soft_contacts.md: its floor bears its weight") {
+  threads::launch({.ranks = 2}, [](threads::link& link) {
+    world<sand> w(link, {.lower = {-6, -6}, .upper = {6, 6}});
+    const real borne = pour(w);
+    if (link.rank() == 0) MESSAGE("force on the floor over weight: ", borne);
+    CHECK(std::abs(borne - 1) < 0.01);
   });
 }
 

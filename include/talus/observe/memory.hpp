@@ -22,7 +22,7 @@ template <class Scenario>
   s.each_contact_list([&](const auto& list) { bytes += list.bytes(); });
   if constexpr (Scenario::contact_law::soft) {
     of(s.soft.bodies);
-    bytes += s.soft.pairs.bytes() + s.recorded.bytes();
+    bytes += s.soft.pairs.bytes() + s.soft.found.bytes() + s.recorded.bytes();
   } else {
     of(s.solver.bodies);
     of(s.solver.shift);

@@ -5,9 +5,11 @@
 // is conserved to round-off.
 #include <cmath>
 #include <type_traits>
+#include <vector>
 
 #include "talus/response/integrate.hpp"
 #include "talus/response/soft_force.hpp"
+#include "talus/world/close_pairs.hpp"
 #include "talus/world/detect.hpp"
 #include "talus/world/state.hpp"
 
@@ -142,25 +144,24 @@ void gather_motion(world_state<Scenario>& s) {
   });
 }
 
-/// Hands every contact that this rank computes to Observer or force_adder.
-template <class Scenario, class Observer>
-void each_soft_contact(world_state<Scenario>& s, Observer& observer) {
-  each_close_pair(s, [&]<class A, class B, partner P>() {
-    return force_adder<Scenario, A, B, P, Observer>(s, observer);
-  });
-}
-
 /// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
 /// over all ranks each acts on each of its bodies once. Changes nothing that a step depends on.
 template <class Scenario, class Observer>
 void observe_forces(world_state<Scenario>& s, Observer&& observer) {
+  std::vector<bool> changed;  // is for the next step to know
+  s.each_shape([&](const auto& b) { changed.push_back(b.globals_changed); });
   prepare_detection(s);
+  std::size_t k = 0;
+  s.each_shape([&](auto& b) { b.globals_changed = changed[k++]; });
   gather_motion(s);
-  each_soft_contact(s, observer);
+  using observer_type = std::remove_reference_t<Observer>;
+  each_close_pair(s, [&]<class A, class B, partner P>() {
+    return force_adder<Scenario, A, B, P, observer_type>(s, observer);
+  });
 }
 
 /// Forces and torques of all contacts, from the present positions and velocities; the springs of
-/// the contacts are brought forward by dt. Needs the grids of prepare_detection().
+/// the contacts are brought forward by dt. Needs the pairs of find_close_pairs().
 template <class Scenario>
 void measure_forces(world_state<Scenario>& s) {
   using law = typename world_state<Scenario>::law;
@@ -170,7 +171,9 @@ void measure_forces(world_state<Scenario>& s) {
   count = {};
   if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   std::nullptr_t nobody = nullptr;
-  each_soft_contact(s, nobody);
+  each_found_pair(s, [&]<class A, class B, partner P>() {
+    return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
+  });
   if constexpr (law::remembers) std::swap(s.history, s.recorded);
 
   each_movable_store(s, [&](auto& store, std::size_t first) {

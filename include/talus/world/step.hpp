@@ -48,11 +48,11 @@ void step(world_state<Scenario>& s, real dt) {
   } else if constexpr (verlet) {
     integrate_stage([&] { kick(s, dt / 2), drift(s, dt); });
     hand_over(s);
-    detect_stage([&] { prepare_detection(s); });
+    detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });
     integrate_stage([&] { kick(s, dt / 2), end_forces(s); });
   } else {
-    detect_stage([&] { prepare_detection(s); });
+    detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });  // of all overlaps with a body owned here
     integrate_stage([&] { kick(s, dt), end_forces(s), drift(s, dt); });
   }

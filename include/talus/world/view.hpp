@@ -88,6 +88,7 @@ class body_view {
       store_->orientation_of[i_] = (turn * store_->orientation_of[i_]).normalized();
     if constexpr (requires(Shape & infinite) { infinite.rotate(turn, vec3()); })
       store_->shape[i_].rotate(turn, position());
+    s_->template of<Shape>().globals_changed |= global_;
   }
   /// Makes the body immovable.
   void fix() {
