@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "talus/core/error.hpp"
@@ -83,7 +84,7 @@ struct assembled_problem {
   }
   for (std::int32_t i = 0; i < n; ++i) blocks.push_back({i, i, mat3::Zero()});
   std::stable_sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) {
-    return a.row != b.row ? a.row < b.row : a.column < b.column;
+    return std::pair(a.row, a.column) < std::pair(b.row, b.column);
   });
 
   assembled_problem p;
