@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <functional>
 #include <map>
 
 #include "fc3d/problem.hpp"
@@ -46,16 +45,23 @@ void print(const std::string& path, int contacts, const std::string& solver, dou
   std::fflush(stdout);
 }
 
+using method = talus::detail::assembled_method;
+const std::map<std::string, method> methods{{"hybrid", method::hybrid},
+                                            {"nsgs", method::gauss_seidel},
+                                            {"newton", method::newton},
+                                            {"interior", method::interior_point}};
+
 void run(const std::string& path, const assembled_problem& p, const std::string& solver,
          const settings& s) {
+  const method method = methods.at(solver);
   talus::detail::assembled_result result;
   vecx r;
   const double seconds = median_seconds([&](auto&& timed) {
     r = vecx::Zero(p.q.size());
     const double start = cpu_seconds();
+    const auto in_time = [&] { return cpu_seconds() - start < s.seconds; };
     timed([&] {
-      result = talus::detail::solve_assembled(p, r, s.tolerance, 1'000'000,
-                                              [&] { return cpu_seconds() - start < s.seconds; });
+      result = talus::detail::solve_assembled(p, r, s.tolerance, 1'000'000'000, in_time, method);
     });
   });
   print(path, p.contacts(), solver, s.tolerance, result.iterations, 1e3 * seconds,
@@ -76,22 +82,46 @@ void run_rivals(const std::string& path, const problem& file, const settings& s)
 }  // namespace fc3d
 
 int main(int argc, char** argv) {
-  CLI::App app{"Solve frictional contact problems from files (Siconos' text, FCLIB's HDF5)"};
+  CLI::App app{
+      "Solves frictional contact problems from files (Siconos' text format, FCLIB's HDF5 format).\n"
+      "Prints a line for each problem and solver; converged: err_scaled <= tol, by the full W."};
   std::vector<std::string> files;
-  std::string solver = "hybrid";
   fc3d::settings settings;
-  app.add_option("files", files, "problems; those that are not there are skipped");
-  app.add_option("--solver", solver, "hybrid");
-  app.add_option("--tol", settings.tolerance, "largest err_scaled")->capture_default_str();
-  app.add_option("--max-seconds", settings.seconds, "CPU time for each problem and solver")
-      ->capture_default_str();
   bool siconos = false;
-  app.add_flag("--siconos", siconos, "Siconos' solvers beside it");
+  app.add_option("files", files, "problems; those that are not there are skipped");
+  std::string wanted = "hybrid";
+  app.add_option("--solver", wanted, "hybrid, nsgs, newton or interior, several by commas, or all")
+      ->capture_default_str();
+  app.add_option("--tol", settings.tolerance, "largest err_scaled")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--max-seconds", settings.seconds, "CPU time for each problem and solver")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_flag("--siconos", siconos, "Siconos' solvers on the same problems, a line each");
   CLI11_PARSE(app, argc, argv);
+  std::vector<std::string> solvers;
+  for (const auto& name : CLI::detail::split(wanted, ',')) {
+    if (fc3d::methods.contains(name)) {
+      solvers.push_back(name);
+    } else if (name == "all") {
+      for (const auto& each : fc3d::methods) solvers.push_back(each.first);
+    } else {
+      std::fprintf(stderr,
+                   "fc3d: there is no solver '%s'; there are hybrid, nsgs, newton, interior, all\n",
+                   name.c_str());
+      return 2;
+    }
+  }
 
-  std::printf(
-      "#file\tcontacts\tsolver\ttol\titerations\tcpu_ms\terr_scaled\terr_q\terr_rel\t"
-      "converged\n");
+#ifndef TALUS_WITH_SICONOS
+  if (siconos)
+    std::fputs("fc3d: built without Siconos; install libsiconos-numerics-dev and configure again\n",
+               stderr);
+#endif
+  if (files.empty()) std::fputs("fc3d: no files, nothing to do\n", stderr);
+  std::puts(
+      "#file\tcontacts\tsolver\ttol\titerations\tcpu_ms\terr_scaled\terr_q\terr_rel\tconverged");
   int failed = 0;
   for (const auto& path : files) {
     if (!std::filesystem::exists(path)) {
@@ -100,7 +130,7 @@ int main(int argc, char** argv) {
     }
     try {
       const fc3d::problem file = fc3d::read(path);
-      fc3d::run(path, file.p, solver, settings);
+      for (const auto& solver : solvers) fc3d::run(path, file.p, solver, settings);
 #ifdef TALUS_WITH_SICONOS
       if (siconos) fc3d::run_rivals(path, file, settings);
 #endif

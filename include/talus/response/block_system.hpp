@@ -2,45 +2,48 @@
 // Linear systems of 3 x 3 blocks.
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
+#include <cstdint>
 #include <vector>
 
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
 
-/// A linear system of 3 x 3 blocks, solved by LU: dense where it is small, else sparse.
+/// A linear system of 3 x 3 blocks, not symmetric, solved by LU: dense where it is small or full,
+/// else sparse.
 class block_system {
  public:
-  static constexpr int dense_limit = 600;
+  using vector = Eigen::VectorXd;
 
-  void reset(int blocks) {
-    n_ = 3 * blocks;
-    dense_ = n_ <= dense_limit;
-    if (dense_) {
-      matrix_.setZero(n_, n_);
-    } else {
-      entries_.clear();
-    }
+  void reset(int rows) {
+    rows_ = rows;
+    entries_.clear();
   }
-  void add(int row, int column, const mat3& value) {
-    if (dense_) {
-      matrix_.block<3, 3>(3 * row, 3 * column) += value;
-    } else {
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) entries_.emplace_back(3 * row + a, 3 * column + b, value(a, b));
-    }
+  /// Blocks of one place are added up.
+  void add(std::int32_t row, std::int32_t column, const mat3& value) {
+    entries_.push_back({row, column, value});
   }
+  /// Whether it went well; a matrix that is singular to round-off may show only in solve().
   [[nodiscard]] bool factorize() {
+    const auto size = 3 * static_cast<Eigen::Index>(rows_);
+    const real fill = 9 * static_cast<real>(entries_.size()) / (static_cast<real>(size) * size);
+    dense_ = size <= 48 || (size <= 900 && fill > 0.2);
     if (dense_) {
+      matrix_.setZero(size, size);
+      for (const entry& e : entries_) matrix_.block<3, 3>(3 * e.row, 3 * e.column) += e.value;
       dense_lu_.compute(matrix_);
       return true;
     }
-    Eigen::SparseMatrix<real> a(n_, n_);
-    a.setFromTriplets(entries_.begin(), entries_.end());
-    sparse_lu_.compute(a);
+    compress();
+    if (pattern_ != place_) {
+      sparse_lu_.analyzePattern(sparse_);
+      pattern_ = place_;
+    }
+    sparse_lu_.factorize(sparse_);
     return sparse_lu_.info() == Eigen::Success;
   }
-  [[nodiscard]] bool solve(const Eigen::VectorXd& right, Eigen::VectorXd& x) {
+  /// Whether the solution is finite.
+  [[nodiscard]] bool solve(const vector& right, vector& x) {
     if (dense_)
       x = dense_lu_.solve(right);
     else
@@ -49,12 +52,68 @@ class block_system {
   }
 
  private:
-  int n_ = 0;
+  struct entry {
+    std::int32_t row, column;
+    mat3 value;
+  };
+
+  /// The entries by columns; `place_` says which blocks there are.
+  void compress() {
+    std::vector<std::int32_t> start(rows_ + 1, 0), by_row(entries_.size()), order(entries_.size());
+    const auto sort = [&](auto&& key, auto&& from, std::vector<std::int32_t>& to) {
+      std::fill(start.begin(), start.end(), 0);
+      for (const entry& e : entries_) ++start[key(e) + 1];
+      for (int i = 0; i < rows_; ++i) start[i + 1] += start[i];
+      for (std::size_t k = 0; k < entries_.size(); ++k)
+        to[start[key(entries_[from(k)])]++] = static_cast<std::int32_t>(from(k));
+    };
+    sort([](const entry& e) { return e.row; }, [](std::size_t k) { return k; }, by_row);
+    sort([](const entry& e) { return e.column; },
+         [&](std::size_t k) { return static_cast<std::size_t>(by_row[k]); }, order);
+
+    place_.clear();
+    std::vector<mat3> sum;
+    for (const std::int32_t k : order) {
+      const entry& e = entries_[k];
+      if (!place_.empty() && place_.back() == std::pair{e.column, e.row}) {
+        sum.back() += e.value;
+      } else {
+        place_.push_back({e.column, e.row});
+        sum.push_back(e.value);
+      }
+    }
+    const auto size = 3 * static_cast<Eigen::Index>(rows_);
+    sparse_.resize(size, size);
+    sparse_.resizeNonZeros(9 * static_cast<Eigen::Index>(place_.size()));
+    int* outer = sparse_.outerIndexPtr();
+    int* inner = sparse_.innerIndexPtr();
+    real* value = sparse_.valuePtr();
+    int filled = 0;
+    std::size_t first = 0;
+    for (int column = 0; column < rows_; ++column) {
+      std::size_t last = first;
+      while (last < place_.size() && place_[last].first == column) ++last;
+      for (int c = 0; c < 3; ++c) {
+        outer[3 * column + c] = filled;
+        for (std::size_t k = first; k < last; ++k)
+          for (int r = 0; r < 3; ++r) {
+            inner[filled] = 3 * place_[k].second + r;
+            value[filled++] = sum[k](r, c);
+          }
+      }
+      first = last;
+    }
+    outer[size] = filled;
+  }
+
+  int rows_ = 0;
   bool dense_ = true;
+  std::vector<entry> entries_;
+  std::vector<std::pair<std::int32_t, std::int32_t>> place_, pattern_;  ///< column, row
   Eigen::MatrixXd matrix_;
+  Eigen::SparseMatrix<real> sparse_;
   Eigen::PartialPivLU<Eigen::MatrixXd> dense_lu_;
   Eigen::SparseLU<Eigen::SparseMatrix<real>, Eigen::COLAMDOrdering<int>> sparse_lu_;
-  std::vector<Eigen::Triplet<real>> entries_;
 };
 
 }  // namespace talus::detail

@@ -1,12 +1,14 @@
 #pragma once
 // The default solver of assembled contact problems: several methods in turn.
-#include <limits>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
 
 #include "talus/response/assembled.hpp"
 #include "talus/response/assembled_gauss_seidel.hpp"
 #include "talus/response/assembled_interior_point.hpp"
 #include "talus/response/assembled_newton.hpp"
-#include "talus/response/block_system.hpp"
 
 namespace talus::detail {
 
@@ -14,95 +16,170 @@ namespace talus::detail {
 struct assembled_result {
   bool converged = false;  ///< the error of what is handed back is within the tolerance
   real error = 0;          ///< contact_error::scaled of what is handed back
-  int iterations = 0;      ///< sweeps and Newton steps together
+  int iterations = 0;      ///< sweeps and linear systems together
 };
 
+enum class assembled_method { hybrid, gauss_seidel, newton, interior_point };
+
+/// Callable that never says stop.
 struct always {
   bool operator()() const { return true; }
 };
 
-/// Solves p from the warm start r (cones need not hold; zeros are fine), to `tolerance` in
-/// contact_error::scaled. Ends after `max_iterations` sweeps or linear systems, or when `go_on()`
-/// says no; then r is the best that was seen, and the result says that it has not converged.
-template <class GoOn = always>
-assembled_result solve_assembled(const assembled_problem& p, vecx& r, real tolerance,
-                                 int max_iterations = 2000, GoOn&& go_on = {}) {
-  const int n = p.contacts();
-  if (r.size() != 3 * n || !r.allFinite()) r = vecx::Zero(3 * n);
-  const real mean = p.mean_diagonal(), rho = 1 / mean;
-  vecx u, best = r;
-  assembled_result result;
-  result.error = HUGE_VAL;
-  const auto look = [&](const vecx& at) {
-    p.velocity(at, u);
-    const real e = scaled_error(p, at, u, rho);
-    if (e < result.error) result.error = e, best = at;
+/// The solver of one problem; keeps the best impulses seen, by the error with the full W.
+template <class GoOn>
+class assembled_solver {
+ public:
+  /// All by reference; they outlive the solver.
+  assembled_solver(const assembled_problem& p, const vecx& start, real tolerance, int most,
+                   GoOn& go_on)
+      : p_(p), tolerance_(tolerance), most_(most), go_on_(go_on), sweep_(p) {
+    const Eigen::Index size = 3 * static_cast<Eigen::Index>(p.contacts());
+    best_ = start.size() == size && start.allFinite() ? start : vecx(vecx::Zero(size));
+    result_.error = HUGE_VAL;
+    look(best_);
+    if (best_.squaredNorm() > 0) look(vecx::Zero(size));
+    swept_ = best_;
+  }
+
+  void run(assembled_method method) {
+    switch (method) {
+      case assembled_method::hybrid:
+        return hybrid();
+      case assembled_method::gauss_seidel:
+        while (going()) sweeps(1000, false);
+        return;
+      case assembled_method::newton:
+        for (int round = 0; round < 20 && going(); ++round)
+          proximal(1e-3 * mean_, 10 + 5 * round, 6, 15);
+        return;
+      case assembled_method::interior_point:
+        return interior();
+    }
+  }
+  [[nodiscard]] const vecx& best() const { return best_; }
+  [[nodiscard]] assembled_result result() const {
+    assembled_result r = result_;
+    r.converged = r.error <= tolerance_;
+    return r;
+  }
+
+ private:
+  [[nodiscard]] bool going() const {
+    return result_.error > tolerance_ && result_.iterations < most_ && go_on_();
+  }
+  /// The error at r, which is kept if it is the best so far.
+  real look(const vecx& r) {
+    p_.velocity(r, u_);
+    const real e = scaled_error(p_, r, u_, 1 / mean_);
+    if (e < result_.error) {
+      result_.error = e;
+      best_ = r;
+    }
     return e;
-  };
-  const auto go = [&] {
-    return result.error > tolerance && result.iterations < max_iterations && go_on();
-  };
+  }
 
-  look(r);
-  if (r.squaredNorm() > 0) look(vecx::Zero(3 * n));
-  const assembled_sweeps sweep(p);
-  assembled_newton<block_system> newton(p, sweep);
-  vecx swept = best, x, centre;
+  void hybrid() {
+    sweeps(p_.contacts() > 16 ? 300 : 60, true);
+    proximal(1e-3 * mean_, 4, 1, 10);
+    if (result_.error < 1e-3) {  // on the way: another try costs less than a new beginning
+      swept_ = best_;
+      sweeps(60, true);
+      proximal(1e-2 * mean_, 4, 2, 10);
+    }
+    interior();
+    proximal(1e-3 * std::min(real{1}, result_.error) * mean_, 6, 6, 15);
+    for (int round = 1; going() && round < 10; ++round) {
+      if (result_.error < 0.1 * look(swept_)) swept_ = best_;
+      sweeps(30 << round, false);
+      proximal(1e-3 * mean_, 10 + 5 * round, 6, 15);
+    }
+  }
 
-  const auto sweeps = [&](int count, real least) {
-    real last = HUGE_VAL;
-    for (int k = 0; k < count && go(); k += 5) {
-      for (int j = 0; j < 5; ++j) sweep(swept, (result.iterations++ & 1) != 0);
-      const real e = look(swept);
-      if (e > least * last) break;
+  /// Sweeps; if they are to pay, only as long as fewer than `count` more may do.
+  void sweeps(int count, bool to_pay) {
+    real last = look(swept_);
+    for (int done = 0, burst = 1; done < count * (to_pay ? 3 : 1) && going();
+         done += burst, burst = std::min(burst + 1, 5)) {
+      for (int k = 0; k < burst; ++k) sweep_(swept_, (result_.iterations++ & 1) != 0);
+      const real e = look(swept_);
+      if (to_pay && done >= 10) {
+        const real rate = std::log(e / last) / burst;  // of the logarithm, per sweep
+        const real needed = std::log(tolerance_ / e) / rate;
+        if (!(rate < 0 && needed < count)) break;
+      }
       last = e;
     }
-  };
-  // Newton's method with a proximal term that shrinks while it works.
-  const auto proximal = [&](real alpha, int patience) {
-    x = best;
-    real mark = result.error;
-    for (int lost = 0, since = 0; go() && lost < 6 && since < patience; ++since) {
-      centre = x;
-      const bool solved = newton.solve(x, centre, alpha, 0.1, 15, go_on);
-      result.iterations += newton.steps();
+  }
+
+  /// Newton's method with a proximal term, which shrinks while that works.
+  void proximal(real alpha, int patience, int most_lost, int steps) {
+    if (!newton_) newton_.emplace(p_, sweep_);
+    vecx x = best_;
+    real mark = result_.error;
+    for (int lost = 0, since = 0; going() && lost < most_lost && since < patience; ++since) {
+      const vecx centre = x;
+      const bool solved = newton_->solve(x, centre, alpha, 0.1, steps, go_on_);
+      result_.iterations += newton_->steps();
       const real e = look(x);
       if (solved) {
-        alpha = std::max(alpha * (newton.steps() < 5 ? 0.1 : 0.5), 1e-12 * mean);
+        alpha = std::max(alpha * (newton_->steps() < 5 ? 0.1 : 0.5), 1e-12 * mean_);
         lost = 0;
       } else {
-        alpha = std::min(5 * alpha, 1e3 * mean);
+        alpha = std::min(5 * alpha, 1e3 * mean_);
         ++lost;
-        if (e > 2 * result.error) x = best;
+        if (e > 2 * result_.error) x = best_;
       }
-      if (result.error < 0.5 * mark) mark = result.error, since = 0;
+      if (result_.error < 0.5 * mark) {
+        mark = result_.error;
+        since = 0;
+      }
     }
-  };
-  const auto interior = [&] {
-    assembled_interior_point method(p);
-    real mark = HUGE_VAL;
-    for (int k = 0, since = 0; k < 80 && since < 8 && go() && method.step(); ++k, ++since) {
-      ++result.iterations;
-      x = method.impulses();
-      real e = look(x);
-      sweep(x);
-      e = std::min(e, look(x));
-      if (e < 0.8 * mark || (k < 20 && method.length() > 0.3)) mark = std::min(e, mark), since = 0;
-    }
-  };
-
-  sweeps(30, 0.9);
-  proximal(1e-3 * mean, 4);
-  interior();
-  proximal(1e-3 * std::min(real{1}, result.error) * mean, 6);
-  for (int round = 1; go() && round < 10; ++round) {
-    if (result.error < 0.1 * look(swept)) swept = best;
-    sweeps(30 << round, 1);
-    proximal(1e-3 * mean, 10 + 5 * round);
   }
-  r = best;
-  result.converged = result.error <= tolerance;
-  return result;
+
+  /// The interior-point method until it stalls; a sweep after each step sorts out what is open.
+  void interior() {
+    if (!going()) return;
+    assembled_interior_point method(p_);
+    real mark = HUGE_VAL;
+    for (int k = 0, since = 0; k < 80 && since < 8 && going() && method.step(); ++k, ++since) {
+      ++result_.iterations;
+      vecx x = method.impulses();
+      real e = look(x);
+      sweep_(x);
+      e = std::min(e, look(x));
+      if (e < 0.8 * mark || (k < 20 && method.length() > 0.3)) {
+        mark = std::min(e, mark);
+        since = 0;
+      }
+    }
+  }
+
+  const assembled_problem& p_;
+  const real tolerance_;
+  const int most_;
+  GoOn& go_on_;
+  assembled_sweeps sweep_;
+  std::optional<assembled_newton> newton_;
+  const real mean_ = p_.mean_diagonal();
+  vecx u_, best_, swept_;
+  assembled_result result_;
+};
+
+/// Solves p from the warm start r (which may lie outside of its cones; zeros are fine), to
+/// `tolerance` in contact_error::scaled. Ends after about `most` sweeps and linear systems, or soon
+/// after `go_on()` says no; then r is the best that was seen, and the result says that it has not
+/// converged. The default: sweeps while they pay, Newton's method with a proximal term, the
+/// interior-point method, and Newton's method from where that led; then sweeps and Newton's method
+/// in turn.
+template <class GoOn = always>
+assembled_result solve_assembled(const assembled_problem& p, vecx& r, real tolerance,
+                                 int most = 2000, GoOn&& go_on = {},
+                                 assembled_method method = assembled_method::hybrid) {
+  assembled_solver solver(p, r, tolerance, most, go_on);
+  solver.run(method);
+  r = solver.best();
+  return solver.result();
 }
 
 }  // namespace talus::detail
