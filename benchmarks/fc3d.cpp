@@ -38,10 +38,11 @@ struct settings {
 };
 
 void print(const std::string& path, int contacts, const std::string& solver, double tolerance,
-           int iterations, double milliseconds, const talus::detail::contact_error& e) {
+           int iterations, double milliseconds, const talus::detail::contact_error& e,
+           bool converged) {
   std::printf("%s\t%d\t%s\t%g\t%d\t%.4g\t%.3e\t%.3e\t%.3e\t%d\n",
               std::filesystem::path(path).filename().c_str(), contacts, solver.c_str(), tolerance,
-              iterations, milliseconds, e.scaled, e.by_q, e.relative, e.scaled <= tolerance);
+              iterations, milliseconds, e.scaled, e.by_q, e.relative, converged);
   std::fflush(stdout);
 }
 
@@ -64,8 +65,9 @@ void run(const std::string& path, const assembled_problem& p, const std::string&
       result = talus::detail::solve_assembled(p, r, s.tolerance, 1'000'000'000, in_time, method);
     });
   });
-  print(path, p.contacts(), solver, s.tolerance, result.iterations, 1e3 * seconds,
-        talus::detail::error_of(p, r));
+  const auto e = talus::detail::error_of(p, r);
+  print(path, p.contacts(), solver, s.tolerance, result.iterations, 1e3 * seconds, e,
+        result.converged && e.scaled <= s.tolerance);
 }
 
 #ifdef TALUS_WITH_SICONOS
@@ -73,8 +75,9 @@ void run_rivals(const std::string& path, const problem& file, const settings& s)
   const std::string text = file.text.empty() ? as_text(file.p) : file.text;
   for (const rival& way : rivals()) {
     const rival_result found = run_rival(way, file.p, text, s.tolerance, s.seconds);
-    print(path, file.p.contacts(), way.name, s.tolerance, found.iterations, 1e3 * found.seconds,
-          talus::detail::error_of(file.p, found.r));
+    const auto e = talus::detail::error_of(file.p, found.r);
+    print(path, file.p.contacts(), way.name, s.tolerance, found.iterations, 1e3 * found.seconds, e,
+          e.scaled <= s.tolerance);
   }
 }
 #endif

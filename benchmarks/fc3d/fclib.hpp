@@ -74,40 +74,8 @@ inline assembled_problem read_fclib(const std::string& path) {
   const auto p = read_all<int>(f, w + "p"), i = read_all<int>(f, w + "i");
   const auto x = read_all<double>(f, w + "x");
 
-  block_gatherer gather;
-  const auto inside = [&](int k) { return k >= 0 && k < size; };
-  if (nz >= 0) {
-    const auto count = static_cast<std::size_t>(nz);
-    if (p.size() < count || i.size() < count || x.size() < count)
-      fail<std::runtime_error>("{} triplets, but W/p, W/i, W/x have {}, {}, {} values", nz,
-                               p.size(), i.size(), x.size());
-    // As in CSparse, from which the format comes: i rows, p columns.
-    for (std::size_t k = 0; k < count; ++k) {
-      if (!inside(i[k]) || !inside(p[k]))
-        fail<std::runtime_error>("an element of W is at ({}, {}), outside", i[k], p[k]);
-      gather.add(i[k], p[k], x[k]);
-    }
-  } else if (nz == -1 || nz == -2) {
-    const auto lines = static_cast<std::size_t>(size);
-    const auto stored = std::min(i.size(), x.size());
-    if (p.size() < lines + 1 || p[0] != 0)
-      fail<std::runtime_error>("W/p should have {} values and begin with 0", lines + 1);
-    for (std::size_t line = 0; line < lines; ++line) {
-      if (p[line + 1] < p[line] || static_cast<std::size_t>(p[line + 1]) > stored)
-        fail<std::runtime_error>("W/p must ascend up to the {} values stored", stored);
-      for (auto k = static_cast<std::size_t>(p[line]); k < static_cast<std::size_t>(p[line + 1]);
-           ++k) {
-        if (!inside(i[k])) fail<std::runtime_error>("W/i holds {}, outside", i[k]);
-        if (nz == -2)
-          gather.add(static_cast<int>(line), i[k], x[k]);
-        else
-          gather.add(i[k], static_cast<int>(line), x[k]);
-      }
-    }
-  } else {
-    fail<std::runtime_error>("W/nz should be -2, -1 or at least 0, but is {}", nz);
-  }
-  return assemble(gather.take(), Eigen::Map<const vecx>(q.data(), size), std::move(mu));
+  auto blocks = compressed_blocks(nz, size, p, i, x);
+  return assemble(std::move(blocks), Eigen::Map<const vecx>(q.data(), size), std::move(mu));
 }
 
 }  // namespace fc3d

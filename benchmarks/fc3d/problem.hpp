@@ -164,6 +164,47 @@ inline assembled_problem read_text(std::string_view text) {
   return assemble(std::move(blocks), std::move(q), std::move(mu));
 }
 
+/// Blocks of a square W as CSparse and FCLIB store it: in compressed rows (nz = -2), compressed
+/// columns (-1) or triplets (their number; `i` rows, `p` columns).
+inline std::vector<delassus_block> compressed_blocks(int nz, int size, const std::vector<int>& p,
+                                                     const std::vector<int>& i,
+                                                     const std::vector<double>& x) {
+  block_gatherer gather;
+  const auto inside = [&](int k) { return k >= 0 && k < size; };
+  if (nz >= 0) {
+    const auto count = static_cast<std::size_t>(nz);
+    if (p.size() < count || i.size() < count || x.size() < count)
+      fail<std::runtime_error>("{} triplets, but W/p, W/i, W/x have {}, {}, {} values", nz,
+                               p.size(), i.size(), x.size());
+    // As in CSparse, from which the format comes: i rows, p columns.
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!inside(i[k]) || !inside(p[k]))
+        fail<std::runtime_error>("an element of W is at ({}, {}), outside", i[k], p[k]);
+      gather.add(i[k], p[k], x[k]);
+    }
+  } else if (nz == -1 || nz == -2) {
+    const auto lines = static_cast<std::size_t>(size);
+    const auto stored = std::min(i.size(), x.size());
+    if (p.size() < lines + 1 || p[0] != 0)
+      fail<std::runtime_error>("W/p should have {} values and begin with 0", lines + 1);
+    for (std::size_t line = 0; line < lines; ++line) {
+      if (p[line + 1] < p[line] || static_cast<std::size_t>(p[line + 1]) > stored)
+        fail<std::runtime_error>("W/p must ascend up to the {} values stored", stored);
+      for (auto k = static_cast<std::size_t>(p[line]); k < static_cast<std::size_t>(p[line + 1]);
+           ++k) {
+        if (!inside(i[k])) fail<std::runtime_error>("W/i holds {}, outside", i[k]);
+        if (nz == -2)
+          gather.add(static_cast<int>(line), i[k], x[k]);
+        else
+          gather.add(i[k], static_cast<int>(line), x[k]);
+      }
+    }
+  } else {
+    fail<std::runtime_error>("W/nz should be -2, -1 or at least 0, but is {}", nz);
+  }
+  return gather.take();
+}
+
 /// All bytes of a file. Throws runtime_error if it cannot be read.
 inline std::string contents(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

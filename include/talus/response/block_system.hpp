@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "talus/core/math.hpp"
