@@ -19,8 +19,8 @@ template <class Contact>
 class contact_list {
  public:
   void clear() {
-    interior_.clear(), boundary_.clear();
-    interior_keys_.clear(), boundary_keys_.clear();
+    interior_.clear(), boundary_.clear(), foreign_.clear();
+    interior_keys_.clear(), boundary_keys_.clear(), foreign_keys_.clear();
     owns_a_.clear();
   }
   void add(const Contact& contact, const contact_key& key) {
@@ -31,6 +31,11 @@ class contact_list {
     boundary_.push_back(contact);
     boundary_keys_.push_back(key);
     owns_a_.push_back(owns_a);
+  }
+  /// A contact of bodies of other ranks, which acts on nothing here; see shared_islands.hpp.
+  void add_foreign(const Contact& contact, const contact_key& key) {
+    foreign_.push_back(contact);
+    foreign_keys_.push_back(key);
   }
   [[nodiscard]] std::size_t size() const { return interior_.size() + boundary_.size(); }
   [[nodiscard]] std::size_t bytes() const {
@@ -101,6 +106,15 @@ class contact_list {
   }
   [[nodiscard]] const std::vector<Contact>& interior() const { return interior_; }
   [[nodiscard]] Contact& interior(std::size_t i) { return interior_[i]; }
+  [[nodiscard]] std::vector<Contact>& interior() { return interior_; }
+  [[nodiscard]] const std::vector<Contact>& boundary() const { return boundary_; }
+  [[nodiscard]] std::vector<Contact>& boundary() { return boundary_; }
+  [[nodiscard]] const std::vector<Contact>& foreign() const { return foreign_; }
+  [[nodiscard]] std::vector<Contact>& foreign() { return foreign_; }
+  /// Of a contact among the interior ones (0), those at the boundary (1), the foreign ones (2).
+  [[nodiscard]] const contact_key& key(int part, std::size_t i) const {
+    return (part == 0 ? interior_keys_ : part == 1 ? boundary_keys_ : foreign_keys_)[i];
+  }
   void sweep_backward(solver_state& s) {
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) sweep_one(s, i);
@@ -192,8 +206,8 @@ class contact_list {
       boundary_[i].apply_to_b(s, d);
   }
 
-  std::vector<Contact> interior_, boundary_;
-  std::vector<contact_key> interior_keys_, boundary_keys_;
+  std::vector<Contact> interior_, boundary_, foreign_;
+  std::vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
   std::vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   std::vector<typename Contact::change> changes_;
   std::vector<real> pushes_;

@@ -19,7 +19,8 @@ struct island_contact {
   mat3 axes;                   ///< rows: normal from b to a, two tangents
   vec3 arm_a, arm_b;           ///< from the centres of mass to the contact point
   real target = 0, friction = 0;
-  vec3 impulse;  ///< on a, in the world
+  vec3 impulse;                     ///< on a, in the world
+  std::array<real, 2> drive{0, 0};  ///< tangential velocity of a against b by immovable bodies
 };
 
 /// Orders contacts along the chain of bodies that they connect (Cuthill and McKee 1969): contacts
@@ -94,7 +95,7 @@ class contact_order {
   std::vector<real> mu(n);
   for (std::size_t i = 0; i < n; ++i) {
     const island_contact& c = contacts[i];
-    vec3 u{-c.target, 0, 0};
+    vec3 u{-c.target, c.drive[0], c.drive[1]};
     const auto side = [&](std::int32_t body, const vec3& arm, real sign) {
       if (body < 0) return;
       mat3 x;

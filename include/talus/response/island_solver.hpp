@@ -53,4 +53,17 @@ inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
   return systems;
 }
 
+/// Solves `p` from no impulses at all, so that equal problems give equal bits; false, with r as it
+/// may be, where that leaves too much.
+[[nodiscard]] inline bool solve_island_anew(const assembled_problem& p, vecx& r) {
+  r.setZero(p.q.size());
+  const assembled_sweeps sweep(p);
+  for (int k = 0; k < 10; ++k) sweep(r, k % 2 == 1);
+  solve_island(p, r, 60);
+  vecx u;
+  p.velocity(r, u);
+  const real rho = 1 / p.mean_diagonal();
+  return natural_residual(p, r, u, rho) <= 1e-6 * std::max(rho * p.q.norm(), r.norm());
+}
+
 }  // namespace talus::detail

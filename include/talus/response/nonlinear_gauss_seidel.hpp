@@ -34,11 +34,13 @@ struct nonlinear_gauss_seidel final {
 
     detail::convergence<Lists, Ranks> watch(lists, s, settings, ranks);
     each([&](auto& list) { list.weigh_interior(s); });
+    if constexpr (!alone) ranks.look_for_shared_islands(lists);
     each([&](auto& list) { list.apply_remembered(s); });
     if constexpr (!alone) {
       each([&](auto& list) { list.count_boundary(s); });
       ranks.share_velocities_and_counts();
       each([&](auto& list) { list.weigh_boundary(s); });
+      ranks.solve_shared_islands(lists);
     }
 
     const bool looks = detail::stalled_islands::due(s);

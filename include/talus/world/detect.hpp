@@ -67,6 +67,16 @@ template <class Own, class Other, class Scenario>
   return false;
 }
 
+/// Whether this rank also looks for the contacts among bodies of other ranks.
+template <class Scenario>
+[[nodiscard]] bool shares_islands(const world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::link_type::alone || world_state<Scenario>::law::soft ||
+                world_state<Scenario>::continuous)
+    return (void)s, false;
+  else
+    return s.islands.wanted();
+}
+
 /// Turns the contact points of one pair of shapes into contacts for the solver.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class contact_maker {
@@ -106,7 +116,8 @@ class contact_maker {
     const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
-    if (!((own_a && moves_a) || (own_b && moves_b))) return;
+    const bool foreign = !((own_a && moves_a) || (own_b && moves_b));
+    if (foreign && !(shares_islands(s_) && (moves_a || moves_b))) return;
     const bool boundary = paired && own_a != own_b && moves_a && moves_b;
     if constexpr (paired)
       if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
@@ -134,7 +145,7 @@ class contact_maker {
                    }
                    if (parts_before_touching(i, j, g, u)) return;
                    if constexpr (watches<Scenario, penetration_monitor>)
-                     if (!boundary || own_a) s_.monitors.overlaps.add(g.gap);
+                     if (!foreign && (!boundary || own_a)) s_.monitors.overlaps.add(g.gap);
                    contact_type c;
                    c.a = static_cast<std::int32_t>(first_a_ + i);
                    if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
@@ -151,7 +162,9 @@ class contact_maker {
                    }
                    if constexpr (law::friction) c.friction = want.friction;
                    const contact_key key{a_.id[i], b_.id[j], g.feature};
-                   if (boundary)
+                   if (foreign)
+                     list_.add_foreign(c, key);
+                   else if (boundary)
                      list_.add_boundary(c, key, own_a);
                    else
                      list_.add(c, key);
@@ -325,7 +338,8 @@ void each_close_pair(world_state<Scenario>& s, Make&& make) {
           });
       } else {
         for (std::size_t j = 0; j < b.global.size(); ++j)
-          for (std::size_t i = 0; i < a.movable.locals; ++i)
+          for (std::size_t i = 0; i < (shares_islands(s) ? a.movable.size() : a.movable.locals);
+               ++i)
             against(i, j, margin(a.movable, a.reach, i), 0);
       }
     });

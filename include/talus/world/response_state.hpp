@@ -9,6 +9,7 @@
 #include "talus/contact/history.hpp"
 #include "talus/parallel/parcel.hpp"
 #include "talus/response/convergence.hpp"
+#include "talus/response/shared_islands.hpp"
 #include "talus/response/soft_state.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
@@ -58,6 +59,7 @@ struct hard_response {
   lists_type contacts;
   history_type history;
   solver_state solver;
+  shared_islands islands;  ///< where there are ranks
   talus::convergence convergence;
   std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
   std::vector<travelling_velocities> travelled;   ///< in the last step

@@ -22,17 +22,42 @@ class shared_velocities {
 
   explicit shared_velocities(state_type& s) : s_(s) {}
 
-  /// Besides the velocities: into how many parts each body's mass is split at the boundary.
+  /// Besides the velocities: into how many parts each body's mass is split at the boundary, and
+  /// what shared islands need to know of it.
   void share_velocities_and_counts() {
-    exchange<7>(
+    exchange<10>(
         [&](std::uint32_t i, real* out) {
           put_velocity(i, out);
           out[6] = s_.solver.boundary_contacts[i];
+          const body_ties& ties = s_.islands.ties(i);
+          const auto [high, low] = ties.holders.packed();
+          out[7] = ties.of_owner, out[8] = high, out[9] = low;
         },
         [&](std::uint32_t i, const real* in) {
           get_velocity(i, in);
           s_.solver.boundary_contacts[i] = static_cast<std::uint32_t>(in[6]);
+          body_ties& ties = s_.islands.ties(i);
+          ties.of_owner = static_cast<std::int32_t>(in[7]);
+          ties.holders.unpack(in[8], in[9]);
         });
+  }
+  /// To be called before any impulse acts, and after share_velocities_and_counts().
+  template <class Lists>
+  void look_for_shared_islands(const Lists& lists) {
+    s_.islands.look(
+        lists, s_.solver, s_.link->rank(),
+        [&](auto&& f) {
+          for (const auto& other : s_.travelling)
+            f(other.rank, std::span<const std::uint32_t>(other.sent));
+        },
+        [&](auto&& f) {
+          for (const auto& other : s_.travelling)
+            f(other.rank, std::span<const std::uint32_t>(other.received));
+        });
+  }
+  template <class Lists>
+  void solve_shared_islands(Lists& lists) {
+    s_.islands.solve(lists, s_.solver);
   }
   void share_velocities() {
     exchange<6>([&](std::uint32_t i, real* out) { put_velocity(i, out); },

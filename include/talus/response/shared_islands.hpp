@@ -1,0 +1,303 @@
+#pragma once
+// Small groups of contacts across ranks, solved as one problem by each of these ranks, alike.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "talus/contact/key.hpp"
+#include "talus/response/band_system.hpp"
+#include "talus/response/island_problem.hpp"
+#include "talus/response/island_solver.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// The ranks that know a body, besides its owner: at most four, else nobody may rely on it.
+class body_holders {
+ public:
+  void add(int rank) {
+    if (crowded() || rank >= 0xfffe) {
+      bits_ = ~std::uint64_t{0};
+      return;
+    }
+    int place = 0;
+    while (place < 64 && (bits_ >> place & 0xffff) != 0) place += 16;
+    bits_ = place == 64 ? ~std::uint64_t{0} : bits_ | static_cast<std::uint64_t>(rank + 1) << place;
+  }
+  [[nodiscard]] bool has(int rank) const {
+    if (crowded()) return false;
+    for (int place = 0; place < 64; place += 16)
+      if ((bits_ >> place & 0xffff) == static_cast<std::uint64_t>(rank + 1)) return true;
+    return false;
+  }
+  // How it travels among numbers: in two halves, since some bits would make no number.
+  [[nodiscard]] std::array<real, 2> packed() const {
+    return {static_cast<real>(bits_ >> 32), static_cast<real>(bits_ & 0xffffffffu)};
+  }
+  void unpack(real high, real low) {
+    bits_ = static_cast<std::uint64_t>(high) << 32 | static_cast<std::uint64_t>(low);
+  }
+
+ private:
+  [[nodiscard]] bool crowded() const { return bits_ == ~std::uint64_t{0}; }
+  std::uint64_t bits_ = 0;
+};
+
+/// What a rank says of a body to those that hold a copy of it.
+struct body_ties {
+  std::uint32_t contacts = 0;  ///< that this rank knows of
+  std::int32_t of_owner = -1;  ///< that its owner knows of; -1 if that takes no part
+  std::int32_t owner = -1;
+  body_holders holders;
+};
+
+/// Where a stack stands on the corner of several domains, each of these ranks holds copies of all
+/// its bodies, sees all its contacts, and starts from the same velocities. So each solves the whole
+/// island by itself, to the same bits, and needs to be told nothing but that the others do the
+/// same: that is known if every body has as many contacts here as its owner knows of, and if every
+/// owner holds every body. What does not fulfil this is left to the iterations.
+class shared_islands {
+ public:
+  static constexpr std::size_t most_boundary_contacts = 400;
+  static constexpr std::size_t most_contacts = 400;
+
+  /// Whether contacts between copies of bodies of other ranks are wanted: large numbers of boundary
+  /// contacts, as of a pile, do not make small islands.
+  [[nodiscard]] bool wanted() const { return wanted_; }
+
+  /// Before any impulse acts: keeps the velocities, and counts the contacts of each body.
+  /// `own` is this rank, `sent` calls f(rank, bodies) for the bodies that other ranks hold copies
+  /// of, `received` for the copies here.
+  template <class Lists, class Sent, class Received>
+  void look(const Lists& lists, const solver_state& s, int own, Sent&& sent, Received&& received) {
+    std::size_t boundary = 0;
+    each_list(lists, [&](const auto& list, std::size_t) { boundary += list.boundary().size(); });
+    takes_part_ = wanted_ && boundary > 0 && boundary <= most_boundary_contacts;
+    wanted_ = boundary <= most_boundary_contacts;
+    ties_.assign(s.bodies.size(), {});  // what is sent where this rank takes no part
+    if (!takes_part_) return;
+    free_ = s.bodies;
+    for (body_ties& t : ties_) t.owner = own;
+    sent([&](int rank, std::span<const std::uint32_t> bodies) {
+      for (const auto i : bodies) ties_[i].holders.add(rank);
+    });
+    received([&](int rank, std::span<const std::uint32_t> bodies) {
+      for (const auto i : bodies) ties_[i].owner = rank;
+    });
+    each_contact(lists, [&](const auto& c, const contact_key&, member) {
+      ++ties_[static_cast<std::size_t>(c.a)].contacts;
+      if (c.paired) ++ties_[static_cast<std::size_t>(c.b)].contacts;
+    });
+    for (body_ties& t : ties_)
+      if (t.owner == own) t.of_owner = static_cast<std::int32_t>(t.contacts);
+  }
+  /// Of a body, for sending and receiving. A solver that never looks takes no part.
+  [[nodiscard]] body_ties& ties(std::size_t body) {
+    if (ties_.size() <= body) ties_.resize(body + 1);
+    return ties_[body];
+  }
+
+  /// After the ties of all bodies have been shared: solves the islands that this rank shares with
+  /// others. `s` then holds their velocities, and the lists their impulses.
+  template <class Lists>
+  void solve(Lists& lists, solver_state& s) {
+    if (!std::exchange(takes_part_, false)) return;
+    join_bodies(lists, s);
+    std::map<std::uint32_t, island> islands;
+    each_contact(lists, [&](const auto& c, const contact_key&, member m) {
+      if (m.of == boundary) islands[root(s, c)];
+    });
+    each_contact(lists, [&](const auto& c, const contact_key& key, member m) {
+      const auto at = islands.find(root(s, c));
+      if (at == islands.end()) return;
+      island& one = at->second;
+      if (one.contacts.size() > most_contacts) return;
+      one.contacts.push_back({key, m});
+      add_body(one, s, c.a, key.a);
+      if (c.paired) add_body(one, s, c.b, key.b);
+    });
+    for (auto& [number, one] : islands)
+      if (one.contacts.size() <= most_contacts && known_alike(one)) solve_one(one, lists, s);
+  }
+
+ private:
+  enum part : std::uint8_t { interior, boundary, foreign };
+  struct member {
+    std::size_t list;
+    part of;
+    std::size_t index;
+  };
+  struct island {
+    std::vector<std::pair<contact_key, member>> contacts;
+    std::vector<std::pair<system_id, std::int32_t>> bodies;
+  };
+
+  template <class Lists, class F>
+  static void each_list(Lists& lists, F&& f) {
+    std::apply(
+        [&](auto&... list) {
+          std::size_t k = 0;
+          (f(list, k++), ...);
+        },
+        lists);
+  }
+  template <class List>
+  static auto& contacts_of(List& list, part p) {
+    return p == interior ? list.interior() : p == boundary ? list.boundary() : list.foreign();
+  }
+  template <class Lists, class F>
+  static void each_contact(Lists& lists, F&& f) {
+    each_list(lists, [&](auto& list, std::size_t k) {
+      for (const part p : {interior, boundary, foreign}) {
+        auto& contacts = contacts_of(list, p);
+        for (std::size_t i = 0; i < contacts.size(); ++i)
+          f(contacts[i], list.key(p, i), member{k, p, i});
+      }
+    });
+  }
+  static bool moves(const solver_state& s, std::int32_t body) {
+    return s.bodies[static_cast<std::size_t>(body)].inverse_mass != 0;
+  }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  template <class Contact>
+  std::uint32_t root(const solver_state& s, const Contact& c) {
+    return root(static_cast<std::uint32_t>(moves(s, c.a) ? c.a : c.b));
+  }
+  template <class Lists>
+  void join_bodies(const Lists& lists, const solver_state& s) {
+    parent_.resize(s.bodies.size());
+    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    each_contact(lists, [&](const auto& c, const contact_key&, member) {
+      if (!c.paired || !moves(s, c.a) || !moves(s, c.b)) return;
+      const auto a = root(static_cast<std::uint32_t>(c.a)),
+                 b = root(static_cast<std::uint32_t>(c.b));
+      if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+    });
+  }
+  static void add_body(island& one, const solver_state& s, std::int32_t body, system_id id) {
+    if (moves(s, body)) one.bodies.emplace_back(id, body);
+  }
+
+  /// Whether all ranks that own bodies of the island see it as this one does; sorts it by ids.
+  bool known_alike(island& one) const {
+    std::sort(one.bodies.begin(), one.bodies.end());
+    one.bodies.erase(std::unique(one.bodies.begin(), one.bodies.end()), one.bodies.end());
+    std::vector<std::int32_t> owners;
+    for (const auto& [id, body] : one.bodies) {
+      const body_ties& t = ties_[static_cast<std::size_t>(body)];
+      if (t.of_owner != static_cast<std::int32_t>(t.contacts)) return false;
+      if (std::find(owners.begin(), owners.end(), t.owner) == owners.end())
+        owners.push_back(t.owner);
+    }
+    for (const auto& [id, body] : one.bodies)
+      for (const std::int32_t rank : owners) {
+        const body_ties& t = ties_[static_cast<std::size_t>(body)];
+        if (t.owner != rank && !t.holders.has(rank)) return false;
+      }
+    std::sort(one.contacts.begin(), one.contacts.end(), [](const auto& x, const auto& y) {
+      const auto &a = x.first, &b = y.first;
+      return std::tuple(a.a, a.b, a.feature) < std::tuple(b.a, b.b, b.feature);
+    });
+    return true;
+  }
+
+  /// Everything in the order of ids, so that each rank computes the same bits.
+  template <class Lists>
+  void solve_one(island& one, Lists& lists, solver_state& s) {
+    std::stable_partition(one.bodies.begin(), one.bodies.end(), [&](const auto& b) {
+      return static_cast<std::size_t>(b.second) < s.first_tensor;
+    });
+    solver_state own;
+    std::map<std::int32_t, std::int32_t> place;
+    for (const auto& [id, body] : one.bodies) {
+      const auto i = static_cast<std::size_t>(body);
+      place[body] = static_cast<std::int32_t>(own.bodies.size());
+      own.bodies.push_back(free_[i]);
+      if (i < s.first_tensor)
+        ++own.first_tensor;
+      else
+        own.tensors.push_back(s.tensor(i));
+    }
+    const auto place_of = [&](std::int32_t body) {
+      const auto at = place.find(body);
+      return at == place.end() ? -1 : at->second;
+    };
+    std::vector<island_contact> contacts;
+    for (const auto& [key, m] : one.contacts)
+      with_contact(lists, m, [&](auto& c, auto& list) {
+        island_contact i{place_of(c.a), c.paired ? place_of(c.b) : -1,
+                         c.axes(),      c.lever_a(),
+                         c.lever_b(),   c.target,
+                         c.mu(),        {0, 0, 0}};
+        // A body that cannot move may still carry others along.
+        const vec3 drive = c.axes() * immovable_velocity(c, i, s);
+        i.target -= drive[0];
+        i.drive = {drive[1], drive[2]};
+        contacts.push_back(i);
+        (void)list;
+      });
+    const contact_order order(contacts);
+    if (band_system::cost(contacts.size(), order.half_bandwidth()) > 2e7) return;
+    std::vector<island_contact> chain;
+    for (const auto i : order.order()) chain.push_back(contacts[i]);
+    vecx r;
+    const assembled_problem problem = assemble_island(chain, own, r);
+    if (!solve_island_anew(problem, r)) return;
+    for (std::size_t k = 0; k < chain.size(); ++k) {
+      const island_contact& c = chain[k];
+      const vec3 p = c.axes.transpose() * r.segment<3>(3 * static_cast<Eigen::Index>(k));
+      hit(own, c.a, c.arm_a, p);
+      hit(own, c.b, c.arm_b, -p);
+      with_contact(lists, one.contacts[order.order()[k]].second,
+                   [&](auto& contact, auto&) { contact.warm(p); });
+    }
+    for (const auto& [body, at] : place) {
+      s.bodies[static_cast<std::size_t>(body)].v = own.bodies[static_cast<std::size_t>(at)].v;
+      s.bodies[static_cast<std::size_t>(body)].w = own.bodies[static_cast<std::size_t>(at)].w;
+    }
+  }
+  template <class Contact>
+  static vec3 immovable_velocity(const Contact& c, const island_contact& i, const solver_state& s) {
+    vec3 u{0, 0, 0};
+    const auto add = [&](std::int32_t body, const vec3& arm, real sign) {
+      const solver_body& b = s.bodies[static_cast<std::size_t>(body)];
+      u += sign * (b.v + b.w.cross(arm));
+    };
+    if (i.a < 0) add(c.a, i.arm_a, 1);
+    if (c.paired && i.b < 0) add(c.b, i.arm_b, -1);
+    return u;
+  }
+  static void hit(solver_state& s, std::int32_t body, const vec3& arm, const vec3& impulse) {
+    if (body < 0) return;
+    const auto i = static_cast<std::size_t>(body);
+    s.bodies[i].v += s.bodies[i].inverse_mass * impulse;
+    if (i < s.first_tensor)
+      s.bodies[i].w += s.bodies[i].inverse_inertia * arm.cross(impulse);
+    else
+      s.bodies[i].w += s.tensor(i) * arm.cross(impulse);
+  }
+  template <class Lists, class F>
+  static void with_contact(Lists& lists, const member& m, F&& f) {
+    each_list(lists, [&](auto& list, std::size_t k) {
+      if (k == m.list) f(contacts_of(list, m.of)[m.index], list);
+    });
+  }
+
+  bool wanted_ = true, takes_part_ = false;
+  std::vector<body_ties> ties_;
+  std::vector<solver_body> free_;
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace talus::detail
