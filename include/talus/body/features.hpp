@@ -71,6 +71,10 @@ namespace detail {
 struct contact_forces final {
   using talus_part_of = roles::features;
 };
+/// And they keep them in parts: the energy ledger of soft contacts asks for it.
+struct split_contact_forces final {
+  using talus_part_of = roles::features;
+};
 
 template <class Feature>
 struct is_feature : std::bool_constant<is_part<Feature, roles::features>> {};

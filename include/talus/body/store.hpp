@@ -36,6 +36,13 @@ template <class T>
     return T{};
 }
 
+/// What springs, dashpots and friction of soft contacts do to a body, each by itself.
+struct split_forces {
+  vec3 spring{0, 0, 0}, spring_torque{0, 0, 0};
+  vec3 dashpot{0, 0, 0}, dashpot_torque{0, 0, 0};
+  vec3 friction{0, 0, 0}, friction_torque{0, 0, 0};
+};
+
 template <class Shape, class Features>
 struct body_store {
   using shape_type = Shape;
@@ -46,6 +53,8 @@ struct body_store {
   static constexpr bool forced = Shape::finite && contains_type<Features, forces>;
   static constexpr bool keeps_contact_forces =
       Shape::finite && contains_type<Features, contact_forces>;
+  static constexpr bool splits_forces =
+      Shape::finite && contains_type<Features, split_contact_forces>;
   static constexpr bool numbered = contains_type<Features, user_ids>;
 
   std::vector<system_id> id;
@@ -61,6 +70,7 @@ struct body_store {
   column<forced, vec3> torque;                        ///< about the centre of mass, world frame
   column<keeps_contact_forces, vec3> contact_force;   ///< of the present contacts, world frame
   column<keeps_contact_forces, vec3> contact_torque;  ///< likewise, about the centre of mass
+  column<splits_forces, split_forces> split;          ///< the sum of both, in parts
   column<numbered, std::uint32_t> user_id;
   std::size_t locals = 0;  ///< bodies [0, locals) are owned here, the rest are shadow copies
 
@@ -74,6 +84,7 @@ struct body_store {
     if constexpr (oriented) f(orientation_of);
     if constexpr (forced) f(force), f(torque);
     if constexpr (keeps_contact_forces) f(contact_force), f(contact_torque);
+    if constexpr (splits_forces) f(split);
     if constexpr (numbered) f(user_id);
   }
   template <class F>
@@ -91,6 +102,7 @@ struct body_store {
     if constexpr (forced) f(force, other.force), f(torque, other.torque);
     if constexpr (keeps_contact_forces)
       f(contact_force, other.contact_force), f(contact_torque, other.contact_torque);
+    if constexpr (splits_forces) f(split, other.split);
     if constexpr (numbered) f(user_id, other.user_id);
   }
 

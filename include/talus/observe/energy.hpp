@@ -8,11 +8,12 @@
 namespace talus {
 
 /// The energy ledger of all bodies that are not global. Units: mass times length^2 over time^2.
-/// kinetic + potential = initial + changes + total.net(), to round-off.
+/// kinetic + potential + elastic = initial + changes + total.net(), to round-off.
 struct energy_balance {
   double kinetic = 0;    ///< of translation and rotation, now
   double potential = 0;  ///< -m g . x, with respect to the origin, now
-  double initial = 0;    ///< kinetic and potential energy at the start of the first step
+  double elastic = 0;    ///< in the springs of soft contacts, at the end of the last step
+  double initial = 0;    ///< all energy at the start of the first step
   double changes = 0;    ///< by the user between steps: bodies added, removed, moved, pushed
   energy_flows step;     ///< in the last step
   energy_flows total;    ///< in all steps
@@ -33,7 +34,7 @@ template <class Scenario>
     const auto& r = w.state().monitors.energy;
     const detail::energy_sums now = detail::energy_of(w.state());
     const double energy = now.kinetic + now.potential, then = r.after.kinetic + r.after.potential;
-    std::array<double, 18> sums{now.kinetic,
+    std::array<double, 19> sums{now.kinetic,
                                 now.potential,
                                 r.started ? r.initial : energy,
                                 r.started ? r.changes + (energy - then) : 0,
@@ -50,12 +51,14 @@ template <class Scenario>
                                 r.total.impact,
                                 r.total.damping,
                                 r.total.correction,
-                                r.total.scheme};
+                                r.total.scheme,
+                                0};
+    if constexpr (Scenario::contact_law::soft) sums[18] = w.state().monitors.springs.stored;
     w.link().reduce(reduction::sum, sums);
     b.worst = r.worst;
     w.link().reduce(reduction::max, std::span(&b.worst, 1));
     b.kinetic = sums[0], b.potential = sums[1], b.initial = sums[2], b.changes = sums[3];
-    b.closure = sums[4], b.scale = sums[5];
+    b.closure = sums[4], b.scale = sums[5], b.elastic = sums[18];
     b.step = {sums[6], sums[7], sums[8], sums[9], sums[10], sums[11]};
     b.total = {sums[12], sums[13], sums[14], sums[15], sums[16], sums[17]};
   }

@@ -67,10 +67,31 @@ struct energy_record {
   std::vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
 };
 
+/// Of soft contacts, beside the energy_record: what their springs hold, of contacts that count
+/// here.
+struct spring_record {
+  /// Of fixed bodies that move, on others; for the present forces.
+  compensated_sum<double> spring_power, dashpot_power, friction_power;
+  /// Energies when forces were last measured: along the normal, and across it (and of rolling)
+  /// before and after the springs were brought forward; what yielded between.
+  compensated_sum<double> normal, across_before, across, yielded;
+  double start = 0;  ///< energy at the start of the step
+  double across_at_start = 0;
+  double stored = 0;  ///< and at its end
+  double moved = 0;   ///< energy of the bodies that came to this rank within the step
+  bool started = false;
+
+  void measure_anew() {
+    spring_power = dashpot_power = friction_power = {};
+    normal = across_before = across = yielded = {};
+  }
+};
+
 struct momentum_record {
   compensated_sum<vec3> before, after;  ///< momentum of the bodies owned here
   compensated_sum<vec3> gravity, forces, damping;
   compensated_sum<vec3> ground;  ///< from global and fixed bodies
+  vec3 ground_force{0, 0, 0};    ///< of soft contacts, now
   double mass = 0, size = 0;     ///< of the bodies that can move; sum of |m v|
 };
 
@@ -98,6 +119,7 @@ using record_for = std::conditional_t<contains_type<Features, Feature>, Record, 
 template <class Features>
 struct monitor_records {
   [[no_unique_address]] record_for<Features, energy_ledger, energy_record, 0> energy;
+  [[no_unique_address]] record_for<Features, split_contact_forces, spring_record, 3> springs;
   [[no_unique_address]] record_for<Features, momentum_balance, momentum_record, 1> momentum;
   [[no_unique_address]] record_for<Features, penetration_monitor, overlap_record, 2> overlaps;
 };

@@ -131,11 +131,13 @@ struct scenario final {
   template <class Feature>
   static constexpr bool names = detail::contains_type<typename features_policy::list, Feature>;
   static_assert(
-      !law_policy::soft || !(names<energy_ledger> || names<momentum_balance> ||
-                             names<residual_monitor> || names<continuous_collision>),
+      !law_policy::soft || !(names<residual_monitor> || names<continuous_collision>),
       "scenario<...> names soft_contact<...> and a feature that needs the impulses of hard "
-      "contacts: remove energy_ledger, momentum_balance, residual_monitor and "
-      "continuous_collision, or use hard_contact<...>");
+      "contacts: remove residual_monitor and continuous_collision, or use hard_contact<...>");
+  using kept_features =
+      std::conditional_t<verlet,
+                         detail::list_with<typename features_policy::list, detail::contact_forces>,
+                         typename features_policy::list>;
   static_assert(law_policy::soft || !verlet,
                 "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "
                 "are no forces that it could use: remove the integrator, or use "
@@ -151,8 +153,8 @@ struct scenario final {
   using transport = typename transport_policy::type;          ///< threads
   using precision = typename precision_policy::type;          ///< double
   using features = std::conditional_t<                        ///< none
-      verlet, detail::list_with<typename features_policy::list, detail::contact_forces>,
-      typename features_policy::list>;
+      law_policy::soft && names<energy_ledger>,
+      detail::list_with<kept_features, detail::split_contact_forces>, kept_features>;
 
   template <class Shape>
   static constexpr bool has_shape = detail::contains_type<shapes, Shape>;

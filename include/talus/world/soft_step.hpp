@@ -11,6 +11,7 @@
 #include "talus/response/soft_force.hpp"
 #include "talus/world/close_pairs.hpp"
 #include "talus/world/detect.hpp"
+#include "talus/world/soft_ledger.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -23,6 +24,10 @@ class force_adder {
   using law = typename state_type::law;
   static constexpr bool paired = Partner == partner::moving;
   static constexpr bool observed = !std::is_null_pointer_v<Observer>;
+  /// An observer of energies only.
+  static constexpr bool surveyed = std::is_same_v<Observer, spring_energies>;
+  static constexpr bool booked = !observed && watches<Scenario, energy_ledger>;
+  static constexpr bool balanced = !observed && watches<Scenario, momentum_balance>;
   using store_a = body_store<ShapeA, typename Scenario::features>;
   using store_b = body_store<ShapeB, typename Scenario::features>;
 
@@ -52,12 +57,13 @@ class force_adder {
                                              : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
                        return;
                    const contact_key key{a_.id[i], b_.id[j], g.feature};
-                   const soft_force f = add(i, j, g, key);
-                   if constexpr (observed) {
+                   const bool counts = own_a || !boundary;
+                   const soft_force f = add(i, j, g, key, counts);
+                   if constexpr (surveyed) {
+                   } else if constexpr (observed) {
                      observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
                    } else {
                      auto& count = std::get<soft_contacts>(s_.contacts);
-                     const bool counts = own_a || !boundary;
                      ++(counts ? count.here : count.doubled);
                      if constexpr (watches<Scenario, penetration_monitor>)
                        if (counts) s_.monitors.overlaps.add(g.gap);
@@ -66,7 +72,8 @@ class force_adder {
   }
 
  private:
-  soft_force add(std::size_t i, std::size_t j, const contact_geometry& g, const contact_key& key) {
+  soft_force add(std::size_t i, std::size_t j, const contact_geometry& g, const contact_key& key,
+                 bool counts) {
     soft_body& A = s_.soft.bodies[first_a_ + i];
     soft_touch t;
     t.normal = g.normal;
@@ -99,9 +106,16 @@ class force_adder {
     typename law::memory memory;
     if constexpr (law::remembers)
       if (const auto* old = s_.history.find(key)) memory = *old;
-    const soft_force f = force_of<law>(t, s_.soft.pairs.pair(a_.material[i], b_.material[j]),
-                                       observed ? 0 : s_.dt, memory);
+    const soft_pair& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
+    if constexpr (surveyed) {
+      const auto [normal, across] = stored_energy<law>(t, pair, memory);
+      if (counts) observer_.normal += normal, observer_.across += across;
+      return {};
+    }
+    std::conditional_t<booked, soft_parts, no_soft_parts> parts;
+    const soft_force f = force_of<law>(t, pair, observed ? 0 : s_.dt, memory, parts);
     if constexpr (observed) return f;
+    (void)counts;
     if constexpr (law::remembers) s_.recorded.add(key, memory);
 
     A.force += f.force;
@@ -112,7 +126,34 @@ class force_adder {
       if constexpr (law::friction || !ShapeB::round) B->torque -= arm_b.cross(f.force);
       if constexpr (law::rolling) B->torque -= f.moment;
     }
+    if constexpr (booked) book(i, j, t, parts, arm_a, arm_b, counts);
+    if constexpr (balanced) {
+      vec3& ground = s_.monitors.momentum.ground_force;
+      if (B == nullptr || B->inverse_mass == 0)
+        ground += f.force;
+      else if (A.inverse_mass == 0)
+        ground -= f.force;
+    }
     return f;
+  }
+  void book(std::size_t i, std::size_t j, const soft_touch& t, const soft_parts& parts,
+            const vec3& arm_a, const vec3& arm_b, bool counts) {
+    spring_record& r = s_.monitors.springs;
+    if (counts) {
+      r.normal += parts.stored, r.across_before += parts.across_before;
+      r.across += parts.across, r.yielded += parts.yielded;
+    }
+    const soft_body& A = s_.soft.bodies[first_a_ + i];
+    add_split(a_.split[i], 1, parts, t.normal, arm_a, law::friction || !ShapeA::round);
+    if constexpr (paired) {
+      const soft_body& B = s_.soft.bodies[first_b_ + j];
+      add_split(b_.split[j], -1, parts, t.normal, arm_b, law::friction || !ShapeB::round);
+      if (B.inverse_mass == 0)
+        add_power(r, 1, parts, t.normal, B.v + B.w.cross(arm_b), B.w);
+      else if (A.inverse_mass == 0)
+        add_power(r, -1, parts, t.normal, A.v + A.w.cross(arm_a), A.w);
+    }
+    (void)j, (void)arm_b;
   }
 
   state_type& s_;
@@ -160,6 +201,14 @@ void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   });
 }
 
+/// The energies that springs hold in the present state.
+template <class Scenario>
+[[nodiscard]] spring_energies survey_springs(world_state<Scenario>& s) {
+  spring_energies e;
+  observe_forces(s, e);
+  return e;
+}
+
 /// Forces and torques of all contacts, from the present positions and velocities; the springs of
 /// the contacts are brought forward by dt. Needs the pairs of find_close_pairs().
 template <class Scenario>
@@ -170,6 +219,14 @@ void measure_forces(world_state<Scenario>& s) {
   if constexpr (law::remembers) s.recorded.reset(count.size());
   count = {};
   if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
+  if constexpr (watches<Scenario, energy_ledger>) {
+    s.monitors.springs.measure_anew();
+    each_movable_store(s, [](auto& store, std::size_t) {
+      std::fill(store.split.begin(), store.split.end(), split_forces{});
+    });
+  }
+  if constexpr (watches<Scenario, momentum_balance>)
+    s.monitors.momentum.ground_force = vec3(0, 0, 0);
   std::nullptr_t nobody = nullptr;
   each_found_pair(s, [&]<class A, class B, partner P>() {
     return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
@@ -183,6 +240,32 @@ void measure_forces(world_state<Scenario>& s) {
         store.contact_torque[i] = s.soft.bodies[first + i].torque;
       }
   });
+}
+
+// What the springs hold at both ends of a step, for the energy ledger. Forces are measured at one
+// of them, at the start or (Verlet) at the end; the other one is surveyed.
+
+template <class Scenario>
+void open_springs_as_measured(world_state<Scenario>& s) {
+  const spring_record& r = s.monitors.springs;
+  open_springs(s, r.normal.value() + r.across_before.value());
+}
+template <class Scenario>
+void survey_at_end(world_state<Scenario>& s) {
+  const spring_energies now = survey_springs(s);
+  close_springs(s, now.sum(), s.monitors.springs.across.value() - now.across.value());
+}
+template <class Scenario>
+void survey_at_start(world_state<Scenario>& s) {
+  const spring_energies now = survey_springs(s);
+  s.monitors.springs.across_at_start = now.across.value();
+  open_springs(s, now.sum());
+}
+template <class Scenario>
+void close_springs_as_measured(world_state<Scenario>& s) {
+  const spring_record& r = s.monitors.springs;
+  close_springs(s, r.normal.value() + r.across.value(),
+                r.across_at_start - r.across_before.value());
 }
 
 /// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have
@@ -213,10 +296,16 @@ void kick(world_state<Scenario>& s, real h) {
       } else {
         torque *= 1 / store.shape[i].inertia()[0];
       }
-      store.velocity[i] = kept * (store.velocity[i] + h * (inverse_mass * force + s.gravity));
-      store.angular_velocity[i] = kept * (store.angular_velocity[i] + (h * inverse_mass) * torque);
+      const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
+                 w = store.angular_velocity[i] + (h * inverse_mass) * torque;
+      if constexpr (watches<Scenario, energy_ledger> || watches<Scenario, momentum_balance>)
+        book_kick(s, store, i, h, kept, v, w);
+      store.velocity[i] = kept * v;
+      store.angular_velocity[i] = kept * w;
     }
   });
+  if constexpr (watches<Scenario, energy_ledger> || watches<Scenario, momentum_balance>)
+    book_kick_of_fixed(s, h);
 }
 
 /// Positions and orientations of the bodies owned here, after free motion for the time `h`.
@@ -227,12 +316,16 @@ void drift(world_state<Scenario>& s, real h) {
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (store.inverse_mass[i] == 0) continue;
       store.position[i] += h * store.velocity[i];
+      const vec3 w = store.angular_velocity[i];
+      const quat q = store.pose(i).orientation;
       if constexpr (store_type::tensor)
         store.angular_velocity[i] = rotate_freely(
             store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), h);
       else if constexpr (store_type::oriented)
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], vec3(h * store.angular_velocity[i]));
+      if constexpr (watches<Scenario, energy_ledger>) book_drift(s, store, i, h, w, q);
+      (void)w, (void)q;
     }
   });
 }

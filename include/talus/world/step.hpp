@@ -29,6 +29,8 @@ void step(world_state<Scenario>& s, real dt) {
   const auto detect_stage = [&](auto&& f) { timed(s, s.seconds.detect, f); };
   const auto respond_stage = [&](auto&& f) { timed(s, s.seconds.respond, f); };
   const auto integrate_stage = [&](auto&& f) { timed(s, s.seconds.integrate, f); };
+  constexpr bool booked = watches<Scenario, energy_ledger>;
+  constexpr bool watched = booked || watches<Scenario, momentum_balance>;
   constexpr bool verlet = std::is_same_v<typename Scenario::integrator, velocity_verlet>;
   s.dt = dt;
   announce_changes(s);
@@ -46,20 +48,30 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (watches<Scenario, energy_ledger>) book_motion(s), close_energy(s);
     if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
   } else if constexpr (verlet) {
+    if constexpr (watched) open_soft(s);
+    if constexpr (booked) survey_at_start(s);
     integrate_stage([&] { kick(s, dt / 2), drift(s, dt); });
+    if constexpr (booked) book_migration(s, -1);
     hand_over(s);
+    if constexpr (booked) book_migration(s, 1);
     detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });
     integrate_stage([&] { kick(s, dt / 2), end_forces(s); });
+    if constexpr (watched) close_soft(s);
+    if constexpr (booked) close_springs_as_measured(s);
   } else {
+    if constexpr (watched) open_soft(s);
     detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });  // of all overlaps with a body owned here
+    if constexpr (booked) open_springs_as_measured(s);
     integrate_stage([&] { kick(s, dt), end_forces(s), drift(s, dt); });
+    if constexpr (watched) close_soft(s);
   }
   ++s.steps;
   s.time += dt;
   if constexpr (!verlet)
     hand_over(s);  // bodies that left go to their new owner, shadow copies are refreshed
+  if constexpr (Scenario::contact_law::soft && booked && !verlet) survey_at_end(s);
   if constexpr (watches<Scenario, residual_monitor>) (void)last_residual(s);
 }
 

@@ -1,0 +1,163 @@
+#pragma once
+// Keeps the energy ledger and the momentum balance where contacts are soft. Springs hold energy of
+// their own; what the motion of the bodies and the springs exchange in finite steps differs a
+// little, and is booked as the scheme's.
+#include <cmath>
+
+#include "talus/response/soft_force.hpp"
+#include "talus/world/energy_ledger.hpp"
+#include "talus/world/momentum_balance.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Energies of springs along the normal, and across it and of rolling.
+struct spring_energies {
+  compensated_sum<double> normal, across;
+  [[nodiscard]] double sum() const { return normal.value() + across.value(); }
+};
+
+/// Adds a contact to what springs, dashpots and friction do to a body; `sign` is that of the body.
+inline void add_split(split_forces& to, real sign, const soft_parts& parts, const vec3& normal,
+                      const vec3& arm, bool turns) {
+  const vec3 spring = sign * (parts.spring * normal + parts.tangential_spring);
+  const vec3 dashpot = (sign * parts.dashpot) * normal, friction = sign * parts.tangential_rest;
+  to.spring += spring, to.dashpot += dashpot, to.friction += friction;
+  to.spring_torque += sign * parts.rolling_spring;
+  to.friction_torque += sign * parts.rolling_rest;
+  if (!turns) return;
+  to.spring_torque += arm.cross(spring);
+  to.dashpot_torque += arm.cross(dashpot);
+  to.friction_torque += arm.cross(friction);
+}
+
+/// The power of a fixed body that moves, on what it touches; `sign` is that of the other body.
+inline void add_power(spring_record& r, real sign, const soft_parts& parts, const vec3& normal,
+                      const vec3& u, const vec3& w) {
+  r.spring_power += sign * ((parts.spring * normal + parts.tangential_spring).dot(u) +
+                            parts.rolling_spring.dot(w));
+  r.dashpot_power += sign * parts.dashpot * normal.dot(u);
+  r.friction_power += sign * (parts.tangential_rest.dot(u) + parts.rolling_rest.dot(w));
+}
+
+/// A change of velocity by forces over the time h: to v and w, before damping keeps its part.
+template <class Scenario, class Store>
+void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real h, real kept,
+               const vec3& v, const vec3& w) {
+  const real mass = 1 / store.inverse_mass[i];
+  if constexpr (watches<Scenario, energy_ledger>) {
+    energy_record& r = s.monitors.energy;
+    const vec3 mv = 0.5 * (store.velocity[i] + v), mw = 0.5 * (store.angular_velocity[i] + w);
+    const split_forces& f = store.split[i];
+    const real spring = h * (f.spring.dot(mv) + f.spring_torque.dot(mw)),
+               dashpot = h * (f.dashpot.dot(mv) + f.dashpot_torque.dot(mw)),
+               friction = h * (f.friction.dot(mv) + f.friction_torque.dot(mw));
+    r.running.scheme += spring + (h * mass) * s.gravity.dot(mv);
+    r.running.impact -= dashpot;
+    r.running.friction -= friction;
+    r.exchanged += std::abs(spring) + std::abs(dashpot) + std::abs(friction);
+    if constexpr (Store::forced)
+      r.running.work += h * (store.force[i].dot(mv) + store.torque[i].dot(mw));
+    if (kept != 1) {
+      const real spin = twice_spin_energy(store, i, store.pose(i).orientation, w);
+      r.running.damping += 0.5 * (1 - kept * kept) * (mass * v.squaredNorm() + spin);
+    }
+  }
+  if constexpr (watches<Scenario, momentum_balance>) {
+    momentum_record& r = s.monitors.momentum;
+    r.gravity += vec3((h * mass) * s.gravity);
+    if constexpr (Store::forced) r.forces += vec3(h * store.force[i]);
+    r.damping += vec3(-(1 - kept) * mass * v);
+  }
+}
+/// The same of fixed bodies that move, and of what they and the global ones give.
+template <class Scenario>
+void book_kick_of_fixed(world_state<Scenario>& s, real h) {
+  if constexpr (watches<Scenario, energy_ledger>) {
+    auto& running = s.monitors.energy.running;
+    const spring_record& r = s.monitors.springs;
+    const double spring = h * r.spring_power.value(), dashpot = h * r.dashpot_power.value(),
+                 friction = h * r.friction_power.value();
+    running.work += spring + dashpot + friction;
+    running.scheme -= spring;
+    running.impact += dashpot;
+    running.friction += friction;
+  }
+  if constexpr (watches<Scenario, momentum_balance>)
+    s.monitors.momentum.ground += vec3(h * s.monitors.momentum.ground_force);
+}
+
+/// Free motion over the time h: `w` and `q` are angular velocity and orientation before it.
+template <class Scenario, class Store>
+void book_drift(world_state<Scenario>& s, const Store& store, std::size_t i, real h, const vec3& w,
+                const quat& q) {
+  auto& scheme = s.monitors.energy.running.scheme;
+  scheme -= (h / store.inverse_mass[i]) * s.gravity.dot(store.velocity[i]);
+  if constexpr (Store::tensor)
+    scheme +=
+        0.5 * (twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]) -
+               twice_spin_energy(store, i, q, w));
+}
+
+/// Before a step.
+template <class Scenario>
+void open_soft(world_state<Scenario>& s) {
+  if constexpr (watches<Scenario, energy_ledger>) {
+    open_energy(s);
+    s.monitors.springs.moved = 0;
+  }
+  if constexpr (watches<Scenario, momentum_balance>) {
+    momentum_record& r = s.monitors.momentum;
+    const vec3 force = r.ground_force;
+    r = {};
+    r.ground_force = force;
+    each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
+      r.before += vec3(store.velocity[i] / store.inverse_mass[i]);
+      r.mass += 1 / store.inverse_mass[i];
+    });
+  }
+}
+/// And then: `energy` is what the springs hold.
+template <class Scenario>
+void open_springs(world_state<Scenario>& s, double energy) {
+  spring_record& r = s.monitors.springs;
+  (r.started ? s.monitors.energy.changes : s.monitors.energy.initial) +=
+      energy - (r.started ? r.stored : 0);
+  r.started = true;
+  r.start = energy;
+}
+
+/// Before and after bodies go to other ranks within a step: their energy goes with them.
+template <class Scenario>
+void book_migration(world_state<Scenario>& s, real sign) {
+  const energy_sums now = energy_of(s);
+  s.monitors.springs.moved += sign * (now.kinetic + now.potential);
+}
+
+/// After the last change of velocities and positions in a step, before bodies are handed over.
+template <class Scenario>
+void close_soft(world_state<Scenario>& s) {
+  if constexpr (watches<Scenario, energy_ledger>) s.monitors.energy.after = energy_of(s);
+  if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
+}
+/// And then: `energy` is what the springs hold; `opened` what those across the normal held in
+/// contacts that opened. That is lost, and so is what yields: springs gave it, but not to motion.
+template <class Scenario>
+void close_springs(world_state<Scenario>& s, double energy, double opened) {
+  energy_record& r = s.monitors.energy;
+  spring_record& springs = s.monitors.springs;
+  const double lost = springs.yielded.value() + opened, change = energy - springs.start;
+  r.running.friction += lost;
+  r.running.scheme += change;
+  r.running.scheme += lost;
+  springs.stored = energy;
+  r.step = r.running.value();
+  r.total += r.step;
+  r.closure = (r.after.kinetic - r.before.kinetic) + (r.after.potential - r.before.potential) -
+              springs.moved + change - r.step.net();
+  r.scale = std::max(r.before.scale, r.after.scale) + std::abs(springs.moved) + r.exchanged +
+            std::max(energy, springs.start);
+  if (r.scale > 0) r.worst = std::max(r.worst, std::abs(r.closure) / r.scale);
+}
+
+}  // namespace talus::detail
