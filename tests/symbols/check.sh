@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # What a scenario does not name is not in its program: looks at the functions of program.cpp.
-#   check.sh NM SPHERES_OBJECT BOXES_OBJECT
+#   check.sh NM SPHERES_OBJECT BOXES_OBJECT SOFT_OBJECT
 # Patterns that mark boxes and monitors must be missing from the first object and present in the
 # second, or the test would prove nothing.
 set -euo pipefail
 functions() { "$1" -C "$2" | grep -E ' [tTwW] '; }
 spheres=$(functions "$1" "$2")
 boxes=$(functions "$1" "$3")
+soft=$(functions "$1" "$4")
 failed=0
 
 absent() {
@@ -30,5 +31,26 @@ for pattern in 'talus::plane\b' 'orientation' 'turned' 'MPI_' 'boost::mpi' 'talu
   'share_shadow_copies' 'share_velocities' 'connection_checker' 'talus::(capsule|cylinder)\b' \
   'polyhedron' 'union_of' 'convex_' '\bshared_(memory|data)'; do
   absent "$pattern"
+done
+
+# Hard and soft contacts have nothing of each other.
+only_in() {  # only_in HAS LACKS PATTERN
+  local has=$1 lacks=$2 pattern=$3
+  if ! grep -qE "$pattern" <<<"${!has}"; then
+    echo "the world of $has has no function that matches '$pattern': correct this test"
+    failed=1
+  fi
+  if grep -m 3 -E "$pattern" <<<"${!lacks}"; then
+    echo "the world of $lacks has functions that match '$pattern'"
+    failed=1
+  fi
+}
+for pattern in 'nonlinear_gauss_seidel' 'detail::contact_list<' 'round_contact<' 'contact_maker<' \
+  'gather_velocities' 'conditions_of' 'solver_state'; do
+  only_in spheres soft "$pattern"
+done
+for pattern in 'force_adder' 'tangential_force' 'soft_pair' 'each_found_pair' 'gather_motion' \
+  '::kick<'; do
+  only_in soft spheres "$pattern"
 done
 exit $failed

@@ -1,11 +1,15 @@
-// A serial world of spheres (and of boxes, with monitors, with TALUS_BOXES) for check.sh to look
-// into. It is compiled without optimisation: nothing is inlined, so all code in use has a symbol.
+// A serial world of spheres (with TALUS_BOXES of boxes and with monitors, with TALUS_SOFT with soft
+// contacts) for check.sh to look into. It is compiled without optimisation: nothing is inlined, so
+// all code in use has a symbol.
 #include <talus/talus.hpp>
 using namespace talus;
 
 #ifdef TALUS_BOXES
 using scene = scenario<bodies<sphere, box>, transport<serial>,
                        features<energy_ledger, momentum_balance, penetration_monitor>>;
+#elif defined(TALUS_SOFT)
+using scene = scenario<bodies<sphere>, transport<serial>,
+                       soft_contact<linear_spring_dashpot, coulomb_friction>>;
 #else
 using scene = scenario<bodies<sphere>, transport<serial>>;
 #endif
@@ -13,7 +17,8 @@ using scene = scenario<bodies<sphere>, transport<serial>>;
 int main() {
   serial::launch({}, [](serial::link& link) {
     world<scene> w(link);
-    const auto stuff = w.material({.density = 2, .restitution = 0.5, .friction = 0.3});
+    const auto stuff =
+        w.material({.density = 2, .restitution = 0.5, .friction = 0.3, .stiffness = 1e4});
     w.gravity({0, 0, -10});
     w.global([&](auto& scope) {
       scope.add(body{.shape = sphere{10}, .position = {0, 0, -10}, .material = stuff});
