@@ -83,17 +83,20 @@ struct assembled_problem {
       fail<std::invalid_argument>("the block of W at ({}, {}) is not finite", b.row, b.column);
   }
   for (std::int32_t i = 0; i < n; ++i) blocks.push_back({i, i, mat3::Zero()});
-  std::stable_sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.row, a.column) < std::pair(b.row, b.column);
-  });
+  std::vector<std::pair<std::int64_t, std::uint32_t>> order;  // place in W, block
+  order.reserve(blocks.size());
+  for (const auto& b : blocks)
+    order.emplace_back(std::int64_t{n} * b.row + b.column,
+                       static_cast<std::uint32_t>(order.size()));
+  std::sort(order.begin(), order.end());
 
   assembled_problem p;
   p.q = std::move(q);
   p.mu = std::move(mu);
   p.diagonal.resize(n);
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    const auto& b = blocks[k];
-    if (k > 0 && b.row == blocks[k - 1].row && b.column == blocks[k - 1].column) {
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto& b = blocks[order[k].second];
+    if (k > 0 && order[k].first == order[k - 1].first) {
       p.block.back() += b.value;
       continue;
     }

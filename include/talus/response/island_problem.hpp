@@ -29,7 +29,7 @@ class contact_order {
  public:
   explicit contact_order(const std::vector<island_contact>& contacts) {
     const std::size_t n = contacts.size();
-    std::vector<std::pair<std::int32_t, std::uint32_t>> ends;  // body, contact
+    std::vector<std::pair<std::int64_t, std::uint32_t>> ends;  // body, contact
     for (std::size_t i = 0; i < n; ++i)
       for (const std::int32_t body : {contacts[i].a, contacts[i].b})
         if (body >= 0) ends.emplace_back(body, static_cast<std::uint32_t>(i));
@@ -112,23 +112,25 @@ class contact_order {
     r.segment<3>(3 * i) = c.axes * c.impulse;
     mu[i] = c.friction;
   }
-  std::stable_sort(ends.begin(), ends.end(),
-                   [](const end& a, const end& b) { return a.body < b.body; });
+  std::vector<std::pair<std::int64_t, std::uint32_t>> order;  // body, end
+  for (const end& e : ends) order.emplace_back(e.body, static_cast<std::uint32_t>(order.size()));
+  std::sort(order.begin(), order.end());
   std::vector<delassus_block> blocks;
-  for (std::size_t first = 0, last = 0; first < ends.size(); first = last) {
-    while (last < ends.size() && ends[last].body == ends[first].body) ++last;
-    const auto body = static_cast<std::size_t>(ends[first].body);
+  for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+    while (last < order.size() && order[last].first == order[first].first) ++last;
+    const auto body = static_cast<std::size_t>(order[first].first);
     const real inverse_mass = s.bodies[body].inverse_mass;
     const mat3 inertia = body >= s.first_tensor
                              ? s.tensor(body)
                              : mat3(s.bodies[body].inverse_inertia * mat3::Identity());
     for (std::size_t i = first; i < last; ++i)
       for (std::size_t j = first; j < last; ++j) {
-        const mat3& A = contacts[static_cast<std::size_t>(ends[i].contact)].axes;
-        const mat3& B = contacts[static_cast<std::size_t>(ends[j].contact)].axes;
-        blocks.push_back({ends[i].contact, ends[j].contact,
-                          (ends[i].sign * ends[j].sign * inverse_mass) * (A * B.transpose()) +
-                              ends[i].turning * inertia * ends[j].turning.transpose()});
+        const end &x = ends[order[i].second], &y = ends[order[j].second];
+        const mat3& A = contacts[static_cast<std::size_t>(x.contact)].axes;
+        const mat3& B = contacts[static_cast<std::size_t>(y.contact)].axes;
+        blocks.push_back({x.contact, y.contact,
+                          (x.sign * y.sign * inverse_mass) * (A * B.transpose()) +
+                              x.turning * inertia * y.turning.transpose()});
       }
   }
   assembled_problem p = assemble(std::move(blocks), std::move(q), std::move(mu));

@@ -190,7 +190,8 @@ class shared_islands {
   }
 
   /// Whether all ranks that own bodies of the island see it as this one does; sorts it by ids.
-  bool known_alike(island& one) const {
+  template <class Island>
+  bool known_alike(Island& one) const {
     std::sort(one.bodies.begin(), one.bodies.end());
     one.bodies.erase(std::unique(one.bodies.begin(), one.bodies.end()), one.bodies.end());
     std::vector<std::int32_t> owners;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "talus/response/band_system.hpp"
@@ -44,12 +45,13 @@ class stalled_islands {
     if (stalled == 0) return;
     join_bodies(lists, s);
     gather(lists, s);
-    std::stable_sort(islands_.begin(), islands_.end(),
-                     [](const island& a, const island& b) { return a.stall() > b.stall(); });
+    std::vector<std::pair<real, std::size_t>> worst_first;
+    for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
+    std::sort(worst_first.begin(), worst_first.end());
     real budget = std::max(least_budget, budget_per_contact * static_cast<real>(contacts));
     bool solved = false;
-    for (const island& one : islands_)
-      if (one.stall() > let_be * s.speed) solved |= solve_one(one, lists, s, budget);
+    for (const auto& [stall, i] : worst_first)
+      if (-stall > let_be * s.speed) solved |= solve_one(islands_[i], lists, s, budget);
     if (!solved && stalled > most_contacts) s.pause = 7;
   }
 
