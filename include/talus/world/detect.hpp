@@ -16,6 +16,19 @@ struct contact_conditions {
   real target = 0, push = 0, friction = 0;
 };
 
+/// Separating velocity at the end of a step in which surfaces meet that approach at un < 0, by
+/// Newton's law: -e u_n at the surface itself. The step has it happen above the surface, by up to
+/// the gap; with an acceleration `fall` towards it, what is right there is the velocity that leads
+/// to the same height as the true impact: e^2 of the energy that the true one had, less what the
+/// gap is worth. (Stored velocities are those of half a step before, as in free_flight.)
+[[nodiscard]] inline real rebound(real e, real un, real gap, real dt, real fall) {
+  if (!(fall > 0)) return -e * un;
+  const real height = std::max(gap, real{0}), speed = fall * dt / 2 - un;
+  const real lost = fall * height + fall * fall * dt * dt / 8;
+  const real square = e * e * (speed * speed / 2 + fall * height) - lost;
+  return square > 0 ? std::sqrt(fall * fall * dt * dt / 4 + 2 * square) - fall * dt / 2 : 0;
+}
+
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
 /// - A gap that gravity closes within a step is none: surfaces hold there, u_n >= 0, and the
 ///   correction draws loaded ones together. (Were bodies let fall into it, positions would act on
@@ -24,23 +37,25 @@ struct contact_conditions {
 ///   dy = -c (v + y + gap/dt) swings up unless c is nearly 1.)
 /// - Of an overlap or a gap that is held, a part is corrected; other gaps may close.
 /// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
-///   -e u_n (Newton); a slower one is resting contact, which must not jitter. Without rebound, e =
-///   0, the surfaces still meet.
+///   -e u_n (Newton), see rebound(); a slower one is resting contact, which must not jitter.
+///   Without rebound, e = 0, the surfaces still meet.
 /// - Sliding faster than what gravity adds in a step, and than `creep`, meets the dynamic
 ///   coefficient, else the static.
-/// `gravity` is the acceleration that the bodies would have without contacts.
-template <class Law>
+/// `gravity` is the acceleration that the bodies would have without contacts; fall() is the part of
+/// it by which the surfaces approach.
+template <class Law, class Fall>
 [[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
                                                const vec3& u, real gap, real dt, real gravity,
-                                               real creep, real correction) {
+                                               Fall&& fall, real creep, real correction) {
   contact_conditions c;
   const real un = normal.dot(u);
   const bool held = gap <= (Law::correction ? gravity * dt * dt : 0);
   c.target = held ? 0 : -gap / dt;
   if constexpr (Law::correction) c.push = held ? -correction * gap / dt : -gap / dt;
   if constexpr (Law::restitution)
-    if (pair.restitution > 0 && un < -2 * gravity * dt && gap + un * dt <= 0)
-      c.target = std::max(c.target, -pair.restitution * un);
+    if (pair.restitution > 0 && un < -2 * gravity * dt)
+      if (const real a = fall(); gap + (un - std::max(a, real{0}) * dt) * dt <= 0)
+        c.target = std::max(c.target, rebound(pair.restitution, un, gap, dt, a));
   if constexpr (Law::friction) {
     c.friction = pair.friction;
     if (pair.dynamic_friction < pair.friction) {
@@ -150,8 +165,9 @@ class contact_maker {
                    c.a = static_cast<std::int32_t>(first_a_ + i);
                    if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
                    place(c, g, arm_a, arm_b);
-                   const auto want = conditions_of<law>(pair, g.normal, u, g.gap, s_.dt, pull(i, j),
-                                                        creep(i), s_.settings.correction);
+                   const auto want = conditions_of<law>(
+                       pair, g.normal, u, g.gap, s_.dt, pull(i, j),
+                       [&] { return fall(i, j, g.normal); }, creep(i), s_.settings.correction);
                    c.target = want.target;
                    c.push = want.push;
                    if constexpr (state_type::continuous) {
@@ -227,6 +243,18 @@ class contact_maker {
     if constexpr (store_a::forced) sum += pull_on(a_, i);
     if constexpr (paired && store_b::forced) sum += pull_on(b_, j);
     return sum;
+  }
+  /// The part of it by which they approach; none for bodies at their impact, whose velocities are
+  /// true.
+  real fall(std::size_t i, std::size_t j, const vec3& normal) const {
+    vec3 a = acceleration_of(s_, a_, i);
+    if constexpr (paired) a -= acceleration_of(s_, b_, j);
+    if constexpr (state_type::continuous) {
+      if (impact_time(first_a_ + i) != never) return 0;
+      if constexpr (paired)
+        if (impact_time(first_b_ + j) != never) return 0;
+    }
+    return (void)j, -normal.dot(a);
   }
   template <class Store>
   static real pull_on(const Store& s, std::size_t i) {
