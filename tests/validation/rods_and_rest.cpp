@@ -15,7 +15,7 @@ using namespace talus::validation;
 
 namespace {
 
-using solids = scenario<bodies<sphere, box, plane>, transport<threads>,
+using solids = scenario<bodies<sphere, box, capsule, plane>, transport<threads>,
                         decomposition<grid<dynamic, dynamic>>, features<momentum_balance>>;
 
 constexpr real g = 9.81, dt = 1.0 / 240, degree = pi / 180;
@@ -28,14 +28,17 @@ std::string on(const std::string& test, int ranks) {
 /// moving towards +x: friction presses the tip into the floor.
 struct rod {
   real angle;
-  vec3 size{2, 0.002, 0.002};
+  capsule shape{.radius = 0.001, .length = 2};
 
+  /// The axis of the capsule, z, comes to point forwards and down.
   [[nodiscard]] quat orientation() const {
-    return quat(Eigen::AngleAxis<real>(angle, vec3::UnitY()));
+    return quat(Eigen::AngleAxis<real>(pi / 2 + angle, vec3::UnitY()));
   }
-  /// From the centre of mass to the middle of the edge that touches.
-  [[nodiscard]] vec3 arm() const { return orientation() * vec3(size[0] / 2, 0, -size[2] / 2); }
-  [[nodiscard]] real inertia() const { return (size[0] * size[0] + size[2] * size[2]) / 12; }
+  /// From the centre of mass to the point that touches.
+  [[nodiscard]] vec3 arm() const {
+    return orientation() * vec3(0, 0, shape.length / 2) - shape.radius * vec3::UnitZ();
+  }
+  [[nodiscard]] real inertia() const { return shape.inertia()[0]; }
   // Velocity of the tip for unit impulses there, times the mass.
   [[nodiscard]] real nn() const { return 1 + arm()[0] * arm()[0] / inertia(); }
   [[nodiscard]] real tt() const { return 1 + arm()[2] * arm()[2] / inertia(); }
@@ -55,24 +58,26 @@ TEST_CASE(
     check_relative(name, "critical friction, thin rod", thin, r.critical(), 2e-3);
     for (const real part : {0.5, 0.9, 0.99, 1.01, 1.1, 2.0})
       for (const int ranks : {1, 4}) {
+        if (ranks > 1 && part != 0.9 && part != 1.1) continue;
         const real mu = part * r.critical(), v0 = 3;
         std::vector<vec3> ground;
         real energy = 0, gain = 0, fastest = 0, sunk = 0;
         const auto way = follow<solids>(
-            ranks, dt, 480,
+            ranks, dt, 240,
             [&](auto& w) {
               w.material({.friction = mu});
               w.gravity({0, 0, -g});
-              w.solver().iterations = 200;
+              w.solver().iterations = 20;
               w.global([&](auto& s) { s.add(plane{}, material_id{}); });
-              w.add_if_local(body{.shape = box{r.size},
+              w.add_if_local(body{.shape = r.shape,
                                   .position = -r.arm(),
                                   .velocity = {v0, 0, 0},
                                   .orientation = r.orientation()});
             },
             [&](auto& w) {
-              const auto account = measure_momentum(w);
+              if (w.steps() > 1 && w.steps() % 4 != 0) return;
               const auto motion = measure_motion(w);
+              const auto account = measure_momentum(w);
               if (w.rank() != 0) return;
               ground.push_back(account.ground / account.mass);
               const real now = (motion.kinetic_energy + motion.potential_energy) / motion.mass;
@@ -85,19 +90,21 @@ TEST_CASE(
         const vec3 p = ground.at(0);
         const moment& first = way[1];
         const vec3 tip = first.velocity + first.angular_velocity.cross(r.arm());
-        if (part < 1) {
-          // It goes on sliding, with N such that the tip neither rises nor sinks.
-          const real n = g * dt / (r.nn() - mu * r.nt());
+        const real n = g * dt / (r.nn() - mu * r.nt());
+        if (n > 0 && v0 + (r.nt() - mu * r.tt()) * n > 0) {
+          // It goes on sliding, with an impulse by which the tip neither rises nor sinks.
+          CHECK(part < 1);
           check_relative(test, "normal impulse of the first step", n, p[2], 1e-6);
           check_relative(test, "tangential impulse of the first step", -mu * n, p[0], 1e-6);
           CHECK(tip[0] > 0);
         } else {
-          // No sliding impulse keeps the tip from sinking: it stops, by an impulse without
-          // collision.
+          // No sliding impulse keeps the tip from sinking, or not before the end of the step: it
+          // stops, by an impulse without collision.
+          CHECK(part > 0.98);
           const real det = r.nn() * r.tt() - r.nt() * r.nt();
-          const real n = (r.tt() * g * dt + r.nt() * v0) / det,
+          const real stop = (r.tt() * g * dt + r.nt() * v0) / det,
                      t = -(r.nt() * g * dt + r.nn() * v0) / det;
-          check_relative(test, "normal impulse that stops the tip", n, p[2], 1e-6);
+          check_relative(test, "normal impulse that stops the tip", stop, p[2], 1e-6);
           check_relative(test, "tangential impulse that stops the tip", t, p[0], 1e-6);
           check_error(test, "speed of the tip after it (m/s)", tip.norm(), 1e-6);
         }
@@ -108,9 +115,9 @@ TEST_CASE(
           finite = finite && m.position.allFinite() && m.velocity.allFinite() &&
                    m.angular_velocity.allFinite();
           for (const real end : {-1., 1.})
-            sunk = std::max(sunk, -pose{m.position, m.orientation}.to_world({end, 0, 0})[2]);
+            sunk = std::max(sunk, -pose{m.position, m.orientation}.to_world({0, 0, end})[2]);
         }
-        check_holds(test, "finite for 2 s", true, finite);
+        check_holds(test, "finite for 1 s", true, finite);
         check_error(test, "energy gained, over m g l", gain / g, 1e-3);
         check_error(test, "an end below the floor (m)", std::max(0., sunk), 2e-3);
         CHECK(fastest < 3 * v0);
@@ -147,7 +154,7 @@ TEST_CASE("the floor bears the weight of what rests on it, to 1e-6") {
          for (int k = 0; k < 5; ++k)
            w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {0.02 * k - 0.04, 0, k + 0.5}});
        },
-       3, 50},
+       2, 30},
       {"a pyramid of spheres in a pit",
        [](world<solids>& w) {
          for (int k = 0; k < 16; ++k)
@@ -158,7 +165,7 @@ TEST_CASE("the floor bears the weight of what rests on it, to 1e-6") {
                body{.shape = sphere{0.5},
                     .position = {1. * (k % 3) - 1, 1. * (k / 3) - 1, 0.5 + std::sqrt(0.5)}});
        },
-       4, 50},
+       4, 20},
       {"spheres and boxes poured into a pit",
        [](world<solids>& w) {
          random_stream random(9);
@@ -174,7 +181,7 @@ TEST_CASE("the floor bears the weight of what rests on it, to 1e-6") {
                       .orientation = rotation(random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1)), 2)});
          }
        },
-       10, 50}};
+       8, 30}};
   for (const scene& s : scenes)
     for (const int ranks : {1, 4}) {
       // The last steps one by one: the force of a single step, not a mean.
@@ -255,7 +262,11 @@ TEST_CASE(
                                   .angular_velocity = 2 * v,
                                   .orientation = rotation({1, 2, 3}, 0.4 * k)});
           }
-          for (int k = 0; k < 480; ++k) {
+          for (int k = 0; k < 360; ++k) {
+            if (k % 4 != 0) {
+              w.step(dt);
+              continue;
+            }
             const auto m = measure_motion(w);
             const real energy = m.kinetic_energy + m.potential_energy;
             if (link.rank() == 0) {
@@ -276,7 +287,7 @@ TEST_CASE(
         });
         const std::string test =
             on(fmt::format("8 boxes and 8 spheres, e = {}, mu = {}", e, mu), ranks);
-        check_error(test, "energy gained in 2 s, over that at the start", gain, 0.02);
+        check_error(test, "energy gained in 1.5 s, over that at the start", gain, 0.02);
         check_holds(test, "all finite and inside", true, finite && least > 0.2);
       }
 }
