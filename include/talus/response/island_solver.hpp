@@ -10,8 +10,10 @@
 namespace talus::detail {
 
 /// Improves the impulses r of `p`, never making their error larger, with at most `most_systems`
-/// linear systems; returns how many it took. Proximal points, each found by whole Newton steps: one
-/// is enough where it is known which contacts carry. The proximal term starts where degenerate
+/// linear systems; returns how many it took. Some problems have no solution (a sphere that is to
+/// rebound from both sides of a corner whose friction holds it), and their error falls a little the
+/// larger the impulses grow: such are not taken. Proximal points, each found by whole Newton steps:
+/// one is enough where it is known which contacts carry. The proximal term starts where degenerate
 /// choices (which three feet of a box carry it?) are settled, and shrinks until weak directions (a
 /// heavy body on light ones) are solved too.
 inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
@@ -22,7 +24,8 @@ inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
     return natural_residual(p, at, u, rho);
   };
   vecx best = r, x;
-  real least = error(r);
+  const real first = error(r);
+  real least = first;
   const real enough = 1e-14 * r.norm() + 1e-11 * rho * p.q.norm();
   const assembled_sweeps sweep(p);
   assembled_newton<band_system> newton(p, sweep);
@@ -49,7 +52,8 @@ inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
       if (const real e = error(x); e < least) least = e, best = x;
     }
   }
-  r = best;
+  const bool solved = least <= 0.01 * first;
+  if (solved || best.norm() <= 10 * (r.norm() + rho * p.q.norm())) r = best;
   return systems;
 }
 
@@ -62,8 +66,9 @@ inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
   solve_island(p, r, 60);
   vecx u;
   p.velocity(r, u);
-  const real rho = 1 / p.mean_diagonal();
-  return natural_residual(p, r, u, rho) <= 1e-6 * std::max(rho * p.q.norm(), r.norm());
+  const real rho = 1 / p.mean_diagonal(), free = rho * p.q.norm();
+  const real error = natural_residual(p, r, u, rho);
+  return error <= 1e-6 * std::max(free, r.norm()) && error <= 0.01 * free;
 }
 
 }  // namespace talus::detail
