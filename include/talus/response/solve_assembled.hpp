@@ -10,6 +10,7 @@
 #include "talus/response/assembled_interior_point.hpp"
 #include "talus/response/assembled_newton.hpp"
 #include "talus/response/block_system.hpp"
+#include "talus/response/elimination_cost.hpp"
 
 namespace talus::detail {
 
@@ -94,34 +95,48 @@ class assembled_solver {
 
   void hybrid() {
     sweeps(p_.contacts() > 16 ? 100 : 40, true);
-    proximal(1e-3 * mean_, 4, 1, 10);
-    if (least_ < 1e-3) {  // on the way: another try costs less than a new beginning
-      swept_ = best_;
-      sweeps(60, true);
-      proximal(1e-2 * mean_, 4, 2, 10);
+    if (!going()) return;
+    // How many sweeps take as long as a linear system, roughly.
+    const real work = 20 * p_.contacts() + static_cast<real>(p_.block.size());  // of a sweep
+    const real elimination = p_.contacts() > 100 ? elimination_cost(p_) : 0;
+    const real exchange = std::clamp(elimination / (12 * work), real{10}, real{1e6});
+    const bool affordable = elimination < 3e11;
+    if (exchange > 20) sweeps(static_cast<int>(10 * exchange), true);
+    if (affordable) {
+      proximal(1e-3 * mean_, 4, 1, 10);
+      if (least_ < 1e-3) {  // on the way: another try costs less than a new beginning
+        swept_ = best_;
+        sweeps(60, true);
+        proximal(1e-2 * mean_, 4, 2, 10);
+      }
+      interior();
+      proximal(1e-3 * std::min(real{1}, least_) * mean_, 6, 6, 15);
     }
-    interior();
-    proximal(1e-3 * std::min(real{1}, least_) * mean_, 6, 6, 15);
-    for (int round = 1; going() && round < 10; ++round) {
+    for (int round = 1; going() && round < 12; ++round) {
       if (least_ < 0.1 * look(swept_)) swept_ = best_;
-      sweeps(30 << round, false);
-      proximal(1e-3 * mean_, 10 + 5 * round, 6, 15);
+      sweeps(static_cast<int>(3 * exchange) << round, false);
+      if (affordable) proximal(1e-3 * mean_, 10 + 5 * round, 6, 15);
     }
   }
 
-  /// Sweeps; if they are to pay, only as long as fewer than `count` more may do.
+  /// Sweeps; if they are to pay, only as long as fewer than `count` more may do, going by the
+  /// later half of those done.
   void sweeps(int count, bool to_pay) {
-    real last = look(swept_);
-    for (int done = 0, burst = 1; done < count * (to_pay ? 3 : 1) && going();
-         done += burst, burst = std::min(burst + 1, 5)) {
+    real then = look(swept_);
+    int before = 0;
+    for (int done = 0, burst = 1; done < (to_pay ? 3 * count : count) && going();
+         burst = std::min(burst + 1, std::max(5, done / 20))) {
       for (int k = 0; k < burst; ++k) sweep_(swept_, (result_.iterations++ & 1) != 0);
+      done += burst;
       const real e = look(swept_);
-      if (to_pay && done >= 10) {
-        const real rate = std::log(e / last) / burst;  // of the logarithm, per sweep
-        const real needed = std::log(tolerance_ / e) / rate;
-        if (!(rate < 0 && needed < count)) break;
+      if (to_pay && done >= std::max(10, count / 10)) {
+        const real rate = std::log(e / then) / (done - before);  // of the logarithm, per sweep
+        if (!(rate < 0 && std::log(tolerance_ / e) / rate < count)) break;
       }
-      last = e;
+      if (done >= 2 * before) {
+        before = done;
+        then = e;
+      }
     }
   }
 
