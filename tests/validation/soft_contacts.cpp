@@ -201,6 +201,42 @@ TEST_CASE(
   run(static_cast<soft_scene<hertz, velocity_verlet>*>(nullptr), m, "oblique impact, Hertz");
 }
 
+TEST_CASE("the critical time step parts bounded from growing oscillations") {
+  // A sphere squeezed between two planes hangs on two springs k, as in a contact of two such
+  // spheres.
+  const auto swing = [&]<class Scenario>(Scenario*, real part) {
+    const real radius = 0.5, k = 1e4;
+    scene<Scenario> s({.restitution = 1, .stiffness = k});
+    s.w.global([&](auto& scope) {
+      for (const real side : {1.0, -1.0})
+        scope.add(plane{.normal = {0, 0, side}, .offset = 0.05 - radius}, {});
+    });
+    const auto h = s.ball(radius, {0, 0, 1e-4});
+    const real dt = part * critical_dt(s.w);
+    real furthest = 0;
+    for (int step = 0; step < 300 && furthest < 0.01; ++step) {
+      s.w.step(dt);
+      furthest = std::max(furthest, std::abs(s.w[h].position()[2]));
+    }
+    return furthest;
+  };
+  const auto check = [&]<class Scenario>(Scenario* type, const std::string& name) {
+    check_holds("critical time step, " + name, "bounded at 0.99 of it", true,
+                swing(type, 0.99) < 2e-3);
+    check_holds("critical time step, " + name, "bounded at 1.01 of it", false,
+                swing(type, 1.01) < 2e-3);
+  };
+  check(static_cast<soft_scene<linear>*>(nullptr), "semi-implicit Euler");
+  check(static_cast<soft_scene<linear, velocity_verlet>*>(nullptr), "velocity Verlet");
+
+  scene<soft_scene<hertz, velocity_verlet>> s(
+      {.density = 2.5, .youngs_modulus = 7e6, .poisson_ratio = 0.3});
+  s.ball(0.2, {0, 0, 0}), s.ball(0.1, {1, 0, 0});
+  // Of the smaller one: pi R sqrt(rho / G) / (0.1631 nu + 0.8766).
+  check_relative("critical time step, Hertz", "Rayleigh time",
+                 pi * 0.1 * std::sqrt(2.5 * 2.6 / 7e6) / 0.92553, critical_dt(s.w), 1e-12);
+}
+
 TEST_CASE("a box on an incline sticks below the angle of friction and slides beyond it") {
   const real angle = 30 * pi / 180, dt = 2e-4;
   const vec3 up{std::sin(angle), 0, std::cos(angle)}, down{std::cos(angle), 0, -std::sin(angle)};
