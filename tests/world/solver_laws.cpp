@@ -6,6 +6,7 @@
 #include <talus/observe/residual.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
+#include <talus/response/accelerated_jacobi.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/world/world.hpp>
 
@@ -70,7 +71,7 @@ std::uint64_t iterations_of_step(World& w) {
 }  // namespace
 
 TEST_CASE_TEMPLATE("the residual falls with the iterations to round-off, on 1 and 4 ranks", Solver,
-                   nonlinear_gauss_seidel) {
+                   nonlinear_gauss_seidel, accelerated_jacobi) {
   for (const int ranks : {1, 4})
     heap<Solver>::on(ranks, 90, [&](auto& w, bool speaks) {
       real before = 1;
@@ -92,7 +93,7 @@ TEST_CASE_TEMPLATE("the residual falls with the iterations to round-off, on 1 an
 
 TEST_CASE_TEMPLATE(
     "with a tolerance all ranks stop after the same iteration, where the residual is within it",
-    Solver, nonlinear_gauss_seidel) {
+    Solver, nonlinear_gauss_seidel, accelerated_jacobi) {
   for (const int ranks : {1, 4})
     heap<Solver>::on(ranks, 90, [&](auto& w, bool speaks) {
       w.solver().max_iterations = 20000;
@@ -127,7 +128,7 @@ TEST_CASE_TEMPLATE(
 TEST_CASE_TEMPLATE(
     "measuring the residual changes nothing, and steps without a tolerance are not "
     "collective",
-    Solver, nonlinear_gauss_seidel) {
+    Solver, nonlinear_gauss_seidel, accelerated_jacobi) {
   for (const int ranks : {1, 4}) {
     std::vector<std::string> digests;
     for (const bool measured : {false, true})

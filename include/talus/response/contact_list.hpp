@@ -140,6 +140,56 @@ class contact_list {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
   }
 
+  // For solvers that treat all contacts simultaneously. A solver that does not leaves these alone,
+  // and they are not compiled.
+
+  void count_all(solver_state& s) const {
+    each_acting([&](const Contact& c, bool on_a, bool on_b) {
+      if (on_a) ++s.boundary_contacts[c.a];
+      if constexpr (Contact::paired)
+        if (on_b) ++s.boundary_contacts[c.b];
+    });
+  }
+  void weigh_all(const solver_state& s) {
+    const auto weigh = [&](Contact& c) {
+      real parts_of_b = 1;
+      if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
+      c.weigh(s, std::max(1u, s.boundary_contacts[c.a]), parts_of_b);
+    };
+    for (Contact& c : interior_) weigh(c);
+    for (Contact& c : boundary_) weigh(c);
+  }
+  void start_ahead() {
+    before_.clear();
+    for (const Contact& c : interior_) before_.push_back(c.whole());
+    for (const Contact& c : boundary_) before_.push_back(c.whole());
+  }
+  /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
+  /// has changed by since the last time, unless that leads back; the changes are applied later.
+  void relax_ahead(const solver_state& s, real part) {
+    changes_.resize(size());
+    std::size_t i = 0;
+    const auto relax = [&](Contact& c) {
+      auto& before = before_[i];
+      auto& change = changes_[i++];
+      change = c.relax(s);
+      const auto now = c.whole();
+      const typename Contact::change step = now - before;
+      before = now;
+      if (part == 0 || change.dot(step) < 0) return;
+      const typename Contact::change more = part * step;
+      c.set(now + more);
+      change = change + more;
+    };
+    for (Contact& c : interior_) relax(c);
+    for (Contact& c : boundary_) relax(c);
+  }
+  void apply_all(solver_state& s) const {
+    for (std::size_t i = 0; i < interior_.size(); ++i) interior_[i].apply(s, changes_[i]);
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      apply_own(s, i, changes_[interior_.size() + i]);
+  }
+
   void sweep_push(solver_state& s) {
     in_streams([&](std::size_t i) {
       Contact& c = interior_[i];
@@ -209,7 +259,7 @@ class contact_list {
   std::vector<Contact> interior_, boundary_, foreign_;
   std::vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
   std::vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
-  std::vector<typename Contact::change> changes_;
+  std::vector<typename Contact::change> changes_, before_;
   std::vector<real> pushes_;
   std::vector<std::pair<std::size_t, real>> stalled_;
 };

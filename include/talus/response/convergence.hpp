@@ -36,9 +36,15 @@ class convergence {
   static constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
  public:
+  /// Checks are at least `apart` iterations from each other.
   convergence(const Lists& lists, const solver_state& s, const solver_settings& settings,
-              Ranks& ranks)
-      : lists_(lists), s_(s), settings_(settings), ranks_(ranks), watches_(settings.tolerance > 0) {
+              Ranks& ranks, int apart = 1)
+      : lists_(lists),
+        s_(s),
+        settings_(settings),
+        ranks_(ranks),
+        apart_(apart),
+        watches_(settings.tolerance > 0) {
     if (!watches_) return;
     each_counted(lists, [&](const auto& c) { scale_.add(c, s, violation(c, s)); });
     if constexpr (!alone) ranks_.start_reduce(scale_.sums);
@@ -50,20 +56,31 @@ class convergence {
   }
   [[nodiscard]] bool watches() const { return watches_; }
 
-  /// Checks the velocities after `k` iterations, if a check is due: whether they are the solution.
+  /// Whether the velocities after `k` iterations will be checked.
+  [[nodiscard]] bool due(int k) const { return watches_ && k >= next_; }
+
+  /// Checks the velocities after `k` iterations, if that is due: whether they are the solution.
   bool reached(int k) {
-    if (!watches_ || (k < next_ && !hopeful_)) return false;
-    next_ = k + std::max(1, k / 8);
+    if (!due(k)) return false;
+    looked_ = k;
+    next_ = k + std::max(apart_, k / 8);
     look();
     if (alone || hopeful_) settled_ = conclude();
+    hopeful_ = false;
     return settled_;
   }
+  /// The last one found, by all ranks; NaN before.
+  [[nodiscard]] double residual() const { return residual_; }
+
   /// Takes in what the ranks have found, one iteration ago. If that was small enough, the next
-  /// check is made at once and waited for, so that the velocities that are kept are those that
-  /// passed.
-  void hear() {
-    if constexpr (!alone)
-      if (looking_) hopeful_ = conclude();
+  /// check is made at once, or after `grace` more iterations, and waited for, so that the
+  /// velocities that are kept are those that passed.
+  void hear(int grace = 0) {
+    if constexpr (!alone) {
+      if (!looking_) return;
+      hopeful_ = conclude();
+      if (hopeful_) next_ = looked_ + 1 + grace;
+    }
   }
   /// After the last of `k` iterations. Where the tolerance was not reached, `refresh` is called to
   /// give all ranks the velocities, and the residual is that of what was reached.
@@ -98,10 +115,11 @@ class convergence {
   const solver_state& s_;
   const solver_settings& settings_;
   Ranks& ranks_;
+  int apart_;
   bool watches_;
   bool opening_ = false, looking_ = false;  ///< a reduction is open: of the scale, of a check
   bool hopeful_ = false, settled_ = false;
-  int next_ = 0;
+  int next_ = 0, looked_ = 0;  ///< iterations before the next check, and before the last
   residual_scale scale_;
   residual_sums now_;
   double residual_ = std::numeric_limits<double>::quiet_NaN();

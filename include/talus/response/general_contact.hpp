@@ -70,6 +70,8 @@ struct general_contact {
   [[nodiscard]] change since(const change& before) const { return r - before; }
   /// The change of velocity at the contact that a change of its impulse makes.
   [[nodiscard]] real speed_of(const change& d) const { return d.norm() * delassus(0, 0); }
+  /// Replaces the impulse, which may leave the cone for a while; the change is still to be applied.
+  void set(const change& next) { r = next; }
 
   // What the residual is made of; see residual.hpp.
   [[nodiscard]] vec3 axis() const { return frame.row(0); }

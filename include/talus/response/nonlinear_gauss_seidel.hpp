@@ -6,6 +6,7 @@
 #include "talus/core/policy.hpp"
 #include "talus/response/contact_list.hpp"
 #include "talus/response/convergence.hpp"
+#include "talus/response/correct_overlaps.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
 #include "talus/response/stalled_islands.hpp"
@@ -63,14 +64,7 @@ struct nonlinear_gauss_seidel final {
     }
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 
-    for (int i = 0; correct && i < settings.correction_iterations; ++i) {
-      if constexpr (!alone) {
-        if (i > 0) ranks.share_corrections();
-        each([&](auto& list) { list.relax_boundary_push(s); });
-        each([&](auto& list) { list.apply_boundary_push(s); });
-      }
-      each([&](auto& list) { list.sweep_push(s); });
-    }
+    if (correct) detail::correct_overlaps(lists, s, settings, ranks);
     return done;
   }
 };

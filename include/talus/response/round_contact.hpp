@@ -32,10 +32,28 @@ template <bool Friction>
 struct round_change {
   quad t{0, 0, 0, 0};
   real n = 0;
+
+  friend round_change operator+(const round_change& x, const round_change& y) {
+    return {x.t + y.t, x.n + y.n};
+  }
+  friend round_change operator-(const round_change& x, const round_change& y) {
+    return {x.t - y.t, x.n - y.n};
+  }
+  friend round_change operator*(real f, const round_change& x) { return {f * x.t, f * x.n}; }
+  [[nodiscard]] real dot(const round_change& x) const { return n * x.n + sum_of_products(t, x.t); }
 };
 template <>
 struct round_change<false> {
   real n = 0;
+
+  friend round_change operator+(const round_change& x, const round_change& y) {
+    return {x.n + y.n};
+  }
+  friend round_change operator-(const round_change& x, const round_change& y) {
+    return {x.n - y.n};
+  }
+  friend round_change operator*(real f, const round_change& x) { return {f * x.n}; }
+  [[nodiscard]] real dot(const round_change& x) const { return n * x.n; }
 };
 
 /// The Delassus block of such a contact is diagonal: w_n = 1/m_a + 1/m_b along the normal and
@@ -97,6 +115,12 @@ struct round_contact : round_friction<Law::friction> {
       return {tangent(), rn};
     else
       return {rn};
+  }
+
+  /// Replaces the impulse, which may leave the cone for a while; the change is still to be applied.
+  void set(const change& r) {
+    rn = r.n;
+    if constexpr (Law::friction) this->rt = xyz(r.t);
   }
 
   // What the residual is made of; see residual.hpp.

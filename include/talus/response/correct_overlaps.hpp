@@ -1,0 +1,27 @@
+#pragma once
+// The correction of overlaps: displacements of bodies that never enter their velocities.
+#include <tuple>
+#include <type_traits>
+
+#include "talus/response/solver_settings.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// Gauss-Seidel on the contacts' `push`; between ranks simultaneously, with divided masses, as the
+/// contacts have been weighed. `ranks` has shared corrections of zero.
+template <class Lists, class Ranks>
+void correct_overlaps(Lists& lists, solver_state& s, const solver_settings& settings,
+                      Ranks&& ranks) {
+  const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+  for (int k = 0; k < settings.correction_iterations; ++k) {
+    if constexpr (!std::remove_cvref_t<Ranks>::alone) {
+      if (k > 0) ranks.share_corrections();
+      each([&](auto& list) { list.relax_boundary_push(s); });
+      each([&](auto& list) { list.apply_boundary_push(s); });
+    }
+    each([&](auto& list) { list.sweep_push(s); });
+  }
+}
+
+}  // namespace talus::detail
