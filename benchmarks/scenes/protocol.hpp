@@ -49,7 +49,7 @@ inline energies kinetic_energy(const std::vector<ball>& balls, double density) {
 
 /// Fields that every scene reports in the same way.
 template <class Engine>
-void add_common(record& out, const scene& s, const Engine& engine, const stopwatch& watch) {
+void add_common(record& out, const scene& s, Engine& engine, const stopwatch& watch) {
   const auto balls = engine.balls();
   const auto found = check(balls, s.walls, s.blocks);
   const auto energy = kinetic_energy(balls, s.density);
@@ -75,6 +75,7 @@ void add_common(record& out, const scene& s, const Engine& engine, const stopwat
   out.add("gap_mean_touching", found.gap_mean_touching);
   out.add("loaded_pairs", loaded.size());
   out.add("gap_mean_loaded", gap_mean_loaded(balls, s.walls, s.blocks, loaded));
+  if constexpr (requires { engine.residual(); }) out.add("contact_residual", engine.residual());
   out.add("kinetic_energy_per_body", energy.mean);
   out.add("kinetic_energy_median", energy.median);
   out.add("not_finite", found.not_finite);

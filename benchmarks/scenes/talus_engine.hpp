@@ -1,6 +1,7 @@
 #pragma once
 // talus on a benchmark scene: one rank, double precision, only the shapes that the scene has.
 #include <algorithm>
+#include <talus/observe/residual.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/world/world.hpp>
 #include <utility>
@@ -58,6 +59,8 @@ class talus_engine_with {
 
   static std::string name() { return "talus"; }
   void step() { world_.step(scene_.dt); }
+  /// Contact residual of the last step.
+  [[nodiscard]] double residual() { return talus::measure_residual(world_).value; }
   [[nodiscard]] int iterations() const { return world_.solver().iterations; }
   void watch_loads() {}
 

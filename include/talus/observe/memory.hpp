@@ -27,6 +27,8 @@ template <class Scenario>
     of(s.solver.bodies);
     of(s.solver.shift);
     of(s.solver.turn);
+    of(s.solver.gain);
+    of(s.solver.drift);
     of(s.solver.tensors);
     of(s.solver.boundary_contacts);
   }

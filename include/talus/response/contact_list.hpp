@@ -18,6 +18,8 @@ namespace talus::detail {
 template <class Contact>
 class contact_list {
  public:
+  using contact_type = Contact;
+
   void clear() {
     interior_.clear(), boundary_.clear(), foreign_.clear();
     interior_keys_.clear(), boundary_keys_.clear(), foreign_keys_.clear();
@@ -140,8 +142,24 @@ class contact_list {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
   }
 
-  // For solvers that treat all contacts simultaneously. A solver that does not leaves these alone,
-  // and they are not compiled.
+  // For other solvers than Gauss-Seidel. What a solver does not call is not compiled.
+
+  /// Calls f(contact, number) for all contacts, numbered from 0.
+  template <class F>
+  void each_numbered(F&& f) {
+    std::size_t i = 0;
+    for (Contact& c : interior_) f(c, i++);
+    for (Contact& c : boundary_) f(c, i++);
+  }
+  /// Applies a change of contact `i` to its bodies owned here.
+  void apply_change(solver_state& s, std::size_t i, const typename Contact::change& d) const {
+    if (i < interior_.size())
+      interior_[i].apply(s, d);
+    else
+      apply_own(s, i - interior_.size(), d);
+  }
+
+  // For those that treat all contacts simultaneously.
 
   void count_all(solver_state& s) const {
     each_acting([&](const Contact& c, bool on_a, bool on_b) {

@@ -18,6 +18,18 @@ struct alignas(64) solver_body {
   real inverse_inertia = 0;
 };
 
+/// Velocities of a body, or changes of them.
+struct body_motion {
+  vec3 v{0, 0, 0}, w{0, 0, 0};
+};
+
+/// A solver that divides the step into smaller ones, so that positions follow more velocities than
+/// the last one.
+template <class Solver>
+inline constexpr bool divides_the_step = requires {
+  requires Solver::divides_the_step;
+};
+
 /// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
 /// a tensor, locals before shadow copies within each shape.
 struct solver_state {
@@ -32,6 +44,11 @@ struct solver_state {
   std::vector<std::uint32_t> boundary_contacts;
   real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
   int pause = 0;   ///< steps for which stalled_islands need not look
+
+  real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
+  // For solvers that divide a step; empty with others.
+  std::vector<body_motion> gain;   ///< what forces add to the velocities in the step
+  std::vector<body_motion> drift;  ///< mean velocity of the step, less the one at its end
 
   [[nodiscard]] const mat3& tensor(std::size_t body) const { return tensors[body - first_tensor]; }
 };

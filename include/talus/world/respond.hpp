@@ -21,6 +21,8 @@ void gather_velocities(world_state<Scenario>& s) {
   }
   if constexpr (!world_state<Scenario>::link_type::alone)
     solver.boundary_contacts.assign(solver.bodies.size(), 0);
+  constexpr bool divided = divides_the_step<typename Scenario::solver>;
+  if constexpr (divided) solver.gain.assign(solver.bodies.size(), {});
 
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
@@ -45,6 +47,8 @@ void gather_velocities(world_state<Scenario>& s) {
         body.inverse_inertia = inverse_mass * (1 / store.shape[i].inertia()[0]);
         if constexpr (store_type::forced) body.w += (s.dt * body.inverse_inertia) * store.torque[i];
       }
+      if constexpr (divided)
+        solver.gain[b.first + i] = {body.v - store.velocity[i], body.w - store.angular_velocity[i]};
     }
   });
 }
@@ -88,16 +92,24 @@ void integrate(world_state<Scenario>& s) {
             book_stop(s, store, i, s.dt * (store.velocity[i] - rate));
         }
       if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i];
+      constexpr bool divided = divides_the_step<typename Scenario::solver>;
+      if constexpr (divided) rate += solver.drift[b.first + i].v;
       store.position[i] += s.dt * rate;
       if constexpr (store_type::tensor) {
         store.angular_velocity[i] = rotate_freely(
             store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), left);
+        if constexpr (divided)
+          store.orientation_of[i] =
+              turned<real>(store.orientation_of[i], s.dt * solver.drift[b.first + i].w);
         if constexpr (world_state<Scenario>::law::correction)
           store.orientation_of[i] = turned<real>(
               store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor]);
       } else if constexpr (store_type::oriented) {
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], left * store.angular_velocity[i]);
+        if constexpr (divided)
+          store.orientation_of[i] =
+              turned<real>(store.orientation_of[i], s.dt * solver.drift[b.first + i].w);
       }
     }
     if constexpr (store_type::forced) {

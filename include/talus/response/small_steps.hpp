@@ -1,0 +1,180 @@
+#pragma once
+// Small steps: the time step is divided, and each part has one iteration.
+#include <algorithm>
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "talus/core/policy.hpp"
+#include "talus/response/contact_list.hpp"
+#include "talus/response/convergence.hpp"
+#include "talus/response/correct_overlaps.hpp"
+#include "talus/response/solver_settings.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// What a contact goes through in a divided step.
+template <class Contact>
+struct contact_course {
+  real gap = 0;          ///< over the length of the whole step; an overlap counts as 0
+  real restitution = 0;  ///< where the detection saw an impact to come
+  typename Contact::change total;
+
+  /// From what the detection asks for, which is said in conditions_of of world/detect.hpp.
+  contact_course(const Contact& c, const solver_state& s)
+      : gap(c.target < 0   ? -c.target
+            : c.target > 0 ? std::max(real{0}, -c.push)
+                           : 0),
+        total(0 * c.whole()) {
+    if (c.target > 0) restitution = std::clamp(-c.target / approach(c, s), real{0}, real{1});
+  }
+
+  /// Sets what the contact asks for in the coming part, from the velocities before it. `moved` is
+  /// the part of the step for which surfaces have moved with these, and `held` a gap that is none.
+  void advance(Contact& c, const solver_state& s, real part, real moved, real held) {
+    const real un = approach(c, s);
+    gap = std::max(real{0}, gap + un * moved);
+    c.target = gap > held ? -gap / part : 0;
+    if (restitution > 0 && un < 0 && gap + un * part <= 0) c.target = -restitution * un;
+  }
+
+ private:
+  static real approach(const Contact& c, const solver_state& s) {
+    return c.axis().dot(c.relative_velocity(s));
+  }
+};
+
+}  // namespace detail
+
+/// Divides the step into `solver_settings::iterations` parts with one Gauss-Seidel sweep each
+/// (Macklin, Storey, Lu, Terdiman, Chentanez, Jeschke, Mueller 2019, "Small steps in physics
+/// simulation"). Contacts are detected once per step; in between, gaps advance with the relative
+/// velocities, so that an impact happens in its part of the step. The impulses of one part are
+/// where the next one starts. Unlike more sweeps, more parts also refine the motion in time.
+///
+/// With a tolerance each part is iterated to it. After the step contacts hold the impulses of the
+/// whole of it; measure_residual() sets these against the velocities at its end, so that an impact
+/// within the step counts as a residual.
+struct small_steps final {
+  using talus_part_of = roles::solver;
+  static constexpr const char* name = "small_steps";
+  static constexpr bool divides_the_step = true;
+
+  /// As nonlinear_gauss_seidel::solve; besides, fills solver_state::drift.
+  template <class Lists, class Ranks>
+  static detail::solved solve(Lists& lists, detail::solver_state& s,
+                              const solver_settings& settings, bool correct, Ranks&& ranks) {
+    const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+    constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
+    const std::size_t bodies = s.bodies.size();
+    const real part = real{1} / settings.iterations;
+    const real held = s.speed;  // as in detection, and for the same reason
+    solver_settings once = settings;
+    once.iterations = 1;
+    std::vector<detail::body_motion> last(bodies), given(bodies);
+    s.drift.assign(bodies, {});
+    for (std::size_t i = 0; i < bodies; ++i)
+      s.bodies[i].v -= s.gain[i].v, s.bodies[i].w -= s.gain[i].w;
+    auto courses =
+        std::apply([&](auto&... list) { return std::tuple(courses_of(list, s)...); }, lists);
+    each([&](auto& list) { list.weigh_interior(s); });
+
+    detail::solved done{0, 0};
+    for (int j = 0; j < settings.iterations; ++j) {
+      if constexpr (!alone)
+        if (j > 0) ranks.share_velocities();
+      each_with(lists, courses, [&](auto& list, auto& of) {
+        list.each_numbered(
+            [&](auto& c, std::size_t i) { of[i].advance(c, s, part, j > 0 ? part : 0, held); });
+      });
+      for (std::size_t i = 0; i < bodies; ++i) {
+        auto& [v, inverse_mass, w, inverse_inertia] = s.bodies[i];
+        const vec3 dv = part * s.gain[i].v, dw = part * s.gain[i].w;
+        given[i] = {v - last[i].v - dv, w - last[i].w - dw};
+        last[i] = {v, w};
+        v += dv, w += dw;
+      }
+      detail::convergence<Lists, Ranks> watch(lists, s, once, ranks);
+      if (j == 0) {
+        each([&](auto& list) {
+          list.each_numbered([&](auto& c, std::size_t) { c.set(part * c.whole()); });
+          list.apply_remembered(s);
+        });
+        if constexpr (!alone) {
+          each([&](auto& list) { list.count_boundary(s); });
+          ranks.share_velocities_and_counts();
+          each([&](auto& list) { list.weigh_boundary(s); });
+        }
+      } else {
+        for (std::size_t i = 0; i < bodies; ++i)
+          s.bodies[i].v += given[i].v, s.bodies[i].w += given[i].w;
+      }
+      const detail::solved now = iterate(lists, s, watch, ranks);
+      done.iterations += now.iterations;
+      if (!(done.residual >= now.residual)) done.residual = now.residual;
+      each_with(lists, courses, [&](auto& list, auto& of) {
+        list.each_numbered([&](auto& c, std::size_t i) { of[i].total = of[i].total + c.whole(); });
+      });
+      for (std::size_t i = 0; i < bodies; ++i)
+        s.drift[i].v += s.bodies[i].v, s.drift[i].w += s.bodies[i].w;
+    }
+
+    for (std::size_t i = 0; i < bodies; ++i) {
+      s.drift[i].v = part * s.drift[i].v - s.bodies[i].v;
+      s.drift[i].w = part * s.drift[i].w - s.bodies[i].w;
+    }
+    each_with(lists, courses, [&](auto& list, auto& of) {
+      list.each_numbered([&](auto& c, std::size_t i) { c.set(of[i].total); });
+    });
+    if (correct) detail::correct_overlaps(lists, s, settings, ranks);
+    return done;
+  }
+
+ private:
+  template <class List>
+  static auto courses_of(List& list, const detail::solver_state& s) {
+    using contact = typename List::contact_type;
+    std::vector<detail::contact_course<contact>> all;
+    all.reserve(list.size());
+    list.each_numbered([&](contact& c, std::size_t) { all.emplace_back(c, s); });
+    return all;
+  }
+  template <class Lists, class Others, class F>
+  static void each_with(Lists& lists, Others& others, F&& f) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (f(std::get<I>(lists), std::get<I>(others)), ...);
+    }
+    (std::make_index_sequence<std::tuple_size_v<Lists>>{});
+  }
+
+  /// Sweeps of one part, without a tolerance a single one. The first goes forward in every part:
+  /// from one way to the other, the errors that a sweep leaves would swing up with period two.
+  template <class Lists, class Watch, class Ranks>
+  static detail::solved iterate(Lists& lists, detail::solver_state& s, Watch& watch, Ranks& ranks) {
+    const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+    constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
+    int k = 0;
+    for (; k < watch.limit(); ++k) {
+      if constexpr (!alone)
+        if (k > 0) ranks.share_velocities();
+      if (watch.reached(k)) break;
+      if constexpr (!alone) {
+        each([&](auto& list) { list.relax_boundary(s); });
+        each([&](auto& list) { list.apply_boundary(s); });
+      }
+      if (k % 2 == 0)
+        each([&](auto& list) { list.sweep_forward(s); });
+      else
+        each([&](auto& list) { list.sweep_backward(s); });
+      watch.hear();
+    }
+    return watch.end(k, [&] { ranks.share_velocities(); });
+  }
+};
+
+}  // namespace talus
