@@ -45,7 +45,6 @@ struct solver_state {
   real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
   int pause = 0;   ///< steps for which stalled_islands need not look
 
-  real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
   // For solvers that divide a step; empty with others.
   std::vector<body_motion> gain;   ///< what forces add to the velocities in the step
   std::vector<body_motion> drift;  ///< mean velocity of the step, less the one at its end

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "talus/detect/narrow.hpp"
+#include "talus/response/rebound.hpp"
 #include "talus/world/continuous.hpp"
 #include "talus/world/hand_over.hpp"
 #include "talus/world/state.hpp"
@@ -16,19 +17,6 @@ struct contact_conditions {
   real target = 0, push = 0, friction = 0;
 };
 
-/// Separating velocity at the end of a step in which surfaces meet that approach at un < 0, by
-/// Newton's law: -e u_n at the surface itself. The step has it happen above the surface, by up to
-/// the gap; with an acceleration `fall` towards it, what is right there is the velocity that leads
-/// to the same height as the true impact: e^2 of the energy that the true one had, less what the
-/// gap is worth. (Stored velocities are those of half a step before, as in free_flight.)
-[[nodiscard]] inline real rebound(real e, real un, real gap, real dt, real fall) {
-  if (!(fall > 0)) return -e * un;
-  const real height = std::max(gap, real{0}), speed = fall * dt / 2 - un;
-  const real lost = fall * height + fall * fall * dt * dt / 8;
-  const real square = e * e * (speed * speed / 2 + fall * height) - lost;
-  return square > 0 ? std::sqrt(fall * fall * dt * dt / 4 + 2 * square) - fall * dt / 2 : 0;
-}
-
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
 /// - A gap that gravity closes within a step is none: surfaces hold there, u_n >= 0, and the
 ///   correction draws loaded ones together. (Were bodies let fall into it, positions would act on
@@ -38,12 +26,13 @@ struct contact_conditions {
 /// - Of an overlap or a gap that is held, a part is corrected; other gaps may close.
 /// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
 ///   -e u_n (Newton), see rebound(); a slower one is resting contact, which must not jitter.
-///   Without rebound, e = 0, the surfaces still meet.
+///   Without rebound, e = 0, the surfaces still meet. A solver that divides the step (`Divided`)
+///   finds the moment itself, and is told -e u_n.
 /// - Sliding faster than what gravity adds in a step, and than `creep`, meets the dynamic
 ///   coefficient, else the static.
 /// `gravity` is the acceleration that the bodies would have without contacts; fall() is the part of
 /// it by which the surfaces approach.
-template <class Law, class Fall>
+template <class Law, bool Divided, class Fall>
 [[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
                                                const vec3& u, real gap, real dt, real gravity,
                                                Fall&& fall, real creep, real correction) {
@@ -55,7 +44,8 @@ template <class Law, class Fall>
   if constexpr (Law::restitution)
     if (pair.restitution > 0 && un < -2 * gravity * dt)
       if (const real a = fall(); gap + (un - std::max(a, real{0}) * dt) * dt <= 0)
-        c.target = std::max(c.target, rebound(pair.restitution, un, gap, dt, a));
+        c.target = std::max(
+            c.target, Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
   if constexpr (Law::friction) {
     c.friction = pair.friction;
     if (pair.dynamic_friction < pair.friction) {
@@ -141,50 +131,49 @@ class contact_maker {
 
     const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
     const real margin = margin_a + margin_b - excess(i, j);
-    collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin,
-                 [&](const contact_geometry& g) {
-                   vec3 arm_a = g.point - a_.position[i];
-                   // Only where both bodies move must the forces on them share a line; something
-                   // immovable is met with the surface itself.
-                   if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
-                   vec3 arm_b{0, 0, 0};
-                   vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
-                   if constexpr (paired) {
-                     arm_b = g.point - b_.position[j];
-                     u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
-                   }
-                   if constexpr (state_type::continuous) {
-                     if (not_met(i, j, g.gap, pair)) return;
-                     u += flown(a_, i, first_a_);
-                     if constexpr (paired) u -= flown(b_, j, first_b_);
-                   }
-                   if (parts_before_touching(i, j, g, u)) return;
-                   if constexpr (watches<Scenario, penetration_monitor>)
-                     if (!foreign && (!boundary || own_a)) s_.monitors.overlaps.add(g.gap);
-                   contact_type c;
-                   c.a = static_cast<std::int32_t>(first_a_ + i);
-                   if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
-                   place(c, g, arm_a, arm_b);
-                   const auto want = conditions_of<law>(
-                       pair, g.normal, u, g.gap, s_.dt, pull(i, j),
-                       [&] { return fall(i, j, g.normal); }, creep(i), s_.settings.correction);
-                   c.target = want.target;
-                   c.push = want.push;
-                   if constexpr (state_type::continuous) {
-                     const bool rebounds = c.target > 0;
-                     c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
-                     if constexpr (paired)
-                       c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
-                   }
-                   if constexpr (law::friction) c.friction = want.friction;
-                   const contact_key key{a_.id[i], b_.id[j], g.feature};
-                   if (foreign)
-                     list_.add_foreign(c, key);
-                   else if (boundary)
-                     list_.add_boundary(c, key, own_a);
-                   else
-                     list_.add(c, key);
-                 });
+    collide_pair(
+        a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin, [&](const contact_geometry& g) {
+          vec3 arm_a = g.point - a_.position[i];
+          // Only where both bodies move must the forces on them share a line; something
+          // immovable is met with the surface itself.
+          if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
+          vec3 arm_b{0, 0, 0};
+          vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
+          if constexpr (paired) {
+            arm_b = g.point - b_.position[j];
+            u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
+          }
+          if constexpr (state_type::continuous) {
+            if (not_met(i, j, g.gap, pair)) return;
+            u += flown(a_, i, first_a_);
+            if constexpr (paired) u -= flown(b_, j, first_b_);
+          }
+          if (parts_before_touching(i, j, g, u)) return;
+          if constexpr (watches<Scenario, penetration_monitor>)
+            if (!foreign && (!boundary || own_a)) s_.monitors.overlaps.add(g.gap);
+          contact_type c;
+          c.a = static_cast<std::int32_t>(first_a_ + i);
+          if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
+          place(c, g, arm_a, arm_b);
+          const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
+              pair, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
+              creep(i), s_.settings.correction);
+          c.target = want.target;
+          c.push = want.push;
+          if constexpr (state_type::continuous) {
+            const bool rebounds = c.target > 0;
+            c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
+            if constexpr (paired) c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
+          }
+          if constexpr (law::friction) c.friction = want.friction;
+          const contact_key key{a_.id[i], b_.id[j], g.feature};
+          if (foreign)
+            list_.add_foreign(c, key);
+          else if (boundary)
+            list_.add_boundary(c, key, own_a);
+          else
+            list_.add(c, key);
+        });
   }
 
  private:

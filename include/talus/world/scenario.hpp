@@ -62,9 +62,11 @@ struct argument_of_scenario {
   static_assert(!is_part<Type, roles::contact_law> || is_soft_part<Type>,
                 "scenario<...> takes the parts of a contact law inside hard_contact<...>: write "
                 "hard_contact<coulomb_friction> for a bare coulomb_friction");
-  static_assert(!is_part<Type, roles::solver>,
-                "scenario<...> takes a solver inside solver<...>: write "
-                "solver<nonlinear_gauss_seidel> for a bare nonlinear_gauss_seidel");
+  static_assert(
+      !is_part<Type, roles::solver>,
+      "scenario<...> takes a solver inside solver<...>: write "
+      "solver<nonlinear_gauss_seidel> for a bare nonlinear_gauss_seidel, and likewise for "
+      "accelerated_jacobi and small_steps");
   static_assert(!is_part<Type, roles::broad_phase>,
                 "scenario<...> takes a broad phase inside broad_phase<...>: write "
                 "broad_phase<linear_hash_grid> for a bare linear_hash_grid");
