@@ -1,6 +1,8 @@
 // One point of a work-precision plot in talus: --scene, --dt, --iterations, --size and --solver.
 #include "scenes/precision.hpp"
 #include "scenes/talus_engine.hpp"
+#include "talus/response/accelerated_jacobi.hpp"
+#include "talus/response/small_steps.hpp"
 
 namespace {
 
@@ -25,6 +27,10 @@ int main(int argc, char** argv) {
     if (!args.done()) return;
     if (solver == "nonlinear_gauss_seidel")
       run_with<talus::nonlinear_gauss_seidel>(chosen, "talus");
+    else if (solver == "accelerated_jacobi")
+      run_with<talus::accelerated_jacobi>(chosen, "talus, accelerated Jacobi");
+    else if (solver == "small_steps")
+      run_with<talus::small_steps>(chosen, "talus, small steps");
     else
       throw std::invalid_argument("there is no solver '" + solver + "'");
   });

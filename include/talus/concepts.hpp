@@ -212,6 +212,11 @@ concept contact_law = requires {
 };
 
 /// The part of solver<...>: how the impulses of all contacts are found.
+/// - `solve(lists, state, settings, correct, ranks)`, static: changes the velocities in `state` and
+///   the impulses in `lists` (a tuple of contact lists), and returns what it took. Impulses end in
+///   their cones, and each acts on both of its bodies alike; over ranks it exchanges velocities
+///   with the neighbours by `ranks`, and reduces over all only where a tolerance is asked for
+/// - `divides_the_step`, if it is offered and true: positions follow solver_state::drift besides
 template <class Method>
 concept solver = detail::part_for<Method, roles::solver>;
 

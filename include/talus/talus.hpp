@@ -26,6 +26,8 @@
 #include "talus/parallel/serial.hpp"
 #include "talus/parallel/slabs.hpp"
 #include "talus/parallel/threads.hpp"
+#include "talus/response/accelerated_jacobi.hpp"
+#include "talus/response/small_steps.hpp"
 #include "talus/scene/lattice.hpp"
 #include "talus/scene/named_decomposition.hpp"
 #include "talus/scene/options.hpp"

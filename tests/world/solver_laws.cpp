@@ -331,7 +331,7 @@ TEST_CASE_TEMPLATE("restitution: five balls that fall into a crate come to rest 
 
 TEST_CASE("the residual is what its definition says: two frictionless balls, one upon the other") {
   using balls = scenario<bodies<sphere, plane>, hard_contact<>, transport<serial>,
-                         solver<accelerated_jacobi>>;
+                         solver<accelerated_jacobi>, features<residual_monitor>>;
   serial::link link;
   world<balls> w(link);
   w.material({.density = 3});
@@ -350,6 +350,7 @@ TEST_CASE("the residual is what its definition says: two frictionless balls, one
   const real scale = std::max({std::hypot(r0, r1), rho * q, rho * std::hypot(u0, u1)});
   const real value = std::hypot(map(r0, u0), map(r1, u1)) / scale;
   const real worst = std::max(std::abs(map(r0, u0)), std::abs(map(r1, u1))) / scale * std::sqrt(2);
+  CHECK(w.convergence().residual == doctest::Approx(value).epsilon(1e-12));  // noted in the step
   const contact_residual found = measure_residual(w);
   CHECK(found.contacts == 2);
   CHECK(value > 0.01);
