@@ -140,6 +140,10 @@ struct scenario final {
       std::conditional_t<verlet,
                          detail::list_with<typename features_policy::list, detail::contact_forces>,
                          typename features_policy::list>;
+  static_assert(!detail::divides_the_step<typename solver_policy::type> ||
+                    !names<continuous_collision>,
+                "scenario<...> names solver<small_steps> and continuous_collision, but both divide "
+                "the step: keep one of them");
   static_assert(law_policy::soft || !verlet,
                 "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "
                 "are no forces that it could use: remove the integrator, or use "
