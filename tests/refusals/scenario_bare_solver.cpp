@@ -1,4 +1,4 @@
-// expects: scenario<...> takes a solver inside solver<...>: write solver<nonlinear_gauss_seidel> for a bare nonlinear_gauss_seidel, and likewise for accelerated_jacobi and small_steps
+// expects: for a bare nonlinear_gauss_seidel, and likewise for accelerated_jacobi and small_steps
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

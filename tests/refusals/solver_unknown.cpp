@@ -1,4 +1,4 @@
-// expects: solver<...> takes a solver, and this type is none: write solver<nonlinear_gauss_seidel>, solver<accelerated_jacobi> or solver<small_steps>
+// expects: solver<nonlinear_gauss_seidel>, solver<accelerated_jacobi> or solver<small_steps>
 #include "talus/world/scenario.hpp"
 using namespace talus;
 
