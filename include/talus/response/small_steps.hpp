@@ -11,6 +11,7 @@
 #include "talus/response/contact_list.hpp"
 #include "talus/response/convergence.hpp"
 #include "talus/response/correct_overlaps.hpp"
+#include "talus/response/rebound.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -39,11 +40,18 @@ struct contact_course {
   void advance(Contact& c, const solver_state& s, real part, real moved, real held) {
     const real un = approach(c, s);
     gap = std::max(real{0}, gap + un * moved);
-    c.target = gap > held ? -gap / part : 0;
-    if (restitution > 0 && un < 0 && gap + un * part <= 0) c.target = -restitution * un;
+    c.target = gap > held || restitution > 0 ? -gap / part : 0;
+    if (restitution == 0 || un >= 0 || gap + un * part > 0) return;
+    const real fall = -c.axis().dot(gain(c, s));  // the length of the whole step is 1 here
+    c.target = rebound(restitution, un, gap, part, fall);
   }
 
  private:
+  static vec3 gain(const Contact& c, const solver_state& s) {
+    vec3 v = s.gain[static_cast<std::size_t>(c.a)].v;
+    if constexpr (Contact::paired) v -= s.gain[static_cast<std::size_t>(c.b)].v;
+    return v;
+  }
   static real approach(const Contact& c, const solver_state& s) {
     return c.axis().dot(c.relative_velocity(s));
   }
