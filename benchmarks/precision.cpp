@@ -6,12 +6,17 @@
 
 namespace {
 
-/// Piles and single spheres hold no box; one program for all solvers.
+using namespace talus;
+
+/// Piles and single spheres hold no box.
+template <class Policy>
+void run_spheres(const bench::setting& s, const std::string& curve) {
+  bench::run_precision<bench::talus_engine_with<bodies<sphere, plane>, Policy>>(s, curve);
+}
 template <class Solver>
 void run_with(const bench::setting& s, const std::string& curve) {
-  using namespace talus;
   if (s.scene == "pile" || s.scene == "roll" || s.scene == "bounce")
-    bench::run_precision<bench::talus_engine_with<bodies<sphere, plane>, solver<Solver>>>(s, curve);
+    run_spheres<solver<Solver>>(s, curve);
   else
     bench::run_precision<bench::talus_engine_with<bodies<sphere, box, plane>, solver<Solver>>>(
         s, curve);
@@ -26,11 +31,13 @@ int main(int argc, char** argv) {
     const std::string solver = args.text("solver", "nonlinear_gauss_seidel");
     if (!args.done()) return;
     if (solver == "nonlinear_gauss_seidel")
-      run_with<talus::nonlinear_gauss_seidel>(chosen, "talus");
+      run_with<nonlinear_gauss_seidel>(chosen, "talus");
     else if (solver == "accelerated_jacobi")
-      run_with<talus::accelerated_jacobi>(chosen, "talus, accelerated Jacobi");
+      run_with<accelerated_jacobi>(chosen, "talus_jacobi");
     else if (solver == "small_steps")
-      run_with<talus::small_steps>(chosen, "talus, small steps");
+      run_with<small_steps>(chosen, "talus_small");
+    else if (solver == "soft_contact")  // none: springs and dashpots, for spheres
+      run_spheres<soft_contact<linear_spring_dashpot, coulomb_friction>>(chosen, "talus_soft");
     else
       throw std::invalid_argument("there is no solver '" + solver + "'");
   });

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Speed against error: runs every engine over its knobs, writes tables, plots and the page.
 
-report.py BUILD OUTPUT [--jobs N] [--fc3d FOLDER] [--draw] [PLOT ...]
+report.py BUILD OUTPUT [--jobs N] [--fc3d FOLDER] [--keep] [--draw] [PLOT ...]
   BUILD   folder of the benchmark programs
   OUTPUT  folder for <plot>.csv, <plot>.svg and README.md
   PLOT    measure these only and take the others from their tables; all are drawn anew
   FOLDER  contact problems for the program fc3d
+  --keep  measure only what the tables lack
   --draw  measure nothing
 """
 import argparse
@@ -25,38 +26,45 @@ import matplotlib.pyplot as plt
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FLOOR = 1e-17  # where errors of exactly zero are drawn
+TIMEOUT = 1800  # seconds of one run, on a machine that does other things too
 FALLEN = 30.0  # and those of what broke down
 
 # Name of a curve: its program with arguments, label, colour, marker.
 CURVES = {
     "talus": (["precision"], "talus", "#0072B2", "o"),
+    "talus_jacobi": (["precision", "--solver", "accelerated_jacobi"], "talus, accelerated Jacobi",
+                     "#56B4E9", "P"),
+    "talus_small": (["precision", "--solver", "small_steps"], "talus, small steps", "#009E73", "X"),
+    "talus_soft": (["precision", "--solver", "soft_contact"], "talus, soft contacts", "#CC79A7", "v"),
     "bullet": (["precision_bullet"], "Bullet, float", "#D55E00", "s"),
     "bullet64": (["precision_bullet64"], "Bullet, double", "#E69F00", "D"),
     "ode": (["precision_ode"], "ODE, double", "#555555", "^"),
 }
 OWN = [c for c in CURVES if c.startswith("talus")]
-RIVALS = [c for c in CURVES if not c.startswith("talus")]
+HARD = [c for c in CURVES if c != "talus_soft"]
 
 STEPS = [30, 60, 120, 240, 480, 960]  # per unit of time
-ITERATIONS = {"talus": [2, 5, 10, 20, 50, 100, 200]}
+ITERATIONS = {c: [2, 5, 10, 20, 50, 100, 200] for c in ("talus", "talus_jacobi", "talus_small")}
 DEFAULT_ITERATIONS = [5, 10, 20, 50, 100, 200]
 
 
 def plot(name, title, scene, size, knob, values=None, curves=None, error=""):
     """One plot: a scene, and the knob that each curve is swept over."""
     return {"name": name, "title": title, "scene": scene, "size": size, "knob": knob,
-            "values": values or {}, "curves": curves or list(CURVES), "error": error}
+            "values": values or {}, "curves": curves or HARD, "error": error}
 
 
 # The expensive ones first, so that the last minutes are not one long run.
 PLOTS = [
     plot("pile_8000", "Pile of 8,000 spheres", "pile", 8000, "iterations",
-         {"talus": [2, 5, 10, 20, 50, 100], "bullet": [5, 10, 20, 50], "bullet64": [10, 20],
+         {"talus": [2, 5, 10, 20, 50, 100], "talus_jacobi": [10, 20, 50, 100],
+          "talus_small": [2, 5, 10, 20], "bullet": [5, 10, 20, 50], "bullet64": [10, 20],
           "ode": [10, 20, 50]}, error="mean overlap / mean radius"),
     plot("pile_1000", "Pile of 1,000 spheres", "pile", 1000, "iterations",
          error="mean overlap / mean radius"),
     plot("pile_1000_dt", "Pile of 1,000 spheres, default iterations, time step varied", "pile",
-         1000, "steps", {c: [60, 120, 240, 480, 960] for c in CURVES},
+         1000, "steps", {"talus_soft": [480, 960, 1920, 3840, 7680],
+                           **{c: [60, 120, 240, 480, 960] for c in HARD}}, list(CURVES),
          error="mean overlap / mean radius"),
     plot("pyramid", "Pyramid of 55 boxes, 5 s", "pyramid", 10, "iterations",
          error="largest displacement / edge"),
@@ -92,9 +100,9 @@ def measure(build, p, curve, value):
     command += ["--iterations", str(value)] if p["knob"] == "iterations" else \
         ["--dt", repr(1 / value)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT)
     except subprocess.TimeoutExpired:
-        return None, "took more than 600 s"
+        return None, f"took more than {TIMEOUT} s"
     if done.returncode != 0:
         return None, done.stderr.strip()
     row = json.loads(done.stdout)
@@ -104,15 +112,31 @@ def measure(build, p, curve, value):
     return row, ""
 
 
-def measure_all(build, output, plots, jobs):
-    rows = {p["name"]: [] for p in plots}
+def write_table(output, p, rows):
+    """At once and in order, after each run: a report that is broken off loses nothing."""
+    order = list(CURVES)
+    rows.sort(key=lambda r: (order.index(r["curve"]), float(r["value"])))
+    keys = list(dict.fromkeys(k for r in rows for k in r))
+    path = os.path.join(output, p["name"] + ".csv")
+    with open(path + ".new", "w", newline="") as file:
+        table = csv.DictWriter(file, keys, lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
+    os.replace(path + ".new", path)
+
+
+def measure_all(build, output, plots, jobs, keep):
+    """Runs everything that `plots` ask for; with `keep`, what their tables lack."""
+    rows = {p["name"]: read(output, p) if keep else [] for p in plots}
     began = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         waiting = {}
         for p in plots:
+            known = {(r["curve"], r["value"]) for r in rows[p["name"]]}
             for curve in p["curves"]:
                 for value in reversed(values_of(p, curve)):
-                    if os.path.exists(os.path.join(build, CURVES[curve][0][0])):
+                    if (curve, value) not in known and \
+                            os.path.exists(os.path.join(build, CURVES[curve][0][0])):
                         waiting[pool.submit(measure, build, p, curve, value)] = (p, curve, value)
         for n, future in enumerate(concurrent.futures.as_completed(waiting), 1):
             p, curve, value = waiting[future]
@@ -121,16 +145,9 @@ def measure_all(build, output, plots, jobs):
                 print(f"report: {p['name']}, {curve}, {value}: {complaint}", file=sys.stderr)
                 continue
             rows[p["name"]].append(row)
+            write_table(output, p, rows[p["name"]])
             print(f"report: {time.monotonic() - began:5.0f} s  {n}/{len(waiting)}  {p['name']} "
                   f"{curve} {value}", file=sys.stderr)
-    for p in plots:
-        order = list(CURVES)
-        rows[p["name"]].sort(key=lambda r: (order.index(r["curve"]), r["value"]))
-        keys = list(dict.fromkeys(k for r in rows[p["name"]] for k in r))
-        with open(os.path.join(output, p["name"] + ".csv"), "w", newline="") as file:
-            table = csv.DictWriter(file, keys, lineterminator="\n")
-            table.writeheader()
-            table.writerows(rows[p["name"]])
 
 
 def read(output, p):
@@ -339,6 +356,7 @@ def main():
     options.add_argument("output")
     options.add_argument("--jobs", type=int, default=2)
     options.add_argument("--fc3d", metavar="FOLDER")
+    options.add_argument("--keep", action="store_true")
     options.add_argument("--draw", action="store_true")
     options.add_argument("plots", nargs="*")
     given = options.parse_intermixed_args()
@@ -350,7 +368,8 @@ def main():
     matplotlib.rcParams.update({"svg.hashsalt": "talus", "font.size": 9})
     if not given.draw:
         measure_all(given.build, given.output,
-                    [p for p in PLOTS if not given.plots or p["name"] in given.plots], given.jobs)
+                    [p for p in PLOTS if not given.plots or p["name"] in given.plots], given.jobs,
+                    given.keep)
     if given.fc3d:
         solve_problems(given.build, given.fc3d, given.output)
     everything = [(p, read(given.output, p)) for p in PLOTS]
@@ -360,4 +379,5 @@ def main():
     write_page(given.output, everything)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,6 +1,7 @@
 #pragma once
 // talus on a benchmark scene: one rank, double precision, only the shapes that the scene has.
 #include <algorithm>
+#include <cmath>
 #include <talus/observe/residual.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/world/world.hpp>
@@ -20,11 +21,13 @@ class talus_engine_with {
 
  public:
   explicit talus_engine_with(const scene& s, int iterations = 0) : scene_(s), world_(link_) {
-    if (iterations > 0) world_.solver().iterations = iterations;
+    if constexpr (!scenario::contact_law::soft)
+      if (iterations > 0) world_.solver().iterations = iterations;
     const auto loose = world_.material({.density = s.density,
                                         .restitution = s.between_balls.restitution,
-                                        .friction = s.between_balls.friction});
-    const auto firm = world_.material({.density = s.density});
+                                        .friction = s.between_balls.friction,
+                                        .stiffness = stiffness(s)});
+    const auto firm = world_.material({.density = s.density, .stiffness = stiffness(s)});
     world_.material_pair(loose, firm,
                          {.restitution = s.against_fixed.restitution,
                           .friction = s.against_fixed.friction,
@@ -61,7 +64,12 @@ class talus_engine_with {
   void step() { world_.step(scene_.dt); }
   /// Contact residual of the last step.
   [[nodiscard]] double residual() { return talus::measure_residual(world_).value; }
-  [[nodiscard]] int iterations() const { return world_.solver().iterations; }
+  [[nodiscard]] int iterations() const {
+    if constexpr (scenario::contact_law::soft)
+      return 0;
+    else
+      return world_.solver().iterations;
+  }
   void watch_loads() {}
 
   /// Bodies of one rank keep their order.
@@ -128,6 +136,14 @@ class talus_engine_with {
   }
 
  private:
+  /// Soft contacts are as stiff as the time step allows: it is a fifth of the critical one, about.
+  static double stiffness(const scene& s) {
+    if (!scenario::contact_law::soft) return 0;
+    double smallest = INFINITY;
+    for (const ball& b : s.balls) smallest = std::min(smallest, b.radius);
+    const double mass = s.density * 4 / 3 * talus::pi * smallest * smallest * smallest;
+    return 0.5 * mass * (0.15 / s.dt) * (0.15 / s.dt);
+  }
   /// A material for each density of crates, else alike.
   talus::material_id of_density(double density, talus::material_id loose, talus::material_id firm) {
     if (density == scene_.density) return loose;
