@@ -1,3 +1,4 @@
+// long
 // Bodies whose centres coincide exactly, of all shapes: no direction is better than another, and
 // still they part, slowly, and end where they do not overlap.
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// long
 // Bodies that move far in a step, with features<continuous_collision>: they stop at what is in
 // their way, and are not deflected by what they pass. On 1 rank and on 4, cut through the scene.
 #include <doctest/doctest.h>

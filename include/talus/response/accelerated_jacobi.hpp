@@ -25,8 +25,8 @@ namespace talus {
 /// is bounded; where the residual stops falling (known only with a tolerance), it is reduced.
 ///
 /// Ranks exchange velocities once per iteration, and nothing depends on how contacts are shared
-/// out but the order of sums. Gauss-Seidel is better up to about 20 iterations, this method from 50
-/// on (docs/architecture.md).
+/// out but the order of sums. Gauss-Seidel is better up to about 20 iterations; at 50 they are
+/// level (docs/architecture.md).
 struct accelerated_jacobi final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "accelerated_jacobi";
