@@ -7,6 +7,7 @@
 
 #include "talus/contact/key.hpp"
 #include "talus/response/boundary_patch.hpp"
+#include "talus/response/contact_access.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -93,29 +94,25 @@ class contact_list {
   void sweep_forward(solver_state& s) {
     in_streams([&](std::size_t i) { sweep_one(s, i); });
   }
-  /// A sweep backward that notes which interior contacts still change by more than `speed`.
-  void sweep_watched(solver_state& s, real speed) {
+  /// A sweep backward that notes which interior contacts still change by more than `speed`:
+  /// (index, change).
+  const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s, real speed) {
     stalled_.clear();
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) watch_one(s, i, speed);
     for (std::size_t i = part; i-- > 0;)
       for (std::size_t k = streams; k-- > 0;) watch_one(s, k * part + i, speed);
+    return stalled_;
   }
-  [[nodiscard]] std::size_t stalled() const { return stalled_.size(); }
-  template <class F>
-  void each_stalled(F&& f) const {
-    for (const auto& [i, change] : stalled_) f(interior_[i], change);
+  [[nodiscard]] std::vector<Contact>& part(contact_part p) {
+    return p == contact_part::interior   ? interior_
+           : p == contact_part::boundary ? boundary_
+                                         : foreign_;
   }
-  [[nodiscard]] const std::vector<Contact>& interior() const { return interior_; }
-  [[nodiscard]] Contact& interior(std::size_t i) { return interior_[i]; }
-  [[nodiscard]] std::vector<Contact>& interior() { return interior_; }
-  [[nodiscard]] const std::vector<Contact>& boundary() const { return boundary_; }
-  [[nodiscard]] std::vector<Contact>& boundary() { return boundary_; }
-  [[nodiscard]] const std::vector<Contact>& foreign() const { return foreign_; }
-  [[nodiscard]] std::vector<Contact>& foreign() { return foreign_; }
-  /// Of a contact among the interior ones (0), those at the boundary (1), the foreign ones (2).
-  [[nodiscard]] const contact_key& key(int part, std::size_t i) const {
-    return (part == 0 ? interior_keys_ : part == 1 ? boundary_keys_ : foreign_keys_)[i];
+  [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
+    return (p == contact_part::interior   ? interior_keys_
+            : p == contact_part::boundary ? boundary_keys_
+                                          : foreign_keys_)[i];
   }
   void sweep_backward(solver_state& s) {
     const std::size_t part = interior_.size() / streams;

@@ -55,7 +55,7 @@ struct nonlinear_gauss_seidel final {
         each([&](auto& list) { list.apply_boundary(s); });
       }
       if (looks && k + 1 == settings.iterations)
-        detail::stalled_islands().sweep_and_solve(lists, s);
+        detail::stalled_islands().sweep_and_solve(detail::access_to(lists), s);
       else if (k % 2 == 0)
         each([&](auto& list) { list.sweep_forward(s); });
       else

@@ -14,6 +14,7 @@
 
 #include "talus/contact/key.hpp"
 #include "talus/response/band_system.hpp"
+#include "talus/response/contact_access.hpp"
 #include "talus/response/island_problem.hpp"
 #include "talus/response/island_solver.hpp"
 #include "talus/response/solver_state.hpp"
@@ -51,6 +52,12 @@ class body_holders {
   std::uint64_t bits_ = 0;
 };
 
+/// The bodies whose copies travel between this rank and another one, as indices into the solver's.
+struct travelling_bodies {
+  int rank = 0;
+  std::span<const std::uint32_t> sent, received;
+};
+
 /// What a rank says of a body to those that hold a copy of it.
 struct body_ties {
   std::uint32_t contacts = 0;  ///< that this rank knows of
@@ -73,28 +80,26 @@ class shared_islands {
   /// contacts, as of a pile, do not make small islands.
   [[nodiscard]] bool wanted() const { return wanted_; }
 
-  /// Before any impulse acts: keeps the velocities, and counts the contacts of each body.
-  /// `own` is this rank, `sent` calls f(rank, bodies) for the bodies that other ranks hold copies
-  /// of, `received` for the copies here.
-  template <class Lists, class Sent, class Received>
-  void look(const Lists& lists, const solver_state& s, int own, Sent&& sent, Received&& received) {
-    std::size_t boundary = 0;
-    each_list(lists, [&](const auto& list, std::size_t) { boundary += list.boundary().size(); });
-    takes_part_ = wanted_ && boundary > 0 && boundary <= most_boundary_contacts;
-    wanted_ = boundary <= most_boundary_contacts;
+  /// Before any impulse acts: keeps the velocities, and counts the contacts of each body. `own` is
+  /// this rank, `sent` and `received` hold, for each other rank, the bodies that it has copies of
+  /// and those that this rank has copies of.
+  void look(std::span<const contact_access> lists, const solver_state& s, int own,
+            std::span<const travelling_bodies> travelling) {
+    std::size_t at_boundary = 0;
+    for (const contact_access& list : lists) at_boundary += list.size(contact_part::boundary);
+    takes_part_ = wanted_ && at_boundary > 0 && at_boundary <= most_boundary_contacts;
+    wanted_ = at_boundary <= most_boundary_contacts;
     ties_.assign(s.bodies.size(), {});  // what is sent where this rank takes no part
     if (!takes_part_) return;
     free_ = s.bodies;
     for (body_ties& t : ties_) t.owner = own;
-    sent([&](int rank, std::span<const std::uint32_t> bodies) {
-      for (const auto i : bodies) ties_[i].holders.add(rank);
-    });
-    received([&](int rank, std::span<const std::uint32_t> bodies) {
-      for (const auto i : bodies) ties_[i].owner = rank;
-    });
-    each_contact(lists, [&](const auto& c, const contact_key&, member) {
+    for (const travelling_bodies& other : travelling) {
+      for (const auto i : other.sent) ties_[i].holders.add(other.rank);
+      for (const auto i : other.received) ties_[i].owner = other.rank;
+    }
+    each_contact(lists, [&](const contact_ends& c, member) {
       ++ties_[static_cast<std::size_t>(c.a)].contacts;
-      if (c.paired) ++ties_[static_cast<std::size_t>(c.b)].contacts;
+      if (c.b >= 0) ++ties_[static_cast<std::size_t>(c.b)].contacts;
     });
     for (body_ties& t : ties_)
       if (t.owner == own) t.of_owner = static_cast<std::int32_t>(t.contacts);
@@ -107,32 +112,31 @@ class shared_islands {
 
   /// After the ties of all bodies have been shared: solves the islands that this rank shares with
   /// others. `s` then holds their velocities, and the lists their impulses.
-  template <class Lists>
-  void solve(Lists& lists, solver_state& s) {
+  void solve(std::span<const contact_access> lists, solver_state& s) {
     if (!std::exchange(takes_part_, false)) return;
     join_bodies(lists, s);
     std::map<std::uint32_t, island> islands;
-    each_contact(lists, [&](const auto& c, const contact_key&, member m) {
-      if (m.of == boundary) islands[root(s, c)];
+    each_contact(lists, [&](const contact_ends& c, member m) {
+      if (m.part == contact_part::boundary) islands[root(s, c)];
     });
-    each_contact(lists, [&](const auto& c, const contact_key& key, member m) {
+    each_contact(lists, [&](const contact_ends& c, member m) {
       const auto at = islands.find(root(s, c));
       if (at == islands.end()) return;
       island& one = at->second;
       if (one.contacts.size() > most_contacts) return;
+      const contact_key& key = lists[m.list].key(m.part, m.index);
       one.contacts.push_back({key, m});
       add_body(one, s, c.a, key.a);
-      if (c.paired) add_body(one, s, c.b, key.b);
+      if (c.b >= 0) add_body(one, s, c.b, key.b);
     });
     for (auto& [number, one] : islands)
       if (one.contacts.size() <= most_contacts && known_alike(one)) solve_one(one, lists, s);
   }
 
  private:
-  enum part : std::uint8_t { interior, boundary, foreign };
   struct member {
     std::size_t list;
-    part of;
+    contact_part part;
     std::size_t index;
   };
   struct island {
@@ -140,28 +144,12 @@ class shared_islands {
     std::vector<std::pair<system_id, std::int32_t>> bodies;
   };
 
-  template <class Lists, class F>
-  static void each_list(Lists& lists, F&& f) {
-    std::apply(
-        [&](auto&... list) {
-          std::size_t k = 0;
-          (f(list, k++), ...);
-        },
-        lists);
-  }
-  template <class List>
-  static auto& contacts_of(List& list, part p) {
-    return p == interior ? list.interior() : p == boundary ? list.boundary() : list.foreign();
-  }
-  template <class Lists, class F>
-  static void each_contact(Lists& lists, F&& f) {
-    each_list(lists, [&](auto& list, std::size_t k) {
-      for (const part p : {interior, boundary, foreign}) {
-        auto& contacts = contacts_of(list, p);
-        for (std::size_t i = 0; i < contacts.size(); ++i)
-          f(contacts[i], list.key(p, i), member{k, p, i});
-      }
-    });
+  template <class F>
+  static void each_contact(std::span<const contact_access> lists, F&& f) {
+    for (std::size_t k = 0; k < lists.size(); ++k)
+      for (const auto p : {contact_part::interior, contact_part::boundary, contact_part::foreign})
+        for (std::size_t i = 0, n = lists[k].size(p); i < n; ++i)
+          f(lists[k].ends(p, i), member{k, p, i});
   }
   static bool moves(const solver_state& s, std::int32_t body) {
     return s.bodies[static_cast<std::size_t>(body)].inverse_mass != 0;
@@ -170,16 +158,14 @@ class shared_islands {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  template <class Contact>
-  std::uint32_t root(const solver_state& s, const Contact& c) {
+  std::uint32_t root(const solver_state& s, const contact_ends& c) {
     return root(static_cast<std::uint32_t>(moves(s, c.a) ? c.a : c.b));
   }
-  template <class Lists>
-  void join_bodies(const Lists& lists, const solver_state& s) {
+  void join_bodies(std::span<const contact_access> lists, const solver_state& s) {
     parent_.resize(s.bodies.size());
     std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-    each_contact(lists, [&](const auto& c, const contact_key&, member) {
-      if (!c.paired || !moves(s, c.a) || !moves(s, c.b)) return;
+    each_contact(lists, [&](const contact_ends& c, member) {
+      if (c.b < 0 || !moves(s, c.a) || !moves(s, c.b)) return;
       const auto a = root(static_cast<std::uint32_t>(c.a)),
                  b = root(static_cast<std::uint32_t>(c.b));
       if (a != b) parent_[std::max(a, b)] = std::min(a, b);
@@ -190,8 +176,7 @@ class shared_islands {
   }
 
   /// Whether all ranks that own bodies of the island see it as this one does; sorts it by ids.
-  template <class Island>
-  bool known_alike(Island& one) const {
+  bool known_alike(island& one) const {
     std::sort(one.bodies.begin(), one.bodies.end());
     one.bodies.erase(std::unique(one.bodies.begin(), one.bodies.end()), one.bodies.end());
     std::vector<std::int32_t> owners;
@@ -214,8 +199,7 @@ class shared_islands {
   }
 
   /// Everything in the order of ids, so that each rank computes the same bits.
-  template <class Lists>
-  void solve_one(island& one, Lists& lists, solver_state& s) {
+  void solve_one(island& one, std::span<const contact_access> lists, solver_state& s) const {
     std::stable_partition(one.bodies.begin(), one.bodies.end(), [&](const auto& b) {
       return static_cast<std::size_t>(b.second) < s.first_tensor;
     });
@@ -235,19 +219,27 @@ class shared_islands {
       return at == place.end() ? -1 : at->second;
     };
     std::vector<island_contact> contacts;
-    for (const auto& [key, m] : one.contacts)
-      with_contact(lists, m, [&](auto& c, auto& list) {
-        island_contact i{place_of(c.a), c.paired ? place_of(c.b) : -1,
-                         c.axes(),      c.lever_a(),
-                         c.lever_b(),   c.target,
-                         c.mu(),        {0, 0, 0}};
-        // A body that cannot move may still carry others along.
-        const vec3 drive = c.axes() * immovable_velocity(c, i, s);
-        i.target -= drive[0];
-        i.drive = {drive[1], drive[2]};
-        contacts.push_back(i);
-        (void)list;
-      });
+    for (const auto& [key, m] : one.contacts) {
+      island_contact c = lists[m.list].contact(m.part, m.index);
+      // A body that cannot move may still carry others along.
+      vec3 u{0, 0, 0};
+      const auto enter = [&](std::int32_t& body, const vec3& arm, real sign) {
+        if (body < 0) return;
+        const std::int32_t there = place_of(body);
+        if (there < 0) {
+          const solver_body& b = s.bodies[static_cast<std::size_t>(body)];
+          u += sign * (b.v + b.w.cross(arm));
+        }
+        body = there;
+      };
+      enter(c.a, c.arm_a, 1);
+      enter(c.b, c.arm_b, -1);
+      u = c.axes * u;
+      c.target -= u[0];
+      c.drive = {u[1], u[2]};
+      c.impulse.setZero();
+      contacts.push_back(c);
+    }
     const contact_order order(contacts);
     if (band_system::cost(contacts.size(), order.half_bandwidth()) > 2e7) return;
     std::vector<island_contact> chain;
@@ -260,24 +252,13 @@ class shared_islands {
       const vec3 p = c.axes.transpose() * r.segment<3>(3 * static_cast<Eigen::Index>(k));
       hit(own, c.a, c.arm_a, p);
       hit(own, c.b, c.arm_b, -p);
-      with_contact(lists, one.contacts[order.order()[k]].second,
-                   [&](auto& contact, auto&) { contact.warm(p); });
+      const member& m = one.contacts[order.order()[k]].second;
+      lists[m.list].set(m.part, m.index, p);
     }
     for (const auto& [body, at] : place) {
       s.bodies[static_cast<std::size_t>(body)].v = own.bodies[static_cast<std::size_t>(at)].v;
       s.bodies[static_cast<std::size_t>(body)].w = own.bodies[static_cast<std::size_t>(at)].w;
     }
-  }
-  template <class Contact>
-  static vec3 immovable_velocity(const Contact& c, const island_contact& i, const solver_state& s) {
-    vec3 u{0, 0, 0};
-    const auto add = [&](std::int32_t body, const vec3& arm, real sign) {
-      const solver_body& b = s.bodies[static_cast<std::size_t>(body)];
-      u += sign * (b.v + b.w.cross(arm));
-    };
-    if (i.a < 0) add(c.a, i.arm_a, 1);
-    if (c.paired && i.b < 0) add(c.b, i.arm_b, -1);
-    return u;
   }
   static void hit(solver_state& s, std::int32_t body, const vec3& arm, const vec3& impulse) {
     if (body < 0) return;
@@ -288,13 +269,6 @@ class shared_islands {
     else
       s.bodies[i].w += s.tensor(i) * arm.cross(impulse);
   }
-  template <class Lists, class F>
-  static void with_contact(Lists& lists, const member& m, F&& f) {
-    each_list(lists, [&](auto& list, std::size_t k) {
-      if (k == m.list) f(contacts_of(list, m.of)[m.index], list);
-    });
-  }
-
   bool wanted_ = true, takes_part_ = false;
   std::vector<body_ties> ties_;
   std::vector<solver_body> free_;

@@ -6,11 +6,12 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <tuple>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "talus/response/band_system.hpp"
+#include "talus/response/contact_access.hpp"
 #include "talus/response/island_problem.hpp"
 #include "talus/response/island_solver.hpp"
 #include "talus/response/solver_state.hpp"
@@ -33,18 +34,18 @@ class stalled_islands {
   }
 
   /// The last sweep, and then what has stalled.
-  template <class Lists>
-  void sweep_and_solve(Lists& lists, solver_state& s) {
+  void sweep_and_solve(std::span<const contact_access> lists, solver_state& s) {
     const real least = 1e-9 * s.speed;  // less cannot matter
     std::size_t stalled = 0, contacts = 0;
-    each_list(lists, [&](auto& list, std::size_t) {
-      list.sweep_watched(s, least);
-      stalled += list.stalled();
-      contacts += list.interior().size();
-    });
+    std::vector<std::span<const std::pair<std::size_t, real>>> changes;
+    for (const contact_access& list : lists) {
+      changes.emplace_back(list.sweep_watched(s, least));
+      stalled += changes.back().size();
+      contacts += list.size(contact_part::interior);
+    }
     if (stalled == 0) return;
     join_bodies(lists, s);
-    gather(lists, s);
+    gather(lists, changes, s);
     std::vector<std::pair<real, std::size_t>> worst_first;
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     std::sort(worst_first.begin(), worst_first.end());
@@ -79,21 +80,6 @@ class stalled_islands {
     }
   };
 
-  template <class Lists, class F>
-  static void each_list(Lists& lists, F&& f) {
-    std::apply(
-        [&](auto&... list) {
-          std::size_t k = 0;
-          (f(list, k++), ...);
-        },
-        lists);
-  }
-  template <class Lists, class F>
-  static void with_contact(Lists& lists, const member& m, F&& f) {
-    each_list(lists, [&](auto& list, std::size_t k) {
-      if (k == m.list) f(list.interior(m.index));
-    });
-  }
   static const solver_body& body(const solver_state& s, std::int32_t i) {
     return s.bodies[static_cast<std::size_t>(i)];
   }
@@ -104,63 +90,58 @@ class stalled_islands {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  template <class Lists>
-  void join_bodies(Lists& lists, const solver_state& s) {
+  [[nodiscard]] std::uint32_t root(const contact_ends& c, const solver_state& s) {
+    return root(moves(s, c.a) ? c.a : c.b);
+  }
+  void join_bodies(std::span<const contact_access> lists, const solver_state& s) {
     parent_.resize(s.bodies.size());
     std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-    each_list(lists, [&](const auto& list, std::size_t) {
-      for (const auto& c : list.interior())
-        if (c.paired && moves(s, c.a) && moves(s, c.b)) {
-          const auto a = root(c.a), b = root(c.b);
-          if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-        }
-    });
+    for (const contact_access& list : lists)
+      for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i) {
+        const auto [a, b] = list.ends(contact_part::interior, i);
+        if (b < 0 || !moves(s, a) || !moves(s, b)) continue;
+        const auto x = root(a), y = root(b);
+        if (x != y) parent_[std::max(x, y)] = std::min(x, y);
+      }
   }
-  template <class Lists>
-  void gather(Lists& lists, const solver_state& s) {
+  void gather(std::span<const contact_access> lists,
+              std::span<const std::span<const std::pair<std::size_t, real>>> changes,
+              const solver_state& s) {
     islands_.clear();
     number_.assign(s.bodies.size(), 0);  // from 1, of the island of a root
-    const auto number_of = [&](const auto& c) -> std::uint32_t& {
-      return number_[root(moves(s, c.a) ? c.a : c.b)];
-    };
-    each_list(lists, [&](const auto& list, std::size_t) {
-      list.each_stalled([&](const auto& c, real change) {
-        auto& number = number_of(c);
+    for (std::size_t k = 0; k < lists.size(); ++k)
+      for (const auto& [i, change] : changes[k]) {
+        auto& number = number_[root(lists[k].ends(contact_part::interior, i), s)];
         if (number == 0) {
           islands_.emplace_back();
           number = static_cast<std::uint32_t>(islands_.size());
         }
         island& one = islands_[number - 1];
         one.change = std::max(one.change, change);
-      });
-    });
-    each_list(lists, [&](const auto& list, std::size_t k) {
-      for (std::size_t i = 0; i < list.interior().size(); ++i) {
-        const auto& c = list.interior()[i];
-        const auto number = number_of(c);
+      }
+    for (std::size_t k = 0; k < lists.size(); ++k)
+      for (std::size_t i = 0, n = lists[k].size(contact_part::interior); i < n; ++i) {
+        const contact_ends c = lists[k].ends(contact_part::interior, i);
+        const auto number = number_[root(c, s)];
         if (number == 0) continue;
         island& one = islands_[number - 1];
         if (one.size++ >= most_contacts) continue;
         one.contacts.push_back({k, i});
-        for (const std::int32_t end : {c.a, c.paired ? c.b : c.a})
-          if (moves(s, end)) {
+        for (const std::int32_t end : {c.a, c.b})
+          if (end >= 0 && moves(s, end)) {
             const real mass = 1 / body(s, end).inverse_mass;
             one.least_mass = std::min(one.least_mass, mass);
             one.most_mass = std::max(one.most_mass, mass);
           }
       }
-    });
   }
 
   /// Whether the island could be afforded.
-  template <class Lists>
-  bool solve_one(const island& one, Lists& lists, solver_state& s, real& budget) {
+  static bool solve_one(const island& one, std::span<const contact_access> lists, solver_state& s,
+                        real& budget) {
     std::vector<island_contact> contacts;
     for (const member& m : one.contacts)
-      with_contact(lists, m, [&](const auto& c) {
-        contacts.push_back({c.a, c.paired ? c.b : -1, c.axes(), c.lever_a(), c.lever_b(), c.target,
-                            c.mu(), c.impulse()});
-      });
+      contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
     const contact_order order(contacts);
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     if (cost > budget / 2) return false;
@@ -169,12 +150,11 @@ class stalled_islands {
     vecx r;
     const assembled_problem problem = assemble_island(chain, s, r);
     budget -= cost * solve_island(problem, r, static_cast<int>(budget / cost));
-    for (std::size_t k = 0; k < chain.size(); ++k)
-      with_contact(lists, one.contacts[order.order()[k]], [&](auto& c) {
-        const auto before = c.whole();
-        c.warm(chain[k].axes.transpose() * r.segment<3>(3 * static_cast<Eigen::Index>(k)));
-        c.apply(s, c.since(before));
-      });
+    for (std::size_t k = 0; k < chain.size(); ++k) {
+      const member& m = one.contacts[order.order()[k]];
+      lists[m.list].set(
+          m.index, chain[k].axes.transpose() * r.segment<3>(3 * static_cast<Eigen::Index>(k)), s);
+    }
     return true;
   }
 

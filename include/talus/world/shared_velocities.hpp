@@ -43,21 +43,15 @@ class shared_velocities {
   }
   /// To be called before any impulse acts, and after share_velocities_and_counts().
   template <class Lists>
-  void look_for_shared_islands(const Lists& lists) {
-    s_.islands.look(
-        lists, s_.solver, s_.link->rank(),
-        [&](auto&& f) {
-          for (const auto& other : s_.travelling)
-            f(other.rank, std::span<const std::uint32_t>(other.sent));
-        },
-        [&](auto&& f) {
-          for (const auto& other : s_.travelling)
-            f(other.rank, std::span<const std::uint32_t>(other.received));
-        });
+  void look_for_shared_islands(Lists& lists) {
+    std::vector<travelling_bodies> travelling;
+    for (const auto& other : s_.travelling)
+      travelling.push_back({other.rank, other.sent, other.received});
+    s_.islands.look(access_to(lists), s_.solver, s_.link->rank(), travelling);
   }
   template <class Lists>
   void solve_shared_islands(Lists& lists) {
-    s_.islands.solve(lists, s_.solver);
+    s_.islands.solve(access_to(lists), s_.solver);
   }
   void share_velocities() {
     exchange<6>([&](std::uint32_t i, real* out) { put_velocity(i, out); },

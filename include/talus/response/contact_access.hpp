@@ -1,0 +1,107 @@
+#pragma once
+// Contact lists of any kind behind one face: what is solved rarely need not be compiled for each
+// kind of contact.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "talus/contact/key.hpp"
+#include "talus/response/island_problem.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+/// Which contacts of a list.
+enum class contact_part : std::uint8_t { interior, boundary, foreign };
+
+/// The bodies of a contact; b = -1 where that is a global one.
+struct contact_ends {
+  std::int32_t a, b;
+};
+
+class contact_access {
+ public:
+  template <class List>
+  explicit contact_access(List& list) : list_(&list), calls_(&calls_for<List>) {}
+
+  [[nodiscard]] std::size_t size(contact_part p) const { return calls_->size(list_, p); }
+  [[nodiscard]] contact_ends ends(contact_part p, std::size_t i) const {
+    return calls_->ends(list_, p, i);
+  }
+  [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
+    return calls_->key(list_, p, i);
+  }
+  [[nodiscard]] island_contact contact(contact_part p, std::size_t i) const {
+    return calls_->contact(list_, p, i);
+  }
+  /// Gives it an impulse on a, in the world; the velocities are not changed.
+  void set(contact_part p, std::size_t i, const vec3& impulse) const {
+    calls_->set(list_, p, i, impulse);
+  }
+  /// The same for an interior contact, with the change applied to the bodies.
+  void set(std::size_t i, const vec3& impulse, solver_state& s) const {
+    calls_->set_and_apply(list_, i, impulse, s);
+  }
+  /// A sweep that notes which interior contacts still change by more than `speed`: (index, change).
+  const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
+                                                                 real speed) const {
+    return calls_->sweep_watched(list_, s, speed);
+  }
+
+ private:
+  struct calls {
+    std::size_t (*size)(void*, contact_part);
+    contact_ends (*ends)(void*, contact_part, std::size_t);
+    const contact_key& (*key)(void*, contact_part, std::size_t);
+    island_contact (*contact)(void*, contact_part, std::size_t);
+    void (*set)(void*, contact_part, std::size_t, const vec3&);
+    void (*set_and_apply)(void*, std::size_t, const vec3&, solver_state&);
+    const std::vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, solver_state&, real);
+  };
+  template <class List>
+  static List& of(void* list) {
+    return *static_cast<List*>(list);
+  }
+  template <class List>
+  static constexpr calls calls_for{
+      [](void* l, contact_part p) { return of<List>(l).part(p).size(); },
+      [](void* l, contact_part p, std::size_t i) -> contact_ends {
+        const auto& c = of<List>(l).part(p)[i];
+        return {c.a, c.paired ? c.b : -1};
+      },
+      [](void* l, contact_part p, std::size_t i) -> const contact_key& {
+        return of<List>(l).key(p, i);
+      },
+      [](void* l, contact_part p, std::size_t i) -> island_contact {
+        const auto& c = of<List>(l).part(p)[i];
+        return {c.a,    c.paired ? c.b : -1, c.axes(), c.lever_a(), c.lever_b(), c.target,
+                c.mu(), c.impulse()};
+      },
+      [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
+        of<List>(l).part(p)[i].warm(impulse);
+      },
+      [](void* l, std::size_t i, const vec3& impulse, solver_state& s) {
+        auto& c = of<List>(l).part(contact_part::interior)[i];
+        const auto before = c.whole();
+        c.warm(impulse);
+        c.apply(s, c.since(before));
+      },
+      [](void* l, solver_state& s, real speed) -> const std::vector<std::pair<std::size_t, real>>& {
+        return of<List>(l).sweep_watched(s, speed);
+      }};
+
+  void* list_;
+  const calls* calls_;
+};
+
+/// All lists of a tuple.
+template <class Lists>
+[[nodiscard]] std::vector<contact_access> access_to(Lists& lists) {
+  return std::apply(
+      [](auto&... list) { return std::vector<contact_access>{contact_access(list)...}; }, lists);
+}
+
+}  // namespace talus::detail
