@@ -1,3 +1,4 @@
+// long
 // Stacks, walls and pyramids of boxes at the default settings: they stand, without drift, on one
 // rank and where the boundaries of four cut through the middle of bodies; of any size, anywhere.
 #include <doctest/doctest.h>
