@@ -1,0 +1,133 @@
+#pragma once
+// Structures that stand or fall by a closed form: overhanging blocks, leaning cards, the
+// semicircular arch of wedges.
+#include <cmath>
+#include <functional>
+#include <talus/parallel/grid.hpp>
+#include <talus/shape/convex_polyhedron.hpp>
+#include <talus/shape/frame.hpp>
+
+#include "record.hpp"
+#include "track.hpp"
+
+namespace talus::validation {
+
+using blocks =
+    scenario<bodies<box, convex_polyhedron, plane>, decomposition<grid<dynamic, dynamic>>>;
+using world_type = world<blocks>;
+
+constexpr real g = 9.81, dt = 1.0 / 240, degree = pi / 180;
+
+inline tracks watch(int ranks, real time, const std::function<void(world_type&)>& set_up,
+                    real step = dt) {
+  return follow<blocks>(ranks, step, static_cast<std::size_t>(std::lround(time / step)), set_up);
+}
+/// What stands within a hundredth of falling needs accurate impulses from the first step on. On one
+/// rank the default settings give them; between ranks they are asked for.
+inline void need_accuracy(world_type& w) {
+  if (w.ranks() == 1) return;
+  w.solver().tolerance = 1e-7;
+  w.solver().max_iterations = 300;
+}
+inline std::string on(int ranks) { return ranks == 1 ? ", 1 rank" : ", 4 ranks"; }
+
+/// Largest distance of a body from its start, at the end.
+inline real moved(const tracks& all) {
+  real most = 0;
+  for (const auto& way : all)
+    most = std::max(most, (way.back().position - way.front().position).norm());
+  return most;
+}
+/// Holds if the structure stands where it should, by far: either nothing moves, or all falls.
+inline void check_stands(const std::string& test, const std::string& what, bool should,
+                         const tracks& all, real size) {
+  const real part = moved(all) / size;
+  MESSAGE(test, ", ", what, ": moved ", part, " of its size");
+  check_holds(test, what, should, part < 0.01);
+  if (!should) CHECK(part > 0.1);
+}
+
+inline quat about_y(real angle) { return quat(Eigen::AngleAxis<real>(angle, vec3::UnitY())); }
+
+/// Blocks 1 x 0.6 x 0.25 over the edge of a table, which ends at x = 0: the k-th from the top is
+/// shifted by part / (2 k) against what is below it.
+inline void overhang(world_type& w, int n, real part) {
+  need_accuracy(w);
+  const auto m = w.material({.friction = 0.5});
+  w.gravity({0, 0, -g});
+  w.global([&](auto& s) { s.add(box{{8, 8, 1}}, m, vec3(-4, 0, -0.5)); });
+  real end = 0;
+  for (int k = n; k >= 1; --k) {
+    end += part / (2 * k);
+    w.add_if_local(
+        body{.shape = box{{1, 0.6, 0.25}}, .position = {end - 0.5, 0, 0.25 * (n - k) + 0.125}});
+  }
+}
+
+/// Two cards that lean on each other, `alpha` off the vertical; rough on each other.
+struct cards {
+  static constexpr real length = 1, width = 0.6, thickness = 0.001;
+
+  /// Of the floor, at which they slide: half the horizontal part of the lean, as the thickness
+  /// leaves it.
+  static real critical(real alpha) { return 0.5 * (std::tan(alpha) - thickness / length); }
+
+  static void add(world_type& w, const vec3& foot, real alpha, material_id m) {
+    const real c = std::cos(alpha), s = std::sin(alpha);
+    for (const real side : {-1.0, 1.0}) {
+      const vec3 along{-side * s, 0, c}, inner{side * c, 0, s};
+      // Its inner side runs from the floor to the middle.
+      const vec3 low = foot + vec3(side * length * s, 0, 0);
+      w.add_if_local(body{.shape = box{{thickness, width, length}},
+                          .position = low + 0.5 * length * along + 0.5 * thickness * inner,
+                          .material = m,
+                          .orientation = about_y(-side * alpha)});
+    }
+  }
+  static void pair(world_type& w, real alpha, real floor_friction) {
+    const auto m = w.material({.friction = 1}), floor = w.material({});
+    w.material_pair(m, floor, {.friction = floor_friction, .dynamic_friction = floor_friction});
+    w.gravity({0, 0, -g});
+    w.global([&](auto& s) { s.add(plane{}, floor); });
+    add(w, {0, 0, 0}, alpha, m);
+  }
+  /// Two pairs, a card across them, a third pair on it.
+  static void house(world_type& w, real alpha, real friction) {
+    const auto m = w.material({.friction = friction});
+    w.gravity({0, 0, -g});
+    w.global([&](auto& s) { s.add(plane{}, m); });
+    const real high = length * std::cos(alpha), half = length * std::sin(alpha);
+    const real gap = 0.05;
+    for (const real side : {-1.0, 1.0}) add(w, {side * (half + gap), 0, 0}, alpha, m);
+    const real top = high + thickness * std::sin(alpha);
+    w.add_if_local(body{.shape = box{{4 * half, width, thickness}},
+                        .position = {0, 0, top + 0.5 * thickness},
+                        .material = m});
+    add(w, {0, 0, top + thickness}, alpha, m);
+  }
+};
+
+/// Semicircular arch with centre line of radius 1 on the floor, joints radial.
+inline void arch(world_type& w, int n, real thickness, real friction) {
+  need_accuracy(w);
+  const auto m = w.material({.friction = friction});
+  w.gravity({0, 0, -g});
+  w.global([&](auto& s) { s.add(plane{}, m); });
+  for (int k = 0; k < n; ++k) {
+    std::vector<vec3> corners;
+    for (const int joint : {k, k + 1})
+      for (const real r : {1 - thickness / 2, 1 + thickness / 2})
+        for (const real y : {-0.15, 0.15}) {
+          // The two springings are level to the last bit.
+          const real angle = pi * joint / n;
+          const real z = joint == 0 || joint == n ? 0 : r * std::sin(angle);
+          corners.push_back({r * std::cos(angle), y, z});
+        }
+    const convex_polyhedron wedge(corners);
+    const pose at = placed(wedge);
+    w.add_if_local(body{
+        .shape = wedge, .position = at.position, .material = m, .orientation = at.orientation});
+  }
+}
+
+}  // namespace talus::validation

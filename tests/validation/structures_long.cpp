@@ -1,0 +1,42 @@
+// long
+// Structures that stand within a hundredth of falling where four ranks meet in them, and arches of
+// little friction.
+#include <doctest/doctest.h>
+
+#include "structures.hpp"
+
+using namespace talus;
+using namespace talus::validation;
+
+TEST_CASE(
+    "blocks overhang by L/2 (1 + 1/2 + ... + 1/n): across four ranks they stand at 0.99 and fall "
+    "at 1.01 of it") {
+  const int ranks = 4;
+  for (int n = 1; n <= 5; ++n)
+    for (const real part : {0.99, 1.01})
+      check_stands("overhang" + on(ranks),
+                   std::to_string(n) + " blocks at " + fmt::format("{:.2f}", part), part < 1,
+                   watch(
+                       ranks, part < 1 ? 3 : 5, [&](auto& w) { overhang(w, n, part); }),
+                   1);
+}
+
+TEST_CASE(
+    "a semicircular arch of wedges across four ranks stands at 1.02 and falls at 0.98 of the least "
+    "thickness") {
+  const int ranks = 4;
+  for (const auto& [n, least] : {std::pair{18, 0.105964}, std::pair{20, 0.10746}})
+    for (const real part : {0.98, 1.02})
+      check_stands("arch" + on(ranks), fmt::format("{} wedges at {:.2f}", n, part), part > 1,
+                   watch(ranks, part > 1 ? 3 : 6, [&](auto& w) { arch(w, n, part * least, 0.7); }),
+                   1);
+}
+
+TEST_CASE("an arch of little friction must be thicker, and without enough of it none stands") {
+  for (const auto& [mu, least] : {std::pair{0.36, 0.14138}, std::pair{0.34, 0.16272}})
+    for (const real part : {0.98, 1.02})
+      check_stands("arch, friction", fmt::format("mu {}, 20 wedges at {:.2f}", mu, part), part > 1,
+                   watch(1, part > 1 ? 3 : 6, [&](auto& w) { arch(w, 20, part * least, mu); }), 1);
+  check_stands("arch, friction", "mu 0.3, thickness 0.3", false,
+               watch(1, 6, [&](auto& w) { arch(w, 20, 0.3, 0.3); }), 1);
+}
