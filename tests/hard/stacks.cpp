@@ -31,9 +31,9 @@ TEST_CASE("a pyramid and a wall stand on one rank and on four") {
   const frame_of f;
   for (const cuts& domains : {whole, quarters}) {
     const std::string ranks = domains.size() == 1 ? ", 1 rank" : ", 4 ranks";
-    const auto p = run<blocks>(domains, f.dt(), 240 * 2, [&](auto& w) { pyramid(w, 10); });
-    check_stands("pyramid of 10" + ranks, p, f);
-    const auto o = run<blocks>(domains, f.dt(), 240 * 2, [&](auto& w) { wall(w, 10, 10); });
+    const auto p = run<blocks>(domains, f.dt(), 240, [&](auto& w) { pyramid(w, 8); });
+    check_stands("pyramid of 8" + ranks, p, f);
+    const auto o = run<blocks>(domains, f.dt(), 120, [&](auto& w) { wall(w, 10, 10); });
     check_stands("wall of 10 by 10" + ranks, o, f);
   }
 }

@@ -1,8 +1,8 @@
 // timeout: 300
 // Structures that stand or fall by a closed form, at the default settings: overhanging blocks,
 // leaning cards, the semicircular arch of wedges, tall boxes, and the wave that runs through
-// dominoes. (Blocks and arch on four ranks, and arches of
-// little friction: structures_long.cpp.)
+// dominoes. (More on four ranks, and arches of little friction:
+// structures_long.cpp.)
 #include <doctest/doctest.h>
 
 #include "structures.hpp"
@@ -85,55 +85,8 @@ TEST_CASE("a tall box on an incline slides, tips or stays as mu, b/h and the ang
 TEST_CASE(
     "the wave through a row of dominoes has a steady speed, which grows with the root of its "
     "size") {
-  // Height 1, thickness 0.1, width 0.5, distance of the centres 0.4, mu 0.2; the first is pushed.
-  constexpr int count = 30;
-  const auto speed_of_wave = [&](int ranks, real unit, real step) {
-    const auto all = watch(
-        ranks, 4.2 * std::sqrt(unit),
-        [&](auto& w) {
-          const auto m = w.material({.friction = 0.2});
-          w.gravity({0, 0, -g});
-          w.global([&](auto& s) { s.add(plane{}, m); });
-          for (int k = 0; k < count; ++k)
-            w.add_if_local(
-                body{.shape = box{unit * vec3(0.1, 0.5, 1)},
-                     .position = unit * vec3(0.4 * (k - count / 2), 0, 0.5),
-                     .angular_velocity = k == 0 ? vec3(0, 3 / std::sqrt(unit), 0) : vec3(0, 0, 0)});
-        },
-        step);
-    // When each has turned by a tenth of a radian.
-    std::vector<real> when;
-    for (const auto& way : all)
-      for (std::size_t k = 1; k < way.size(); ++k) {
-        const auto tilt = [&](std::size_t i) {
-          return std::asin((way[i].orientation * vec3::UnitZ())[0]);
-        };
-        if (tilt(k) < 0.1) continue;
-        when.push_back(step * (real(k) - (tilt(k) - 0.1) / (tilt(k) - tilt(k - 1))));
-        break;
-      }
-    REQUIRE(when.size() == count);
-    std::vector<real> speeds;  // over five dominoes each, after the first ten
-    for (int k = 10; k + 5 < count; k += 5)
-      speeds.push_back(unit * 0.4 * 5 / (when[std::size_t(k + 5)] - when[std::size_t(k)]));
-    return speeds;
-  };
-  real alone = 0;
-  for (const int ranks : {1, 4}) {
-    const auto speeds = speed_of_wave(ranks, 1, dt);
-    const auto [slow, fast] = std::minmax_element(speeds.begin(), speeds.end());
-    const real mean = std::accumulate(speeds.begin(), speeds.end(), 0.0) / real(speeds.size());
-    MESSAGE("speed of the wave over sqrt(g h): ", mean / std::sqrt(g), " from ",
-            *slow / std::sqrt(g), " to ", *fast / std::sqrt(g));
-    check_error("dominoes" + on(ranks), "spread of the speed after the first ten",
-                (*fast - *slow) / mean, 0.05);
-    if (ranks == 1)
-      alone = mean;
-    else
-      check_relative("dominoes", "speed on 4 ranks to that on 1", 1, mean / alone, 0.02);
-  }
-  const auto large = speed_of_wave(1, 4, 2 * dt);
-  const real mean = std::accumulate(large.begin(), large.end(), 0.0) / real(large.size());
+  const auto speeds = speeds_of_wave(1, 1, dt);
+  check_steady("dominoes, 1 rank", speeds);
   check_relative("dominoes", "speed at four times the size to twice that at one", 1,
-                 mean / (2 * alone), 0.01);
+                 mean_of(speeds_of_wave(1, 4, 2 * dt)) / (2 * mean_of(speeds)), 0.01);
 }

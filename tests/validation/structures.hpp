@@ -1,8 +1,10 @@
 #pragma once
 // Structures that stand or fall by a closed form: overhanging blocks, leaning cards, the
 // semicircular arch of wedges.
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <talus/parallel/grid.hpp>
 #include <talus/shape/convex_polyhedron.hpp>
 #include <talus/shape/frame.hpp>
@@ -128,6 +130,52 @@ inline void arch(world_type& w, int n, real thickness, real friction) {
     w.add_if_local(body{
         .shape = wedge, .position = at.position, .material = m, .orientation = at.orientation});
   }
+}
+
+/// Speeds of the wave through thirty dominoes of height `unit`, thickness 0.1, width 0.5, distance
+/// of the centres 0.4, mu 0.2, the first of which is pushed: over five dominoes each, after the
+/// first ten.
+inline std::vector<real> speeds_of_wave(int ranks, real unit, real step) {
+  constexpr int count = 30;
+
+  const auto all = watch(
+      ranks, 4.2 * std::sqrt(unit),
+      [&](auto& w) {
+        const auto m = w.material({.friction = 0.2});
+        w.gravity({0, 0, -g});
+        w.global([&](auto& s) { s.add(plane{}, m); });
+        for (int k = 0; k < count; ++k)
+          w.add_if_local(
+              body{.shape = box{unit * vec3(0.1, 0.5, 1)},
+                   .position = unit * vec3(0.4 * (k - count / 2), 0, 0.5),
+                   .angular_velocity = k == 0 ? vec3(0, 3 / std::sqrt(unit), 0) : vec3(0, 0, 0)});
+      },
+      step);
+  // When each has turned by a tenth of a radian.
+  std::vector<real> when;
+  for (const auto& way : all)
+    for (std::size_t k = 1; k < way.size(); ++k) {
+      const auto tilt = [&](std::size_t i) {
+        return std::asin((way[i].orientation * vec3::UnitZ())[0]);
+      };
+      if (tilt(k) < 0.1) continue;
+      when.push_back(step * (real(k) - (tilt(k) - 0.1) / (tilt(k) - tilt(k - 1))));
+      break;
+    }
+  REQUIRE(when.size() == count);
+  std::vector<real> speeds;  // over five dominoes each, after the first ten
+  for (int k = 10; k + 5 < count; k += 5)
+    speeds.push_back(unit * 0.4 * 5 / (when[std::size_t(k + 5)] - when[std::size_t(k)]));
+  return speeds;
+}
+inline real mean_of(const std::vector<real>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / real(values.size());
+}
+inline void check_steady(const std::string& test, const std::vector<real>& speeds) {
+  const auto [slow, fast] = std::minmax_element(speeds.begin(), speeds.end());
+  MESSAGE(test, ": speed of the wave over sqrt(g h) ", mean_of(speeds) / std::sqrt(g));
+  check_error(test, "spread of the speed after the first ten", (*fast - *slow) / mean_of(speeds),
+              0.05);
 }
 
 }  // namespace talus::validation

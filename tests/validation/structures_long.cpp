@@ -40,3 +40,10 @@ TEST_CASE("an arch of little friction must be thicker, and without enough of it 
   check_stands("arch, friction", "mu 0.3, thickness 0.3", false,
                watch(1, 6, [&](auto& w) { arch(w, 20, 0.3, 0.3); }), 1);
 }
+
+TEST_CASE("the wave through dominoes is as fast and steady across four ranks as on one") {
+  const auto speeds = speeds_of_wave(4, 1, dt);
+  check_steady("dominoes, 4 ranks", speeds);
+  check_relative("dominoes", "speed on 4 ranks to that on 1", 1,
+                 mean_of(speeds) / mean_of(speeds_of_wave(1, 1, dt)), 0.02);
+}
