@@ -1,3 +1,4 @@
+// long
 // timeout: 300
 // Structures that stand or fall by a closed form, at the default settings: overhanging blocks,
 // leaning cards, the semicircular arch of wedges, tall boxes, and the wave that runs through
