@@ -56,9 +56,9 @@ void run(const std::string& path, const assembled_problem& p, const std::string&
          const settings& s) {
   const method method = methods.at(solver);
   talus::detail::assembled_result result;
-  vecx r;
+  contact_vector r;
   const double seconds = median_seconds([&](auto&& timed) {
-    r = vecx::Zero(p.q.size());
+    r.set_zero(p.contacts());
     const double start = cpu_seconds();
     const auto in_time = [&] { return cpu_seconds() - start < s.seconds; };
     timed([&] {

@@ -53,7 +53,7 @@ struct contact_scene {
       return body == c.a ? h : Eigen::Matrix<real, 3, 6>(-h);
     };
     std::vector<std::vector<int>> of(bodies.size());
-    detail::vecx q = detail::vecx::Zero(3 * n);
+    detail::contact_vector q(n);
     std::vector<real> mu;
     for (int i = 0; i < n; ++i) {
       const contact& c = contacts[i];
@@ -62,9 +62,9 @@ struct contact_scene {
         of[k].push_back(i);
         Eigen::Matrix<real, 6, 1> v;
         v << bodies[k].velocity, bodies[k].spin;
-        q.segment<3>(3 * i) += jacobian(c, k) * v;
+        q(i) += jacobian(c, k) * v;
       }
-      q[3 * i] -= c.least;
+      q(i)[0] -= c.least;
       mu.push_back(c.mu);
     }
     std::vector<detail::delassus_block> blocks;

@@ -21,7 +21,7 @@ using talus::detail::assemble;
 using talus::detail::assembled_problem;
 using talus::detail::delassus_block;
 using talus::detail::fail;
-using talus::detail::vecx;
+using talus::detail::contact_vector;
 
 /// More is taken for a damaged file.
 inline constexpr long long most_contacts = 200'000, most_entries = 200'000'000;
@@ -157,8 +157,8 @@ inline assembled_problem read_text(std::string_view text) {
   auto blocks = storage == 0 ? read_dense(in, size)
                 : size > 0   ? read_blocks(in, size)
                              : std::vector<delassus_block>{};
-  vecx q(size);
-  for (auto& x : q) x = in.number("an element of q");
+  contact_vector q(static_cast<int>(contacts));
+  for (std::size_t k = 0; k < q.size(); ++k) q.data()[k] = in.number("an element of q");
   std::vector<real> mu(static_cast<std::size_t>(contacts));
   for (auto& x : mu) x = in.number("a coefficient of friction");
   return assemble(std::move(blocks), std::move(q), std::move(mu));

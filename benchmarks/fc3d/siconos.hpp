@@ -78,7 +78,7 @@ inline std::string as_text(const assembled_problem& p) {
 }
 
 struct rival_result {
-  vecx r;
+  contact_vector r;
   int iterations = 0;
   double seconds = 0;
 };
@@ -126,7 +126,7 @@ inline rival_result run_rival(const rival& way, const assembled_problem& p, cons
     numerics_set_verbose(0);
     std::string copy = text;
     for (double own = tolerance; own > 1e-15; own *= 0.1) {
-      vecx r;
+      contact_vector r;
       int iterations = 0, info = 0;
       const double spent = median_seconds([&](auto&& timed) {
         FILE* file = fmemopen(copy.data(), copy.size(), "r");
@@ -136,8 +136,8 @@ inline rival_result run_rival(const rival& way, const assembled_problem& p, cons
         options->iparam[SICONOS_IPARAM_MAX_ITER] = way.iterations;
         options->dparam[SICONOS_DPARAM_TOL] = own;
         way.set(*options);
-        r = vecx::Zero(p.q.size());
-        vecx u = r;
+        r.set_zero(p.contacts());
+        contact_vector u = r;
         timed([&] { info = fc3d_driver(problem, r.data(), u.data(), options); });
         iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
         solver_options_delete(options);
@@ -155,7 +155,7 @@ inline rival_result run_rival(const rival& way, const assembled_problem& p, cons
     _exit(0);
   }
   const bool ended = child > 0 && ends_within(child, seconds);
-  const rival_result result{Eigen::Map<vecx>(best_r, p.q.size()), best->iterations,
+  const rival_result result{contact_vector(best_r, p.contacts()), best->iterations,
                             ended || best->error <= tolerance ? best->seconds : seconds};
   munmap(shared, size);
   return result;

@@ -5,19 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "talus/core/small_vectors.hpp"
+
 namespace talus {
 
 /// Scalar of positions, shapes and all user-facing values. Lengths, masses and times are in any
 /// consistent system of units; talus itself knows no unit.
 using real = double;
 
-/// Column vector of three scalars in the frame of the world unless a name says otherwise.
-template <class Real>
-using vector3 = Eigen::Matrix<Real, 3, 1>;
 using vec3 = vector3<real>;
-
-template <class Real>
-using matrix3 = Eigen::Matrix<Real, 3, 3>;
 using mat3 = matrix3<real>;
 
 /// Unit quaternion, rotating body coordinates into world coordinates. Unaligned, so that it can

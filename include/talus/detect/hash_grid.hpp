@@ -15,6 +15,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/detect/detail/lanes.hpp"
+#include "talus/detect/detail/pair_batch.hpp"
 #include "talus/detect/detail/size_classes.hpp"
 
 namespace talus {
@@ -47,33 +48,27 @@ class hash_grid {
   /// Calls f(i, j) once for every unordered pair i != j with |ci - cj| <= ri + rj.
   template <class F>
   void pairs(F&& f) const {
-    for (std::size_t coarse = 0; coarse < levels_.size(); ++coarse) {
-      pairs_within(levels_[coarse], f);
-      for (std::size_t fine = coarse + 1; fine < levels_.size(); ++fine)
-        for (std::uint32_t i = levels_[fine].first; i < levels_[fine].last; ++i)
-          probe(levels_[coarse], ball(i), [&](std::uint32_t j) { f(index_[i], index_[j]); });
-    }
+    detail::pair_batch found(f);
+    find_pairs(found);
+    found.flush();
   }
 
   /// Calls f(i of this, j of other) for every such pair with |ci - cj| <= ri + rj.
   template <class F>
   void pairs_with(const hash_grid& other, F&& f) const {
-    for (const level& mine : levels_)
-      for (const level& theirs : other.levels_)
-        if (mine.cell <= theirs.cell) {
-          for (std::uint32_t i = mine.first; i < mine.last; ++i)
-            other.probe(theirs, ball(i), [&](std::uint32_t j) { f(index_[i], other.index_[j]); });
-        } else {
-          for (std::uint32_t j = theirs.first; j < theirs.last; ++j)
-            probe(mine, other.ball(j), [&](std::uint32_t i) { f(index_[i], other.index_[j]); });
-        }
+    detail::pair_batch found(f);
+    find_pairs_with(other, found);
+    found.flush();
   }
 
   /// Calls f(i) for every ball i with |ci - centre| <= ri + reach. Any finite reach will do.
   template <class F>
   void query(const vec3& centre, real reach, F&& f) const {
+    const auto first = [&](std::uint32_t i, std::uint32_t) { f(i); };
+    detail::pair_batch found(first);
     const detail::ball ball{centre[0], centre[1], centre[2], reach};
-    for (const level& l : levels_) probe(l, ball, [&](std::uint32_t i) { f(index_[i]); });
+    for (const level& l : levels_) probe(l, ball, {found, 0, false});
+    found.flush();
   }
 
  private:
@@ -111,12 +106,20 @@ class hash_grid {
     return {x_[i], y_[i], z_[i], reach_[i]};
   }
 
-  // Calls f(j) for the entries from `first` to `last` that touch a ball.
-  template <class F>
-  void scan(const detail::ball& a, std::uint32_t first, std::uint32_t last, F&& f) const {
+  /// Where the partners of one body go, and whether it is the first of these pairs.
+  struct partners {
+    detail::pair_batch& found;
+    std::uint32_t body;
+    bool first;
+  };
+  // Notes the entries from `first` to `last` that touch a ball.
+  void scan(const detail::ball& a, std::uint32_t first, std::uint32_t last,
+            const partners& of) const {
     for (std::uint32_t k = first; k < last; k += detail::lanes)
-      for (std::uint32_t hits = touching(a, k, last); hits != 0; hits &= hits - 1)
-        f(k + static_cast<std::uint32_t>(std::countr_zero(hits)));
+      for (std::uint32_t hits = touching(a, k, last); hits != 0; hits &= hits - 1) {
+        const std::uint32_t j = index_[k + static_cast<std::uint32_t>(std::countr_zero(hits))];
+        of.first ? of.found.add(of.body, j) : of.found.add(j, of.body);
+      }
   }
   // Bit q: entry k + q touches the ball, and comes before `last`.
   [[nodiscard]] std::uint32_t touching(const detail::ball& a, std::uint32_t k,
@@ -137,12 +140,11 @@ class hash_grid {
     }
   }
 
-  template <class F>
-  void pairs_within(const level& l, F&& f) const;
-  template <class F>
-  void pairs_of_crowd(const level& l, std::uint32_t bucket, F&& f) const;
-  template <class F>
-  void probe(const level& l, const detail::ball& ball, F&& f) const;
+  void find_pairs(detail::pair_batch& found) const;
+  void find_pairs_with(const hash_grid& other, detail::pair_batch& found) const;
+  void pairs_within(const level& l, detail::pair_batch& found) const;
+  void pairs_of_crowd(const level& l, std::uint32_t bucket, detail::pair_batch& found) const;
+  void probe(const level& l, const detail::ball& ball, const partners& of) const;
 
   void check(std::span<const vec3> centres, std::span<const real> reaches) const;
   void lay_out(level& l);
@@ -156,12 +158,32 @@ class hash_grid {
   detail::size_classes classes_;
 };
 
+inline void hash_grid::find_pairs(detail::pair_batch& found) const {
+  for (std::size_t coarse = 0; coarse < levels_.size(); ++coarse) {
+    pairs_within(levels_[coarse], found);
+    for (std::size_t fine = coarse + 1; fine < levels_.size(); ++fine)
+      for (std::uint32_t i = levels_[fine].first; i < levels_[fine].last; ++i)
+        probe(levels_[coarse], ball(i), {found, index_[i], true});
+  }
+}
+
+inline void hash_grid::find_pairs_with(const hash_grid& other, detail::pair_batch& found) const {
+  for (const level& mine : levels_)
+    for (const level& theirs : other.levels_)
+      if (mine.cell <= theirs.cell) {
+        for (std::uint32_t i = mine.first; i < mine.last; ++i)
+          other.probe(theirs, ball(i), {found, index_[i], true});
+      } else {
+        for (std::uint32_t j = theirs.first; j < theirs.last; ++j)
+          probe(mine, other.ball(j), {found, other.index_[j], false});
+      }
+}
+
 // Every pair of neighbouring cells is visited from the one that comes first: the own cell and the
 // rest of its row, then the row behind in y and three rows above in z. All bodies of a bucket share
 // these rows. Up to eight candidates are tested at once, and up to 64 before the first answer is
 // looked at, since what costs time here is branches that cannot be foretold.
-template <class F>
-void hash_grid::pairs_within(const level& l, F&& f) const {
+inline void hash_grid::pairs_within(const level& l, detail::pair_batch& found) const {
   using detail::lanes;
   constexpr std::uint32_t capacity = 64, group = 64 / lanes;
   std::uint32_t first[capacity], last[capacity];
@@ -185,7 +207,7 @@ void hash_grid::pairs_within(const level& l, F&& f) const {
     else
       collect(start[0], start[1]);
     if (slots + (rest - begin) / lanes + 1 >= capacity) {
-      pairs_of_crowd(l, b, f);
+      pairs_of_crowd(l, b, found);
       continue;
     }
     const std::uint32_t shared = slots;
@@ -203,7 +225,7 @@ void hash_grid::pairs_within(const level& l, F&& f) const {
         }
         for (; hits != 0; hits &= hits - 1) {
           const auto bit = static_cast<std::uint32_t>(std::countr_zero(hits));
-          f(index, index_[first[base + bit / lanes] + bit % lanes]);
+          found.add(index, index_[first[base + bit / lanes] + bit % lanes]);
         }
       }
     }
@@ -211,28 +233,27 @@ void hash_grid::pairs_within(const level& l, F&& f) const {
 }
 
 // The same for one bucket with too many candidates to collect.
-template <class F>
-void hash_grid::pairs_of_crowd(const level& l, std::uint32_t bucket, F&& f) const {
+inline void hash_grid::pairs_of_crowd(const level& l, std::uint32_t bucket,
+                                      detail::pair_batch& found) const {
   const std::uint32_t* start = starts_.data() + l.bucket;
   for (std::uint32_t i = start[bucket]; i < start[bucket + 1]; ++i) {
     const detail::ball a = ball(i);
-    const auto hit = [&](std::uint32_t j) { f(index_[i], index_[j]); };
-    const auto all = [&](std::uint32_t first, std::uint32_t last) { scan(a, first, last, hit); };
-    scan(a, i + 1, start[bucket + 1], hit);
+    const partners of{found, index_[i], true};
+    const auto all = [&](std::uint32_t first, std::uint32_t last) { scan(a, first, last, of); };
+    scan(a, i + 1, start[bucket + 1], of);
     buckets(l, (bucket + 1) & l.mask, 1, all);
     for (const std::uint32_t r : {l.row, l.slab - l.row, l.slab, l.slab + l.row})
       buckets(l, (bucket + r - 1) & l.mask, 3, all);
   }
 }
 
-template <class F>
-void hash_grid::probe(const level& l, const detail::ball& ball, F&& f) const {
+inline void hash_grid::probe(const level& l, const detail::ball& ball, const partners& of) const {
   const real reach = ball.reach + l.largest + l.slack;
   if (!(ball.x - reach <= l.high[0] && ball.x + reach >= l.low[0] && ball.y - reach <= l.high[1] &&
         ball.y + reach >= l.low[1] && ball.z - reach <= l.high[2] && ball.z + reach >= l.low[2]))
     return;
   const std::uint32_t count = l.last - l.first;
-  if (count <= 8) return scan(ball, l.first, l.last, f);
+  if (count <= 8) return scan(ball, l.first, l.last, of);
 
   // Clamp as coordinates, since the ball may be of any size.
   const auto lowest = [&](real v, int d) { return l.cell_of(std::max(v - reach, l.low[d])); };
@@ -242,11 +263,11 @@ void hash_grid::probe(const level& l, const detail::ball& ball, F&& f) const {
   const std::int64_t z0 = lowest(ball.z, 2), z1 = highest(ball.z, 2);
   const bool small = x1 - x0 < 3 && y1 - y0 < 3 && z1 - z0 < 3;
   if (!small && (!l.exact() || real(y1 - y0 + 1) * real(z1 - z0 + 1) > real(count)))
-    return scan(ball, l.first, l.last, f);
+    return scan(ball, l.first, l.last, of);
   for (std::int64_t z = z0; z <= z1; ++z)
     for (std::int64_t y = y0; y <= y1; ++y)
       buckets(l, l.bucket_of(x0, y, z), static_cast<std::uint32_t>(x1 - x0 + 1),
-              [&](std::uint32_t first, std::uint32_t last) { scan(ball, first, last, f); });
+              [&](std::uint32_t first, std::uint32_t last) { scan(ball, first, last, of); });
 }
 
 inline void hash_grid::check(std::span<const vec3> centres, std::span<const real> reaches) const {
@@ -260,7 +281,7 @@ inline void hash_grid::check(std::span<const vec3> centres, std::span<const real
                              detail::text(centres[i])));
     if (!(r >= 0) || !std::isfinite(r))
       throw unplaceable(i, detail::compose("the reach {} is not a finite length", r));
-    if (r > 0 && centres[i].cwiseAbs().maxCoeff() > limit * r)
+    if (r > 0 && detail::max_norm(centres[i]) > limit * r)
       throw unplaceable(i,
                         detail::compose("the centre {} is so far out that a size of {} is lost in "
                                         "rounding; remove bodies that leave the scene",
@@ -271,7 +292,7 @@ inline void hash_grid::check(std::span<const vec3> centres, std::span<const real
 // Cell edge, bucket numbering and number of buckets, from the bodies' bounds and number.
 inline void hash_grid::lay_out(level& l) {
   constexpr real epsilon = std::numeric_limits<real>::epsilon();
-  const real furthest = std::max(l.low.cwiseAbs().maxCoeff(), l.high.cwiseAbs().maxCoeff());
+  const real furthest = std::max(detail::max_norm(l.low), detail::max_norm(l.high));
   l.slack = 8 * epsilon * furthest;
   // Wide enough that a ball and all that touch it span at most three cells despite rounding.
   l.cell = std::max(2 * l.largest * (1 + real(1e-6)) + 2 * l.slack, real(1e-300));
@@ -334,10 +355,10 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
     poison += (c[0] + c[1] + c[2] + r) * 0;  // stays zero unless something is not finite
     smallest = std::min(smallest, r);
     largest = std::max(largest, r);
-    low = low.cwiseMin(c);
-    high = high.cwiseMax(c);
+    low = detail::lower_of(low, c);
+    high = detail::upper_of(high, c);
   }
-  const real furthest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  const real furthest = std::max(detail::max_norm(low), detail::max_norm(high));
   if (poison != 0 || !(smallest >= 0) || furthest > real(std::uint64_t{1} << 44) * smallest)
     check(centres, reaches);
 
@@ -357,8 +378,8 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
       level& l = levels_[classes_.level_of(reaches[i])];
       ++l.last;
       l.largest = std::max(l.largest, reaches[i]);
-      l.low = l.low.cwiseMin(centres[i]);
-      l.high = l.high.cwiseMax(centres[i]);
+      l.low = detail::lower_of(l.low, centres[i]);
+      l.high = detail::upper_of(l.high, centres[i]);
     }
   }
   std::uint32_t entry_count = 0, bucket_count = 0;

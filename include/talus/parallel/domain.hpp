@@ -127,7 +127,7 @@ class domain {
         if (cells_) return cell_.contains(p);
       if (cells_) {
         // The rule itself is asked only where round-off could tell against the region.
-        const real inside = own_.value(p), margin = 1e-10 * (size_ + p.cwiseAbs().maxCoeff());
+        const real inside = own_.value(p), margin = 1e-10 * (size_ + detail::max_norm(p));
         if (inside > margin) return true;
         return !(inside < -margin) && cells_->owner(p) == rank_;
       }

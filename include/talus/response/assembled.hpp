@@ -9,12 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/contact_vector.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
-
-using vecx = Eigen::VectorXd;
 
 /// The block of W that tells the velocity of contact `row` for an impulse at contact `column`.
 struct delassus_block {
@@ -32,29 +31,29 @@ struct assembled_problem {
   std::vector<std::int32_t> column;    ///< ascending in each row
   std::vector<mat3> block;
   std::vector<std::int32_t> diagonal;  ///< place of each row's diagonal block
-  vecx q;                              ///< velocities without impulses
+  contact_vector q;                              ///< velocities without impulses
   std::vector<real> mu;
 
   [[nodiscard]] int contacts() const { return static_cast<int>(mu.size()); }
   [[nodiscard]] const mat3& own(int i) const { return block[diagonal[i]]; }
 
   /// Sum over row i of W r.
-  [[nodiscard]] vec3 row_product(int i, const vecx& r) const {
+  [[nodiscard]] vec3 row_product(int i, const contact_vector& r) const {
     vec3 sum{0, 0, 0};
     for (auto k = start[i]; k < start[i + 1]; ++k)
-      sum.noalias() += block[k] * r.segment<3>(3 * column[k]);
+      sum += block[k] * r(column[k]);
     return sum;
   }
   /// u = W r + q
-  void velocity(const vecx& r, vecx& u) const {
-    u.resize(q.size());
+  void velocity(const contact_vector& r, contact_vector& u) const {
+    u.resize(q.contacts());
     for (int i = 0; i < contacts(); ++i)
-      u.segment<3>(3 * i) = q.segment<3>(3 * i) + row_product(i, r);
+      u(i) = q(i) + row_product(i, r);
   }
   /// Mean of the diagonal of W: the scale of an inverse mass. 1 where that says nothing.
   [[nodiscard]] real mean_diagonal() const {
     real sum = 0;
-    for (int i = 0; i < contacts(); ++i) sum += own(i).trace();
+    for (int i = 0; i < contacts(); ++i) sum += trace(own(i));
     const real mean = contacts() > 0 ? sum / (3 * contacts()) : 0;
     return mean > 0 && std::isfinite(mean) ? mean : 1;
   }
@@ -63,26 +62,26 @@ struct assembled_problem {
 /// A problem of mu.size() contacts from blocks in any order; those of one place are added up.
 /// Throws invalid_argument for places outside the matrix, sizes that do not fit, values that are
 /// not finite, and negative friction.
-[[nodiscard]] inline assembled_problem assemble(std::vector<delassus_block> blocks, vecx q,
+[[nodiscard]] inline assembled_problem assemble(std::vector<delassus_block> blocks, contact_vector q,
                                                 std::vector<real> mu) {
   const auto n = static_cast<std::int32_t>(mu.size());
-  if (q.size() != 3 * static_cast<Eigen::Index>(n))
+  if (q.contacts() != n)
     fail<std::invalid_argument>("{} contacts need {} values of q, not {}", n, 3 * n, q.size());
   for (std::int32_t i = 0; i < n; ++i) {
     if (!(mu[i] >= 0) || !std::isfinite(mu[i]))
       fail<std::invalid_argument>("contact {}: friction must be finite and >= 0, but is {}", i,
                                   mu[i]);
-    if (!q.segment<3>(3 * i).allFinite())
+    if (!all_finite(q(i)))
       fail<std::invalid_argument>("contact {}: q is not finite", i);
   }
   for (const auto& b : blocks) {
     if (b.row < 0 || b.row >= n || b.column < 0 || b.column >= n)
       fail<std::invalid_argument>("a block of W at ({}, {}) is outside of {} contacts", b.row,
                                   b.column, n);
-    if (!b.value.allFinite())
+    if (!std::all_of(b.value.data(), b.value.data() + 9, [](real x) { return std::isfinite(x); }))
       fail<std::invalid_argument>("the block of W at ({}, {}) is not finite", b.row, b.column);
   }
-  for (std::int32_t i = 0; i < n; ++i) blocks.push_back({i, i, mat3::Zero()});
+  for (std::int32_t i = 0; i < n; ++i) blocks.push_back({i, i, diagonal_matrix(real{0})});
   std::vector<std::pair<std::int64_t, std::uint32_t>> order;  // place in W, block
   order.reserve(blocks.size());
   for (const auto& b : blocks)
@@ -127,12 +126,12 @@ struct contact_error {
 };
 
 /// |r - P(r - rho û)|
-[[nodiscard]] inline real natural_residual(const assembled_problem& p, const vecx& r, const vecx& u,
+[[nodiscard]] inline real natural_residual(const assembled_problem& p, const contact_vector& r, const contact_vector& u,
                                            real rho) {
   real sum = 0;
   for (int i = 0; i < p.contacts(); ++i) {
-    const vec3 ri = r.segment<3>(3 * i);
-    vec3 v = u.segment<3>(3 * i);
+    const vec3 ri = r(i);
+    vec3 v = u(i);
     v[0] += p.mu[i] * std::hypot(v[1], v[2]);
     sum += (ri - project_on_cone(ri - rho * v, p.mu[i])).squaredNorm();
   }
@@ -147,14 +146,14 @@ struct contact_error {
 }
 
 /// The error measure that solvers stop at; `u` is W r + q.
-[[nodiscard]] inline real scaled_error(const assembled_problem& p, const vecx& r, const vecx& u,
+[[nodiscard]] inline real scaled_error(const assembled_problem& p, const contact_vector& r, const contact_vector& u,
                                        real rho) {
   return error_ratio(natural_residual(p, r, u, rho),
                      std::max({r.norm(), rho * p.q.norm(), rho * u.norm()}));
 }
 
-[[nodiscard]] inline contact_error error_of(const assembled_problem& p, const vecx& r) {
-  vecx u;
+[[nodiscard]] inline contact_error error_of(const assembled_problem& p, const contact_vector& r) {
+  contact_vector u;
   p.velocity(r, u);
   const real plain = natural_residual(p, r, u, 1);
   return {scaled_error(p, r, u, 1 / p.mean_diagonal()), error_ratio(plain, p.q.norm()),

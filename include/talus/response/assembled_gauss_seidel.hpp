@@ -17,42 +17,43 @@ class assembled_sweeps {
     own_.reserve(p.contacts());
     for (int i = 0; i < p.contacts(); ++i) {
       mat3 w = p.own(i);
-      const real size = std::max(w.cwiseAbs().maxCoeff(), 1e-12 * mean);
+      real size = 1e-12 * mean;
+      for (int k = 0; k < 9; ++k) size = std::max(size, std::abs(w.data()[k]));
       // Leading minors: positive if w is (nearly symmetric and) positive definite.
       const real a = w(0, 0), b = a * w(1, 1) - w(0, 1) * w(1, 0), c = w.determinant();
       const bool sound = a > 1e-9 * size && b > 1e-9 * a * size && c > 1e-9 * b * size;
       const real hold = sound ? 0 : 1e-6 * size;
-      w.diagonal().array() += hold;
+      w += diagonal_matrix(hold);
       own_.push_back(w);
     }
   }
 
   /// One sweep, up or down the contacts, for u = W r + q + alpha (r - centre); |change of r|².
-  real operator()(vecx& r, bool down, real alpha, const vecx& centre) const {
+  real operator()(contact_vector& r, bool down, real alpha, const contact_vector& centre) const {
     return sweep(r, down, [&](int i, const vec3& rest) {
       mat3 w = own_[i];
-      w.diagonal().array() += alpha;
-      return solve_coulomb(w, rest - alpha * centre.segment<3>(3 * i), p_->mu[i]);
+      w += diagonal_matrix(alpha);
+      return solve_coulomb(w, rest - alpha * centre(i), p_->mu[i]);
     });
   }
   /// The same without the proximal term.
-  real operator()(vecx& r, bool down = false) const {
+  real operator()(contact_vector& r, bool down = false) const {
     return sweep(r, down,
                  [&](int i, const vec3& rest) { return solve_coulomb(own_[i], rest, p_->mu[i]); });
   }
 
  private:
   template <class Local>
-  real sweep(vecx& r, bool down, Local&& local) const {
+  real sweep(contact_vector& r, bool down, Local&& local) const {
     const int n = p_->contacts();
     real moved = 0;
     for (int k = 0; k < n; ++k) {
       const int i = down ? n - 1 - k : k;
-      auto ri = r.segment<3>(3 * i);
+      vec3& ri = r(i);
       const vec3 before = ri;
-      const vec3 rest = p_->q.segment<3>(3 * i) + p_->row_product(i, r) - own_[i] * before;
+      const vec3 rest = p_->q(i) + p_->row_product(i, r) - own_[i] * before;
       const vec3 now = local(i, rest);
-      if (!now.allFinite()) continue;
+      if (!all_finite(now)) continue;
       ri = now;
       moved += (now - before).squaredNorm();
     }

@@ -18,16 +18,16 @@ class assembled_interior_point {
     const int n = p.contacts();
     scale_.reserve(n);
     real size = 0;  // of velocities
-    for (int i = 0; i < n; ++i) size = std::max(size, p.q.segment<3>(3 * i).norm());
+    for (int i = 0; i < n; ++i) size = std::max(size, p.q(i).norm());
     if (!(size > 0)) size = 1;
     const real least = 1e-9 * p.mean_diagonal();
-    r_.setZero(3 * n), u_.setZero(3 * n);
+    r_.set_zero(n), u_.set_zero(n);
     for (int i = 0; i < n; ++i) {
       const real mu = p.mu[i];
       scale_.push_back(mu > smooth ? vec3(1 / mu, 1, 1) : vec3(1, 0, 0));
       const vec3 w = scale_[i].cwiseProduct(p.own(i).diagonal()).cwiseProduct(scale_[i]);
-      u_[3 * i] = size * std::max(scale_[i][0], real{1});
-      r_[3 * i] = 100 * u_[3 * i] / std::max(w.maxCoeff(), least);
+      u_(i)[0] = size * std::max(scale_[i][0], real{1});
+      r_(i)[0] = 100 * u_(i)[0] / std::max(w.maxCoeff(), least);
     }
   }
 
@@ -35,16 +35,16 @@ class assembled_interior_point {
   bool step() {
     const int n = p_->contacts();
     // g = W r + q + |u_t| - u
-    vecx g(3 * n), right(3 * n), dr, du(3 * n);
-    const vecx plain = impulses();
+    contact_vector g(n), right(n), dr, du(n);
+    const contact_vector plain = impulses();
     real together = 0;
     for (int i = 0; i < n; ++i) {
-      const vec3 u = u_.segment<3>(3 * i);
-      vec3 gi = scale_[i].cwiseProduct(p_->q.segment<3>(3 * i) + p_->row_product(i, plain)) - u;
+      const vec3 u = u_(i);
+      vec3 gi = scale_[i].cwiseProduct(p_->q(i) + p_->row_product(i, plain)) - u;
       gi[0] += std::hypot(u[1], u[2]);
       if (smooth_at(i)) gi[1] = gi[2] = 0;
-      g.segment<3>(3 * i) = gi;
-      together += r_.segment<3>(3 * i).dot(u);
+      g(i) = gi;
+      together += r_(i).dot(u);
     }
     const real average = together / n;
     if (!(average > 0)) return false;
@@ -52,7 +52,7 @@ class assembled_interior_point {
     system_.reset(n);
     std::vector<mat3> scaling(n), turn(n);
     for (int i = 0; i < n; ++i) {
-      const vec3 r = r_.segment<3>(3 * i), u = u_.segment<3>(3 * i);
+      const vec3 r = r_(i), u = u_(i);
       scaling[i] = scaling_of(i, r, u);
       turn[i] = mat3::Identity();
       const real t = std::hypot(u[1], u[2]);
@@ -67,42 +67,42 @@ class assembled_interior_point {
     // Towards the solution alone first; how far that gets tells how much to centre.
     real centring = 0, length = 0;
     for (int pass = 0; pass < 2; ++pass) {
-      vecx target(3 * n);
+      contact_vector target(n);
       for (int i = 0; i < n; ++i) {
-        const vec3 r = r_.segment<3>(3 * i), u = u_.segment<3>(3 * i);
+        const vec3 r = r_(i), u = u_(i);
         const vec3 c = centring * average * inverse_of(i, r) - u;
-        target.segment<3>(3 * i) = c;
-        right.segment<3>(3 * i) = turn[i] * c - g.segment<3>(3 * i);
+        target(i) = c;
+        right(i) = turn[i] * c - g(i);
       }
       if (!system_.solve(right, dr)) return false;
       length = 1;
       for (int i = 0; i < n; ++i) {
-        du.segment<3>(3 * i) = target.segment<3>(3 * i) - scaling[i] * dr.segment<3>(3 * i);
-        if (smooth_at(i)) du.segment<2>(3 * i + 1).setZero(), dr.segment<2>(3 * i + 1).setZero();
-        length = std::min({length, reach(r_.segment<3>(3 * i), dr.segment<3>(3 * i)),
-                           reach(u_.segment<3>(3 * i), du.segment<3>(3 * i))});
+        du(i) = target(i) - scaling[i] * dr(i);
+        if (smooth_at(i)) du(i)[1] = du(i)[2] = dr(i)[1] = dr(i)[2] = 0;
+        length = std::min({length, reach(r_(i), dr(i)),
+                           reach(u_(i), du(i))});
       }
       if (pass == 0) centring = std::clamp(std::pow(1 - length, 3), 1e-6, 1.);
     }
     length_ = std::min(1., std::max(0.9, 1 - average) * length);
     length_ = std::min(1., 0.98 * length);
-    const vecx r0 = r_, u0 = u_;
+    const contact_vector r0 = r_, u0 = u_;
     for (int k = 0; k < 20; ++k, length_ *= 0.8) {
       r_ = r0 + length_ * dr;
       u_ = u0 + length_ * du;
       bool in = true;
       for (int i = 0; i < n && in; ++i)
-        in = inside(r_.segment<3>(3 * i)) && inside(u_.segment<3>(3 * i));
+        in = inside(r_(i)) && inside(u_(i));
       if (in) break;
     }
-    return r_.allFinite() && u_.allFinite() && length_ > 1e-10;
+    return r_.is_finite() && u_.is_finite() && length_ > 1e-10;
   }
 
   /// The impulses so far, within their cones.
-  [[nodiscard]] vecx impulses() const {
-    vecx r(r_.size());
+  [[nodiscard]] contact_vector impulses() const {
+    contact_vector r(r_.contacts());
     for (int i = 0; i < p_->contacts(); ++i)
-      r.segment<3>(3 * i) = scale_[i].cwiseProduct(r_.segment<3>(3 * i));
+      r(i) = scale_[i].cwiseProduct(r_(i));
     return r;
   }
   [[nodiscard]] real length() const { return length_; }
@@ -149,7 +149,7 @@ class assembled_interior_point {
 
   const assembled_problem* p_;
   std::vector<vec3> scale_;
-  vecx r_, u_;  ///< in Lorentz cones: (mu r_n, r_t), (û_n / mu, û_t)
+  contact_vector r_, u_;  ///< in Lorentz cones: (mu r_n, r_t), (û_n / mu, û_t)
   real length_ = 0;
   block_system system_;
 };

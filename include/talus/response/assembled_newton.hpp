@@ -21,11 +21,11 @@ class assembled_newton {
   /// within `accuracy` times |r - centre| or after `steps` linear systems. Where a Newton step
   /// gains little, sweeps sort out which contacts stick, slide and open. Whether it got there.
   template <class GoOn>
-  bool solve(vecx& r, const vecx& centre, real alpha, real accuracy, int steps, GoOn&& go_on) {
+  bool solve(contact_vector& r, const contact_vector& centre, real alpha, real accuracy, int steps, GoOn&& go_on) {
     alpha_ = alpha;
     steps_ = 0;
     real now = residual(r, centre, f_), best = now;
-    vecx best_r = r;
+    contact_vector best_r = r;
     const real aim = accuracy * now;
     for (int k = 0, idle = 0; k < steps && idle < 6 && go_on(); ++k) {
       ++steps_;
@@ -34,7 +34,8 @@ class assembled_newton {
         // The first length that does well, else the best of all.
         real least = HUGE_VAL, length = 1;
         for (int trial = 0; trial < 8; ++trial, length *= 0.5) {
-          trial_ = r + length * step_;
+          trial_ = r;
+          trial_.add(length, step_);
           const real found = residual(trial_, centre, trial_f_);
           if (found < least) least = found, chosen_ = trial_;
           if (least < (1 - 0.1 * length) * now) break;
@@ -61,11 +62,11 @@ class assembled_newton {
   /// way to the right choice of those that carry it leads through large residuals. Ends when the
   /// residual is within `accuracy` times |r - centre|, else hands back the best of `steps`. Whether
   /// it got there.
-  bool solve_by_whole_steps(vecx& r, const vecx& centre, real alpha, real accuracy, int steps) {
+  bool solve_by_whole_steps(contact_vector& r, const contact_vector& centre, real alpha, real accuracy, int steps) {
     alpha_ = alpha;
     steps_ = 0;
     real now = residual(r, centre, f_), best = now;
-    vecx best_r = r;
+    contact_vector best_r = r;
     while (steps_ < steps) {
       ++steps_;
       if (!direction(r)) break;
@@ -84,24 +85,24 @@ class assembled_newton {
  private:
   enum class state { open, sticks, slides };
 
-  real rho(int i) const { return 3 / (p_->own(i).trace() + 3 * alpha_); }
+  real rho(int i) const { return 3 / (trace(p_->own(i)) + 3 * alpha_); }
 
-  state state_of(int i, const vecx& r, const vecx& u, vec3& y) const {
-    y = r.segment<3>(3 * i) - rho(i) * u.segment<3>(3 * i);
+  state state_of(int i, const contact_vector& r, const contact_vector& u, vec3& y) const {
+    y = r(i) - rho(i) * u(i);
     if (y[0] <= 0) return state::open;
     const real t = std::hypot(y[1], y[2]);
     return p_->mu[i] > 0 && t <= p_->mu[i] * y[0] ? state::sticks : state::slides;
   }
 
-  real residual(const vecx& r, const vecx& centre, vecx& f) {
+  real residual(const contact_vector& r, const contact_vector& centre, contact_vector& f) {
     p_->velocity(r, u_);
-    u_ += alpha_ * (r - centre);
-    f.resize(r.size());
+    u_.add(alpha_, r);
+    u_.add(-alpha_, centre);
+    f.resize(r.contacts());
     for (int i = 0; i < p_->contacts(); ++i) {
       vec3 y;
-      auto fi = f.segment<3>(3 * i);
-      const auto ri = r.segment<3>(3 * i);
-      const auto ui = u_.segment<3>(3 * i);
+      vec3& fi = f(i);
+      const vec3 &ri = r(i), &ui = u_(i);
       switch (state_of(i, r, u_, y)) {
         case state::open:
           fi = ri;
@@ -119,30 +120,35 @@ class assembled_newton {
   }
 
   /// The Newton step from r; u_ and f_ belong to it. Open contacts drop out: theirs is -r.
-  bool direction(const vecx& r) {
+  bool direction(const contact_vector& r) {
     const int n = p_->contacts();
     vec3 y;
     int active = 0;
-    step_ = -r;
+    step_ = r;
+    step_ *= -1;
     for (int i = 0; i < n; ++i) place_[i] = state_of(i, r, u_, y) == state::open ? -1 : active++;
     if (active == 0) return true;
     system_.reset(active);
-    vecx right(3 * active), x;
+    contact_vector right(active), x;
     for (int i = 0; i < n; ++i) {
       const int row = place_[i];
       if (row < 0) continue;
       // f changes by of_u du + of_r dr
-      mat3 of_u = rho(i) * mat3::Identity(), of_r = mat3::Zero();
+      mat3 of_u = diagonal_matrix(rho(i)), of_r = diagonal_matrix(real{0});
       if (state_of(i, r, u_, y) == state::slides) {
         const real t = std::hypot(y[1], y[2]), mu = p_->mu[i];
         const real c = t > 0 ? y[1] / t : 0, s = t > 0 ? y[2] / t : 0;
         const real turn = t > 0 ? mu * y[0] / t : 0;
-        const Eigen::Vector2d d{c, s};
-        const Eigen::Matrix2d across = turn * (Eigen::Matrix2d::Identity() - d * d.transpose());
-        of_r.bottomRightCorner<2, 2>() = Eigen::Matrix2d::Identity() - across;
-        of_r.bottomLeftCorner<2, 1>() = -mu * d;
-        of_u.bottomRightCorner<2, 2>() = rho(i) * across;
-        of_u.bottomLeftCorner<2, 1>() = rho(i) * mu * d;
+        const real d[] = {c, s};
+        for (int j = 0; j < 2; ++j) {
+          of_r(1 + j, 0) = -mu * d[j];
+          of_u(1 + j, 0) = rho(i) * mu * d[j];
+          for (int k = 0; k < 2; ++k) {
+            const real across = turn * ((j == k) - d[j] * d[k]);
+            of_r(1 + j, 1 + k) = (j == k) - across;
+            of_u(1 + j, 1 + k) = rho(i) * across;
+          }
+        }
       }
       vec3 known{0, 0, 0};
       for (auto k = p_->start[i]; k < p_->start[i + 1]; ++k) {
@@ -150,14 +156,14 @@ class assembled_newton {
         if (place_[j] >= 0)
           system_.add(row, place_[j], of_u * p_->block[k]);
         else
-          known += p_->block[k] * r.segment<3>(3 * j);
+          known += p_->block[k] * r(j);
       }
       system_.add(row, row, alpha_ * of_u + of_r);
-      right.segment<3>(3 * row) = of_u * known - f_.segment<3>(3 * i);
+      right(row) = of_u * known - f_(i);
     }
     if (!system_.factorize() || !system_.solve(right, x)) return false;
     for (int i = 0; i < n; ++i)
-      if (place_[i] >= 0) step_.segment<3>(3 * i) = x.segment<3>(3 * place_[i]);
+      if (place_[i] >= 0) step_(i) = x(place_[i]);
     return true;
   }
 
@@ -167,7 +173,7 @@ class assembled_newton {
   System system_;
   real alpha_ = 0;
   int steps_ = 0;
-  vecx u_, f_, trial_, trial_f_, step_, chosen_;
+  contact_vector u_, f_, trial_, trial_f_, step_, chosen_;
 };
 
 }  // namespace talus::detail

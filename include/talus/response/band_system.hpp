@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
@@ -56,7 +57,7 @@ class band_system {
     return true;
   }
   /// Solves with the last factors; false where the solution is not finite.
-  [[nodiscard]] bool solve(const Eigen::VectorXd& right, Eigen::VectorXd& x) const {
+  [[nodiscard]] bool solve(const contact_vector& right, contact_vector& x) const {
     x = right;
     real* v = x.data();
     for (std::size_t k = 0; k < n_; ++k) {
@@ -69,7 +70,7 @@ class band_system {
         v[k] -= at(k, j) * v[j];
       v[k] /= at(k, k);
     }
-    return x.allFinite();
+    return x.is_finite();
   }
 
  private:

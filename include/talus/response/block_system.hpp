@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
@@ -14,8 +15,6 @@ namespace talus::detail {
 /// else sparse.
 class block_system {
  public:
-  using vector = Eigen::VectorXd;
-
   void reset(int rows) {
     rows_ = rows;
     entries_.clear();
@@ -44,12 +43,16 @@ class block_system {
     return sparse_lu_.info() == Eigen::Success;
   }
   /// Whether the solution is finite.
-  [[nodiscard]] bool solve(const vector& right, vector& x) {
+  [[nodiscard]] bool solve(const contact_vector& right, contact_vector& x) {
+    const auto size = static_cast<Eigen::Index>(right.size());
+    const Eigen::Map<const Eigen::VectorXd> b(right.data(), size);
+    x.resize(right.contacts());
+    Eigen::Map<Eigen::VectorXd> solution(x.data(), size);
     if (dense_)
-      x = dense_lu_.solve(right);
+      solution = dense_lu_.solve(b);
     else
-      x = sparse_lu_.solve(right);
-    return x.allFinite();
+      solution = sparse_lu_.solve(b);
+    return x.is_finite();
   }
 
  private:

@@ -15,7 +15,8 @@ namespace talus::detail {
 
 /// Contacts between bodies that this rank can move by itself (interior), and contacts between a
 /// body owned here and a movable body owned elsewhere (boundary): each of those is computed alike
-/// on both ranks, from the same velocities, and moves only the body owned here.
+/// on both ranks, from the same velocities, and moves only the body owned here. What runs over the
+/// list is compiled once for a kind of contact: inlined into solvers it would be many times.
 template <class Contact>
 class contact_list {
  public:
@@ -63,11 +64,11 @@ class contact_list {
   }
 
   /// Takes up the impulses of the last step.
-  void recall(const contact_history& history) {
+  [[gnu::noinline]] void recall(const contact_history& history) {
     detail::recall(history, interior_keys_, interior_);
     detail::recall(history, boundary_keys_, boundary_);
   }
-  void remember(contact_history& history) const {
+  [[gnu::noinline]] void remember(contact_history& history) const {
     for (std::size_t i = 0; i < interior_.size(); ++i)
       history.add(interior_keys_[i], interior_[i].impulse());
     for (std::size_t i = 0; i < boundary_.size(); ++i)
@@ -75,28 +76,28 @@ class contact_list {
   }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
-  void count_boundary(solver_state& s) const {
+  [[gnu::noinline]] void count_boundary(solver_state& s) const {
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t) {
       ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
     });
   }
-  void weigh_interior(const solver_state& s) {
+  [[gnu::noinline]] void weigh_interior(const solver_state& s) {
     for (Contact& c : interior_) c.weigh(s, 1, 1);
   }
-  void weigh_boundary(const solver_state& s) {
+  [[gnu::noinline]] void weigh_boundary(const solver_state& s) {
     for (Contact& c : boundary_) c.weigh(s, parts_of(s, c.a), parts_of(s, c.b));
   }
-  void apply_remembered(solver_state& s) const {
+  [[gnu::noinline]] void apply_remembered(solver_state& s) const {
     for (const Contact& c : interior_) c.apply(s, c.whole());
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
   }
 
-  void sweep_forward(solver_state& s) {
+  [[gnu::noinline]] void sweep_forward(solver_state& s) {
     in_streams([&](std::size_t i) { sweep_one(s, i); });
   }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s, real speed) {
+  [[gnu::noinline]] const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s, real speed) {
     stalled_.clear();
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) watch_one(s, i, speed);
@@ -114,7 +115,7 @@ class contact_list {
             : p == contact_part::boundary ? boundary_keys_
                                           : foreign_keys_)[i];
   }
-  void sweep_backward(solver_state& s) {
+  [[gnu::noinline]] void sweep_backward(solver_state& s) {
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) sweep_one(s, i);
     for (std::size_t i = part; i-- > 0;)
@@ -122,7 +123,7 @@ class contact_list {
   }
   /// Solves all boundary contacts from one and the same state, those of a pair together; the
   /// changes are applied later.
-  void relax_boundary(solver_state& s) {
+  [[gnu::noinline]] void relax_boundary(solver_state& s) {
     changes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
       changes_[first] = boundary_[first].relax(s);
@@ -135,7 +136,7 @@ class contact_list {
           });
     });
   }
-  void apply_boundary(solver_state& s) const {
+  [[gnu::noinline]] void apply_boundary(solver_state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
   }
 
@@ -165,7 +166,7 @@ class contact_list {
         if (on_b) ++s.boundary_contacts[c.b];
     });
   }
-  void weigh_all(const solver_state& s) {
+  [[gnu::noinline]] void weigh_all(const solver_state& s) {
     const auto weigh = [&](Contact& c) {
       real parts_of_b = 1;
       if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
@@ -181,7 +182,7 @@ class contact_list {
   }
   /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
   /// has changed by since the last time, unless that leads back; the changes are applied later.
-  void relax_ahead(const solver_state& s, real part) {
+  [[gnu::noinline]] void relax_ahead(const solver_state& s, real part) {
     changes_.resize(size());
     std::size_t i = 0;
     const auto relax = [&](Contact& c) {
@@ -199,20 +200,20 @@ class contact_list {
     for (Contact& c : interior_) relax(c);
     for (Contact& c : boundary_) relax(c);
   }
-  void apply_all(solver_state& s) const {
+  [[gnu::noinline]] void apply_all(solver_state& s) const {
     for (std::size_t i = 0; i < interior_.size(); ++i) interior_[i].apply(s, changes_[i]);
     for (std::size_t i = 0; i < boundary_.size(); ++i)
       apply_own(s, i, changes_[interior_.size() + i]);
   }
 
-  void sweep_push(solver_state& s) {
+  [[gnu::noinline]] void sweep_push(solver_state& s) {
     in_streams([&](std::size_t i) {
       Contact& c = interior_[i];
       const real d = c.relax_push(s);
       if (d != 0) c.push_a(s, d), c.push_b(s, d);
     });
   }
-  void relax_boundary_push(solver_state& s) {
+  [[gnu::noinline]] void relax_boundary_push(solver_state& s) {
     pushes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
       pushes_[first] = boundary_[first].relax_push(s);
@@ -225,7 +226,7 @@ class contact_list {
           });
     });
   }
-  void apply_boundary_push(solver_state& s) const {
+  [[gnu::noinline]] void apply_boundary_push(solver_state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i)
       owns_a_[i] ? boundary_[i].push_a(s, pushes_[i]) : boundary_[i].push_b(s, pushes_[i]);
   }
@@ -250,8 +251,9 @@ class contact_list {
   void by_themselves(solver_state& s, std::size_t first, std::size_t last, F&& f) {
     const Contact& c = boundary_[first];
     const split_pair alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
-    for (std::size_t i = first; i < last; ++i) f(i, false);
-    for (std::size_t i = last - 1; i-- > first;) f(i, true);
+    const std::size_t n = last - first;
+    for (std::size_t k = 0; k < 2 * n - 1; ++k)
+      k < n ? f(first + k, false) : f(first + 2 * n - 2 - k, true);
   }
   void sweep_one(solver_state& s, std::size_t i) {
     Contact& c = interior_[i];

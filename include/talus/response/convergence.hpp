@@ -46,7 +46,7 @@ class convergence {
         apart_(apart),
         watches_(settings.tolerance > 0) {
     if (!watches_) return;
-    each_counted(lists, [&](const auto& c) { scale_.add(c, s, violation(c, s)); });
+    scale_ = scale_of(lists, s);
     if constexpr (!alone) ranks_.start_reduce(scale_.sums);
     opening_ = true;
   }
@@ -99,8 +99,7 @@ class convergence {
     if constexpr (!alone)
       if (opening_) ranks_.finish_reduce(scale_.sums);
     opening_ = false;
-    now_ = {};
-    each_counted(lists_, [&](const auto& c) { now_.add(c, s_, scale_.rho()); });
+    now_ = sums_of(lists_, s_, scale_.rho());
     if constexpr (!alone) ranks_.start_reduce(now_.sums);
     looking_ = true;
   }

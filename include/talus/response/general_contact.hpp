@@ -74,7 +74,7 @@ struct general_contact {
   void set(const change& next) { r = next; }
 
   // What the residual is made of; see residual.hpp.
-  [[nodiscard]] vec3 axis() const { return frame.row(0); }
+  [[nodiscard]] vec3 axis() const { return {frame(0, 0), frame(0, 1), frame(0, 2)}; }
   [[nodiscard]] real mu() const { return Law::friction ? friction : 0; }
   /// Of a against b at the point of contact; without friction its normal part alone.
   [[nodiscard]] vec3 relative_velocity(const solver_state& s) const {
@@ -87,7 +87,10 @@ struct general_contact {
   [[nodiscard]] real mobility_trace(const solver_state& s) const {
     mat3 w = mobility<A>(s, a, arm_a, 1);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, 1);
-    return (frame * w * frame.transpose()).trace();
+    if constexpr (Law::friction)
+      return trace(w);
+    else
+      return axis().dot(w * axis());
   }
 
   change relax(const solver_state& s) {
@@ -99,7 +102,7 @@ struct general_contact {
       rest[0] -= target;
       r = solve_coulomb(delassus, rest, friction);
     } else {
-      r[0] = std::max(real{0}, r[0] - (frame.row(0).dot(u) - target) / delassus(0, 0));
+      r[0] = std::max(real{0}, r[0] - (axis().dot(u) - target) / delassus(0, 0));
     }
     return r - before;
   }
@@ -119,7 +122,7 @@ struct general_contact {
   }
 
   real relax_push(const solver_state& s) {
-    const vec3 n = frame.row(0);
+    const vec3 n = axis();
     real rate = n.dot(shift_at<A>(s, a, arm_a));
     if constexpr (paired) rate -= n.dot(shift_at<B>(s, b, arm_b));
     const real before = pushed;
@@ -150,7 +153,7 @@ struct general_contact {
   }
   template <contact_side Side>
   void push_one(solver_state& s, std::int32_t i, const vec3& arm, real d) const {
-    const vec3 p = d * frame.row(0).transpose();
+    const vec3 p = d * axis();
     s.shift[i] += s.bodies[i].inverse_mass * p;
     if constexpr (Side == contact_side::tensor)
       s.turn[i - s.first_tensor] += s.tensor(i) * arm.cross(p);
@@ -158,14 +161,13 @@ struct general_contact {
   /// Velocity of the contact point of one body for a unit impulse there.
   template <contact_side Side>
   static mat3 mobility(const solver_state& s, std::int32_t i, const vec3& arm, real split) {
-    mat3 x;  // arm as a cross product
-    x << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;
-    mat3 inverse;
+    const mat3 x = cross_matrix(arm);
+    mat3 turning;
     if constexpr (Side == contact_side::tensor)
-      inverse = s.tensor(i);
+      turning = x * s.tensor(i) * x;
     else
-      inverse = s.bodies[i].inverse_inertia * mat3::Identity();
-    return split * (s.bodies[i].inverse_mass * mat3::Identity() - x * inverse * x);
+      turning = s.bodies[i].inverse_inertia * (x * x);
+    return split * (diagonal_matrix(s.bodies[i].inverse_mass) - turning);
   }
 };
 

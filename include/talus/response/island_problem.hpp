@@ -80,7 +80,7 @@ class contact_order {
 /// Assembles the problem of these contacts at the velocities of `s`, which contain their impulses;
 /// `r` becomes those in the axes of the contacts.
 [[nodiscard]] inline assembled_problem assemble_island(const std::vector<island_contact>& contacts,
-                                                       const solver_state& s, vecx& r) {
+                                                       const solver_state& s, contact_vector& r) {
   struct end {
     std::int32_t body;
     std::int32_t contact;
@@ -90,17 +90,15 @@ class contact_order {
   const std::size_t n = contacts.size();
   std::vector<end> ends;
   ends.reserve(2 * n);
-  vecx q(3 * n);
-  r.resize(3 * static_cast<Eigen::Index>(n));
+  contact_vector q(static_cast<int>(n));
+  r.resize(static_cast<int>(n));
   std::vector<real> mu(n);
   for (std::size_t i = 0; i < n; ++i) {
     const island_contact& c = contacts[i];
     vec3 u{-c.target, c.drive[0], c.drive[1]};
     const auto side = [&](std::int32_t body, const vec3& arm, real sign) {
       if (body < 0) return;
-      mat3 x;
-      x << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;
-      const mat3 turning = -sign * (c.axes * x);
+      const mat3 turning = -sign * (c.axes * cross_matrix(arm));
       const solver_body& moving = s.bodies[static_cast<std::size_t>(body)];
       u += sign * (c.axes * moving.v) + turning * moving.w;
       if (moving.inverse_mass != 0)
@@ -108,8 +106,8 @@ class contact_order {
     };
     side(c.a, c.arm_a, 1);
     side(c.b, c.arm_b, -1);
-    q.segment<3>(3 * i) = u;
-    r.segment<3>(3 * i) = c.axes * c.impulse;
+    q(static_cast<int>(i)) = u;
+    r(static_cast<int>(i)) = c.axes * c.impulse;
     mu[i] = c.friction;
   }
   std::vector<std::pair<std::int64_t, std::uint32_t>> order;  // body, end
@@ -122,7 +120,7 @@ class contact_order {
     const real inverse_mass = s.bodies[body].inverse_mass;
     const mat3 inertia = body >= s.first_tensor
                              ? s.tensor(body)
-                             : mat3(s.bodies[body].inverse_inertia * mat3::Identity());
+                             : diagonal_matrix(s.bodies[body].inverse_inertia);
     for (std::size_t i = first; i < last; ++i)
       for (std::size_t j = first; j < last; ++j) {
         const end &x = ends[order[i].second], &y = ends[order[j].second];
@@ -134,9 +132,10 @@ class contact_order {
       }
   }
   assembled_problem p = assemble(std::move(blocks), std::move(q), std::move(mu));
-  vecx own;
+  contact_vector own;
   p.velocity(r, own);  // W r + q, with the present velocities for q
-  p.q = 2 * p.q - own;
+  p.q *= 2;
+  p.q -= own;
   return p;
 }
 

@@ -16,14 +16,14 @@ namespace talus::detail {
 /// one is enough where it is known which contacts carry. The proximal term starts where degenerate
 /// choices (which three feet of a box carry it?) are settled, and shrinks until weak directions (a
 /// heavy body on light ones) are solved too.
-inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
+inline int solve_island(const assembled_problem& p, contact_vector& r, int most_systems) {
   const real mean = p.mean_diagonal(), rho = 1 / mean;
-  vecx u;
-  const auto error = [&](const vecx& at) {
+  contact_vector u;
+  const auto error = [&](const contact_vector& at) {
     p.velocity(at, u);
     return natural_residual(p, at, u, rho);
   };
-  vecx best = r, x;
+  contact_vector best = r, x;
   const real first = error(r);
   real least = first;
   const real enough = 1e-14 * r.norm() + 1e-11 * rho * p.q.norm();
@@ -34,7 +34,7 @@ inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
   for (int lost = 0; least > enough && lost < 3 && systems < most_systems;) {
     const real before = least;
     x = best;
-    const vecx centre = best;
+    const contact_vector centre = best;
     const bool there = newton.solve_by_whole_steps(x, centre, alpha, 0.1 * alpha * rho,
                                                    std::min(8, most_systems - systems));
     systems += newton.steps();
@@ -59,12 +59,12 @@ inline int solve_island(const assembled_problem& p, vecx& r, int most_systems) {
 
 /// Solves `p` from no impulses at all, so that equal problems give equal bits; false, with r as it
 /// may be, where that leaves too much.
-[[nodiscard]] inline bool solve_island_anew(const assembled_problem& p, vecx& r) {
-  r.setZero(p.q.size());
+[[nodiscard]] inline bool solve_island_anew(const assembled_problem& p, contact_vector& r) {
+  r.set_zero(p.contacts());
   const assembled_sweeps sweep(p);
   for (int k = 0; k < 10; ++k) sweep(r, k % 2 == 1);
   solve_island(p, r, 60);
-  vecx u;
+  contact_vector u;
   p.velocity(r, u);
   const real rho = 1 / p.mean_diagonal(), free = rho * p.q.norm();
   const real error = natural_residual(p, r, u, rho);

@@ -83,4 +83,35 @@ struct residual_sums {
   }
 };
 
+/// Adds what each contact of a list adds that obeys Coulomb's law and counts on this rank.
+template <class List>
+[[gnu::noinline]] void add_to(residual_scale& scale, const List& list, const solver_state& s) {
+  if constexpr (has_residual<typename List::contact_type>)
+    list.each([&](const auto& c, bool counts_here) {
+      if (counts_here) scale.add(c, s, violation(c, s));
+    });
+}
+template <class List>
+[[gnu::noinline]] void add_to(residual_sums& sums, const List& list, const solver_state& s,
+                              double rho) {
+  if constexpr (has_residual<typename List::contact_type>)
+    list.each([&](const auto& c, bool counts_here) {
+      if (counts_here) sums.add(c, s, rho);
+    });
+}
+/// The same for a tuple of lists.
+template <class... Lists>
+[[nodiscard]] residual_scale scale_of(const std::tuple<Lists...>& lists, const solver_state& s) {
+  residual_scale scale;
+  std::apply([&](const auto&... list) { (add_to(scale, list, s), ...); }, lists);
+  return scale;
+}
+template <class... Lists>
+[[nodiscard]] residual_sums sums_of(const std::tuple<Lists...>& lists, const solver_state& s,
+                                    double rho) {
+  residual_sums sums;
+  std::apply([&](const auto&... list) { (add_to(sums, list, s, rho), ...); }, lists);
+  return sums;
+}
+
 }  // namespace talus::detail

@@ -237,19 +237,19 @@ class shared_islands {
       u = c.axes * u;
       c.target -= u[0];
       c.drive = {u[1], u[2]};
-      c.impulse.setZero();
+      c.impulse = {0, 0, 0};
       contacts.push_back(c);
     }
     const contact_order order(contacts);
     if (band_system::cost(contacts.size(), order.half_bandwidth()) > 2e7) return;
     std::vector<island_contact> chain;
     for (const auto i : order.order()) chain.push_back(contacts[i]);
-    vecx r;
+    contact_vector r;
     const assembled_problem problem = assemble_island(chain, own, r);
     if (!solve_island_anew(problem, r)) return;
     for (std::size_t k = 0; k < chain.size(); ++k) {
       const island_contact& c = chain[k];
-      const vec3 p = c.axes.transpose() * r.segment<3>(3 * static_cast<Eigen::Index>(k));
+      const vec3 p = c.axes.transpose() * r(static_cast<int>(k));
       hit(own, c.a, c.arm_a, p);
       hit(own, c.b, c.arm_b, -p);
       const member& m = one.contacts[order.order()[k]].second;

@@ -35,14 +35,14 @@ template <class GoOn>
 class assembled_solver {
  public:
   /// All by reference; they outlive the solver.
-  assembled_solver(const assembled_problem& p, const vecx& start, real tolerance, int most,
+  assembled_solver(const assembled_problem& p, const contact_vector& start, real tolerance, int most,
                    GoOn& go_on)
       : p_(p), tolerance_(tolerance), most_(most), go_on_(go_on), sweep_(p) {
-    const Eigen::Index size = 3 * static_cast<Eigen::Index>(p.contacts());
-    best_ = start.size() == size && start.allFinite() ? start : vecx(vecx::Zero(size));
+    const contact_vector none(p.contacts());
+    best_ = start.contacts() == p.contacts() && start.is_finite() ? start : none;
     result_.error = result_.velocity_error = HUGE_VAL;
     look(best_);
-    if (best_.squaredNorm() > 0) look(vecx::Zero(size));
+    if (best_.norm() > 0) look(none);
     swept_ = best_;
   }
 
@@ -61,7 +61,7 @@ class assembled_solver {
         return interior();
     }
   }
-  [[nodiscard]] const vecx& best() const { return best_; }
+  [[nodiscard]] const contact_vector& best() const { return best_; }
   [[nodiscard]] assembled_result result() const {
     assembled_result r = result_;
     r.converged =
@@ -76,7 +76,7 @@ class assembled_solver {
   /// The error at r, which is kept if it is the best so far. Impulses that are large (of heavy
   /// bodies on light ones, or without bound) can hide wrong velocities in the scaled error, so that
   /// these count by themselves, at the root of the tolerance.
-  real look(const vecx& r) {
+  real look(const contact_vector& r) {
     p_.velocity(r, u_);
     const real rho = 1 / mean_, residual = natural_residual(p_, r, u_, rho);
     const real velocities = rho * std::max(p_.q.norm(), u_.norm());
@@ -143,10 +143,10 @@ class assembled_solver {
   /// Newton's method with a proximal term, which shrinks while that works.
   void proximal(real alpha, int patience, int most_lost, int steps) {
     if (!newton_) newton_.emplace(p_, sweep_);
-    vecx x = best_;
+    contact_vector x = best_;
     real mark = least_;
     for (int lost = 0, since = 0; going() && lost < most_lost && since < patience; ++since) {
-      const vecx centre = x;
+      const contact_vector centre = x;
       const bool solved = newton_->solve(x, centre, alpha, 0.1, steps, go_on_);
       result_.iterations += newton_->steps();
       const real e = look(x);
@@ -172,7 +172,7 @@ class assembled_solver {
     real mark = HUGE_VAL;
     for (int k = 0, since = 0; k < 80 && since < 8 && going() && method.step(); ++k, ++since) {
       ++result_.iterations;
-      vecx x = method.impulses();
+      contact_vector x = method.impulses();
       real e = look(x);
       sweep_(x);
       e = std::min(e, look(x));
@@ -190,7 +190,7 @@ class assembled_solver {
   assembled_sweeps sweep_;
   std::optional<assembled_newton<block_system>> newton_;
   const real mean_ = p_.mean_diagonal();
-  vecx u_, best_, swept_;
+  contact_vector u_, best_, swept_;
   real least_ = HUGE_VAL;  ///< measure of best_: within the tolerance if all is well
   assembled_result result_;
 };
@@ -202,7 +202,7 @@ class assembled_solver {
 /// interior-point method, and Newton's method from where that led; then sweeps and Newton's method
 /// in turn.
 template <class GoOn = always>
-assembled_result solve_assembled(const assembled_problem& p, vecx& r, real tolerance,
+assembled_result solve_assembled(const assembled_problem& p, contact_vector& r, real tolerance,
                                  int most = 2000, GoOn&& go_on = {},
                                  assembled_method method = assembled_method::hybrid) {
   assembled_solver solver(p, r, tolerance, most, go_on);

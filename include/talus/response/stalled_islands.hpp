@@ -147,13 +147,13 @@ class stalled_islands {
     if (cost > budget / 2) return false;
     std::vector<island_contact> chain;
     for (const auto i : order.order()) chain.push_back(contacts[i]);
-    vecx r;
+    contact_vector r;
     const assembled_problem problem = assemble_island(chain, s, r);
     budget -= cost * solve_island(problem, r, static_cast<int>(budget / cost));
     for (std::size_t k = 0; k < chain.size(); ++k) {
       const member& m = one.contacts[order.order()[k]];
       lists[m.list].set(
-          m.index, chain[k].axes.transpose() * r.segment<3>(3 * static_cast<Eigen::Index>(k)), s);
+          m.index, chain[k].axes.transpose() * r(static_cast<int>(k)), s);
     }
     return true;
   }

@@ -55,7 +55,7 @@ template <class Scenario>
 contact_residual last_residual(world_state<Scenario>& s) {
   // Velocities at the end, and what the impulses gave to them: u and W r are read from these.
   solver_state after = s.solver, given = s.solver;
-  for (auto& body : given.bodies) body.v.setZero(), body.w.setZero();
+  for (auto& body : given.bodies) body.v = body.w = {0, 0, 0};
   s.each_contact_list([&](const auto& list) {
     if constexpr (requires { list.apply_remembered(given); }) list.apply_remembered(given);
   });
@@ -66,8 +66,7 @@ contact_residual last_residual(world_state<Scenario>& s) {
     scale.add(c, after, violation(c, after) - c.relative_velocity(given));
   });
   s.link->reduce(reduction::sum, scale.sums);
-  residual_sums sums;
-  each_counted(s.contacts, [&](const auto& c) { sums.add(c, after, scale.rho()); });
+  residual_sums sums = sums_of(s.contacts, after, scale.rho());
   s.link->reduce(reduction::sum, sums.sums);
   s.link->reduce(reduction::max, std::span(&sums.largest, 1));
 

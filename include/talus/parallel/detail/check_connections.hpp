@@ -118,8 +118,8 @@ class connection_checker {
     for (const connection& c : all_[rank])
       for (const half_space& h : c.geometry.planes()) {
         const vec3 foot = h.normal() * h.displacement();
-        low = any ? vec3(low.cwiseMin(foot)) : foot;
-        high = any ? vec3(high.cwiseMax(foot)) : foot;
+        low = any ? lower_of(low, foot) : foot;
+        high = any ? upper_of(high, foot) : foot;
         any = true;
       }
     const vec3 centre = low + (high - low) / 2;
@@ -167,11 +167,11 @@ class connection_checker {
         u.normalize();
         p -= h.value(p) / n.dot(u) * u;
         across.push_back(u);
-        exact = exact && n.cwiseAbs().maxCoeff() == 1;
+        exact = exact && max_norm(n) == 1;
       }
     }
     // Where oblique planes meet, their intersection is known to round-off only: keep clear of it.
-    const real far = std::max(size_, p.cwiseAbs().maxCoeff());
+    const real far = std::max(size_, max_norm(p));
     if (exact || across.size() == 1) {
       unique(rank, p);
       around(rank, p, across, 4e-16 * far, false);
@@ -314,7 +314,7 @@ class connection_checker {
       return;
     }
     if (const int seen = rule_.owner(rank, p);
-        seen != owner || to->geometry.value(p) < -1e-12 * (size_ + p.cwiseAbs().maxCoeff()))
+        seen != owner || to->geometry.value(p) < -1e-12 * (size_ + max_norm(p)))
       report(flaw::mismatch, rank, owner, p, [&] {
         return compose(
             "the point {} belongs to rank {}, but in the eyes of rank {}, right beside "

@@ -51,7 +51,8 @@ inline std::optional<lp_vector> maximize(int dimension, const std::vector<lp_bou
   for (std::size_t k = 0; k < size; ++k) x[k] = c[k] > 0 ? lp_far : c[k] < 0 ? -lp_far : 0;
   std::vector<lp_bound> reduced;
   for (std::size_t i = 0; i < bounds.size(); ++i) {
-    const auto& [a, b] = bounds[i];
+    const lp_vector& a = bounds[i].a;
+    const real b = bounds[i].b;
     real value = 0, scale = 1 + std::abs(b);
     std::size_t pivot = 0;
     for (std::size_t k = 0; k < size; ++k) {

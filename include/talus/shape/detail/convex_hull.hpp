@@ -173,7 +173,7 @@ template <class Real>
   using vector = vector3<Real>;
   if (points.size() < 4) return {};
   vector low = points[0], high = points[0];
-  for (const vector& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const vector& p : points) low = lower_of(low, p), high = upper_of(high, p);
   const vector middle = (low + high) / 2;
   const Real extent = (high - low).maxCoeff();
   if (!(extent > 0)) return {};
