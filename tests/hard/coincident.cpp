@@ -1,4 +1,3 @@
-// long
 // Bodies whose centres coincide exactly, of all shapes: no direction is better than another, and
 // still they part, slowly, and end where they do not overlap.
 #include <doctest/doctest.h>

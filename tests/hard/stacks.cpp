@@ -1,4 +1,3 @@
-// long
 // Stacks, walls and pyramids of boxes at the default settings: they stand, without drift, on one
 // rank and where the boundaries of four cut through the middle of bodies; of any size, anywhere.
 // (Tall ones: tall_stacks.cpp.)

@@ -1,4 +1,3 @@
-// long
 // Soft contacts over ranks: the same motion for every number of ranks, momentum to round-off,
 // springs that go with the bodies; and what a soft world stores, sends and reports.
 #include <doctest/doctest.h>
