@@ -19,9 +19,9 @@ using talus::mat3;
 using talus::real;
 using talus::detail::assemble;
 using talus::detail::assembled_problem;
+using talus::detail::contact_vector;
 using talus::detail::delassus_block;
 using talus::detail::fail;
-using talus::detail::contact_vector;
 
 /// More is taken for a damaged file.
 inline constexpr long long most_contacts = 200'000, most_entries = 200'000'000;

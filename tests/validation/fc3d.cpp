@@ -111,7 +111,8 @@ TEST_CASE("compressed rows, compressed columns and triplets are the same matrix"
       x.push_back(value);
     }
     if (nz < 0) std::partial_sum(p.begin(), p.end(), p.begin());
-    return assemble(fc3d::compressed_blocks(nz, 6, p, i, x), {vec3::Ones(), vec3::Ones()}, {0.5, 0.5});
+    return assemble(fc3d::compressed_blocks(nz, 6, p, i, x), {vec3::Ones(), vec3::Ones()},
+                    {0.5, 0.5});
   };
   const auto rows = make(-2);
   CHECK(rows.own(0)(0, 2) == 2);

@@ -1,5 +1,6 @@
 #pragma once
 // Sums whose error does not grow with the number of terms.
+#include "talus/core/math.hpp"
 
 namespace talus::detail {
 

@@ -24,9 +24,7 @@ class contact_vector {
 
   [[nodiscard]] int contacts() const { return static_cast<int>(blocks_.size()); }
   void resize(int contacts) { blocks_.resize(static_cast<std::size_t>(contacts)); }
-  void set_zero(int contacts) {
-    blocks_.assign(static_cast<std::size_t>(contacts), vec3{0, 0, 0});
-  }
+  void set_zero(int contacts) { blocks_.assign(static_cast<std::size_t>(contacts), vec3{0, 0, 0}); }
 
   [[nodiscard]] vec3& operator()(int contact) { return blocks_[static_cast<std::size_t>(contact)]; }
   [[nodiscard]] const vec3& operator()(int contact) const {

@@ -48,7 +48,8 @@ class hash_grid {
   /// Calls f(i, j) once for every unordered pair i != j with |ci - cj| <= ri + rj.
   template <class F>
   void pairs(F&& f) const {
-    detail::pair_batch found(f);
+    auto take = [&](std::uint32_t i, std::uint32_t j) { f(i, j); };
+    detail::pair_batch found(take);
     find_pairs(found);
     found.flush();
   }
@@ -56,7 +57,8 @@ class hash_grid {
   /// Calls f(i of this, j of other) for every such pair with |ci - cj| <= ri + rj.
   template <class F>
   void pairs_with(const hash_grid& other, F&& f) const {
-    detail::pair_batch found(f);
+    auto take = [&](std::uint32_t i, std::uint32_t j) { f(i, j); };
+    detail::pair_batch found(take);
     find_pairs_with(other, found);
     found.flush();
   }
@@ -64,8 +66,8 @@ class hash_grid {
   /// Calls f(i) for every ball i with |ci - centre| <= ri + reach. Any finite reach will do.
   template <class F>
   void query(const vec3& centre, real reach, F&& f) const {
-    const auto first = [&](std::uint32_t i, std::uint32_t) { f(i); };
-    detail::pair_batch found(first);
+    auto take = [&](std::uint32_t i, std::uint32_t) { f(i); };
+    detail::pair_batch found(take);
     const detail::ball ball{centre[0], centre[1], centre[2], reach};
     for (const level& l : levels_) probe(l, ball, {found, 0, false});
     found.flush();

@@ -31,7 +31,7 @@ struct assembled_problem {
   std::vector<std::int32_t> column;    ///< ascending in each row
   std::vector<mat3> block;
   std::vector<std::int32_t> diagonal;  ///< place of each row's diagonal block
-  contact_vector q;                              ///< velocities without impulses
+  contact_vector q;                    ///< velocities without impulses
   std::vector<real> mu;
 
   [[nodiscard]] int contacts() const { return static_cast<int>(mu.size()); }
@@ -40,15 +40,13 @@ struct assembled_problem {
   /// Sum over row i of W r.
   [[nodiscard]] vec3 row_product(int i, const contact_vector& r) const {
     vec3 sum{0, 0, 0};
-    for (auto k = start[i]; k < start[i + 1]; ++k)
-      sum += block[k] * r(column[k]);
+    for (auto k = start[i]; k < start[i + 1]; ++k) sum += block[k] * r(column[k]);
     return sum;
   }
   /// u = W r + q
   void velocity(const contact_vector& r, contact_vector& u) const {
     u.resize(q.contacts());
-    for (int i = 0; i < contacts(); ++i)
-      u(i) = q(i) + row_product(i, r);
+    for (int i = 0; i < contacts(); ++i) u(i) = q(i) + row_product(i, r);
   }
   /// Mean of the diagonal of W: the scale of an inverse mass. 1 where that says nothing.
   [[nodiscard]] real mean_diagonal() const {
@@ -62,8 +60,8 @@ struct assembled_problem {
 /// A problem of mu.size() contacts from blocks in any order; those of one place are added up.
 /// Throws invalid_argument for places outside the matrix, sizes that do not fit, values that are
 /// not finite, and negative friction.
-[[nodiscard]] inline assembled_problem assemble(std::vector<delassus_block> blocks, contact_vector q,
-                                                std::vector<real> mu) {
+[[nodiscard]] inline assembled_problem assemble(std::vector<delassus_block> blocks,
+                                                contact_vector q, std::vector<real> mu) {
   const auto n = static_cast<std::int32_t>(mu.size());
   if (q.contacts() != n)
     fail<std::invalid_argument>("{} contacts need {} values of q, not {}", n, 3 * n, q.size());
@@ -71,8 +69,7 @@ struct assembled_problem {
     if (!(mu[i] >= 0) || !std::isfinite(mu[i]))
       fail<std::invalid_argument>("contact {}: friction must be finite and >= 0, but is {}", i,
                                   mu[i]);
-    if (!all_finite(q(i)))
-      fail<std::invalid_argument>("contact {}: q is not finite", i);
+    if (!all_finite(q(i))) fail<std::invalid_argument>("contact {}: q is not finite", i);
   }
   for (const auto& b : blocks) {
     if (b.row < 0 || b.row >= n || b.column < 0 || b.column >= n)
@@ -126,8 +123,8 @@ struct contact_error {
 };
 
 /// |r - P(r - rho û)|
-[[nodiscard]] inline real natural_residual(const assembled_problem& p, const contact_vector& r, const contact_vector& u,
-                                           real rho) {
+[[nodiscard]] inline real natural_residual(const assembled_problem& p, const contact_vector& r,
+                                           const contact_vector& u, real rho) {
   real sum = 0;
   for (int i = 0; i < p.contacts(); ++i) {
     const vec3 ri = r(i);
@@ -146,8 +143,8 @@ struct contact_error {
 }
 
 /// The error measure that solvers stop at; `u` is W r + q.
-[[nodiscard]] inline real scaled_error(const assembled_problem& p, const contact_vector& r, const contact_vector& u,
-                                       real rho) {
+[[nodiscard]] inline real scaled_error(const assembled_problem& p, const contact_vector& r,
+                                       const contact_vector& u, real rho) {
   return error_ratio(natural_residual(p, r, u, rho),
                      std::max({r.norm(), rho * p.q.norm(), rho * u.norm()}));
 }

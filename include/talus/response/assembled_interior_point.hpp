@@ -79,8 +79,7 @@ class assembled_interior_point {
       for (int i = 0; i < n; ++i) {
         du(i) = target(i) - scaling[i] * dr(i);
         if (smooth_at(i)) du(i)[1] = du(i)[2] = dr(i)[1] = dr(i)[2] = 0;
-        length = std::min({length, reach(r_(i), dr(i)),
-                           reach(u_(i), du(i))});
+        length = std::min({length, reach(r_(i), dr(i)), reach(u_(i), du(i))});
       }
       if (pass == 0) centring = std::clamp(std::pow(1 - length, 3), 1e-6, 1.);
     }
@@ -91,8 +90,7 @@ class assembled_interior_point {
       r_ = r0 + length_ * dr;
       u_ = u0 + length_ * du;
       bool in = true;
-      for (int i = 0; i < n && in; ++i)
-        in = inside(r_(i)) && inside(u_(i));
+      for (int i = 0; i < n && in; ++i) in = inside(r_(i)) && inside(u_(i));
       if (in) break;
     }
     return r_.is_finite() && u_.is_finite() && length_ > 1e-10;
@@ -101,8 +99,7 @@ class assembled_interior_point {
   /// The impulses so far, within their cones.
   [[nodiscard]] contact_vector impulses() const {
     contact_vector r(r_.contacts());
-    for (int i = 0; i < p_->contacts(); ++i)
-      r(i) = scale_[i].cwiseProduct(r_(i));
+    for (int i = 0; i < p_->contacts(); ++i) r(i) = scale_[i].cwiseProduct(r_(i));
     return r;
   }
   [[nodiscard]] real length() const { return length_; }

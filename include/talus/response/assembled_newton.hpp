@@ -21,7 +21,8 @@ class assembled_newton {
   /// within `accuracy` times |r - centre| or after `steps` linear systems. Where a Newton step
   /// gains little, sweeps sort out which contacts stick, slide and open. Whether it got there.
   template <class GoOn>
-  bool solve(contact_vector& r, const contact_vector& centre, real alpha, real accuracy, int steps, GoOn&& go_on) {
+  bool solve(contact_vector& r, const contact_vector& centre, real alpha, real accuracy, int steps,
+             GoOn&& go_on) {
     alpha_ = alpha;
     steps_ = 0;
     real now = residual(r, centre, f_), best = now;
@@ -62,7 +63,8 @@ class assembled_newton {
   /// way to the right choice of those that carry it leads through large residuals. Ends when the
   /// residual is within `accuracy` times |r - centre|, else hands back the best of `steps`. Whether
   /// it got there.
-  bool solve_by_whole_steps(contact_vector& r, const contact_vector& centre, real alpha, real accuracy, int steps) {
+  bool solve_by_whole_steps(contact_vector& r, const contact_vector& centre, real alpha,
+                            real accuracy, int steps) {
     alpha_ = alpha;
     steps_ = 0;
     real now = residual(r, centre, f_), best = now;

@@ -13,7 +13,8 @@ struct free_flight {
   vec3 position{0, 0, 0};
   vec3 velocity{0, 0, 0};  ///< at time 0, the true one
   vec3 acceleration{0, 0, 0};
-  quat orientation{1, 0, 0, 0};
+  quat orientation{1, 0, 0, 0};  ///< at time `turned`
+  real turned = 0;
   vec3 spin{0, 0, 0};     ///< angular velocity
   vec3 inertia{1, 1, 1};  ///< principal moments, to a factor
 
@@ -24,7 +25,7 @@ struct free_flight {
   [[nodiscard]] pose at(real t) const {
     pose p{place(t), orientation};
     if constexpr (Turns)
-      if (spin.squaredNorm() > 0) (void)rotate_freely(p.orientation, spin, inertia, t);
+      if (spin.squaredNorm() > 0) (void)rotate_freely(p.orientation, spin, inertia, t - turned);
     return p;
   }
   /// The body at rest where it is at time t.

@@ -118,9 +118,8 @@ class contact_order {
     while (last < order.size() && order[last].first == order[first].first) ++last;
     const auto body = static_cast<std::size_t>(order[first].first);
     const real inverse_mass = s.bodies[body].inverse_mass;
-    const mat3 inertia = body >= s.first_tensor
-                             ? s.tensor(body)
-                             : diagonal_matrix(s.bodies[body].inverse_inertia);
+    const mat3 inertia =
+        body >= s.first_tensor ? s.tensor(body) : diagonal_matrix(s.bodies[body].inverse_inertia);
     for (std::size_t i = first; i < last; ++i)
       for (std::size_t j = first; j < last; ++j) {
         const end &x = ends[order[i].second], &y = ends[order[j].second];

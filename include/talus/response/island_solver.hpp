@@ -59,11 +59,12 @@ inline int solve_island(const assembled_problem& p, contact_vector& r, int most_
 
 /// Solves `p` from no impulses at all, so that equal problems give equal bits; false, with r as it
 /// may be, where that leaves too much.
-[[nodiscard]] inline bool solve_island_anew(const assembled_problem& p, contact_vector& r) {
+[[nodiscard]] inline bool solve_island_anew(const assembled_problem& p, contact_vector& r,
+                                            int most_systems) {
   r.set_zero(p.contacts());
   const assembled_sweeps sweep(p);
   for (int k = 0; k < 10; ++k) sweep(r, k % 2 == 1);
-  solve_island(p, r, 60);
+  solve_island(p, r, most_systems);
   contact_vector u;
   p.velocity(r, u);
   const real rho = 1 / p.mean_diagonal(), free = rho * p.q.norm();

@@ -24,6 +24,7 @@ namespace talus {
 struct nonlinear_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "nonlinear_gauss_seidel";
+  static constexpr bool solves_shared_islands = true;
 
   /// Solves the contact problem in `lists` (a tuple of contact lists). `ranks` refreshes the shadow
   /// copies: share_velocities_and_counts(), share_velocities(), share_corrections().

@@ -103,6 +103,12 @@ class shared_islands {
     });
     for (body_ties& t : ties_)
       if (t.owner == own) t.of_owner = static_cast<std::int32_t>(t.contacts);
+    // Who holds a body that is fixed is not told, so what touches one takes no part.
+    each_contact(lists, [&](const contact_ends& c, member) {
+      if (c.b < 0 || moves(s, c.a) == moves(s, c.b)) return;
+      body_ties& t = ties_[static_cast<std::size_t>(moves(s, c.a) ? c.a : c.b)];
+      if (t.owner == own) t.of_owner = -1;
+    });
   }
   /// Of a body, for sending and receiving. A solver that never looks takes no part.
   [[nodiscard]] body_ties& ties(std::size_t body) {
@@ -241,12 +247,14 @@ class shared_islands {
       contacts.push_back(c);
     }
     const contact_order order(contacts);
-    if (band_system::cost(contacts.size(), order.half_bandwidth()) > 2e7) return;
+    // Alike on all ranks: what the island costs, not what a rank has spent so far.
+    const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
+    if (cost > 2e7) return;
     std::vector<island_contact> chain;
     for (const auto i : order.order()) chain.push_back(contacts[i]);
     contact_vector r;
     const assembled_problem problem = assemble_island(chain, own, r);
-    if (!solve_island_anew(problem, r)) return;
+    if (!solve_island_anew(problem, r, static_cast<int>(std::min(real{60}, 2e8 / cost)))) return;
     for (std::size_t k = 0; k < chain.size(); ++k) {
       const island_contact& c = chain[k];
       const vec3 p = c.axes.transpose() * r(static_cast<int>(k));

@@ -35,8 +35,8 @@ template <class GoOn>
 class assembled_solver {
  public:
   /// All by reference; they outlive the solver.
-  assembled_solver(const assembled_problem& p, const contact_vector& start, real tolerance, int most,
-                   GoOn& go_on)
+  assembled_solver(const assembled_problem& p, const contact_vector& start, real tolerance,
+                   int most, GoOn& go_on)
       : p_(p), tolerance_(tolerance), most_(most), go_on_(go_on), sweep_(p) {
     const contact_vector none(p.contacts());
     best_ = start.contacts() == p.contacts() && start.is_finite() ? start : none;

@@ -30,6 +30,13 @@ inline constexpr bool divides_the_step = requires {
   requires Solver::divides_the_step;
 };
 
+/// A solver that solves small groups of contacts across ranks as one problem; see
+/// shared_islands.hpp.
+template <class Solver>
+inline constexpr bool solves_shared_islands = requires {
+  requires Solver::solves_shared_islands;
+};
+
 /// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
 /// a tensor, locals before shadow copies within each shape.
 struct solver_state {

@@ -35,6 +35,8 @@ class stalled_islands {
 
   /// The last sweep, and then what has stalled.
   void sweep_and_solve(std::span<const contact_access> lists, solver_state& s) {
+    if (s.speed == 0)  // no gravity
+      for (const solver_body& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * b.v.norm());
     const real least = 1e-9 * s.speed;  // less cannot matter
     std::size_t stalled = 0, contacts = 0;
     std::vector<std::span<const std::pair<std::size_t, real>>> changes;
@@ -142,7 +144,11 @@ class stalled_islands {
     std::vector<island_contact> contacts;
     for (const member& m : one.contacts)
       contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
-    const contact_order order(contacts);
+    std::vector<island_contact> ties = contacts;  // immovable bodies tie nothing together
+    for (island_contact& c : ties)
+      for (std::int32_t* end : {&c.a, &c.b})
+        if (*end >= 0 && !moves(s, *end)) *end = -1;
+    const contact_order order(ties);
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     if (cost > budget / 2) return false;
     std::vector<island_contact> chain;
@@ -152,8 +158,7 @@ class stalled_islands {
     budget -= cost * solve_island(problem, r, static_cast<int>(budget / cost));
     for (std::size_t k = 0; k < chain.size(); ++k) {
       const member& m = one.contacts[order.order()[k]];
-      lists[m.list].set(
-          m.index, chain[k].axes.transpose() * r(static_cast<int>(k)), s);
+      lists[m.list].set(m.index, chain[k].axes.transpose() * r(static_cast<int>(k)), s);
     }
     return true;
   }

@@ -287,8 +287,8 @@ class flight_stopper {
     const real from_a = time[a] == never ? 0 : time[a];
     const real from_b = !paired || time[b] == never ? 0 : time[b];
     search.from = std::max(from_a, from_b);
-    fa.position -= from_a * fa.velocity;
-    fb.position -= from_b * fb.velocity;
+    fa.position -= from_a * fa.velocity, fa.turned = from_a;
+    fb.position -= from_b * fb.velocity, fb.turned = from_b;
     const real t = time_of_impact(a_.shape[i], fa, b_.shape[j], fb, search);
     if (t == never) return;
     if (stops_a) s_.impacts.found[a] = std::min(s_.impacts.found[a], t);

@@ -75,11 +75,10 @@ template <class Own, class Other, class Scenario>
 /// Whether this rank also looks for the contacts among bodies of other ranks.
 template <class Scenario>
 [[nodiscard]] bool shares_islands(const world_state<Scenario>& s) {
-  if constexpr (world_state<Scenario>::link_type::alone || world_state<Scenario>::law::soft ||
-                world_state<Scenario>::continuous)
-    return (void)s, false;
-  else
+  if constexpr (world_state<Scenario>::islands_across_ranks)
     return s.islands.wanted();
+  else
+    return (void)s, false;
 }
 
 /// Turns the contact points of one pair of shapes into contacts for the solver.

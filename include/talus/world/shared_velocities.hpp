@@ -44,6 +44,7 @@ class shared_velocities {
   /// To be called before any impulse acts, and after share_velocities_and_counts().
   template <class Lists>
   void look_for_shared_islands(Lists& lists) {
+    if constexpr (!state_type::islands_across_ranks) return (void)lists;
     std::vector<travelling_bodies> travelling;
     for (const auto& other : s_.travelling)
       travelling.push_back({other.rank, other.sent, other.received});

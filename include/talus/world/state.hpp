@@ -114,6 +114,11 @@ struct world_state : response_state<Scenario> {
       contains_type<typename Scenario::features, continuous_collision>;
   [[no_unique_address]] std::conditional_t<continuous, impact_times, no_impact_times> impacts;
 
+  /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
+  /// what a rank finds among bodies of others is not what they find.)
+  static constexpr bool islands_across_ranks = !link_type::alone && !law::soft && !continuous &&
+                                               solves_shared_islands<typename Scenario::solver>;
+
   using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
   static constexpr std::size_t shape_count = finite_shapes::size;
   using memory_type = std::conditional_t<(filter_types<finite_shapes, shares_data>::size > 0),

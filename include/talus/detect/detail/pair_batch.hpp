@@ -11,8 +11,8 @@ class pair_batch {
   /// `f` outlives the batch.
   template <class F>
   explicit pair_batch(F& f)
-      : to_(&f), hand_over_([](const void* to, const pair* pairs, std::uint32_t count) {
-          auto& take = *static_cast<F*>(const_cast<void*>(to));
+      : to_(&f), hand_over_([](void* to, const pair* pairs, std::uint32_t count) {
+          auto& take = *static_cast<F*>(to);
           for (std::uint32_t k = 0; k < count; ++k) take(pairs[k].i, pairs[k].j);
         }) {}
   pair_batch(const pair_batch&) = delete;
@@ -37,8 +37,8 @@ class pair_batch {
   static constexpr std::uint32_t capacity = 256;
   pair pairs_[capacity];
   std::uint32_t count_ = 0;
-  const void* to_;
-  void (*hand_over_)(const void*, const pair*, std::uint32_t);
+  void* to_;
+  void (*hand_over_)(void*, const pair*, std::uint32_t);
 };
 
 }  // namespace talus::detail
