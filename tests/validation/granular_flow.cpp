@@ -18,21 +18,21 @@ TEST_CASE("a granular gas cools by Haff's law, on 1 and 4 ranks") {
   }
 }
 
-// Wider than literature's C = 0.58 within 10 % and exponent 2.5 within 0.05: with k = 1.4 held, C
-// is 0.485 at D = 5 and 0.505 at D = 9, and the exponent between them 2.55. Both orifices agree
-// with k = 1.5 and C = 0.525.
+// For smooth grains (friction 0.3; with 0.5 C is about a tenth less), and long enough that some 2,000
+// grains leave: the rate of a small orifice fluctuates.
 TEST_CASE("the outflow through a round orifice follows Beverloo's law") {
   std::vector<std::array<real, 2>> points;
   real c = 0;
   const std::vector<real> diameters{5, 6, 7.5, 9, 11};
   for (const real diameter : diameters) {
-    const auto flow = discharge(diameter, std::max(2.6 * diameter, diameter + 8), 3, 7);
+    const auto flow = discharge(diameter, std::max(2.6 * diameter, diameter + 8), 3,
+                                std::min(7 * std::pow(11 / diameter, 2.5), 30.0));
     const real law =
         flow.bulk * std::sqrt(gravity) * std::pow(diameter - 1.4, 2.5);  // times C; d = 1
     MESSAGE("D ", diameter, ": rate ", flow.rate, ", bulk ", flow.bulk, ", C ", flow.rate / law);
     c += flow.rate / law / static_cast<real>(diameters.size());
     points.push_back({std::log(diameter - 1.4), std::log(flow.rate / flow.bulk)});
   }
-  check_absolute("Beverloo's law", "exponent", 2.5, line_through(points)[1], 0.1);
-  check_relative("Beverloo's law", "C", 0.58, c, 0.2);
+  check_absolute("Beverloo's law", "exponent", 2.5, line_through(points)[1], 0.05);
+  check_relative("Beverloo's law", "C", 0.58, c, 0.1);
 }

@@ -263,7 +263,7 @@ inline outflow discharge(real diameter, real fill, real settle, real measured) {
   const real apothem = diameter / 2 * std::sqrt(pi / (edges * std::tan(pi / edges)));
   serial::link link;
   world<silo> w(link);
-  w.material({.density = 1, .friction = 0.5});
+  w.material({.density = 1, .friction = 0.3});
   w.gravity({0, 0, -gravity});
   w.global([&](auto& s) {
     s.add(plane{.normal = {1, 0, 0}, .offset = -width / 2}, {});
