@@ -18,8 +18,8 @@ TEST_CASE("a granular gas cools by Haff's law, on 1 and 4 ranks") {
   }
 }
 
-// For smooth grains (friction 0.3; with 0.5 C is about a tenth less), and long enough that some 2,000
-// grains leave: the rate of a small orifice fluctuates.
+// For smooth grains (friction 0.3; with 0.5 C is about a tenth less), and long enough that 1,400
+// grains or more leave: the rate of a small orifice fluctuates.
 TEST_CASE("the outflow through a round orifice follows Beverloo's law") {
   std::vector<std::array<real, 2>> points;
   real c = 0;

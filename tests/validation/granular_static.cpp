@@ -51,4 +51,6 @@ TEST_CASE("the angle of repose grows with friction and saturates") {
                    angles[k] - angles[k - 1]);
   check_at_least("angle of repose", "rise in all, degrees", 5, angles.back() - angles.front());
   check_absolute("angle of repose", "mu 0.8 against 0.6, degrees", angles[4], angles[5], 2);
+  check_absolute("angle of repose", "small steps against Gauss-Seidel, mu 0.4, degrees", angles[3],
+                 repose<solver<small_steps>>(0.4, 30, 6, 14), 2);
 }
