@@ -280,6 +280,18 @@ class contact_maker {
   real gravity_;
 };
 
+/// The rank that owns body `i` of a shape's movable bodies, whether that is a shadow copy or not.
+template <class Scenario, class Bodies>
+[[nodiscard]] int owner_of_index(const world_state<Scenario>& s, const Bodies& bodies,
+                                 std::size_t i) {
+  using shapes = typename world_state<Scenario>::finite_shapes;
+  std::size_t last = bodies.movable.locals;
+  for (const auto& n : s.neighbours)
+    if (last <= i && i < (last += n.copies[index_of<shapes, typename Bodies::shape_type>]))
+      return n.rank;
+  return s.link->rank();
+}
+
 /// Sorts the bodies of each shape into its grid; reach(store, i, index in the solver's arrays) says
 /// how far a movable body reaches.
 template <class Scenario, class Reach>
@@ -300,9 +312,10 @@ void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
       try {
         grid.build(store.position, reach);
       } catch (const unplaceable& e) {
+        const int rank = &store == &b.movable ? owner_of_index(s, b, e.index) : s.link->rank();
         fail<std::runtime_error>("body {} at {} on rank {} cannot be placed in step {}: {}",
-                                 store.id[e.index], text(store.position[e.index]), s.link->rank(),
-                                 s.steps, e.what());
+                                 store.id[e.index], text(store.position[e.index]), rank, s.steps,
+                                 e.what());
       }
     };
     sort(b.movable, b.reach, b.grid);
