@@ -13,14 +13,7 @@ using namespace talus::validation;
 
 TEST_CASE(
     "blocks overhang by L/2 (1 + 1/2 + ... + 1/n): they stand at 0.99 and fall at 1.01 of it") {
-  const int ranks = 1;
-  for (int n = 1; n <= 5; ++n)
-    for (const real part : {0.99, 1.01})
-      check_stands("overhang" + on(ranks),
-                   std::to_string(n) + " blocks at " + fmt::format("{:.2f}", part), part < 1,
-                   watch(
-                       ranks, part < 1 ? 3 : 5, [&](auto& w) { overhang(w, n, part); }),
-                   1);
+  check_overhang(1);
 }
 
 TEST_CASE(

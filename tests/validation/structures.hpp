@@ -178,4 +178,15 @@ inline void check_steady(const std::string& test, const std::vector<real>& speed
               0.05);
 }
 
+/// Harmonic overhang: blocks stand at 0.99 of L/2 (1 + 1/2 + ... + 1/n) and fall at 1.01 of it.
+inline void check_overhang(int ranks) {
+  for (int n = 1; n <= 5; ++n)
+    for (const real part : {0.99, 1.01})
+      check_stands("overhang" + on(ranks),
+                   std::to_string(n) + " blocks at " + fmt::format("{:.2f}", part), part < 1,
+                   watch(
+                       ranks, part < 1 ? 3 : 5, [&](auto& w) { overhang(w, n, part); }),
+                   1);
+}
+
 }  // namespace talus::validation

@@ -1,0 +1,56 @@
+#pragma once
+// What the contact law asks of a new contact point: target velocity, correction, friction.
+#include <algorithm>
+
+#include "talus/body/material.hpp"
+#include "talus/core/math.hpp"
+#include "talus/response/rebound.hpp"
+
+namespace talus::detail {
+
+/// What the contact law asks of a new contact point. `u` is the velocity of a relative to b at the
+/// point before the step, `gap` the distance of the surfaces.
+struct contact_conditions {
+  real target = 0, push = 0, friction = 0;
+};
+
+/// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
+/// - A gap that gravity closes within a step is none: surfaces hold there, u_n >= 0, and the
+///   correction draws loaded ones together. (Were bodies let fall into it, positions would act on
+///   velocities, and stacks would sway: iterations that are cut short answer only a part c < 1 of a
+///   velocity that is slow to converge, and with impulses that are remembered the motion dv = y,
+///   dy = -c (v + y + gap/dt) swings up unless c is nearly 1.)
+/// - Of an overlap or a gap that is held, a part is corrected; other gaps may close.
+/// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
+///   -e u_n (Newton), see rebound(); a slower one is resting contact, which must not jitter.
+///   Without rebound, e = 0, the surfaces still meet. A solver that divides the step (`Divided`)
+///   finds the moment itself, and is told -e u_n.
+/// - Sliding faster than what gravity adds in a step, and than `creep`, meets the dynamic
+///   coefficient, else the static.
+/// `gravity` is the acceleration that the bodies would have without contacts; fall() is the part of
+/// it by which the surfaces approach.
+template <class Law, bool Divided, class Fall>
+[[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
+                                               const vec3& u, real gap, real dt, real gravity,
+                                               Fall&& fall, real creep, real correction) {
+  contact_conditions c;
+  const real un = normal.dot(u);
+  const bool held = gap <= (Law::correction ? gravity * dt * dt : 0);
+  c.target = held ? 0 : -gap / dt;
+  if constexpr (Law::correction) c.push = held ? -correction * gap / dt : -gap / dt;
+  if constexpr (Law::restitution)
+    if (pair.restitution > 0 && un < -2 * gravity * dt)
+      if (const real a = fall(); gap + (un - std::max(a, real{0}) * dt) * dt <= 0)
+        c.target = std::max(
+            c.target, Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
+  if constexpr (Law::friction) {
+    c.friction = pair.friction;
+    if (pair.dynamic_friction < pair.friction) {
+      const real sliding = (u - un * normal).norm();
+      if (sliding > gravity * dt + creep) c.friction = pair.dynamic_friction;
+    }
+  }
+  return c;
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,238 @@
+#pragma once
+// From two bodies that may touch to the contacts that the solver works on.
+#include <algorithm>
+#include <cmath>
+
+#include "talus/detect/narrow.hpp"
+#include "talus/world/contact_conditions.hpp"
+#include "talus/world/continuous.hpp"
+#include "talus/world/hand_over.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Whether the owner of shadow copy `copy` has a copy of the body `own`, so that both ranks compute
+/// their contact. (It has not in the one step after the user put a body where none was expected.)
+template <class Own, class Other, class Scenario>
+[[nodiscard]] bool copied_to_owner(const world_state<Scenario>& s, std::size_t own,
+                                   std::size_t copy) {
+  using shapes = typename world_state<Scenario>::finite_shapes;
+  std::size_t last = s.template of<Other>().movable.locals;
+  for (const auto& n : s.neighbours) {
+    last += n.copies[index_of<shapes, Other>];
+    if (copy >= last) continue;
+    const auto& there = n.shadowed[index_of<shapes, Own>];
+    return std::binary_search(there.begin(), there.end(), static_cast<std::uint32_t>(own));
+  }
+  return false;
+}
+
+/// Whether this rank also looks for the contacts among bodies of other ranks.
+template <class Scenario>
+[[nodiscard]] bool shares_islands(const world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::islands_across_ranks)
+    return s.islands.wanted();
+  else
+    return (void)s, false;
+}
+
+/// Turns the contact points of one pair of shapes into contacts for the solver.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner>
+class contact_maker {
+  using state_type = world_state<Scenario>;
+  using law = typename state_type::law;
+  static constexpr bool paired = Partner == partner::moving;
+  template <class A, class B>
+  static auto kind() {
+    if constexpr (paired)
+      return moving_contact<law, A, B>{};
+    else
+      return anchored_contact<law, A>{};
+  }
+  using contact_type = decltype(kind<ShapeA, ShapeB>());
+  using store_a = body_store<ShapeA, typename Scenario::features>;
+  using store_b = body_store<ShapeB, typename Scenario::features>;
+
+ public:
+  explicit contact_maker(state_type& s)
+      : s_(s),
+        a_(s.template of<ShapeA>().movable),
+        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
+        first_a_(s.template of<ShapeA>().first),
+        first_b_(paired ? s.template of<ShapeB>().first : 0),
+        list_(std::get<contact_list<contact_type>>(s.contacts)),
+        gravity_(s.gravity.norm()) {}
+
+  /// The pair (i, j); bodies of one shape in the order of their ids, so that every rank that sees
+  /// the pair computes the same.
+  void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b) {
+    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
+      if (b_.id[j] < a_.id[i]) {
+        std::swap(i, j);
+        std::swap(margin_a, margin_b);
+      }
+    const bool own_a = i < a_.locals, own_b = !paired || j < b_.locals;
+    const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
+    if constexpr (paired && !state_type::link_type::alone)
+      if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
+    const bool foreign = !((own_a && moves_a) || (own_b && moves_b));
+    if (foreign && !(shares_islands(s_) && (moves_a || moves_b))) return;
+    const bool boundary = paired && own_a != own_b && moves_a && moves_b;
+    if constexpr (paired)
+      if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
+                              : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
+        return;
+
+    const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
+    const real margin = margin_a + margin_b - excess(i, j);
+    collide_pair(
+        a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin, [&](const contact_geometry& g) {
+          vec3 arm_a = g.point - a_.position[i];
+          // Only where both bodies move must the forces on them share a line; something
+          // immovable is met with the surface itself.
+          if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
+          vec3 arm_b{0, 0, 0};
+          vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
+          if constexpr (paired) {
+            arm_b = g.point - b_.position[j];
+            u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
+          }
+          if constexpr (state_type::continuous) {
+            if (not_met(i, j, g.gap, pair)) return;
+            u += flown(a_, i, first_a_);
+            if constexpr (paired) u -= flown(b_, j, first_b_);
+          }
+          if (parts_before_touching(i, j, g, u)) return;
+          if constexpr (watches<Scenario, penetration_monitor>)
+            if (!foreign && (!boundary || own_a)) s_.monitors.overlaps.add(g.gap);
+          contact_type c;
+          c.a = static_cast<std::int32_t>(first_a_ + i);
+          if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
+          place(c, g, arm_a, arm_b);
+          const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
+              pair, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
+              creep(i), s_.settings.correction);
+          c.target = want.target;
+          c.push = want.push;
+          if constexpr (state_type::continuous) {
+            const bool rebounds = c.target > 0;
+            c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
+            if constexpr (paired) c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
+          }
+          if constexpr (law::friction) c.friction = want.friction;
+          const contact_key key{a_.id[i], b_.id[j], g.feature};
+          if (foreign)
+            list_.add_foreign(c, key);
+          else if (boundary)
+            list_.add_boundary(c, key, own_a);
+          else
+            list_.add(c, key);
+        });
+  }
+
+ private:
+  /// A contact that is farther than the slack and does not close within the step is no contact.
+  bool parts_before_touching(std::size_t i, std::size_t j, const contact_geometry& g,
+                             const vec3& u) const {
+    real slack = contact_slack * a_.shape[i].bounding_radius();
+    if constexpr (ShapeB::finite) slack += contact_slack * b_.shape[j].bounding_radius();
+    if (g.gap <= slack - excess(i, j)) return false;
+    real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
+    if constexpr (store_a::tensor) closing -= turning(a_, i);
+    if constexpr (paired && store_b::tensor) closing -= turning(b_, j);
+    return g.gap + closing > slack - excess(i, j);
+  }
+  [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }
+  /// Bodies apart that were followed on their way and do not meet in this step. (Where one of them
+  /// struck something its way is another one from then on: as without following, it is kept from
+  /// entering the other, unless that would be a rebound at a distance.)
+  bool not_met(std::size_t i, std::size_t j, real gap, const pair_material& pair) const {
+    const real zone = contact_zone(a_.shape[i], b_.shape[j]);
+    if (gap <= zone) return false;
+    real way = way_of(s_, a_, i);
+    bool struck = impact_time(first_a_ + i) != never;
+    if constexpr (paired) {
+      way += way_of(s_, b_, j);
+      struck = struck || impact_time(first_b_ + j) != never;
+    }
+    return way > slow_way(s_, zone) && !(struck && !(law::restitution && pair.restitution > 0));
+  }
+  /// What the true velocity of a body at its impact is above the stored one.
+  template <class Store>
+  vec3 flown(const Store& store, std::size_t i, std::size_t first) const {
+    const real t = impact_time(first + i);
+    if (t == never) return {0, 0, 0};
+    return (real(0.5) * s_.dt + t) * acceleration_of(s_, store, i);
+  }
+  /// The same at the end of the step above what the velocity is after the impact: of a body that
+  /// rebounds and flies on, or else of one that stays.
+  template <class Store>
+  vec3 to_fly(const Store& store, std::size_t i, std::size_t first, bool rebounds) const {
+    const real t = impact_time(first + i);
+    if (t == never) return {0, 0, 0};
+    return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
+  }
+  /// The slack of a large body that is none of a small one beside it: both have that of the small.
+  real excess(std::size_t i, std::size_t j) const {
+    if constexpr (ShapeB::finite)
+      return contact_slack *
+             std::abs(a_.shape[i].bounding_radius() - b_.shape[j].bounding_radius());
+    else
+      return (void)i, (void)j, 0;
+  }
+  /// Acceleration of the surfaces by gravity and by the forces and torques on the two bodies.
+  real pull(std::size_t i, std::size_t j) const {
+    real sum = gravity_;
+    if constexpr (store_a::forced) sum += pull_on(a_, i);
+    if constexpr (paired && store_b::forced) sum += pull_on(b_, j);
+    return sum;
+  }
+  /// The part of it by which they approach; none for bodies at their impact, whose velocities are
+  /// true.
+  real fall(std::size_t i, std::size_t j, const vec3& normal) const {
+    vec3 a = acceleration_of(s_, a_, i);
+    if constexpr (paired) a -= acceleration_of(s_, b_, j);
+    if constexpr (state_type::continuous) {
+      if (impact_time(first_a_ + i) != never) return 0;
+      if constexpr (paired)
+        if (impact_time(first_b_ + j) != never) return 0;
+    }
+    return (void)j, -normal.dot(a);
+  }
+  template <class Store>
+  static real pull_on(const Store& s, std::size_t i) {
+    const real arm = s.shape[i].bounding_radius() / s.shape[i].inertia().minCoeff();
+    return s.inverse_mass[i] * (s.force[i].norm() + arm * s.torque[i].norm());
+  }
+  /// What iterations leave of the velocity of something that sticks: a millionth of its size in a
+  /// step. (Where others press, the bodies themselves may feel neither gravity nor forces.)
+  real creep(std::size_t i) const { return 1e-6 * a_.shape[i].bounding_radius() / s_.dt; }
+  /// How far the turning of a body can bring a point of its surface in a step.
+  template <class Store>
+  real turning(const Store& s, std::size_t i) const {
+    return s.angular_velocity[i].norm() * s.shape[i].bounding_radius() * s_.dt;
+  }
+  static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
+                    const vec3& arm_b) {
+    if constexpr (requires { c.frame; }) {
+      c.frame = frame_around(g.normal).template topRows<contact_type::rows>();
+      c.arm_a = arm_a;
+      c.arm_b = arm_b;
+    } else {
+      c.normal = g.normal;
+      if constexpr (law::friction) {
+        c.arm_a = -g.normal.dot(arm_a);
+        c.arm_b = g.normal.dot(arm_b);
+      }
+    }
+  }
+
+  state_type& s_;
+  store_a& a_;
+  store_b& b_;
+  std::size_t first_a_, first_b_;
+  contact_list<contact_type>& list_;
+  real gravity_;
+};
+
+}  // namespace talus::detail
