@@ -31,6 +31,14 @@ template <class M>
 inline constexpr bool is_transpose<Eigen::Transpose<M>> = small_matrix<std::remove_const_t<M>>;
 template <class T>
 concept small_transpose = is_transpose<T>;
+template <small_transpose T>
+[[nodiscard]] inline matrix3<typename T::Scalar> written_out(const T& transpose) {
+  const auto& a = transpose.nestedExpression();
+  matrix3<typename T::Scalar> b;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) b(i, j) = a(j, i);
+  return b;
+}
 }  // namespace detail
 
 template <detail::small_vector V>
@@ -125,19 +133,11 @@ template <detail::small_transpose T, std::same_as<vector3<typename T::Scalar>> V
 }
 template <detail::small_transpose T, std::same_as<matrix3<typename T::Scalar>> M>
 [[nodiscard]] inline M operator*(const M& a, const T& transpose) {
-  const auto& b = transpose.nestedExpression();
-  M c;
-  for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i) c(i, j) = a(i, 0) * b(j, 0) + a(i, 1) * b(j, 1) + a(i, 2) * b(j, 2);
-  return c;
+  return a * detail::written_out(transpose);
 }
 template <detail::small_transpose T, std::same_as<matrix3<typename T::Scalar>> M>
 [[nodiscard]] inline M operator*(const T& transpose, const M& b) {
-  const auto& a = transpose.nestedExpression();
-  M c;
-  for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i) c(i, j) = a(0, i) * b(0, j) + a(1, i) * b(1, j) + a(2, i) * b(2, j);
-  return c;
+  return detail::written_out(transpose) * b;
 }
 
 namespace detail {
