@@ -43,7 +43,8 @@ class split_pair {
     std::size_t index;
     solver_body body;
     mat3 tensor;
-    vec3 shift, turn;
+    body_shift shift;
+    vec3 turn;
   };
   side save(std::int32_t i, real parts) {
     side x;

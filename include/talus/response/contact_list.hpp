@@ -13,6 +13,19 @@
 
 namespace talus::detail {
 
+/// Contacts of a kind that is solved one by one.
+struct no_blocks {};
+template <class Contact>
+concept comes_in_blocks = requires { typename Contact::blocks; };
+template <class Contact>
+struct blocks_for {
+  using type = no_blocks;
+};
+template <comes_in_blocks Contact>
+struct blocks_for<Contact> {
+  using type = typename Contact::blocks;
+};
+
 /// Contacts between bodies that this rank can move by itself (interior), and contacts between a
 /// body owned here and a movable body owned elsewhere (boundary): each of those is computed alike
 /// on both ranks, from the same velocities, and moves only the body owned here. What runs over the
@@ -44,7 +57,7 @@ class contact_list {
   [[nodiscard]] std::size_t size() const { return interior_.size() + boundary_.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return (interior_.capacity() + boundary_.capacity()) * sizeof(Contact) +
-           (interior_keys_.capacity() + boundary_keys_.capacity()) * sizeof(contact_key);
+           (interior_keys_.capacity() + boundary_keys_.capacity()) * sizeof(contact_key) + block_bytes();
   }
 
   /// Calls f(contact, counts_here): a boundary contact counts on the rank that owns its body a.
@@ -92,14 +105,40 @@ class contact_list {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
   }
 
+  // Sweeps work on copies of interior contacts, arranged in blocks, if these come in blocks: what
+  // else changes or reads impulses does so before load() and after collect().
+
+  /// Before the first load().
+  [[gnu::noinline]] void arrange(const solver_state& s) {
+    if constexpr (blocked) blocks_.arrange(interior_, s);
+  }
+  [[gnu::noinline]] void load() {
+    if constexpr (blocked) blocks_.load(interior_);
+  }
+  [[gnu::noinline]] void collect() {
+    if constexpr (blocked) blocks_.collect(interior_);
+  }
+
   [[gnu::noinline]] void sweep_forward(solver_state& s) {
-    in_streams([&](std::size_t i) { sweep_one(s, i); });
+    if constexpr (blocked) {
+      blocks_.forward(s);
+      for (const auto i : blocks_.rest()) sweep_one(s, i);
+    } else {
+      in_streams([&](std::size_t i) { sweep_one(s, i); });
+    }
   }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
-  /// (index, change).
+  /// (index, change); then collect().
   [[gnu::noinline]] const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
                                                                                    real speed) {
     stalled_.clear();
+    if constexpr (blocked) {
+      each_left_backward([&](std::size_t i) { watch_one(s, i, speed); });
+      blocks_.backward_watched(
+          s, speed, [&](std::size_t i, real change) { stalled_.push_back({i, change}); });
+      collect();
+      return stalled_;
+    }
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) watch_one(s, i, speed);
     for (std::size_t i = part; i-- > 0;)
@@ -117,6 +156,10 @@ class contact_list {
                                           : foreign_keys_)[i];
   }
   [[gnu::noinline]] void sweep_backward(solver_state& s) {
+    if constexpr (blocked) {
+      each_left_backward([&](std::size_t i) { sweep_one(s, i); });
+      return blocks_.backward(s);
+    }
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) sweep_one(s, i);
     for (std::size_t i = part; i-- > 0;)
@@ -207,12 +250,22 @@ class contact_list {
       apply_own(s, i, changes_[interior_.size() + i]);
   }
 
+  /// Before the first sweep of the correction, after load().
+  [[gnu::noinline]] void load_push() {
+    if constexpr (blocked) blocks_.start_push(interior_);
+  }
   [[gnu::noinline]] void sweep_push(solver_state& s) {
-    in_streams([&](std::size_t i) {
+    const auto push_one = [&](std::size_t i) {
       Contact& c = interior_[i];
       const real d = c.relax_push(s);
       if (d != 0) c.push_a(s, d), c.push_b(s, d);
-    });
+    };
+    if constexpr (blocked) {
+      blocks_.push(s);
+      for (const auto i : blocks_.rest()) push_one(i);
+    } else {
+      in_streams(push_one);
+    }
   }
   [[gnu::noinline]] void relax_boundary_push(solver_state& s) {
     pushes_.resize(boundary_.size());
@@ -236,6 +289,19 @@ class contact_list {
   /// Sweeps run through this many parts of the list side by side: see the kinds of contacts.
   static constexpr std::size_t streams = Contact::streams;
 
+  static constexpr bool blocked = comes_in_blocks<Contact>;
+
+  [[nodiscard]] std::size_t block_bytes() const {
+    if constexpr (blocked)
+      return blocks_.bytes();
+    else
+      return 0;
+  }
+  template <class F>
+  void each_left_backward(F&& f) const {
+    const auto& rest = blocks_.rest();
+    for (std::size_t k = rest.size(); k-- > 0;) f(rest[k]);
+  }
   template <class F>
   void in_streams(F&& f) {
     const std::size_t part = interior_.size() / streams;
@@ -280,6 +346,7 @@ class contact_list {
   std::vector<typename Contact::change> changes_, before_;
   std::vector<real> pushes_;
   std::vector<std::pair<std::size_t, real>> stalled_;
+  [[no_unique_address]] typename blocks_for<Contact>::type blocks_;
 };
 
 }  // namespace talus::detail

@@ -147,14 +147,14 @@ struct general_contact {
   /// What the correction moves the contact point by; a round body need not turn for it.
   template <contact_side Side>
   static vec3 shift_at(const solver_state& s, std::int32_t i, const vec3& arm) {
-    vec3 rate = s.shift[i];
+    vec3 rate = s.shift[i].v;
     if constexpr (Side == contact_side::tensor) rate += s.turn[i - s.first_tensor].cross(arm);
     return rate;
   }
   template <contact_side Side>
   void push_one(solver_state& s, std::int32_t i, const vec3& arm, real d) const {
     const vec3 p = d * axis();
-    s.shift[i] += s.bodies[i].inverse_mass * p;
+    s.shift[i].v += s.bodies[i].inverse_mass * p;
     if constexpr (Side == contact_side::tensor)
       s.turn[i - s.first_tensor] += s.tensor(i) * arm.cross(p);
   }

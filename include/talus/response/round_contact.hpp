@@ -5,13 +5,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "talus/core/math.hpp"
 #include "talus/core/quad.hpp"
 #include "talus/response/frame_around.hpp"
+#include "talus/response/round_blocks.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
+
+template <class Contact>
+class round_blocks;
 
 /// Whether the second body of a contact can move at all; global bodies cannot.
 enum class partner { moving, immovable };
@@ -69,6 +74,9 @@ struct round_contact : round_friction<Law::friction> {
   /// Contacts that follow each other in the list share a body, so that each would wait for the one
   /// before; contacts far apart do not, and the processor works on several at once.
   static constexpr std::size_t streams = 3;
+
+  static constexpr real tiny = 1e-150;    ///< impulses below it are none
+  using blocks = round_blocks<round_contact>;
 
   vec3 normal{0, 0, 1};  ///< from b to a
   real inverse_wn = 0;
@@ -223,24 +231,26 @@ struct round_contact : round_friction<Law::friction> {
     hit(B, d, -B.inverse_mass, spin);
   }
 
+  /// Surfaces that hold each other neither part nor meet but by the push.
+  [[nodiscard]] real least_push() const {
+    return target == 0 && rn > 0 ? -std::numeric_limits<real>::infinity() : 0;
+  }
   real relax_push(const solver_state& s) {
-    real rate = normal.dot(s.shift[a]);
-    if constexpr (paired) rate -= normal.dot(s.shift[b]);
+    real rate = normal.dot(s.shift[a].v);
+    if constexpr (paired) rate -= normal.dot(s.shift[b].v);
     const real before = pushed;
     const real next = pushed - (rate - push) * inverse_wn;
-    // Surfaces that hold each other neither part nor meet but by the push.
-    pushed = target == 0 && rn > 0 ? next : std::max(real{0}, next);
+    pushed = std::max(least_push(), next);
     return pushed - before;
   }
   void push_a(solver_state& s, real d) const {
-    s.shift[a] += (d * s.bodies[a].inverse_mass) * normal;
+    s.shift[a].v += (d * s.bodies[a].inverse_mass) * normal;
   }
   void push_b(solver_state& s, real d) const {
-    if constexpr (paired) s.shift[b] -= (d * s.bodies[b].inverse_mass) * normal;
+    if constexpr (paired) s.shift[b].v -= (d * s.bodies[b].inverse_mass) * normal;
   }
 
  private:
-  static constexpr real tiny = 1e-150;  ///< impulses below it are none
   [[nodiscard]] quad normal_quad() const { return without_fourth(load(normal)); }
   [[nodiscard]] quad tangent() const { return without_fourth(load(this->rt)); }
 

@@ -18,6 +18,12 @@ struct alignas(64) solver_body {
   real inverse_inertia = 0;
 };
 
+/// Displacement of a body per unit of time that the correction of overlaps asks for.
+struct alignas(32) body_shift {
+  vec3 v{0, 0, 0};
+  real inverse_mass = 0;
+};
+
 /// Velocities of a body, or changes of them.
 struct body_motion {
   vec3 v{0, 0, 0}, w{0, 0, 0};
@@ -41,9 +47,8 @@ inline constexpr bool solves_shared_islands = requires {
 /// a tensor, locals before shadow copies within each shape.
 struct solver_state {
   std::vector<solver_body> bodies;
-  /// Displacement per unit of time that the correction of overlaps asks for. It moves positions and
-  /// never enters the velocities. Empty when overlaps are not corrected.
-  std::vector<vec3> shift;
+  /// It moves positions and never enters the velocities. Empty when overlaps are not corrected.
+  std::vector<body_shift> shift;
   std::vector<vec3> turn;     ///< likewise the rotation, of bodies from first_tensor
   std::vector<mat3> tensors;  ///< inverse inertia, world frame, of bodies from first_tensor
   std::size_t first_tensor = 0;

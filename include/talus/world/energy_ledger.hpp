@@ -125,7 +125,7 @@ void book_response(world_state<Scenario>& s) {
     if constexpr (store_type::forced)
       r.running.work += s.dt * (store.force[i].dot(mean.v) + store.torque[i].dot(mean.w));
     if constexpr (world_state<Scenario>::law::correction)
-      r.running.correction += -pull.dot(solver.shift[k]);
+      r.running.correction += -pull.dot(solver.shift[k].v);
     if constexpr (divides_the_step<typename Scenario::solver>)
       r.running.scheme += -pull.dot(solver.drift[k].v);
     const bool damped = kept != 1;

@@ -16,7 +16,7 @@ void gather_velocities(world_state<Scenario>& s) {
   solver.speed = s.dt * s.gravity.norm();
   solver.tensors.resize(solver.bodies.size() - solver.first_tensor);
   if constexpr (world_state<Scenario>::law::correction) {
-    solver.shift.assign(solver.bodies.size(), vec3(0, 0, 0));
+    solver.shift.resize(solver.bodies.size());
     solver.turn.assign(solver.tensors.size(), vec3(0, 0, 0));
   }
   if constexpr (!world_state<Scenario>::link_type::alone)
@@ -34,6 +34,8 @@ void gather_velocities(world_state<Scenario>& s) {
       body.w = store.angular_velocity[i];
       body.inverse_mass = inverse_mass;
       body.inverse_inertia = 0;
+      if constexpr (world_state<Scenario>::law::correction)
+        solver.shift[b.first + i] = {vec3(0, 0, 0), inverse_mass};
       if constexpr (store_type::tensor) solver.tensors[b.first + i - solver.first_tensor].setZero();
       if (inverse_mass == 0) continue;
       body.v += s.dt * s.gravity;
@@ -91,7 +93,7 @@ void integrate(world_state<Scenario>& s) {
           if constexpr (watches<Scenario, energy_ledger>)
             book_stop(s, store, i, s.dt * (store.velocity[i] - rate));
         }
-      if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i];
+      if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i].v;
       constexpr bool divided = divides_the_step<typename Scenario::solver>;
       if constexpr (divided) rate += solver.drift[b.first + i].v;
       store.position[i] += s.dt * rate;

@@ -74,24 +74,24 @@ class shared_velocities {
     if constexpr (!turning)
       exchange<3>(
           [&](std::uint32_t i, real* out) {
-            for (int k = 0; k < 3; ++k) out[k] = solver.shift[i][k];
+            for (int k = 0; k < 3; ++k) out[k] = solver.shift[i].v[k];
           },
           [&](std::uint32_t i, const real* in) {
-            for (int k = 0; k < 3; ++k) solver.shift[i][k] = in[k];
+            for (int k = 0; k < 3; ++k) solver.shift[i].v[k] = in[k];
           });
     else
       exchange<6>(
           [&](std::uint32_t i, real* out) {
             const bool turns = i >= solver.first_tensor;
             for (int k = 0; k < 3; ++k) {
-              out[k] = solver.shift[i][k];
+              out[k] = solver.shift[i].v[k];
               out[3 + k] = turns ? solver.turn[i - solver.first_tensor][k] : 0;
             }
           },
           [&](std::uint32_t i, const real* in) {
             const bool turns = i >= solver.first_tensor;
             for (int k = 0; k < 3; ++k) {
-              solver.shift[i][k] = in[k];
+              solver.shift[i].v[k] = in[k];
               if (turns) solver.turn[i - solver.first_tensor][k] = in[3 + k];
             }
           });
