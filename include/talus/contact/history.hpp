@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/contact/place.hpp"
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
@@ -18,7 +19,8 @@ struct kept_contact {
   Memory memory;  ///< of a hard contact: the impulse on body a, world frame
 };
 
-/// Contacts of the last step, found by key: open addressing, rebuilt every step.
+/// Contacts of the last step, found by key (open addressing) or by the place in which they are. What
+/// finds them by key is built when it is first asked for.
 template <class Memory>
 class history_of {
  public:
@@ -26,26 +28,38 @@ class history_of {
 
   void clear() {
     entries_.clear();
-    slots_.assign(slots_.size(), 0);
+    indexed_ = false;
   }
   /// Makes room for `n` contacts; call before adding.
   void reset(std::size_t n) {
     entries_.clear();
     entries_.reserve(n);
-    const auto wanted = std::bit_ceil(2 * n + 16);
-    if (slots_.size() < wanted || slots_.size() > 8 * wanted)
-      slots_.assign(wanted, 0);
-    else
-      std::fill(slots_.begin(), slots_.end(), 0);
+    indexed_ = false;
   }
   void add(const contact_key& key, const Memory& memory) {
-    if (2 * (entries_.size() + 1) > slots_.size()) grow();
     entries_.push_back({key, memory});
-    insert(entries_.size());
+    if (!indexed_) return;
+    if (2 * entries_.size() > slots_.size())
+      index();
+    else
+      insert(entries_.size());
+  }
+  /// Where the contact that is added next will be.
+  [[nodiscard]] history_place next_place() const {
+    return static_cast<history_place>(entries_.size());
+  }
+  /// The contacts of a pair that were added one after the other from `place` on.
+  [[nodiscard]] std::span<const entry> row(history_place place, const contact_key& pair) const {
+    const auto first = static_cast<std::size_t>(place);
+    if (first >= entries_.size()) return {};
+    std::size_t last = first;
+    while (last < entries_.size() && entries_[last].key.same_pair(pair)) ++last;
+    return std::span(entries_).subspan(first, last - first);
   }
   /// What the contact kept in the last step, or null where it is new.
   [[nodiscard]] const Memory* find(const contact_key& key) const {
-    if (slots_.empty()) return nullptr;
+    if (entries_.empty()) return nullptr;
+    if (!indexed_) index();
     const auto mask = slots_.size() - 1;
     for (auto s = key.hash() & mask; slots_[s] != 0; s = (s + 1) & mask)
       if (entries_[slots_[s] - 1].key == key) return &entries_[slots_[s] - 1].memory;
@@ -54,7 +68,8 @@ class history_of {
   /// Calls f(entry) for all contacts of a pair.
   template <class F>
   void each_of_pair(const contact_key& pair, F&& f) const {
-    if (slots_.empty()) return;
+    if (entries_.empty()) return;
+    if (!indexed_) index();
     const auto mask = slots_.size() - 1;
     for (auto s = pair.hash() & mask; slots_[s] != 0; s = (s + 1) & mask)
       if (entries_[slots_[s] - 1].key.same_pair(pair)) f(entries_[slots_[s] - 1]);
@@ -65,19 +80,25 @@ class history_of {
   }
 
  private:
-  void insert(std::size_t number) {
+  void insert(std::size_t number) const {
     const auto mask = slots_.size() - 1;
     auto s = entries_[number - 1].key.hash() & mask;
     while (slots_[s] != 0) s = (s + 1) & mask;
     slots_[s] = static_cast<std::uint32_t>(number);
   }
-  void grow() {
-    slots_.assign(std::bit_ceil(4 * entries_.size() + 16), 0);
+  void index() const {
+    const auto wanted = std::bit_ceil(2 * entries_.size() + 16);
+    if (slots_.size() < wanted || slots_.size() > 8 * wanted)
+      slots_.assign(wanted, 0);
+    else
+      std::fill(slots_.begin(), slots_.end(), 0);
     for (std::size_t n = 1; n <= entries_.size(); ++n) insert(n);
+    indexed_ = true;
   }
 
   std::vector<entry> entries_;
-  std::vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
+  mutable bool indexed_ = false;
+  mutable std::vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
 };
 
 /// The history of hard contacts.

@@ -22,7 +22,7 @@ template <class Scenario>
   s.each_contact_list([&](const auto& list) { bytes += list.bytes(); });
   if constexpr (Scenario::contact_law::soft) {
     of(s.soft.bodies);
-    bytes += s.soft.pairs.bytes() + s.soft.found.bytes() + s.recorded.bytes();
+    bytes += s.soft.pairs.bytes() + s.recorded.bytes();
   } else {
     of(s.solver.bodies);
     of(s.solver.shift);
@@ -33,7 +33,7 @@ template <class Scenario>
     of(s.solver.boundary_contacts);
   }
   if constexpr (Scenario::template has_feature<energy_ledger>) of(s.monitors.energy.mean);
-  return bytes + s.history.bytes();
+  return bytes + s.found.bytes() + s.history.bytes();
 }
 
 }  // namespace talus

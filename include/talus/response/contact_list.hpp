@@ -38,14 +38,20 @@ class contact_list {
   void clear() {
     interior_.clear(), boundary_.clear(), foreign_.clear();
     interior_keys_.clear(), boundary_keys_.clear(), foreign_keys_.clear();
+    interior_places_.clear(), boundary_places_.clear();
     owns_a_.clear();
   }
-  void add(const Contact& contact, const contact_key& key) {
+  /// `last` says where the history keeps the contacts of its pair; nobody knows if it is null. It is
+  /// kept up to date.
+  void add(const Contact& contact, const contact_key& key, history_place* last) {
     interior_.push_back(contact);
     interior_keys_.push_back(key);
+    interior_places_.push_back(last);
   }
-  void add_boundary(const Contact& contact, const contact_key& key, bool owns_a) {
+  void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
+                    history_place* last) {
     boundary_.push_back(contact);
+    boundary_places_.push_back(last);
     boundary_keys_.push_back(key);
     owns_a_.push_back(owns_a);
   }
@@ -57,7 +63,8 @@ class contact_list {
   [[nodiscard]] std::size_t size() const { return interior_.size() + boundary_.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return (interior_.capacity() + boundary_.capacity()) * sizeof(Contact) +
-           (interior_keys_.capacity() + boundary_keys_.capacity()) * sizeof(contact_key) + block_bytes();
+           (interior_keys_.capacity() + boundary_keys_.capacity()) * sizeof(contact_key) +
+           (interior_places_.capacity() + boundary_places_.capacity()) * sizeof(history_place*) + block_bytes();
   }
 
   /// Calls f(contact, counts_here): a boundary contact counts on the rank that owns its body a.
@@ -78,14 +85,12 @@ class contact_list {
 
   /// Takes up the impulses of the last step.
   [[gnu::noinline]] void recall(const contact_history& history) {
-    detail::recall(history, interior_keys_, interior_);
-    detail::recall(history, boundary_keys_, boundary_);
+    detail::recall(history, interior_keys_, interior_places_, interior_);
+    detail::recall(history, boundary_keys_, boundary_places_, boundary_);
   }
   [[gnu::noinline]] void remember(contact_history& history) const {
-    for (std::size_t i = 0; i < interior_.size(); ++i)
-      history.add(interior_keys_[i], interior_[i].impulse());
-    for (std::size_t i = 0; i < boundary_.size(); ++i)
-      history.add(boundary_keys_[i], boundary_[i].impulse());
+    detail::remember(history, interior_keys_, interior_places_, interior_);
+    detail::remember(history, boundary_keys_, boundary_places_, boundary_);
   }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
@@ -342,6 +347,7 @@ class contact_list {
 
   std::vector<Contact> interior_, boundary_, foreign_;
   std::vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
+  std::vector<history_place*> interior_places_, boundary_places_;
   std::vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   std::vector<typename Contact::change> changes_, before_;
   std::vector<real> pushes_;

@@ -1,12 +1,10 @@
 #pragma once
 // What soft contacts work on: motion and forces of all bodies of this rank, whatever their shape.
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
 #include "talus/response/soft_pair.hpp"
 
@@ -33,30 +31,10 @@ struct soft_contacts {
   [[nodiscard]] static std::size_t bytes() { return 0; }
 };
 
-/// Pairs of bodies that may touch, one list for each pair of shapes, and where the bodies were when
-/// they were found; see world/close_pairs.hpp.
-struct soft_pairs_found {
-  struct body {
-    system_id id = no_id;
-    vec3 position{0, 0, 0};
-    real skin = 0;  ///< how far it may go
-  };
-  std::vector<std::vector<std::array<std::uint32_t, 2>>> lists;
-  std::vector<body> bodies;
-  bool known = false;
-
-  [[nodiscard]] std::size_t bytes() const {
-    std::size_t sum = bodies.capacity() * sizeof(body);
-    for (const auto& list : lists) sum += list.capacity() * sizeof(list[0]);
-    return sum;
-  }
-};
-
 template <class Law>
 struct soft_state {
   std::vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
   soft_pairs<Law> pairs;
-  soft_pairs_found found;
 };
 
 /// The radius that a shape counts with where the theory knows spheres only.

@@ -1,47 +1,62 @@
 #pragma once
-// Pairs that may touch, kept from step to step: steps of soft contacts are short, and bodies move
-// by little in each (neighbour lists, Verlet 1967).
+// Pairs that may touch, kept from step to step while bodies move by little (neighbour lists, Verlet
+// 1967). What is done with them depends on who is within reach at present, so that keeping them
+// changes nothing but the order of the contacts.
+#include <algorithm>
 #include <cstddef>
 #include <type_traits>
 
 #include "talus/detect/narrow.hpp"
 #include "talus/shape/sphere.hpp"
-#include "talus/world/detect.hpp"
+#include "talus/world/search.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
 
-/// A body may move by this part of its bounding radius until pairs are looked for anew.
+/// A body may move by this part of its bounding radius, or of the mean one if that is less, until
+/// pairs are looked for anew.
 inline constexpr real pair_skin = 0.05;
 
-/// Whether the pairs found last are all that can touch now: the same bodies in the same order, none
-/// of which has left its skin.
+/// Measures the present reach of all bodies, and tells whether the pairs found last are all that
+/// can touch now: the same bodies in the same order, none of which reaches out of its skin.
 template <class Scenario>
 [[nodiscard]] bool pairs_still_hold(world_state<Scenario>& s) {
-  const soft_pairs_found& found = s.soft.found;
-  std::size_t k = 0;
+  const found_pairs& found = s.found;
   bool hold = found.known;
+  std::size_t k = 0;
   s.each_shape([&](const auto& b) { hold = hold && !b.globals_changed; });
-  s.each_finite_shape([&](const auto& b) {
+  s.each_finite_shape([&](auto& b) {
     const auto& store = b.movable;
     hold = hold && k + store.size() <= found.bodies.size();
-    for (std::size_t i = 0; hold && i < store.size(); ++i, ++k) {
+    if (!hold) return;
+    b.reach.resize(store.size());
+    for (std::size_t i = 0; i < store.size(); ++i, ++k) {
       const auto& then = found.bodies[k];
-      hold = then.id == store.id[i] &&
-             (store.position[i] - then.position).squaredNorm() <= then.skin * then.skin;
+      b.reach[i] = reach_in_step(s, store, i);
+      const real left = then.reach - b.reach[i];
+      hold = hold && then.id == store.id[i] && left >= 0 &&
+             (store.position[i] - then.position).squaredNorm() <= left * left;
     }
   });
   return hold && k == found.bodies.size();
 }
 
-/// Looks for all pairs within reach of each other, unless those found before still hold.
+/// Looks for all pairs that are within reach of each other, or within the skin around.
 template <class Scenario>
-void find_close_pairs(world_state<Scenario>& s) {
-  if (pairs_still_hold(s)) return;
-  prepare_detection(s, [](const auto& store, std::size_t i, std::size_t) {
-    return (1 + pair_skin) * store.shape[i].bounding_radius();
+void find_pairs_with_skin(world_state<Scenario>& s) {
+  real sum = 0;
+  std::size_t bodies = 0;
+  s.each_finite_shape([&](const auto& b) {
+    bodies += b.movable.size();
+    for (std::size_t i = 0; i < b.movable.size(); ++i) sum += b.movable.shape[i].bounding_radius();
   });
-  soft_pairs_found& found = s.soft.found;
+  const real mean = sum / static_cast<real>(std::max<std::size_t>(bodies, 1));
+  prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t) {
+    return reach_in_step(s, store, i) +
+           pair_skin * std::min(mean, store.shape[i].bounding_radius());
+  });
+
+  found_pairs& found = s.found;
   found.known = false;
   for (auto& list : found.lists) list.clear();
   std::size_t kinds = 0;
@@ -50,25 +65,46 @@ void find_close_pairs(world_state<Scenario>& s) {
     if (found.lists.size() < kinds) found.lists.resize(kinds);
     return [&s, &found, kind](std::size_t i, std::size_t j, real, real) {
       if constexpr (!B::finite && collidable<sphere, B>) {
-        const auto& a = s.template of<A>().movable;
+        const auto& a = s.template of<A>();
         const auto& b = s.template of<B>().global;
         bool near = false;
-        const sphere skin{(1 + pair_skin) * a.shape[i].bounding_radius()};
-        collide_pair(skin, a.pose(i), b.shape[j], b.pose(j), 0,
+        collide_pair(sphere{a.reach[i]}, a.movable.pose(i), b.shape[j], b.pose(j), 0,
                      [&](const contact_geometry&) { near = true; });
         if (!near) return;
       }
-      found.lists[kind].push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
+      found.lists[kind].push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j),
+                                   history_place::unknown});
     };
   });
   found.bodies.clear();
-  s.each_finite_shape([&](const auto& b) {
-    for (std::size_t i = 0; i < b.movable.size(); ++i)
-      found.bodies.push_back({b.movable.id[i], b.movable.position[i],
-                              pair_skin * b.movable.shape[i].bounding_radius()});
+  s.each_finite_shape([&](auto& b) {
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      found.bodies.push_back({b.movable.id[i], b.movable.position[i], b.reach[i]});
+      b.reach[i] = reach_in_step(s, b.movable, i);
+    }
   });
   s.each_shape([](auto& b) { b.globals_changed = false; });
   found.known = true;
+}
+
+/// Looks for all pairs within reach of each other, unless those found before still hold.
+template <class Scenario>
+void find_close_pairs(world_state<Scenario>& s) {
+  if (!pairs_still_hold(s)) find_pairs_with_skin(s);
+}
+
+/// The same, unless bodies move so fast that pairs do not hold for long: then false.
+template <class Scenario>
+[[nodiscard]] bool keep_close_pairs(world_state<Scenario>& s) {
+  found_pairs& found = s.found;
+  if (found.pause > 0) return --found.pause, false;
+  if (pairs_still_hold(s)) return ++found.steps, count_bodies(s), true;
+  const bool worth = !found.known || found.steps >= 2;
+  found.steps = 0;
+  if (worth) return find_pairs_with_skin(s), true;
+  found.known = false;
+  found.pause = 16;
+  return false;
 }
 
 /// Like each_close_pair(), for the pairs found.
@@ -77,14 +113,28 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
   std::size_t kind = 0;
   const auto visit = [&]<class A, class B, partner P>() {
     auto take = make.template operator()<A, B, P>();
-    const auto& a = s.template of<A>().movable;
-    const auto& b = P == partner::moving ? s.template of<B>().movable : s.template of<B>().global;
-    for (const auto& [i, j] : s.soft.found.lists[kind]) {
+    const auto& of_a = s.template of<A>();
+    const auto& of_b = s.template of<B>();
+    constexpr bool moving = P == partner::moving;
+    const auto& a = of_a.movable;
+    const auto& b = moving ? of_b.movable : of_b.global;
+    for (close_pair& pair : s.found.lists[kind]) {
+      const std::size_t i = pair.i, j = pair.j;
+      const auto margin = [](const auto& store, real reach, std::size_t k) {
+        return reach - store.shape[k].bounding_radius();
+      };
+      const real reach_a = of_a.reach[i];
+      real margin_b = 0;
       if constexpr (B::finite) {
-        const real reach = a.shape[i].bounding_radius() + b.shape[j].bounding_radius();
-        if ((a.position[i] - b.position[j]).squaredNorm() > reach * reach) continue;
+        const real reach_b = moving ? of_b.reach[j] : of_b.global_reach[j];
+        const real reach = reach_a + reach_b;
+        if ((a.position[i] - b.position[j]).squaredNorm() > reach * reach) {
+          pair.last = history_place::none;
+          continue;
+        }
+        margin_b = margin(b, reach_b, j);
       }
-      take(i, j, 0, 0);
+      take(i, j, margin(a, reach_a, i), margin_b, pair.last);
     }
     ++kind;
   };
@@ -99,6 +149,10 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
       visit.template operator()<A, B, partner::immovable>();
     });
   });
+}
+template <template <class, class, class, partner> class Maker, class Scenario>
+void each_found_pair(world_state<Scenario>& s) {
+  each_found_pair(s, [&]<class A, class B, partner P>() { return Maker<Scenario, A, B, P>(s); });
 }
 
 }  // namespace talus::detail

@@ -66,6 +66,17 @@ class contact_maker {
   /// The pair (i, j); bodies of one shape in the order of their ids, so that every rank that sees
   /// the pair computes the same.
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b) {
+    make(i, j, margin_a, margin_b, nullptr);
+  }
+  /// The same for a pair that is kept from step to step.
+  void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b,
+                  history_place& last) {
+    if (!make(i, j, margin_a, margin_b, &last)) last = history_place::none;
+  }
+
+ private:
+  /// Whether they have a contact that may get an impulse.
+  bool make(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place* last) {
     if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
       if (b_.id[j] < a_.id[i]) {
         std::swap(i, j);
@@ -76,15 +87,16 @@ class contact_maker {
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
     const bool foreign = !((own_a && moves_a) || (own_b && moves_b));
-    if (foreign && !(shares_islands(s_) && (moves_a || moves_b))) return;
+    if (foreign && !(shares_islands(s_) && (moves_a || moves_b))) return false;
     const bool boundary = paired && own_a != own_b && moves_a && moves_b;
     if constexpr (paired)
       if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
                               : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
-        return;
+        return false;
 
     const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
     const real margin = margin_a + margin_b - excess(i, j);
+    bool made = false;
     collide_pair(
         a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin, [&](const contact_geometry& g) {
           vec3 arm_a = g.point - a_.position[i];
@@ -121,16 +133,16 @@ class contact_maker {
           }
           if constexpr (law::friction) c.friction = want.friction;
           const contact_key key{a_.id[i], b_.id[j], g.feature};
-          if (foreign)
-            list_.add_foreign(c, key);
-          else if (boundary)
-            list_.add_boundary(c, key, own_a);
+          if (foreign) return list_.add_foreign(c, key);
+          made = true;
+          if (boundary)
+            list_.add_boundary(c, key, own_a, last);
           else
-            list_.add(c, key);
+            list_.add(c, key, last);
         });
+    return made;
   }
 
- private:
   /// A contact that is farther than the slack and does not close within the step is no contact.
   bool parts_before_touching(std::size_t i, std::size_t j, const contact_geometry& g,
                              const vec3& u) const {

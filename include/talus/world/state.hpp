@@ -16,6 +16,7 @@
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 #include "talus/world/bodies_of_shape.hpp"
+#include "talus/world/found_pairs.hpp"
 #include "talus/world/monitors.hpp"
 #include "talus/world/response_state.hpp"
 #include "talus/world/scenario.hpp"
@@ -129,6 +130,7 @@ struct world_state : response_state<Scenario> {
   bool strangers = false;       ///< some neighbours are not connected to each other
   bool changed = true;          ///< bodies were added, removed or changed since the last handover
 
+  found_pairs found;
   stage_seconds seconds;
   step_traffic sent;
   [[no_unique_address]] monitor_records<typename Scenario::features> monitors;

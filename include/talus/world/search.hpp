@@ -1,0 +1,126 @@
+#pragma once
+// The search for pairs that may touch: every body in its grid, then all pairs within reach.
+#include <stdexcept>
+#include <type_traits>
+#include <vector>
+
+#include "talus/world/contact_maker.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// The rank that owns body `i` of a shape's movable bodies, whether that is a shadow copy or not.
+template <class Scenario, class Bodies>
+[[nodiscard]] int owner_of_index(const world_state<Scenario>& s, const Bodies& bodies,
+                                 std::size_t i) {
+  using shapes = typename world_state<Scenario>::finite_shapes;
+  std::size_t last = bodies.movable.locals;
+  for (const auto& n : s.neighbours)
+    if (last <= i && i < (last += n.copies[index_of<shapes, typename Bodies::shape_type>]))
+      return n.rank;
+  return s.link->rank();
+}
+
+/// Makes room for all bodies where the response works on them.
+template <class Scenario>
+void count_bodies(world_state<Scenario>& s) {
+  const body_counts count = number_bodies(s);
+  if constexpr (world_state<Scenario>::law::soft) {
+    s.soft.bodies.resize(count.all);
+  } else {
+    s.solver.first_tensor = count.scalar;
+    s.solver.bodies.resize(count.all);
+  }
+}
+
+/// How far a body reaches in the step under way.
+template <class Scenario, class Store>
+[[nodiscard]] real reach_in_step(const world_state<Scenario>& s, const Store& store,
+                                 std::size_t i) {
+  if constexpr (world_state<Scenario>::law::soft)
+    return store.shape[i].bounding_radius();
+  else
+    return reach_of(store, i, s.dt);
+}
+
+/// Sorts the bodies of each shape into its grid; reach(store, i, index in the solver's arrays) says
+/// how far a movable body reaches.
+template <class Scenario, class Reach>
+void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
+  count_bodies(s);
+  s.each_finite_shape([&](auto& b) {
+    const auto sort = [&](auto& store, std::vector<real>& reach, hash_grid& grid) {
+      reach.resize(store.size());
+      for (std::size_t i = 0; i < store.size(); ++i)
+        reach[i] = &store == &b.movable ? reach_of_movable(store, i, b.first + i)
+                                        : reach_of(store, i, s.dt);
+      try {
+        grid.build(store.position, reach);
+      } catch (const unplaceable& e) {
+        const int rank = &store == &b.movable ? owner_of_index(s, b, e.index) : s.link->rank();
+        fail<std::runtime_error>("body {} at {} on rank {} cannot be placed in step {}: {}",
+                                 store.id[e.index], text(store.position[e.index]), rank, s.steps,
+                                 e.what());
+      }
+    };
+    sort(b.movable, b.reach, b.grid);
+    if (b.globals_changed) sort(b.global, b.global_reach, b.global_grid);
+    b.globals_changed = false;
+  });
+}
+
+template <class Scenario>
+void prepare_detection(world_state<Scenario>& s) {
+  prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t) {
+    return reach_in_step(s, store, i);
+  });
+}
+
+/// Finds all pairs of bodies within reach of each other: make<A, B, partner>() makes what takes the
+/// pairs of the shapes A and B, as (index of a, index of b, margin of a, margin of b).
+template <class Scenario, class Make>
+void each_close_pair(world_state<Scenario>& s, Make&& make) {
+  const auto margin = [](const auto& store, const std::vector<real>& reach, std::size_t i) {
+    return reach[i] - store.shape[i].bounding_radius();
+  };
+  s.each_finite_shape([&](auto& a) {
+    using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
+
+    auto among = make.template operator()<A, A, partner::moving>();
+    a.grid.pairs([&](std::size_t i, std::size_t j) {
+      among(i, j, margin(a.movable, a.reach, i), margin(a.movable, a.reach, j));
+    });
+
+    s.each_shape([&](auto& b) {
+      using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      constexpr bool later =
+          index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
+      if constexpr (B::finite && later) {
+        auto between = make.template operator()<A, B, partner::moving>();
+        a.grid.pairs_with(b.grid, [&](std::size_t i, std::size_t j) {
+          between(i, j, margin(a.movable, a.reach, i), margin(b.movable, b.reach, j));
+        });
+      }
+      auto against = make.template operator()<A, B, partner::immovable>();
+      if constexpr (B::finite) {
+        if (b.global.size() > 0)
+          a.grid.pairs_with(b.global_grid, [&](std::size_t i, std::size_t j) {
+            against(i, j, margin(a.movable, a.reach, i), margin(b.global, b.global_reach, j));
+          });
+      } else {
+        for (std::size_t j = 0; j < b.global.size(); ++j)
+          for (std::size_t i = 0; i < (shares_islands(s) ? a.movable.size() : a.movable.locals);
+               ++i)
+            against(i, j, margin(a.movable, a.reach, i), 0);
+      }
+    });
+  });
+}
+
+/// The same with a Maker<Scenario, A, B, partner>(s) for the pairs of A and B.
+template <template <class, class, class, partner> class Maker, class Scenario>
+void each_close_pair(world_state<Scenario>& s) {
+  each_close_pair(s, [&]<class A, class B, partner P>() { return Maker<Scenario, A, B, P>(s); });
+}
+
+}  // namespace talus::detail
