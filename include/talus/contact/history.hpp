@@ -19,8 +19,8 @@ struct kept_contact {
   Memory memory;  ///< of a hard contact: the impulse on body a, world frame
 };
 
-/// Contacts of the last step, found by key (open addressing) or by the place in which they are. What
-/// finds them by key is built when it is first asked for.
+/// Contacts of the last step, found by key (open addressing) or by the place in which they are.
+/// What finds them by key is built when it is first asked for.
 template <class Memory>
 class history_of {
  public:

@@ -62,7 +62,7 @@ struct accelerated_jacobi final {
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 
     if (correct) {
-      each([&](auto& list) { list.weigh_interior(s), list.arrange(s), list.load(); });
+      each([&](auto& list) { list.weigh_interior(s); });
       detail::correct_overlaps(lists, s, settings, ranks);
     }
     return done;

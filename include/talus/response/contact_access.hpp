@@ -67,27 +67,28 @@ class contact_access {
   }
   template <class List>
   static constexpr calls calls_for{
-      [](void* l, contact_part p) { return of<List>(l).part(p).size(); },
+      [](void* l, contact_part p) { return of<List>(l).size(p); },
       [](void* l, contact_part p, std::size_t i) -> contact_ends {
-        const auto& c = of<List>(l).part(p)[i];
+        const auto c = of<List>(l).contact(p, i);
         return {c.a, c.paired ? c.b : -1};
       },
       [](void* l, contact_part p, std::size_t i) -> const contact_key& {
         return of<List>(l).key(p, i);
       },
       [](void* l, contact_part p, std::size_t i) -> island_contact {
-        const auto& c = of<List>(l).part(p)[i];
+        const auto c = of<List>(l).contact(p, i);
         return {c.a,    c.paired ? c.b : -1, c.axes(), c.lever_a(), c.lever_b(), c.target,
                 c.mu(), c.impulse()};
       },
       [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
-        of<List>(l).part(p)[i].warm(impulse);
+        of<List>(l).edit(p, i, [&](auto& c) { c.warm(impulse); });
       },
       [](void* l, std::size_t i, const vec3& impulse, solver_state& s) {
-        auto& c = of<List>(l).part(contact_part::interior)[i];
-        const auto before = c.whole();
-        c.warm(impulse);
-        c.apply(s, c.since(before));
+        of<List>(l).edit(contact_part::interior, i, [&](auto& c) {
+          const auto before = c.whole();
+          c.warm(impulse);
+          c.apply(s, c.since(before));
+        });
       },
       [](void* l, solver_state& s, real speed) -> const std::vector<std::pair<std::size_t, real>>& {
         return of<List>(l).sweep_watched(s, speed);

@@ -8,21 +8,20 @@
 #include "talus/contact/key.hpp"
 #include "talus/response/boundary_patch.hpp"
 #include "talus/response/contact_access.hpp"
+#include "talus/response/contact_row.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
 
-/// Contacts of a kind that is solved one by one.
-struct no_blocks {};
 template <class Contact>
-concept comes_in_blocks = requires { typename Contact::blocks; };
-template <class Contact>
-struct blocks_for {
-  using type = no_blocks;
+struct interior_contacts {
+  using type = contact_row<Contact>;
 };
-template <comes_in_blocks Contact>
-struct blocks_for<Contact> {
+/// Some kinds of contacts have another way to be kept and swept.
+template <class Contact>
+requires requires { typename Contact::blocks; }
+struct interior_contacts<Contact> {
   using type = typename Contact::blocks;
 };
 
@@ -41,10 +40,11 @@ class contact_list {
     interior_places_.clear(), boundary_places_.clear();
     owns_a_.clear();
   }
-  /// `last` says where the history keeps the contacts of its pair; nobody knows if it is null. It is
-  /// kept up to date.
-  void add(const Contact& contact, const contact_key& key, history_place* last) {
-    interior_.push_back(contact);
+  /// `last` says where the history keeps the contacts of its pair; nobody knows if it is null. It
+  /// is kept up to date.
+  void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
+           history_place* last) {
+    interior_.add(contact, a_moves, b_moves);
     interior_keys_.push_back(key);
     interior_places_.push_back(last);
   }
@@ -62,15 +62,15 @@ class contact_list {
   }
   [[nodiscard]] std::size_t size() const { return interior_.size() + boundary_.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    return (interior_.capacity() + boundary_.capacity()) * sizeof(Contact) +
+    return interior_.bytes() + boundary_.capacity() * sizeof(Contact) +
            (interior_keys_.capacity() + boundary_keys_.capacity()) * sizeof(contact_key) +
-           (interior_places_.capacity() + boundary_places_.capacity()) * sizeof(history_place*) + block_bytes();
+           (interior_places_.capacity() + boundary_places_.capacity()) * sizeof(history_place*);
   }
 
   /// Calls f(contact, counts_here): a boundary contact counts on the rank that owns its body a.
   template <class F>
   void each(F&& f) const {
-    for (const Contact& c : interior_) f(c, true);
+    for (std::size_t i = 0; i < interior_.size(); ++i) f(interior_[i], true);
     for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
   }
 
@@ -78,14 +78,14 @@ class contact_list {
   /// ranks each contact acts on each body once.
   template <class F>
   void each_acting(F&& f) const {
-    for (const Contact& c : interior_) f(c, true, true);
+    for (std::size_t i = 0; i < interior_.size(); ++i) f(interior_[i], true, true);
     for (std::size_t i = 0; i < boundary_.size(); ++i)
       f(boundary_[i], bool(owns_a_[i]), !owns_a_[i]);
   }
 
   /// Takes up the impulses of the last step.
   [[gnu::noinline]] void recall(const contact_history& history) {
-    detail::recall(history, interior_keys_, interior_places_, interior_);
+    interior_.recall(history, interior_keys_, interior_places_);
     detail::recall(history, boundary_keys_, boundary_places_, boundary_);
   }
   [[gnu::noinline]] void remember(contact_history& history) const {
@@ -99,76 +99,49 @@ class contact_list {
       ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
     });
   }
-  [[gnu::noinline]] void weigh_interior(const solver_state& s) {
-    for (Contact& c : interior_) c.weigh(s, 1, 1);
-  }
+  [[gnu::noinline]] void weigh_interior(const solver_state& s) { interior_.weigh(s); }
   [[gnu::noinline]] void weigh_boundary(const solver_state& s) {
     for (Contact& c : boundary_) c.weigh(s, parts_of(s, c.a), parts_of(s, c.b));
   }
   [[gnu::noinline]] void apply_remembered(solver_state& s) const {
-    for (const Contact& c : interior_) c.apply(s, c.whole());
+    interior_.apply(s);
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
   }
 
-  // Sweeps work on copies of interior contacts, arranged in blocks, if these come in blocks: what
-  // else changes or reads impulses does so before load() and after collect().
-
-  /// Before the first load().
-  [[gnu::noinline]] void arrange(const solver_state& s) {
-    if constexpr (blocked) blocks_.arrange(interior_, s);
-  }
-  [[gnu::noinline]] void load() {
-    if constexpr (blocked) blocks_.load(interior_);
-  }
-  [[gnu::noinline]] void collect() {
-    if constexpr (blocked) blocks_.collect(interior_);
-  }
-
-  [[gnu::noinline]] void sweep_forward(solver_state& s) {
-    if constexpr (blocked) {
-      blocks_.forward(s);
-      for (const auto i : blocks_.rest()) sweep_one(s, i);
-    } else {
-      in_streams([&](std::size_t i) { sweep_one(s, i); });
-    }
-  }
+  [[gnu::noinline]] void sweep_forward(solver_state& s) { interior_.forward(s); }
+  [[gnu::noinline]] void sweep_backward(solver_state& s) { interior_.backward(s); }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
-  /// (index, change); then collect().
+  /// (index, change).
   [[gnu::noinline]] const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
                                                                                    real speed) {
     stalled_.clear();
-    if constexpr (blocked) {
-      each_left_backward([&](std::size_t i) { watch_one(s, i, speed); });
-      blocks_.backward_watched(
-          s, speed, [&](std::size_t i, real change) { stalled_.push_back({i, change}); });
-      collect();
-      return stalled_;
-    }
-    const std::size_t part = interior_.size() / streams;
-    for (std::size_t i = interior_.size(); i-- > streams * part;) watch_one(s, i, speed);
-    for (std::size_t i = part; i-- > 0;)
-      for (std::size_t k = streams; k-- > 0;) watch_one(s, k * part + i, speed);
+    interior_.backward_watched(s, speed, [&](std::size_t i, real change) {
+      stalled_.push_back({i, change});
+    });
     return stalled_;
   }
-  [[nodiscard]] std::vector<Contact>& part(contact_part p) {
-    return p == contact_part::interior   ? interior_
-           : p == contact_part::boundary ? boundary_
-                                         : foreign_;
+
+  [[nodiscard]] std::size_t size(contact_part p) const {
+    return p == contact_part::interior   ? interior_.size()
+           : p == contact_part::boundary ? boundary_.size()
+                                         : foreign_.size();
+  }
+  [[nodiscard]] Contact contact(contact_part p, std::size_t i) const {
+    return p == contact_part::interior   ? interior_[i]
+           : p == contact_part::boundary ? boundary_[i]
+                                         : foreign_[i];
+  }
+  template <class F>
+  void edit(contact_part p, std::size_t i, F&& f) {
+    if (p == contact_part::interior)
+      interior_.edit(i, f);
+    else
+      f((p == contact_part::boundary ? boundary_ : foreign_)[i]);
   }
   [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
     return (p == contact_part::interior   ? interior_keys_
             : p == contact_part::boundary ? boundary_keys_
                                           : foreign_keys_)[i];
-  }
-  [[gnu::noinline]] void sweep_backward(solver_state& s) {
-    if constexpr (blocked) {
-      each_left_backward([&](std::size_t i) { sweep_one(s, i); });
-      return blocks_.backward(s);
-    }
-    const std::size_t part = interior_.size() / streams;
-    for (std::size_t i = interior_.size(); i-- > streams * part;) sweep_one(s, i);
-    for (std::size_t i = part; i-- > 0;)
-      for (std::size_t k = streams; k-- > 0;) sweep_one(s, k * part + i);
   }
   /// Solves all boundary contacts from one and the same state, those of a pair together; the
   /// changes are applied later.
@@ -195,17 +168,9 @@ class contact_list {
   template <class F>
   void each_numbered(F&& f) {
     std::size_t i = 0;
-    for (Contact& c : interior_) f(c, i++);
+    for (; i < interior_.size(); ++i) interior_.edit(i, [&](Contact& c) { f(c, i); });
     for (Contact& c : boundary_) f(c, i++);
   }
-  /// Applies a change of contact `i` to its bodies owned here.
-  void apply_change(solver_state& s, std::size_t i, const typename Contact::change& d) const {
-    if (i < interior_.size())
-      interior_[i].apply(s, d);
-    else
-      apply_own(s, i - interior_.size(), d);
-  }
-
   // For those that treat all contacts simultaneously.
 
   void count_all(solver_state& s) const {
@@ -221,22 +186,19 @@ class contact_list {
       if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
       c.weigh(s, std::max(1u, s.boundary_contacts[c.a]), parts_of_b);
     };
-    for (Contact& c : interior_) weigh(c);
-    for (Contact& c : boundary_) weigh(c);
+    each_numbered([&](Contact& c, std::size_t) { weigh(c); });
   }
   void start_ahead() {
     before_.clear();
-    for (const Contact& c : interior_) before_.push_back(c.whole());
-    for (const Contact& c : boundary_) before_.push_back(c.whole());
+    each([&](const Contact& c, bool) { before_.push_back(c.whole()); });
   }
   /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
   /// has changed by since the last time, unless that leads back; the changes are applied later.
   [[gnu::noinline]] void relax_ahead(const solver_state& s, real part) {
     changes_.resize(size());
-    std::size_t i = 0;
-    const auto relax = [&](Contact& c) {
+    each_numbered([&](Contact& c, std::size_t i) {
       auto& before = before_[i];
-      auto& change = changes_[i++];
+      auto& change = changes_[i];
       change = c.relax(s);
       const auto now = c.whole();
       const typename Contact::change step = now - before;
@@ -245,9 +207,7 @@ class contact_list {
       const typename Contact::change more = part * step;
       c.set(now + more);
       change = change + more;
-    };
-    for (Contact& c : interior_) relax(c);
-    for (Contact& c : boundary_) relax(c);
+    });
   }
   [[gnu::noinline]] void apply_all(solver_state& s) const {
     for (std::size_t i = 0; i < interior_.size(); ++i) interior_[i].apply(s, changes_[i]);
@@ -255,23 +215,7 @@ class contact_list {
       apply_own(s, i, changes_[interior_.size() + i]);
   }
 
-  /// Before the first sweep of the correction, after load().
-  [[gnu::noinline]] void load_push() {
-    if constexpr (blocked) blocks_.start_push(interior_);
-  }
-  [[gnu::noinline]] void sweep_push(solver_state& s) {
-    const auto push_one = [&](std::size_t i) {
-      Contact& c = interior_[i];
-      const real d = c.relax_push(s);
-      if (d != 0) c.push_a(s, d), c.push_b(s, d);
-    };
-    if constexpr (blocked) {
-      blocks_.push(s);
-      for (const auto i : blocks_.rest()) push_one(i);
-    } else {
-      in_streams(push_one);
-    }
-  }
+  [[gnu::noinline]] void sweep_push(solver_state& s) { interior_.push(s); }
   [[gnu::noinline]] void relax_boundary_push(solver_state& s) {
     pushes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
@@ -291,29 +235,6 @@ class contact_list {
   }
 
  private:
-  /// Sweeps run through this many parts of the list side by side: see the kinds of contacts.
-  static constexpr std::size_t streams = Contact::streams;
-
-  static constexpr bool blocked = comes_in_blocks<Contact>;
-
-  [[nodiscard]] std::size_t block_bytes() const {
-    if constexpr (blocked)
-      return blocks_.bytes();
-    else
-      return 0;
-  }
-  template <class F>
-  void each_left_backward(F&& f) const {
-    const auto& rest = blocks_.rest();
-    for (std::size_t k = rest.size(); k-- > 0;) f(rest[k]);
-  }
-  template <class F>
-  void in_streams(F&& f) {
-    const std::size_t part = interior_.size() / streams;
-    for (std::size_t i = 0; i < part; ++i)
-      for (std::size_t k = 0; k < streams; ++k) f(k * part + i);
-    for (std::size_t i = streams * part; i < interior_.size(); ++i) f(i);
-  }
   static real parts_of(const solver_state& s, std::int32_t body) {
     return std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]);
   }
@@ -327,17 +248,6 @@ class contact_list {
     for (std::size_t k = 0; k < 2 * n - 1; ++k)
       k < n ? f(first + k, false) : f(first + 2 * n - 2 - k, true);
   }
-  void sweep_one(solver_state& s, std::size_t i) {
-    Contact& c = interior_[i];
-    c.apply(s, c.relax(s));
-  }
-  void watch_one(solver_state& s, std::size_t i, real speed) {
-    Contact& c = interior_[i];
-    const auto d = c.relax(s);
-    c.apply(s, d);
-    const real change = c.speed_of(d);
-    if (change > speed) stalled_.push_back({i, change});
-  }
   void apply_own(solver_state& s, std::size_t i, const typename Contact::change& d) const {
     if (owns_a_[i])
       boundary_[i].apply_to_a(s, d);
@@ -345,14 +255,14 @@ class contact_list {
       boundary_[i].apply_to_b(s, d);
   }
 
-  std::vector<Contact> interior_, boundary_, foreign_;
+  typename interior_contacts<Contact>::type interior_;
+  std::vector<Contact> boundary_, foreign_;
   std::vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
   std::vector<history_place*> interior_places_, boundary_places_;
   std::vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   std::vector<typename Contact::change> changes_, before_;
   std::vector<real> pushes_;
   std::vector<std::pair<std::size_t, real>> stalled_;
-  [[no_unique_address]] typename blocks_for<Contact>::type blocks_;
 };
 
 }  // namespace talus::detail

@@ -9,12 +9,11 @@
 namespace talus::detail {
 
 /// Gauss-Seidel on the contacts' `push`; between ranks simultaneously, with divided masses, as the
-/// contacts have been weighed and loaded. `ranks` has shared corrections of zero.
+/// contacts have been weighed. `ranks` has shared corrections of zero.
 template <class Lists, class Ranks>
 void correct_overlaps(Lists& lists, solver_state& s, const solver_settings& settings,
                       Ranks&& ranks) {
   const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
-  each([&](auto& list) { list.load_push(); });
   for (int k = 0; k < settings.correction_iterations; ++k) {
     if constexpr (!std::remove_cvref_t<Ranks>::alone) {
       if (k > 0) ranks.share_corrections();

@@ -45,30 +45,24 @@ struct nonlinear_gauss_seidel final {
       ranks.solve_shared_islands(lists);
     }
 
-    each([&](auto& list) { list.arrange(s), list.load(); });
-
     const bool looks = detail::stalled_islands::due(s);
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if constexpr (!alone)
         if (k > 0) ranks.share_velocities();
-      if (watch.due(k)) each([&](auto& list) { list.collect(); });
       if (watch.reached(k)) break;
       if constexpr (!alone) {
         each([&](auto& list) { list.relax_boundary(s); });
         each([&](auto& list) { list.apply_boundary(s); });
       }
-      if (looks && k + 1 == settings.iterations) {
+      if (looks && k + 1 == settings.iterations)
         detail::stalled_islands().sweep_and_solve(detail::access_to(lists), s);
-        each([&](auto& list) { list.load(); });
-      } else if (k % 2 == 0) {
+      else if (k % 2 == 0)
         each([&](auto& list) { list.sweep_forward(s); });
-      } else {
+      else
         each([&](auto& list) { list.sweep_backward(s); });
-      }
       watch.hear();
     }
-    each([&](auto& list) { list.collect(); });
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 
     if (correct) detail::correct_overlaps(lists, s, settings, ranks);

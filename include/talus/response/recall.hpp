@@ -87,9 +87,9 @@ void recall(const contact_history& history, const std::vector<contact_key>& keys
 }
 
 /// The reverse; notes for each pair where its contacts are kept.
-template <class Contact>
+template <class Contacts>
 void remember(contact_history& history, const std::vector<contact_key>& keys,
-              const std::vector<history_place*>& places, const std::vector<Contact>& contacts) {
+              const std::vector<history_place*>& places, const Contacts& contacts) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (places[i] != nullptr && (i == 0 || places[i] != places[i - 1]))
       *places[i] = history.next_place();

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "talus/core/math.hpp"
 #include "talus/core/octet.hpp"
+#include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -22,8 +22,8 @@ class block_planner {
  public:
   static constexpr int lanes = 8;
 
-  void start(std::size_t bodies) {
-    used_.assign(bodies, {});
+  void clear() {
+    std::fill(used_.begin(), used_.end(), use{});
     filled_.clear();
     first_ = 0;
     full_ = 0;
@@ -31,6 +31,8 @@ class block_planner {
   /// Slot (block * lanes + lane) for a contact of a and b, -1 where b cannot move; or -1 if all
   /// open blocks hold one of its bodies.
   [[nodiscard]] std::int64_t place(std::int32_t a, std::int32_t b) {
+    const auto highest = static_cast<std::size_t>(std::max(a, b));
+    if (highest >= used_.size()) used_.resize(highest + highest / 2 + 1);
     std::uint64_t taken = full_ | near(a);
     if (b >= 0) taken |= near(b);
     const int at = std::countr_one(taken);
@@ -48,8 +50,9 @@ class block_planner {
     }
     return static_cast<std::int64_t>(block) * lanes + lane;
   }
-  [[nodiscard]] std::size_t blocks() const { return filled_.size(); }
-  [[nodiscard]] int filled(std::size_t block) const { return filled_[block]; }
+  [[nodiscard]] std::size_t bytes() const {
+    return used_.capacity() * sizeof(use) + filled_.capacity();
+  }
 
  private:
   static constexpr int open = 64;
@@ -85,17 +88,15 @@ struct round_block_friction {
 template <>
 struct round_block_friction<false> {};
 
-/// Eight contacts. Lanes that are not filled repeat the bodies of the first and do nothing.
+/// Eight contacts. Lanes that are not filled repeat the bodies of the first and do nothing, since
+/// their normals are zero.
 template <class Contact>
 struct round_block : round_block_friction<(Contact::rows > 1)> {
-  octet nx, ny, nz, inverse_wn, target, rn;
+  octet nx, ny, nz, inverse_wn, target, rn, push, pushed;
   std::int32_t a[8], b[8];
 };
-/// What the correction of overlaps needs besides.
-struct round_block_push {
-  octet push, least, pushed;
-};
 
+/// What contact_row is for other contacts.
 template <class Contact>
 class round_blocks {
   static constexpr bool paired = Contact::paired;
@@ -104,118 +105,229 @@ class round_blocks {
   using block = round_block<Contact>;
 
  public:
+  void clear() {
+    plan_.clear();
+    slots_.clear(), lone_.clear();
+    used_ = 0;
+  }
+  void add(const Contact& c, bool a_moves, bool b_moves) {
+    const std::int64_t slot =
+        a_moves ? plan_.place(c.a, paired && b_moves ? c.b : -1) : plan_.place(c.b, -1);
+    if (slot < 0) {
+      slots_.push_back(lone | static_cast<std::uint32_t>(lone_.size()));
+      lone_.push_back(c);
+      return;
+    }
+    slots_.push_back(static_cast<std::uint32_t>(slot));
+    const auto at = static_cast<std::size_t>(slot) / lanes;
+    for (; used_ <= at; ++used_) {
+      if (used_ == blocks_.size()) blocks_.emplace_back();
+      make_empty(blocks_[used_], c);
+    }
+    put(blocks_[at], static_cast<std::size_t>(slot) % lanes, c);
+  }
+  [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    return blocks_.capacity() * sizeof(block) + pushes_.capacity() * sizeof(round_block_push) +
-           (slots_.capacity() + rest_.capacity()) * sizeof(std::uint32_t);
+    return blocks_.capacity() * sizeof(block) + lone_.capacity() * sizeof(Contact) +
+           (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
+  }
+  [[nodiscard]] Contact operator[](std::size_t i) const {
+    const std::uint32_t slot = slots_[i];
+    return slot & lone ? lone_[slot & ~lone] : get(blocks_[slot / lanes], slot % lanes);
+  }
+  template <class F>
+  void edit(std::size_t i, F&& f) {
+    const std::uint32_t slot = slots_[i];
+    if (slot & lone) return f(lone_[slot & ~lone]);
+    Contact c = get(blocks_[slot / lanes], slot % lanes);
+    f(c);
+    put(blocks_[slot / lanes], slot % lanes, c);
   }
 
-  /// Gives contacts their places.
-  void arrange(const std::vector<Contact>& contacts, const solver_state& s) {
-    plan_.start(s.bodies.size());
-    slots_.resize(contacts.size());
-    rest_.clear();
-    const auto movable = [&](std::int32_t i) { return body(s, i).inverse_mass != 0; };
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      const Contact& c = contacts[i];
-      std::int32_t x = c.a, y = -1;
-      if constexpr (paired) {
-        if (movable(c.b)) y = c.b;
-        if (!movable(c.a)) std::swap(x, y);
+  void recall(const contact_history& history, const std::vector<contact_key>& keys,
+              const std::vector<history_place*>& places) {
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      const vec3* kept = kept_pair(history, keys[i], places[i]).find(keys[i]);
+      if (kept == nullptr) continue;
+      const std::uint32_t slot = slots_[i];
+      if (slot & lone) {
+        lone_[slot & ~lone].warm(*kept);
+        continue;
       }
-      const std::int64_t slot = plan_.place(x, y);
-      slots_[i] = static_cast<std::uint32_t>(slot);
-      if (slot < 0) rest_.push_back(static_cast<std::uint32_t>(i));
+      block& x = blocks_[slot / lanes];
+      const std::size_t l = slot % lanes;
+      if constexpr (friction)
+        x.tx[l] = (*kept)[0], x.ty[l] = (*kept)[1], x.tz[l] = (*kept)[2];
+      else
+        x.rn[l] = kept->dot(vec3(x.nx[l], x.ny[l], x.nz[l]));
     }
-    blocks_.resize(plan_.blocks());
+    for (block& x : used()) warm(x);
   }
-  /// Takes up the contacts with their impulses.
-  void load(const std::vector<Contact>& contacts) {
-    for (std::size_t i = 0; i < contacts.size(); ++i)
-      if (slots_[i] != nowhere) put(blocks_[slots_[i] / lanes], slots_[i] % lanes, contacts[i]);
-    for (std::size_t k = 0; k < blocks_.size(); ++k) fill_up(blocks_[k], plan_.filled(k));
+  void weigh(const solver_state& s) {
+    for (block& x : used()) weigh(x, s);
+    for (Contact& c : lone_) c.weigh(s, 1, 1);
   }
-  /// Gives the contacts the impulses that have been found.
-  void collect(std::vector<Contact>& contacts) const {
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      if (slots_[i] == nowhere) continue;
-      const block& x = blocks_[slots_[i] / lanes];
-      const std::size_t l = slots_[i] % lanes;
-      contacts[i].rn = x.rn[l];
-      if constexpr (friction) contacts[i].rt = {x.tx[l], x.ty[l], x.tz[l]};
-    }
+  void apply(solver_state& s) const {
+    for (const block& x : used()) apply(x, s);
+    for (const Contact& c : lone_) c.apply(s, c.whole());
   }
-  /// The contacts that found no place.
-  [[nodiscard]] const std::vector<std::uint32_t>& rest() const { return rest_; }
-
   void forward(solver_state& s) {
-    for (block& x : blocks_) relax(x, s);
+    for (block& x : used()) relax(x, s);
+    for (Contact& c : lone_) c.apply(s, c.relax(s));
   }
   void backward(solver_state& s) {
-    for (std::size_t k = blocks_.size(); k-- > 0;) relax(blocks_[k], s);
+    for (std::size_t k = lone_.size(); k-- > 0;) lone_[k].apply(s, lone_[k].relax(s));
+    for (std::size_t k = used_; k-- > 0;) relax(blocks_[k], s);
   }
-  /// As backward; note(contact, change of velocity) for those that changed by more than `speed`.
   template <class Note>
   void backward_watched(solver_state& s, real speed, Note&& note) {
-    number_.assign(blocks_.size() * lanes, nowhere);
+    const std::size_t places = used_ * lanes;
+    number_.assign(places + lone_.size(), 0);
     for (std::size_t i = 0; i < slots_.size(); ++i)
-      if (slots_[i] != nowhere) number_[slots_[i]] = static_cast<std::uint32_t>(i);
-    for (std::size_t k = blocks_.size(); k-- > 0;) {
-      const octet change = relax(blocks_[k], s);
-      const octet_mask over = change > eight(speed * speed);
-      for (std::size_t l = lanes; l-- > 0;)
-        if (over[l] && number_[k * lanes + l] != nowhere)
-          note(number_[k * lanes + l], std::sqrt(change[l]));
+      number_[slots_[i] & lone ? places + (slots_[i] & ~lone) : slots_[i]] =
+          static_cast<std::uint32_t>(i);
+    for (std::size_t k = lone_.size(); k-- > 0;) {
+      const auto d = lone_[k].relax(s);
+      lone_[k].apply(s, d);
+      if (const real change = lone_[k].speed_of(d); change > speed)
+        note(number_[places + k], change);
     }
-  }
-
-  /// Before sweeps of the correction of overlaps; the contacts hold the impulses of the response.
-  void start_push(const std::vector<Contact>& contacts) {
-    const octet zero = eight(0);
-    pushes_.assign(blocks_.size(), {zero, zero, zero});
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      if (slots_[i] == nowhere) continue;
-      round_block_push& x = pushes_[slots_[i] / lanes];
-      const std::size_t l = slots_[i] % lanes;
-      x.push[l] = contacts[i].push;
-      x.least[l] = contacts[i].least_push();
+    for (std::size_t k = used_; k-- > 0;) {
+      const octet change = relax(blocks_[k], s);
+      for (std::size_t l = lanes; l-- > 0;)
+        if (change[l] > speed * speed) note(number_[k * lanes + l], std::sqrt(change[l]));
     }
   }
   void push(solver_state& s) {
-    for (std::size_t k = 0; k < blocks_.size(); ++k) relax_push(blocks_[k], pushes_[k], s);
+    for (block& x : used()) relax_push(x, s);
+    for (Contact& c : lone_)
+      if (const real d = c.relax_push(s); d != 0) c.push_a(s, d), c.push_b(s, d);
   }
 
  private:
-  static constexpr std::uint32_t nowhere = std::uint32_t(-1);
+  static constexpr std::uint32_t lone = 0x80000000u;  ///< of a slot: a contact outside the blocks
 
-  static const solver_body& body(const solver_state& s, std::int32_t i) {
-    return s.bodies[static_cast<std::size_t>(i)];
+  [[nodiscard]] std::span<block> used() { return {blocks_.data(), used_}; }
+  [[nodiscard]] std::span<const block> used() const { return {blocks_.data(), used_}; }
+
+  static void make_empty(block& x, const Contact& first) {
+    x.nx = x.ny = x.nz = x.inverse_wn = x.target = x.rn = x.push = x.pushed = eight(0);
+    if constexpr (friction)
+      x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = eight(0);
+    std::fill_n(x.a, lanes, first.a);
+    std::fill_n(x.b, lanes, first.b);
+  }
+  static void put_impulse(block& x, std::size_t l, const Contact& c) {
+    x.rn[l] = c.rn;
+    if constexpr (friction) x.tx[l] = c.rt[0], x.ty[l] = c.rt[1], x.tz[l] = c.rt[2];
   }
   static void put(block& x, std::size_t l, const Contact& c) {
     x.nx[l] = c.normal[0], x.ny[l] = c.normal[1], x.nz[l] = c.normal[2];
     x.inverse_wn[l] = c.inverse_wn;
     x.target[l] = c.target;
-    x.rn[l] = c.rn;
+    x.push[l] = c.push, x.pushed[l] = c.pushed;
     x.a[l] = c.a, x.b[l] = c.b;
+    put_impulse(x, l, c);
     if constexpr (friction) {
-      x.tx[l] = c.rt[0], x.ty[l] = c.rt[1], x.tz[l] = c.rt[2];
       x.inverse_wt[l] = c.inverse_wt;
       x.arm_a[l] = c.arm_a, x.arm_b[l] = c.arm_b;
       x.friction[l] = c.friction;
     }
   }
-  static void fill_up(block& x, int filled) {
-    Contact none;
-    none.normal = {0, 0, 0};
-    none.a = x.a[0], none.b = x.b[0];
-    for (int l = filled; l < lanes; ++l) put(x, static_cast<std::size_t>(l), none);
+  [[nodiscard]] static Contact get(const block& x, std::size_t l) {
+    Contact c;
+    c.normal = {x.nx[l], x.ny[l], x.nz[l]};
+    c.inverse_wn = x.inverse_wn[l];
+    c.target = x.target[l];
+    c.push = x.push[l], c.pushed = x.pushed[l];
+    c.a = x.a[l], c.b = x.b[l];
+    c.rn = x.rn[l];
+    if constexpr (friction) {
+      c.rt = {x.tx[l], x.ty[l], x.tz[l]};
+      c.inverse_wt = x.inverse_wt[l];
+      c.arm_a = x.arm_a[l], c.arm_b = x.arm_b[l];
+      c.friction = x.friction[l];
+    }
+    return c;
+  }
+
+  // Velocities of a lane's bodies, each followed by its inverse mass or inertia.
+  static auto v(solver_state& s, const std::int32_t (&of)[8]) {
+    return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].v; };
+  }
+  static auto w(solver_state& s, const std::int32_t (&of)[8]) {
+    return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
+  }
+
+  // The same as round_contact::warm; the impulse is where the tangential one will be.
+  static void warm(block& x) {
+    if constexpr (friction) {
+      const octet n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
+      x.rn = larger(n, eight(0));
+      x.tx -= n * x.nx, x.ty -= n * x.ny, x.tz -= n * x.nz;
+      const octet limit = x.friction * x.rn;
+      const octet length = square_root(x.tx * x.tx + x.ty * x.ty + x.tz * x.tz);
+      const octet part = limit / larger(larger(length, limit), eight(Contact::tiny));
+      x.tx *= part, x.ty *= part, x.tz *= part;
+    } else {
+      x.rn = larger(x.rn, eight(0));
+    }
+  }
+  // The same as round_contact::weigh, with undivided masses.
+  static void weigh(block& x, const solver_state& s) {
+    const auto body = [&](std::int32_t i) -> const solver_body& {
+      return s.bodies[static_cast<std::size_t>(i)];
+    };
+    octet wn, spin_a, spin_b;
+    for (int l = 0; l < lanes; ++l) {
+      wn[l] = body(x.a[l]).inverse_mass;
+      spin_a[l] = body(x.a[l]).inverse_inertia;
+      if constexpr (paired) {
+        wn[l] += body(x.b[l]).inverse_mass;
+        spin_b[l] = body(x.b[l]).inverse_inertia;
+      }
+    }
+    x.inverse_wn = 1 / wn;
+    if constexpr (friction) {
+      octet wt = wn + x.arm_a * x.arm_a * spin_a;
+      if constexpr (paired) wt += x.arm_b * x.arm_b * spin_b;
+      x.inverse_wt = 1 / wt;
+    }
+  }
+  // The same as round_contact::apply of the whole impulse.
+  static void apply(const block& x, solver_state& s) {
+    octet dx = x.rn * x.nx, dy = x.rn * x.ny, dz = x.rn * x.nz;
+    if constexpr (friction) {
+      hit_spin(x, x.tx, x.ty, x.tz, s);
+      dx += x.tx, dy += x.ty, dz += x.tz;
+    }
+    octet_rows a = gather(v(s, x.a));
+    a.x += a.w * dx, a.y += a.w * dy, a.z += a.w * dz;
+    scatter(a, v(s, x.a));
+    if constexpr (paired) {
+      octet_rows b = gather(v(s, x.b));
+      b.x -= b.w * dx, b.y -= b.w * dy, b.z -= b.w * dz;
+      scatter(b, v(s, x.b));
+    }
+  }
+  static void hit_spin(const block& x, const octet& ex, const octet& ey, const octet& ez,
+                       solver_state& s) {
+    const octet cx = x.ny * ez - x.nz * ey, cy = x.nz * ex - x.nx * ez, cz = x.nx * ey - x.ny * ex;
+    octet_rows a = gather(w(s, x.a));
+    const octet spin_a = x.arm_a * a.w;
+    a.x -= spin_a * cx, a.y -= spin_a * cy, a.z -= spin_a * cz;
+    scatter(a, w(s, x.a));
+    if constexpr (paired) {
+      octet_rows b = gather(w(s, x.b));
+      const octet spin_b = x.arm_b * b.w;
+      b.x -= spin_b * cx, b.y -= spin_b * cy, b.z -= spin_b * cz;
+      scatter(b, w(s, x.b));
+    }
   }
 
   // The same as round_contact::relax and apply. Returns the squares of the changes of velocity.
   static octet relax(block& x, solver_state& s) {
-    const auto va = [&](int i) -> vec3& { return s.bodies[std::size_t(x.a[i])].v; };
-    const auto wa = [&](int i) -> vec3& { return s.bodies[std::size_t(x.a[i])].w; };
-    const auto vb = [&](int i) -> vec3& { return s.bodies[std::size_t(x.b[i])].v; };
-    const auto wb = [&](int i) -> vec3& { return s.bodies[std::size_t(x.b[i])].w; };
+    const auto va = v(s, x.a), vb = v(s, x.b), wa = w(s, x.a), wb = w(s, x.b);
     octet_rows v_a = gather(va), v_b;
     octet ux = v_a.x, uy = v_a.y, uz = v_a.z;
     if constexpr (paired) {
@@ -267,7 +379,7 @@ class round_blocks {
   }
 
   // The same as round_contact::relax_push, push_a and push_b.
-  static void relax_push(const block& x, round_block_push& p, solver_state& s) {
+  static void relax_push(block& x, solver_state& s) {
     const auto at_a = [&](int i) -> vec3& { return s.shift[std::size_t(x.a[i])].v; };
     const auto at_b = [&](int i) -> vec3& { return s.shift[std::size_t(x.b[i])].v; };
     octet_rows a = gather(at_a), b;
@@ -276,9 +388,11 @@ class round_blocks {
       b = gather(at_b);
       rate -= x.nx * b.x + x.ny * b.y + x.nz * b.z;
     }
-    const octet next = larger(p.pushed - (rate - p.push) * x.inverse_wn, p.least);
-    const octet d = next - p.pushed;
-    p.pushed = next;
+    const octet free = x.pushed - (rate - x.push) * x.inverse_wn;
+    const octet next =
+        ((x.target == eight(0)) & (x.rn > eight(0))) | (free > eight(0)) ? free : eight(0);
+    const octet d = next - x.pushed;
+    x.pushed = next;
     const octet da = d * a.w;
     a.x += da * x.nx, a.y += da * x.ny, a.z += da * x.nz;
     scatter(a, at_a);
@@ -290,10 +404,11 @@ class round_blocks {
   }
 
   block_planner plan_;
-  std::vector<block> blocks_;
-  std::vector<round_block_push> pushes_;
-  std::vector<std::uint32_t> slots_, rest_;  ///< of each contact; contacts without one
-  std::vector<std::uint32_t> number_;        ///< the contact in a slot
+  std::vector<block> blocks_;  ///< of which the first so many are in use
+  std::size_t used_ = 0;
+  std::vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | lone
+  std::vector<Contact> lone_;          ///< contacts that found no place
+  std::vector<std::uint32_t> number_;  ///< the contact in a slot
 };
 
 }  // namespace talus::detail

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "talus/core/math.hpp"
 #include "talus/core/quad.hpp"
@@ -75,7 +74,7 @@ struct round_contact : round_friction<Law::friction> {
   /// before; contacts far apart do not, and the processor works on several at once.
   static constexpr std::size_t streams = 3;
 
-  static constexpr real tiny = 1e-150;    ///< impulses below it are none
+  static constexpr real tiny = 1e-150;  ///< impulses below it are none
   using blocks = round_blocks<round_contact>;
 
   vec3 normal{0, 0, 1};  ///< from b to a
@@ -231,16 +230,13 @@ struct round_contact : round_friction<Law::friction> {
     hit(B, d, -B.inverse_mass, spin);
   }
 
-  /// Surfaces that hold each other neither part nor meet but by the push.
-  [[nodiscard]] real least_push() const {
-    return target == 0 && rn > 0 ? -std::numeric_limits<real>::infinity() : 0;
-  }
   real relax_push(const solver_state& s) {
     real rate = normal.dot(s.shift[a].v);
     if constexpr (paired) rate -= normal.dot(s.shift[b].v);
     const real before = pushed;
     const real next = pushed - (rate - push) * inverse_wn;
-    pushed = std::max(least_push(), next);
+    // Surfaces that hold each other neither part nor meet but by the push.
+    pushed = target == 0 && rn > 0 ? next : std::max(real{0}, next);
     return pushed - before;
   }
   void push_a(solver_state& s, real d) const {

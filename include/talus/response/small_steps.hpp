@@ -90,7 +90,7 @@ struct small_steps final {
       s.bodies[i].v -= s.gain[i].v, s.bodies[i].w -= s.gain[i].w;
     auto courses =
         std::apply([&](auto&... list) { return std::tuple(courses_of(list, s)...); }, lists);
-    each([&](auto& list) { list.weigh_interior(s), list.arrange(s); });
+    each([&](auto& list) { list.weigh_interior(s); });
 
     detail::solved done{0, 0};
     for (int j = 0; j < settings.iterations; ++j) {
@@ -122,7 +122,6 @@ struct small_steps final {
         for (std::size_t i = 0; i < bodies; ++i)
           s.bodies[i].v += given[i].v, s.bodies[i].w += given[i].w;
       }
-      each([&](auto& list) { list.load(); });
       const detail::solved now = iterate(lists, s, watch, ranks);
       done.iterations += now.iterations;
       if (!(done.residual >= now.residual)) done.residual = now.residual;
@@ -171,7 +170,6 @@ struct small_steps final {
     for (; k < watch.limit(); ++k) {
       if constexpr (!alone)
         if (k > 0) ranks.share_velocities();
-      if (watch.due(k)) each([&](auto& list) { list.collect(); });
       if (watch.reached(k)) break;
       if constexpr (!alone) {
         each([&](auto& list) { list.relax_boundary(s); });
@@ -183,7 +181,6 @@ struct small_steps final {
         each([&](auto& list) { list.sweep_backward(s); });
       watch.hear();
     }
-    each([&](auto& list) { list.collect(); });
     return watch.end(k, [&] { ranks.share_velocities(); });
   }
 };

@@ -15,7 +15,7 @@ namespace talus::detail {
 
 /// A body may move by this part of its bounding radius, or of the mean one if that is less, until
 /// pairs are looked for anew.
-inline constexpr real pair_skin = 0.05;
+inline constexpr real pair_skin = 0.1;
 
 /// Measures the present reach of all bodies, and tells whether the pairs found last are all that
 /// can touch now: the same bodies in the same order, none of which reaches out of its skin.
@@ -72,8 +72,8 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
                      [&](const contact_geometry&) { near = true; });
         if (!near) return;
       }
-      found.lists[kind].push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j),
-                                   history_place::unknown});
+      found.lists[kind].push_back(
+          {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), history_place::unknown});
     };
   });
   found.bodies.clear();

@@ -69,8 +69,7 @@ class contact_maker {
     make(i, j, margin_a, margin_b, nullptr);
   }
   /// The same for a pair that is kept from step to step.
-  void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b,
-                  history_place& last) {
+  void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
     if (!make(i, j, margin_a, margin_b, &last)) last = history_place::none;
   }
 
@@ -96,51 +95,67 @@ class contact_maker {
 
     const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
     const real margin = margin_a + margin_b - excess(i, j);
-    bool made = false;
-    collide_pair(
-        a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin, [&](const contact_geometry& g) {
-          vec3 arm_a = g.point - a_.position[i];
-          // Only where both bodies move must the forces on them share a line; something
-          // immovable is met with the surface itself.
-          if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
-          vec3 arm_b{0, 0, 0};
-          vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
-          if constexpr (paired) {
-            arm_b = g.point - b_.position[j];
-            u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
-          }
-          if constexpr (state_type::continuous) {
-            if (not_met(i, j, g.gap, pair)) return;
-            u += flown(a_, i, first_a_);
-            if constexpr (paired) u -= flown(b_, j, first_b_);
-          }
-          if (parts_before_touching(i, j, g, u)) return;
-          if constexpr (watches<Scenario, penetration_monitor>)
-            if (!foreign && (!boundary || own_a)) s_.monitors.overlaps.add(g.gap);
-          contact_type c;
-          c.a = static_cast<std::int32_t>(first_a_ + i);
-          if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
-          place(c, g, arm_a, arm_b);
-          const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
-              pair, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
-              creep(i), s_.settings.correction);
-          c.target = want.target;
-          c.push = want.push;
-          if constexpr (state_type::continuous) {
-            const bool rebounds = c.target > 0;
-            c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
-            if constexpr (paired) c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
-          }
-          if constexpr (law::friction) c.friction = want.friction;
-          const contact_key key{a_.id[i], b_.id[j], g.feature};
-          if (foreign) return list_.add_foreign(c, key);
-          made = true;
-          if (boundary)
-            list_.add_boundary(c, key, own_a, last);
-          else
-            list_.add(c, key, last);
-        });
-    return made;
+    pair_at_hand x{i, j, last, pair, own_a, boundary, foreign, moves_a, moves_b, false};
+    if constexpr (ShapeA::round && ShapeB::round)  // a single point
+      collide_pair(
+          a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j),
+          margin, [&](const contact_geometry& g) __attribute__((always_inline)) { add(x, g); });
+    else
+      collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin,
+                   [&](const contact_geometry& g) { add(x, g); });
+    return x.made;
+  }
+
+  struct pair_at_hand {
+    std::size_t i, j;
+    history_place* last;
+    const pair_material& pair;
+    bool own_a, boundary, foreign, moves_a, moves_b, made;
+  };
+
+  /// One of their contact points.
+  [[gnu::always_inline]] inline void add(pair_at_hand& x, const contact_geometry& g) {
+    const std::size_t i = x.i, j = x.j;
+    vec3 arm_a = g.point - a_.position[i];
+    // Only where both bodies move must the forces on them share a line; something immovable is met
+    // with the surface itself.
+    if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
+    vec3 arm_b{0, 0, 0};
+    vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
+    if constexpr (paired) {
+      arm_b = g.point - b_.position[j];
+      u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
+    }
+    if constexpr (state_type::continuous) {
+      if (not_met(i, j, g.gap, x.pair)) return;
+      u += flown(a_, i, first_a_);
+      if constexpr (paired) u -= flown(b_, j, first_b_);
+    }
+    if (parts_before_touching(i, j, g, u)) return;
+    if constexpr (watches<Scenario, penetration_monitor>)
+      if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
+    contact_type c;
+    c.a = static_cast<std::int32_t>(first_a_ + i);
+    if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
+    place(c, g, arm_a, arm_b);
+    const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
+        x.pair, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
+        creep(i), s_.settings.correction);
+    c.target = want.target;
+    c.push = want.push;
+    if constexpr (state_type::continuous) {
+      const bool rebounds = c.target > 0;
+      c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
+      if constexpr (paired) c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
+    }
+    if constexpr (law::friction) c.friction = want.friction;
+    const contact_key key{a_.id[i], b_.id[j], g.feature};
+    if (x.foreign) return list_.add_foreign(c, key);
+    x.made = true;
+    if (x.boundary)
+      list_.add_boundary(c, key, x.own_a, x.last);
+    else
+      list_.add(c, key, x.moves_a, x.moves_b, x.last);
   }
 
   /// A contact that is farther than the slack and does not close within the step is no contact.

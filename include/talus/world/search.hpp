@@ -71,9 +71,8 @@ void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
 
 template <class Scenario>
 void prepare_detection(world_state<Scenario>& s) {
-  prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t) {
-    return reach_in_step(s, store, i);
-  });
+  prepare_detection(
+      s, [&](const auto& store, std::size_t i, std::size_t) { return reach_in_step(s, store, i); });
 }
 
 /// Finds all pairs of bodies within reach of each other: make<A, B, partner>() makes what takes the

@@ -40,9 +40,7 @@ class force_adder {
         first_a_(s.template of<ShapeA>().first),
         first_b_(paired ? s.template of<ShapeB>().first : 0) {}
 
-  void operator()(std::size_t i, std::size_t j, real, real, history_place) {
-    (*this)(i, j, 0, 0);
-  }
+  void operator()(std::size_t i, std::size_t j, real, real, history_place) { (*this)(i, j, 0, 0); }
   void operator()(std::size_t i, std::size_t j, real, real) {
     if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
       if (b_.id[j] < a_.id[i]) std::swap(i, j);

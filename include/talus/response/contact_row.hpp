@@ -1,0 +1,81 @@
+#pragma once
+// Interior contacts that are solved one by one, in a row.
+#include <cstddef>
+#include <vector>
+
+#include "talus/response/recall.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+template <class Contact>
+class contact_row {
+ public:
+  void clear() { contacts_.clear(); }
+  /// Which of its bodies can move matters to blocks only.
+  void add(const Contact& c, bool, bool) { contacts_.push_back(c); }
+  [[nodiscard]] std::size_t size() const { return contacts_.size(); }
+  [[nodiscard]] std::size_t bytes() const { return contacts_.capacity() * sizeof(Contact); }
+  [[nodiscard]] const Contact& operator[](std::size_t i) const { return contacts_[i]; }
+  /// Calls f(contact), which may change it.
+  template <class F>
+  void edit(std::size_t i, F&& f) {
+    f(contacts_[i]);
+  }
+
+  void recall(const contact_history& history, const std::vector<contact_key>& keys,
+              const std::vector<history_place*>& places) {
+    detail::recall(history, keys, places, contacts_);
+  }
+  void weigh(const solver_state& s) {
+    for (Contact& c : contacts_) c.weigh(s, 1, 1);
+  }
+  void apply(solver_state& s) const {
+    for (const Contact& c : contacts_) c.apply(s, c.whole());
+  }
+  void forward(solver_state& s) {
+    in_streams([&](Contact& c) { c.apply(s, c.relax(s)); });
+  }
+  void backward(solver_state& s) {
+    in_streams_backward([&](Contact& c) { c.apply(s, c.relax(s)); });
+  }
+  /// As backward; note(number, change of velocity) for those that change by more than `speed`.
+  template <class Note>
+  void backward_watched(solver_state& s, real speed, Note&& note) {
+    in_streams_backward([&](Contact& c) {
+      const auto d = c.relax(s);
+      c.apply(s, d);
+      const real change = c.speed_of(d);
+      if (change > speed) note(static_cast<std::size_t>(&c - contacts_.data()), change);
+    });
+  }
+  void push(solver_state& s) {
+    in_streams([&](Contact& c) {
+      const real d = c.relax_push(s);
+      if (d != 0) c.push_a(s, d), c.push_b(s, d);
+    });
+  }
+
+ private:
+  /// Sweeps run through this many parts of the row side by side: see the kinds of contacts.
+  static constexpr std::size_t streams = Contact::streams;
+
+  template <class F>
+  void in_streams(F&& f) {
+    const std::size_t part = contacts_.size() / streams;
+    for (std::size_t i = 0; i < part; ++i)
+      for (std::size_t k = 0; k < streams; ++k) f(contacts_[k * part + i]);
+    for (std::size_t i = streams * part; i < contacts_.size(); ++i) f(contacts_[i]);
+  }
+  template <class F>
+  void in_streams_backward(F&& f) {
+    const std::size_t part = contacts_.size() / streams;
+    for (std::size_t i = contacts_.size(); i-- > streams * part;) f(contacts_[i]);
+    for (std::size_t i = part; i-- > 0;)
+      for (std::size_t k = streams; k-- > 0;) f(contacts_[k * part + i]);
+  }
+
+  std::vector<Contact> contacts_;
+};
+
+}  // namespace talus::detail
