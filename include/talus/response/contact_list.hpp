@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "talus/contact/key.hpp"
 #include "talus/response/boundary_patch.hpp"
 #include "talus/response/contact_access.hpp"
+#include "talus/response/contact_patch.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -82,24 +84,40 @@ class contact_list {
     });
   }
   [[gnu::noinline]] void weigh_interior(const solver_state& s) {
-    for (Contact& c : interior_) c.weigh(s, 1, 1);
+    if constexpr (swept_in_patches<Contact>)
+      patches_.weigh(interior_, s);
+    else
+      for (Contact& c : interior_) c.weigh(s, 1, 1);
   }
   [[gnu::noinline]] void weigh_boundary(const solver_state& s) {
     for (Contact& c : boundary_) c.weigh(s, parts_of(s, c.a), parts_of(s, c.b));
   }
   [[gnu::noinline]] void apply_remembered(solver_state& s) const {
-    for (const Contact& c : interior_) c.apply(s, c.whole());
+    if constexpr (swept_in_patches<Contact>)
+      patches_.apply_all(interior_, s);
+    else
+      for (const Contact& c : interior_) c.apply(s, c.whole());
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
   }
 
   [[gnu::noinline]] void sweep_forward(solver_state& s) {
-    in_streams([&](std::size_t i) { sweep_one(s, i); });
+    if constexpr (swept_in_patches<Contact>)
+      patches_.sweep_forward(interior_, s);
+    else
+      in_streams([&](std::size_t i) { sweep_one(s, i); });
   }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
   [[gnu::noinline]] const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
                                                                                    real speed) {
     stalled_.clear();
+    if constexpr (swept_in_patches<Contact>) {
+      patches_.sweep_backward(interior_, s, [&](std::size_t i, const auto& d) {
+        if (const real change = interior_[i].speed_of(d); change > speed)
+          stalled_.push_back({i, change});
+      });
+      return stalled_;
+    }
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) watch_one(s, i, speed);
     for (std::size_t i = part; i-- > 0;)
@@ -117,6 +135,8 @@ class contact_list {
                                           : foreign_keys_)[i];
   }
   [[gnu::noinline]] void sweep_backward(solver_state& s) {
+    if constexpr (swept_in_patches<Contact>)
+      return patches_.sweep_backward(interior_, s, [](auto&&...) {});
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) sweep_one(s, i);
     for (std::size_t i = part; i-- > 0;)
@@ -208,6 +228,7 @@ class contact_list {
   }
 
   [[gnu::noinline]] void sweep_push(solver_state& s) {
+    if constexpr (swept_in_patches<Contact>) return patches_.sweep_push(interior_, s);
     in_streams([&](std::size_t i) {
       Contact& c = interior_[i];
       const real d = c.relax_push(s);
@@ -280,6 +301,10 @@ class contact_list {
   std::vector<typename Contact::change> changes_, before_;
   std::vector<real> pushes_;
   std::vector<std::pair<std::size_t, real>> stalled_;
+  struct no_patches {};
+  [[no_unique_address]] std::conditional_t<swept_in_patches<Contact>, contact_patches<Contact>,
+                                           no_patches>
+      patches_;  ///< of the interior contacts, found when they are weighed
 };
 
 }  // namespace talus::detail
