@@ -38,6 +38,22 @@ struct contact_patch {
   std::int32_t a = 0, b = -1;
 };
 
+/// Changes the velocities of two bodies by an impulse on a, with its moment about the centre of a.
+template <bool Paired>
+void give_pair(solver_state& s, std::int32_t of_a, std::int32_t of_b, const vec3& offset,
+               const vec3& impulse, const vec3& moment) {
+  const auto i = static_cast<std::size_t>(of_a);
+  solver_body& a = s.bodies[i];
+  a.v += a.inverse_mass * impulse;
+  a.w += s.tensor(i) * moment;
+  if constexpr (Paired) {
+    const auto j = static_cast<std::size_t>(of_b);
+    solver_body& b = s.bodies[j];
+    b.v -= b.inverse_mass * impulse;
+    b.w -= s.tensor(j) * vec3(moment + offset.cross(impulse));
+  }
+}
+
 /// The motion of a patch's bodies while its contacts are solved.
 template <bool Paired>
 class patch_motion {
@@ -72,15 +88,7 @@ class patch_motion {
   }
   /// The impulse `r`, with the moment `m` about the centre of a, both in the frame of the patch.
   static void give(const contact_patch& p, solver_state& s, const vec3& r, const vec3& m) {
-    const vec3 impulse = p.frame.transpose() * r, moment = p.frame.transpose() * m;
-    solver_body& a = s.bodies[static_cast<std::size_t>(p.a)];
-    a.v += a.inverse_mass * impulse;
-    a.w += s.tensor(static_cast<std::size_t>(p.a)) * moment;
-    if constexpr (Paired) {
-      solver_body& b = s.bodies[static_cast<std::size_t>(p.b)];
-      b.v -= b.inverse_mass * impulse;
-      b.w -= s.tensor(static_cast<std::size_t>(p.b)) * vec3(moment + p.offset.cross(impulse));
-    }
+    give_pair<Paired>(s, p.a, p.b, p.offset, p.frame.transpose() * r, p.frame.transpose() * m);
   }
 
  private:
@@ -187,12 +195,19 @@ class contact_patches {
       for (std::size_t i = first; i < last; ++i) contacts[i].weigh(p);
     }
   }
-  void apply_all(const std::vector<Contact>& contacts, solver_state& s) const {
-    for (const contact_patch& p : patches_) {
-      vec3 r{0, 0, 0}, m{0, 0, 0};
-      for (std::size_t i = p.first; i < p.last; ++i)
-        r += contacts[i].r, m += contacts[i].arm.cross(contacts[i].r);
-      if (r[0] != 0) patch_motion<paired>::give(p, s, r, m);
+  /// Gives the bodies all impulses of the contacts, which need not have been weighed.
+  static void apply_all(const std::vector<Contact>& contacts, solver_state& s) {
+    for (std::size_t first = 0, i = 0; first < contacts.size(); first = i) {
+      const Contact& c = contacts[first];
+      vec3 impulse{0, 0, 0}, moment{0, 0, 0};
+      for (; i < contacts.size() && contacts[i].same_patch(c); ++i) {
+        const vec3 p = contacts[i].impulse();
+        impulse += p, moment += contacts[i].arm_a.cross(p);
+      }
+      if (impulse == vec3(0, 0, 0) && moment == vec3(0, 0, 0)) continue;
+      vec3 offset{0, 0, 0};
+      if constexpr (paired) offset = c.arm_b - c.arm_a;
+      give_pair<paired>(s, c.a, c.b, offset, impulse, moment);
     }
   }
   void sweep_forward(std::vector<Contact>& contacts, solver_state& s) const {

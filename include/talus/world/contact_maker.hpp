@@ -1,8 +1,12 @@
 #pragma once
 // From two bodies that may touch to the contacts that the solver works on.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <type_traits>
+#include <vector>
 
+#include "talus/detect/detail/box_batch.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/continuous.hpp"
@@ -42,6 +46,8 @@ class contact_maker {
   using state_type = world_state<Scenario>;
   using law = typename state_type::law;
   static constexpr bool paired = Partner == partner::moving;
+  static constexpr bool batched =
+      paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
   template <class A, class B>
   static auto kind() {
     if constexpr (paired)
@@ -61,7 +67,13 @@ class contact_maker {
         first_a_(s.template of<ShapeA>().first),
         first_b_(paired ? s.template of<ShapeB>().first : 0),
         list_(std::get<contact_list<contact_type>>(s.contacts)),
-        gravity_(s.gravity.norm()) {}
+        gravity_(s.gravity.norm()) {
+    if constexpr (batched) {
+      waiting_.places.resize(a_.size());
+      for (std::size_t i = 0; i < a_.size(); ++i)
+        waiting_.places[i] = place_of<real>(a_.shape[i], a_.pose(i));
+    }
+  }
 
   /// The pair (i, j); bodies of one shape in the order of their ids, so that every rank that sees
   /// the pair computes the same.
@@ -83,54 +95,93 @@ class contact_maker {
                               : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
         return;
 
-    const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
+    const close_pair pair{i, j, own_a, foreign, boundary};
     const real margin = margin_a + margin_b - excess(i, j);
-    collide_pair(
-        a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin, [&](const contact_geometry& g) {
-          vec3 arm_a = g.point - a_.position[i];
-          // Only where both bodies move must the forces on them share a line; something
-          // immovable is met with the surface itself.
-          if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
-          vec3 arm_b{0, 0, 0};
-          vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
-          if constexpr (paired) {
-            arm_b = g.point - b_.position[j];
-            u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
-          }
-          if constexpr (state_type::continuous) {
-            if (not_met(i, j, g.gap, pair)) return;
-            u += flown(a_, i, first_a_);
-            if constexpr (paired) u -= flown(b_, j, first_b_);
-          }
-          if (parts_before_touching(i, j, g, u)) return;
-          if constexpr (watches<Scenario, penetration_monitor>)
-            if (!foreign && (!boundary || own_a)) s_.monitors.overlaps.add(g.gap);
-          contact_type c;
-          c.a = static_cast<std::int32_t>(first_a_ + i);
-          if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
-          place(c, g, arm_a, arm_b);
-          const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
-              pair, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
-              creep(i), s_.settings.correction);
-          c.target = want.target;
-          c.push = want.push;
-          if constexpr (state_type::continuous) {
-            const bool rebounds = c.target > 0;
-            c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
-            if constexpr (paired) c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
-          }
-          if constexpr (law::friction) c.friction = want.friction;
-          const contact_key key{a_.id[i], b_.id[j], g.feature};
-          if (foreign)
-            list_.add_foreign(c, key);
-          else if (boundary)
-            list_.add_boundary(c, key, own_a);
-          else
-            list_.add(c, key);
-        });
+    if constexpr (batched) {
+      const unsigned lane = waiting_.count++;
+      waiting_.pairs[lane] = pair, waiting_.margins[lane] = margin;
+      waiting_.tests.set(lane, waiting_.places[i], waiting_.places[j], margin);
+      if (waiting_.count == waiting_.tests.capacity) finish();
+    } else {
+      const pair_material& material = material_of(pair);
+      collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin,
+                   [&](const contact_geometry& g) { add(pair, material, g); });
+    }
+  }
+  /// To be called after the last pair: some wait until there are enough to be tested together.
+  void finish() requires(batched) {
+    const unsigned count = waiting_.count, near = waiting_.tests.test();
+    waiting_.count = 0;
+    for (unsigned k = 0; k < count; ++k) {
+      if (!(near >> k & 1u)) continue;
+      const close_pair& pair = waiting_.pairs[k];
+      const pair_material& material = material_of(pair);
+      collide_boxes(waiting_.places[pair.i], waiting_.places[pair.j], waiting_.tests.pair(k),
+                    waiting_.tests.gaps(k), waiting_.margins[k],
+                    [&](const contact_geometry& g) { add(pair, material, g); });
+    }
   }
 
  private:
+  struct close_pair {
+    std::size_t i = 0, j = 0;
+    bool own_a = false, foreign = false, boundary = false;
+  };
+  struct waiting_pairs {
+    std::vector<box_place<real>> places;  ///< of all boxes
+    box_batch<real> tests;
+    std::array<close_pair, box_batch<real>::capacity> pairs;
+    std::array<real, box_batch<real>::capacity> margins;
+    unsigned count = 0;
+  };
+  struct none_wait {};
+
+  const pair_material& material_of(const close_pair& p) const {
+    return s_.materials.pair(a_.material[p.i], b_.material[p.j]);
+  }
+  void add(const close_pair& p, const pair_material& pair, const contact_geometry& g) {
+    const auto& [i, j, own_a, foreign, boundary] = p;
+    vec3 arm_a = g.point - a_.position[i];
+    // Only where both bodies move must the forces on them share a line; something immovable is met
+    // with the surface itself.
+    if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
+    vec3 arm_b{0, 0, 0};
+    vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
+    if constexpr (paired) {
+      arm_b = g.point - b_.position[j];
+      u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
+    }
+    if constexpr (state_type::continuous) {
+      if (not_met(i, j, g.gap, pair)) return;
+      u += flown(a_, i, first_a_);
+      if constexpr (paired) u -= flown(b_, j, first_b_);
+    }
+    if (parts_before_touching(i, j, g, u)) return;
+    if constexpr (watches<Scenario, penetration_monitor>)
+      if (!foreign && (!boundary || own_a)) s_.monitors.overlaps.add(g.gap);
+    contact_type c;
+    c.a = static_cast<std::int32_t>(first_a_ + i);
+    if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
+    place(c, g, arm_a, arm_b);
+    const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
+        pair, g.normal, u, g.gap, s_.dt, pull(i, j),
+        [&, i = i, j = j] { return fall(i, j, g.normal); }, creep(i), s_.settings.correction);
+    c.target = want.target;
+    c.push = want.push;
+    if constexpr (state_type::continuous) {
+      const bool rebounds = c.target > 0;
+      c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
+      if constexpr (paired) c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
+    }
+    if constexpr (law::friction) c.friction = want.friction;
+    const contact_key key{a_.id[i], b_.id[j], g.feature};
+    if (foreign)
+      list_.add_foreign(c, key);
+    else if (boundary)
+      list_.add_boundary(c, key, own_a);
+    else
+      list_.add(c, key);
+  }
   /// A contact that is farther than the slack and does not close within the step is no contact.
   bool parts_before_touching(std::size_t i, std::size_t j, const contact_geometry& g,
                              const vec3& u) const {
@@ -233,6 +284,7 @@ class contact_maker {
   std::size_t first_a_, first_b_;
   contact_list<contact_type>& list_;
   real gravity_;
+  [[no_unique_address]] std::conditional_t<batched, waiting_pairs, none_wait> waiting_;
 };
 
 }  // namespace talus::detail
