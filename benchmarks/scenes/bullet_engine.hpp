@@ -17,7 +17,9 @@ namespace bench {
 class bullet_engine {
  public:
   explicit bullet_engine(const scene& s, int iterations = 0)
-      : scene_(s), construction_(pools(s.balls.size())), configuration_(construction_) {
+      : scene_(s),
+        construction_(pools(s.balls.size() + s.crates.size())),
+        configuration_(construction_) {
     if (iterations > 0) world_.getSolverInfo().m_numIterations = iterations;
     world_.setGravity(btVector3(0, 0, btScalar(s.gravity)));
     // Bullet multiplies the coefficients of two bodies: choose the two factors so that the products
@@ -140,10 +142,10 @@ class bullet_engine {
   static vec plain(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
   // Room in the pools for every pair near contact: beyond them Bullet falls back on malloc.
-  static btDefaultCollisionConstructionInfo pools(std::size_t balls) {
+  static btDefaultCollisionConstructionInfo pools(std::size_t bodies) {
     btDefaultCollisionConstructionInfo info;
-    info.m_defaultMaxPersistentManifoldPoolSize = static_cast<int>(4096 + 16 * balls);
-    info.m_defaultMaxCollisionAlgorithmPoolSize = static_cast<int>(4096 + 16 * balls);
+    info.m_defaultMaxPersistentManifoldPoolSize = static_cast<int>(4096 + 16 * bodies);
+    info.m_defaultMaxCollisionAlgorithmPoolSize = static_cast<int>(4096 + 16 * bodies);
     return info;
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "checker.hpp"
 #include "scene.hpp"
@@ -59,7 +60,7 @@ struct overlaps {
   std::size_t pairs = 0, not_finite = 0;
 };
 
-/// All pairs: the scenes have a few hundred boxes.
+/// Looks at all pairs whose bounding spheres meet, found with the cells of checker.hpp.
 inline overlaps check(std::span<const crate> crates, std::span<const wall> walls) {
   overlaps found;
   const auto judge = [&](double g) {
@@ -68,18 +69,18 @@ inline overlaps check(std::span<const crate> crates, std::span<const wall> walls
     found.mean -= g;
     found.max = std::max(found.max, -g);
   };
-  for (std::size_t i = 0; i < crates.size(); ++i) {
-    if (!std::isfinite(norm(crates[i].centre))) {
+  std::vector<ball> around;
+  for (const crate& c : crates) {
+    around.push_back({.position = c.centre, .radius = 0.5 * norm(c.size)});
+    if (!detail::finite(around.back())) {
       ++found.not_finite;
       continue;
     }
-    for (const wall& w : walls) judge(gap(crates[i], w));
-    for (std::size_t j = i + 1; j < crates.size(); ++j) {
-      const double apart = norm(minus(crates[i].centre, crates[j].centre));
-      if (apart < 0.5 * (norm(crates[i].size) + norm(crates[j].size)))
-        judge(gap(crates[i], crates[j]));
-    }
+    for (const wall& w : walls) judge(gap(c, w));
   }
+  detail::near_pairs(around, 0, [&](std::size_t i, std::size_t j) {
+    if (gap(around[i], around[j]) < 0) judge(gap(crates[i], crates[j]));
+  });
   if (found.pairs > 0) found.mean /= static_cast<double>(found.pairs);
   return found;
 }

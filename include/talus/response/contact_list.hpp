@@ -9,6 +9,7 @@
 #include "talus/response/boundary_patch.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/contact_row.hpp"
+#include "talus/response/patched_row.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -18,7 +19,11 @@ template <class Contact>
 struct interior_contacts {
   using type = contact_row<Contact>;
 };
-/// Some kinds of contacts have another way to be kept and swept.
+template <swept_in_patches Contact>
+struct interior_contacts<Contact> {
+  using type = patched_row<Contact>;
+};
+/// Some kinds of contacts have a way of their own to be kept.
 template <class Contact>
 requires requires { typename Contact::blocks; }
 struct interior_contacts<Contact> {

@@ -56,6 +56,9 @@ class contact_row {
     });
   }
 
+ protected:
+  std::vector<Contact> contacts_;
+
  private:
   /// Sweeps run through this many parts of the row side by side: see the kinds of contacts.
   static constexpr std::size_t streams = Contact::streams;
@@ -74,8 +77,6 @@ class contact_row {
     for (std::size_t i = part; i-- > 0;)
       for (std::size_t k = streams; k-- > 0;) f(contacts_[k * part + i]);
   }
-
-  std::vector<Contact> contacts_;
 };
 
 }  // namespace talus::detail

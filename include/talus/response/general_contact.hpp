@@ -4,7 +4,8 @@
 #include <cstdint>
 
 #include "talus/core/math.hpp"
-#include "talus/response/coulomb.hpp"
+#include "talus/response/contact_patch.hpp"
+#include "talus/response/coulomb_block.hpp"
 #include "talus/response/frame_around.hpp"
 #include "talus/response/round_contact.hpp"
 #include "talus/response/solver_state.hpp"
@@ -14,35 +15,72 @@ namespace talus::detail {
 /// What the solver knows of one side of a contact from its shape.
 enum class contact_side { scalar, tensor, immovable };
 
+/// What friction adds to a general contact: the impulse has three components instead of one.
+template <bool Friction>
+struct general_block {
+  coulomb_block block;
+  vec3 arm{0, 0, 0};  ///< from the centre of a, in the frame of the contact
+};
+template <>
+struct general_block<false> {
+  real delassus = 0;
+};
+
 /// The general contact: Delassus block in the frame (normal, tangent, tangent), solved exactly for
 /// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a
 /// relative to b, impulses act on a.
 template <class Law, contact_side A, contact_side B>
-struct general_contact {
+struct general_contact : general_block<Law::friction> {
   static constexpr bool paired = B != contact_side::immovable;
   static constexpr bool patches = true;  ///< a pair of bodies has several such contacts
+  /// Where one of the bodies is round, a pair has one contact.
+  static constexpr bool swept_in_patches =
+      Law::friction && A == contact_side::tensor && B != contact_side::scalar;
   static constexpr int rows = Law::friction ? 3 : 1;
   /// One by one in the order of the list: stacks converge much faster when the impulses travel
   /// along them, and the local solution costs more than waiting.
   static constexpr std::size_t streams = 1;
   using change = Eigen::Matrix<real, rows, 1>;  ///< impulse in the frame
 
+  real target = 0;    ///< least separating velocity after the step
+  real push = 0;      ///< least separating rate of the correction; at rest and under load, the rate
+  real friction = 0;  ///< coefficient mu
+  real pushed = 0;    ///< normal impulse of the correction
+  change r = change::Zero();  ///< impulse in the frame
   std::int32_t a = 0;
   std::int32_t b = -1;
   Eigen::Matrix<real, rows, 3> frame;  ///< rows: normal from b to a, two tangents
   vec3 arm_a{0, 0, 0};                 ///< from the centre of mass to the contact point
   vec3 arm_b{0, 0, 0};
-  real target = 0;    ///< least separating velocity after the step
-  real push = 0;      ///< least separating rate of the correction; at rest and under load, the rate
-  real friction = 0;  ///< coefficient mu
-  Eigen::Matrix<real, rows, rows> delassus;
-  change r = change::Zero();  ///< impulse in the frame
-  real pushed = 0;            ///< normal impulse of the correction
 
   void weigh(const solver_state& s, real split_a, real split_b) {
     mat3 w = mobility<A>(s, a, arm_a, split_a);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, split_b);
-    delassus = frame * w * frame.transpose();
+    if constexpr (Law::friction)
+      this->block.set(frame * w * frame.transpose());
+    else
+      this->delassus = axis().dot(w * axis());
+  }
+  /// The same from a patch that it belongs to.
+  void weigh(const contact_patch& p) requires(swept_in_patches) {
+    this->arm = frame * arm_a;
+    const vec3& arm = this->arm;
+    // The velocity at the arm that each component of an impulse there makes.
+    const auto column = [&](int k) {
+      const real e[3] = {k == 0 ? 1. : 0., k == 1 ? 1. : 0., k == 2 ? 1. : 0.};
+      const twist m = p.mobility[k] + p.mobility[3] * (arm[1] * e[2] - arm[2] * e[1]) +
+                      p.mobility[4] * (arm[2] * e[0] - arm[0] * e[2]) +
+                      p.mobility[5] * (arm[0] * e[1] - arm[1] * e[0]);
+      return vec3(m[0] + (m[5] * arm[2] - m[6] * arm[1]), m[1] + (m[6] * arm[0] - m[4] * arm[2]),
+                  m[2] + (m[4] * arm[1] - m[5] * arm[0]));
+    };
+    const vec3 n = column(0), x = column(1), y = column(2);
+    this->block.set(n[0], n[1], n[2], x[1], x[2], y[2]);
+  }
+  /// Whether the two bodies and the normal are the same.
+  [[nodiscard]] bool same_patch(const general_contact& other) const {
+    return a == other.a && b == other.b && frame(0, 0) == other.frame(0, 0) &&
+           frame(0, 1) == other.frame(0, 1) && frame(0, 2) == other.frame(0, 2);
   }
   void warm(const vec3& impulse) {
     r = frame * impulse;
@@ -69,7 +107,7 @@ struct general_contact {
   [[nodiscard]] const vec3& lever_b() const { return arm_b; }
   [[nodiscard]] change since(const change& before) const { return r - before; }
   /// The change of velocity at the contact that a change of its impulse makes.
-  [[nodiscard]] real speed_of(const change& d) const { return d.norm() * delassus(0, 0); }
+  [[nodiscard]] real speed_of(const change& d) const { return d.norm() * own_mobility(); }
   /// Replaces the impulse, which may leave the cone for a while; the change is still to be applied.
   void set(const change& next) { r = next; }
 
@@ -98,11 +136,11 @@ struct general_contact {
     if constexpr (paired) u -= s.bodies[b].v + s.bodies[b].w.cross(arm_b);
     const change before = r;
     if constexpr (Law::friction) {
-      vec3 rest = frame * u - delassus * r;  // velocity without this contact
-      rest[0] -= target;
-      r = solve_coulomb(delassus, rest, friction);
+      u = frame * u;
+      u[0] -= target;
+      r = this->block.solve(r, u, friction);
     } else {
-      r[0] = std::max(real{0}, r[0] - (axis().dot(u) - target) / delassus(0, 0));
+      r[0] = std::max(real{0}, r[0] - (axis().dot(u) - target) / own_mobility());
     }
     return r - before;
   }
@@ -125,8 +163,12 @@ struct general_contact {
     const vec3 n = axis();
     real rate = n.dot(shift_at<A>(s, a, arm_a));
     if constexpr (paired) rate -= n.dot(shift_at<B>(s, b, arm_b));
+    return push_at(rate);
+  }
+  /// The change of the correction's impulse where surfaces move apart at `rate`.
+  real push_at(real rate) {
     const real before = pushed;
-    const real next = pushed - (rate - push) / delassus(0, 0);
+    const real next = pushed - (rate - push) / own_mobility();
     // Surfaces that hold each other neither part nor meet but by the push.
     pushed = target == 0 && r[0] > 0 ? next : std::max(real{0}, next);
     return pushed - before;
@@ -137,6 +179,13 @@ struct general_contact {
   }
 
  private:
+  /// Along the normal.
+  [[nodiscard]] real own_mobility() const {
+    if constexpr (Law::friction)
+      return this->block.nn;
+    else
+      return this->delassus;
+  }
   template <contact_side Side>
   static vec3 turn(const solver_state& s, std::int32_t i, const vec3& moment) {
     if constexpr (Side == contact_side::tensor)

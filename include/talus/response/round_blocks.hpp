@@ -16,6 +16,10 @@
 
 namespace talus::detail {
 
+// As with octets: all functions that are given one are inlined.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 /// Finds for each contact the first block that has room and none of its bodies. Blocks are open
 /// for a while only, so that they hold neighbours in the list, which are neighbours in space.
 class block_planner {
@@ -124,7 +128,11 @@ class round_blocks {
       if (used_ == blocks_.size()) blocks_.emplace_back();
       make_empty(blocks_[used_], c);
     }
-    put(blocks_[at], static_cast<std::size_t>(slot) % lanes, c);
+    block& x = blocks_[at];
+    if (const std::size_t lane = static_cast<std::size_t>(slot) % lanes; lane > 0)
+      put(x, lane, c);
+    else
+      make_empty(x, c), put(x, 0, c);  // blocks are not begun in their order
   }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
@@ -410,5 +418,7 @@ class round_blocks {
   std::vector<Contact> lone_;          ///< contacts that found no place
   std::vector<std::uint32_t> number_;  ///< the contact in a slot
 };
+
+#pragma GCC diagnostic pop
 
 }  // namespace talus::detail

@@ -136,6 +136,7 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
       }
       take(i, j, margin(a, reach_a, i), margin_b, pair.last);
     }
+    if constexpr (requires { take.finish(); }) take.finish();
     ++kind;
   };
   s.each_finite_shape([&](auto& a) {

@@ -1,8 +1,12 @@
 #pragma once
 // From two bodies that may touch to the contacts that the solver works on.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <type_traits>
+#include <vector>
 
+#include "talus/detect/detail/box_batch.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/continuous.hpp"
@@ -42,6 +46,8 @@ class contact_maker {
   using state_type = world_state<Scenario>;
   using law = typename state_type::law;
   static constexpr bool paired = Partner == partner::moving;
+  static constexpr bool batched =
+      paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
   template <class A, class B>
   static auto kind() {
     if constexpr (paired)
@@ -61,7 +67,13 @@ class contact_maker {
         first_a_(s.template of<ShapeA>().first),
         first_b_(paired ? s.template of<ShapeB>().first : 0),
         list_(std::get<contact_list<contact_type>>(s.contacts)),
-        gravity_(s.gravity.norm()) {}
+        gravity_(s.gravity.norm()) {
+    if constexpr (batched) {
+      waiting_.places.resize(a_.size());
+      for (std::size_t i = 0; i < a_.size(); ++i)
+        waiting_.places[i] = place_of<real>(a_.shape[i], a_.pose(i));
+    }
+  }
 
   /// The pair (i, j); bodies of one shape in the order of their ids, so that every rank that sees
   /// the pair computes the same.
@@ -70,51 +82,86 @@ class contact_maker {
   }
   /// The same for a pair that is kept from step to step.
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
-    if (!make(i, j, margin_a, margin_b, &last)) last = history_place::none;
+    make(i, j, margin_a, margin_b, &last);
+  }
+  /// To be called after the last pair: some wait until there are enough to be tested together.
+  void finish() requires(batched) {
+    const unsigned count = waiting_.count, near = waiting_.tests.test();
+    waiting_.count = 0;
+    for (unsigned k = 0; k < count; ++k) {
+      pair_at_hand& x = waiting_.pairs[k];
+      if (near >> k & 1u)
+        collide_boxes(waiting_.places[x.i], waiting_.places[x.j], waiting_.tests.pair(k),
+                      waiting_.tests.gaps(k), x.margin,
+                      [&](const contact_geometry& g) { add(x, g); });
+      forget_unless_made(x);
+    }
   }
 
  private:
-  /// Whether they have a contact that may get an impulse.
-  bool make(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place* last) {
+  struct pair_at_hand {
+    std::size_t i = 0, j = 0;
+    real margin = 0;
+    history_place* last = nullptr;
+    const pair_material* material = nullptr;
+    bool own_a = false, boundary = false, foreign = false, moves_a = false, moves_b = false;
+    bool made = false;  ///< a contact that may get an impulse
+  };
+  struct waiting_pairs {
+    std::vector<box_place<real>> places;  ///< of all boxes
+    box_batch<real> tests;
+    std::array<pair_at_hand, box_batch<real>::capacity> pairs;
+    unsigned count = 0;
+  };
+  struct none_wait {};
+
+  static void forget_unless_made(const pair_at_hand& x) {
+    if (!x.made && x.last != nullptr) *x.last = history_place::none;
+  }
+
+  void make(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place* last) {
     if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
       if (b_.id[j] < a_.id[i]) {
         std::swap(i, j);
         std::swap(margin_a, margin_b);
       }
-    const bool own_a = i < a_.locals, own_b = !paired || j < b_.locals;
-    const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
+    pair_at_hand x{.i = i, .j = j, .last = last};
+    x.own_a = i < a_.locals;
+    const bool own_b = !paired || j < b_.locals;
+    x.moves_a = a_.inverse_mass[i] != 0, x.moves_b = paired && b_.inverse_mass[j] != 0;
     if constexpr (paired && !state_type::link_type::alone)
-      if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
-    const bool foreign = !((own_a && moves_a) || (own_b && moves_b));
-    if (foreign && !(shares_islands(s_) && (moves_a || moves_b))) return false;
-    const bool boundary = paired && own_a != own_b && moves_a && moves_b;
+      if (s_.strangers && !x.own_a && !own_b)
+        require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
+    x.foreign = !((x.own_a && x.moves_a) || (own_b && x.moves_b));
+    if (x.foreign && !(shares_islands(s_) && (x.moves_a || x.moves_b)))
+      return forget_unless_made(x);
+    x.boundary = paired && x.own_a != own_b && x.moves_a && x.moves_b;
     if constexpr (paired)
-      if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
-                              : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
-        return false;
+      if (x.boundary && !(x.own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
+                                  : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
+        return forget_unless_made(x);
 
-    const pair_material& pair = s_.materials.pair(a_.material[i], b_.material[j]);
-    const real margin = margin_a + margin_b - excess(i, j);
-    pair_at_hand x{i, j, last, pair, own_a, boundary, foreign, moves_a, moves_b, false};
-    if constexpr (ShapeA::round && ShapeB::round)  // a single point
+    x.material = &s_.materials.pair(a_.material[i], b_.material[j]);
+    x.margin = margin_a + margin_b - excess(i, j);
+    if constexpr (batched) {
+      const unsigned lane = waiting_.count++;
+      waiting_.pairs[lane] = x;
+      waiting_.tests.set(lane, waiting_.places[i], waiting_.places[j], x.margin);
+      if (waiting_.count == waiting_.tests.capacity) finish();
+      return;
+    } else if constexpr (ShapeA::round && ShapeB::round) {  // a single point
       collide_pair(
           a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j),
-          margin, [&](const contact_geometry& g) __attribute__((always_inline)) { add(x, g); });
-    else
-      collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), margin,
+          x.margin, [&](const contact_geometry& g) __attribute__((always_inline)) { add(x, g); });
+    } else {
+      collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), x.margin,
                    [&](const contact_geometry& g) { add(x, g); });
-    return x.made;
+    }
+    forget_unless_made(x);
   }
 
-  struct pair_at_hand {
-    std::size_t i, j;
-    history_place* last;
-    const pair_material& pair;
-    bool own_a, boundary, foreign, moves_a, moves_b, made;
-  };
-
   /// One of their contact points.
-  [[gnu::always_inline]] inline void add(pair_at_hand& x, const contact_geometry& g) {
+  [[gnu::always_inline]] void add(pair_at_hand& x, const contact_geometry& g) {
     const std::size_t i = x.i, j = x.j;
     vec3 arm_a = g.point - a_.position[i];
     // Only where both bodies move must the forces on them share a line; something immovable is met
@@ -127,7 +174,7 @@ class contact_maker {
       u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
     }
     if constexpr (state_type::continuous) {
-      if (not_met(i, j, g.gap, x.pair)) return;
+      if (not_met(i, j, g.gap, *x.material)) return;
       u += flown(a_, i, first_a_);
       if constexpr (paired) u -= flown(b_, j, first_b_);
     }
@@ -139,7 +186,7 @@ class contact_maker {
     if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
     place(c, g, arm_a, arm_b);
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
-        x.pair, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
+        *x.material, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
         creep(i), s_.settings.correction);
     c.target = want.target;
     c.push = want.push;
@@ -260,6 +307,7 @@ class contact_maker {
   std::size_t first_a_, first_b_;
   contact_list<contact_type>& list_;
   real gravity_;
+  [[no_unique_address]] std::conditional_t<batched, waiting_pairs, none_wait> waiting_;
 };
 
 }  // namespace talus::detail

@@ -89,6 +89,7 @@ void each_close_pair(world_state<Scenario>& s, Make&& make) {
     a.grid.pairs([&](std::size_t i, std::size_t j) {
       among(i, j, margin(a.movable, a.reach, i), margin(a.movable, a.reach, j));
     });
+    if constexpr (requires { among.finish(); }) among.finish();
 
     s.each_shape([&](auto& b) {
       using B = typename std::remove_cvref_t<decltype(b)>::shape_type;

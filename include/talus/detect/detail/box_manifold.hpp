@@ -29,31 +29,47 @@ class box_manifold {
         sign_(positive ? 1 : -1),
         half_(p.ha[axis]) {
     // The face of b that looks most towards the reference face.
-    const vector3<Real> slope = p.axes.row(axis).transpose() * sign_;
+    const Real slope[3] = {p.axes(axis, 0), p.axes(axis, 1), p.axes(axis, 2)};
     int m = 0;
     if (std::abs(slope[1]) > std::abs(slope[m])) m = 1;
     if (std::abs(slope[2]) > std::abs(slope[m])) m = 2;
     const int n = (m + 1) % 3, o = (m + 2) % 3;
-    const bool looks_up = !(slope[m] > 0);
-    constexpr bool around[4][2] = {{false, false}, {true, false}, {true, true}, {false, true}};
-    for (const auto& at : around) {
-      vector3<Real> local;
-      local[m] = looks_up ? p.hb[m] : -p.hb[m];
-      local[n] = at[0] ? p.hb[n] : -p.hb[n];
-      local[o] = at[1] ? p.hb[o] : -p.hb[o];
-      const vector3<Real> x = p.from_b(local);
-      corners_[size_++] = {x[u_], x[v_], sign_ * x[axis] - p.ha[axis], side(axis, positive),
-                           side(m, looks_up) | side(n, at[0]) | side(o, at[1])};
-    }
-    lowest_ = *std::min_element(corners_.begin(), corners_.begin() + 4,
-                                [](auto& a, auto& b) { return a.gap < b.gap; });
+    const bool looks_up = !(sign_ * slope[m] > 0);
+    const auto seen = [&](int k, Real length) {
+      return vector3<Real>{length * p.axes(u_, k), length * p.axes(v_, k),
+                           length * sign_ * p.axes(axis_, k)};
+    };
+    const vector3<Real> centre =
+        vector3<Real>{p.offset[u_], p.offset[v_], sign_ * p.offset[axis] - half_} +
+        seen(m, looks_up ? p.hb[m] : -p.hb[m]);
+    const vector3<Real> x = seen(n, p.hb[n]), y = seen(o, p.hb[o]);
+    const box_part face = side(m, looks_up), reference = side(axis, positive);
+    const auto put = [&](const vector3<Real>& at, bool far_n, bool far_o) {
+      corners_[size_++] = {at[0], at[1], at[2], reference, face | side(n, far_n) | side(o, far_o)};
+    };
+    put(centre - x - y, false, false);
+    put(centre + x - y, true, false);
+    put(centre + x + y, true, true);
+    put(centre - x + y, false, true);
+    lowest_ = corners_[0];
+    for (unsigned k = 1; k < 4; ++k)
+      if (corners_[k].gap < lowest_.gap) lowest_ = corners_[k];
+    // Only sides that cut need be looked at closely.
+    const Real u_width = std::abs(x[0]) + std::abs(y[0]), v_width = std::abs(x[1]) + std::abs(y[1]);
+    constexpr Real most = soft;
     for (const bool far : {false, true}) {
-      clip(&corner::u, far, p.ha[u_], side(u_, far));
-      clip(&corner::v, far, p.ha[v_], side(v_, far));
+      const Real sign = far ? 1 : -1;
+      if (sign * centre[0] + u_width > most * p.ha[u_])
+        clip(&corner::u, far, p.ha[u_], side(u_, far));
+      if (sign * centre[1] + v_width > most * p.ha[v_])
+        clip(&corner::v, far, p.ha[v_], side(v_, far));
     }
     unsigned kept = 0;
-    for (unsigned k = 0; k < size_; ++k)
-      if (corners_[k].gap <= margin) corners_[kept++] = corners_[k];
+    for (unsigned k = 0; k < size_; ++k) {
+      if (!(corners_[k].gap <= margin)) continue;
+      if (kept != k) corners_[kept] = corners_[k];
+      ++kept;
+    }
     size_ = kept;
   }
 
@@ -110,20 +126,22 @@ class box_manifold {
     size_ = 4;
   }
 
-  /// Calls f(box_contact) for the corners, each name once.
+  /// Calls f(box_contact) for the corners, each name once, in the order of their names.
   template <class F>
   void for_each(F&& f) {
-    std::sort(corners_.begin(), corners_.begin() + size_, [](auto& a, auto& b) {
-      return a.incident != b.incident ? a.incident < b.incident : a.reference < b.reference;
-    });
+    const auto name = [&](unsigned k) { return corners_[k].incident << 6 | corners_[k].reference; };
+    std::array<unsigned, 8> order;
     for (unsigned k = 0; k < size_; ++k) {
-      const corner& c = corners_[k];
+      unsigned at = k;
+      for (; at > 0 && name(order[at - 1]) > name(k); --at) order[at] = order[at - 1];
+      order[at] = k;
+    }
+    for (unsigned k = 0; k < size_; ++k) {
       // (The same corner can be there twice, where it lies on two sides.)
-      if (k > 0 && c.incident == corners_[k - 1].incident &&
-          c.reference == corners_[k - 1].reference)
-        continue;
+      if (k > 0 && name(order[k]) == name(order[k - 1])) continue;
+      const corner& c = corners_[order[k]];
       box_contact<Real> out;
-      out.normal = vector3<Real>::Zero();
+      out.normal = {0, 0, 0};
       out.normal[axis_] = sign_;
       out.point[u_] = c.u;
       out.point[v_] = c.v;
@@ -136,18 +154,20 @@ class box_manifold {
   }
 
  private:
+  static constexpr Real soft = 1.001;
+
   // Cuts off what lies beyond `half` on one side. A corner just outside, within a thousandth of
   // `half`, counts as inside, so that boxes of one size stacked flush keep their own corners.
   void clip(Real corner::*along, bool far, Real half, box_part wall) {
     const Real sign = far ? 1 : -1;
-    const Real soft = half * Real(1.001);
+    const Real limit = half * soft;
     std::array<corner, 12> out;
     unsigned n = 0;
     for (unsigned k = 0; k < size_; ++k) {
       const corner& a = corners_[k];
       const corner& b = corners_[k + 1 < size_ ? k + 1 : 0];
       const Real da = sign * (a.*along), db = sign * (b.*along);
-      const bool a_in = da <= soft, b_in = db <= soft;
+      const bool a_in = da <= limit, b_in = db <= limit;
       if (a_in) out[n++] = a;
       if (a_in == b_in || (a_in ? da : db) >= half) continue;
       const Real t = (half - da) / (db - da);
@@ -180,30 +200,40 @@ template <class Real>
 void name_by_quarters(const box_pair<Real>& p, std::array<box_contact<Real>, 4>& c) {
   const vector3<Real>& normal = c[0].normal;
   const vector3<Real> seen_from_b = p.axes.transpose() * normal;
-  int axis = 0, of_b = 0;
-  normal.cwiseAbs().maxCoeff(&axis);
-  seen_from_b.cwiseAbs().maxCoeff(&of_b);
+  const auto largest = [](const vector3<Real>& v) {
+    int k = 0;
+    if (std::abs(v[1]) > std::abs(v[k])) k = 1;
+    if (std::abs(v[2]) > std::abs(v[k])) k = 2;
+    return k;
+  };
+  const int axis = largest(normal), of_b = largest(seen_from_b);
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const vector3<Real> middle = Real(0.25) * (c[0].point + c[1].point + c[2].point + c[3].point);
-  Real width[2] = {0, 0};
-  for (const auto& k : c) {
-    width[0] = std::max(width[0], std::abs(k.point[u] - middle[u]));
-    width[1] = std::max(width[1], std::abs(k.point[v] - middle[v]));
-  }
-  unsigned seen = 0;
-  std::array<box_part, 4> parts{};
+  Real x[4], y[4], width[2] = {0, 0};
+  for (std::size_t k = 0; k < 4; ++k) x[k] = c[k].point[u], y[k] = c[k].point[v];
+  const Real middle_x = Real(0.25) * (x[0] + x[1] + x[2] + x[3]),
+             middle_y = Real(0.25) * (y[0] + y[1] + y[2] + y[3]);
   for (std::size_t k = 0; k < 4; ++k) {
-    const Real x = c[k].point[u] - middle[u], y = c[k].point[v] - middle[v];
-    if (std::abs(x) < Real(0.1) * width[0] || std::abs(y) < Real(0.1) * width[1]) return;
-    seen |= 1u << ((x > 0) + 2 * (y > 0));
-    parts[k] = side(axis, normal[axis] > 0) | side(u, x > 0) | side(v, y > 0);
+    x[k] -= middle_x, y[k] -= middle_y;
+    width[0] = std::max(width[0], std::abs(x[k]));
+    width[1] = std::max(width[1], std::abs(y[k]));
+  }
+  // The order of the quarters is that of the names: the parts of one axis make the larger ones.
+  std::array<unsigned, 4> in_quarter{};
+  unsigned seen = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (std::abs(x[k]) < Real(0.1) * width[0] || std::abs(y[k]) < Real(0.1) * width[1]) return;
+    const unsigned high = u > v ? x[k] > 0 : y[k] > 0, low = u > v ? y[k] > 0 : x[k] > 0;
+    in_quarter[2 * high + low] = static_cast<unsigned>(k);
+    seen |= 1u << (2 * high + low);
   }
   if (seen != 15) return;
-  for (std::size_t k = 0; k < 4; ++k) {
-    c[k].a = parts[k];
-    c[k].b = side(of_b, seen_from_b[of_b] < 0);
+  const std::array<box_contact<Real>, 4> found = c;
+  for (std::size_t q = 0; q < 4; ++q) {
+    const unsigned k = in_quarter[q];
+    c[q] = found[k];
+    c[q].a = side(axis, normal[axis] > 0) | side(u, x[k] > 0) | side(v, y[k] > 0);
+    c[q].b = side(of_b, seen_from_b[of_b] < 0);
   }
-  std::sort(c.begin(), c.end(), [](auto& x, auto& y) { return x.feature() < y.feature(); });
 }
 
 }  // namespace talus::detail

@@ -1,36 +1,26 @@
 #pragma once
 // Two boxes: a patch of up to four contacts where a face is involved, else a single one.
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/detail/box_axes.hpp"
 #include "talus/detect/detail/box_manifold.hpp"
 #include "talus/detect/detail/box_nearest.hpp"
 #include "talus/shape/box.hpp"
 
 namespace talus {
 
-/// Calls `sink(contact_geometry)` for the points with a gap of at most `margin`, in the order of
-/// their features. The normal is the axis of least penetration; boxes apart get the direction of
-/// their nearest points, unless a face serves as well. Faces of a are preferred to those of b, and
-/// faces to edges, by half a percent of the smallest half edge and five percent of the gap (edges
-/// crossing within 11 degrees of a face's normal count as that face), so that the choice holds
-/// while a box rests on another. A feature names the parts of the two boxes that meet (of four
-/// points, one in each quarter of a patch, the corner of a that looks the same way); it is the same
-/// whichever face is the reference, and below 4096.
-template <class Sink, class Real = real>
-void collide(const box& a, const pose& pa, const box& b, const pose& pb, real margin, Sink&& sink) {
-  using namespace detail;
-  box_pair<Real> pair{a.half(), b.half(), matrix3<Real>::Identity(), pb.position - pa.position};
-  const Real reach = pair.ha.norm() + pair.hb.norm() + margin;
-  if (!(pair.offset.squaredNorm() <= reach * reach)) return;
-  const matrix3<Real> frame = pa.orientation.toRotationMatrix();
-  pair.axes = frame.transpose() * pb.orientation.toRotationMatrix();
-  pair.offset = frame.transpose() * pair.offset;
+namespace detail {
 
-  const box_axes<Real> axes(pair, margin);
-  if (axes.apart) return;
+template <class Real>
+[[nodiscard]] box_place<Real> place_of(const box& b, const pose& at) {
+  return {at.position, b.half(), at.orientation.toRotationMatrix()};
+}
 
-  const auto emit = [&](const box_contact<Real>& c) {
-    sink(contact_geometry{-(frame * c.normal), pa.position + frame * c.point, c.gap, c.feature()});
-  };
+/// Calls `sink(contact_geometry)` for two boxes that no axis separates by more than the margin.
+/// `pair` and `gaps` are theirs, in the frame of a.
+template <class Sink, class Real>
+void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box_pair<Real>& pair,
+                   const box_gaps<Real>& gaps, Real margin, Sink&& sink) {
+  const box_axes<Real> axes(pair, gaps);
   const Real smallest = pair.smallest();
   const Real best = axes.best();
   const auto tolerance = [&](Real gap) {
@@ -58,18 +48,57 @@ void collide(const box& a, const pose& pa, const box& b, const pose& pb, real ma
       patch.reduce(Real(1e-4) * smallest);
       std::array<box_contact<Real>, 4> found;
       std::size_t size = 0;
-      patch.for_each([&](const box_contact<Real>& c) {
-        found[size++] = face_of_b ? box_contact<Real>{-(pair.axes * c.normal), pair.from_b(c.point),
-                                                      c.gap, c.b, c.a}
-                                  : c;
-      });
+      patch.for_each([&](const box_contact<Real>& c) { found[size++] = c; });
+      if (face_of_b)
+        for (std::size_t k = 0; k < size; ++k) {
+          box_contact<Real>& c = found[k];
+          c.normal = -(pair.axes * c.normal), c.point = pair.from_b(c.point);
+          std::swap(c.a, c.b);
+        }
       if (size == 4) name_by_quarters(pair, found);
-      for (std::size_t k = 0; k < size; ++k) emit(found[k]);
+      if (size == 0) return;
+      vector3<Real> normal = column_of((face_of_b ? b : a).axes, face.i);
+      if (positive != face_of_b) normal = -normal;
+      for (std::size_t k = 0; k < size; ++k)
+        sink(
+            contact_geometry{normal, a.to_world(found[k].point), found[k].gap, found[k].feature()});
       return;
     }
   }
   const box_contact<Real> single = apart ? nearest_points(pair, axes) : crossing_edges(pair, axes);
-  if (single.gap <= margin) emit(single);
+  if (single.gap <= margin)
+    sink(contact_geometry{-(a.axes * single.normal), a.to_world(single.point), single.gap,
+                          single.feature()});
+}
+
+}  // namespace detail
+
+/// Calls `sink(contact_geometry)` for the points with a gap of at most `margin`, in the order of
+/// their features. The normal is the axis of least penetration; boxes apart get the direction of
+/// their nearest points, unless a face serves as well. Faces of a are preferred to those of b, and
+/// faces to edges, by half a percent of the smallest half edge and five percent of the gap (edges
+/// crossing within 11 degrees of a face's normal count as that face), so that the choice holds
+/// while a box rests on another. A feature names the parts of the two boxes that meet (of four
+/// points, one in each quarter of a patch, the corner of a that looks the same way); it is the same
+/// whichever face is the reference, and below 4096.
+template <class Sink, class Real = real>
+void collide(const box& a, const pose& pa, const box& b, const pose& pb, real margin, Sink&& sink) {
+  using namespace detail;
+  box_pair<Real> pair{a.half(), b.half(), matrix3<Real>(), pb.position - pa.position};
+  const Real reach = pair.ha.norm() + pair.hb.norm() + margin;
+  if (!(pair.offset.squaredNorm() <= reach * reach)) return;
+  const auto in_a = place_of<Real>(a, pa), in_b = place_of<Real>(b, pb);
+  Real axes[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      pair.axes(i, j) = axes[i][j] = in_a.axes(0, i) * in_b.axes(0, j) +
+                                     in_a.axes(1, i) * in_b.axes(1, j) +
+                                     in_a.axes(2, i) * in_b.axes(2, j);
+  pair.offset = in_a.axes.transpose() * pair.offset;
+  const box_gaps<Real> gaps =
+      find_box_gaps<true>(pair.ha.data(), pair.hb.data(), axes, pair.offset.data(), margin);
+  if (gaps.face_a > margin || gaps.face_b > margin || gaps.edge > margin * std::abs(margin)) return;
+  collide_boxes(in_a, in_b, pair, gaps, margin, sink);
 }
 
 }  // namespace talus

@@ -1,0 +1,167 @@
+// Contacts of round bodies in blocks of eight: they do what the same contacts do one by one.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "talus/contact/law.hpp"
+#include "talus/response/round_contact.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace {
+
+using namespace talus;
+using namespace talus::detail;
+using moving = round_contact<hard_contact<coulomb_friction, newton_restitution>, partner::moving>;
+
+struct random_heap {
+  explicit random_heap(unsigned seed) : engine(seed) {}
+  real number(real low, real high) {
+    return std::uniform_real_distribution<real>(low, high)(engine);
+  }
+  vec3 vector() { return {number(-1, 1), number(-1, 1), number(-1, 1)}; }
+  std::int32_t body(std::size_t count) {
+    return std::uniform_int_distribution<std::int32_t>(0, static_cast<std::int32_t>(count) - 1)(
+        engine);
+  }
+  solver_state bodies(std::size_t count, std::size_t fixed) {
+    solver_state s;
+    for (std::size_t i = 0; i < count; ++i) {
+      const real inverse_mass = i < fixed ? 0 : number(0.5, 2);
+      s.bodies.push_back({i < fixed ? vec3(0, 0, 0) : vector(), inverse_mass,
+                          i < fixed ? vec3(0, 0, 0) : vector(), 2.5 * inverse_mass});
+      s.shift.push_back({vec3(0, 0, 0), inverse_mass});
+    }
+    return s;
+  }
+  moving contact(std::int32_t a, std::int32_t b) {
+    moving c;
+    c.a = a, c.b = b;
+    c.normal = vector().normalized();
+    c.arm_a = number(0.4, 0.6), c.arm_b = number(0.4, 0.6);
+    c.friction = number(0, 1);
+    c.target = number(-0.1, 0.1);
+    c.push = number(-0.1, 0.1);
+    c.warm(vec3(vector() + c.normal));
+    return c;
+  }
+
+  std::mt19937 engine;
+};
+
+vec3 momentum(const solver_state& s) {
+  vec3 sum{0, 0, 0};
+  for (const solver_body& b : s.bodies)
+    if (b.inverse_mass > 0) sum += b.v / b.inverse_mass;
+  return sum;
+}
+bool moves(const solver_state& s, std::int32_t i) {
+  return s.bodies[static_cast<std::size_t>(i)].inverse_mass > 0;
+}
+
+}  // namespace
+
+TEST_CASE("contacts of crowded, large and fixed bodies find places where no block moves a body twice") {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    CAPTURE(seed);
+    random_heap random(seed);
+    const std::size_t count = seed == 1 ? 12 : 400;
+    solver_state s = random.bodies(count, 3);
+    round_blocks<moving> blocks;
+    std::vector<moving> all;
+    for (int step = 0; step < 2; ++step) {  // the second as after another step
+      blocks.clear(), all.clear();
+      for (int k = 0; k < 3000; ++k) {
+        const auto a = random.body(count);
+        const auto b = k % 4 == 0 ? static_cast<std::int32_t>(count) - 1 : random.body(count);
+        if (a == b || (!moves(s, a) && !moves(s, b))) continue;
+        all.push_back(random.contact(a, b));
+        blocks.add(all.back(), moves(s, a), moves(s, b));
+      }
+    }
+    REQUIRE(blocks.size() == all.size());
+    bool same = true;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      same = same && blocks[i].a == all[i].a && blocks[i].b == all[i].b &&
+             blocks[i].normal == all[i].normal && blocks[i].impulse() == all[i].impulse() &&
+             blocks[i].target == all[i].target && blocks[i].push == all[i].push;
+    CHECK(same);
+
+    // If a block moved a body twice, one of both changes would be lost.
+    const vec3 before = momentum(s);
+    blocks.weigh(s);
+    blocks.apply(s);
+    vec3 to_fixed{0, 0, 0};
+    const auto on_fixed = [&](const moving& c) {
+      vec3 sum{0, 0, 0};
+      if (!moves(s, c.b)) sum += c.impulse();
+      if (!moves(s, c.a)) sum -= c.impulse();
+      return sum;
+    };
+    for (std::size_t i = 0; i < all.size(); ++i) to_fixed += on_fixed(blocks[i]);
+    CHECK((momentum(s) - before - to_fixed).norm() < 1e-11 * static_cast<real>(all.size()));
+    for (int k = 0; k < 4; ++k) k % 2 == 0 ? blocks.forward(s) : blocks.backward(s);
+    vec3 now{0, 0, 0};
+    bool in_cones = true;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const moving c = blocks[i];
+      now += on_fixed(c);
+      in_cones = in_cones && c.rn >= 0 && c.rt.norm() <= c.friction * c.rn * (1 + 1e-12);
+    }
+    CHECK((momentum(s) - before - now).norm() < 1e-11 * static_cast<real>(all.size()));
+    CHECK(in_cones);
+    blocks.push(s);
+    vec3 shifted{0, 0, 0};
+    for (const body_shift& x : s.shift)
+      if (x.inverse_mass > 0) shifted += x.v / x.inverse_mass;
+    vec3 pushed{0, 0, 0};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const moving c = blocks[i];
+      if (!moves(s, c.b)) pushed += c.pushed * c.normal;
+      if (!moves(s, c.a)) pushed -= c.pushed * c.normal;
+    }
+    CHECK((shifted - pushed).norm() < 1e-11 * static_cast<real>(all.size()));
+  }
+}
+
+TEST_CASE("contacts that share no body are solved in blocks as one by one") {
+  random_heap random(7);
+  solver_state s = random.bodies(62, 0), t = s;
+  round_blocks<moving> blocks;
+  std::vector<moving> all;
+  for (std::int32_t i = 0; i < 62; i += 2) {
+    all.push_back(random.contact(i, i + 1));
+    blocks.add(all.back(), true, true);
+  }
+  blocks.weigh(s);
+  blocks.apply(s);
+  for (moving& c : all) c.weigh(t, 1, 1), c.apply(t, c.whole());
+  for (int k = 0; k < 3; ++k) {
+    std::vector<std::pair<std::size_t, real>> changed;
+    if (k < 2)
+      blocks.forward(s);
+    else
+      blocks.backward_watched(s, 1e-3, [&](std::size_t i, real by) { changed.push_back({i, by}); });
+    std::size_t above = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto d = all[i].relax(t);
+      all[i].apply(t, d);
+      above += all[i].speed_of(d) > 1e-3;
+      CHECK((blocks[i].impulse() - all[i].impulse()).norm() < 1e-14);
+      for (const auto& [which, by] : changed)
+        if (which == i) CHECK(by == doctest::Approx(all[i].speed_of(d)));
+    }
+    if (k == 2) CHECK(changed.size() == above);
+  }
+  blocks.push(s);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const real d = all[i].relax_push(t);
+    all[i].push_a(t, d), all[i].push_b(t, d);
+  }
+  for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+    CHECK((s.bodies[i].v - t.bodies[i].v).norm() < 1e-13);
+    CHECK((s.bodies[i].w - t.bodies[i].w).norm() < 1e-13);
+    CHECK((s.shift[i].v - t.shift[i].v).norm() < 1e-13);
+  }
+}
