@@ -102,8 +102,10 @@ class extent_finder {
   };
   void add(const region_extent& e) {
     auto& [all_of, sum] = path_.back();
-    sum.lower = all_of ? detail::upper_of(sum.lower, e.lower) : detail::lower_of(sum.lower, e.lower);
-    sum.upper = all_of ? detail::lower_of(sum.upper, e.upper) : detail::upper_of(sum.upper, e.upper);
+    sum.lower =
+        all_of ? detail::upper_of(sum.lower, e.lower) : detail::lower_of(sum.lower, e.lower);
+    sum.upper =
+        all_of ? detail::lower_of(sum.upper, e.upper) : detail::upper_of(sum.upper, e.upper);
     sum.prism = sum.prism && e.prism;
   }
   std::vector<group> path_{1};
@@ -131,7 +133,8 @@ struct both_regions {
   [[nodiscard]] bool contains(const vec3& p) const { return a.contains(p) && b.contains(p); }
   [[nodiscard]] region_extent extent() const {
     const region_extent x = extent_of(a), y = extent_of(b);
-    return {detail::upper_of(x.lower, y.lower), detail::lower_of(x.upper, y.upper), x.prism && y.prism};
+    return {detail::upper_of(x.lower, y.lower), detail::lower_of(x.upper, y.upper),
+            x.prism && y.prism};
   }
 };
 
