@@ -5,10 +5,10 @@
 #include <bit>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "talus/contact/key.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -76,8 +76,8 @@ class history_of {
     for (std::size_t n = 1; n <= entries_.size(); ++n) insert(n);
   }
 
-  std::vector<entry> entries_;
-  std::vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
+  plain_vector<entry> entries_;
+  plain_vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
 };
 
 /// The history of hard contacts.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/world/world.hpp"
@@ -73,7 +74,7 @@ void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool other
 
   if constexpr (other::finite) {
     const auto grid_of = [&](const auto& store) {
-      std::vector<real> reach(store.size());
+      detail::plain_vector<real> reach(store.size());
       for (std::size_t i = 0; i < reach.size(); ++i)
         reach[i] = store.shape[i].bounding_radius() + margin / 2;
       hash_grid grid;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/boundary_patch.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/recall.hpp"
@@ -97,7 +97,7 @@ class contact_list {
   }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  [[gnu::noinline]] const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
+  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
                                                                                    real speed) {
     stalled_.clear();
     const std::size_t part = interior_.size() / streams;
@@ -106,7 +106,7 @@ class contact_list {
       for (std::size_t k = streams; k-- > 0;) watch_one(s, k * part + i, speed);
     return stalled_;
   }
-  [[nodiscard]] std::vector<Contact>& part(contact_part p) {
+  [[nodiscard]] plain_vector<Contact>& part(contact_part p) {
     return p == contact_part::interior   ? interior_
            : p == contact_part::boundary ? boundary_
                                          : foreign_;
@@ -274,12 +274,12 @@ class contact_list {
       boundary_[i].apply_to_b(s, d);
   }
 
-  std::vector<Contact> interior_, boundary_, foreign_;
-  std::vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
-  std::vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
-  std::vector<typename Contact::change> changes_, before_;
-  std::vector<real> pushes_;
-  std::vector<std::pair<std::size_t, real>> stalled_;
+  plain_vector<Contact> interior_, boundary_, foreign_;
+  plain_vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
+  plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
+  plain_vector<typename Contact::change> changes_, before_;
+  plain_vector<real> pushes_;
+  plain_vector<std::pair<std::size_t, real>> stalled_;
 };
 
 }  // namespace talus::detail

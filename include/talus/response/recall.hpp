@@ -4,10 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "talus/contact/history.hpp"
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -40,8 +40,8 @@ void inherit(const contact_history& history, std::span<const contact_key> keys,
 
 /// Lets each contact start from the impulse that is remembered for its key.
 template <class Contact>
-void recall(const contact_history& history, const std::vector<contact_key>& keys,
-            std::vector<Contact>& contacts) {
+void recall(const contact_history& history, const plain_vector<contact_key>& keys,
+            plain_vector<Contact>& contacts) {
   for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
     bool lost = false;
     for (; last < contacts.size() && keys[last].same_pair(keys[first]); ++last) {

@@ -5,8 +5,8 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/response/contact_list.hpp"
 #include "talus/response/convergence.hpp"
@@ -84,7 +84,7 @@ struct small_steps final {
     const real held = s.speed;  // as in detection, and for the same reason
     solver_settings once = settings;
     once.iterations = 1;
-    std::vector<detail::body_motion> last(bodies), given(bodies);
+    detail::plain_vector<detail::body_motion> last(bodies), given(bodies);
     s.drift.assign(bodies, {});
     for (std::size_t i = 0; i < bodies; ++i)
       s.bodies[i].v -= s.gain[i].v, s.bodies[i].w -= s.gain[i].w;
@@ -147,7 +147,7 @@ struct small_steps final {
   template <class List>
   static auto courses_of(List& list, const detail::solver_state& s) {
     using contact = typename List::contact_type;
-    std::vector<detail::contact_course<contact>> all;
+    detail::plain_vector<detail::contact_course<contact>> all;
     all.reserve(list.size());
     list.each_numbered([&](contact& c, std::size_t) { all.emplace_back(c, s); });
     return all;

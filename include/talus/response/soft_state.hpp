@@ -8,6 +8,7 @@
 
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/soft_pair.hpp"
 
 namespace talus::detail {
@@ -41,8 +42,8 @@ struct soft_pairs_found {
     vec3 position{0, 0, 0};
     real skin = 0;  ///< how far it may go
   };
-  std::vector<std::vector<std::array<std::uint32_t, 2>>> lists;
-  std::vector<body> bodies;
+  std::vector<plain_vector<std::array<std::uint32_t, 2>>> lists;
+  plain_vector<body> bodies;
   bool known = false;
 
   [[nodiscard]] std::size_t bytes() const {
@@ -54,7 +55,7 @@ struct soft_pairs_found {
 
 template <class Law>
 struct soft_state {
-  std::vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
+  plain_vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
   soft_pairs<Law> pairs;
   soft_pairs_found found;
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/body/material.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/lone_domain.hpp"
@@ -46,7 +47,7 @@ struct neighbour {
   int rank = 0;
   std::vector<int> connected;  ///< the ranks it is connected to
   real reach = 0;              ///< largest reach of the bodies there
-  std::array<std::vector<std::uint32_t>, Shapes>
+  std::array<plain_vector<std::uint32_t>, Shapes>
       shadowed;                              ///< own bodies with a copy there, by shape
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
   [[no_unique_address]] Memory memory;       ///< of the shared data of shapes
@@ -65,8 +66,8 @@ struct neighbour {
 
 /// When bodies strike something in the step under way; see world/continuous.hpp.
 struct impact_times {
-  std::vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
-  std::vector<real> found;
+  plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
+  plain_vector<real> found;
   bool second_round = false;
 };
 struct no_impact_times {};
