@@ -53,7 +53,7 @@ class material_table {
  public:
   /// Throws invalid_argument for a density that is not positive, a restitution outside [0, 1] or
   /// a negative coefficient of friction.
-  material_id add(const material& m) {
+  [[gnu::cold]] material_id add(const material& m) {
     detail::require_positive(m.density, "the density of a material");
     check(m.restitution, m.friction, m.sliding_friction());
     check_soft(m);

@@ -48,6 +48,7 @@ class plain_vector {
   plain_vector(const T* first, const T* last) {
     append(first, static_cast<std::size_t>(last - first));
   }
+  explicit plain_vector(std::span<const T> values) { append(values.data(), values.size()); }
   plain_vector(const plain_vector& other) { append(other.data_, other.size_); }
   plain_vector(plain_vector&& other) noexcept { swap(other); }
   ~plain_vector() {
@@ -126,12 +127,20 @@ class plain_vector {
     std::memcpy(static_cast<void*>(data_ + size_), static_cast<const void*>(values), n * sizeof(T));
     size_ += n;
   }
+  void append(std::span<const T> values) { append(values.data(), values.size()); }
   void erase(T* first, T* last) {
     std::memmove(static_cast<void*>(first), static_cast<const void*>(last),
                  static_cast<std::size_t>(end() - last) * sizeof(T));
     size_ -= static_cast<std::size_t>(last - first);
   }
   void erase(T* at) { erase(at, at + 1); }
+  void insert(T* at, const T& value) {
+    const auto place = static_cast<std::size_t>(at - data_);
+    const T copy = value;
+    push_back(copy);
+    for (std::size_t i = size_ - 1; i > place; --i) data_[i] = data_[i - 1];
+    data_[place] = copy;
+  }
 
   operator std::span<const T>() const { return {data_, size_}; }
   operator std::span<T>() { return {data_, size_}; }
@@ -141,6 +150,14 @@ class plain_vector {
     for (std::size_t i = 0; i < a.size_; ++i)
       if (!(a.data_[i] == b.data_[i])) return false;
     return true;
+  }
+  /// In the order of a dictionary.
+  friend bool operator<(const plain_vector& a, const plain_vector& b) {
+    for (std::size_t i = 0; i < a.size_ && i < b.size_; ++i) {
+      if (a.data_[i] < b.data_[i]) return true;
+      if (b.data_[i] < a.data_[i]) return false;
+    }
+    return a.size_ < b.size_;
   }
 
  private:

@@ -351,7 +351,7 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
 
   constexpr real infinity = std::numeric_limits<real>::infinity();
   real smallest = infinity, largest = 0, poison = 0;
-  vec3 low = vec3::Constant(infinity), high = -low;
+  vec3 low = detail::thrice<real>(infinity), high = -low;
   for (std::uint32_t i = 0; i < n; ++i) {
     const vec3& c = centres[i];
     const real r = reaches[i];

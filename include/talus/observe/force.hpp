@@ -4,6 +4,7 @@
 #include <array>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -22,7 +23,7 @@ template <class Scenario, class Shape>
     own.push_back(b.id());
     owned = owned || b.id() == h.id;
   });
-  std::sort(own.begin(), own.end());
+  detail::sort_values(own);
   const auto found = w.find(h);
   double fixed = found && found->is_fixed();
   w.link().reduce(reduction::max, std::span(&fixed, 1));

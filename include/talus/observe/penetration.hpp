@@ -39,7 +39,7 @@ struct gap_sums {
 /// Adds all pairs of a body owned here with a body of `others`. Of a pair seen by two ranks, the
 /// one that owns the first body (by shape, then by id) counts.
 template <class Store, class Others, class History>
-void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool others_move,
+[[gnu::cold]] void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool others_move,
               bool same_shape, const History& history, real radius) {
   using shape = typename Store::shape_type;
   using other = typename Others::shape_type;
@@ -98,7 +98,7 @@ void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool other
 /// Collective: measures the overlaps of all bodies. Needs up-to-date shadow copies, as they are
 /// after a step or a synchronize().
 template <class Scenario>
-[[nodiscard]] penetration measure_penetration(world<Scenario>& w) {
+[[nodiscard, gnu::cold]] penetration measure_penetration(world<Scenario>& w) {
   w.require_all_ranks("measure_penetration");
   const auto& s = w.state();
   std::array<double, 2> radii{};

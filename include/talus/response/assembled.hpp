@@ -12,6 +12,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 
 namespace talus::detail {
 
@@ -84,7 +85,7 @@ struct assembled_problem {
   for (const auto& b : blocks)
     order.emplace_back(std::int64_t{n} * b.row + b.column,
                        static_cast<std::uint32_t>(order.size()));
-  std::sort(order.begin(), order.end());
+  sort_values(order);
 
   assembled_problem p;
   p.q = std::move(q);

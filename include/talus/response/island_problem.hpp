@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/response/assembled.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -34,7 +35,7 @@ class contact_order {
     for (std::size_t i = 0; i < n; ++i)
       for (const std::int32_t body : {contacts[i].a, contacts[i].b})
         if (body >= 0) ends.emplace_back(body, static_cast<std::uint32_t>(i));
-    std::sort(ends.begin(), ends.end());
+    sort_values(ends);
     of_body_.clear();
     bodies_of_.assign(n, {-1, -1});
     for (std::size_t k = 0; k < ends.size(); ++k) {
@@ -113,7 +114,7 @@ class contact_order {
   }
   plain_vector<std::pair<std::int64_t, std::uint32_t>> order;  // body, end
   for (const end& e : ends) order.emplace_back(e.body, static_cast<std::uint32_t>(order.size()));
-  std::sort(order.begin(), order.end());
+  sort_values(order);
   plain_vector<delassus_block> blocks;
   for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
     while (last < order.size() && order[last].first == order[first].first) ++last;

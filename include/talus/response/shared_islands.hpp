@@ -13,6 +13,7 @@
 
 #include "talus/contact/key.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/response/band_system.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/island_problem.hpp"
@@ -183,7 +184,7 @@ class shared_islands {
 
   /// Whether all ranks that own bodies of the island see it as this one does; sorts it by ids.
   bool known_alike(island& one) const {
-    std::sort(one.bodies.begin(), one.bodies.end());
+    sort_values(one.bodies);
     one.bodies.erase(std::unique(one.bodies.begin(), one.bodies.end()), one.bodies.end());
     plain_vector<std::int32_t> owners;
     for (const auto& [id, body] : one.bodies) {
@@ -197,7 +198,7 @@ class shared_islands {
         const body_ties& t = ties_[static_cast<std::size_t>(body)];
         if (t.owner != rank && !t.holders.has(rank)) return false;
       }
-    std::sort(one.contacts.begin(), one.contacts.end(), [](const auto& x, const auto& y) {
+    sort_values(one.contacts, [](const auto& x, const auto& y) {
       const auto &a = x.first, &b = y.first;
       return std::tuple(a.a, a.b, a.feature) < std::tuple(b.a, b.b, b.feature);
     });

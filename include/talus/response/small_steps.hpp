@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "talus/core/each.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/response/contact_list.hpp"
@@ -77,7 +78,7 @@ struct small_steps final {
   template <class Lists, class Ranks>
   static detail::solved solve(Lists& lists, detail::solver_state& s,
                               const solver_settings& settings, bool correct, Ranks&& ranks) {
-    const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
     const std::size_t bodies = s.bodies.size();
     const real part = real{1} / settings.iterations;
@@ -164,7 +165,7 @@ struct small_steps final {
   /// from one way to the other, the errors that a sweep leaves would swing up with period two.
   template <class Lists, class Watch, class Ranks>
   static detail::solved iterate(Lists& lists, detail::solver_state& s, Watch& watch, Ranks& ranks) {
-    const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
     int k = 0;
     for (; k < watch.limit(); ++k) {

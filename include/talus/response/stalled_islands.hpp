@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/response/band_system.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/island_problem.hpp"
@@ -51,7 +52,7 @@ class stalled_islands {
     gather(lists, changes, s);
     plain_vector<std::pair<real, std::size_t>> worst_first;
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
-    std::sort(worst_first.begin(), worst_first.end());
+    sort_values(worst_first);
     real budget = std::max(least_budget, budget_per_contact * static_cast<real>(contacts));
     bool solved = false;
     for (const auto& [stall, i] : worst_first)

@@ -12,8 +12,8 @@ namespace detail {
 
 /// Bounds of a region. A prism is the same at every height between its lowest and highest points.
 struct region_extent {
-  vec3 lower = vec3::Constant(-unlimited);
-  vec3 upper = vec3::Constant(unlimited);
+  vec3 lower = detail::thrice<real>(-unlimited);
+  vec3 upper = detail::thrice<real>(unlimited);
   bool prism = true;
 };
 
@@ -25,7 +25,7 @@ struct box_region {
   vec3 upper;
 
   [[nodiscard]] real value(const vec3& p) const {
-    return std::min((p - lower).minCoeff(), (upper - p).minCoeff());
+    return std::min(detail::least_of(vec3(p - lower)), detail::least_of(vec3(upper - p)));
   }
   [[nodiscard]] bool contains(const vec3& p) const { return detail::between(lower, p, upper); }
   [[nodiscard]] detail::region_extent extent() const { return {lower, upper, true}; }
@@ -61,7 +61,7 @@ struct ball_region {
   [[nodiscard]] real value(const vec3& p) const { return radius - (p - centre).norm(); }
   [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
   [[nodiscard]] detail::region_extent extent() const {
-    return {centre - vec3::Constant(radius), centre + vec3::Constant(radius), false};
+    return {centre - detail::thrice<real>(radius), centre + detail::thrice<real>(radius), false};
   }
 };
 

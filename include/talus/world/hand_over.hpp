@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/world/closed_faces.hpp"
 #include "talus/world/coverage.hpp"
 #include "talus/world/state.hpp"
@@ -36,7 +37,7 @@ body_counts number_bodies(world_state<Scenario>& s) {
 /// Rebuilds the shadow copies of all shapes: those of neighbour n are taken from `in[n]`, or stay
 /// as they are where `in[n]` is null; `before[n]` says how many there were, by shape.
 template <class Scenario, class Counts>
-void rebuild_shadow_copies(world_state<Scenario>& s, const std::vector<Counts>& before,
+void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>& before,
                            std::vector<byte_reader*> in) {
   const bool some_stay = std::find(in.begin(), in.end(), nullptr) != in.end();
   std::size_t k = 0;
@@ -162,7 +163,7 @@ std::size_t migrate(world_state<Scenario>& s) {
   using remembered = typename world_state<Scenario>::history_type::entry;
   std::vector<plain_vector<remembered>> memories(s.parcels.size());
   if (!leaving.empty()) {
-    std::sort(leaving.begin(), leaving.end());
+    sort_values(leaving);
     const auto find = [&](system_id id) {
       const auto at =
           std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/body/material.hpp"
+#include "talus/core/each.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/parallel/domain.hpp"
@@ -45,7 +46,7 @@ struct no_shared_memory {};
 template <std::size_t Shapes, class Memory>
 struct neighbour {
   int rank = 0;
-  std::vector<int> connected;  ///< the ranks it is connected to
+  plain_vector<int> connected;  ///< the ranks it is connected to
   real reach = 0;              ///< largest reach of the bodies there
   std::array<plain_vector<std::uint32_t>, Shapes>
       shadowed;                              ///< own bodies with a copy there, by shape
@@ -137,11 +138,11 @@ struct world_state : response_state<Scenario> {
   /// Calls f(bodies of a shape) for every shape of the scenario.
   template <class F>
   void each_shape(F&& f) {
-    std::apply([&](auto&... b) { (f(b), ...); }, bodies);
+    detail::each_of(bodies, f);
   }
   template <class F>
   void each_shape(F&& f) const {
-    std::apply([&](const auto&... b) { (f(b), ...); }, bodies);
+    detail::each_of(bodies, f);
   }
   /// The same for the shapes that can move.
   template <class F>
@@ -166,11 +167,11 @@ struct world_state : response_state<Scenario> {
   }
   template <class F>
   void each_contact_list(F&& f) {
-    std::apply([&](auto&... list) { (f(list), ...); }, this->contacts);
+    detail::each_of(this->contacts, f);
   }
   template <class F>
   void each_contact_list(F&& f) const {
-    std::apply([&](const auto&... list) { (f(list), ...); }, this->contacts);
+    detail::each_of(this->contacts, f);
   }
 };
 

@@ -27,7 +27,7 @@ void world<Scenario>::require_two_sided_connections() {
   for (const connection& c : connections()) ranks.push_back(c.rank);
   detail::byte_buffer mine;
   detail::byte_writer(mine).put(std::span<const int>(ranks));
-  std::vector<std::vector<int>> all;
+  std::vector<detail::plain_vector<int>> all;
   for (const auto& bytes : state_.link->gather_all(mine))
     all.push_back(detail::byte_reader(bytes).get_all<int>());
   for (std::size_t a = 0; a < all.size(); ++a)
