@@ -12,7 +12,8 @@ template <class Tuple, class F>
 constexpr void each_of(Tuple& tuple, F&& f) {
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     (static_cast<void>(f(std::get<I>(tuple))), ...);
-  }(std::make_index_sequence<std::tuple_size_v<std::remove_const_t<Tuple>>>{});
+  }
+  (std::make_index_sequence<std::tuple_size_v<std::remove_const_t<Tuple>>>{});
 }
 
 }  // namespace talus::detail

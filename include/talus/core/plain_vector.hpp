@@ -1,6 +1,6 @@
 #pragma once
-// Lists of plain values. A std::vector costs the compiler 0.15 s for each type of element, and a small
-// program has forty; here growing and copying are compiled once for all types.
+// Lists of plain values. A std::vector costs the compiler 0.15 s for each type of element, and a
+// small program has forty; here growing and copying are compiled once for all types.
 #include <cstddef>
 #include <cstring>
 #include <initializer_list>
@@ -19,13 +19,13 @@ template <class T>
 inline constexpr bool owns_nothing = std::is_trivially_destructible_v<T>;
 
 [[gnu::noinline]] inline void release_memory(void* memory, std::size_t alignment) {
-  ::operator delete(memory, std::align_val_t{alignment});
+  ::operator delete (memory, std::align_val_t{alignment});
 }
 /// New memory for `room` values of `size` bytes that begins with the first `kept` of the old ones.
 [[gnu::noinline]] inline void* moved_memory(void* old, std::size_t kept, std::size_t room,
                                             std::size_t size, std::size_t alignment) {
   if (room > static_cast<std::size_t>(-1) / 2 / size) throw std::bad_alloc();
-  void* const memory = ::operator new(room * size, std::align_val_t{alignment});
+  void* const memory = ::operator new (room* size, std::align_val_t{alignment});
   if (kept > 0) std::memcpy(memory, old, kept * size);
   if (old != nullptr) release_memory(old, alignment);
   return memory;

@@ -1,6 +1,6 @@
 #pragma once
-// Sorting of short lists of plain values, compiled once for all types: std::sort takes the compiler a
-// sixth of a second for each. For lists in the hot path use std::sort.
+// Sorting of short lists of plain values, compiled once for all types: std::sort takes the compiler
+// a sixth of a second for each. For lists in the hot path use std::sort.
 #include <cstddef>
 #include <cstdlib>
 

@@ -155,8 +155,9 @@ class hash_grid {
   std::vector<level> levels_;  // coarsest first
   // Entries, sorted by level and bucket; a few more coordinates may be read but are not used.
   detail::plain_vector<real> x_, y_, z_, reach_;
-  detail::plain_vector<std::uint32_t> index_;   // of the body of each entry
-  detail::plain_vector<std::uint32_t> starts_;  // first entry of each bucket, levels one after the other
+  detail::plain_vector<std::uint32_t> index_;  // of the body of each entry
+  detail::plain_vector<std::uint32_t>
+      starts_;  // first entry of each bucket, levels one after the other
   detail::plain_vector<std::uint32_t> bucket_;  // of each body
   detail::size_classes classes_;
 };

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "talus/core/plain_vector.hpp"
 #include "talus/core/error.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/observe/energy.hpp"
 #include "talus/observe/momentum.hpp"
 #include "talus/observe/overlaps.hpp"

@@ -39,8 +39,9 @@ struct gap_sums {
 /// Adds all pairs of a body owned here with a body of `others`. Of a pair seen by two ranks, the
 /// one that owns the first body (by shape, then by id) counts.
 template <class Store, class Others, class History>
-[[gnu::cold]] void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool others_move,
-              bool same_shape, const History& history, real radius) {
+[[gnu::cold]] void add_gaps(gap_sums& sums, const Store& own, const Others& others,
+                            bool others_move, bool same_shape, const History& history,
+                            real radius) {
   using shape = typename Store::shape_type;
   using other = typename Others::shape_type;
   constexpr bool soft = !std::is_same_v<History, contact_history>;

@@ -48,7 +48,7 @@ struct summary {
   double bytes_per_body = 0;
   std::string digest;
   detail::plain_vector<measured> monitors;  ///< of the last step, or of all where the name says so
-  results own;                     ///< of the scenario
+  results own;                              ///< of the scenario
 };
 
 namespace detail {
@@ -96,7 +96,8 @@ class json_object {
 
 /// Collective: the figures of the world as it is now. `cpu_seconds` are those of this rank.
 template <class Scenario>
-[[nodiscard, gnu::cold]] summary summarize(world<Scenario>& w, double cpu_seconds, double wall_seconds) {
+[[nodiscard, gnu::cold]] summary summarize(world<Scenario>& w, double cpu_seconds,
+                                           double wall_seconds) {
   w.require_all_ranks("summarize");
   const auto& s = w.state();
   auto& link = w.link();

@@ -228,7 +228,8 @@ struct grid {
     return n;
   }
 
-  [[gnu::cold]] static std::vector<real> axis(int i, int n, real from, real to, const std::vector<real>& given) {
+  [[gnu::cold]] static std::vector<real> axis(int i, int n, real from, real to,
+                                              const std::vector<real>& given) {
     const char name = "xyz"[i];
     const bool bounds = from == from || to == to;
     std::vector<real> result = given;

@@ -32,7 +32,7 @@ struct assembled_problem {
   plain_vector<std::int32_t> column;    ///< ascending in each row
   plain_vector<mat3> block;
   plain_vector<std::int32_t> diagonal;  ///< place of each row's diagonal block
-  contact_vector q;                    ///< velocities without impulses
+  contact_vector q;                     ///< velocities without impulses
   plain_vector<real> mu;
 
   [[nodiscard]] int contacts() const { return static_cast<int>(mu.size()); }

@@ -47,7 +47,7 @@ class contact_access {
   }
   /// A sweep that notes which interior contacts still change by more than `speed`: (index, change).
   const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
-                                                                 real speed) const {
+                                                                  real speed) const {
     return calls_->sweep_watched(list_, s, speed);
   }
 
@@ -89,7 +89,8 @@ class contact_access {
         c.warm(impulse);
         c.apply(s, c.since(before));
       },
-      [](void* l, solver_state& s, real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
+      [](void* l, solver_state& s,
+         real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
         return of<List>(l).sweep_watched(s, speed);
       }};
 

@@ -98,7 +98,7 @@ class contact_list {
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
   [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
-                                                                                   real speed) {
+                                                                                    real speed) {
     stalled_.clear();
     const std::size_t part = interior_.size() / streams;
     for (std::size_t i = interior_.size(); i-- > streams * part;) watch_one(s, i, speed);

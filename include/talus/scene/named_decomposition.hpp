@@ -14,11 +14,11 @@ namespace talus {
 
 /// Shares out the rectangle between two corners (and all space above, below and around it) among
 /// the ranks there are, as "grid" (cells in x and y), "slabs" (along x) or "hexagonal" (1, 7, 19,
-/// 37, ... ranks). Throws invalid_argument for another name. (A template, so that only programs that
-/// call it compile all of them.)
+/// 37, ... ranks). Throws invalid_argument for another name. (A template, so that only programs
+/// that call it compile all of them.)
 template <class Result = any_decomposition>
-[[nodiscard]] Result named_decomposition(const std::string& name,
-                                                           const vec3& lower, const vec3& upper) {
+[[nodiscard]] Result named_decomposition(const std::string& name, const vec3& lower,
+                                         const vec3& upper) {
   if (name == "grid")
     return grid<dynamic, dynamic>{.lower = {.x = lower[0], .y = lower[1]},
                                   .upper = {.x = upper[0], .y = upper[1]}};

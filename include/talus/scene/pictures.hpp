@@ -14,8 +14,8 @@ namespace talus {
 
 namespace detail {
 
-/// Makes a folder for pictures and those that it lies in. Ranks may do so at once. (<filesystem> takes
-/// the compiler a third of a second.)
+/// Makes a folder for pictures and those that it lies in. Ranks may do so at once. (<filesystem>
+/// takes the compiler a third of a second.)
 [[gnu::cold]] inline void make_folder(const std::string& path) {
   int problem = 0;
   for (std::size_t end = 0; end != path.npos;) {

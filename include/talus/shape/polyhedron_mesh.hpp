@@ -32,8 +32,8 @@ struct polyhedron_mesh {
   detail::plain_vector<vec3> normals;  ///< of each face, outwards, unit length
   detail::plain_vector<real> offsets;  ///< of each face: n.x <= offset inside
   detail::plain_vector<std::uint32_t>
-      face_begin;                      ///< where the corners of a face begin; one more at the end
-  detail::plain_vector<std::uint32_t> corners;  ///< counterclockwise as seen from outside
+      face_begin;  ///< where the corners of a face begin; one more at the end
+  detail::plain_vector<std::uint32_t> corners;       ///< counterclockwise as seen from outside
   detail::plain_vector<std::uint32_t> corner_edges;  ///< the edge from a corner to the next
   detail::plain_vector<edge> edges;
   detail::plain_vector<std::uint32_t> around_begin;  ///< where the faces around a vertex begin

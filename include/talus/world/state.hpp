@@ -47,7 +47,7 @@ template <std::size_t Shapes, class Memory>
 struct neighbour {
   int rank = 0;
   plain_vector<int> connected;  ///< the ranks it is connected to
-  real reach = 0;              ///< largest reach of the bodies there
+  real reach = 0;               ///< largest reach of the bodies there
   std::array<plain_vector<std::uint32_t>, Shapes>
       shadowed;                              ///< own bodies with a copy there, by shape
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there

@@ -107,8 +107,7 @@ class connection_checker {
     plain_vector<half_space> planes;
     for (const connection& c : all_[rank]) {
       planes.append(c.geometry.planes());
-      if (const connection* back = find(c.rank, rank))
-        planes.append(back->geometry.planes());
+      if (const connection* back = find(c.rank, rank)) planes.append(back->geometry.planes());
     }
     for (half_space& h : planes)
       if (!h.faces_up()) h = h.flipped();

@@ -274,7 +274,8 @@ void world<Scenario>::step(real dt) {
     if (how.iterations < 1 || how.correction_iterations < 0 ||
         !(how.correction >= 0 && how.correction <= 1))
       detail::fail<std::invalid_argument>(
-          "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap in "
+          "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap "
+          "in "
           "[0, 1] to correct, but has {}, {} and {}",
           how.iterations, how.correction_iterations, how.correction);
     // How far bodies reach in a step is told to the neighbours before it.
