@@ -105,12 +105,13 @@ TEST_CASE("numbers of every type keep every digit") {
   std::int64_t least = 0;
   signed char small = 0;
   float single = 0.1f;
-  double fine = 0;
+  double fine = 0, large = 100000;
   command_line cli("");
   cli.add("--least", least, "");
   cli.add("--small", small, "", -5);
   cli.add("--single", single, "");
   cli.add("--fine", fine, "");
+  cli.add("--large", large, "");
   const char* words[] = {"program", "--least", "-9223372036854775808",
                          "--small", "-5",      "--single",
                          "-0.3",    "--fine",  "0.1"};
@@ -128,6 +129,7 @@ TEST_CASE("numbers of every type keep every digit") {
   }
   CHECK(help.find("--single FLOAT=0.1 ") != help.npos);
   CHECK(help.find("--least INT=0 ") != help.npos);
+  CHECK(help.find("--large FLOAT=100000 ") != help.npos);
 }
 
 TEST_CASE("what is no option is the rest, where there may be one") {
@@ -191,7 +193,7 @@ TEST_CASE("values that make no sense are refused") {
   CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");
   CHECK(refusal({"--steps="}) ==
         "--steps: needs a whole number of at least 0, but is ''; see --help");
-  for (const char* number : {"3 ", " 3", "3x", "+-3", "--3", "0x", "1e3", "18446744073709551616"})
+  for (const char* number : {"3 ", " 3", "3x", "+-3", "--3", "0x", "0xg", "12a", "3/", "1e3", "18446744073709551616"})
     CHECK(refusal({"--steps", number}).find("--steps: needs a whole number of at least 0") == 0);
   for (const char* number : {"0.1x", "-nan", "1e999", "-inf", "0.1 ", "+-1", "."})
     CHECK(refusal({"--dt", number}).find("--dt: needs a finite number") == 0);

@@ -44,7 +44,7 @@ template <class Scenario>
     sum += h.value();
   });
   w.link().reduce(reduction::sum, std::span(&sum, 1));
-  return fmt::format("{:016x}", sum);
+  return fmt::vformat("{:016x}", fmt::make_format_args(sum));
 }
 
 }  // namespace talus

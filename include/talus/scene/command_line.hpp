@@ -1,8 +1,6 @@
 #pragma once
 // The reader of a program's command line. Everything here is compiled once per program and for
 // size: a library for this took longer to compile than a world of spheres.
-#include <charconv>
-#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <functional>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/error.hpp"
 #include "talus/scene/command_line.hpp"
 
 namespace talus {
@@ -18,10 +20,10 @@ namespace talus {
 [[gnu::cold]] inline void command_line::add_option(std::string_view name, std::string_view meaning,
                                                    kind holds, void* target) {
   if (!name.starts_with("--") || name.size() < 3 || name.find_first_of("= ") != name.npos)
-    throw std::invalid_argument("the option '" + std::string(name) +
-                                "' needs a name like --spheres");
+    detail::fail<std::invalid_argument>("the option '{}' needs a name like --spheres",
+                                        std::string(name));
   if (name == "--help" || find(name) != nullptr)
-    throw std::invalid_argument("the option " + std::string(name) + " is described twice");
+    detail::fail<std::invalid_argument>("the option {} is described twice", std::string(name));
   option& o = options_.emplace_back();
   o.name = name;
   o.meaning = meaning;
@@ -44,8 +46,9 @@ namespace talus {
 
 [[gnu::cold]] inline void command_line::limit(number lower, number upper, number initial) {
   option& o = options_.back();
-  o.limits = upper == o.most ? "at least " + print(lower, o.holds)
-                             : "between " + print(lower, o.holds) + " and " + print(upper, o.holds);
+  o.limits = upper == o.most ? detail::compose("at least {}", print(lower, o.holds))
+                             : detail::compose("between {} and {}", print(lower, o.holds),
+                                               print(upper, o.holds));
   o.lower = lower;
   o.upper = upper;
   if (initial < lower || initial > upper) o.initial.clear();
@@ -92,9 +95,9 @@ namespace talus {
                find(name_in(argv[i + 1])) == nullptr) {
       wrong = read(*o, argv[++i]);
     } else {
-      wrong = o->name + " needs a value" +
-              (i + 1 < argc ? ", but " + std::string(argv[i + 1]) + " follows" : "") +
-              "; see --help";
+      wrong = i + 1 < argc ? detail::compose("{} needs a value, but {} follows; see --help",
+                                             o->name, argv[i + 1])
+                           : detail::compose("{} needs a value; see --help", o->name);
     }
     if (mistake.empty()) mistake = std::move(wrong);
   }
@@ -103,7 +106,7 @@ namespace talus {
 }
 
 [[gnu::cold]] inline std::string command_line::read(option& o, std::string_view value) {
-  if (std::exchange(o.given, true)) return o.name + " is given twice; see --help";
+  if (std::exchange(o.given, true)) return detail::compose("{} is given twice; see --help", o.name);
   if (o.holds == kind::text) {
     *static_cast<std::string*>(o.target) = value;
     return {};
@@ -111,39 +114,49 @@ namespace talus {
   if (o.holds != kind::flag) return read_number(o, value);
   const bool yes = value == "true" || value == "yes" || value == "on" || value == "1";
   if (!yes && value != "false" && value != "no" && value != "off" && value != "0")
-    return o.name + " is true or false, but is '" + std::string(value) + "'; see --help";
+    return detail::compose("{} is true or false, but is '{}'; see --help", o.name,
+                           std::string(value));
   *static_cast<bool*>(o.target) = yes;
   return {};
 }
 
 [[gnu::cold]] inline std::string command_line::read_number(option& o, std::string_view value) {
-  const char *begin = value.data(), *end = begin + value.size();
+  const char *at = value.data(), *const end = at + value.size();
   const bool minus = value.starts_with('-');
-  if (minus || value.starts_with('+')) ++begin;
+  if (minus || value.starts_with('+')) ++at;
   number v = 0;
-  std::from_chars_result read{};
-  if (begin == end || *begin == '-') {
-    read.ec = std::errc::invalid_argument;
-  } else if (o.holds == kind::real) {
+  bool good = at != end && *at != '-';
+  if (o.holds == kind::real) {
     double magnitude = 0;
-    read = std::from_chars(begin, end, magnitude);
+    const auto read = std::from_chars(at, end, magnitude);
+    good = good && read.ec == std::errc{} && read.ptr == end && std::isfinite(magnitude);
     v = magnitude;
   } else {
-    const bool hexadecimal = end - begin > 2 && *begin == '0' && (begin[1] | 0x20) == 'x';
-    unsigned long long magnitude = 0;
-    read = std::from_chars(begin + 2 * hexadecimal, end, magnitude, hexadecimal ? 16 : 10);
-    v = magnitude;
+    // (std::from_chars for integers is a template, which costs every program a third of a second.)
+    const bool hexadecimal = end - at > 2 && *at == '0' && (at[1] | 0x20) == 'x';
+    if (hexadecimal) at += 2;
+    const std::uint64_t base = hexadecimal ? 16 : 10;
+    std::uint64_t magnitude = 0;
+    for (; good && at != end; ++at) {
+      const int c = *at, letter = (c | 0x20) - 'a';
+      const bool decimal = c >= '0' && c <= '9';
+      const auto digit = static_cast<std::uint64_t>(decimal ? c - '0' : letter + 10);
+      good = (decimal || (hexadecimal && letter >= 0 && letter < 6)) &&
+             magnitude <= (std::numeric_limits<std::uint64_t>::max() - digit) / base;
+      magnitude = magnitude * base + digit;
+    }
+    v = static_cast<number>(magnitude);
   }
   if (minus) v = -v;
-  // What neither is read to its end nor fits; not finite; a minus before something without a sign.
-  if (read.ec != std::errc{} || read.ptr != end || !std::isfinite(v) || v < o.least || v > o.most)
-    return o.name + ": needs a " +
-           (o.holds == kind::real    ? "finite number"
-            : o.holds == kind::whole ? "whole number"
-                                     : "whole number of at least 0") +
-           ", but is '" + std::string(value) + "'; see --help";
+  if (!good || v < o.least || v > o.most)
+    return detail::compose("{}: needs a {}, but is '{}'; see --help", o.name,
+                           o.holds == kind::real    ? "finite number"
+                           : o.holds == kind::whole ? "whole number"
+                                                    : "whole number of at least 0",
+                           std::string(value));
   if (v < o.lower || v > o.upper)
-    return o.name + " must be " + o.limits + ", but is " + std::string(value) + "; see --help";
+    return detail::compose("{} must be {}, but is {}; see --help", o.name, o.limits,
+                           std::string(value));
   o.store(o.target, v);
   return {};
 }
@@ -153,10 +166,10 @@ namespace talus {
   std::string_view closest = "--help";
   for (const option& o : options_)
     if (edits(name, o.name) < edits(name, closest)) closest = o.name;
-  std::string message = "'" + std::string(word) + "' is not an option of this program; ";
-  if (edits(name, closest) <= std::max<std::size_t>(2, closest.size() / 3))
-    message += "did you mean " + std::string(closest) + "? ";
-  return message + "see --help";
+  if (edits(name, closest) > std::max<std::size_t>(2, closest.size() / 3))
+    return detail::compose("'{}' is not an option of this program; see --help", std::string(word));
+  return detail::compose("'{}' is not an option of this program; did you mean {}? see --help",
+                         std::string(word), std::string(closest));
 }
 
 [[gnu::cold]] inline std::string command_line::help(std::string_view program) const {
@@ -187,17 +200,13 @@ namespace talus {
 
 /// In as few digits as tell it apart; numbers from a `float` by those of a float.
 [[gnu::cold]] inline std::string command_line::print(number value, kind holds) {
-  char digits[40];
-  char* end = digits + sizeof digits;
-  if (holds == kind::real && value == static_cast<float>(value))
-    end = std::to_chars(digits, end, static_cast<float>(value)).ptr;
-  else if (holds == kind::real)
-    end = std::to_chars(digits, end, static_cast<double>(value)).ptr;
-  else if (value < 0)
-    end = std::to_chars(digits, end, static_cast<long long>(value)).ptr;
-  else
-    end = std::to_chars(digits, end, static_cast<unsigned long long>(value)).ptr;
-  return {digits, end};
+  if (holds == kind::real) {
+    const auto single = static_cast<float>(value);
+    if (value == single) return fmt::vformat("{}", fmt::make_format_args(single));
+    return detail::text(static_cast<double>(value));
+  }
+  return value < 0 ? std::to_string(static_cast<std::int64_t>(value))
+                   : std::to_string(static_cast<std::uint64_t>(value));
 }
 
 /// Insertions, deletions and changes of letters between two words (Levenshtein).
