@@ -1,13 +1,16 @@
 // Frictional contact problems from files, solved through the assembled Delassus operator.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <map>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "fc3d/problem.hpp"
 #include "fc3d/timing.hpp"
 #include "talus/response/solve_assembled.hpp"
+#include "talus/scene/command_line.hpp"
 #ifdef TALUS_WITH_HDF5
 #include "fc3d/fclib.hpp"
 #endif
@@ -85,26 +88,30 @@ void run_rivals(const std::string& path, const problem& file, const settings& s)
 }  // namespace fc3d
 
 int main(int argc, char** argv) {
-  CLI::App app{
+  talus::command_line app(
       "Solves frictional contact problems from files (Siconos' text format, FCLIB's HDF5 format).\n"
-      "Prints a line for each problem and solver; converged: err_scaled <= tol, by the full W."};
+      "Prints a line for each problem and solver; converged: err_scaled <= tol, by the full W.");
   std::vector<std::string> files;
   fc3d::settings settings;
   bool siconos = false;
-  app.add_option("files", files, "problems; those that are not there are skipped");
   std::string wanted = "hybrid";
-  app.add_option("--solver", wanted, "hybrid, nsgs, newton or interior, several by commas, or all")
-      ->capture_default_str();
-  app.add_option("--tol", settings.tolerance, "largest err_scaled")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--max-seconds", settings.seconds, "CPU time for each problem and solver")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_flag("--siconos", siconos, "Siconos' solvers on the same problems, a line each");
-  CLI11_PARSE(app, argc, argv);
+  app.add_rest("FILES", files, "problems; those that are not there are skipped");
+  app.add("--solver", wanted, "hybrid, nsgs, newton or interior, several by commas, or all");
+  app.add_positive("--tol", settings.tolerance, "largest err_scaled");
+  app.add_positive("--max-seconds", settings.seconds, "CPU time for each problem and solver");
+  app.add("--siconos", siconos, "Siconos' solvers on the same problems, a line each");
+  try {
+    app.parse(argc, argv);
+  } catch (const talus::help_requested& help) {
+    std::fputs(help.what(), stdout);
+    return 0;
+  } catch (const talus::usage_error& error) {
+    std::fprintf(stderr, "fc3d: %s\n", error.what());
+    return 2;
+  }
   std::vector<std::string> solvers;
-  for (const auto& name : CLI::detail::split(wanted, ',')) {
+  std::istringstream words(wanted);
+  for (std::string name; std::getline(words, name, ',');) {
     if (fc3d::methods.contains(name)) {
       solvers.push_back(name);
     } else if (name == "all") {

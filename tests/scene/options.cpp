@@ -89,6 +89,75 @@ TEST_CASE("every option is read") {
   CHECK(!o.flat);
 }
 
+TEST_CASE("values are read as they are meant") {
+  CHECK(parse_words({"--steps", "010"}).steps == 10);
+  CHECK(parse_words({"--seed", "0xfF"}).seed == 255);
+  CHECK(parse_words({"--steps", "+5"}).steps == 5);
+  CHECK(parse_words({"--dt", "+2.5e-3"}).dt == 2.5e-3);
+  CHECK(parse_words({"--json=--quiet"}).json == "--quiet");
+  CHECK(parse_words({"--json", "a b=c"}).json == "a b=c");
+  CHECK(parse_words({"--json="}).json.empty());
+  CHECK(!parse_words<well_options>({"--flat=no"}).flat);
+  CHECK(parse_words<well_options>({"--flat=true"}).flat);
+}
+
+TEST_CASE("numbers of every type keep every digit") {
+  std::int64_t least = 0;
+  signed char small = 0;
+  float single = 0.1f;
+  double fine = 0, large = 100000;
+  command_line cli("");
+  cli.add("--least", least, "");
+  cli.add("--small", small, "", -5);
+  cli.add("--single", single, "");
+  cli.add("--fine", fine, "");
+  cli.add("--large", large, "");
+  const char* words[] = {"program", "--least", "-9223372036854775808",
+                         "--small", "-5",      "--single",
+                         "-0.3",    "--fine",  "0.1"};
+  cli.parse(9, words);
+  CHECK(least == std::numeric_limits<std::int64_t>::min());
+  CHECK(small == -5);
+  CHECK(single == -0.3f);
+  CHECK(fine == 0.1);
+  const char* ask[] = {"program", "--help"};
+  std::string help;
+  try {
+    cli.parse(2, ask);
+  } catch (const help_requested& h) {
+    help = h.what();
+  }
+  CHECK(help.find("--single FLOAT=0.1 ") != help.npos);
+  CHECK(help.find("--least INT=0 ") != help.npos);
+  CHECK(help.find("--large FLOAT=100000 ") != help.npos);
+}
+
+TEST_CASE("what is no option is the rest, where there may be one") {
+  std::vector<std::string> files;
+  bool quiet = false;
+  command_line cli("");
+  cli.add_rest("FILES", files, "to read");
+  cli.add("--quiet", quiet, "no words");
+  const char* words[] = {"program", "a", "--quiet", "b"};
+  cli.parse(4, words);
+  CHECK(quiet);
+  CHECK(files == std::vector<std::string>{"a", "b"});
+  const char* wrong[] = {"program", "-x"};
+  CHECK_THROWS_AS(cli.parse(2, wrong), usage_error);
+}
+
+TEST_CASE("options without a name, or described twice, are refused") {
+  int value = 0;
+  command_line cli("");
+  cli.add("--value", value, "");
+  CHECK_THROWS_WITH_AS(cli.add("--value", value, ""), "the option --value is described twice",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(cli.add("--help", value, ""), "the option --help is described twice",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(cli.add("value", value, ""),
+                       "the option 'value' needs a name like --spheres", std::invalid_argument);
+}
+
 TEST_CASE("what is not known is refused, with the nearest name") {
   CHECK(refusal({"--stps", "3"}) ==
         "'--stps' is not an option of this program; did you mean --steps? see --help");
@@ -118,11 +187,28 @@ TEST_CASE("values that make no sense are refused") {
   CHECK(refusal({"--iterations", "0"}) == "--iterations must be at least 1, but is 0; see --help");
   CHECK(refusal<well_options>({"--damping", "1.5"}) ==
         "--damping must be between 0 and 1, but is 1.5; see --help");
-  CHECK(refusal({"--json"}).find("--json") == 0);
+  CHECK(refusal({"--json"}) == "--json needs a value; see --help");
+  CHECK(refusal({"--json", "--quiet"}) == "--json needs a value, but --quiet follows; see --help");
   CHECK(refusal({"--csv-every", "0"}) == "--csv-every must be at least 1, but is 0; see --help");
-  CHECK(refusal({"--steps", "1", "--steps", "2"}).find("--steps") == 0);
+  CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");
+  CHECK(refusal({"--steps="}) ==
+        "--steps: needs a whole number of at least 0, but is ''; see --help");
+  for (const char* number : {"3 ", " 3", "3x", "+-3", "--3", "0x", "0xg", "12a", "3/", "1e3", "18446744073709551616"})
+    CHECK(refusal({"--steps", number}).find("--steps: needs a whole number of at least 0") == 0);
+  for (const char* number : {"0.1x", "-nan", "1e999", "-inf", "0.1 ", "+-1", "."})
+    CHECK(refusal({"--dt", number}).find("--dt: needs a finite number") == 0);
+  CHECK(refusal<well_options>({"--flat=maybe"}) ==
+        "--flat is true or false, but is 'maybe'; see --help");
+  CHECK(refusal<well_options>({"--spheres", "2147483648"}).find("--spheres: needs a whole") == 0);
+  CHECK(refusal<well_options>({"--spheres", "-1"}) ==
+        "--spheres must be at least 0, but is -1; see --help");
   CHECK(refusal<well_options>({"--flat", "--spheres", "6000"}) ==
         "--flat holds at most 5000 spheres");
+}
+
+TEST_CASE("help is given whatever else is wrong") {
+  for (const char* word : {"--stps", "--steps=x", "--json", "--quiet=maybe"})
+    CHECK_THROWS_AS(parse_words({word, "--help"}), help_requested);
 }
 
 TEST_CASE("help names the options and their defaults, and is no failure") {

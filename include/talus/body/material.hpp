@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus {
 
@@ -53,14 +53,14 @@ class material_table {
  public:
   /// Throws invalid_argument for a density that is not positive, a restitution outside [0, 1] or
   /// a negative coefficient of friction.
-  material_id add(const material& m) {
+  [[gnu::cold]] material_id add(const material& m) {
     detail::require_positive(m.density, "the density of a material");
     check(m.restitution, m.friction, m.sliding_friction());
     check_soft(m);
     if (materials_.size() >= std::numeric_limits<std::uint16_t>::max())
       detail::fail<std::invalid_argument>("a world holds at most 65535 materials; reuse them");
     const auto n = materials_.size();
-    std::vector<pair_material> grown((n + 1) * (n + 1));
+    detail::plain_vector<pair_material> grown((n + 1) * (n + 1));
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j) grown[i * (n + 1) + j] = pairs_[i * n + j];
     materials_.push_back(m);
@@ -133,8 +133,8 @@ class material_table {
             0.5 * (a.sliding_friction() + b.sliding_friction())};
   }
 
-  std::vector<material> materials_;
-  std::vector<pair_material> pairs_;
+  detail::plain_vector<material> materials_;
+  detail::plain_vector<pair_material> pairs_;
   std::uint64_t revision_ = 0;
 };
 

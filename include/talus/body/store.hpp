@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "talus/body/features.hpp"
 #include "talus/body/material.hpp"
 #include "talus/core/bytes.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -23,7 +23,7 @@ struct no_column {
 };
 
 template <bool Stored, class T>
-using column = std::conditional_t<Stored, std::vector<T>, no_column>;
+using column = std::conditional_t<Stored, vector_of<T>, no_column>;
 
 /// A value to be overwritten: Eigen's types would leave theirs undefined.
 template <class T>
@@ -57,14 +57,14 @@ struct body_store {
       Shape::finite && contains_type<Features, split_contact_forces>;
   static constexpr bool numbered = contains_type<Features, user_ids>;
 
-  std::vector<system_id> id;
-  std::vector<vec3> position;
-  std::vector<vec3> velocity;
-  std::vector<vec3> angular_velocity;
-  std::vector<Shape> shape;
-  std::vector<real> inverse_mass;  ///< 0 for a fixed body
-  std::vector<material_id> material;
-  std::vector<std::uint8_t> flags;
+  plain_vector<system_id> id;
+  plain_vector<vec3> position;
+  plain_vector<vec3> velocity;
+  plain_vector<vec3> angular_velocity;
+  vector_of<Shape> shape;
+  plain_vector<real> inverse_mass;  ///< 0 for a fixed body
+  plain_vector<material_id> material;
+  plain_vector<std::uint8_t> flags;
   column<oriented, quat> orientation_of;
   column<forced, vec3> force;                         ///< world frame, cleared after each step
   column<forced, vec3> torque;                        ///< about the centre of mass, world frame

@@ -5,11 +5,11 @@
 #include <bit>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "talus/contact/key.hpp"
 #include "talus/contact/place.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -96,9 +96,9 @@ class history_of {
     indexed_ = true;
   }
 
-  std::vector<entry> entries_;
+  plain_vector<entry> entries_;
   mutable bool indexed_ = false;
-  mutable std::vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
+  mutable plain_vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
 };
 
 /// The history of hard contacts.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -83,8 +84,8 @@ class byte_reader {
     }
   }
   template <class T>
-  std::vector<T> get_all() {
-    std::vector<T> values(get<std::size_t>());
+  vector_of<T> get_all() {
+    vector_of<T> values(get<std::size_t>());
     for (T& value : values) value = get<T>();
     return values;
   }

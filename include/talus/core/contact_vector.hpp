@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <initializer_list>
 #include <utility>
-#include <vector>
 
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -69,7 +69,7 @@ class contact_vector {
   }
 
  private:
-  std::vector<vec3> blocks_;
+  plain_vector<vec3> blocks_;
 };
 
 }  // namespace talus::detail

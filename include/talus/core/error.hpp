@@ -24,15 +24,21 @@ struct aborted : std::runtime_error {
 namespace detail {
 
 // How values appear in messages.
-[[nodiscard]] inline std::string text(real x) { return fmt::format("{}", x); }
-[[nodiscard]] inline std::string text(real x, int digits) {
-  return fmt::format("{:.{}g}", x, digits);
+// (vformat reads its words when the program runs; reading them before costs every program.)
+[[nodiscard, gnu::cold]] inline std::string text(real x) {
+  return fmt::vformat("{}", fmt::make_format_args(x));
+}
+[[nodiscard, gnu::cold]] inline std::string text(real x, int digits) {
+  return fmt::vformat("{:.{}g}", fmt::make_format_args(x, digits));
 }
 /// A vector to six digits.
-[[nodiscard]] inline std::string text(const vec3& v) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]);
+[[nodiscard, gnu::cold]] inline std::string text(const vec3& v) {
+  return fmt::vformat("({:.6g}, {:.6g}, {:.6g})", fmt::make_format_args(v[0], v[1], v[2]));
 }
-[[nodiscard]] inline std::string text(system_id id) { return fmt::format("{:#x}", value_of(id)); }
+[[nodiscard, gnu::cold]] inline std::string text(system_id id) {
+  const std::uint64_t number = value_of(id);
+  return fmt::vformat("{:#x}", fmt::make_format_args(number));
+}
 /// The words of a message, with a {} for each value, or {0}, {1}, ... where values come twice or
 /// out of order. Words that do not fit their values do not compile. (fmt would check it too, at ten
 /// times the cost: there are a hundred messages, and every program compiles them.)

@@ -1,6 +1,7 @@
 #pragma once
 // What a policy is: a type that says which part of a scenario it decides.
 #include <concepts>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -47,19 +48,34 @@ inline constexpr bool is_part = part_for<Type, Role>;
 template <class Check>
 inline constexpr bool examined = sizeof(Check) > 0;
 
-/// The name of a type as the compiler spells it, without the namespace of talus.
-template <class Type>
-std::string spelled() {
-  std::string_view text = __PRETTY_FUNCTION__;  // "... [with Type = X; ...]", clang: "[Type = X]"
+/// The type in what compilers say of a function: "... [with Type = X; ...]", clang: "[Type = X]".
+[[nodiscard, gnu::cold]] inline std::string type_in(std::string_view text) {
   text.remove_prefix(text.find("Type = ") + 7);
   std::string name(text.substr(0, text.find_first_of(";]")));
   for (std::size_t at; (at = name.find("talus::")) != std::string::npos;) name.erase(at, 7);
   return name;
 }
+/// The name of a type as the compiler spells it, without the namespace of talus.
+template <class Type>
+[[gnu::cold]] std::string spelled() {
+  return type_in(__PRETTY_FUNCTION__);
+}
+
+/// The texts with `separator` in between; empty ones are left out.
+[[nodiscard, gnu::cold]] inline std::string joined_text(std::initializer_list<std::string> texts,
+                                                        const char* separator) {
+  std::string all;
+  for (const std::string& text : texts) {
+    if (text.empty()) continue;
+    if (!all.empty()) all += separator;
+    all += text;
+  }
+  return all;
+}
 
 /// A policy as the user spelled it: by its describe(), its constexpr name, or else its type.
 template <class Type>
-std::string describe_policy() {
+[[gnu::cold]] std::string describe_policy() {
   if constexpr (requires { std::string(Type::describe()); })
     return Type::describe();
   else if constexpr (requires { std::string(Type::name); })
@@ -70,11 +86,8 @@ std::string describe_policy() {
 
 /// "bodies<sphere, box>" from "bodies", sphere and box.
 template <class... Parts>
-std::string describe_list(const char* name) {
-  std::string text = std::string(name) + "<";
-  [[maybe_unused]] const char* separator = "";
-  ((text += separator + describe_policy<Parts>(), separator = ", "), ...);
-  return text + ">";
+[[gnu::cold]] std::string describe_list(const char* name) {
+  return joined_text({name, joined_text({describe_policy<Parts>()...}, ", ") + ">"}, "<");
 }
 
 }  // namespace detail

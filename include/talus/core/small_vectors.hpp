@@ -68,6 +68,10 @@ template <detail::number S, detail::small_vector V>
   return {a[0] / f, a[1] / f, a[2] / f};
 }
 template <detail::small_vector V>
+[[nodiscard]] inline bool operator==(const V& a, const V& b) {
+  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+template <detail::small_vector V>
 inline V& operator+=(V& a, const V& b) {
   a[0] += b[0], a[1] += b[1], a[2] += b[2];
   return a;
@@ -183,6 +187,15 @@ template <small_vector V>
 template <small_vector V>
 [[nodiscard]] inline V upper_of(const V& a, const V& b) {
   return {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])};
+}
+template <small_vector V>
+[[nodiscard]] inline typename V::Scalar least_of(const V& a) {
+  return std::min({a[0], a[1], a[2]});
+}
+/// The vector (x, x, x).
+template <class Real>
+[[nodiscard]] inline vector3<Real> thrice(Real x) {
+  return {x, x, x};
 }
 /// Component by component.
 template <small_vector V>

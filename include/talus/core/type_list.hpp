@@ -4,13 +4,11 @@
 #include <boost/hana/append.hpp>
 #include <boost/hana/bool.hpp>
 #include <boost/hana/contains.hpp>
-#include <boost/hana/equal.hpp>
 #include <boost/hana/filter.hpp>
 #include <boost/hana/find_if.hpp>
 #include <boost/hana/fold_left.hpp>
 #include <boost/hana/for_each.hpp>
 #include <boost/hana/if.hpp>
-#include <boost/hana/index_if.hpp>
 #include <boost/hana/optional.hpp>
 #include <boost/hana/tuple.hpp>
 #include <boost/hana/type.hpp>
@@ -44,16 +42,24 @@ template <class HanaTuple>
 using list_of = decltype(from_hana(HanaTuple{}));
 
 template <class List, class Type>
-inline constexpr bool contains_type =
-    decltype(hana::contains(to_hana(List{}), hana::type_c<Type>))::value;
+inline constexpr bool contains_type = false;
+template <class... Types, class Type>
+inline constexpr bool contains_type<type_list<Types...>, Type> = (std::is_same_v<Types, Type> ||
+                                                                  ...);
 
 template <class HanaValue>
 using plain = std::remove_cvref_t<HanaValue>;
 
 /// Position of the first `Type` in `List`; does not compile when it is not there.
 template <class List, class Type>
-inline constexpr std::size_t index_of = plain<
-    decltype(hana::index_if(to_hana(List{}), hana::equal.to(hana::type_c<Type>)).value())>::value;
+inline constexpr std::size_t index_of = 0;
+template <class... Types, class Type>
+inline constexpr std::size_t index_of<type_list<Types...>, Type> = [] {
+  static_assert((std::is_same_v<Types, Type> || ...), "this type is not in the list");
+  std::size_t i = 0;
+  (void)((std::is_same_v<Types, Type> || (++i, false)) || ...);
+  return i;
+}();
 
 struct append_new {
   template <class Kept, class Type>

@@ -14,6 +14,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/detect/detail/lanes.hpp"
 #include "talus/detect/detail/pair_batch.hpp"
 #include "talus/detect/detail/size_classes.hpp"
@@ -153,10 +154,11 @@ class hash_grid {
 
   std::vector<level> levels_;  // coarsest first
   // Entries, sorted by level and bucket; a few more coordinates may be read but are not used.
-  std::vector<real> x_, y_, z_, reach_;
-  std::vector<std::uint32_t> index_;   // of the body of each entry
-  std::vector<std::uint32_t> starts_;  // first entry of each bucket, levels one after the other
-  std::vector<std::uint32_t> bucket_;  // of each body
+  detail::plain_vector<real> x_, y_, z_, reach_;
+  detail::plain_vector<std::uint32_t> index_;  // of the body of each entry
+  detail::plain_vector<std::uint32_t>
+      starts_;  // first entry of each bucket, levels one after the other
+  detail::plain_vector<std::uint32_t> bucket_;  // of each body
   detail::size_classes classes_;
 };
 
@@ -350,7 +352,7 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
 
   constexpr real infinity = std::numeric_limits<real>::infinity();
   real smallest = infinity, largest = 0, poison = 0;
-  vec3 low = vec3::Constant(infinity), high = -low;
+  vec3 low = detail::thrice<real>(infinity), high = -low;
   for (std::uint32_t i = 0; i < n; ++i) {
     const vec3& c = centres[i];
     const real r = reaches[i];

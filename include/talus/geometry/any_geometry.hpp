@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/core/bytes.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/geometry/combine.hpp"
 
 namespace talus {
@@ -19,7 +20,7 @@ namespace detail {
 /// one kind are one group, parts are sorted, repeated and redundant parts are dropped.
 struct geometry_group {
   bool all_of = true;
-  std::vector<half_space> planes;
+  plain_vector<half_space> planes;
   std::vector<geometry_group> groups;
 
   friend bool operator==(const geometry_group&, const geometry_group&) = default;
@@ -151,8 +152,8 @@ class any_geometry {
     return h;
   }
 
-  std::vector<half_space> planes_;
-  std::vector<token> program_;  // empty while there is but one group
+  detail::plain_vector<half_space> planes_;
+  detail::plain_vector<token> program_;  // empty while there is but one group
   bool all_of_ = true;
   int depth_ = 0;
 };

@@ -30,7 +30,7 @@ class bit_hash {
 /// neither on their order nor on which rank owns them: equal states give equal digests on any
 /// number of ranks.
 template <class Scenario>
-[[nodiscard]] std::string state_digest(world<Scenario>& w) {
+[[nodiscard, gnu::cold]] std::string state_digest(world<Scenario>& w) {
   w.require_all_ranks("state_digest");
   std::uint64_t sum = 0;
   w.for_each_local([&](const auto& body) {
@@ -44,7 +44,7 @@ template <class Scenario>
     sum += h.value();
   });
   w.link().reduce(reduction::sum, std::span(&sum, 1));
-  return fmt::format("{:016x}", sum);
+  return fmt::vformat("{:016x}", fmt::make_format_args(sum));
 }
 
 }  // namespace talus

@@ -2,8 +2,9 @@
 // What contacts do to one body.
 #include <algorithm>
 #include <array>
-#include <vector>
 
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -16,13 +17,13 @@ template <class Scenario, class Shape>
   const auto& s = w.state();
   // The contacts of a body that moves are all known to its owner; others are counted by the owners
   // of the bodies that meet it. (More ranks may remember them.)
-  std::vector<system_id> own;
+  detail::plain_vector<system_id> own;
   bool owned = false;
   w.for_each_local([&](const auto& b) {
     own.push_back(b.id());
     owned = owned || b.id() == h.id;
   });
-  std::sort(own.begin(), own.end());
+  detail::sort_values(own);
   const auto found = w.find(h);
   double fixed = found && found->is_fixed();
   w.link().reduce(reduction::max, std::span(&fixed, 1));

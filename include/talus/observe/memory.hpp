@@ -6,7 +6,7 @@ namespace talus {
 
 /// Bytes that this rank holds for its bodies, their shadow copies and their contacts.
 template <class Scenario>
-[[nodiscard]] std::size_t bytes_in_use(const world<Scenario>& w) {
+[[nodiscard, gnu::cold]] std::size_t bytes_in_use(const world<Scenario>& w) {
   const auto& s = w.state();
   std::size_t bytes = 0;
   const auto of = [&](const auto& column) {

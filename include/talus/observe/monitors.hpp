@@ -3,9 +3,9 @@
 // time series.
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/observe/energy.hpp"
 #include "talus/observe/momentum.hpp"
 #include "talus/observe/overlaps.hpp"
@@ -22,7 +22,7 @@ struct measured {
 
 /// What the monitors say, and in short.
 struct monitor_values {
-  std::vector<measured> values;
+  detail::plain_vector<measured> values;
   std::string text;  ///< as in ", energy closes to 1e-16"; empty without monitors
 };
 
@@ -35,7 +35,7 @@ inline constexpr bool has_monitors = Scenario::template has_feature<energy_ledge
 
 /// Collective: asks every monitor that the scenario names, and costs nothing where it names none.
 template <class Scenario>
-[[nodiscard]] monitor_values measure_monitors(world<Scenario>& w) {
+[[nodiscard, gnu::cold]] monitor_values measure_monitors(world<Scenario>& w) {
   monitor_values m;
   const auto add = [&](std::string_view name, std::string_view dimension, double value) {
     m.values.push_back({name, dimension, value});

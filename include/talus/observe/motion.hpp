@@ -21,7 +21,7 @@ struct motion {
 
 /// Collective: sums over all ranks, in the order of the ranks.
 template <class Scenario>
-[[nodiscard]] motion measure_motion(world<Scenario>& w) {
+[[nodiscard, gnu::cold]] motion measure_motion(world<Scenario>& w) {
   w.require_all_ranks("measure_motion");
   std::array<double, 11> sums{};
   double fastest = 0;

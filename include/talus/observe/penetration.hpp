@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/world/world.hpp"
@@ -38,8 +39,9 @@ struct gap_sums {
 /// Adds all pairs of a body owned here with a body of `others`. Of a pair seen by two ranks, the
 /// one that owns the first body (by shape, then by id) counts.
 template <class Store, class Others, class History>
-void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool others_move,
-              bool same_shape, const History& history, real radius) {
+[[gnu::cold]] void add_gaps(gap_sums& sums, const Store& own, const Others& others,
+                            bool others_move, bool same_shape, const History& history,
+                            real radius) {
   using shape = typename Store::shape_type;
   using other = typename Others::shape_type;
   constexpr bool soft = !std::is_same_v<History, contact_history>;
@@ -73,7 +75,7 @@ void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool other
 
   if constexpr (other::finite) {
     const auto grid_of = [&](const auto& store) {
-      std::vector<real> reach(store.size());
+      detail::plain_vector<real> reach(store.size());
       for (std::size_t i = 0; i < reach.size(); ++i)
         reach[i] = store.shape[i].bounding_radius() + margin / 2;
       hash_grid grid;
@@ -97,7 +99,7 @@ void add_gaps(gap_sums& sums, const Store& own, const Others& others, bool other
 /// Collective: measures the overlaps of all bodies. Needs up-to-date shadow copies, as they are
 /// after a step or a synchronize().
 template <class Scenario>
-[[nodiscard]] penetration measure_penetration(world<Scenario>& w) {
+[[nodiscard, gnu::cold]] penetration measure_penetration(world<Scenario>& w) {
   w.require_all_ranks("measure_penetration");
   const auto& s = w.state();
   std::array<double, 2> radii{};

@@ -47,8 +47,8 @@ struct summary {
   double collectives_per_step = 0;
   double bytes_per_body = 0;
   std::string digest;
-  std::vector<measured> monitors;  ///< of the last step, or of all where the name says so
-  results own;                     ///< of the scenario
+  detail::plain_vector<measured> monitors;  ///< of the last step, or of all where the name says so
+  results own;                              ///< of the scenario
 };
 
 namespace detail {
@@ -64,7 +64,7 @@ template <class Scenario>
 /// One flat JSON object, field by field.
 class json_object {
  public:
-  void add(std::string_view key, std::string_view text) {
+  [[gnu::cold]] void add(std::string_view key, std::string_view text) {
     std::string quoted = "\"";
     for (const char c : text) {
       if (c == '"' || c == '\\') quoted += '\\';
@@ -74,7 +74,7 @@ class json_object {
   }
   void add(std::string_view key, const std::string& text) { add(key, std::string_view(text)); }
   /// JSON has no NaN and no infinity: they become null.
-  void add(std::string_view key, double value) {
+  [[gnu::cold]] void add(std::string_view key, double value) {
     put(key, std::isfinite(value) ? detail::text(value) : "null");
   }
   void add(std::string_view key, std::uint64_t value) { put(key, std::to_string(value)); }
@@ -85,7 +85,7 @@ class json_object {
   [[nodiscard]] std::string str() const { return "{\n" + text_ + "\n}\n"; }
 
  private:
-  void put(std::string_view key, const std::string& value) {
+  [[gnu::cold]] void put(std::string_view key, const std::string& value) {
     if (!text_.empty()) text_ += ",\n";
     ((((text_ += "  \"") += key) += "\": ") += value);
   }
@@ -96,7 +96,8 @@ class json_object {
 
 /// Collective: the figures of the world as it is now. `cpu_seconds` are those of this rank.
 template <class Scenario>
-[[nodiscard]] summary summarize(world<Scenario>& w, double cpu_seconds, double wall_seconds) {
+[[nodiscard, gnu::cold]] summary summarize(world<Scenario>& w, double cpu_seconds,
+                                           double wall_seconds) {
   w.require_all_ranks("summarize");
   const auto& s = w.state();
   auto& link = w.link();
@@ -165,7 +166,7 @@ template <class Scenario>
 }
 
 /// The figures as one flat JSON object.
-[[nodiscard]] inline std::string to_json(const summary& r) {
+[[nodiscard, gnu::cold]] inline std::string to_json(const summary& r) {
   detail::json_object o;
   o.add("scenario", r.scenario);
   o.add("policies", r.policies);
@@ -220,7 +221,7 @@ template <class Scenario>
 }
 
 /// The figures as a person reads them.
-[[nodiscard]] inline std::string to_text(const summary& r) {
+[[nodiscard, gnu::cold]] inline std::string to_text(const summary& r) {
   const double steps = static_cast<double>(std::max<std::uint64_t>(1, r.steps));
   const auto percent = [&](double seconds) {
     return std::lround(100 * seconds / std::max(r.wall_seconds, 1e-9));

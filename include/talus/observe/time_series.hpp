@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "talus/core/error.hpp"
 #include "talus/observe/monitors.hpp"
@@ -38,7 +37,7 @@ class time_series {
 
   /// Collective: adds a line for the state as it is now, unless the last line is of the same step.
   template <class Scenario>
-  void sample(world<Scenario>& w) {
+  [[gnu::cold]] void sample(world<Scenario>& w) {
     if (name_.empty() || (sampled_ && last_ == w.steps())) return;
     sampled_ = true;
     last_ = w.steps();
@@ -53,7 +52,7 @@ class time_series {
     });
     w.link().reduce(reduction::sum, std::span(&contacts, 1));
     constexpr const char *energy = "M L^2/T^2", *momentum = "M L/T";
-    std::vector<measured> columns{
+    detail::plain_vector<measured> columns{
         {"step", "1", static_cast<double>(w.steps())},
         {"time", "T", w.time()},
         {"bodies", "1", static_cast<double>(m.bodies)},
@@ -68,12 +67,12 @@ class time_series {
         {"penetration_max", "1", p.max},
     };
     const auto more = measure_monitors(w).values;
-    columns.insert(columns.end(), more.begin(), more.end());
+    columns.append(more);
     if (file_ != nullptr) write(columns);
   }
 
  private:
-  void write(const std::vector<measured>& columns) {
+  [[gnu::cold]] void write(const detail::plain_vector<measured>& columns) {
     std::string lines;
     const auto line = [&](auto&& text) {
       const char* separator = "";

@@ -52,7 +52,7 @@ class any_partition {
         return {vec3(lower[0], lower[1], lower[2]), vec3(upper[0], upper[1], upper[2])};
       }
       constexpr real infinity = std::numeric_limits<real>::infinity();
-      return {vec3::Constant(-infinity), vec3::Constant(infinity)};
+      return {detail::thrice<real>(-infinity), detail::thrice<real>(infinity)};
     }
     std::vector<int> closed([[maybe_unused]] int rank) const override {
       if constexpr (concepts::closing_partition<Partition>) return cells.closed(rank);

@@ -151,7 +151,7 @@ class domain {
                   vec3(cell_.upper[0], cell_.upper[1], cell_.upper[2])};
     if constexpr (requires { cells_->bounds(rank_); })
       if (cells_) return cells_->bounds(rank_);
-    return {vec3::Constant(-infinity), vec3::Constant(infinity)};
+    return {detail::thrice<real>(-infinity), detail::thrice<real>(infinity)};
   }
 
   /// A lower bound of the distance from a point to every connected region, widened as asked:

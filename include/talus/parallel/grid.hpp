@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "talus/core/error.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/geometry/any_geometry.hpp"
 #include "talus/parallel/dynamic.hpp"
 
@@ -55,7 +56,7 @@ class grid_cells {
 
   [[nodiscard]] any_geometry geometry(int rank) const {
     const auto at = position(rank);
-    std::vector<half_space> planes;
+    detail::plain_vector<half_space> planes;
     for (int axis = 0; axis < 3; ++axis) {
       const vec3 normal = vec3::Unit(axis);
       if (at[axis] > 0) planes.push_back({normal, lower(axis, at[axis])});
@@ -176,7 +177,7 @@ struct grid {
     return n[0] * n[1] * n[2];
   }
 
-  [[nodiscard]] grid_cells resolve(int ranks) const {
+  [[nodiscard, gnu::cold]] grid_cells resolve(int ranks) const {
     auto n = known();
     const std::array<int, 3> asked = n;
     if (!detail::balance(n, ranks)) {
@@ -207,7 +208,7 @@ struct grid {
                 "a grid has at least one cell along each axis: write grid<2, 3> or grid<dynamic>");
 
   /// Cells along each axis as the type, `cells` or the cuts say; 0 where that is left open.
-  [[nodiscard]] std::array<int, 3> known() const {
+  [[nodiscard, gnu::cold]] std::array<int, 3> known() const {
     std::array<int, 3> n{};
     const std::array<const std::vector<real>*, 3> lists{&cuts.x, &cuts.y, &cuts.z};
     for (int i = 0; i < 3; ++i) {
@@ -227,7 +228,8 @@ struct grid {
     return n;
   }
 
-  static std::vector<real> axis(int i, int n, real from, real to, const std::vector<real>& given) {
+  [[gnu::cold]] static std::vector<real> axis(int i, int n, real from, real to,
+                                              const std::vector<real>& given) {
     const char name = "xyz"[i];
     const bool bounds = from == from || to == to;
     std::vector<real> result = given;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/parallel/detail/convex_pieces.hpp"
 #include "talus/parallel/detail/directions.hpp"
 #include "talus/parallel/dynamic.hpp"
@@ -51,9 +52,9 @@ class slab_cells {
       detail::fail<std::invalid_argument>("there is no rank {} in {} slabs", rank, size());
   }
   [[nodiscard]] real upper(int slab) const { return cuts_[static_cast<std::size_t>(slab)]; }
-  [[nodiscard]] std::vector<half_space> planes(int rank) const {
+  [[nodiscard]] detail::plain_vector<half_space> planes(int rank) const {
     require(rank);
-    std::vector<half_space> result;
+    detail::plain_vector<half_space> result;
     if (rank > 0) result.emplace_back(towards_.normal(), upper(rank - 1));
     if (rank + 1 < size()) result.push_back(half_space(towards_.normal(), upper(rank)).flipped());
     return result;

@@ -7,11 +7,12 @@
 #include <cstdint>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 
 namespace talus::detail {
 
@@ -27,12 +28,12 @@ struct delassus_block {
 /// Coulomb's law with Signorini's condition). W is sparse by blocks of 3 x 3, in compressed rows;
 /// every diagonal block is there. W need be neither regular nor quite symmetric.
 struct assembled_problem {
-  std::vector<std::int32_t> start{0};  ///< of each row in `column` and `block`, and the end
-  std::vector<std::int32_t> column;    ///< ascending in each row
-  std::vector<mat3> block;
-  std::vector<std::int32_t> diagonal;  ///< place of each row's diagonal block
-  contact_vector q;                    ///< velocities without impulses
-  std::vector<real> mu;
+  plain_vector<std::int32_t> start{0};  ///< of each row in `column` and `block`, and the end
+  plain_vector<std::int32_t> column;    ///< ascending in each row
+  plain_vector<mat3> block;
+  plain_vector<std::int32_t> diagonal;  ///< place of each row's diagonal block
+  contact_vector q;                     ///< velocities without impulses
+  plain_vector<real> mu;
 
   [[nodiscard]] int contacts() const { return static_cast<int>(mu.size()); }
   [[nodiscard]] const mat3& own(int i) const { return block[diagonal[i]]; }
@@ -60,8 +61,8 @@ struct assembled_problem {
 /// A problem of mu.size() contacts from blocks in any order; those of one place are added up.
 /// Throws invalid_argument for places outside the matrix, sizes that do not fit, values that are
 /// not finite, and negative friction.
-[[nodiscard]] inline assembled_problem assemble(std::vector<delassus_block> blocks,
-                                                contact_vector q, std::vector<real> mu) {
+[[nodiscard]] inline assembled_problem assemble(plain_vector<delassus_block> blocks,
+                                                contact_vector q, plain_vector<real> mu) {
   const auto n = static_cast<std::int32_t>(mu.size());
   if (q.contacts() != n)
     fail<std::invalid_argument>("{} contacts need {} values of q, not {}", n, 3 * n, q.size());
@@ -79,12 +80,12 @@ struct assembled_problem {
       fail<std::invalid_argument>("the block of W at ({}, {}) is not finite", b.row, b.column);
   }
   for (std::int32_t i = 0; i < n; ++i) blocks.push_back({i, i, diagonal_matrix(real{0})});
-  std::vector<std::pair<std::int64_t, std::uint32_t>> order;  // place in W, block
+  plain_vector<std::pair<std::int64_t, std::uint32_t>> order;  // place in W, block
   order.reserve(blocks.size());
   for (const auto& b : blocks)
     order.emplace_back(std::int64_t{n} * b.row + b.column,
                        static_cast<std::uint32_t>(order.size()));
-  std::sort(order.begin(), order.end());
+  sort_values(order);
 
   assembled_problem p;
   p.q = std::move(q);

@@ -1,7 +1,7 @@
 #pragma once
 // Nonlinear Gauss-Seidel on an assembled problem.
-#include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/assembled.hpp"
 #include "talus/response/coulomb.hpp"
 
@@ -61,7 +61,7 @@ class assembled_sweeps {
   }
 
   const assembled_problem* p_;
-  std::vector<mat3> own_;
+  plain_vector<mat3> own_;
 };
 
 }  // namespace talus::detail

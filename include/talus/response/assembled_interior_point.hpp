@@ -1,8 +1,8 @@
 #pragma once
 // An interior-point method for an assembled contact problem.
 #include <algorithm>
-#include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/assembled.hpp"
 #include "talus/response/block_system.hpp"
 
@@ -50,7 +50,7 @@ class assembled_interior_point {
     if (!(average > 0)) return false;
 
     system_.reset(n);
-    std::vector<mat3> scaling(n), turn(n);
+    plain_vector<mat3> scaling(n), turn(n);
     for (int i = 0; i < n; ++i) {
       const vec3 r = r_(i), u = u_(i);
       scaling[i] = scaling_of(i, r, u);
@@ -145,7 +145,7 @@ class assembled_interior_point {
   }
 
   const assembled_problem* p_;
-  std::vector<vec3> scale_;
+  plain_vector<vec3> scale_;
   contact_vector r_, u_;  ///< in Lorentz cones: (mu r_n, r_t), (û_n / mu, û_t)
   real length_ = 0;
   block_system system_;

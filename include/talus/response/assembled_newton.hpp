@@ -1,7 +1,7 @@
 #pragma once
 // Newton's method for an assembled contact problem with a proximal term.
-#include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/assembled.hpp"
 #include "talus/response/assembled_gauss_seidel.hpp"
 
@@ -171,7 +171,7 @@ class assembled_newton {
 
   const assembled_problem* p_;
   const assembled_sweeps* sweep_;
-  std::vector<int> place_;  ///< in the linear system, -1 for open contacts
+  plain_vector<int> place_;  ///< in the linear system, -1 for open contacts
   System system_;
   real alpha_ = 0;
   int steps_ = 0;

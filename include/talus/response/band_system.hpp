@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -84,9 +84,9 @@ class band_system {
   const real& at(std::size_t i, std::size_t j) const { return a_[i * width_ + (j + half_ - i)]; }
 
   std::size_t n_ = 0, half_ = 2, width_ = 7;
-  std::vector<entry> entries_;
-  std::vector<real> a_;  ///< rows of `width_`, the diagonal in column `half_`
-  std::vector<std::size_t> pivots_;
+  plain_vector<entry> entries_;
+  plain_vector<real> a_;  ///< rows of `width_`, the diagonal in column `half_`
+  plain_vector<std::size_t> pivots_;
 };
 
 }  // namespace talus::detail

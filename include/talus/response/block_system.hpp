@@ -4,10 +4,10 @@
 #include <Eigen/SparseLU>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -63,8 +63,8 @@ class block_system {
 
   /// The entries by columns; `place_` says which blocks there are.
   void compress() {
-    std::vector<std::int32_t> start(rows_ + 1, 0), by_row(entries_.size()), order(entries_.size());
-    const auto sort = [&](auto&& key, auto&& from, std::vector<std::int32_t>& to) {
+    plain_vector<std::int32_t> start(rows_ + 1, 0), by_row(entries_.size()), order(entries_.size());
+    const auto sort = [&](auto&& key, auto&& from, plain_vector<std::int32_t>& to) {
       std::fill(start.begin(), start.end(), 0);
       for (const entry& e : entries_) ++start[key(e) + 1];
       for (int i = 0; i < rows_; ++i) start[i + 1] += start[i];
@@ -76,7 +76,7 @@ class block_system {
          [&](std::size_t k) { return static_cast<std::size_t>(by_row[k]); }, order);
 
     place_.clear();
-    std::vector<mat3> sum;
+    plain_vector<mat3> sum;
     for (const std::int32_t k : order) {
       const entry& e = entries_[k];
       if (!place_.empty() && place_.back() == std::pair{e.column, e.row}) {
@@ -112,8 +112,8 @@ class block_system {
 
   int rows_ = 0;
   bool dense_ = true;
-  std::vector<entry> entries_;
-  std::vector<std::pair<std::int32_t, std::int32_t>> place_, pattern_;  ///< column, row
+  plain_vector<entry> entries_;
+  plain_vector<std::pair<std::int32_t, std::int32_t>> place_, pattern_;  ///< column, row
   Eigen::MatrixXd matrix_;
   Eigen::SparseMatrix<real> sparse_;
   Eigen::PartialPivLU<Eigen::MatrixXd> dense_lu_;

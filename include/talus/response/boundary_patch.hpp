@@ -4,16 +4,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
 
 /// Calls f(first, last) for each run of contacts of one pair of bodies.
 template <class F>
-void each_patch(const std::vector<contact_key>& keys, F&& f) {
+void each_patch(const plain_vector<contact_key>& keys, F&& f) {
   for (std::size_t first = 0, last = 0; first < keys.size(); first = last) {
     while (last < keys.size() && keys[last].same_pair(keys[first])) ++last;
     f(first, last);

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/island_problem.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -46,8 +46,8 @@ class contact_access {
     calls_->set_and_apply(list_, i, impulse, s);
   }
   /// A sweep that notes which interior contacts still change by more than `speed`: (index, change).
-  const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
-                                                                 real speed) const {
+  const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
+                                                                  real speed) const {
     return calls_->sweep_watched(list_, s, speed);
   }
 
@@ -59,7 +59,7 @@ class contact_access {
     island_contact (*contact)(void*, contact_part, std::size_t);
     void (*set)(void*, contact_part, std::size_t, const vec3&);
     void (*set_and_apply)(void*, std::size_t, const vec3&, solver_state&);
-    const std::vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, solver_state&, real);
+    const plain_vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, solver_state&, real);
   };
   template <class List>
   static List& of(void* list) {
@@ -90,7 +90,8 @@ class contact_access {
           c.apply(s, c.since(before));
         });
       },
-      [](void* l, solver_state& s, real speed) -> const std::vector<std::pair<std::size_t, real>>& {
+      [](void* l, solver_state& s,
+         real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
         return of<List>(l).sweep_watched(s, speed);
       }};
 
@@ -100,9 +101,9 @@ class contact_access {
 
 /// All lists of a tuple.
 template <class Lists>
-[[nodiscard]] std::vector<contact_access> access_to(Lists& lists) {
+[[nodiscard]] plain_vector<contact_access> access_to(Lists& lists) {
   return std::apply(
-      [](auto&... list) { return std::vector<contact_access>{contact_access(list)...}; }, lists);
+      [](auto&... list) { return plain_vector<contact_access>{contact_access(list)...}; }, lists);
 }
 
 }  // namespace talus::detail

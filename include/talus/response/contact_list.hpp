@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/boundary_patch.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/contact_row.hpp"
@@ -117,8 +117,8 @@ class contact_list {
   [[gnu::noinline]] void sweep_backward(solver_state& s) { interior_.backward(s); }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  [[gnu::noinline]] const std::vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
-                                                                                   real speed) {
+  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
+                                                                                    real speed) {
     stalled_.clear();
     interior_.backward_watched(s, speed, [&](std::size_t i, real change) {
       stalled_.push_back({i, change});
@@ -261,13 +261,13 @@ class contact_list {
   }
 
   typename interior_contacts<Contact>::type interior_;
-  std::vector<Contact> boundary_, foreign_;
-  std::vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
-  std::vector<history_place*> interior_places_, boundary_places_;
-  std::vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
-  std::vector<typename Contact::change> changes_, before_;
-  std::vector<real> pushes_;
-  std::vector<std::pair<std::size_t, real>> stalled_;
+  plain_vector<Contact> boundary_, foreign_;
+  plain_vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
+  plain_vector<history_place*> interior_places_, boundary_places_;
+  plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
+  plain_vector<typename Contact::change> changes_, before_;
+  plain_vector<real> pushes_;
+  plain_vector<std::pair<std::size_t, real>> stalled_;
 };
 
 }  // namespace talus::detail

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -181,7 +181,7 @@ class contact_patches {
 
  public:
   /// Finds the patches and weighs their contacts. `contacts` of one pair lie together.
-  void weigh(std::vector<Contact>& contacts, const solver_state& s) {
+  void weigh(plain_vector<Contact>& contacts, const solver_state& s) {
     patches_.clear();
     for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
       const Contact& c = contacts[first];
@@ -196,7 +196,7 @@ class contact_patches {
     }
   }
   /// Gives the bodies all impulses of the contacts, which need not have been weighed.
-  static void apply_all(const std::vector<Contact>& contacts, solver_state& s) {
+  static void apply_all(const plain_vector<Contact>& contacts, solver_state& s) {
     for (std::size_t first = 0, i = 0; first < contacts.size(); first = i) {
       const Contact& c = contacts[first];
       vec3 impulse{0, 0, 0}, moment{0, 0, 0};
@@ -210,7 +210,7 @@ class contact_patches {
       give_pair<paired>(s, c.a, c.b, offset, impulse, moment);
     }
   }
-  void sweep_forward(std::vector<Contact>& contacts, solver_state& s) const {
+  void sweep_forward(plain_vector<Contact>& contacts, solver_state& s) const {
     for (const contact_patch& p : patches_) {
       patch_motion<paired> motion(p, s);
       bool changed = false;
@@ -220,7 +220,7 @@ class contact_patches {
   }
   /// note(index, change) for each contact that changes.
   template <class Note>
-  void sweep_backward(std::vector<Contact>& contacts, solver_state& s, Note&& note) const {
+  void sweep_backward(plain_vector<Contact>& contacts, solver_state& s, Note&& note) const {
     for (std::size_t k = patches_.size(); k-- > 0;) {
       const contact_patch& p = patches_[k];
       patch_motion<paired> motion(p, s);
@@ -234,7 +234,7 @@ class contact_patches {
       if (changed) motion.apply(s);
     }
   }
-  void sweep_push(std::vector<Contact>& contacts, solver_state& s) const {
+  void sweep_push(plain_vector<Contact>& contacts, solver_state& s) const {
     for (const contact_patch& p : patches_) {
       patch_shift<paired> motion(p, s);
       for (std::size_t i = p.first; i < p.last; ++i) {
@@ -258,7 +258,7 @@ class contact_patches {
     return true;
   }
 
-  std::vector<contact_patch> patches_;
+  plain_vector<contact_patch> patches_;
 };
 
 #pragma GCC diagnostic pop

@@ -1,8 +1,8 @@
 #pragma once
 // Interior contacts that are solved one by one, in a row.
 #include <cstddef>
-#include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -23,8 +23,8 @@ class contact_row {
     f(contacts_[i]);
   }
 
-  void recall(const contact_history& history, const std::vector<contact_key>& keys,
-              const std::vector<history_place*>& places) {
+  void recall(const contact_history& history, const plain_vector<contact_key>& keys,
+              const plain_vector<history_place*>& places) {
     detail::recall(history, keys, places, contacts_);
   }
   void weigh(const solver_state& s) {
@@ -57,7 +57,7 @@ class contact_row {
   }
 
  protected:
-  std::vector<Contact> contacts_;
+  plain_vector<Contact> contacts_;
 
  private:
   /// Sweeps run through this many parts of the row side by side: see the kinds of contacts.

@@ -3,6 +3,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "talus/core/each.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -13,7 +14,7 @@ namespace talus::detail {
 template <class Lists, class Ranks>
 void correct_overlaps(Lists& lists, solver_state& s, const solver_settings& settings,
                       Ranks&& ranks) {
-  const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+  const auto each = [&](auto&& f) { each_of(lists, f); };
   for (int k = 0; k < settings.correction_iterations; ++k) {
     if constexpr (!std::remove_cvref_t<Ranks>::alone) {
       if (k > 0) ranks.share_corrections();

@@ -4,6 +4,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/assembled.hpp"
 
 namespace talus::detail {
@@ -21,8 +22,8 @@ namespace talus::detail {
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
   Eigen::AMDOrdering<int>()(pattern, order);
   const auto& at = order.indices();  // the row eliminated k-th
-  std::vector<int> place(n), parent(n, -1), seen(n, -1);
-  std::vector<real> height(n, 1);  // of the columns of L
+  plain_vector<int> place(n), parent(n, -1), seen(n, -1);
+  plain_vector<real> height(n, 1);  // of the columns of L
   for (int k = 0; k < n; ++k) place[at[k]] = k;
   for (int k = 0; k < n; ++k) {
     seen[k] = k;

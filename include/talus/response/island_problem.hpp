@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/response/assembled.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -27,13 +29,13 @@ struct island_contact {
 /// of one body then lie close together. Returns the order and the half bandwidth in contacts.
 class contact_order {
  public:
-  explicit contact_order(const std::vector<island_contact>& contacts) {
+  explicit contact_order(const plain_vector<island_contact>& contacts) {
     const std::size_t n = contacts.size();
-    std::vector<std::pair<std::int64_t, std::uint32_t>> ends;  // body, contact
+    plain_vector<std::pair<std::int64_t, std::uint32_t>> ends;  // body, contact
     for (std::size_t i = 0; i < n; ++i)
       for (const std::int32_t body : {contacts[i].a, contacts[i].b})
         if (body >= 0) ends.emplace_back(body, static_cast<std::uint32_t>(i));
-    std::sort(ends.begin(), ends.end());
+    sort_values(ends);
     of_body_.clear();
     bodies_of_.assign(n, {-1, -1});
     for (std::size_t k = 0; k < ends.size(); ++k) {
@@ -45,7 +47,7 @@ class contact_order {
     // Twice: the last contact of a search from anywhere lies at an end of the chain.
     search(0);
     search(order_.back());
-    std::vector<std::uint32_t> place(n);
+    plain_vector<std::uint32_t> place(n);
     for (std::size_t k = 0; k < n; ++k) place[order_[k]] = static_cast<std::uint32_t>(k);
     for (const auto& touching : of_body_) {
       std::uint32_t first = ~0u, last = 0;
@@ -54,12 +56,12 @@ class contact_order {
       half_ = std::max<std::size_t>(half_, last - first);
     }
   }
-  [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
+  [[nodiscard]] const plain_vector<std::uint32_t>& order() const { return order_; }
   [[nodiscard]] std::size_t half_bandwidth() const { return half_; }
 
  private:
   void search(std::uint32_t start) {
-    std::vector<char> seen(bodies_of_.size(), 0), met(of_body_.size(), 0);
+    plain_vector<char> seen(bodies_of_.size(), 0), met(of_body_.size(), 0);
     order_.assign(1, start);
     seen[start] = 1;
     for (std::size_t k = 0; k < order_.size(); ++k)
@@ -71,15 +73,15 @@ class contact_order {
       }
   }
 
-  std::vector<std::vector<std::uint32_t>> of_body_;
-  std::vector<std::array<std::int32_t, 2>> bodies_of_;
-  std::vector<std::uint32_t> order_;
+  std::vector<plain_vector<std::uint32_t>> of_body_;
+  plain_vector<std::array<std::int32_t, 2>> bodies_of_;
+  plain_vector<std::uint32_t> order_;
   std::size_t half_ = 0;
 };
 
 /// Assembles the problem of these contacts at the velocities of `s`, which contain their impulses;
 /// `r` becomes those in the axes of the contacts.
-[[nodiscard]] inline assembled_problem assemble_island(const std::vector<island_contact>& contacts,
+[[nodiscard]] inline assembled_problem assemble_island(const plain_vector<island_contact>& contacts,
                                                        const solver_state& s, contact_vector& r) {
   struct end {
     std::int32_t body;
@@ -88,11 +90,11 @@ class contact_order {
     real sign;
   };
   const std::size_t n = contacts.size();
-  std::vector<end> ends;
+  plain_vector<end> ends;
   ends.reserve(2 * n);
   contact_vector q(static_cast<int>(n));
   r.resize(static_cast<int>(n));
-  std::vector<real> mu(n);
+  plain_vector<real> mu(n);
   for (std::size_t i = 0; i < n; ++i) {
     const island_contact& c = contacts[i];
     vec3 u{-c.target, c.drive[0], c.drive[1]};
@@ -110,10 +112,10 @@ class contact_order {
     r(static_cast<int>(i)) = c.axes * c.impulse;
     mu[i] = c.friction;
   }
-  std::vector<std::pair<std::int64_t, std::uint32_t>> order;  // body, end
+  plain_vector<std::pair<std::int64_t, std::uint32_t>> order;  // body, end
   for (const end& e : ends) order.emplace_back(e.body, static_cast<std::uint32_t>(order.size()));
-  std::sort(order.begin(), order.end());
-  std::vector<delassus_block> blocks;
+  sort_values(order);
+  plain_vector<delassus_block> blocks;
   for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
     while (last < order.size() && order[last].first == order[first].first) ++last;
     const auto body = static_cast<std::size_t>(order[first].first);

@@ -3,6 +3,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "talus/core/each.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/response/contact_list.hpp"
 #include "talus/response/convergence.hpp"
@@ -31,7 +32,7 @@ struct nonlinear_gauss_seidel final {
   template <class Lists, class Ranks>
   static detail::solved solve(Lists& lists, detail::solver_state& s,
                               const solver_settings& settings, bool correct, Ranks&& ranks) {
-    const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
     detail::convergence<Lists, Ranks> watch(lists, s, settings, ranks);

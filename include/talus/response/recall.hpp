@@ -4,10 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "talus/contact/history.hpp"
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -68,8 +68,8 @@ void inherit(const kept_pair& kept, std::span<const contact_key> keys,
 
 /// Lets each contact start from the impulse that is remembered for its key.
 template <class Contact>
-void recall(const contact_history& history, const std::vector<contact_key>& keys,
-            const std::vector<history_place*>& places, std::vector<Contact>& contacts) {
+void recall(const contact_history& history, const plain_vector<contact_key>& keys,
+            const plain_vector<history_place*>& places, plain_vector<Contact>& contacts) {
   for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
     const kept_pair kept(history, keys[first], places[first]);
     bool lost = false;
@@ -88,8 +88,8 @@ void recall(const contact_history& history, const std::vector<contact_key>& keys
 
 /// The reverse; notes for each pair where its contacts are kept.
 template <class Contacts>
-void remember(contact_history& history, const std::vector<contact_key>& keys,
-              const std::vector<history_place*>& places, const Contacts& contacts) {
+void remember(contact_history& history, const plain_vector<contact_key>& keys,
+              const plain_vector<history_place*>& places, const Contacts& contacts) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (places[i] != nullptr && (i == 0 || places[i] != places[i - 1]))
       *places[i] = history.next_place();

@@ -28,7 +28,7 @@ void each_counted(const Lists& lists, F&& f) {
         if (counts_here) f(c);
     });
   };
-  std::apply([&](const auto&... list) { (of_list(list), ...); }, lists);
+  each_of(lists, of_list);
 }
 
 /// The relative velocity, less the one that gap and restitution ask for.
@@ -103,14 +103,14 @@ template <class List>
 template <class... Lists>
 [[nodiscard]] residual_scale scale_of(const std::tuple<Lists...>& lists, const solver_state& s) {
   residual_scale scale;
-  std::apply([&](const auto&... list) { (add_to(scale, list, s), ...); }, lists);
+  each_of(lists, [&](const auto& list) { add_to(scale, list, s); });
   return scale;
 }
 template <class... Lists>
 [[nodiscard]] residual_sums sums_of(const std::tuple<Lists...>& lists, const solver_state& s,
                                     double rho) {
   residual_sums sums;
-  std::apply([&](const auto&... list) { (add_to(sums, list, s, rho), ...); }, lists);
+  each_of(lists, [&](const auto& list) { add_to(sums, list, s, rho); });
   return sums;
 }
 

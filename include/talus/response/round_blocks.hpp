@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "talus/core/math.hpp"
 #include "talus/core/octet.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -79,8 +79,8 @@ class block_planner {
     u.first = first_;
   }
 
-  std::vector<use> used_;
-  std::vector<std::uint8_t> filled_;
+  plain_vector<use> used_;
+  plain_vector<std::uint8_t> filled_;
   std::size_t first_ = 0;
   std::uint64_t full_ = 0;
 };
@@ -152,8 +152,8 @@ class round_blocks {
     put(blocks_[slot / lanes], slot % lanes, c);
   }
 
-  void recall(const contact_history& history, const std::vector<contact_key>& keys,
-              const std::vector<history_place*>& places) {
+  void recall(const contact_history& history, const plain_vector<contact_key>& keys,
+              const plain_vector<history_place*>& places) {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       const vec3* kept = kept_pair(history, keys[i], places[i]).find(keys[i]);
       if (kept == nullptr) continue;
@@ -412,11 +412,11 @@ class round_blocks {
   }
 
   block_planner plan_;
-  std::vector<block> blocks_;  ///< of which the first so many are in use
+  plain_vector<block> blocks_;  ///< of which the first so many are in use
   std::size_t used_ = 0;
-  std::vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | lone
-  std::vector<Contact> lone_;          ///< contacts that found no place
-  std::vector<std::uint32_t> number_;  ///< the contact in a slot
+  plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | lone
+  plain_vector<Contact> lone_;          ///< contacts that found no place
+  plain_vector<std::uint32_t> number_;  ///< the contact in a slot
 };
 
 #pragma GCC diagnostic pop

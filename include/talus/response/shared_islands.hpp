@@ -10,9 +10,10 @@
 #include <span>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/response/band_system.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/island_problem.hpp"
@@ -146,8 +147,8 @@ class shared_islands {
     std::size_t index;
   };
   struct island {
-    std::vector<std::pair<contact_key, member>> contacts;
-    std::vector<std::pair<system_id, std::int32_t>> bodies;
+    plain_vector<std::pair<contact_key, member>> contacts;
+    plain_vector<std::pair<system_id, std::int32_t>> bodies;
   };
 
   template <class F>
@@ -183,9 +184,9 @@ class shared_islands {
 
   /// Whether all ranks that own bodies of the island see it as this one does; sorts it by ids.
   bool known_alike(island& one) const {
-    std::sort(one.bodies.begin(), one.bodies.end());
+    sort_values(one.bodies);
     one.bodies.erase(std::unique(one.bodies.begin(), one.bodies.end()), one.bodies.end());
-    std::vector<std::int32_t> owners;
+    plain_vector<std::int32_t> owners;
     for (const auto& [id, body] : one.bodies) {
       const body_ties& t = ties_[static_cast<std::size_t>(body)];
       if (t.of_owner != static_cast<std::int32_t>(t.contacts)) return false;
@@ -197,7 +198,7 @@ class shared_islands {
         const body_ties& t = ties_[static_cast<std::size_t>(body)];
         if (t.owner != rank && !t.holders.has(rank)) return false;
       }
-    std::sort(one.contacts.begin(), one.contacts.end(), [](const auto& x, const auto& y) {
+    sort_values(one.contacts, [](const auto& x, const auto& y) {
       const auto &a = x.first, &b = y.first;
       return std::tuple(a.a, a.b, a.feature) < std::tuple(b.a, b.b, b.feature);
     });
@@ -224,7 +225,7 @@ class shared_islands {
       const auto at = place.find(body);
       return at == place.end() ? -1 : at->second;
     };
-    std::vector<island_contact> contacts;
+    plain_vector<island_contact> contacts;
     for (const auto& [key, m] : one.contacts) {
       island_contact c = lists[m.list].contact(m.part, m.index);
       // A body that cannot move may still carry others along.
@@ -250,7 +251,7 @@ class shared_islands {
     // Alike on all ranks: what the island costs, not what a rank has spent so far.
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     if (cost > 2e7) return;
-    std::vector<island_contact> chain;
+    plain_vector<island_contact> chain;
     for (const auto i : order.order()) chain.push_back(contacts[i]);
     contact_vector r;
     const assembled_problem problem = assemble_island(chain, own, r);
@@ -278,9 +279,9 @@ class shared_islands {
       s.bodies[i].w += s.tensor(i) * arm.cross(impulse);
   }
   bool wanted_ = true, takes_part_ = false;
-  std::vector<body_ties> ties_;
-  std::vector<solver_body> free_;
-  std::vector<std::uint32_t> parent_;
+  plain_vector<body_ties> ties_;
+  plain_vector<solver_body> free_;
+  plain_vector<std::uint32_t> parent_;
 };
 
 }  // namespace talus::detail

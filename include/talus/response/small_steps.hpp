@@ -5,8 +5,9 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
+#include "talus/core/each.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/response/contact_list.hpp"
 #include "talus/response/convergence.hpp"
@@ -77,14 +78,14 @@ struct small_steps final {
   template <class Lists, class Ranks>
   static detail::solved solve(Lists& lists, detail::solver_state& s,
                               const solver_settings& settings, bool correct, Ranks&& ranks) {
-    const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
     const std::size_t bodies = s.bodies.size();
     const real part = real{1} / settings.iterations;
     const real held = s.speed;  // as in detection, and for the same reason
     solver_settings once = settings;
     once.iterations = 1;
-    std::vector<detail::body_motion> last(bodies), given(bodies);
+    detail::plain_vector<detail::body_motion> last(bodies), given(bodies);
     s.drift.assign(bodies, {});
     for (std::size_t i = 0; i < bodies; ++i)
       s.bodies[i].v -= s.gain[i].v, s.bodies[i].w -= s.gain[i].w;
@@ -147,7 +148,7 @@ struct small_steps final {
   template <class List>
   static auto courses_of(List& list, const detail::solver_state& s) {
     using contact = typename List::contact_type;
-    std::vector<detail::contact_course<contact>> all;
+    detail::plain_vector<detail::contact_course<contact>> all;
     all.reserve(list.size());
     list.each_numbered([&](contact& c, std::size_t) { all.emplace_back(c, s); });
     return all;
@@ -164,7 +165,7 @@ struct small_steps final {
   /// from one way to the other, the errors that a sweep leaves would swing up with period two.
   template <class Lists, class Watch, class Ranks>
   static detail::solved iterate(Lists& lists, detail::solver_state& s, Watch& watch, Ranks& ranks) {
-    const auto each = [&](auto&& f) { std::apply([&](auto&... list) { (f(list), ...); }, lists); };
+    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
     int k = 0;
     for (; k < watch.limit(); ++k) {

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
-#include <vector>
 
 #include "talus/body/material.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -110,7 +110,7 @@ class soft_pairs {
   [[nodiscard]] std::size_t bytes() const { return pairs_.capacity() * sizeof(soft_pair); }
 
  private:
-  std::vector<soft_pair> pairs_;
+  plain_vector<soft_pair> pairs_;
   std::size_t size_ = 0;
   std::uint64_t revision_ = 0;  ///< of an empty table
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/soft_pair.hpp"
 
 namespace talus::detail {
@@ -33,7 +34,7 @@ struct soft_contacts {
 
 template <class Law>
 struct soft_state {
-  std::vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
+  plain_vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
   soft_pairs<Law> pairs;
 };
 

@@ -3,9 +3,9 @@
 // gathered into one array at the beginning of the response and scattered at its end.
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -46,20 +46,20 @@ inline constexpr bool solves_shared_islands = requires {
 /// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
 /// a tensor, locals before shadow copies within each shape.
 struct solver_state {
-  std::vector<solver_body> bodies;
+  plain_vector<solver_body> bodies;
   /// It moves positions and never enters the velocities. Empty when overlaps are not corrected.
-  std::vector<body_shift> shift;
-  std::vector<vec3> turn;     ///< likewise the rotation, of bodies from first_tensor
-  std::vector<mat3> tensors;  ///< inverse inertia, world frame, of bodies from first_tensor
+  plain_vector<body_shift> shift;
+  plain_vector<vec3> turn;     ///< likewise the rotation, of bodies from first_tensor
+  plain_vector<mat3> tensors;  ///< inverse inertia, world frame, of bodies from first_tensor
   std::size_t first_tensor = 0;
   /// Number of bodies on other ranks that a body touches; only where there are ranks.
-  std::vector<std::uint32_t> boundary_contacts;
+  plain_vector<std::uint32_t> boundary_contacts;
   real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
   int pause = 0;   ///< steps for which stalled_islands need not look
 
   // For solvers that divide a step; empty with others.
-  std::vector<body_motion> gain;   ///< what forces add to the velocities in the step
-  std::vector<body_motion> drift;  ///< mean velocity of the step, less the one at its end
+  plain_vector<body_motion> gain;   ///< what forces add to the velocities in the step
+  plain_vector<body_motion> drift;  ///< mean velocity of the step, less the one at its end
 
   [[nodiscard]] const mat3& tensor(std::size_t body) const { return tensors[body - first_tensor]; }
 };

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/response/band_system.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/island_problem.hpp"
@@ -39,7 +41,7 @@ class stalled_islands {
       for (const solver_body& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * b.v.norm());
     const real least = 1e-9 * s.speed;  // less cannot matter
     std::size_t stalled = 0, contacts = 0;
-    std::vector<std::span<const std::pair<std::size_t, real>>> changes;
+    plain_vector<std::span<const std::pair<std::size_t, real>>> changes;
     for (const contact_access& list : lists) {
       changes.emplace_back(list.sweep_watched(s, least));
       stalled += changes.back().size();
@@ -48,9 +50,9 @@ class stalled_islands {
     if (stalled == 0) return;
     join_bodies(lists, s);
     gather(lists, changes, s);
-    std::vector<std::pair<real, std::size_t>> worst_first;
+    plain_vector<std::pair<real, std::size_t>> worst_first;
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
-    std::sort(worst_first.begin(), worst_first.end());
+    sort_values(worst_first);
     real budget = std::max(least_budget, budget_per_contact * static_cast<real>(contacts));
     bool solved = false;
     for (const auto& [stall, i] : worst_first)
@@ -70,7 +72,7 @@ class stalled_islands {
     std::size_t list, index;
   };
   struct island {
-    std::vector<member> contacts;
+    plain_vector<member> contacts;
     std::size_t size = 0;
     real change = 0;  ///< largest change of velocity in the last sweep
     real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
@@ -141,17 +143,17 @@ class stalled_islands {
   /// Whether the island could be afforded.
   static bool solve_one(const island& one, std::span<const contact_access> lists, solver_state& s,
                         real& budget) {
-    std::vector<island_contact> contacts;
+    plain_vector<island_contact> contacts;
     for (const member& m : one.contacts)
       contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
-    std::vector<island_contact> ties = contacts;  // immovable bodies tie nothing together
+    plain_vector<island_contact> ties = contacts;  // immovable bodies tie nothing together
     for (island_contact& c : ties)
       for (std::int32_t* end : {&c.a, &c.b})
         if (*end >= 0 && !moves(s, *end)) *end = -1;
     const contact_order order(ties);
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     if (cost > budget / 2) return false;
-    std::vector<island_contact> chain;
+    plain_vector<island_contact> chain;
     for (const auto i : order.order()) chain.push_back(contacts[i]);
     contact_vector r;
     const assembled_problem problem = assemble_island(chain, s, r);
@@ -163,7 +165,7 @@ class stalled_islands {
     return true;
   }
 
-  std::vector<std::uint32_t> parent_, number_;
+  plain_vector<std::uint32_t> parent_, number_;
   std::vector<island> islands_;
 };
 

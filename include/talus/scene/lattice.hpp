@@ -17,7 +17,7 @@ struct simple_cubic {
   vec3 origin{0, 0, 0};  ///< one of the sites
 
   static constexpr std::int64_t period = 1;
-  [[nodiscard]] vec3 step() const { return vec3::Constant(spacing); }
+  [[nodiscard]] vec3 step() const { return detail::thrice<real>(spacing); }
   [[nodiscard]] vec3 shift(bool, bool) const { return {0, 0, 0}; }
 };
 

@@ -12,8 +12,8 @@ namespace detail {
 
 /// Bounds of a region. A prism is the same at every height between its lowest and highest points.
 struct region_extent {
-  vec3 lower = vec3::Constant(-unlimited);
-  vec3 upper = vec3::Constant(unlimited);
+  vec3 lower = detail::thrice<real>(-unlimited);
+  vec3 upper = detail::thrice<real>(unlimited);
   bool prism = true;
 };
 
@@ -25,7 +25,7 @@ struct box_region {
   vec3 upper;
 
   [[nodiscard]] real value(const vec3& p) const {
-    return std::min((p - lower).minCoeff(), (upper - p).minCoeff());
+    return std::min(detail::least_of(vec3(p - lower)), detail::least_of(vec3(upper - p)));
   }
   [[nodiscard]] bool contains(const vec3& p) const { return detail::between(lower, p, upper); }
   [[nodiscard]] detail::region_extent extent() const { return {lower, upper, true}; }
@@ -61,7 +61,7 @@ struct ball_region {
   [[nodiscard]] real value(const vec3& p) const { return radius - (p - centre).norm(); }
   [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
   [[nodiscard]] detail::region_extent extent() const {
-    return {centre - vec3::Constant(radius), centre + vec3::Constant(radius), false};
+    return {centre - detail::thrice<real>(radius), centre + detail::thrice<real>(radius), false};
   }
 };
 
@@ -102,8 +102,10 @@ class extent_finder {
   };
   void add(const region_extent& e) {
     auto& [all_of, sum] = path_.back();
-    sum.lower = all_of ? detail::upper_of(sum.lower, e.lower) : detail::lower_of(sum.lower, e.lower);
-    sum.upper = all_of ? detail::lower_of(sum.upper, e.upper) : detail::upper_of(sum.upper, e.upper);
+    sum.lower =
+        all_of ? detail::upper_of(sum.lower, e.lower) : detail::lower_of(sum.lower, e.lower);
+    sum.upper =
+        all_of ? detail::lower_of(sum.upper, e.upper) : detail::upper_of(sum.upper, e.upper);
     sum.prism = sum.prism && e.prism;
   }
   std::vector<group> path_{1};
@@ -131,7 +133,8 @@ struct both_regions {
   [[nodiscard]] bool contains(const vec3& p) const { return a.contains(p) && b.contains(p); }
   [[nodiscard]] region_extent extent() const {
     const region_extent x = extent_of(a), y = extent_of(b);
-    return {detail::upper_of(x.lower, y.lower), detail::lower_of(x.upper, y.upper), x.prism && y.prism};
+    return {detail::upper_of(x.lower, y.lower), detail::lower_of(x.upper, y.upper),
+            x.prism && y.prism};
   }
 };
 

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
-#include <functional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -23,13 +22,13 @@ namespace talus {
 namespace detail {
 
 /// The program's name without its folders.
-[[nodiscard]] inline std::string program_name(const char* path) {
+[[nodiscard, gnu::cold]] inline std::string program_name(const char* path) {
   const std::string name = path != nullptr ? path : "talus";
   return name.substr(name.find_last_of('/') + 1);
 }
 
 /// Throws runtime_error now rather than after hours if the file cannot be written.
-inline void require_writable(const std::string& file) {
+[[gnu::cold]] inline void require_writable(const std::string& file) {
   if (file.empty()) return;
   if (!std::ofstream(file, std::ios::app))
     fail<std::runtime_error>(

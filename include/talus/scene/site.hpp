@@ -37,7 +37,9 @@ namespace detail {
 inline constexpr real unlimited = std::numeric_limits<real>::infinity();
 
 [[nodiscard]] inline bool between(const vec3& lower, const vec3& p, const vec3& upper) {
-  return (p.array() >= lower.array()).all() && (p.array() <= upper.array()).all();
+  for (int k = 0; k < 3; ++k)
+    if (!(p[k] >= lower[k] && p[k] <= upper[k])) return false;
+  return true;
 }
 
 [[noreturn]] inline void fail_too_few_sites(std::uint64_t wanted, std::uint64_t there) {
@@ -63,7 +65,7 @@ class first_sites {
 
   template <class F>
   void for_each_in(const vec3& lower, const vec3& upper, F&& f) const {
-    const vec3 all = vec3::Constant(detail::unlimited);
+    const vec3 all = detail::thrice<real>(detail::unlimited);
     std::uint64_t seen = 0;
     sites_.for_each_in(-all, all, [&](const site& s) {
       if (seen++ < n_ && detail::between(lower, s.position, upper)) f(s);

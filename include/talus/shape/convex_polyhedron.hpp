@@ -30,7 +30,8 @@ class convex_polyhedron {
   /// finite, or make more than 10,000 vertices or a face of more than 64 corners.
   template <class Real = real>
   explicit convex_polyhedron(const std::vector<vector3<Real>>& points)
-      : mesh_(std::make_shared<const polyhedron_mesh>(detail::build_mesh<Real>(points))) {}
+      : mesh_(std::make_shared<const polyhedron_mesh>(
+            detail::build_mesh<Real>({points.data(), points.data() + points.size()}))) {}
 
   /// Throws invalid_argument if there are no vertices.
   void validate() const {

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "talus/core/bytes.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/core/shared_data.hpp"
 
 namespace talus {
@@ -28,16 +28,16 @@ struct polyhedron_mesh {
   static constexpr std::size_t max_vertices = 10000;
   static constexpr std::size_t max_corners = 64;  ///< of one face
 
-  std::vector<vec3> vertices;
-  std::vector<vec3> normals;  ///< of each face, outwards, unit length
-  std::vector<real> offsets;  ///< of each face: n.x <= offset inside
-  std::vector<std::uint32_t>
-      face_begin;                      ///< where the corners of a face begin; one more at the end
-  std::vector<std::uint32_t> corners;  ///< counterclockwise as seen from outside
-  std::vector<std::uint32_t> corner_edges;  ///< the edge from a corner to the next
-  std::vector<edge> edges;
-  std::vector<std::uint32_t> around_begin;  ///< where the faces around a vertex begin
-  std::vector<std::uint32_t> around;
+  detail::plain_vector<vec3> vertices;
+  detail::plain_vector<vec3> normals;  ///< of each face, outwards, unit length
+  detail::plain_vector<real> offsets;  ///< of each face: n.x <= offset inside
+  detail::plain_vector<std::uint32_t>
+      face_begin;  ///< where the corners of a face begin; one more at the end
+  detail::plain_vector<std::uint32_t> corners;       ///< counterclockwise as seen from outside
+  detail::plain_vector<std::uint32_t> corner_edges;  ///< the edge from a corner to the next
+  detail::plain_vector<edge> edges;
+  detail::plain_vector<std::uint32_t> around_begin;  ///< where the faces around a vertex begin
+  detail::plain_vector<std::uint32_t> around;
   measures measured;
   detail::content_id id;
 

@@ -18,10 +18,10 @@ struct sphere {
   [[nodiscard]] real bounding_radius() const { return radius; }
   [[nodiscard]] real volume() const { return 4 * pi / 3 * radius * radius * radius; }
   /// Principal moments per unit mass: 2/5 r² each.
-  [[nodiscard]] vec3 inertia() const { return vec3::Constant(real(0.4) * radius * radius); }
+  [[nodiscard]] vec3 inertia() const { return detail::thrice<real>(real(0.4) * radius * radius); }
   /// Furthest point along `direction` (any length; the centre for a zero direction).
   [[nodiscard]] vec3 support(const vec3& direction) const { return radius * unit(direction); }
-  [[nodiscard]] vec3 half_extents(const pose&) const { return vec3::Constant(radius); }
+  [[nodiscard]] vec3 half_extents(const pose&) const { return detail::thrice<real>(radius); }
 
   friend bool operator==(const sphere&, const sphere&) = default;
 };

@@ -2,9 +2,9 @@
 // All bodies of one shape that a rank knows, and what detection needs to find their neighbours.
 #include <algorithm>
 #include <limits>
-#include <vector>
 
 #include "talus/body/store.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/detect/hash_grid.hpp"
 
@@ -24,9 +24,9 @@ struct bodies_of_shape {
   std::size_t first = 0;  ///< index of this shape's first body in the solver's arrays
 
   hash_grid grid;  ///< of the movable bodies, built each step
-  std::vector<real> reach;
+  plain_vector<real> reach;
   hash_grid global_grid;  ///< of the global bodies, built when they change
-  std::vector<real> global_reach;
+  plain_vector<real> global_reach;
   bool globals_changed = false;
 };
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <type_traits>
-#include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/detect/detail/box_batch.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/world/contact_conditions.hpp"
@@ -108,7 +108,7 @@ class contact_maker {
     bool made = false;  ///< a contact that may get an impulse
   };
   struct waiting_pairs {
-    std::vector<box_place<real>> places;  ///< of all boxes
+    plain_vector<box_place<real>> places;  ///< of all boxes
     box_batch<real> tests;
     std::array<pair_at_hand, box_batch<real>::capacity> pairs;
     unsigned count = 0;

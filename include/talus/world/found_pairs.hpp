@@ -7,6 +7,7 @@
 #include "talus/contact/place.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -22,8 +23,8 @@ struct found_pairs {
     vec3 position{0, 0, 0};
     real reach = 0;  ///< with its skin
   };
-  std::vector<std::vector<close_pair>> lists;
-  std::vector<body> bodies;
+  std::vector<plain_vector<close_pair>> lists;
+  plain_vector<body> bodies;
   bool known = false;
   int steps = 0;  ///< for which they have held
   int pause = 0;  ///< steps for which keeping pairs is not worth it: bodies move too fast

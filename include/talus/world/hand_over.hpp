@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/world/closed_faces.hpp"
 #include "talus/world/coverage.hpp"
 #include "talus/world/state.hpp"
@@ -35,7 +37,7 @@ body_counts number_bodies(world_state<Scenario>& s) {
 /// Rebuilds the shadow copies of all shapes: those of neighbour n are taken from `in[n]`, or stay
 /// as they are where `in[n]` is null; `before[n]` says how many there were, by shape.
 template <class Scenario, class Counts>
-void rebuild_shadow_copies(world_state<Scenario>& s, const std::vector<Counts>& before,
+void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>& before,
                            std::vector<byte_reader*> in) {
   const bool some_stay = std::find(in.begin(), in.end(), nullptr) != in.end();
   std::size_t k = 0;
@@ -130,14 +132,14 @@ template <class Scenario, class Store>
 /// owner is longer than one connection).
 template <class Scenario>
 std::size_t migrate(world_state<Scenario>& s) {
-  std::vector<std::pair<system_id, std::size_t>> leaving;
+  plain_vector<std::pair<system_id, std::size_t>> leaving;
   for (parcel& p : s.parcels) p.out.clear();
   for (auto& n : s.neighbours) n.next_exchange();
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     store.drop_shadows();
-    std::vector<std::size_t> gone;
-    std::vector<std::vector<std::size_t>> to(s.parcels.size());
+    plain_vector<std::size_t> gone;
+    std::vector<plain_vector<std::size_t>> to(s.parcels.size());
     for (std::size_t i = 0; i < store.locals; ++i) {
       const vec3& p = store.position[i];
       if (!finite(p)) fail_lost(s, store.id[i], p);
@@ -155,13 +157,13 @@ std::size_t migrate(world_state<Scenario>& s) {
       out.put(static_cast<std::uint64_t>(to[n].size()));
       for (const auto i : to[n]) store.pack(i, out);
     }
-    for (auto i = gone.rbegin(); i != gone.rend(); ++i) store.remove_local(*i);
+    for (std::size_t k = gone.size(); k-- > 0;) store.remove_local(gone[k]);
   });
 
   using remembered = typename world_state<Scenario>::history_type::entry;
-  std::vector<std::vector<remembered>> memories(s.parcels.size());
+  std::vector<plain_vector<remembered>> memories(s.parcels.size());
   if (!leaving.empty()) {
-    std::sort(leaving.begin(), leaving.end());
+    sort_values(leaving);
     const auto find = [&](system_id id) {
       const auto at =
           std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
@@ -278,7 +280,7 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
 
   std::vector<byte_reader> in;
   std::vector<byte_reader*> renewed;
-  std::vector<std::array<std::size_t, world_state<Scenario>::shape_count>> before;
+  plain_vector<std::array<std::size_t, world_state<Scenario>::shape_count>> before;
   in.reserve(s.parcels.size());
   bool any = anew;
   for (std::size_t n = 0; n < s.parcels.size(); ++n) {
@@ -317,7 +319,7 @@ void announce_changes(world_state<Scenario>& s) {
     if (s.changed) refuse_closed_faces(s, false);
     if constexpr (world_state<Scenario>::continuous) {
       // The first round tells how far bodies fly now, the second acts on it.
-      std::vector<real> before;
+      plain_vector<real> before;
       for (const auto& n : s.neighbours) before.push_back(n.reach);
       share_shadow_copies(s, s.changed);
       for (std::size_t n = 0; n < before.size(); ++n)

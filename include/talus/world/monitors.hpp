@@ -3,11 +3,11 @@
 // (observe/), never in a step.
 #include <algorithm>
 #include <cstdint>
-#include <vector>
 
 #include "talus/body/features.hpp"
 #include "talus/core/compensated_sum.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 
 namespace talus {
@@ -64,7 +64,7 @@ struct energy_record {
   double scale = 0;    ///< of the energies that met in the last step
   double worst = 0;    ///< largest |closure| over scale of all steps
   bool started = false;
-  std::vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
+  plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
 };
 
 /// Of soft contacts, beside the energy_record: what their springs hold, of contacts that count

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "talus/contact/history.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/parallel/parcel.hpp"
 #include "talus/response/convergence.hpp"
 #include "talus/response/shared_islands.hpp"
@@ -46,8 +47,8 @@ namespace detail {
 /// indices: fixed from one handover to the next, so that they travel without ids.
 struct travelling_velocities {
   int rank = 0;
-  std::vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move
-  std::vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
+  plain_vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move
+  plain_vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
 };
 
 template <class Shapes, class Law>

@@ -168,14 +168,15 @@ struct scenario final {
   static constexpr bool has_feature = detail::contains_type<features, Feature>;
 
   /// Every policy in use, given or default, as scenarios spell them, separated by spaces.
-  static std::string describe() {
+  [[gnu::cold]] static std::string describe() {
     using detail::describe_policy;
-    return describe_policy<bodies_policy>() + ' ' + describe_policy<contact_law>() + ' ' +
-           (contact_law::soft ? "" : describe_policy<solver_policy>() + ' ') +
-           describe_policy<broad_phase_policy>() + ' ' + describe_policy<integrator_policy>() +
-           ' ' + describe_policy<decomposition_policy>() + ' ' +
-           describe_policy<transport_policy>() + ' ' + describe_policy<precision_policy>() + ' ' +
-           describe_policy<features_policy>();
+    return detail::joined_text(
+        {describe_policy<bodies_policy>(), describe_policy<contact_law>(),
+         contact_law::soft ? std::string() : describe_policy<solver_policy>(),
+         describe_policy<broad_phase_policy>(), describe_policy<integrator_policy>(),
+         describe_policy<decomposition_policy>(), describe_policy<transport_policy>(),
+         describe_policy<precision_policy>(), describe_policy<features_policy>()},
+        " ");
   }
 };
 

@@ -2,8 +2,8 @@
 // The search for pairs that may touch: every body in its grid, then all pairs within reach.
 #include <stdexcept>
 #include <type_traits>
-#include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/world/contact_maker.hpp"
 #include "talus/world/state.hpp"
 
@@ -49,7 +49,7 @@ template <class Scenario, class Reach>
 void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
   count_bodies(s);
   s.each_finite_shape([&](auto& b) {
-    const auto sort = [&](auto& store, std::vector<real>& reach, hash_grid& grid) {
+    const auto sort = [&](auto& store, plain_vector<real>& reach, hash_grid& grid) {
       reach.resize(store.size());
       for (std::size_t i = 0; i < store.size(); ++i)
         reach[i] = &store == &b.movable ? reach_of_movable(store, i, b.first + i)
@@ -79,7 +79,7 @@ void prepare_detection(world_state<Scenario>& s) {
 /// pairs of the shapes A and B, as (index of a, index of b, margin of a, margin of b).
 template <class Scenario, class Make>
 void each_close_pair(world_state<Scenario>& s, Make&& make) {
-  const auto margin = [](const auto& store, const std::vector<real>& reach, std::size_t i) {
+  const auto margin = [](const auto& store, const plain_vector<real>& reach, std::size_t i) {
     return reach[i] - store.shape[i].bounding_radius();
   };
   s.each_finite_shape([&](auto& a) {

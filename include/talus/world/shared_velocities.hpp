@@ -4,6 +4,7 @@
 #include <cstring>
 #include <span>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -65,7 +66,7 @@ class shared_velocities {
     s_.link->finish_reduce(sums);
   }
   /// One value of each body.
-  void share_values(std::vector<real>& values) {
+  void share_values(plain_vector<real>& values) {
     exchange<1>([&](std::uint32_t i, real* out) { out[0] = values[i]; },
                 [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
   }

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "talus/body/material.hpp"
+#include "talus/core/each.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/lone_domain.hpp"
@@ -45,9 +47,9 @@ struct no_shared_memory {};
 template <std::size_t Shapes, class Memory>
 struct neighbour {
   int rank = 0;
-  std::vector<int> connected;  ///< the ranks it is connected to
-  real reach = 0;              ///< largest reach of the bodies there
-  std::array<std::vector<std::uint32_t>, Shapes>
+  plain_vector<int> connected;  ///< the ranks it is connected to
+  real reach = 0;               ///< largest reach of the bodies there
+  std::array<plain_vector<std::uint32_t>, Shapes>
       shadowed;                              ///< own bodies with a copy there, by shape
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
   [[no_unique_address]] Memory memory;       ///< of the shared data of shapes
@@ -66,8 +68,8 @@ struct neighbour {
 
 /// When bodies strike something in the step under way; see world/continuous.hpp.
 struct impact_times {
-  std::vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
-  std::vector<real> found;
+  plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
+  plain_vector<real> found;
   bool second_round = false;
 };
 struct no_impact_times {};
@@ -138,11 +140,11 @@ struct world_state : response_state<Scenario> {
   /// Calls f(bodies of a shape) for every shape of the scenario.
   template <class F>
   void each_shape(F&& f) {
-    std::apply([&](auto&... b) { (f(b), ...); }, bodies);
+    detail::each_of(bodies, f);
   }
   template <class F>
   void each_shape(F&& f) const {
-    std::apply([&](const auto&... b) { (f(b), ...); }, bodies);
+    detail::each_of(bodies, f);
   }
   /// The same for the shapes that can move.
   template <class F>
@@ -167,11 +169,11 @@ struct world_state : response_state<Scenario> {
   }
   template <class F>
   void each_contact_list(F&& f) {
-    std::apply([&](auto&... list) { (f(list), ...); }, this->contacts);
+    detail::each_of(this->contacts, f);
   }
   template <class F>
   void each_contact_list(F&& f) const {
-    std::apply([&](const auto&... list) { (f(list), ...); }, this->contacts);
+    detail::each_of(this->contacts, f);
   }
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "talus/core/id.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/parallel/connection.hpp"
 #include "talus/parallel/connection_flaw.hpp"
 
@@ -102,15 +104,14 @@ class connection_checker {
 
   void sample(int rank) {
     // Both pictures of each boundary: that of this rank and those that the others have of it.
-    std::vector<half_space> planes;
+    plain_vector<half_space> planes;
     for (const connection& c : all_[rank]) {
-      planes.insert(planes.end(), c.geometry.planes().begin(), c.geometry.planes().end());
-      if (const connection* back = find(c.rank, rank))
-        planes.insert(planes.end(), back->geometry.planes().begin(), back->geometry.planes().end());
+      planes.append(c.geometry.planes());
+      if (const connection* back = find(c.rank, rank)) planes.append(back->geometry.planes());
     }
     for (half_space& h : planes)
       if (!h.faces_up()) h = h.flipped();
-    std::sort(planes.begin(), planes.end());
+    sort_values(planes);
     planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
 
     vec3 low(0, 0, 0), high(0, 0, 0);
@@ -131,7 +132,7 @@ class connection_checker {
     for (std::size_t i = 0; i < samples; ++i) {
       vec3 p = centre + size_ * vec3(symmetric(), symmetric(), symmetric());
       const auto& list = all_[rank];
-      std::vector<half_space> at;
+      plain_vector<half_space> at;
       if (!planes.empty()) at.push_back(planes[i % planes.size()]);
       if (!list.empty() && i % 2 == 1) {
         // Near one neighbour, where faces may be small against the size of everything.
@@ -154,8 +155,8 @@ class connection_checker {
   }
 
   /// Puts the point onto the planes, as far as they intersect, and tests it and points beside it.
-  void examine(int rank, vec3 p, const std::vector<half_space>& planes) {
-    std::vector<vec3> across;  // orthonormal; moving along the last keeps the planes before it
+  void examine(int rank, vec3 p, const plain_vector<half_space>& planes) {
+    plain_vector<vec3> across;  // orthonormal; moving along the last keeps the planes before it
     bool exact = true;
     for (int pass = 0; pass < 2; ++pass) {
       across.clear();
@@ -180,8 +181,8 @@ class connection_checker {
     around(rank, p, across, 1e-11 * far, true);
   }
 
-  void around(int rank, const vec3& p, const std::vector<vec3>& across, real step, bool adjacent) {
-    std::vector<std::pair<vec3, int>> points;
+  void around(int rank, const vec3& p, const plain_vector<vec3>& across, real step, bool adjacent) {
+    plain_vector<std::pair<vec3, int>> points;
     for (unsigned signs = 0; signs < 1u << across.size(); ++signs) {
       vec3 q = p;
       for (std::size_t k = 0; k < across.size(); ++k)

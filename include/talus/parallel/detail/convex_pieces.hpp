@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "talus/core/error.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/geometry/any_geometry.hpp"
 #include "talus/parallel/detail/linear_program.hpp"
 #include "talus/parallel/detail/plain_vectors.hpp"
@@ -13,7 +14,7 @@
 namespace talus::detail {
 
 /// The intersection of half-spaces; all of space if there are none.
-using convex_piece = std::vector<half_space>;
+using convex_piece = plain_vector<half_space>;
 
 /// Planes as bounds of a linear program: shifted and scaled so that numbers are of order 1.
 class scaled_planes {
@@ -48,8 +49,8 @@ class scaled_planes {
     const vec3 n = h.normal();
     return {{n[0], n[1], n[2], -depth}, -h.value(origin_) / unit_ - slack};
   }
-  [[nodiscard]] std::vector<lp_bound> bounds(real depth = 0, real slack = 0) const {
-    std::vector<lp_bound> result;
+  [[nodiscard]] plain_vector<lp_bound> bounds(real depth = 0, real slack = 0) const {
+    plain_vector<lp_bound> result;
     for (const half_space& h : planes_) result.push_back(bound(h, depth, slack));
     return result;
   }
@@ -101,7 +102,7 @@ inline bool come_within(const convex_piece& a, const convex_piece& b, real reach
 inline bool touch_only_in(const convex_piece& a, const convex_piece& b, const convex_piece& face) {
   const convex_piece common = joined(a, b), all = joined(common, face);
   const scaled_planes scaled(all);
-  std::vector<lp_bound> bounds;
+  plain_vector<lp_bound> bounds;
   for (const half_space& h : common) bounds.push_back(scaled.bound(h, 0, scaled_planes::tiny));
   return std::all_of(face.begin(), face.end(), [&](const half_space& h) {
     const auto [n, d] = scaled.bound(h);

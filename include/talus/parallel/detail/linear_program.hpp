@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
@@ -26,7 +27,7 @@ inline constexpr real lp_rounding = 1e-13;
 
 /// The point that maximises c·x under all bounds and |x_k| <= lp_far, by adding one bound after the
 /// other (Seidel 1991); nothing if no point fulfils all. Where c does not tell, x stays small.
-inline std::optional<lp_vector> maximize(int dimension, const std::vector<lp_bound>& bounds,
+inline std::optional<lp_vector> maximize(int dimension, const plain_vector<lp_bound>& bounds,
                                          const lp_vector& c) {
   if (dimension == 1) {
     real low = -lp_far, high = lp_far;
@@ -49,7 +50,7 @@ inline std::optional<lp_vector> maximize(int dimension, const std::vector<lp_bou
   const auto size = static_cast<std::size_t>(dimension);
   lp_vector x{};
   for (std::size_t k = 0; k < size; ++k) x[k] = c[k] > 0 ? lp_far : c[k] < 0 ? -lp_far : 0;
-  std::vector<lp_bound> reduced;
+  plain_vector<lp_bound> reduced;
   for (std::size_t i = 0; i < bounds.size(); ++i) {
     const lp_vector& a = bounds[i].a;
     const real b = bounds[i].b;

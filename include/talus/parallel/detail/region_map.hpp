@@ -41,7 +41,7 @@ class region_map {
             "faces are closed in convex regions, but this one is not: {}; give its parts one by "
             "one, as in closed(left, right)",
             to_string(face));
-      closed_.emplace_back(face.planes().begin(), face.planes().end());
+      closed_.emplace_back(face.planes());
     }
     for (territory& own : regions) {
       const auto [lower, upper] = bounds_of(own.pieces);

@@ -18,7 +18,7 @@ namespace talus::detail {
 /// covariance of one with its tip at the origin is det/120 (s s^T + a a^T + b b^T + c c^T), s = a +
 /// b + c (Blow, Binstock 2004).
 template <class Real>
-[[nodiscard]] mass_moments<Real> moments_of_solid(const std::vector<vector3<Real>>& points,
+[[nodiscard]] mass_moments<Real> moments_of_solid(const plain_vector<vector3<Real>>& points,
                                                   const hull_faces& faces,
                                                   const vector3<Real>& base) {
   mass_moments<Real> sum;
@@ -39,7 +39,7 @@ template <class Real>
 template <class Real>
 void complete_mesh(polyhedron_mesh& mesh, const hull_faces& faces) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> edge_of;
-  std::vector<std::vector<std::uint32_t>> around(mesh.vertices.size());
+  std::vector<plain_vector<std::uint32_t>> around(mesh.vertices.size());
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     const auto& face = faces[f];
     if (face.size() > polyhedron_mesh::max_corners)
@@ -76,7 +76,7 @@ void complete_mesh(polyhedron_mesh& mesh, const hull_faces& faces) {
   mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
   for (const auto& list : around) {
     mesh.around_begin.push_back(static_cast<std::uint32_t>(mesh.around.size()));
-    mesh.around.insert(mesh.around.end(), list.begin(), list.end());
+    mesh.around.append(list);
   }
   mesh.around_begin.push_back(static_cast<std::uint32_t>(mesh.around.size()));
 
@@ -95,7 +95,7 @@ void complete_mesh(polyhedron_mesh& mesh, const hull_faces& faces) {
 /// The mesh of the hull of `points`. Throws invalid_argument where they do not span space, are not
 /// finite, or are too many.
 template <class Real>
-[[nodiscard]] polyhedron_mesh build_mesh(const std::vector<vector3<Real>>& points) {
+[[nodiscard]] polyhedron_mesh build_mesh(const plain_vector<vector3<Real>>& points) {
   for (const auto& p : points)
     if (!finite(p))
       fail<std::invalid_argument>(
@@ -108,10 +108,10 @@ template <class Real>
         points.size());
 
   // Keep the points that are corners, in the order in which they were given.
-  std::vector<std::uint32_t> number(points.size(), 0);
+  plain_vector<std::uint32_t> number(points.size(), 0);
   for (const auto& face : faces)
     for (const auto i : face) number[i] = 1;
-  std::vector<vector3<Real>> kept;
+  plain_vector<vector3<Real>> kept;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (number[i] != 0) {
       number[i] = static_cast<std::uint32_t>(kept.size());

@@ -10,20 +10,21 @@
 #include <vector>
 
 #include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
 /// Corners of the faces as numbers of points, counterclockwise as seen from outside.
-using hull_faces = std::vector<std::vector<std::uint32_t>>;
+using hull_faces = std::vector<plain_vector<std::uint32_t>>;
 
 template <class Real>
 class hull_wrapper {
   using vector = vector3<Real>;
-  using polygon = std::vector<std::uint32_t>;
+  using polygon = plain_vector<std::uint32_t>;
 
  public:
   /// `tolerance` is the distance (of points about one unit apart) that counts as none.
-  hull_wrapper(const std::vector<vector>& points, Real tolerance)
+  hull_wrapper(const plain_vector<vector>& points, Real tolerance)
       : points_(points), tolerance_(tolerance) {}
 
   /// Nothing where the points lie in a plane, or where the tolerance leads to contradictions.
@@ -49,7 +50,7 @@ class hull_wrapper {
  private:
   struct plane_set {
     vector normal;
-    std::vector<std::uint32_t> members;
+    plain_vector<std::uint32_t> members;
   };
 
   /// The supporting plane next to the plane with `normal` around the line through point p.
@@ -116,11 +117,11 @@ class hull_wrapper {
       Real x, y;
       std::uint32_t point;
     };
-    std::vector<place> places;
+    plain_vector<place> places;
     for (const auto i : set.members) places.push_back({u.dot(points_[i]), v.dot(points_[i]), i});
     std::sort(places.begin(), places.end(),
               [](auto& a, auto& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-    std::vector<place> ring;
+    plain_vector<place> ring;
     const auto add = [&](const place& c, std::size_t keep) {
       while (ring.size() >= keep + 2) {
         const place &a = ring[ring.size() - 2], &b = ring.back();
@@ -159,17 +160,17 @@ class hull_wrapper {
     return true;
   }
 
-  const std::vector<vector>& points_;
+  const plain_vector<vector>& points_;
   Real tolerance_;
   hull_faces faces_;
-  std::vector<vector> normals_;
+  plain_vector<vector> normals_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> directed_;  ///< edges of the faces so far
 };
 
 /// The hull of any points; empty where they do not span space. Points closer to each other than two
 /// millionths of the extent are one, and faces flat within half a millionth are one.
 template <class Real>
-[[nodiscard]] hull_faces convex_hull(const std::vector<vector3<Real>>& points) {
+[[nodiscard]] hull_faces convex_hull(const plain_vector<vector3<Real>>& points) {
   using vector = vector3<Real>;
   if (points.size() < 4) return {};
   vector low = points[0], high = points[0];
@@ -178,8 +179,8 @@ template <class Real>
   const Real extent = (high - low).maxCoeff();
   if (!(extent > 0)) return {};
   for (const Real tolerance : {Real(5e-7), Real(2e-6), Real(1e-5), Real(1e-9)}) {
-    std::vector<vector> scaled;
-    std::vector<std::uint32_t> number;
+    plain_vector<vector> scaled;
+    plain_vector<std::uint32_t> number;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       const vector p = (points[i] - middle) / extent;
       const bool twice = std::any_of(scaled.begin(), scaled.end(), [&](const vector& other) {

@@ -27,7 +27,7 @@ void world<Scenario>::require_two_sided_connections() {
   for (const connection& c : connections()) ranks.push_back(c.rank);
   detail::byte_buffer mine;
   detail::byte_writer(mine).put(std::span<const int>(ranks));
-  std::vector<std::vector<int>> all;
+  std::vector<detail::plain_vector<int>> all;
   for (const auto& bytes : state_.link->gather_all(mine))
     all.push_back(detail::byte_reader(bytes).get_all<int>());
   for (std::size_t a = 0; a < all.size(); ++a)
@@ -274,7 +274,8 @@ void world<Scenario>::step(real dt) {
     if (how.iterations < 1 || how.correction_iterations < 0 ||
         !(how.correction >= 0 && how.correction <= 1))
       detail::fail<std::invalid_argument>(
-          "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap in "
+          "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap "
+          "in "
           "[0, 1] to correct, but has {}, {} and {}",
           how.iterations, how.correction_iterations, how.correction);
     // How far bodies reach in a step is told to the neighbours before it.

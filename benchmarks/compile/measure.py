@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""What compiling talus costs: seconds, memory, instantiations and size of the object.
+
+Each program is compiled by one plain call of the compiler, as a user would: the flags of the build folder
+but without its precompiled header and its compiler cache. See ./dev compile-cost.
+"""
+import argparse
+import collections
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+
+
+def flags_of(build, source):
+    """The compiler and the flags with which `source` is built, without what makes it cheaper."""
+    with open(os.path.join(build, "compile_commands.json")) as file:
+        for entry in json.load(file):
+            if entry["file"] == source and "talus_compile" not in entry["command"]:
+                words = collections.deque(shlex.split(entry["command"]))
+                break
+        else:
+            sys.exit(f"compile-cost: {source} is not in {build}")
+    while not re.search(r"(g\+\+|clang\+\+|c\+\+)[^/]*$", words[0]):  # env, ccache
+        words.popleft()
+    kept = []
+    while words:
+        word = words.popleft()
+        if word in ("-o", "-include", "-c"):
+            words.popleft()
+        elif not re.match(r"-O\d|-Winvalid-pch|-fpch-preprocess|.*cmake_pch", word):
+            kept.append(word)
+    return kept
+
+
+def compile_once(command):
+    """Seconds of processor in user mode, seconds by the clock, and the largest memory (MiB)."""
+    start = os.times().elapsed
+    process = subprocess.Popen(command)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = status
+    if status != 0:
+        sys.exit("compile-cost: failed: " + shlex.join(command))
+    return used.ru_utime, os.times().elapsed - start, used.ru_maxrss / 1024
+
+
+def hello(root, folder):
+    """The example drop for one rank without MPI: the least that a program needs."""
+    with open(os.path.join(root, "examples/drop/drop.cpp")) as file:
+        text = file.read()
+    for old, new in (("<talus/mpi.hpp>", "<talus/talus.hpp>"), ("transport<as_launched>", "transport<serial>")):
+        if old not in text:
+            sys.exit(f"compile-cost: {old} is not in examples/drop/drop.cpp any more")
+        text = text.replace(old, new)
+    path = os.path.join(folder, "hello.cpp")
+    with open(path, "w") as file:
+        file.write(text)
+    return path
+
+
+def families(path):
+    """Weak symbols of an object by class or function template."""
+    names = subprocess.run(["nm", "-C", path], check=True, capture_output=True, text=True).stdout
+    count = collections.Counter()
+    for line in names.splitlines():
+        match = re.match(r"[0-9a-f ]{16} [WVwvu] (.*)", line)
+        if not match:
+            continue
+        name, depth = "", 0
+        for c in match.group(1).replace("operator<", "operator").replace("operator>", "operator"):
+            depth += (c == "<") - (c == ">")
+            if c == "(" and depth == 0:
+                break
+            if depth == 0 and c != ">":
+                name += c
+        count["::".join(name.split(" ")[-1].split("::")[:4])] += 1
+    return count
+
+
+def compare(old, new):
+    before, after = families(old), families(new)
+    change = {k: after[k] - before[k] for k in before | after if after[k] != before[k]}
+    for name in sorted(change, key=lambda k: -abs(change[k]))[:30]:
+        print(f"{change[name]:+6d}  {name}")
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="./dev compile-cost", description=__doc__.split("\n")[0])
+    parser.add_argument("--root", help=argparse.SUPPRESS)
+    parser.add_argument("--build", help=argparse.SUPPRESS)
+    parser.add_argument("--json", help="where the numbers go (default: docs/performance/compile.json)")
+    parser.add_argument("--runs", type=int, default=2, help="times each is compiled, the fastest counts")
+    parser.add_argument("--compare", nargs=2, metavar="OBJECT", help="what two objects differ in, no more")
+    arguments = parser.parse_args()
+    if arguments.compare:
+        compare(*arguments.compare)
+        return
+
+    root, build, rows = arguments.root, arguments.build, []
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("hello", "drop", "well", "stair"):
+            source = os.path.join(root, f"examples/{name}/{name}.cpp")
+            example = os.path.join(root, "examples/drop/drop.cpp") if name == "hello" else source
+            if name == "hello":
+                source = hello(root, folder)
+            compiler = flags_of(build, example)
+            plain = os.path.join(folder, "plain.o")
+            counted = os.path.join(build, f"tests/CMakeFiles/talus_compile_{name}.dir/__/examples/{name}/{name}.cpp.o")
+            if not os.path.exists(counted):
+                counted = plain
+                subprocess.run(compiler + ["-O0", "-g0", "-march=x86-64", "-Wno-psabi", "-c", source, "-o", plain],
+                               check=True)
+            instantiations = sum(families(counted).values())
+            for level in ("-O3", "-O2"):
+                target = os.path.join(folder, f"{name}.o")
+                best = min(compile_once(compiler + [level, "-c", source, "-o", target])
+                           for _ in range(max(1, arguments.runs)))
+                rows.append({"program": name, "flags": level, "seconds": round(best[0], 2),
+                             "seconds_wall": round(best[1], 2), "peak_mib": round(best[2]),
+                             "instantiations": instantiations,
+                             "object_kib": round(os.path.getsize(target) / 1024)})
+                if len(rows) == 1:
+                    print("program  flags  user s  wall s  peak MiB  instantiations  object KiB")
+                r = rows[-1]
+                print(f"{name:8} {level:5} {r['seconds']:7} {r['seconds_wall']:7} {r['peak_mib']:9}"
+                      f" {instantiations:15} {r['object_kib']:11}", flush=True)
+    path = arguments.json or os.path.join(root, "docs/performance/compile.json")
+    os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+    with open(path, "w") as file:
+        file.write("[\n" + ",\n".join("  " + json.dumps(r) for r in rows) + "\n]\n")
+
+
+main()

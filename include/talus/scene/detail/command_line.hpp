@@ -1,0 +1,225 @@
+#pragma once
+// Definitions of scene/command_line.hpp.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/scene/command_line.hpp"
+
+namespace talus {
+
+[[gnu::cold]] inline void command_line::add_option(std::string_view name, std::string_view meaning,
+                                                   kind holds, void* target) {
+  if (!name.starts_with("--") || name.size() < 3 || name.find_first_of("= ") != name.npos)
+    detail::fail<std::invalid_argument>("the option '{}' needs a name like --spheres",
+                                        std::string(name));
+  if (name == "--help" || find(name) != nullptr)
+    detail::fail<std::invalid_argument>("the option {} is described twice", std::string(name));
+  option& o = options_.emplace_back();
+  o.name = name;
+  o.meaning = meaning;
+  o.holds = holds;
+  o.target = target;
+  if (holds == kind::text) o.initial = *static_cast<std::string*>(target);
+}
+
+[[gnu::cold]] inline void command_line::add_number(std::string_view name, std::string_view meaning,
+                                                   kind holds, void* target, number initial,
+                                                   void (*store)(void*, number), number least,
+                                                   number most) {
+  add_option(name, meaning, holds, target);
+  option& o = options_.back();
+  o.initial = print(initial, holds);
+  o.store = store;
+  o.lower = o.least = least;
+  o.upper = o.most = most;
+}
+
+[[gnu::cold]] inline void command_line::limit(number lower, number upper, number initial) {
+  option& o = options_.back();
+  o.limits = upper == o.most ? detail::compose("at least {}", print(lower, o.holds))
+                             : detail::compose("between {} and {}", print(lower, o.holds),
+                                               print(upper, o.holds));
+  o.lower = lower;
+  o.upper = upper;
+  if (initial < lower || initial > upper) o.initial.clear();
+}
+
+[[gnu::cold]] inline void command_line::limit_to_positive() {
+  options_.back().limits = "positive";
+  options_.back().lower = std::numeric_limits<double>::denorm_min();
+}
+
+[[gnu::cold]] inline void command_line::add_rest(std::string_view name,
+                                                 std::vector<std::string>& values,
+                                                 std::string_view meaning) {
+  rest_ = &values;
+  rest_name_ = name;
+  rest_meaning_ = meaning;
+}
+
+[[gnu::cold]] inline command_line::option* command_line::find(std::string_view name) {
+  for (option& o : options_)
+    if (o.name == name) return &o;
+  return nullptr;
+}
+
+[[gnu::cold]] inline void command_line::parse(int argc, const char* const* argv) {
+  const auto name_in = [](std::string_view word) { return word.substr(0, word.find('=')); };
+  // Help is given whatever else is wrong, so the first mistake waits for the last word.
+  std::string mistake;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i], name = name_in(word);
+    if (name == "--help") throw help_requested(help(argv[0]));
+    option* const o = find(name);
+    std::string wrong;
+    if (o == nullptr) {
+      if (rest_ != nullptr && !word.starts_with('-'))
+        rest_->emplace_back(word);
+      else
+        wrong = unknown(word);
+    } else if (name.size() < word.size()) {
+      wrong = read(*o, word.substr(name.size() + 1));
+    } else if (o->holds == kind::flag) {
+      wrong = read(*o, "true");
+    } else if (i + 1 < argc && name_in(argv[i + 1]) != "--help" &&
+               find(name_in(argv[i + 1])) == nullptr) {
+      wrong = read(*o, argv[++i]);
+    } else {
+      wrong = i + 1 < argc ? detail::compose("{} needs a value, but {} follows; see --help",
+                                             o->name, argv[i + 1])
+                           : detail::compose("{} needs a value; see --help", o->name);
+    }
+    if (mistake.empty()) mistake = std::move(wrong);
+  }
+  if (!mistake.empty()) throw usage_error(mistake);
+  for (const auto& condition : conditions_) condition();
+}
+
+[[gnu::cold]] inline std::string command_line::read(option& o, std::string_view value) {
+  if (std::exchange(o.given, true)) return detail::compose("{} is given twice; see --help", o.name);
+  if (o.holds == kind::text) {
+    *static_cast<std::string*>(o.target) = value;
+    return {};
+  }
+  if (o.holds != kind::flag) return read_number(o, value);
+  const bool yes = value == "true" || value == "yes" || value == "on" || value == "1";
+  if (!yes && value != "false" && value != "no" && value != "off" && value != "0")
+    return detail::compose("{} is true or false, but is '{}'; see --help", o.name,
+                           std::string(value));
+  *static_cast<bool*>(o.target) = yes;
+  return {};
+}
+
+[[gnu::cold]] inline std::string command_line::read_number(option& o, std::string_view value) {
+  const char *at = value.data(), *const end = at + value.size();
+  const bool minus = value.starts_with('-');
+  if (minus || value.starts_with('+')) ++at;
+  number v = 0;
+  bool good = at != end && *at != '-';
+  if (o.holds == kind::real) {
+    double magnitude = 0;
+    const auto read = std::from_chars(at, end, magnitude);
+    good = good && read.ec == std::errc{} && read.ptr == end && std::isfinite(magnitude);
+    v = magnitude;
+  } else {
+    // (std::from_chars for integers is a template, which costs every program a third of a second.)
+    const bool hexadecimal = end - at > 2 && *at == '0' && (at[1] | 0x20) == 'x';
+    if (hexadecimal) at += 2;
+    const std::uint64_t base = hexadecimal ? 16 : 10;
+    std::uint64_t magnitude = 0;
+    for (; good && at != end; ++at) {
+      const int c = *at, letter = (c | 0x20) - 'a';
+      const bool decimal = c >= '0' && c <= '9';
+      const auto digit = static_cast<std::uint64_t>(decimal ? c - '0' : letter + 10);
+      good = (decimal || (hexadecimal && letter >= 0 && letter < 6)) &&
+             magnitude <= (std::numeric_limits<std::uint64_t>::max() - digit) / base;
+      magnitude = magnitude * base + digit;
+    }
+    v = static_cast<number>(magnitude);
+  }
+  if (minus) v = -v;
+  if (!good || v < o.least || v > o.most)
+    return detail::compose("{}: needs a {}, but is '{}'; see --help", o.name,
+                           o.holds == kind::real    ? "finite number"
+                           : o.holds == kind::whole ? "whole number"
+                                                    : "whole number of at least 0",
+                           std::string(value));
+  if (v < o.lower || v > o.upper)
+    return detail::compose("{} must be {}, but is {}; see --help", o.name, o.limits,
+                           std::string(value));
+  o.store(o.target, v);
+  return {};
+}
+
+[[gnu::cold]] inline std::string command_line::unknown(std::string_view word) const {
+  const std::string_view name = word.substr(0, word.find('='));
+  std::string_view closest = "--help";
+  for (const option& o : options_)
+    if (edits(name, o.name) < edits(name, closest)) closest = o.name;
+  if (edits(name, closest) > std::max<std::size_t>(2, closest.size() / 3))
+    return detail::compose("'{}' is not an option of this program; see --help", std::string(word));
+  return detail::compose("'{}' is not an option of this program; did you mean {}? see --help",
+                         std::string(word), std::string(closest));
+}
+
+[[gnu::cold]] inline std::string command_line::help(std::string_view program) const {
+  constexpr std::size_t column = 28;
+  std::string text = description_;
+  if (!text.empty()) text += '\n';
+  text += "Usage: " + std::string(program) + " [OPTIONS]";
+  if (rest_ != nullptr) text += " " + rest_name_;
+  text += "\n\n";
+  const auto line = [&](std::string name, std::string_view meaning) {
+    name.insert(0, "  ");
+    if (name.size() < column)
+      name.append(column - name.size(), ' ');
+    else
+      name.append(1, '\n').append(column, ' ');
+    text.append(name).append(meaning).append(1, '\n');
+  };
+  if (rest_ != nullptr) line(rest_name_, rest_meaning_);
+  line("--help", "show this help and stop");
+  for (const option& o : options_) {
+    constexpr const char* types[] = {"", " TEXT", " UINT", " INT", " FLOAT"};
+    std::string name = o.name + types[static_cast<int>(o.holds)];
+    if (!o.initial.empty()) name += "=" + o.initial;
+    line(std::move(name), o.meaning);
+  }
+  return text;
+}
+
+/// In as few digits as tell it apart; numbers from a `float` by those of a float.
+[[gnu::cold]] inline std::string command_line::print(number value, kind holds) {
+  if (holds == kind::real) {
+    const auto single = static_cast<float>(value);
+    if (value == single) return fmt::vformat("{}", fmt::make_format_args(single));
+    return detail::text(static_cast<double>(value));
+  }
+  return value < 0 ? std::to_string(static_cast<std::int64_t>(value))
+                   : std::to_string(static_cast<std::uint64_t>(value));
+}
+
+/// Insertions, deletions and changes of letters between two words (Levenshtein).
+[[gnu::cold]] inline std::size_t command_line::edits(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j)
+      diagonal = std::exchange(
+          row[j], std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])}));
+  }
+  return row.back();
+}
+
+}  // namespace talus
