@@ -2,6 +2,7 @@
 // messages, bytes and memory of a rank and step.
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <talus/core/clock.hpp>
@@ -25,6 +26,7 @@ struct run_of_ranks {
   std::array<int, 3> cells{};
   int iterations = 0;
   std::uint64_t settle = 0, measure = 0;
+  std::string keep;
 };
 
 /// Largest and mean value of all ranks.
@@ -67,10 +69,55 @@ void fill(talus::world<scenario>& world, const run_of_ranks& run) {
   if (run.iterations > 0) world.solver().iterations = run.iterations;
 }
 
+/// Collective: all bodies in the order of their creation, on rank 0.
+std::vector<bench::ball> collect(talus::world<scenario>& world) {
+  struct entry {
+    talus::system_id id;
+    bench::ball ball;
+  };
+  const auto array = [](const talus::vec3& v) { return bench::vec{v[0], v[1], v[2]}; };
+  talus::detail::byte_buffer mine;
+  talus::detail::byte_writer out(mine);
+  const auto& store = world.state().of<talus::sphere>().movable;
+  for (std::size_t i = 0; i < store.locals; ++i)
+    out.put(entry{store.id[i],
+                  {array(store.position[i]), store.shape[i].radius,
+                                array(store.velocity[i]), array(store.angular_velocity[i])}});
+  std::vector<entry> all;
+  for (const auto& bytes : world.link().gather(mine)) {
+    all.resize(all.size() + bytes.size() / sizeof(entry));
+    std::memcpy(all.data() + all.size() - bytes.size() / sizeof(entry), bytes.data(), bytes.size());
+  }
+  std::sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return x.id < y.id; });
+  std::vector<bench::ball> balls;
+  for (const entry& e : all) balls.push_back(e.ball);
+  return balls;
+}
+
+void settle(talus::world<scenario>& world, const run_of_ranks& run) {
+  for (std::uint64_t k = 0; k < run.settle; ++k) world.step(run.scene.dt);
+  if (run.keep.empty()) return;
+  // As PILE asks: beyond 64,000 bodies until the median one rests.
+  const bench::scene& s = run.scene;
+  const double still = 1e-3 * s.density * 4 / 3 * std::numbers::pi * std::pow(0.45, 4) * -s.gravity;
+  for (std::uint64_t done = run.settle;; done += 120) {
+    const auto balls = collect(world);
+    std::array<double, 1> restless{0};
+    if (world.rank() == 0 && balls.size() > 64000 && done < 20 * run.settle)
+      restless[0] = bench::kinetic_energy(balls, s.density).median > still;
+    world.link().reduce(talus::reduction::max, restless);
+    if (restless[0] == 0) {
+      if (world.rank() == 0) bench::save_state(balls, run.keep);
+      return;
+    }
+    for (int k = 0; k < 120; ++k) world.step(s.dt);
+  }
+}
+
 void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::record& out) {
   talus::world<scenario> world(link);
   fill(world, run);
-  for (std::uint64_t k = 0; k < run.settle; ++k) world.step(run.scene.dt);
+  settle(world, run);
   const talus::traffic before = link.counters();
   const talus::stage_seconds clocks = world.state().seconds;
   link.barrier();
@@ -116,6 +163,7 @@ void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::re
   out.add("bodies", run.scene.balls.size());
   out.add("iterations", world.solver().iterations);
   out.add("correction_iterations", world.solver().correction_iterations);
+  out.add("steps", world.steps());
   out.add("measure", run.measure);
   out.add("wall_ms_per_step", 1e3 * wall.max / steps);
   out.add("wall_ms_per_step_median", 1e3 * median.max);
@@ -153,6 +201,7 @@ int main(int argc, char** argv) {
     run.settle = args.count("settle", 720);
     run.measure = args.count("measure", 120);
     const auto start = args.text("from", "");
+    run.keep = args.text("keep", "");
     const auto file = args.text("json", "");
     if (!args.done()) return;
 
