@@ -29,10 +29,19 @@ struct setting {
   }
 };
 
+/// Whether the last step looked for pairs that may touch, or went on with those of the step before.
+template <class State>
+bool has_searched(const State& s) {
+  if constexpr (requires { s.found.pause; })
+    return s.found.steps == 0 || s.found.pause > 0;
+  else
+    return true;
+}
+
 /// The broad phase alone: sorting into the grid, then all pairs that it finds.
 template <class World>
 void time_broad_phase(World& w, std::uint64_t repeats, double& build_ms, double& pairs_ms,
-                 double& pairs) {
+                      double& pairs) {
   auto& s = w.state();
   std::vector<double> build, find;
   std::uint64_t count = 0;
@@ -73,14 +82,17 @@ int main(int argc, char** argv) {
     setting usual{.iterations = 10, .corrections = 3}, more{.iterations = 20, .corrections = 3},
         corrected{.iterations = 10, .corrections = 9};
     const std::uint64_t turn = 5, turns = std::max<std::uint64_t>(1, measure / turn);
-    double detect = 0, respond = 0, integrate = 0;
+    double detect = 0, respond = 0, integrate = 0, searches = 0, steps = 0;
     for (std::uint64_t t = 0; t < turns; ++t)
       for (setting* each : {&usual, &more, &corrected}) {
         w.solver().iterations = each->iterations;
         w.solver().correction_iterations = each->corrections;
         const auto before = w.state().seconds;
         const double began = bench::cpu_seconds();
-        for (std::uint64_t k = 0; k < turn; ++k) e.step();
+        for (std::uint64_t k = 0; k < turn; ++k) {
+          e.step();
+          searches += has_searched(w.state()), ++steps;
+        }
         each->ms.push_back(1e3 * (bench::cpu_seconds() - began) / turn);
         if (each != &usual) continue;
         const auto& now = w.state().seconds;
@@ -93,6 +105,8 @@ int main(int argc, char** argv) {
     const double correction = (corrected.typical() - total) / 6;
     double build = 0, find = 0, pairs = 0;
     time_broad_phase(w, std::max<std::uint64_t>(4, measure / 4), build, find, pairs);
+    searches /= steps;
+    build *= searches, find *= searches;
     // Clocks of the stages share out the CPU time: they are wall clocks.
     detect *= total / all, respond *= total / all, integrate *= total / all;
 
@@ -122,6 +136,7 @@ int main(int argc, char** argv) {
       out.add("bodies", count);
       out.add("contacts", e.contacts());
       out.add("pairs", pairs);
+      out.add("searches_per_step", searches);
       out.add("times_per_step", times);
       out.add("ms_per_step", ms);
       out.add("bytes_per_step", bytes);
@@ -130,12 +145,13 @@ int main(int argc, char** argv) {
       out.add("working_set_bytes", stored + n * body);
       text += (text.empty() ? "[" : ",") + out.json();
     };
-    add("broad phase: grid", 1, build, n * (sizeof(vec3) + 2 * sizeof(real) + grid), 0);
-    add("broad phase: pairs", 1, find, n * grid + 8 * pairs, 9 * pairs);
-    add("narrow phase, contacts made", 1, detect - build - find, n * columns + stored + keys,
-        30 * c);
-    add("impulses recalled and remembered, velocities gathered", 1,
-        respond - 10 * sweep - 3 * correction, 2 * (history + keys) + n * (columns + body), 0);
+    add("broad phase: grid", searches, build,
+        searches * n * (sizeof(vec3) + 2 * sizeof(real) + grid), 0);
+    add("broad phase: pairs", searches, find, searches * (n * grid + 8 * pairs),
+        searches * 9 * pairs);
+    add("narrow phase, contacts", 1, detect - build - find, n * columns + stored + keys, 30 * c);
+    add("gather, recall, remember", 1, respond - 10 * sweep - 3 * correction,
+        2 * (history + keys) + n * (columns + body), 0);
     // A sweep reads each contact, writes its impulse, and reads and writes two bodies, which mostly
     // are where the last contact left them: each counts once.
     add("sweeps", 10, 10 * sweep, 10 * (stored + c * 4 * sizeof(real) + 2 * n * body),

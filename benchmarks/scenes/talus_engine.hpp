@@ -186,8 +186,9 @@ class talus_engine_with {
     const auto earlier = [&](std::size_t i, std::size_t j) { return store.id[i] < store.id[j]; };
     if (!std::is_sorted(all.begin(), all.end(), earlier))
       std::sort(all.begin(), all.end(), earlier);
-    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(first);
-    return {begin, begin + static_cast<std::ptrdiff_t>(count)};
+    all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(first));
+    all.resize(count);
+    return all;
   }
   /// Soft contacts are as stiff as the time step allows: it is a fifth of the critical one, about.
   static double stiffness(const scene& s) {

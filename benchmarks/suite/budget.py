@@ -55,7 +55,8 @@ def write(results, values):
         rate, level = bandwidth(limits, first["working_set_bytes"])
         texts.append(
             f"### {count(bodies)} bodies, {count(first['contacts'])} contacts\n\n"
-            f"{number(first['ms_of_step'])} ms per step with 10 iterations. The sweeps work on "
+            f"{number(first['ms_of_step'])} ms per step with 10 iterations; pairs are looked for in "
+            f"{100 * first['searches_per_step']:.0f} % of the steps. The sweeps work on "
             f"{number(first['working_set_bytes'] / 2**20)} MiB, so the bandwidth is that of the level "
             f"'{level.replace('_', ' ')}', {number(rate)} GB/s.\n\n" + table(
                 ["phase", "ms", "share", "ns per contact and time", "bytes", "operations",

@@ -108,7 +108,7 @@ def growth(results, iterations):
 
 
 def judge_growth(results, verdicts):
-    for iterations in (10, 5, 3):
+    for iterations in (10, 5):
         found = growth(results, iterations)
         if found:
             few, many, value = found

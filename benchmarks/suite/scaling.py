@@ -9,11 +9,14 @@ from text import count, number, table
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
-# Latency of a message in microseconds, overhead of each further one that a rank sends or receives
-# at once, bandwidth of a node in GB/s, ranks that share it. See the page for the sources.
+# Latency of a message in microseconds, overhead of each further one that a rank sends at once,
+# bandwidth of a node in GB/s and what of its memory's a rank has, ranks of a node, GFlop/s of a rank
+# (0: like the core that we measured on). See the page for the sources.
 NETWORKS = {
-    "InfiniBand HDR": {"latency": 1.5, "overhead": 0.3, "node_bandwidth": 25.0, "ranks_per_node": 64},
-    "Blue Gene/Q": {"latency": 2.5, "overhead": 0.6, "node_bandwidth": 20.0, "ranks_per_node": 64},
+    "InfiniBand HDR": {"latency": 1.5, "overhead": 0.3, "node_bandwidth": 25.0,
+                       "memory_of_rank": 5.0, "ranks_per_node": 64, "gflops": 0},
+    "Blue Gene/Q": {"latency": 2.5, "overhead": 0.6, "node_bandwidth": 20.0,
+                    "memory_of_rank": 0.4, "ranks_per_node": 64, "gflops": 3.2},
 }
 NEIGHBOURS = {2: 8, 3: 26}
 NOISE = 0.005  # mean of the delay of a rank by its system in a step, as part of the step; assumed
@@ -32,13 +35,14 @@ def per_body_and_copy(results):
     alone = min(results.rows("ranks", label="one", scaling="strong"),
                 key=lambda r: r["wall_ms_per_step_median"], default=None)
     two = results.row("ranks", label="two processes", scaling="strong")
-    if not alone or not two or not two["shadow_copies_max"]:
+    limits = results.row("limits")
+    if not alone or not limits or not two or not two["shadow_copies_max"]:
         return None
     # Copies of the face of a cube of n bodies, over n^(2/3): one cut through the pile has them all.
     face = two["shadow_copies_max"] / two["bodies"] ** (2 / 3)
     return {"us_per_body": 1e3 * alone["wall_ms_per_step_median"] / alone["bodies"],
             "bytes_per_copy": two["bytes_per_step_max"] / two["shadow_copies_max"],
-            "copies_per_face": face}
+            "copies_per_face": face, "gflops": limits["gflops_one_core"]}
 
 
 def exchanges(row):
@@ -48,14 +52,19 @@ def exchanges(row):
 
 def step_us(network, unit, bodies, rounds, dimension=3):
     """Microseconds of computing, and of exchanging: in each exchange a latency, an overhead for each
-    neighbour, and the bytes through this rank's part of the node's bandwidth (Hockney's model with
-    the overhead of LogGP). Nothing overlaps."""
+    neighbour, and the bytes (Hockney's model with the overhead of LogGP). The ranks of a node are a
+    cube, so that of a rank's faces one in cbrt(ranks) leaves the node and shares its link; the bytes
+    of the others are read and written once in memory. Nothing overlaps."""
     computing = bodies * unit["us_per_body"]
-    neighbours = NEIGHBOURS[dimension]
+    if network["gflops"]:
+        computing *= unit["gflops"] / network["gflops"]
+    neighbours, node = NEIGHBOURS[dimension], network["ranks_per_node"]
     bytes_of_step = 6 * unit["copies_per_face"] * bodies ** (2 / 3) * unit["bytes_per_copy"]
-    rate = 1e3 * network["node_bandwidth"] / network["ranks_per_node"]  # bytes per microsecond
+    leaving = bytes_of_step / node ** (1 / 3)
+    moving = leaving * node / (1e3 * network["node_bandwidth"]) + \
+        2 * (bytes_of_step - leaving) / (1e3 * network["memory_of_rank"])
     latencies = rounds * (network["latency"] + neighbours * network["overhead"])
-    return computing, latencies + bytes_of_step / rate, bytes_of_step
+    return computing, latencies + moving, bytes_of_step
 
 
 def noise(ranks):

@@ -54,7 +54,7 @@ def curve(results):
     """Points (bodies, ms) of talus at fixed iterations and at a fixed error, and of the rivals."""
     sizes = sizes_of(results)
     curves = []
-    for iterations, dashed in ((10, False), (3, False)):
+    for iterations, dashed in ((10, False), (5, False)):
         points = [(r["bodies"], r["cpu_ms_per_step_median"]) for n in sizes
                   for r in settings(results, size=n) if r["iterations"] == iterations]
         curves.append(("talus" if iterations == 10 else "talus_jacobi",
@@ -82,7 +82,7 @@ def growth_words(results, values):
     lines = [[c[1], f"{plots.slope(c[2]):.3f}", f"{count(c[2][0][0])} to {count(c[2][-1][0])}"]
              for c in curves if len(c[2]) > 1]
     text = "![cost against bodies](cost.svg)\n\n" + table(["curve", "exponent", "bodies"], lines)
-    for iterations in (3, 10):
+    for iterations in (5, 10):
         found = growth(results, iterations)
         if found:
             text += f"\n\nAt {iterations} iterations a body of {count(found[1])} costs " \
