@@ -23,6 +23,8 @@ def rows_of(results, bodies):
     rate, _ = bandwidth(limits, rows[0]["working_set_bytes"])
     found = []
     for row in rows:
+        if row["ms_per_step"] <= 0 or row["times_per_step"] == 0:
+            continue  # too little to be told from the rest
         by_bytes = 1e-6 * row["bytes_per_step"] / rate
         by_flops = 1e-6 * row["flops_per_step"] / limits["gflops_one_core"]
         found.append({

@@ -1,5 +1,5 @@
-"""PILE in LAMMPS, as a process of its own: springs and dashpots with friction and history, as stiff as
-one hundredth of the radius of overlap at the bottom of the pile asks, the usual compromise."""
+"""PILE in LAMMPS, as a process of its own: springs and dashpots with friction and history, so stiff
+that the largest overlap is about one hundredth of the radius, the usual compromise."""
 import json
 import math
 import os
@@ -9,7 +9,8 @@ import shutil
 from runs import output_of
 
 OVERLAP = 0.01  # of the radius, where the pile is deepest
-STEPS_PER_CONTACT = 50  # of the time that two spheres touch in a collision
+FORCE_CHAINS = 4  # times the weight of a column of bodies: the largest force at the bottom
+STEPS_PER_CONTACT = 25  # of the time that two spheres touch in a collision
 RADIUS, GRAVITY = 0.45, 9.81
 
 INPUT = """
@@ -57,7 +58,7 @@ def measure(bench, part, bodies):
     write_bodies(scene, os.path.join(folder, "bodies.data"), 1.05 * sites)
 
     mass = 4 / 3 * math.pi * RADIUS ** 3
-    kn = sites * mass * GRAVITY / (OVERLAP * RADIUS)
+    kn = FORCE_CHAINS * sites * mass * GRAVITY / (OVERLAP * RADIUS)
     contact_time = math.pi * math.sqrt(mass / 2 / kn)
     # Damping such that a tenth of the velocity is left: zero would need a dashpot above critical.
     decay = -math.log(0.1) / contact_time

@@ -140,6 +140,12 @@ def ranks(results, values):
                           f"{100 * row['exchange_share']:.1f} %",
                           f"{row['messages_per_step_max']:g}",
                           f"{row['bytes_per_step_max'] / 1024:.0f}"])
+    strong = results.row("ranks", scaling="strong")
+    alone = [r for r in settings(results, size=strong["bodies"]) if r["iterations"] == 10] \
+        if strong else []
+    for row in alone:
+        lines.insert(1, ["strong", "one, without ranks", count(row["bodies"]), ms(row), "-", "-", "-",
+                         "-"])
     values["ranks"] = table(["scaling", "ranks", "bodies", "wall ms per step", "efficiency",
                              "exchange and waiting", "messages per rank and step",
                              "KiB per rank and step"], lines) if lines else MISSING
