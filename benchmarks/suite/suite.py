@@ -5,7 +5,7 @@ suite.py BUILD OUTPUT [--only PART,...] [--full] [--quick] [--keep] [--draw]
   BUILD    folder of the benchmark programs
   OUTPUT   folder for results.json, <part>.csv, plots and README.md
   --only   measure these parts and take the others from their tables
-  --full   the rivals at 64,000 bodies too, which takes an hour
+  --full   the rivals at 64,000 bodies and in the well too, which takes an hour
   --quick  small sizes, to see whether all works: the figures mean nothing
   --keep   measure only what the tables lack
   --draw   measure nothing
@@ -56,7 +56,7 @@ def main():
     given = options.parse_args()
     parts = wanted_parts(given.only)
     if given.list:
-        print(" ".join(PROGRAMS))
+        print(" ".join(dict.fromkeys(each for part in parts for each in PROGRAMS[part])))
         return
     if not given.output:
         options.error("BUILD and OUTPUT are needed")
