@@ -29,7 +29,7 @@ void run_crates(arguments args) {
   // height.
   double top = 0;
   for (const crate& c : s.crates) top = std::max(top, c.centre[2]);
-  const double falls = std::sqrt(top / gravity);
+  const double falls = std::sqrt(2 * top / gravity);
   const auto usual = pile ? static_cast<std::uint64_t>((falls + 2) / s.dt) : 1080;
   const auto settle = args.count("settle", usual);
   const auto measure = args.count("measure", 120);
@@ -46,12 +46,20 @@ void run_crates(arguments args) {
 
   const auto crates = engine.crates();
   const auto found = check(crates, s.walls);
-  double edge = 0, moved = 0, speeds = 0;
+  double edge = 0, moved = 0;
+  std::size_t escaped = found.not_finite;
+  std::vector<double> energies;  // of motion alone
   for (std::size_t i = 0; i < crates.size(); ++i) {
     for (const double e : crates[i].size) edge += e / (3 * static_cast<double>(crates.size()));
     const double way = norm(minus(crates[i].centre, s.crates[i].centre));
     moved = way > moved || !std::isfinite(way) ? way : moved;
-    speeds += dot(crates[i].velocity, crates[i].velocity) / static_cast<double>(crates.size());
+    energies.push_back(0.5 * crates[i].density * crates[i].size[0] * crates[i].size[1] *
+                       crates[i].size[2] * dot(crates[i].velocity, crates[i].velocity));
+    for (const wall& w : s.walls)
+      if (dot(w.normal, crates[i].centre) < w.offset) {
+        ++escaped;
+        break;
+      }
   }
   const vec drift = minus(crates.back().centre, s.crates.back().centre);  // the top, the last one
   record out;
@@ -69,7 +77,13 @@ void run_crates(arguments args) {
   out.add("penetration_max", found.max / edge);
   out.add("overlapping_pairs", found.pairs);
   out.add("not_finite", found.not_finite);
-  out.add("speed_rms", std::sqrt(speeds));
+  out.add("escaped", escaped);
+  double sum = 0;
+  for (const double e : energies) sum += e;
+  std::sort(energies.begin(), energies.end());
+  out.add("kinetic_energy_per_body", sum / static_cast<double>(crates.size()));
+  out.add("kinetic_energy_median", energies[energies.size() / 2]);
+  out.add("kinetic_energy_max", energies.back());
   if (!pile) {
     out.add("displacement_max", moved);
     out.add("top_drift", std::hypot(drift[0], drift[1]));
