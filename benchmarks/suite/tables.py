@@ -127,6 +127,17 @@ def scenes(results, values):
                              "mean overlap"], sizes) if sizes else MISSING
 
 
+def extra_work(results, label, scaling):
+    """CPU time of all ranks over that of one, for as much work: what copies and contacts that two
+    ranks compute cost. Threads sleep while they wait; processes do not, so theirs says nothing."""
+    if label != "two threads":
+        return "-"
+    used = [min(r["cpu_seconds_mean"] * r["ranks"] / r["measure"] / r["bodies"]
+                for r in results.rows("ranks", label=each, scaling=scaling))
+            for each in ("one", label)]
+    return f"{used[1] / used[0]:.2f}"
+
+
 def ranks(results, values):
     lines = []
     for scaling in ("strong", "weak"):
@@ -137,6 +148,7 @@ def ranks(results, values):
             lines.append([scaling, label, count(row["bodies"]),
                           number(row["wall_ms_per_step_median"]),
                           "-" if label == "one" or not value else f"{value:.2f}",
+                          extra_work(results, label, scaling),
                           f"{100 * row['exchange_share']:.1f} %",
                           f"{row['messages_per_step_max']:g}",
                           f"{row['bytes_per_step_max'] / 1024:.0f}"])
@@ -145,9 +157,9 @@ def ranks(results, values):
         if strong else []
     for row in alone:
         lines.insert(1, ["strong", "one, without ranks", count(row["bodies"]), ms(row), "-", "-", "-",
-                         "-"])
+                         "-", "-"])
     values["ranks"] = table(["scaling", "ranks", "bodies", "wall ms per step", "efficiency",
-                             "exchange and waiting", "messages per rank and step",
+                             "CPU time against one", "exchange and waiting", "messages per rank and step",
                              "KiB per rank and step"], lines) if lines else MISSING
 
 
