@@ -71,16 +71,19 @@ def bars(output, name, title, note, entries, xlabel, logs=False):
     save(figure, output, name)
 
 
-def against_ranks(output, name, title, note, curves, ylabel, lines=()):
-    """`curves`: label, colour, points (ranks, value); `lines`: further ones without markers."""
+def against_ranks(output, name, title, note, curves, ylabel, ticks=None, top=None, band=None):
+    """`curves`: label, colour, points (ranks, value); `band`: from, to, label, for comparison."""
     figure, axes = frame(title, note)
     for label, colour, points in curves:
         axes.plot(*zip(*points), marker="o", color=colour, label=label, linewidth=1.8)
-    for label, colour, points in lines:
-        axes.plot(*zip(*points), color=colour, label=label, linewidth=1.6)
-    axes.set_xscale("log", base=2 if max(p[0] for c in curves for p in c[2]) < 5000 else 10)
+    if band:
+        axes.axhspan(band[0], band[1], color="#cccccc", label=band[2], zorder=0)
+    axes.set_xscale("log")
+    if ticks:
+        axes.set_xticks(ticks, [f"{n:,}" for n in ticks])
+        axes.minorticks_off()
     axes.set_xlabel("ranks")
     axes.set_ylabel(ylabel)
-    axes.set_ylim(bottom=0)
-    axes.legend(fontsize=8.5, frameon=False)
+    axes.set_ylim(0, top)
+    axes.legend(fontsize=8.5, frameon=False, loc="lower left")
     save(figure, output, name)
