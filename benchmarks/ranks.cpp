@@ -81,8 +81,8 @@ std::vector<bench::ball> collect(talus::world<scenario>& world) {
   const auto& store = world.state().of<talus::sphere>().movable;
   for (std::size_t i = 0; i < store.locals; ++i)
     out.put(entry{store.id[i],
-                  {array(store.position[i]), store.shape[i].radius,
-                                array(store.velocity[i]), array(store.angular_velocity[i])}});
+                  {array(store.position[i]), store.shape[i].radius, array(store.velocity[i]),
+                   array(store.angular_velocity[i])}});
   std::vector<entry> all;
   for (const auto& bytes : world.link().gather(mine)) {
     all.resize(all.size() + bytes.size() / sizeof(entry));

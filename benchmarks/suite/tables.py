@@ -41,7 +41,7 @@ def pile(results, values):
                             "ns per contact and iteration", "microseconds per body", "mean overlap",
                             "largest", "bytes stored", "in use", "resident"], lines) \
         if lines else MISSING
-    shown = [n for n in sizes_of(results) if len(curves_of_error[n]) > 1][:2]
+    shown = [n for n in sizes_of(results) if len(curves_of_error[n]) > 1]
     for bodies in shown:
         plots.cost_against_error(results.output, f"error_{bodies}",
                                  f"Pile of {count(bodies)}: cost against error",
