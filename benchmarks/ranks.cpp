@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <talus/core/clock.hpp>
 #include <talus/mpi.hpp>
@@ -114,6 +115,25 @@ void settle(talus::world<scenario>& world, const run_of_ranks& run) {
   }
 }
 
+/// Microseconds of an exchange of so many bytes each way between two ranks, at best.
+double exchange_us(talus::as_launched::link& link, std::size_t bytes) {
+  std::vector<talus::parcel> parcels(1);
+  parcels[0].rank = 1 - link.rank();
+  double best = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < 20; ++round) {
+    const int repeats = 50;
+    link.barrier();
+    const double start = talus::detail::wall_seconds();
+    for (int k = 0; k < repeats; ++k) {
+      parcels[0].out.resize(bytes), parcels[0].in.resize(bytes);
+      link.start_fixed(parcels);
+      link.finish_fixed(parcels);
+    }
+    best = std::min(best, 1e6 * (talus::detail::wall_seconds() - start) / repeats);
+  }
+  return best;
+}
+
 void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::record& out) {
   talus::world<scenario> world(link);
   fill(world, run);
@@ -154,6 +174,9 @@ void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::re
   const spread shadows = spread_of(static_cast<double>(copies));
   const spread collectives = spread_of(static_cast<double>(world.state().sent.collectives));
   const auto overlap = talus::measure_penetration(world);
+  const bool pair = link.size() == 2;
+  const double short_us = pair ? exchange_us(link, 8) : 0;
+  const double long_us = pair ? exchange_us(link, 1 << 16) : 0;
   if (link.rank() != 0) return;
 
   out.add("engine", "talus");
@@ -182,6 +205,8 @@ void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::re
   out.add("collectives_max", collectives.max);
   out.add("penetration_mean", overlap.mean);
   out.add("penetration_max", overlap.max);
+  out.add("exchange_of_8_bytes_us", short_us);
+  out.add("exchange_of_64_kib_us", long_us);
 }
 
 }  // namespace

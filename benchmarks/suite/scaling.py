@@ -73,6 +73,25 @@ def step_us(network, unit, bodies, rounds, dimension=3):
     return computing, latencies + moving, bytes_of_step
 
 
+def check_on_two(results):
+    """The model against what two MPI processes of this machine take."""
+    rows = [r for r in results.rows("ranks", label="two processes", scaling="strong")
+            if r.get("exchange_of_8_bytes_us")]
+    if not rows:
+        return "Not measured in this run."
+    row = min(rows, key=lambda r: r["wall_ms_per_step_median"])
+    latency = row["exchange_of_8_bytes_us"]
+    rate = (1 << 16) / max(1e-3, row["exchange_of_64_kib_us"] - latency)  # bytes per microsecond
+    modelled = exchanges(row) * latency + row["bytes_per_step_max"] / rate
+    waited = 1e6 * row["exchange_seconds_mean"] / row["measure"]
+    return (f"An exchange of eight bytes between two processes of this machine takes {number(latency)} "
+            f"microseconds, and 64 KiB go at {number(1e-3 * rate)} GB/s. With these the model gives "
+            f"{number(modelled)} microseconds for the exchanges of a step of the pile of "
+            f"{count(row['bodies'])} on two processes; the library's clock says {number(waited)}, in "
+            f"which making and reading the messages and waiting for the other rank are "
+            f"included: {100 * row['exchange_share']:.1f} % of the step.")
+
+
 def noise(ranks):
     """The step waits for the slowest of all ranks, at worst: the largest of as many exponential
     delays is the logarithm of their number times their mean."""
@@ -138,6 +157,7 @@ def write(results):
     """The page beside docs/performance/, if the counts are there."""
     values = {}
     counts(results, values)
+    values["check"] = check_on_two(results)
     rows, unit = counted(results), per_body_and_copy(results)
     values["prediction"] = "Not measured in this run."
     if rows and unit:
