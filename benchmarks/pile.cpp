@@ -1,6 +1,6 @@
 // PILE in talus with one of its solvers; the scene, the measuring and the checking are those of
 // every engine.
-#include "scenes/protocol.hpp"
+#include "scenes/pile_protocol.hpp"
 #include "scenes/talus_engine.hpp"
 #include "talus/response/accelerated_jacobi.hpp"
 #include "talus/response/small_steps.hpp"

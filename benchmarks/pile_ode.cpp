@@ -1,7 +1,7 @@
 // PILE in the Open Dynamics Engine; the scene, the measuring and the checking are those of every
 // engine.
 #include "scenes/ode_engine.hpp"
-#include "scenes/protocol.hpp"
+#include "scenes/pile_protocol.hpp"
 
 int main(int argc, char** argv) {
   return bench::guarded([&] { bench::run_pile<bench::ode_engine>({argc, argv}); });

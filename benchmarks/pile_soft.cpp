@@ -1,6 +1,6 @@
 // PILE in talus with soft contacts: `--iterations` is the number of time steps in a step of the
 // scene, and with it the stiffness.
-#include "scenes/protocol.hpp"
+#include "scenes/pile_protocol.hpp"
 #include "scenes/soft_engine.hpp"
 
 int main(int argc, char** argv) {

@@ -19,27 +19,26 @@ import subprocess
 import sys
 import time
 
-import matplotlib
-
-matplotlib.use("svg")
-import matplotlib.pyplot as plt
+from drawing import LOOKS, frame, save
+from text import number, ratio, table
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FLOOR = 1e-17  # where errors of exactly zero are drawn
 TIMEOUT = 1800  # seconds of one run, on a machine that does other things too
 FALLEN = 30.0  # and those of what broke down
 
-# Name of a curve: its program with arguments, label, colour, marker.
-CURVES = {
-    "talus": (["precision"], "talus", "#0072B2", "o"),
-    "talus_jacobi": (["precision", "--solver", "accelerated_jacobi"], "talus, accelerated Jacobi",
-                     "#56B4E9", "P"),
-    "talus_small": (["precision", "--solver", "small_steps"], "talus, small steps", "#009E73", "X"),
-    "talus_soft": (["precision", "--solver", "soft_contact"], "talus, soft contacts", "#CC79A7", "v"),
-    "bullet": (["precision_bullet"], "Bullet, float", "#D55E00", "s"),
-    "bullet64": (["precision_bullet64"], "Bullet, double", "#E69F00", "D"),
-    "ode": (["precision_ode"], "ODE, double", "#555555", "^"),
+# Name of a curve: its program with arguments.
+PROGRAMS = {
+    "talus": ["precision"],
+    "talus_jacobi": ["precision", "--solver", "accelerated_jacobi"],
+    "talus_small": ["precision", "--solver", "small_steps"],
+    "talus_soft": ["precision", "--solver", "soft_contact"],
+    "bullet": ["precision_bullet"],
+    "bullet64": ["precision_bullet64"],
+    "ode": ["precision_ode"],
 }
+# The same with label, colour and marker.
+CURVES = {curve: (program, *LOOKS[curve]) for curve, program in PROGRAMS.items()}
 OWN = [c for c in CURVES if c.startswith("talus")]
 HARD = [c for c in CURVES if c != "talus_soft"]
 
@@ -171,7 +170,8 @@ def shown(error):
 
 
 def draw(output, p, rows):
-    figure, axes = plt.subplots(figsize=(7.2, 4.6))
+    knob = "solver iterations" if p["knob"] == "iterations" else "steps per second"
+    figure, axes = frame(p["title"], f"numbers: {knob}; ring: default; lower left is better")
     for curve, (_, label, colour, marker) in CURVES.items():
         points = [r for r in rows if r["curve"] == curve]
         if not points:
@@ -198,41 +198,10 @@ def draw(output, p, rows):
         axes.axhspan(0.5, max(60, 2 * max(errors)), color="#f3d9d9", zorder=0)
         axes.text(0.01, 0.55, "fallen", transform=axes.get_yaxis_transform(), fontsize=8,
                   color="#aa4444", va="bottom")
-    knob = "solver iterations" if p["knob"] == "iterations" else "steps per second"
     axes.set_xlabel("cost: CPU seconds per simulated second")
     axes.set_ylabel("error: " + p["error"])
-    axes.set_title(p["title"], fontsize=11, loc="left", pad=20)
-    axes.text(0, 1.02, f"numbers: {knob}; ring: default; lower left is better",
-              transform=axes.transAxes, fontsize=8, color="#555555")
-    axes.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
     axes.legend(fontsize=8.5, frameon=False, loc="best")
-    figure.tight_layout()
-    figure.savefig(os.path.join(output, p["name"] + ".svg"),
-                   metadata={"Date": None, "Creator": None})
-    plt.close(figure)
-
-
-def number(x):
-    if x >= 1e200:
-        return "not finite"
-    if x == 0:
-        return "0"
-    return f"{x:.3g}" if 1e-3 <= x < 1e4 else f"{x:.1e}"
-
-
-def ratio(x):
-    if x == float("inf"):
-        return "all"
-    return f"{x:.3g}" if x < 1000 else f"{x:.0f}" if x < 1e4 else f"{x:.0e}"
-
-
-def table(head, rows):
-    def line(cells):
-        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-    return "\n".join([line(head), "|" + "---|" * len(head)] + [line(row) for row in rows])
+    save(figure, output, p["name"])
 
 
 def best_within(points, cost):
@@ -365,7 +334,6 @@ def main():
         if name not in names:
             sys.exit(f"report: there is no plot '{name}'; there are: {' '.join(names)}")
     os.makedirs(given.output, exist_ok=True)
-    matplotlib.rcParams.update({"svg.hashsalt": "talus", "font.size": 9})
     if not given.draw:
         measure_all(given.build, given.output,
                     [p for p in PLOTS if not given.plots or p["name"] in given.plots], given.jobs,

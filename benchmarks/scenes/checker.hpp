@@ -15,7 +15,7 @@
 namespace bench {
 
 /// What a ball of a loaded pair pushes against.
-enum class partner { ball, wall, block };
+enum class partner { ball, wall, block, boulder };
 
 /// A pair that an engine says carries an impulse: ball number, then number among its partner's
 /// kind.
@@ -116,7 +116,8 @@ void near_pairs(std::span<const ball> balls, double touch, F&& f) {
 
 /// Judges final positions. `touch`, over the mean radius, only decides what counts as touching.
 inline findings check(std::span<const ball> balls, std::span<const wall> walls,
-                      std::span<const block> blocks, double touch = 1e-3) {
+                      std::span<const block> blocks, std::span<const ball> boulders = {},
+                      double touch = 1e-3) {
   findings f;
   std::size_t counted = 0;
   for (const ball& b : balls) {
@@ -151,6 +152,11 @@ inline findings check(std::span<const ball> balls, std::span<const wall> walls,
       behind = behind || g < -b.radius;
     }
     for (const block& s : blocks) judge(gap(b, s));
+    for (const ball& s : boulders) {
+      const double g = gap(b, s);
+      judge(g);
+      behind = behind || g < -b.radius;
+    }
     f.behind_walls += behind;
   }
   if (f.overlapping_pairs > 0) f.penetration_mean /= static_cast<double>(f.overlapping_pairs);
@@ -160,13 +166,15 @@ inline findings check(std::span<const ball> balls, std::span<const wall> walls,
 
 /// Mean |gap| over the pairs that carry an impulse, over the mean radius; 0 without pairs.
 inline double gap_mean_loaded(std::span<const ball> balls, std::span<const wall> walls,
-                              std::span<const block> blocks, std::span<const loaded_pair> pairs) {
+                              std::span<const block> blocks, std::span<const loaded_pair> pairs,
+                              std::span<const ball> boulders = {}) {
   double radii = 0, sum = 0;
   for (const ball& b : balls) radii += b.radius;
   for (const auto& [i, kind, j] : pairs) {
-    sum += std::abs(kind == partner::ball   ? gap(balls[i], balls[j])
-                    : kind == partner::wall ? gap(balls[i], walls[j])
-                                            : gap(balls[i], blocks[j]));
+    sum += std::abs(kind == partner::ball    ? gap(balls[i], balls[j])
+                    : kind == partner::wall  ? gap(balls[i], walls[j])
+                    : kind == partner::block ? gap(balls[i], blocks[j])
+                                             : gap(balls[i], boulders[j]));
   }
   return pairs.empty() ? 0.0
                        : sum / static_cast<double>(pairs.size()) /

@@ -20,17 +20,18 @@ constexpr double pile_side(std::size_t bodies) {
   return 1.05 * static_cast<double>(pile_sites(bodies));
 }
 
-/// Spheres of radius 0.4 to 0.5 on a jittered cubic lattice of spacing 1.05, filled bottom-up.
-inline scene pile_scene(std::size_t bodies, std::uint64_t seed = 1) {
-  const std::size_t sites = pile_sites(bodies);
-  const double side = pile_side(bodies);
+/// Spheres of radius 0.4 to 0.5 on a jittered cubic lattice of spacing 1.05, filled bottom-up: a
+/// bed of `columns` by `rows` sites between walls.
+inline scene bed_scene(std::size_t columns, std::size_t rows, std::size_t bodies,
+                       std::uint64_t seed = 1) {
+  const double wide = 1.05 * static_cast<double>(columns), deep = 1.05 * static_cast<double>(rows);
   scene s;
   s.name = "pile";
   s.between_balls = s.against_fixed = {.friction = 0.5, .restitution = 0};
   s.gravity = -9.81;
   s.dt = 1.0 / 240;
   s.walls = {
-      {{0, 0, 1}, 0}, {{1, 0, 0}, 0}, {{-1, 0, 0}, -side}, {{0, 1, 0}, 0}, {{0, -1, 0}, -side}};
+      {{0, 0, 1}, 0}, {{1, 0, 0}, 0}, {{-1, 0, 0}, -wide}, {{0, 1, 0}, 0}, {{0, -1, 0}, -deep}};
   s.balls.reserve(bodies);
   const auto site = [](std::size_t i, double first) {
     return std::fma(1.05, static_cast<double>(i), first);
@@ -40,11 +41,36 @@ inline scene pile_scene(std::size_t bodies, std::uint64_t seed = 1) {
     ball b;
     b.radius = random.between(0.4, 0.5);
     b.position = random.between(vec{-0.02, -0.02, -0.02}, vec{0.02, 0.02, 0.02});
-    b.position[0] += site(n % sites, 0.525);
-    b.position[1] += site(n / sites % sites, 0.525);
-    b.position[2] += site(n / (sites * sites), 0.6);
+    b.position[0] += site(n % columns, 0.525);
+    b.position[1] += site(n / columns % rows, 0.525);
+    b.position[2] += site(n / (columns * rows), 0.6);
     s.balls.push_back(b);
   }
+  return s;
+}
+
+/// The bed as wide as deep.
+inline scene pile_scene(std::size_t bodies, std::uint64_t seed = 1) {
+  const std::size_t sites = pile_sites(bodies);
+  return bed_scene(sites, sites, bodies, seed);
+}
+
+/// The same pile in a vessel of spheres `ratio` times as large as its bodies: one instead of the
+/// floor and one instead of each wall, each touching from outside the plane that it replaces. As
+/// they are nearly plane, the bodies have as many contacts as between planes.
+inline scene vessel_scene(std::size_t bodies, double ratio, std::uint64_t seed = 1) {
+  scene s = pile_scene(bodies, seed);
+  s.name = "vessel";
+  const double radius = 0.45 * ratio, side = pile_side(bodies);
+  const vec middle{0.5 * side, 0.5 * side, 0.4 * side};  // of the pile at rest, about
+  for (const wall& w : s.walls) {
+    double above = -w.offset;  // of the middle over the plane
+    for (std::size_t k = 0; k < 3; ++k) above += w.normal[k] * middle[k];
+    ball b{.position = middle, .radius = radius};
+    for (std::size_t k = 0; k < 3; ++k) b.position[k] -= (above + radius) * w.normal[k];
+    s.boulders.push_back(b);
+  }
+  s.walls.clear();
   return s;
 }
 

@@ -1,13 +1,17 @@
 #pragma once
 // How an engine is measured on a scene: the same steps, clock and checker for all. An engine is a
 // class built from (scene, iterations), 0 iterations meaning its own default, with
-//   void step();                           one time step of scene.dt
-//   std::vector<ball> balls() const;       current state in the order of the scene
-//   std::size_t contacts() const;          contact points it treated in the last step
-//   void watch_loads();                    called before the last step, for engines that must
-//   prepare std::vector<loaded_pair> loaded() const;  pairs that carried an impulse in the last
-//   step int iterations() const;  void describe(record&) const;  its settings static std::string
-//   name();
+//   void step();                       one time step of scene.dt
+//   std::vector<ball> balls() const;   current state in the order of the scene
+//   std::size_t contacts() const;      contact points it treated in the last step
+//   void watch_loads();                called before the last step, for engines that must prepare
+//   std::vector<loaded_pair> loaded() const;   pairs that carried an impulse in the last step
+//   int iterations() const;
+//   void describe(record&) const;      its settings
+//   static std::string name();
+// and where it can
+//   void iterate(int);                 sets the iterations from now on
+//   void start_measuring();            the steps that count begin
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -18,7 +22,6 @@
 #include <vector>
 
 #include "checker.hpp"
-#include "pile_scene.hpp"
 #include "report.hpp"
 #include "well_scene.hpp"
 
@@ -47,17 +50,19 @@ inline energies kinetic_energy(const std::vector<ball>& balls, double density) {
   return {sum / static_cast<double>(each.size()), each[each.size() / 2]};
 }
 
-/// Fields that every scene reports in the same way.
+/// Fields that every scene reports in the same way. `identity` is the digest of a scene that
+/// starts from another state than its own.
 template <class Engine>
-void add_common(record& out, const scene& s, Engine& engine, const stopwatch& watch) {
+void add_common(record& out, const scene& s, Engine& engine, const stopwatch& watch,
+                const std::string& identity = {}) {
   const auto balls = engine.balls();
-  const auto found = check(balls, s.walls, s.blocks);
+  const auto found = check(balls, s.walls, s.blocks, s.boulders);
   const auto energy = kinetic_energy(balls, s.density);
   const auto contacts = engine.contacts();
   const auto loaded = engine.loaded();
   out.add("engine", Engine::name());
   out.add("scene", s.name);
-  out.add("scene_digest", digest(s));
+  out.add("scene_digest", identity.empty() ? digest(s) : identity);
   out.add("bodies", s.balls.size());
   out.add("dt", s.dt);
   out.add("cpu_ms_per_step", watch.mean());
@@ -74,56 +79,13 @@ void add_common(record& out, const scene& s, Engine& engine, const stopwatch& wa
   out.add("touching_pairs", found.touching_pairs);
   out.add("gap_mean_touching", found.gap_mean_touching);
   out.add("loaded_pairs", loaded.size());
-  out.add("gap_mean_loaded", gap_mean_loaded(balls, s.walls, s.blocks, loaded));
+  out.add("gap_mean_loaded", gap_mean_loaded(balls, s.walls, s.blocks, loaded, s.boulders));
   if constexpr (requires { engine.residual(); }) out.add("contact_residual", engine.residual());
   out.add("kinetic_energy_per_body", energy.mean);
   out.add("kinetic_energy_median", energy.median);
   out.add("not_finite", found.not_finite);
   out.add("escaped", found.not_finite + found.behind_walls);
   engine.describe(out);
-}
-
-/// Settles (beyond 64,000 bodies until the median body rests), then measures.
-template <class Engine>
-void run_pile(arguments args) {
-  const auto bodies = args.count("bodies", 8000);
-  const auto settle = args.count("settle", 720);
-  const auto measure = args.count("measure", 120);
-  const auto iterations = args.count("iterations", 0);
-  const auto seed = args.count("seed", 1);
-  const auto file = args.text("json", "");
-  if (!args.done()) return;
-
-  const scene s = pile_scene(bodies, seed);
-  Engine engine(s, static_cast<int>(iterations));
-  const double still = 1e-3 * s.density * 4 / 3 * std::numbers::pi * std::pow(0.45, 4) * -s.gravity;
-  std::uint64_t settled = 0;
-  const auto settle_for = [&](std::uint64_t steps) {
-    for (std::uint64_t i = 0; i < steps; ++i, ++settled) engine.step();
-  };
-  settle_for(settle);
-  while (bodies > 64000 && settled < 20 * settle &&
-         kinetic_energy(engine.balls(), s.density).median > still)
-    settle_for(120);
-  stopwatch watch;
-  for (std::uint64_t step = 0; step < measure; ++step) {
-    if (step + 1 == measure) engine.watch_loads();
-    watch.time([&] { engine.step(); });
-  }
-
-  record out;
-  add_common(out, s, engine, watch);
-  double volume = 0, weighted_height = 0;
-  for (const ball& b : engine.balls()) {
-    volume += mass(b, 1);
-    weighted_height += mass(b, 1) * b.position[2];
-  }
-  const double side = pile_side(bodies);  // a level pile is twice as high as its centre of mass
-  out.add("packing_fraction", volume / (side * side * 2 * weighted_height / volume));
-  out.add("settle", settled);
-  out.add("measure", measure);
-  out.add("seed", seed);
-  out.write(file);
 }
 
 /// All steps from the fall to rest; the cost is that of the last `measure` steps.

@@ -73,6 +73,22 @@ class arguments {
     return std::stoull(value);
   }
 
+  /// Whole numbers between commas.
+  std::vector<int> counts(const std::string& name, const std::string& fallback) {
+    const std::string value = text(name, fallback);
+    std::vector<int> all;
+    for (std::size_t at = 0; at <= value.size();) {
+      const std::size_t end = std::min(value.find(',', at), value.size());
+      const std::string one = value.substr(at, end - at);
+      if (one.empty() || one.size() > 9 || one.find_first_not_of("0123456789") != one.npos)
+        throw std::invalid_argument("--" + name + " needs whole numbers between commas, not '" +
+                                    value + "'");
+      all.push_back(std::stoi(one));
+      at = end + 1;
+    }
+    return all;
+  }
+
   /// False when help was asked for and printed; throws for anything left over.
   bool done() const {
     if (given_.empty()) return true;
@@ -119,13 +135,15 @@ class record {
   }
 
   /// Writes to the file, or to standard output when its name is empty.
-  void write(const std::string& file) const {
+  void write(const std::string& file) const { write_text(json(), file); }
+
+  static void write_text(const std::string& text, const std::string& file) {
     if (file.empty()) {
-      std::cout << json();
+      std::cout << text;
       return;
     }
     std::ofstream out(file);
-    if (!(out << json() << std::flush)) throw std::runtime_error("cannot write '" + file + "'");
+    if (!(out << text << std::flush)) throw std::runtime_error("cannot write '" + file + "'");
   }
 
  private:

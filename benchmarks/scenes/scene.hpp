@@ -55,6 +55,7 @@ struct pair_law {
 struct scene {
   std::string name;
   std::vector<ball> balls;
+  std::vector<ball> boulders;  ///< fixed balls
   std::vector<wall> walls;
   std::vector<block> blocks;
   std::vector<crate> crates;
@@ -108,6 +109,7 @@ inline std::string digest(const scene& s) {
   };
   for (const ball& b : s.balls)
     eat_all(b.position), eat(b.radius), eat_all(b.velocity), eat_all(b.spin);
+  for (const ball& b : s.boulders) eat_all(b.position), eat(b.radius);
   for (const wall& w : s.walls) eat_all(w.normal), eat(w.offset);
   for (const block& b : s.blocks) eat_all(b.centre), eat_all(b.size), eat_all(b.orientation);
   for (const crate& c : s.crates) {

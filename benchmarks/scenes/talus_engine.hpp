@@ -2,6 +2,9 @@
 // talus on a benchmark scene: one rank, double precision, only the shapes that the scene has.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <talus/observe/memory.hpp>
 #include <talus/observe/residual.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/world/world.hpp>
@@ -58,6 +61,11 @@ class talus_engine_with {
                              .material = loose,
                              .velocity = vector(b.velocity),
                              .angular_velocity = vector(b.spin)});
+    for (const ball& b : s.boulders)
+      world_.add(talus::body{.shape = talus::sphere{b.radius},
+                             .position = vector(b.position),
+                             .material = firm,
+                             .fixed = true});
   }
 
   static std::string name() { return "talus"; }
@@ -70,13 +78,16 @@ class talus_engine_with {
     else
       return world_.solver().iterations;
   }
+  void iterate(int iterations) {
+    if constexpr (!scenario::contact_law::soft) world_.solver().iterations = iterations;
+  }
+  void start_measuring() { before_ = world_.state().seconds, steps_before_ = world_.steps(); }
   void watch_loads() {}
 
-  /// Bodies of one rank keep their order.
   [[nodiscard]] std::vector<ball> balls() const {
     const auto& store = world_.state().template of<talus::sphere>().movable;
     std::vector<ball> all;
-    for (std::size_t i = 0; i < store.locals; ++i)
+    for (const std::size_t i : in_order(store, 0, scene_.balls.size()))
       all.push_back({array(store.position[i]), store.shape[i].radius, array(store.velocity[i]),
                      array(store.angular_velocity[i])});
     return all;
@@ -86,8 +97,9 @@ class talus_engine_with {
     std::vector<crate> all = scene_.crates;
     if constexpr (boxes) {
       const auto& store = world_.state().template of<talus::box>().movable;
+      const auto order = in_order(store, scene_.blocks.size(), all.size());
       for (std::size_t i = 0; i < all.size(); ++i) {
-        const std::size_t at = scene_.blocks.size() + i;
+        const std::size_t at = order[i];
         const talus::quat& q = store.orientation_of[at];
         all[i].centre = array(store.position[at]);
         all[i].orientation = {q.w(), q.x(), q.y(), q.z()};
@@ -105,13 +117,21 @@ class talus_engine_with {
   [[nodiscard]] std::vector<loaded_pair> loaded() const {
     using entry = std::pair<talus::system_id, loaded_pair>;  // of the latter, kind and number only
     std::vector<entry> bodies;
-    const auto add = [&](const auto& store, partner kind) {
-      for (std::size_t i = 0; i < store.size(); ++i)
-        bodies.push_back({store.id[i], {.kind = kind, .other = i}});
+    // Of the bodies of a store in the order of their creation, those from `first` on.
+    const auto add = [&](const auto& store, partner kind, std::size_t first, std::size_t count) {
+      const auto order = in_order(store, first, count);
+      for (std::size_t i = 0; i < count; ++i)
+        bodies.push_back({store.id[order[i]], {.kind = kind, .other = i}});
     };
-    add(world_.state().template of<talus::sphere>().movable, partner::ball);
-    add(world_.state().template of<talus::plane>().global, partner::wall);
-    if constexpr (boxes) add(world_.state().template of<talus::box>().movable, partner::block);
+    const auto& spheres = world_.state().template of<talus::sphere>().movable;
+    add(spheres, partner::ball, 0, scene_.balls.size());
+    add(spheres, partner::boulder, scene_.balls.size(), scene_.boulders.size());
+    const auto& walls = world_.state().template of<talus::plane>().global;
+    add(walls, partner::wall, 0, walls.size());
+    if constexpr (boxes) {
+      const auto& all = world_.state().template of<talus::box>().movable;
+      add(all, partner::block, 0, all.size());
+    }
     const auto by_id = [](const entry& x, const entry& y) { return x.first < y.first; };
     std::sort(bodies.begin(), bodies.end(), by_id);
     const auto find = [&](talus::system_id id) {
@@ -128,14 +148,48 @@ class talus_engine_with {
   }
   void describe(record& out) const {
     const auto& t = world_.state().seconds;
-    const double steps = static_cast<double>(world_.steps());
-    out.add("detect_ms_per_step", 1e3 * t.detect / steps);
-    out.add("respond_ms_per_step", 1e3 * t.respond / steps);
-    out.add("integrate_ms_per_step", 1e3 * t.integrate / steps);
-    out.add("correction_iterations", world_.solver().correction_iterations);
+    const double steps = static_cast<double>(world_.steps() - steps_before_);
+    out.add("detect_ms_per_step", 1e3 * (t.detect - before_.detect) / steps);
+    out.add("respond_ms_per_step", 1e3 * (t.respond - before_.respond) / steps);
+    out.add("integrate_ms_per_step", 1e3 * (t.integrate - before_.integrate) / steps);
+    if constexpr (!scenario::contact_law::soft)
+      out.add("correction_iterations", world_.solver().correction_iterations);
+    // Storage of the spheres alone; and with everything held for them: contacts, grid, solver.
+    const auto& store = world_.state().template of<talus::sphere>().movable;
+    out.add("bytes_stored_per_body", store.bytes_per_body());
+    const double bodies = std::max(1.0, static_cast<double>(world_.local_bodies()));
+    out.add("bytes_in_use_per_body", static_cast<double>(talus::bytes_in_use(world_)) / bodies);
+    std::size_t contacts = 0, bytes = 0;
+    world_.state().each_contact_list([&](const auto& list) {
+      contacts += list.size();
+      if constexpr (requires { list.bytes(); }) bytes += list.bytes();
+    });
+    out.add("bytes_of_contacts_per_body", static_cast<double>(bytes) / bodies);
+    out.add("bytes_of_history_per_body",
+            static_cast<double>(world_.state().history.bytes()) / bodies);
   }
 
+  /// The scene as it was at the start.
+  [[nodiscard]] const scene& start() const { return scene_; }
+  static constexpr bool takes_boulders = true;
+  /// The world, for measurements that are talus' own.
+  [[nodiscard]] talus::world<scenario>& world() { return world_; }
+
  private:
+  /// Where the bodies of a store are that were added as number `first` and the next: their ids
+  /// count up, however they are sorted.
+  template <class Store>
+  static std::vector<std::size_t> in_order(const Store& store, std::size_t first,
+                                           std::size_t count) {
+    std::vector<std::size_t> all(store.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const auto earlier = [&](std::size_t i, std::size_t j) { return store.id[i] < store.id[j]; };
+    if (!std::is_sorted(all.begin(), all.end(), earlier))
+      std::sort(all.begin(), all.end(), earlier);
+    all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(first));
+    all.resize(count);
+    return all;
+  }
   /// Soft contacts are as stiff as the time step allows: it is a fifth of the critical one, about.
   static double stiffness(const scene& s) {
     if (!scenario::contact_law::soft) return 0;
@@ -169,6 +223,8 @@ class talus_engine_with {
   talus::serial::link link_;
   talus::world<scenario> world_;
   std::vector<std::pair<double, talus::material_id>> densities_;
+  talus::stage_seconds before_;
+  std::uint64_t steps_before_ = 0;
 };
 
 /// With the default solver.

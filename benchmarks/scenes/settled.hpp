@@ -1,0 +1,53 @@
+#pragma once
+// The state of a scene's balls in a file, so that a pile that has settled once can be measured many
+// times; and how much memory this process holds.
+#include <unistd.h>
+
+#include <cstdint>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scene.hpp"
+
+namespace bench {
+
+/// Numbers as they are in memory: for this machine only.
+inline void save_state(const std::vector<ball>& balls, const std::string& file) {
+  std::ofstream out(file, std::ios::binary);
+  const std::uint64_t count = balls.size();
+  out.write(reinterpret_cast<const char*>(&count), sizeof count);
+  out.write(reinterpret_cast<const char*>(balls.data()),
+            static_cast<std::streamsize>(count * sizeof(ball)));
+  if (!out.flush()) throw std::runtime_error("cannot write '" + file + "'");
+}
+
+/// Replaces the initial state of the scene; refuses that of another scene.
+inline void load_state(scene& s, const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::uint64_t count = 0;
+  in.read(reinterpret_cast<char*>(&count), sizeof count);
+  if (!in) throw std::runtime_error("cannot read '" + file + "'");
+  if (count != s.balls.size())
+    throw std::runtime_error("'" + file + "' has " + std::to_string(count) +
+                             " bodies, but the scene has " + std::to_string(s.balls.size()));
+  std::vector<ball> balls(count);
+  in.read(reinterpret_cast<char*>(balls.data()),
+          static_cast<std::streamsize>(count * sizeof(ball)));
+  if (!in) throw std::runtime_error("'" + file + "' ends too early");
+  for (std::size_t i = 0; i < count; ++i)
+    if (balls[i].radius != s.balls[i].radius)
+      throw std::runtime_error("'" + file + "' belongs to another scene");
+  s.balls = std::move(balls);
+}
+
+/// Bytes of this process that are in memory.
+inline double resident_bytes() {
+  std::ifstream in("/proc/self/statm");
+  double size = 0, resident = 0;
+  in >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace bench

@@ -1,0 +1,176 @@
+"""The parts of the suite: what is run, in which order, with which settings."""
+import json
+import os
+
+import lammps
+
+ITERATIONS = [1, 2, 3, 5, 10]
+RANKS = [4, 16, 64, 256, 1024]
+
+
+def limits(bench):
+    bench.run("limits", "machine", "limits",
+              **({"milliseconds": 50, "megabytes": 64} if bench.quick else {}))
+
+
+def pile(bench):
+    """talus before and after its rivals, so that a change of the machine's pace shows."""
+    sizes = [200, 500] if bench.quick else [1000, 8000]
+    rivals = ["bullet", "bullet64", "ode"]
+    short = {"settle": 60, "measure": 20} if bench.quick else {}
+    for bodies in sizes:
+        for when in ("before", "after"):
+            for iterations in ITERATIONS:
+                bench.run("pile", "talus", "pile", bodies=bodies, iterations=iterations,
+                          tags={"asked": iterations, "size": bodies, "when": when}, **short)
+            if when == "before":
+                for rival in rivals:
+                    if rival == "bullet64" and bodies > 1000 and not bench.full:
+                        continue
+                    bench.run("pile", rival, f"pile_{rival}", bodies=bodies,
+                              tags={"size": bodies}, **short)
+        lammps.measure(bench, "pile", bodies)
+    large_pile(bench)
+    if bench.full:
+        bodies = 1000 if bench.quick else 64000
+        for rival in rivals:
+            bench.run("pile", rival, f"pile_{rival}", bodies=bodies, tags={"size": bodies}, **short)
+
+
+def large_pile(bench):
+    """Each number of iterations settles for itself here too, as long as that is affordable: what a
+    tall pile overlaps by depends on the iterations that it was settled with. Half a million bodies
+    settle once, at least as long as they fall."""
+    few, many = (1000, 2000) if bench.quick else (64000, 512000)
+    state = bench.state(few)
+    for bodies, settings in ((few, ["3", "5", "10"]), (many, ["5,10"])):
+        for iterations in settings:
+            keep = {"keep": state} if bodies == few and iterations == "5" else {}
+            bench.run("pile", "talus", "pile", bodies=bodies, iterations=iterations,
+                      tags={"asked": iterations, "size": bodies, "when": "once"},
+                      settle=60 if bench.quick else 720 if bodies == few else 480, relax=10 if bench.quick else 30,
+                      measure=5 if bench.quick else 40 if bodies == few else 12, **keep)
+    if os.path.exists(state):
+        bench.settled_here.add(state)
+
+
+def sizes(bench):
+    bodies = 500 if bench.quick else 8000
+    short = {"settle": 60, "measure": 20} if bench.quick else {"settle": 720, "measure": 60}
+    for when in ("first", "second"):
+        for ratio in (0, 10, 100, 1000):
+            bench.run("sizes", f"1:{ratio}" if ratio else "planes", "pile", bodies=bodies,
+                      ratio=ratio, iterations=10, tags={"when": when}, **short)
+
+
+def shapes(bench):
+    short = {"settle": 60, "measure": 10} if bench.quick else {}
+    scenes = (("boxes", "boxpile", 64 if bench.quick else 1000),
+              ("pyramid", "pyramid", 6 if bench.quick else 20))
+    for table, scene, bodies in scenes:
+        for engine, iterations in [("talus", 3), ("talus", 5), ("talus", 10), ("bullet", 0),
+                                   ("bullet64", 0), ("ode", 0), ("talus", 10)]:
+            first = not bench.results.row(table, label=engine, asked=iterations)
+            bench.run(table, engine, "crates" + ("" if engine == "talus" else "_" + engine),
+                      scene=scene, bodies=bodies, iterations=iterations,
+                      tags={"asked": iterations, "when": "before" if first else "after"}, **short)
+    for shape in ("capsule", "union"):
+        bench.run("grains", shape, "grains", shape=shape, bodies=64 if bench.quick else 1000,
+                  **short)
+
+
+def well(bench):
+    short = {"bodies": 300, "steps": 300, "measure": 50} if bench.quick else {}
+    for engine in ("talus", "bullet") if bench.full or bench.quick else ("talus",):
+        bench.run("well", engine, "well" if engine == "talus" else f"well_{engine}", **short)
+
+
+def gas(bench):
+    few, many = (500, 1000) if bench.quick else (8000, 64000)
+    for label, bodies in (("talus", few), ("bullet", few), ("talus", many)):
+        bench.run("gas", label, "gas" if label == "talus" else "gas_bullet", bodies=bodies,
+                  tags={"size": bodies})
+
+
+def ranks(bench):
+    """One rank and two, in turns, on one pile: as MPI processes and as threads. And the same number
+    of bodies for each rank."""
+    bodies = 1000 if bench.quick else 64000
+    steps = {"settle": 5, "measure": 5} if bench.quick else {"settle": 30, "measure": 30}
+    start = bench.settled(bodies)
+    for turn in range(1 if bench.quick else 3):
+        tags = {"turn": turn, "scaling": "strong"}
+        two = {"cells_x": 2, "cells_y": 1}
+        common = {"bodies": bodies, "from": start, **steps}
+        bench.run("ranks", "one", "ranks", tags=tags, **common)
+        bench.run("ranks", "two processes", "ranks", processes=2, tags=tags, **two, **common)
+        bench.run("ranks", "two threads", "ranks", tags=tags, ranks=2, **two, **common)
+    beds = {"columns_per_rank": 8 if bench.quick else 32,
+            "bodies_per_rank": 512 if bench.quick else 32000,
+            "settle": 10 if bench.quick else 240, "measure": steps["measure"]}
+    for turn in range(1 if bench.quick else 2):
+        tags = {"turn": turn, "scaling": "weak"}
+        bench.run("ranks", "one", "ranks", tags=tags, **beds)
+        bench.run("ranks", "two processes", "ranks", processes=2, tags=tags, **two, **beds)
+    side_by_side(bench, beds)
+
+
+def side_by_side(bench, beds):
+    """What two cores do for two programs that know nothing of each other: no ranks can do better."""
+    tags = {"label": "two programs", "scaling": "weak"}
+    if bench.keep and bench.results.row("ranks", **tags):
+        return
+    words = bench.command("ranks", beds)
+    said = bench.together([words, words])
+    if said is None:
+        bench.results.say("ranks: two programs beside each other failed")
+        return
+    rows = [json.loads(each) for each in said]
+    bench.results.add("ranks", {**max(rows, key=lambda r: r["wall_ms_per_step_median"]), **tags})
+    bench.results.say("ranks: two programs beside each other")
+
+
+def threads(bench):
+    for ranks in RANKS[:3] if bench.quick else RANKS:
+        bench.run("threads", f"{ranks}", "ranks", ranks=ranks, bodies_per_rank=64,
+                  columns_per_rank=4, settle=60 if bench.quick else 150, measure=10)
+    bench.run("threads", "64 in three dimensions", "ranks", ranks=64, bodies_per_rank=64,
+              columns_per_rank=4, cells_x=4, cells_y=4, cells_z=4,
+              settle=60 if bench.quick else 150, measure=10)
+
+
+def features(bench):
+    bodies = 500 if bench.quick else 8000
+    start = bench.settled(bodies)
+    if not (bench.keep and bench.results.rows("features")):
+        bench.run("features", "talus", "features", bodies=bodies, settle=60,
+                  measure=20 if bench.quick else 120, **{"from": start})
+
+
+def budget(bench):
+    for bodies in [500] if bench.quick else [8000, 64000]:
+        if bench.keep and bench.results.rows("budget", size=bodies):
+            continue
+        bench.run("budget", "talus", "budget", bodies=bodies, settle=60, tags={"size": bodies},
+                  measure=20 if bench.quick else 120 if bodies < 10000 else 30,
+                  **{"from": bench.settled(bodies)})
+
+
+PARTS = {each.__name__: each for each in
+         (limits, pile, sizes, shapes, well, gas, ranks, threads, features, budget)}
+# The tables that each part fills, where they are not called as the part is.
+TABLES = {"shapes": ["boxes", "pyramid", "grains"]}
+
+# What each part runs. A settled pile, where one is needed, comes from `ranks`.
+PROGRAMS = {
+    "limits": ["limits"],
+    "pile": ["pile", "pile_bullet", "pile_bullet64", "pile_ode", "judge"],
+    "sizes": ["pile"],
+    "shapes": ["crates", "crates_bullet", "crates_bullet64", "crates_ode", "grains"],
+    "well": ["well", "well_bullet"],
+    "gas": ["gas", "gas_bullet"],
+    "ranks": ["ranks"],
+    "threads": ["ranks"],
+    "features": ["ranks", "features"],
+    "budget": ["ranks", "budget"],
+}
