@@ -86,6 +86,14 @@ void recall(const contact_history& history, const plain_vector<contact_key>& key
   }
 }
 
+template <class Contacts>
+[[nodiscard]] vec3 impulse_of(const Contacts& contacts, std::size_t i) {
+  if constexpr (requires { contacts.impulse(i); })
+    return contacts.impulse(i);
+  else
+    return contacts[i].impulse();
+}
+
 /// The reverse; notes for each pair where its contacts are kept.
 template <class Contacts>
 void remember(contact_history& history, const plain_vector<contact_key>& keys,
@@ -93,7 +101,7 @@ void remember(contact_history& history, const plain_vector<contact_key>& keys,
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (places[i] != nullptr && (i == 0 || places[i] != places[i - 1]))
       *places[i] = history.next_place();
-    history.add(keys[i], contacts[i].impulse());
+    history.add(keys[i], impulse_of(contacts, i));
   }
 }
 

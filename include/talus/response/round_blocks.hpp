@@ -143,6 +143,16 @@ class round_blocks {
     const std::uint32_t slot = slots_[i];
     return slot & lone ? lone_[slot & ~lone] : get(blocks_[slot / lanes], slot % lanes);
   }
+  /// The same as (*this)[i].impulse().
+  [[nodiscard]] vec3 impulse(std::size_t i) const {
+    const std::uint32_t slot = slots_[i];
+    if (slot & lone) return lone_[slot & ~lone].impulse();
+    const block& x = blocks_[slot / lanes];
+    const std::size_t l = slot % lanes;
+    vec3 p{x.rn[l] * x.nx[l], x.rn[l] * x.ny[l], x.rn[l] * x.nz[l]};
+    if constexpr (friction) p += vec3(x.tx[l], x.ty[l], x.tz[l]);
+    return p;
+  }
   template <class F>
   void edit(std::size_t i, F&& f) {
     const std::uint32_t slot = slots_[i];
