@@ -96,8 +96,14 @@ struct round_block_friction<false> {};
 /// their normals are zero.
 template <class Contact>
 struct round_block : round_block_friction<(Contact::rows > 1)> {
-  octet nx, ny, nz, inverse_wn, target, rn, push, pushed;
+  octet nx, ny, nz, inverse_wn, target, rn;
   std::int32_t a[8], b[8];
+};
+
+/// What the correction of overlaps needs besides: apart, since sweeps of the response are as fast
+/// as the memory that they read.
+struct round_block_push {
+  octet push, pushed;
 };
 
 /// What contact_row is for other contacts.
@@ -125,23 +131,22 @@ class round_blocks {
     slots_.push_back(static_cast<std::uint32_t>(slot));
     const auto at = static_cast<std::size_t>(slot) / lanes;
     for (; used_ <= at; ++used_) {
-      if (used_ == blocks_.size()) blocks_.emplace_back();
-      make_empty(blocks_[used_], c);
+      if (used_ == blocks_.size()) blocks_.emplace_back(), pushes_.emplace_back();
+      make_empty(used_, c);
     }
-    block& x = blocks_[at];
-    if (const std::size_t lane = static_cast<std::size_t>(slot) % lanes; lane > 0)
-      put(x, lane, c);
-    else
-      make_empty(x, c), put(x, 0, c);  // blocks are not begun in their order
+    const std::size_t lane = static_cast<std::size_t>(slot) % lanes;
+    if (lane == 0) make_empty(at, c);  // blocks are not begun in their order
+    put(at, lane, c);
   }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    return blocks_.capacity() * sizeof(block) + lone_.capacity() * sizeof(Contact) +
+    return blocks_.capacity() * sizeof(block) + pushes_.capacity() * sizeof(round_block_push) +
+           lone_.capacity() * sizeof(Contact) +
            (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
   }
   [[nodiscard]] Contact operator[](std::size_t i) const {
     const std::uint32_t slot = slots_[i];
-    return slot & lone ? lone_[slot & ~lone] : get(blocks_[slot / lanes], slot % lanes);
+    return slot & lone ? lone_[slot & ~lone] : get(slot / lanes, slot % lanes);
   }
   /// The same as (*this)[i].impulse().
   [[nodiscard]] vec3 impulse(std::size_t i) const {
@@ -157,9 +162,9 @@ class round_blocks {
   void edit(std::size_t i, F&& f) {
     const std::uint32_t slot = slots_[i];
     if (slot & lone) return f(lone_[slot & ~lone]);
-    Contact c = get(blocks_[slot / lanes], slot % lanes);
+    Contact c = get(slot / lanes, slot % lanes);
     f(c);
-    put(blocks_[slot / lanes], slot % lanes, c);
+    put(slot / lanes, slot % lanes, c);
   }
 
   void recall(const contact_history& history, const plain_vector<contact_key>& keys,
@@ -217,7 +222,7 @@ class round_blocks {
     }
   }
   void push(solver_state& s) {
-    for (block& x : used()) relax_push(x, s);
+    for (std::size_t k = 0; k < used_; ++k) relax_push(blocks_[k], pushes_[k], s);
     for (Contact& c : lone_)
       if (const real d = c.relax_push(s); d != 0) c.push_a(s, d), c.push_b(s, d);
   }
@@ -228,8 +233,10 @@ class round_blocks {
   [[nodiscard]] std::span<block> used() { return {blocks_.data(), used_}; }
   [[nodiscard]] std::span<const block> used() const { return {blocks_.data(), used_}; }
 
-  static void make_empty(block& x, const Contact& first) {
-    x.nx = x.ny = x.nz = x.inverse_wn = x.target = x.rn = x.push = x.pushed = eight(0);
+  void make_empty(std::size_t at, const Contact& first) {
+    block& x = blocks_[at];
+    x.nx = x.ny = x.nz = x.inverse_wn = x.target = x.rn = eight(0);
+    pushes_[at].push = pushes_[at].pushed = eight(0);
     if constexpr (friction)
       x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = eight(0);
     std::fill_n(x.a, lanes, first.a);
@@ -239,11 +246,12 @@ class round_blocks {
     x.rn[l] = c.rn;
     if constexpr (friction) x.tx[l] = c.rt[0], x.ty[l] = c.rt[1], x.tz[l] = c.rt[2];
   }
-  static void put(block& x, std::size_t l, const Contact& c) {
+  void put(std::size_t at, std::size_t l, const Contact& c) {
+    block& x = blocks_[at];
     x.nx[l] = c.normal[0], x.ny[l] = c.normal[1], x.nz[l] = c.normal[2];
     x.inverse_wn[l] = c.inverse_wn;
     x.target[l] = c.target;
-    x.push[l] = c.push, x.pushed[l] = c.pushed;
+    pushes_[at].push[l] = c.push, pushes_[at].pushed[l] = c.pushed;
     x.a[l] = c.a, x.b[l] = c.b;
     put_impulse(x, l, c);
     if constexpr (friction) {
@@ -252,12 +260,13 @@ class round_blocks {
       x.friction[l] = c.friction;
     }
   }
-  [[nodiscard]] static Contact get(const block& x, std::size_t l) {
+  [[nodiscard]] Contact get(std::size_t at, std::size_t l) const {
+    const block& x = blocks_[at];
     Contact c;
     c.normal = {x.nx[l], x.ny[l], x.nz[l]};
     c.inverse_wn = x.inverse_wn[l];
     c.target = x.target[l];
-    c.push = x.push[l], c.pushed = x.pushed[l];
+    c.push = pushes_[at].push[l], c.pushed = pushes_[at].pushed[l];
     c.a = x.a[l], c.b = x.b[l];
     c.rn = x.rn[l];
     if constexpr (friction) {
@@ -397,7 +406,7 @@ class round_blocks {
   }
 
   // The same as round_contact::relax_push, push_a and push_b.
-  static void relax_push(block& x, solver_state& s) {
+  static void relax_push(const block& x, round_block_push& p, solver_state& s) {
     const auto at_a = [&](int i) -> vec3& { return s.shift[std::size_t(x.a[i])].v; };
     const auto at_b = [&](int i) -> vec3& { return s.shift[std::size_t(x.b[i])].v; };
     octet_rows a = gather(at_a), b;
@@ -406,11 +415,11 @@ class round_blocks {
       b = gather(at_b);
       rate -= x.nx * b.x + x.ny * b.y + x.nz * b.z;
     }
-    const octet free = x.pushed - (rate - x.push) * x.inverse_wn;
+    const octet free = p.pushed - (rate - p.push) * x.inverse_wn;
     const octet next =
         ((x.target == eight(0)) & (x.rn > eight(0))) | (free > eight(0)) ? free : eight(0);
-    const octet d = next - x.pushed;
-    x.pushed = next;
+    const octet d = next - p.pushed;
+    p.pushed = next;
     const octet da = d * a.w;
     a.x += da * x.nx, a.y += da * x.ny, a.z += da * x.nz;
     scatter(a, at_a);
@@ -422,7 +431,8 @@ class round_blocks {
   }
 
   block_planner plan_;
-  plain_vector<block> blocks_;  ///< of which the first so many are in use
+  plain_vector<block> blocks_;             ///< of which the first so many are in use
+  plain_vector<round_block_push> pushes_;  ///< of each block
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | lone
   plain_vector<Contact> lone_;          ///< contacts that found no place
