@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/parallel/detail/open_exchange.hpp"
 #include "talus/parallel/detail/thread_team.hpp"
 #include "talus/parallel/launch_settings.hpp"
@@ -112,7 +113,7 @@ struct threads {
     }
     template <class T>
     void combine(reduction how, std::span<T> values, contributions all) {
-      std::vector<T> theirs(values.size());
+      detail::plain_vector<T> theirs(values.size());
       for (std::size_t r = 0; r < all.size(); ++r) {
         if (all[r].bytes.size() != values.size_bytes())
           detail::fail<std::logic_error>("ranks {} and {} reduce different numbers of values",

@@ -185,8 +185,10 @@ class union_of {
             const matrix3<Real> turn = at.orientation.toRotationMatrix();
             moments.mass += mass;
             moments.first += mass * centre;
-            moments.second += mass * (turn * (0.5 * spread).asDiagonal() * turn.transpose() +
-                                      centre * centre.transpose());
+            matrix3<Real> own = detail::diagonal_matrix<Real>(0);
+            for (int k = 0; k < 3; ++k) own(k, k) = 0.5 * spread[k];
+            moments.second +=
+                mass * (turn * own * turn.transpose() + detail::outer(centre, centre));
             places.push_back(at);
           },
           p.shape);

@@ -137,7 +137,7 @@ class hull_wrapper {
     for (std::size_t i = places.size() - 1; i-- > 0;) add(places[i], half);
     if (ring.size() > 1) ring.pop_back();
     polygon corners;
-    for (auto it = ring.rbegin(); it != ring.rend(); ++it) corners.push_back(it->point);
+    for (std::size_t i = ring.size(); i-- > 0;) corners.push_back(ring[i].point);
     if (corners.size() < 3) return {};
     return corners;
   }
