@@ -69,9 +69,10 @@ class contact_maker {
         list_(std::get<contact_list<contact_type>>(s.contacts)),
         gravity_(s.gravity.norm()) {
     if constexpr (batched) {
-      waiting_.places.resize(a_.size());
+      waiting_.places = &s.template of<ShapeA>().places;
+      waiting_.places->resize(a_.size());
       for (std::size_t i = 0; i < a_.size(); ++i)
-        waiting_.places[i] = place_of<real>(a_.shape[i], a_.pose(i));
+        (*waiting_.places)[i] = place_of<real>(a_.shape[i], a_.pose(i));
     }
   }
 
@@ -95,12 +96,21 @@ class contact_maker {
                               : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
         return;
 
-    const close_pair pair{i, j, own_a, foreign, boundary};
-    const real margin = margin_a + margin_b - excess(i, j);
+    const real radius = a_.shape[i].bounding_radius();
+    real slack = contact_slack * radius, excess = 0;
+    if constexpr (ShapeB::finite) {
+      // The slack of a large body that is none of a small one beside it: both have that of the
+      // small.
+      const real other = b_.shape[j].bounding_radius();
+      excess = contact_slack * std::abs(radius - other);
+      slack += contact_slack * other;
+    }
+    const close_pair pair{i, j, radius, slack - excess, own_a, foreign, boundary};
+    const real margin = margin_a + margin_b - excess;
     if constexpr (batched) {
       const unsigned lane = waiting_.count++;
       waiting_.pairs[lane] = pair, waiting_.margins[lane] = margin;
-      waiting_.tests.set(lane, waiting_.places[i], waiting_.places[j], margin);
+      waiting_.tests.set(lane, (*waiting_.places)[i], (*waiting_.places)[j], margin);
       if (waiting_.count == waiting_.tests.capacity) finish();
     } else {
       const pair_material& material = material_of(pair);
@@ -116,8 +126,9 @@ class contact_maker {
       if (!(near >> k & 1u)) continue;
       const close_pair& pair = waiting_.pairs[k];
       const pair_material& material = material_of(pair);
-      collide_boxes(waiting_.places[pair.i], waiting_.places[pair.j], waiting_.tests.pair(k),
-                    waiting_.tests.gaps(k), waiting_.margins[k],
+      const auto& places = *waiting_.places;
+      collide_boxes(places[pair.i], places[pair.j], waiting_.tests.pair(k), waiting_.tests.gaps(k),
+                    waiting_.margins[k],
                     [&](const contact_geometry& g) { add(pair, material, g); });
     }
   }
@@ -125,10 +136,12 @@ class contact_maker {
  private:
   struct close_pair {
     std::size_t i = 0, j = 0;
+    real radius = 0;  ///< of a
+    real slack = 0;   ///< a contact with a larger gap must be about to close
     bool own_a = false, foreign = false, boundary = false;
   };
   struct waiting_pairs {
-    std::vector<box_place<real>> places;  ///< of all boxes
+    std::vector<box_place<real>>* places = nullptr;
     box_batch<real> tests;
     std::array<close_pair, box_batch<real>::capacity> pairs;
     std::array<real, box_batch<real>::capacity> margins;
@@ -140,7 +153,7 @@ class contact_maker {
     return s_.materials.pair(a_.material[p.i], b_.material[p.j]);
   }
   void add(const close_pair& p, const pair_material& pair, const contact_geometry& g) {
-    const auto& [i, j, own_a, foreign, boundary] = p;
+    const auto& [i, j, radius, slack, own_a, foreign, boundary] = p;
     vec3 arm_a = g.point - a_.position[i];
     // Only where both bodies move must the forces on them share a line; something immovable is met
     // with the surface itself.
@@ -156,7 +169,7 @@ class contact_maker {
       u += flown(a_, i, first_a_);
       if constexpr (paired) u -= flown(b_, j, first_b_);
     }
-    if (parts_before_touching(i, j, g, u)) return;
+    if (parts_before_touching(p, g, u)) return;
     if constexpr (watches<Scenario, penetration_monitor>)
       if (!foreign && (!boundary || own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -165,7 +178,7 @@ class contact_maker {
     place(c, g, arm_a, arm_b);
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
         pair, g.normal, u, g.gap, s_.dt, pull(i, j),
-        [&, i = i, j = j] { return fall(i, j, g.normal); }, creep(i), s_.settings.correction);
+        [&, i = i, j = j] { return fall(i, j, g.normal); }, creep(radius), s_.settings.correction);
     c.target = want.target;
     c.push = want.push;
     if constexpr (state_type::continuous) {
@@ -183,15 +196,12 @@ class contact_maker {
       list_.add(c, key);
   }
   /// A contact that is farther than the slack and does not close within the step is no contact.
-  bool parts_before_touching(std::size_t i, std::size_t j, const contact_geometry& g,
-                             const vec3& u) const {
-    real slack = contact_slack * a_.shape[i].bounding_radius();
-    if constexpr (ShapeB::finite) slack += contact_slack * b_.shape[j].bounding_radius();
-    if (g.gap <= slack - excess(i, j)) return false;
+  bool parts_before_touching(const close_pair& p, const contact_geometry& g, const vec3& u) const {
+    if (g.gap <= p.slack) return false;
     real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
-    if constexpr (store_a::tensor) closing -= turning(a_, i);
-    if constexpr (paired && store_b::tensor) closing -= turning(b_, j);
-    return g.gap + closing > slack - excess(i, j);
+    if constexpr (store_a::tensor) closing -= turning(a_, p.i);
+    if constexpr (paired && store_b::tensor) closing -= turning(b_, p.j);
+    return g.gap + closing > p.slack;
   }
   [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }
   /// Bodies apart that were followed on their way and do not meet in this step. (Where one of them
@@ -223,14 +233,6 @@ class contact_maker {
     if (t == never) return {0, 0, 0};
     return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
   }
-  /// The slack of a large body that is none of a small one beside it: both have that of the small.
-  real excess(std::size_t i, std::size_t j) const {
-    if constexpr (ShapeB::finite)
-      return contact_slack *
-             std::abs(a_.shape[i].bounding_radius() - b_.shape[j].bounding_radius());
-    else
-      return (void)i, (void)j, 0;
-  }
   /// Acceleration of the surfaces by gravity and by the forces and torques on the two bodies.
   real pull(std::size_t i, std::size_t j) const {
     real sum = gravity_;
@@ -257,7 +259,7 @@ class contact_maker {
   }
   /// What iterations leave of the velocity of something that sticks: a millionth of its size in a
   /// step. (Where others press, the bodies themselves may feel neither gravity nor forces.)
-  real creep(std::size_t i) const { return 1e-6 * a_.shape[i].bounding_radius() / s_.dt; }
+  real creep(real radius) const { return 1e-6 * radius / s_.dt; }
   /// How far the turning of a body can bring a point of its surface in a step.
   template <class Store>
   real turning(const Store& s, std::size_t i) const {
@@ -265,16 +267,13 @@ class contact_maker {
   }
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {
-    if constexpr (requires { c.frame; }) {
-      c.frame = frame_around(g.normal).template topRows<contact_type::rows>();
+    c.normal = g.normal;
+    if constexpr (requires { c.r; }) {  // a general contact
       c.arm_a = arm_a;
       c.arm_b = arm_b;
-    } else {
-      c.normal = g.normal;
-      if constexpr (law::friction) {
-        c.arm_a = -g.normal.dot(arm_a);
-        c.arm_b = g.normal.dot(arm_b);
-      }
+    } else if constexpr (law::friction) {
+      c.arm_a = -g.normal.dot(arm_a);
+      c.arm_b = g.normal.dot(arm_b);
     }
   }
 
