@@ -4,10 +4,12 @@
 // once.
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/response/frame_around.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -17,7 +19,7 @@ namespace talus::detail {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-/// Two vectors of three, each with one number to spare: a velocity and an angular velocity.
+/// A velocity and an angular velocity, or an impulse and its moment, and two numbers of no meaning.
 using twist = real __attribute__((vector_size(8 * sizeof(real))));
 
 /// A contact that can be solved in the frame of its patch; see general_contact.
@@ -26,16 +28,38 @@ concept swept_in_patches = requires {
   requires Contact::swept_in_patches;
 };
 
+// Written out, for they are all that a sweep consists of.
+[[nodiscard]] [[gnu::always_inline]] inline vec3 seen_in(const mat3& f, const vec3& v) {
+  return {f(0, 0) * v[0] + f(0, 1) * v[1] + f(0, 2) * v[2],
+          f(1, 0) * v[0] + f(1, 1) * v[1] + f(1, 2) * v[2],
+          f(2, 0) * v[0] + f(2, 1) * v[1] + f(2, 2) * v[2]};
+}
+[[nodiscard]] [[gnu::always_inline]] inline vec3 seen_from(const mat3& f, const vec3& v) {
+  return {f(0, 0) * v[0] + f(1, 0) * v[1] + f(2, 0) * v[2],
+          f(0, 1) * v[0] + f(1, 1) * v[1] + f(2, 1) * v[2],
+          f(0, 2) * v[0] + f(1, 2) * v[1] + f(2, 2) * v[2]};
+}
+[[nodiscard]] [[gnu::always_inline]] inline vec3 crossed(const vec3& a, const vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 /// Contacts [first, last) of a list. The motion of body a relative to b, at the centre of a and in
 /// the frame of the contacts, is (V, W) with V = v_a - v_b - w_b x offset; where a contact presses
 /// with r at arm from the centre of a, its velocity is V + W x arm, and (V, W) changes by
 /// mobility (r, arm x r).
 struct contact_patch {
-  twist mobility[6];     ///< columns of the symmetric matrix
+  real columns[6][6];    ///< of the mobility, which is symmetric
   mat3 frame;            ///< rows: normal, tangent, tangent
   vec3 offset{0, 0, 0};  ///< from the centre of b to that of a
   std::uint32_t first = 0, last = 0;
   std::int32_t a = 0, b = -1;
+
+  [[nodiscard]] [[gnu::always_inline]] twist mobility(int k) const {
+    twist column;  // and two numbers of what follows
+    std::memcpy(&column, reinterpret_cast<const char*>(columns) + k * sizeof columns[0],
+                sizeof column);
+    return column;
+  }
 };
 
 /// Changes the velocities of two bodies by an impulse on a, with its moment about the centre of a.
@@ -45,12 +69,12 @@ void give_pair(solver_state& s, std::int32_t of_a, std::int32_t of_b, const vec3
   const auto i = static_cast<std::size_t>(of_a);
   solver_body& a = s.bodies[i];
   a.v += a.inverse_mass * impulse;
-  a.w += s.tensor(i) * moment;
+  a.w += seen_in(s.tensor(i), moment);
   if constexpr (Paired) {
     const auto j = static_cast<std::size_t>(of_b);
     solver_body& b = s.bodies[j];
     b.v -= b.inverse_mass * impulse;
-    b.w -= s.tensor(j) * vec3(moment + offset.cross(impulse));
+    b.w -= seen_in(s.tensor(j), moment + crossed(offset, impulse));
   }
 }
 
@@ -63,32 +87,32 @@ class patch_motion {
     vec3 v = a.v, w = a.w;
     if constexpr (Paired) {
       const solver_body& b = s.bodies[static_cast<std::size_t>(p.b)];
-      v -= b.v + b.w.cross(p.offset);
+      v -= b.v + crossed(b.w, p.offset);
       w -= b.w;
     }
-    v = p.frame * v, w = p.frame * w;
-    motion_ = twist{v[0], v[1], v[2], 0, w[0], w[1], w[2], 0};
+    v = seen_in(p.frame, v), w = seen_in(p.frame, w);
+    motion_ = twist{v[0], v[1], v[2], w[0], w[1], w[2]};
   }
   [[nodiscard]] vec3 at(const vec3& arm) const {
-    const real x = motion_[4], y = motion_[5], z = motion_[6];
+    const real x = motion_[3], y = motion_[4], z = motion_[5];
     return {motion_[0] + (y * arm[2] - z * arm[1]), motion_[1] + (z * arm[0] - x * arm[2]),
             motion_[2] + (x * arm[1] - y * arm[0])};
   }
   void hit(const vec3& arm, const vec3& r) {
     const real x = arm[1] * r[2] - arm[2] * r[1], y = arm[2] * r[0] - arm[0] * r[2],
                z = arm[0] * r[1] - arm[1] * r[0];
-    motion_ += (p_.mobility[0] * r[0] + p_.mobility[1] * r[1]) +
-               (p_.mobility[2] * r[2] + p_.mobility[3] * x) +
-               (p_.mobility[4] * y + p_.mobility[5] * z);
-    total_ += twist{r[0], r[1], r[2], 0, x, y, z, 0};
+    motion_ += (p_.mobility(0) * r[0] + p_.mobility(1) * r[1]) +
+               (p_.mobility(2) * r[2] + p_.mobility(3) * x) +
+               (p_.mobility(4) * y + p_.mobility(5) * z);
+    total_ += twist{r[0], r[1], r[2], x, y, z};
   }
   /// Gives the bodies the impulses that acted.
   void apply(solver_state& s) const {
-    give(p_, s, {total_[0], total_[1], total_[2]}, {total_[4], total_[5], total_[6]});
+    give(p_, s, {total_[0], total_[1], total_[2]}, {total_[3], total_[4], total_[5]});
   }
   /// The impulse `r`, with the moment `m` about the centre of a, both in the frame of the patch.
   static void give(const contact_patch& p, solver_state& s, const vec3& r, const vec3& m) {
-    give_pair<Paired>(s, p.a, p.b, p.offset, p.frame.transpose() * r, p.frame.transpose() * m);
+    give_pair<Paired>(s, p.a, p.b, p.offset, seen_from(p.frame, r), seen_from(p.frame, m));
   }
 
  private:
@@ -107,7 +131,7 @@ class patch_shift {
     if constexpr (Paired) {
       const auto b = static_cast<std::size_t>(p.b);
       const vec3& turn = s.turn[b - s.first_tensor];
-      v -= s.shift[b].v + turn.cross(p.offset);
+      v -= s.shift[b].v + crossed(turn, p.offset);
       w -= turn;
     }
     const mat3& f = p.frame;
@@ -118,10 +142,10 @@ class patch_shift {
   [[nodiscard]] real at(const vec3& arm) const { return n_ + (y_ * arm[2] - z_ * arm[1]); }
   void push(const vec3& arm, real d) {
     const real y = d * arm[2], z = -d * arm[1];
-    const twist &n = p_.mobility[0], &my = p_.mobility[4], &mz = p_.mobility[5];
-    n_ += n[0] * d + my[0] * y + mz[0] * z;
-    y_ += n[5] * d + my[5] * y + mz[5] * z;
-    z_ += n[6] * d + my[6] * y + mz[6] * z;
+    const auto& m = p_.columns;
+    n_ += m[0][0] * d + m[0][4] * y + m[0][5] * z;
+    y_ += m[0][4] * d + m[4][4] * y + m[4][5] * z;
+    z_ += m[0][5] * d + m[4][5] * y + m[5][5] * z;
     total_ += d, moment_y_ += y, moment_z_ += z;
   }
   void apply(solver_state& s) const {
@@ -133,11 +157,11 @@ class patch_shift {
                       moment_y_ * f(1, 2) + moment_z_ * f(2, 2)};
     const auto a = static_cast<std::size_t>(p_.a);
     s.shift[a].v += s.bodies[a].inverse_mass * impulse;
-    s.turn[a - s.first_tensor] += s.tensor(a) * moment;
+    s.turn[a - s.first_tensor] += seen_in(s.tensor(a), moment);
     if constexpr (Paired) {
       const auto b = static_cast<std::size_t>(p_.b);
       s.shift[b].v -= s.bodies[b].inverse_mass * impulse;
-      s.turn[b - s.first_tensor] -= s.tensor(b) * vec3(moment + p_.offset.cross(impulse));
+      s.turn[b - s.first_tensor] -= seen_in(s.tensor(b), moment + crossed(p_.offset, impulse));
     }
   }
 
@@ -147,29 +171,45 @@ class patch_shift {
   real total_ = 0, moment_y_ = 0, moment_z_ = 0;
 };
 
+/// The columns of f m f^T with a symmetric m.
+struct turned_tensor {
+  vec3 x, y, z;
+  turned_tensor(const mat3& f, const mat3& m) {
+    const auto row = [&](int i) { return vec3{f(i, 0), f(i, 1), f(i, 2)}; };
+    x = seen_in(f, seen_in(m, row(0)));
+    y = seen_in(f, seen_in(m, row(1)));
+    z = seen_in(f, seen_in(m, row(2)));
+  }
+};
+
 /// Fills in what the bodies of a patch do to each other.
 template <bool Paired>
 void weigh_patch(contact_patch& p, const solver_state& s) {
   const auto a = static_cast<std::size_t>(p.a);
-  real inverse_mass = s.bodies[a].inverse_mass;
-  mat3 turning = p.frame * s.tensor(a) * p.frame.transpose(), across = diagonal_matrix<real>(0),
-       moving;
+  real mass = s.bodies[a].inverse_mass;
+  turned_tensor turning(p.frame, s.tensor(a));
+  const auto set = [&](int k, const vec3& v, const vec3& w) {
+    for (int i = 0; i < 3; ++i) p.columns[k][i] = v[i], p.columns[k][3 + i] = w[i];
+  };
   if constexpr (Paired) {
     const auto b = static_cast<std::size_t>(p.b);
-    inverse_mass += s.bodies[b].inverse_mass;
-    const mat3 of_b = p.frame * s.tensor(b) * p.frame.transpose();
-    const mat3 x = cross_matrix<vec3>(p.frame * p.offset);
-    turning += of_b;
-    across = of_b * x;  // what an impulse turns, seen from a
-    moving = diagonal_matrix(inverse_mass) - x * across;
+    mass += s.bodies[b].inverse_mass;
+    const turned_tensor of_b(p.frame, s.tensor(b));
+    turning.x += of_b.x, turning.y += of_b.y, turning.z += of_b.z;
+    const vec3 c = seen_in(p.frame, p.offset);
+    // What an impulse turns, seen from a; and how that moves the centre of a.
+    const vec3 x = c[2] * of_b.y - c[1] * of_b.z, y = c[0] * of_b.z - c[2] * of_b.x,
+               z = c[1] * of_b.x - c[0] * of_b.y;
+    const vec3 mx = crossed(c, x), my = crossed(c, y), mz = crossed(c, z);
+    const vec3 e[3] = {{mass, 0, 0}, {0, mass, 0}, {0, 0, mass}};
+    set(0, e[0] - mx, x), set(1, e[1] - my, y), set(2, e[2] - mz, z);
+    set(3, {x[0], y[0], z[0]}, turning.x);
+    set(4, {x[1], y[1], z[1]}, turning.y);
+    set(5, {x[2], y[2], z[2]}, turning.z);
   } else {
-    moving = diagonal_matrix(inverse_mass);
-  }
-  for (int k = 0; k < 3; ++k) {
-    p.mobility[k] = twist{moving(0, k), moving(1, k), moving(2, k), 0,
-                          across(0, k), across(1, k), across(2, k), 0};
-    p.mobility[3 + k] = twist{across(k, 0),  across(k, 1),  across(k, 2),  0,
-                              turning(0, k), turning(1, k), turning(2, k), 0};
+    set(0, {mass, 0, 0}, {0, 0, 0}), set(1, {0, mass, 0}, {0, 0, 0});
+    set(2, {0, 0, mass}, {0, 0, 0}), set(3, {0, 0, 0}, turning.x);
+    set(4, {0, 0, 0}, turning.y), set(5, {0, 0, 0}, turning.z);
   }
 }
 
@@ -189,7 +229,7 @@ class contact_patches {
       contact_patch& p = patches_.emplace_back();
       p.first = static_cast<std::uint32_t>(first), p.last = static_cast<std::uint32_t>(last);
       p.a = c.a, p.b = c.b;
-      p.frame = c.frame;
+      p.frame = frame_around<real>(c.normal);
       if constexpr (paired) p.offset = c.arm_b - c.arm_a;
       weigh_patch<paired>(p, s);
       for (std::size_t i = first; i < last; ++i) contacts[i].weigh(p);

@@ -13,10 +13,9 @@ struct split_impulse {
 template <class Contact>
 [[nodiscard]] split_impulse impulse_in_parts(const Contact& c) {
   split_impulse p;
-  if constexpr (requires { c.frame; }) {
-    p.normal = c.r[0] * c.frame.row(0).transpose();
-    if constexpr (Contact::rows == 3)
-      p.tangential = c.frame.template bottomRows<2>().transpose() * c.r.template tail<2>();
+  if constexpr (requires { c.r; }) {
+    p.normal = c.r[0] * c.normal;
+    if constexpr (Contact::rows == 3) p.tangential = c.axes().transpose() * vec3(0, c.r[1], c.r[2]);
   } else {
     p.normal = c.rn * c.normal;
     if constexpr (requires { c.rt; }) p.tangential = c.rt;
@@ -28,7 +27,7 @@ template <class Contact>
 /// on a it makes the work done on that body, to round-off: it is what the solver's velocities meet.
 template <class Contact>
 [[nodiscard]] vec3 velocity_on_a(const Contact& c, const vec3& v, const vec3& w) {
-  if constexpr (requires { c.frame; })
+  if constexpr (requires { c.r; })
     return v + w.cross(c.arm_a);
   else if constexpr (requires { c.rt; })
     return v + c.arm_a * c.normal.cross(w);
@@ -38,7 +37,7 @@ template <class Contact>
 /// The same for body b.
 template <class Contact>
 [[nodiscard]] vec3 velocity_on_b(const Contact& c, const vec3& v, const vec3& w) {
-  if constexpr (requires { c.frame; })
+  if constexpr (requires { c.r; })
     return v + w.cross(c.arm_b);
   else if constexpr (requires { c.rt; })
     return v - c.arm_b * c.normal.cross(w);

@@ -12,6 +12,7 @@ namespace talus::detail {
 struct coulomb_block {
   real nn = 0, n1 = 0, n2 = 0, t11 = 0, t12 = 0, t22 = 0;           ///< W
   real i_nn = 0, i_n1 = 0, i_n2 = 0, i_11 = 0, i_12 = 0, i_22 = 0;  ///< its inverse
+  real inverse_nn = 0;                                              ///< 1 / nn
 
   /// From the components of W, which is positive definite.
   void set(real wnn, real wn1, real wn2, real w11, real w12, real w22) {
@@ -22,6 +23,7 @@ struct coulomb_block {
     i_11 = scale * (wnn * w22 - wn2 * wn2);
     i_12 = scale * (wn1 * wn2 - wnn * w12);
     i_22 = scale * (wnn * w11 - wn1 * wn1);
+    inverse_nn = 1 / wnn;
   }
   void set(const mat3& w) {
     set(w(0, 0), (w(0, 1) + w(1, 0)) / 2, (w(0, 2) + w(2, 0)) / 2, w(1, 1), (w(1, 2) + w(2, 1)) / 2,
@@ -52,7 +54,7 @@ struct coulomb_block {
   /// linear in lambda: Newton's method starts from what lambda was before, and mostly takes a step
   /// or two. Where it leads astray, the general solution is asked.
   [[nodiscard]] [[gnu::noinline]] vec3 slide(const vec3& r, const vec3& u, real un, real mu) const {
-    const real inverse = 1 / nn;
+    const real inverse = inverse_nn;
     if (mu == 0) return {-un * inverse, 0, 0};
     const real w1 = n1 * inverse, w2 = n2 * inverse;
     const real s11 = t11 - n1 * w1, s12 = t12 - n1 * w2, s22 = t22 - n2 * w2;

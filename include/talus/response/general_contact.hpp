@@ -49,41 +49,39 @@ struct general_contact : general_block<Law::friction> {
   change r = change::Zero();  ///< impulse in the frame
   std::int32_t a = 0;
   std::int32_t b = -1;
-  Eigen::Matrix<real, rows, 3> frame;  ///< rows: normal from b to a, two tangents
-  vec3 arm_a{0, 0, 0};                 ///< from the centre of mass to the contact point
+  vec3 normal{0, 0, 1};  ///< from b to a; the tangents are those of frame_around
+  vec3 arm_a{0, 0, 0};   ///< from the centre of mass to the contact point
   vec3 arm_b{0, 0, 0};
 
   void weigh(const solver_state& s, real split_a, real split_b) {
     mat3 w = mobility<A>(s, a, arm_a, split_a);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, split_b);
-    if constexpr (Law::friction)
+    if constexpr (Law::friction) {
+      const mat3 frame = frame_around<real>(normal);
       this->block.set(frame * w * frame.transpose());
-    else
-      this->delassus = axis().dot(w * axis());
+    } else {
+      this->delassus = normal.dot(w * normal);
+    }
   }
   /// The same from a patch that it belongs to.
   void weigh(const contact_patch& p) requires(swept_in_patches) {
-    this->arm = frame * arm_a;
-    const vec3& arm = this->arm;
-    // The velocity at the arm that each component of an impulse there makes.
-    const auto column = [&](int k) {
-      const real e[3] = {k == 0 ? 1. : 0., k == 1 ? 1. : 0., k == 2 ? 1. : 0.};
-      const twist m = p.mobility[k] + p.mobility[3] * (arm[1] * e[2] - arm[2] * e[1]) +
-                      p.mobility[4] * (arm[2] * e[0] - arm[0] * e[2]) +
-                      p.mobility[5] * (arm[0] * e[1] - arm[1] * e[0]);
-      return vec3(m[0] + (m[5] * arm[2] - m[6] * arm[1]), m[1] + (m[6] * arm[0] - m[4] * arm[2]),
-                  m[2] + (m[4] * arm[1] - m[5] * arm[0]));
-    };
-    const vec3 n = column(0), x = column(1), y = column(2);
-    this->block.set(n[0], n[1], n[2], x[1], x[2], y[2]);
+    this->arm = seen_in(p.frame, arm_a);
+    const vec3& r = this->arm;
+    // The motion that each component of an impulse at the arm makes, and the velocity there.
+    const twist x3 = p.mobility(3), x4 = p.mobility(4), x5 = p.mobility(5),
+                n = p.mobility(0) + (x4 * r[2] - x5 * r[1]),
+                x = p.mobility(1) + (x5 * r[0] - x3 * r[2]),
+                y = p.mobility(2) + (x3 * r[1] - x4 * r[0]);
+    this->block.set(n[0] + (n[4] * r[2] - n[5] * r[1]), n[1] + (n[5] * r[0] - n[3] * r[2]),
+                    n[2] + (n[3] * r[1] - n[4] * r[0]), x[1] + (x[5] * r[0] - x[3] * r[2]),
+                    x[2] + (x[3] * r[1] - x[4] * r[0]), y[2] + (y[3] * r[1] - y[4] * r[0]));
   }
   /// Whether the two bodies and the normal are the same.
   [[nodiscard]] bool same_patch(const general_contact& other) const {
-    return a == other.a && b == other.b && frame(0, 0) == other.frame(0, 0) &&
-           frame(0, 1) == other.frame(0, 1) && frame(0, 2) == other.frame(0, 2);
+    return a == other.a && b == other.b && normal == other.normal;
   }
   void warm(const vec3& impulse) {
-    r = frame * impulse;
+    r = seen(impulse);
     r[0] = std::max(real{0}, r[0]);
     if constexpr (Law::friction) {
       const real limit = friction * r[0], square = r[1] * r[1] + r[2] * r[2];
@@ -93,16 +91,11 @@ struct general_contact : general_block<Law::friction> {
       }
     }
   }
-  [[nodiscard]] vec3 impulse() const { return frame.transpose() * r; }
+  [[nodiscard]] vec3 impulse() const { return unseen(r); }
   [[nodiscard]] change whole() const { return r; }
 
   // What solving several contacts as one needs; see stalled_islands.hpp.
-  [[nodiscard]] mat3 axes() const {
-    if constexpr (Law::friction)
-      return frame;
-    else
-      return frame_around<real>(axis());
-  }
+  [[nodiscard]] mat3 axes() const { return frame_around<real>(normal); }
   [[nodiscard]] const vec3& lever_a() const { return arm_a; }
   [[nodiscard]] const vec3& lever_b() const { return arm_b; }
   [[nodiscard]] change since(const change& before) const { return r - before; }
@@ -112,7 +105,7 @@ struct general_contact : general_block<Law::friction> {
   void set(const change& next) { r = next; }
 
   // What the residual is made of; see residual.hpp.
-  [[nodiscard]] vec3 axis() const { return {frame(0, 0), frame(0, 1), frame(0, 2)}; }
+  [[nodiscard]] const vec3& axis() const { return normal; }
   [[nodiscard]] real mu() const { return Law::friction ? friction : 0; }
   /// Of a against b at the point of contact; without friction its normal part alone.
   [[nodiscard]] vec3 relative_velocity(const solver_state& s) const {
@@ -136,11 +129,11 @@ struct general_contact : general_block<Law::friction> {
     if constexpr (paired) u -= s.bodies[b].v + s.bodies[b].w.cross(arm_b);
     const change before = r;
     if constexpr (Law::friction) {
-      u = frame * u;
+      u = seen(u);
       u[0] -= target;
       r = this->block.solve(r, u, friction);
     } else {
-      r[0] = std::max(real{0}, r[0] - (axis().dot(u) - target) / own_mobility());
+      r[0] = std::max(real{0}, r[0] - (axis().dot(u) - target) * inverse_own_mobility());
     }
     return r - before;
   }
@@ -149,12 +142,12 @@ struct general_contact : general_block<Law::friction> {
     if constexpr (paired) apply_to_b(s, d);
   }
   void apply_to_a(solver_state& s, const change& d) const {
-    const vec3 p = frame.transpose() * d;
+    const vec3 p = unseen(d);
     s.bodies[a].v += s.bodies[a].inverse_mass * p;
     s.bodies[a].w += turn<A>(s, a, arm_a.cross(p));
   }
   void apply_to_b(solver_state& s, const change& d) const {
-    const vec3 p = frame.transpose() * d;
+    const vec3 p = unseen(d);
     s.bodies[b].v -= s.bodies[b].inverse_mass * p;
     s.bodies[b].w -= turn<B>(s, b, arm_b.cross(p));
   }
@@ -168,7 +161,7 @@ struct general_contact : general_block<Law::friction> {
   /// The change of the correction's impulse where surfaces move apart at `rate`.
   real push_at(real rate) {
     const real before = pushed;
-    const real next = pushed - (rate - push) / own_mobility();
+    const real next = pushed - (rate - push) * inverse_own_mobility();
     // Surfaces that hold each other neither part nor meet but by the push.
     pushed = target == 0 && r[0] > 0 ? next : std::max(real{0}, next);
     return pushed - before;
@@ -179,12 +172,32 @@ struct general_contact : general_block<Law::friction> {
   }
 
  private:
+  /// In the frame of the contact; of an impulse without friction there is the normal part alone.
+  [[nodiscard]] change seen(const vec3& v) const {
+    if constexpr (Law::friction)
+      return seen_in(frame_around<real>(normal), v);
+    else
+      return change(normal.dot(v));
+  }
+  /// Back in the world.
+  [[nodiscard]] vec3 unseen(const change& d) const {
+    if constexpr (Law::friction)
+      return seen_from(frame_around<real>(normal), d);
+    else
+      return d[0] * normal;
+  }
   /// Along the normal.
   [[nodiscard]] real own_mobility() const {
     if constexpr (Law::friction)
       return this->block.nn;
     else
       return this->delassus;
+  }
+  [[nodiscard]] real inverse_own_mobility() const {
+    if constexpr (Law::friction)
+      return this->block.inverse_nn;
+    else
+      return 1 / this->delassus;
   }
   template <contact_side Side>
   static vec3 turn(const solver_state& s, std::int32_t i, const vec3& moment) {

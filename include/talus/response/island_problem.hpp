@@ -58,25 +58,30 @@ class contact_order {
   }
   [[nodiscard]] const plain_vector<std::uint32_t>& order() const { return order_; }
   [[nodiscard]] std::size_t half_bandwidth() const { return half_; }
+  /// Contacts in a row from one end to the other.
+  [[nodiscard]] std::size_t length() const { return length_; }
 
  private:
   void search(std::uint32_t start) {
     plain_vector<char> seen(bodies_of_.size(), 0), met(of_body_.size(), 0);
     order_.assign(1, start);
     seen[start] = 1;
-    for (std::size_t k = 0; k < order_.size(); ++k)
+    length_ = 0;
+    for (std::size_t k = 0, level_end = 0; k < order_.size(); ++k) {
+      if (k == level_end) level_end = order_.size(), ++length_;
       for (const std::int32_t body : bodies_of_[order_[k]]) {
         if (body < 0 || met[static_cast<std::size_t>(body)]) continue;
         met[static_cast<std::size_t>(body)] = 1;
         for (const auto next : of_body_[static_cast<std::size_t>(body)])
           if (!seen[next]) seen[next] = 1, order_.push_back(next);
       }
+    }
   }
 
   std::vector<plain_vector<std::uint32_t>> of_body_;
   plain_vector<std::array<std::int32_t, 2>> bodies_of_;
   plain_vector<std::uint32_t> order_;
-  std::size_t half_ = 0;
+  std::size_t half_ = 0, length_ = 0;
 };
 
 /// Assembles the problem of these contacts at the velocities of `s`, which contain their impulses;

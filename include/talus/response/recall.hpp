@@ -43,27 +43,65 @@ class kept_pair {
   bool searched_;
 };
 
-/// Hands what points of a patch bore that are no more to those that are new, in equal parts: while
-/// a body slides or rocks, the parts that meet change, but hardly the load. `keys` and `contacts`
-/// are those of one pair.
+/// What a pair of bodies remembers; of more points than have room, nothing is said.
+class remembered_pair {
+ public:
+  explicit remembered_pair(const kept_pair& kept) {
+    kept.each([&](const remembered_contact& old) {
+      if (size_ < most) found_[size_] = {&old, false};
+      ++size_;
+    });
+  }
+  [[nodiscard]] bool complete() const { return size_ <= most; }
+  /// The impulse of a point, which is then one of those that are still there; or null.
+  [[nodiscard]] const vec3* find(const contact_key& key) {
+    for (std::size_t k = 0; k < size_; ++k)
+      if (found_[k].old->key.feature == key.feature) {
+        found_[k].present = true;
+        return &found_[k].old->memory;
+      }
+    return nullptr;
+  }
+  /// The sum of those that were not found, in an order that does not depend on where they are
+  /// remembered: ranks must agree to the bit.
+  [[nodiscard]] vec3 lost() {
+    const auto end = std::remove_if(found_.begin(), found_.begin() + size_,
+                                    [](const entry& e) { return e.present; });
+    std::sort(found_.begin(), end, [](const entry& x, const entry& y) {
+      return x.old->key.feature < y.old->key.feature;
+    });
+    vec3 sum{0, 0, 0};
+    for (auto e = found_.begin(); e != end; ++e) sum += e->old->memory;
+    return sum;
+  }
+
+ private:
+  struct entry {
+    const remembered_contact* old;
+    bool present;
+  };
+  static constexpr std::size_t most = 16;
+  std::array<entry, most> found_;
+  std::size_t size_ = 0;
+};
+
+/// Lets the contacts of one pair start from what is remembered for their keys. What points of a
+/// patch bore that are no more goes to those that are new, in equal parts: while a body slides or
+/// rocks, the parts that meet change, but hardly the load.
 template <class Contact>
-void inherit(const kept_pair& kept, std::span<const contact_key> keys,
-             std::span<Contact> contacts) {
-  std::array<const remembered_contact*, 16> gone;
-  std::size_t size = 0, heirs = 0;
-  kept.each([&](const remembered_contact& old) {
-    if (size < gone.size() && std::find(keys.begin(), keys.end(), old.key) == keys.end())
-      gone[size++] = &old;
-  });
-  if (size == 0 || size == gone.size()) return;
-  // In an order that does not depend on where they are remembered: ranks must agree to the bit.
-  std::sort(gone.begin(), gone.begin() + size,
-            [](auto* x, auto* y) { return x->key.feature < y->key.feature; });
-  vec3 sum{0, 0, 0};
-  for (std::size_t k = 0; k < size; ++k) sum += gone[k]->memory;
-  for (const auto& key : keys) heirs += kept.find(key) == nullptr;
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (kept.find(keys[i]) == nullptr) contacts[i].warm(sum / static_cast<real>(heirs));
+void recall_patch(remembered_pair& before, std::span<const contact_key> keys,
+                  std::span<Contact> contacts) {
+  std::array<std::size_t, 64> heirs;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (const vec3* p = before.find(keys[i]))
+      contacts[i].warm(*p);
+    else if (count < heirs.size())
+      heirs[count++] = i;
+  if (count == 0) return;
+  const vec3 share = before.lost() / static_cast<real>(count);
+  if (share == vec3(0, 0, 0)) return;
+  for (std::size_t k = 0; k < count; ++k) contacts[heirs[k]].warm(share);
 }
 
 /// Lets each contact start from the impulse that is remembered for its key.
@@ -72,17 +110,17 @@ void recall(const contact_history& history, const plain_vector<contact_key>& key
             const plain_vector<history_place*>& places, plain_vector<Contact>& contacts) {
   for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
     const kept_pair kept(history, keys[first], places[first]);
-    bool lost = false;
-    for (; last < contacts.size() && keys[last].same_pair(keys[first]); ++last) {
-      if (const vec3* p = kept.find(keys[last]))
-        contacts[last].warm(*p);
-      else
-        lost = true;
+    while (last < contacts.size() && keys[last].same_pair(keys[first])) ++last;
+    if constexpr (comes_in_patches<Contact>) {
+      remembered_pair before(kept);
+      if (before.complete()) {
+        recall_patch(before, std::span(keys).subspan(first, last - first),
+                     std::span(contacts).subspan(first, last - first));
+        continue;
+      }
     }
-    if constexpr (comes_in_patches<Contact>)
-      if (lost)
-        inherit(kept, std::span(keys).subspan(first, last - first),
-                std::span(contacts).subspan(first, last - first));
+    for (std::size_t i = first; i < last; ++i)
+      if (const vec3* p = kept.find(keys[i])) contacts[i].warm(*p);
   }
 }
 

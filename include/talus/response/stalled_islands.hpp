@@ -54,10 +54,13 @@ class stalled_islands {
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     sort_values(worst_first);
     real budget = std::max(least_budget, budget_per_contact * static_cast<real>(contacts));
-    bool solved = false;
+    bool solved = false, looked = false;
     for (const auto& [stall, i] : worst_first)
-      if (-stall > let_be * s.speed) solved |= solve_one(islands_[i], lists, s, budget);
-    if (!solved && stalled > most_contacts) s.pause = 7;
+      if (-stall > let_be * s.speed) {
+        looked = true;
+        solved |= solve_one(islands_[i], lists, s, budget);
+      }
+    if (!solved && (looked || stalled > most_contacts)) s.pause = 7;
   }
 
  private:
@@ -65,6 +68,8 @@ class stalled_islands {
   /// Floating-point operations that a step may spend here: what the sweeps take, or that of a
   /// tall stack.
   static constexpr real least_budget = 2e8, budget_per_contact = 2000;
+  /// Of a contact in a sweep, in operations; twice, for a solution is exact.
+  static constexpr real sweep_cost = 600;
   /// The part of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
 
@@ -76,11 +81,13 @@ class stalled_islands {
     std::size_t size = 0;
     real change = 0;  ///< largest change of velocity in the last sweep
     real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
-    /// Estimate of the error: each sweep takes one part in (rows² * ratio of masses) from it, with
-    /// four contacts in a row.
+    /// Estimate of the error: each sweep takes one part in (rows² * ratio of masses) from it.
+    [[nodiscard]] real stall(real rows) const {
+      return change * rows * rows * most_mass / least_mass;
+    }
+    /// At most: with four contacts in a row.
     [[nodiscard]] real stall() const {
-      const real rows = 1 + 0.25 * static_cast<real>(size);
-      return size > most_contacts ? 0 : change * rows * rows * most_mass / least_mass;
+      return size > most_contacts ? 0 : stall(1 + 0.25 * static_cast<real>(size));
     }
   };
 
@@ -140,7 +147,7 @@ class stalled_islands {
       }
   }
 
-  /// Whether the island could be afforded.
+  /// Whether the island, now that its length is known, is stalled and could be afforded.
   static bool solve_one(const island& one, std::span<const contact_access> lists, solver_state& s,
                         real& budget) {
     plain_vector<island_contact> contacts;
@@ -151,8 +158,13 @@ class stalled_islands {
       for (std::int32_t* end : {&c.a, &c.b})
         if (*end >= 0 && !moves(s, *end)) *end = -1;
     const contact_order order(ties);
+    const real rows = 1 + static_cast<real>(order.length());
+    if (one.stall(rows) <= let_be * s.speed) return false;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
-    if (cost > budget / 2) return false;
+    // Not where the sweeps that it stands for cost less, as in heaps that are wide.
+    const real sweeps = rows * rows * one.most_mass / one.least_mass;
+    if (cost > budget / 2 || cost > sweep_cost * sweeps * static_cast<real>(contacts.size()))
+      return false;
     plain_vector<island_contact> chain;
     for (const auto i : order.order()) chain.push_back(contacts[i]);
     contact_vector r;

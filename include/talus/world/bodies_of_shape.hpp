@@ -6,7 +6,9 @@
 #include "talus/body/store.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
+#include "talus/detect/detail/box_frame.hpp"
 #include "talus/detect/hash_grid.hpp"
+#include "talus/shape/box.hpp"
 
 namespace talus::detail {
 
@@ -14,8 +16,16 @@ namespace talus::detail {
 /// that are about to close keep their impulse and their place.
 inline constexpr real contact_slack = 0.01;
 
+/// Where the bodies of a shape are, worked out once for the detection of a step.
+template <class Shape>
+struct places_of {};
+template <>
+struct places_of<box> {
+  plain_vector<box_place<real>> places;
+};
+
 template <class Shape, class Features>
-struct bodies_of_shape {
+struct bodies_of_shape : places_of<Shape> {
   using shape_type = Shape;
   using store_type = body_store<Shape, Features>;
 

@@ -69,9 +69,10 @@ class contact_maker {
         list_(std::get<contact_list<contact_type>>(s.contacts)),
         gravity_(s.gravity.norm()) {
     if constexpr (batched) {
-      waiting_.places.resize(a_.size());
+      waiting_.places = &s.template of<ShapeA>().places;
+      waiting_.places->resize(a_.size());
       for (std::size_t i = 0; i < a_.size(); ++i)
-        waiting_.places[i] = place_of<real>(a_.shape[i], a_.pose(i));
+        (*waiting_.places)[i] = place_of<real>(a_.shape[i], a_.pose(i));
     }
   }
 
@@ -91,7 +92,7 @@ class contact_maker {
     for (unsigned k = 0; k < count; ++k) {
       pair_at_hand& x = waiting_.pairs[k];
       if (near >> k & 1u)
-        collide_boxes(waiting_.places[x.i], waiting_.places[x.j], waiting_.tests.pair(k),
+        collide_boxes((*waiting_.places)[x.i], (*waiting_.places)[x.j], waiting_.tests.pair(k),
                       waiting_.tests.gaps(k), x.margin,
                       [&](const contact_geometry& g) { add(x, g); });
       forget_unless_made(x);
@@ -102,13 +103,15 @@ class contact_maker {
   struct pair_at_hand {
     std::size_t i = 0, j = 0;
     real margin = 0;
+    real radius = 0;  ///< of a
+    real slack = 0;   ///< a contact with a larger gap must be about to close
     history_place* last = nullptr;
     const pair_material* material = nullptr;
     bool own_a = false, boundary = false, foreign = false, moves_a = false, moves_b = false;
     bool made = false;  ///< a contact that may get an impulse
   };
   struct waiting_pairs {
-    plain_vector<box_place<real>> places;  ///< of all boxes
+    plain_vector<box_place<real>>* places = nullptr;  ///< of all boxes
     box_batch<real> tests;
     std::array<pair_at_hand, box_batch<real>::capacity> pairs;
     unsigned count = 0;
@@ -142,11 +145,21 @@ class contact_maker {
         return forget_unless_made(x);
 
     x.material = &s_.materials.pair(a_.material[i], b_.material[j]);
-    x.margin = margin_a + margin_b - excess(i, j);
+    x.radius = a_.shape[i].bounding_radius();
+    x.slack = contact_slack * x.radius;
+    x.margin = margin_a + margin_b;
+    if constexpr (ShapeB::finite) {
+      // The slack of a large body that is none of a small one beside it: both have that of the
+      // small.
+      const real other = b_.shape[j].bounding_radius();
+      const real excess = contact_slack * std::abs(x.radius - other);
+      x.slack += contact_slack * other - excess;
+      x.margin -= excess;
+    }
     if constexpr (batched) {
       const unsigned lane = waiting_.count++;
       waiting_.pairs[lane] = x;
-      waiting_.tests.set(lane, waiting_.places[i], waiting_.places[j], x.margin);
+      waiting_.tests.set(lane, (*waiting_.places)[i], (*waiting_.places)[j], x.margin);
       if (waiting_.count == waiting_.tests.capacity) finish();
       return;
     } else if constexpr (ShapeA::round && ShapeB::round) {  // a single point
@@ -178,7 +191,7 @@ class contact_maker {
       u += flown(a_, i, first_a_);
       if constexpr (paired) u -= flown(b_, j, first_b_);
     }
-    if (parts_before_touching(i, j, g, u)) return;
+    if (parts_before_touching(x, g, u)) return;
     if constexpr (watches<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -187,7 +200,7 @@ class contact_maker {
     place(c, g, arm_a, arm_b);
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
         *x.material, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
-        creep(i), s_.settings.correction);
+        creep(x.radius), s_.settings.correction);
     c.target = want.target;
     c.push = want.push;
     if constexpr (state_type::continuous) {
@@ -206,15 +219,13 @@ class contact_maker {
   }
 
   /// A contact that is farther than the slack and does not close within the step is no contact.
-  bool parts_before_touching(std::size_t i, std::size_t j, const contact_geometry& g,
+  bool parts_before_touching(const pair_at_hand& p, const contact_geometry& g,
                              const vec3& u) const {
-    real slack = contact_slack * a_.shape[i].bounding_radius();
-    if constexpr (ShapeB::finite) slack += contact_slack * b_.shape[j].bounding_radius();
-    if (g.gap <= slack - excess(i, j)) return false;
+    if (g.gap <= p.slack) return false;
     real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
-    if constexpr (store_a::tensor) closing -= turning(a_, i);
-    if constexpr (paired && store_b::tensor) closing -= turning(b_, j);
-    return g.gap + closing > slack - excess(i, j);
+    if constexpr (store_a::tensor) closing -= turning(a_, p.i);
+    if constexpr (paired && store_b::tensor) closing -= turning(b_, p.j);
+    return g.gap + closing > p.slack;
   }
   [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }
   /// Bodies apart that were followed on their way and do not meet in this step. (Where one of them
@@ -246,14 +257,6 @@ class contact_maker {
     if (t == never) return {0, 0, 0};
     return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
   }
-  /// The slack of a large body that is none of a small one beside it: both have that of the small.
-  real excess(std::size_t i, std::size_t j) const {
-    if constexpr (ShapeB::finite)
-      return contact_slack *
-             std::abs(a_.shape[i].bounding_radius() - b_.shape[j].bounding_radius());
-    else
-      return (void)i, (void)j, 0;
-  }
   /// Acceleration of the surfaces by gravity and by the forces and torques on the two bodies.
   real pull(std::size_t i, std::size_t j) const {
     real sum = gravity_;
@@ -280,7 +283,7 @@ class contact_maker {
   }
   /// What iterations leave of the velocity of something that sticks: a millionth of its size in a
   /// step. (Where others press, the bodies themselves may feel neither gravity nor forces.)
-  real creep(std::size_t i) const { return 1e-6 * a_.shape[i].bounding_radius() / s_.dt; }
+  real creep(real radius) const { return 1e-6 * radius / s_.dt; }
   /// How far the turning of a body can bring a point of its surface in a step.
   template <class Store>
   real turning(const Store& s, std::size_t i) const {
@@ -288,16 +291,13 @@ class contact_maker {
   }
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {
-    if constexpr (requires { c.frame; }) {
-      c.frame = frame_around(g.normal).template topRows<contact_type::rows>();
+    c.normal = g.normal;
+    if constexpr (requires { c.r; }) {  // a general contact
       c.arm_a = arm_a;
       c.arm_b = arm_b;
-    } else {
-      c.normal = g.normal;
-      if constexpr (law::friction) {
-        c.arm_a = -g.normal.dot(arm_a);
-        c.arm_b = g.normal.dot(arm_b);
-      }
+    } else if constexpr (law::friction) {
+      c.arm_a = -g.normal.dot(arm_a);
+      c.arm_b = g.normal.dot(arm_b);
     }
   }
 

@@ -59,9 +59,9 @@ class box_manifold {
     constexpr Real most = soft;
     for (const bool far : {false, true}) {
       const Real sign = far ? 1 : -1;
-      if (sign * centre[0] + u_width > most * p.ha[u_])
+      if (size_ > 0 && sign * centre[0] + u_width > most * p.ha[u_])
         clip(&corner::u, far, p.ha[u_], side(u_, far));
-      if (sign * centre[1] + v_width > most * p.ha[v_])
+      if (size_ > 0 && sign * centre[1] + v_width > most * p.ha[v_])
         clip(&corner::v, far, p.ha[v_], side(v_, far));
     }
     unsigned kept = 0;
@@ -161,23 +161,28 @@ class box_manifold {
   void clip(Real corner::*along, bool far, Real half, box_part wall) {
     const Real sign = far ? 1 : -1;
     const Real limit = half * soft;
-    std::array<corner, 12> out;
+    const std::array<corner, 8> in = corners_;
+    const unsigned size = size_;
     unsigned n = 0;
-    for (unsigned k = 0; k < size_; ++k) {
-      const corner& a = corners_[k];
-      const corner& b = corners_[k + 1 < size_ ? k + 1 : 0];
-      const Real da = sign * (a.*along), db = sign * (b.*along);
+    const auto put = [&](const corner& c) {
+      if (n < 8) corners_[n++] = c;
+    };
+    Real da = sign * (in[size - 1].*along);
+    for (unsigned k = 0, before = size - 1; k < size; before = k++) {
+      const corner &a = in[before], &b = in[k];
+      const Real db = sign * (b.*along);
       const bool a_in = da <= limit, b_in = db <= limit;
-      if (a_in) out[n++] = a;
-      if (a_in == b_in || (a_in ? da : db) >= half) continue;
-      const Real t = (half - da) / (db - da);
-      corner cut{a.u + t * (b.u - a.u), a.v + t * (b.v - a.v), a.gap + t * (b.gap - a.gap),
-                 (a.reference & b.reference) | wall, a.incident & b.incident};
-      cut.*along = sign * half;
-      out[n++] = cut;
+      if (a_in != b_in && (a_in ? da : db) < half) {
+        const Real t = (half - da) / (db - da);
+        corner cut{a.u + t * (b.u - a.u), a.v + t * (b.v - a.v), a.gap + t * (b.gap - a.gap),
+                   (a.reference & b.reference) | wall, a.incident & b.incident};
+        cut.*along = sign * half;
+        put(cut);
+      }
+      if (b_in) put(b);
+      da = db;
     }
-    size_ = std::min(n, 8u);
-    std::copy(out.begin(), out.begin() + size_, corners_.begin());
+    size_ = n;
   }
 
   [[nodiscard]] Real area_of(unsigned i, unsigned j, unsigned k, unsigned l) const {

@@ -19,17 +19,19 @@ bool nearest_on_lines(const vector3<Real>& p, const vector3<Real>& u, const vect
   return true;
 }
 
-/// Nearest points of two boxes that are apart, `axes.best()` clearly above zero. Nearest points are
-/// a corner and whatever is nearest to it, or the insides of two edges; so trying these is exact.
-/// Edges too far behind the best axis to matter are skipped.
+/// Nearest points of two boxes that are apart, `axes.best()` clearly above zero; if they are
+/// farther than the margin, the gap that comes out is too. Nearest points are a corner and whatever
+/// is nearest to it, or the insides of two edges; so trying these is exact. Corners and edges too
+/// far behind the best axis to matter are skipped.
 template <class Real>
-box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& axes) {
+box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& axes, Real margin) {
   const box_axis<Real>& axis = axes.edge.gap > std::max(axes.face_a.gap, axes.face_b.gap)
                                    ? axes.edge
                                : axes.face_b.gap > axes.face_a.gap ? axes.face_b
                                                                    : axes.face_a;
   constexpr Real closer = 1 - Real(1e-9);  // of nearly equal candidates, the first
-  Real best = std::numeric_limits<Real>::infinity();
+  const Real limit = margin * (1 + Real(1e-6)) + Real(1e-12) * p.smallest();
+  Real best = limit * limit;
   vector3<Real> on_a = vector3<Real>::Zero(), on_b = vector3<Real>::Zero();
   box_contact<Real> found;
   const auto offer = [&](const vector3<Real>& x, const vector3<Real>& y, box_part a, box_part b) {
@@ -38,52 +40,74 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
     best = square;
     on_a = x, on_b = y, found.a = a, found.b = b;
   };
+  const vector3<Real> inwards = p.axes.transpose() * -axis.normal;
+  // How far a corner lies behind the foremost one of its box.
+  const auto behind = [](const vector3<Real>& half, const vector3<Real>& normal, unsigned c) {
+    Real sum = 0;
+    for (int i = 0; i < 3; ++i)
+      if ((normal[i] > 0) != bool(c >> i & 1u)) sum += 2 * std::abs(normal[i]) * half[i];
+    return sum;
+  };
   for (unsigned c = 0; c < 8; ++c) {
+    const Real bound = axis.gap + behind(p.hb, inwards, c);
+    if (bound > 0 && bound * bound >= best) continue;
     const vector3<Real> y = p.from_b(corner_of(p.hb, c));
     offer(y.cwiseMax(-p.ha).cwiseMin(p.ha), y, nearest_part(p.ha, y), corner_part(c));
   }
   for (unsigned c = 0; c < 8; ++c) {
+    const Real bound = axis.gap + behind(p.ha, axis.normal, c);
+    if (bound > 0 && bound * bound >= best) continue;
     const vector3<Real> x = corner_of(p.ha, c), seen = p.to_b(x);
     offer(x, p.from_b(seen.cwiseMax(-p.hb).cwiseMin(p.hb)), corner_part(c),
           nearest_part(p.hb, seen));
   }
 
-  // How far the nearer end of an edge lies behind the supporting plane of its box.
+  // Edges whose nearer end is near enough, and how far that lies behind.
   struct edge {
     int axis;
     Real behind;
     vector3<Real> middle;
     box_part part;
   };
-  const auto edges_of = [](const vector3<Real>& half, const vector3<Real>& normal, edge* out) {
+  const auto edges_of = [&](const vector3<Real>& half, const vector3<Real>& normal, edge* out) {
+    int count = 0;
     for (int i = 0; i < 3; ++i) {
       const int u = (i + 1) % 3, v = (i + 2) % 3;
-      for (int k = 0; k < 4; ++k, ++out) {
+      const Real step_u = 2 * std::abs(normal[u]) * half[u],
+                 step_v = 2 * std::abs(normal[v]) * half[v];
+      for (int k = 0; k < 4; ++k) {
         const bool up = k & 1, vp = k & 2;
-        out->axis = i;
-        out->part = side(u, up) | side(v, vp);
-        out->middle = vector3<Real>::Zero();
-        out->middle[u] = up ? half[u] : -half[u];
-        out->middle[v] = vp ? half[v] : -half[v];
-        out->behind = (normal[u] > 0) == up ? 0 : 2 * std::abs(normal[u]) * half[u];
-        out->behind += (normal[v] > 0) == vp ? 0 : 2 * std::abs(normal[v]) * half[v];
+        const Real behind =
+            ((normal[u] > 0) == up ? 0 : step_u) + ((normal[v] > 0) == vp ? 0 : step_v);
+        const Real bound = axis.gap + behind;
+        if (bound * bound >= best) continue;
+        edge& e = out[count++];
+        e.axis = i, e.behind = behind, e.part = side(u, up) | side(v, vp);
+        e.middle[i] = 0;
+        e.middle[u] = up ? half[u] : -half[u];
+        e.middle[v] = vp ? half[v] : -half[v];
       }
     }
+    return count;
   };
   edge of_a[12], of_b[12];
-  edges_of(p.ha, axis.normal, of_a);
-  edges_of(p.hb, p.axes.transpose() * -axis.normal, of_b);
-  for (const edge& ea : of_a)
-    for (const edge& eb : of_b) {
+  const int count_a = edges_of(p.ha, axis.normal, of_a), count_b = edges_of(p.hb, inwards, of_b);
+  for (int ka = 0; ka < count_a; ++ka)
+    for (int kb = 0; kb < count_b; ++kb) {
+      const edge &ea = of_a[ka], &eb = of_b[kb];
       const Real bound = axis.gap + ea.behind + eb.behind;
       if (bound * bound >= best) continue;
-      const vector3<Real> u = vector3<Real>::Unit(ea.axis), v = p.axes.col(eb.axis),
+      const vector3<Real> u = vector3<Real>::Unit(ea.axis), v = column_of(p.axes, eb.axis),
                           middle = p.from_b(eb.middle);
       Real s, t;
       if (!nearest_on_lines(ea.middle, u, middle, v, s, t)) continue;
       if (std::abs(s) > p.ha[ea.axis] || std::abs(t) > p.hb[eb.axis]) continue;
       offer(ea.middle + s * u, middle + t * v, ea.part, eb.part);
     }
+  if (!(best < limit * limit)) {
+    found.gap = limit + limit + Real(1e-300);
+    return found;
+  }
   found.gap = std::sqrt(best);
   found.normal = (on_b - on_a) / found.gap;
   found.point = Real(0.5) * (on_a + on_b);

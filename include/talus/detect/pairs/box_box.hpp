@@ -65,7 +65,8 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
       return;
     }
   }
-  const box_contact<Real> single = apart ? nearest_points(pair, axes) : crossing_edges(pair, axes);
+  const box_contact<Real> single =
+      apart ? nearest_points(pair, axes, margin) : crossing_edges(pair, axes);
   if (single.gap <= margin)
     sink(contact_geometry{-(a.axes * single.normal), a.to_world(single.point), single.gap,
                           single.feature()});
