@@ -121,6 +121,7 @@ int main(int argc, char** argv) {
     };
     add("24_kib", 24 * kib);
     add("1_mib", mib);
+    add("4_mib", 4 * mib);
     add("24_mib", 24 * mib);
     add("memory", largest * mib);
     out.write(file);

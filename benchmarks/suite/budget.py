@@ -1,17 +1,24 @@
 """The budget of a step: what each phase takes, and how far that is from what the machine can do."""
+import math
+
 import plots
 from drawing import LOOKS
 from text import count, number, table
 
-LEVELS = [("24_kib", 48 << 10), ("1_mib", 2 << 20), ("24_mib", 48 << 20), ("memory", 1 << 60)]
+# Sizes that the triad was measured at, in bytes; "memory" stands for whatever is larger.
+SIZES = {"24_kib": 24 << 10, "1_mib": 1 << 20, "4_mib": 4 << 20, "24_mib": 24 << 20,
+         "memory": 768 << 20}
 
 
 def bandwidth(limits, working_set):
-    """GB/s of the smallest level of the caches that the working set fits into, and its name."""
-    for name, size in LEVELS:
-        if working_set <= size:
-            return limits[f"gb_per_s_{name}_one_core"], name
-    raise ValueError("no level is large enough")
+    """GB/s for a working set, on a straight line between the sizes measured (on log axes)."""
+    points = [(math.log(size), math.log(limits[f"gb_per_s_{name}_one_core"]))
+              for name, size in SIZES.items() if f"gb_per_s_{name}_one_core" in limits]
+    at = min(max(math.log(working_set), points[0][0]), points[-1][0])
+    for (x0, y0), (x1, y1) in zip(points, points[1:]):
+        if at <= x1:
+            return math.exp(y0 + (y1 - y0) * (at - x0) / (x1 - x0))
+    return math.exp(points[-1][1])
 
 
 def rows_of(results, bodies):
@@ -20,7 +27,7 @@ def rows_of(results, bodies):
     rows = results.rows("budget", size=bodies)
     if not limits or not rows:
         return []
-    rate, _ = bandwidth(limits, rows[0]["working_set_bytes"])
+    rate = bandwidth(limits, rows[0]["working_set_bytes"])
     found = []
     for row in rows:
         if row["ms_per_step"] <= 0 or row["times_per_step"] == 0:
@@ -49,18 +56,18 @@ def write(results, values):
           number(limits["gflops_one_core"]), "-"]] +
         [[f"triad, {name.replace('_', ' ').replace('kib', 'KiB').replace('mib', 'MiB')}, GB/s",
           number(limits[f"gb_per_s_{name}_one_core"]), number(limits[f"gb_per_s_{name}_all_cores"])]
-         for name, _ in LEVELS])
+         for name in SIZES if f"gb_per_s_{name}_one_core" in limits])
     texts = []
     for bodies in dict.fromkeys(r["size"] for r in results.rows("budget")):
         first = results.row("budget", size=bodies)
         rows = rows_of(results, bodies)
-        rate, level = bandwidth(limits, first["working_set_bytes"])
+        rate = bandwidth(limits, first["working_set_bytes"])
         texts.append(
             f"### {count(bodies)} bodies, {count(first['contacts'])} contacts\n\n"
             f"{number(first['ms_of_step'])} ms per step with 10 iterations; pairs are looked for in "
             f"{100 * first['searches_per_step']:.0f} % of the steps. The sweeps work on "
-            f"{number(first['working_set_bytes'] / 2**20)} MiB, so the bandwidth is that of the level "
-            f"'{level.replace('_', ' ')}', {number(rate)} GB/s.\n\n" + table(
+            f"{number(first['working_set_bytes'] / 2**20)} MiB, for which the triad has {number(rate)} "
+            f"GB/s (between the sizes measured).\n\n" + table(
                 ["phase", "ms", "share", "ns per contact and time", "bytes", "operations",
                  "least ms by bytes", "by operations", "times its limit"],
                 [[r["phase"], number(r["ms"]), f"{100 * r['share']:.0f} %", number(r["ns"]),

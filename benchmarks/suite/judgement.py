@@ -61,10 +61,11 @@ def against_rival(verdicts, what, rows, rival, least, error=None):
 
 def judge_speed(results, verdicts):
     sizes = sizes_of(results)
-    for bodies, rival, name, least in ((1000, "bullet", "Bullet", 8), (8000, "bullet", "Bullet", 15),
-                                       (8000, "ode", "ODE", 25), (64000, "bullet", "Bullet", 15)):
-        if max(sizes, default=0) < 3000:  # a quick run: its own sizes instead
-            bodies = {1000: sizes[0], 8000: sizes[1], 64000: sizes[2]}[bodies] if sizes else bodies
+    quick = results.machine.get("quick") and len(sizes) > 2  # its own sizes instead
+    for at, bodies, rival, name, least in (
+            (0, 1000, "bullet", "Bullet", 8), (1, 8000, "bullet", "Bullet", 15),
+            (1, 8000, "ode", "ODE", 25), (2, 64000, "bullet", "Bullet", 15)):
+        bodies = sizes[at] if quick else bodies
         against_rival(verdicts, f"Pile of {count(bodies)}: times less CPU time than {name}",
                       settings(results, size=bodies),
                       fastest(results.rows("pile", label=rival, size=bodies)), least,

@@ -62,7 +62,7 @@ def main():
         options.error("BUILD and OUTPUT are needed")
     results = Results(given.output)
     if not given.draw:
-        results.machine = machine()
+        results.machine = {**machine(), "quick": given.quick}
         bench = Bench(given.build, results, given.quick, given.full, given.keep or bool(given.only))
         began = time.monotonic()
         if not given.keep:
@@ -75,7 +75,6 @@ def main():
             except RuntimeError as error:
                 results.say(f"{part} is left: {error}")
         results.machine["minutes"] = round((time.monotonic() - began) / 60, 1)
-        results.machine["quick"] = given.quick
         results.save(parts[-1])
 
     import page  # noqa: E402  (Matplotlib is slow to start)

@@ -122,9 +122,10 @@ def scenes(results, values):
         row, base = (fastest(results.rows("sizes", label=x)) for x in (label, "planes"))
         times = row["cpu_ms_per_step_median"] / base["cpu_ms_per_step_median"]
         sizes.append([label, ms(row), f"{times:.2f}",
-                      f"{row['contacts'] / row['bodies']:.2f}", number(row["penetration_mean"])])
+                      f"{row['contacts'] / row['bodies']:.2f}", count(row["escaped"]),
+                      number(row["penetration_mean"])])
     values["sizes"] = table(["vessel", "ms per step", "against planes", "contacts per body",
-                             "mean overlap"], sizes) if sizes else MISSING
+                             "escaped", "mean overlap"], sizes) if sizes else MISSING
 
 
 def extra_work(results, label, scaling):
