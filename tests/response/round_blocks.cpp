@@ -22,8 +22,8 @@ struct random_heap {
   }
   vec3 vector() { return {number(-1, 1), number(-1, 1), number(-1, 1)}; }
   std::int32_t body(std::size_t count) {
-    return std::uniform_int_distribution<std::int32_t>(0, static_cast<std::int32_t>(count) - 1)(
-        engine);
+    return std::uniform_int_distribution<std::int32_t>(
+        0, static_cast<std::int32_t>(count) - 1)(engine);
   }
   solver_state bodies(std::size_t count, std::size_t fixed) {
     solver_state s;
@@ -62,7 +62,8 @@ bool moves(const solver_state& s, std::int32_t i) {
 
 }  // namespace
 
-TEST_CASE("contacts of crowded, large and fixed bodies find places where no block moves a body twice") {
+TEST_CASE(
+    "contacts of crowded, large and fixed bodies find places where no block moves a body twice") {
   for (const unsigned seed : {1u, 2u, 3u}) {
     CAPTURE(seed);
     random_heap random(seed);

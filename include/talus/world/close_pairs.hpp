@@ -14,8 +14,10 @@
 namespace talus::detail {
 
 /// A body may move by this part of its bounding radius, or of the mean one if that is less, until
-/// pairs are looked for anew.
+/// pairs are looked for anew; and by what it moves in some steps, or few fast ones would have them
+/// looked for all the time.
 inline constexpr real pair_skin = 0.1;
+inline constexpr int pair_steps = 8;
 
 /// Measures the present reach of all bodies, and tells whether the pairs found last are all that
 /// can touch now: the same bodies in the same order, none of which reaches out of its skin.
@@ -52,8 +54,9 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
   });
   const real mean = sum / static_cast<real>(std::max<std::size_t>(bodies, 1));
   prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t) {
-    return reach_in_step(s, store, i) +
-           pair_skin * std::min(mean, store.shape[i].bounding_radius());
+    const real radius = store.shape[i].bounding_radius();
+    return reach_in_step(s, store, i) + pair_skin * std::min(mean, radius) +
+           std::min(pair_steps * s.dt * store.velocity[i].norm(), radius);
   });
 
   found_pairs& found = s.found;
