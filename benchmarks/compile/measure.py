@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -80,6 +81,16 @@ def families(path):
     return count
 
 
+def instantiations(build, folder, name, compiler, source):
+    """As the test compile_cost counts them, from its object if there is one."""
+    target = os.path.join(build, f"tests/CMakeFiles/talus_compile_{name}.dir/__/examples/{name}/{name}.cpp.o")
+    if not os.path.exists(target):
+        target = os.path.join(folder, f"{name}-O0.o")
+        subprocess.run(compiler + ["-O0", "-g0", "-march=x86-64", "-Wno-psabi", "-c", source, "-o", target],
+                       check=True)
+    return sum(families(target).values())
+
+
 def compare(old, new):
     before, after = families(old), families(new)
     change = {k: after[k] - before[k] for k in before | after if after[k] != before[k]}
@@ -93,44 +104,44 @@ def main():
     parser.add_argument("--build", help=argparse.SUPPRESS)
     parser.add_argument("--json", help="where the numbers go (default: docs/performance/compile.json)")
     parser.add_argument("--runs", type=int, default=2, help="times each is compiled, the fastest counts")
+    parser.add_argument("--keep", metavar="DIR", help="where the objects stay (default: nowhere)")
     parser.add_argument("--compare", nargs=2, metavar="OBJECT", help="what two objects differ in, no more")
     arguments = parser.parse_args()
     if arguments.compare:
         compare(*arguments.compare)
         return
 
-    root, build, rows = arguments.root, arguments.build, []
-    with tempfile.TemporaryDirectory() as folder:
-        for name in ("hello", "drop", "well", "stair"):
-            source = os.path.join(root, f"examples/{name}/{name}.cpp")
-            example = os.path.join(root, "examples/drop/drop.cpp") if name == "hello" else source
-            if name == "hello":
-                source = hello(root, folder)
-            compiler = flags_of(build, example)
-            plain = os.path.join(folder, "plain.o")
-            counted = os.path.join(build, f"tests/CMakeFiles/talus_compile_{name}.dir/__/examples/{name}/{name}.cpp.o")
-            if not os.path.exists(counted):
-                counted = plain
-                subprocess.run(compiler + ["-O0", "-g0", "-march=x86-64", "-Wno-psabi", "-c", source, "-o", plain],
-                               check=True)
-            instantiations = sum(families(counted).values())
-            for level in ("-O3", "-O2"):
-                target = os.path.join(folder, f"{name}.o")
+    root, build = arguments.root, arguments.build
+    rows, counts = [], {}
+    path = arguments.json or os.path.join(root, "docs/performance/compile.json")
+    os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+    folder = arguments.keep or tempfile.mkdtemp()
+    os.makedirs(folder, exist_ok=True)
+    try:
+        print("program  flags  user s  wall s  peak MiB  instantiations  object KiB")
+        for level in ("-O3", "-O2"):
+            for name in ("hello", "drop", "well", "stair"):
+                source = os.path.join(root, f"examples/{name}/{name}.cpp")
+                compiler = flags_of(build, source if name != "hello" else source.replace("hello", "drop"))
+                if name == "hello":
+                    source = hello(root, folder)
+                if name not in counts:
+                    counts[name] = instantiations(build, folder, name, compiler, source)
+                target = os.path.join(folder, f"{name}{level}.o")
                 best = min(compile_once(compiler + [level, "-c", source, "-o", target])
                            for _ in range(max(1, arguments.runs)))
                 rows.append({"program": name, "flags": level, "seconds": round(best[0], 2),
                              "seconds_wall": round(best[1], 2), "peak_mib": round(best[2]),
-                             "instantiations": instantiations,
+                             "instantiations": counts[name],
                              "object_kib": round(os.path.getsize(target) / 1024)})
-                if len(rows) == 1:
-                    print("program  flags  user s  wall s  peak MiB  instantiations  object KiB")
                 r = rows[-1]
                 print(f"{name:8} {level:5} {r['seconds']:7} {r['seconds_wall']:7} {r['peak_mib']:9}"
-                      f" {instantiations:15} {r['object_kib']:11}", flush=True)
-    path = arguments.json or os.path.join(root, "docs/performance/compile.json")
-    os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
-    with open(path, "w") as file:
-        file.write("[\n" + ",\n".join("  " + json.dumps(r) for r in rows) + "\n]\n")
+                      f" {r['instantiations']:15} {r['object_kib']:11}", flush=True)
+                with open(path, "w") as file:
+                    file.write("[\n" + ",\n".join("  " + json.dumps(r) for r in rows) + "\n]\n")
+    finally:
+        if not arguments.keep:
+            shutil.rmtree(folder)
 
 
 main()

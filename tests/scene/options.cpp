@@ -193,7 +193,8 @@ TEST_CASE("values that make no sense are refused") {
   CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");
   CHECK(refusal({"--steps="}) ==
         "--steps: needs a whole number of at least 0, but is ''; see --help");
-  for (const char* number : {"3 ", " 3", "3x", "+-3", "--3", "0x", "0xg", "12a", "3/", "1e3", "18446744073709551616"})
+  for (const char* number :
+       {"3 ", " 3", "3x", "+-3", "--3", "0x", "0xg", "12a", "3/", "1e3", "18446744073709551616"})
     CHECK(refusal({"--steps", number}).find("--steps: needs a whole number of at least 0") == 0);
   for (const char* number : {"0.1x", "-nan", "1e999", "-inf", "0.1 ", "+-1", "."})
     CHECK(refusal({"--dt", number}).find("--dt: needs a finite number") == 0);

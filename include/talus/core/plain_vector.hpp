@@ -55,7 +55,7 @@ class plain_vector {
     if (data_ != nullptr) release_memory(data_, alignof(T));
   }
   plain_vector& operator=(const plain_vector& other) {
-    if (this != &other) clear(), append(other.data_, other.size_);
+    if (this != &other) clear(), reserve(other.size_), append(other.data_, other.size_);
     return *this;
   }
   plain_vector& operator=(plain_vector&& other) noexcept {
@@ -105,6 +105,7 @@ class plain_vector {
   void assign(std::size_t n, const T& value) {
     const T copy = value;
     clear();
+    reserve(n);
     resize(n, copy);
   }
   void push_back(const T& value) {
@@ -162,7 +163,7 @@ class plain_vector {
 
  private:
   void make_room(std::size_t n) {
-    if (n > room_) move_to(n > 2 * room_ ? n : 2 * room_);
+    if (n > room_) move_to(n > 2 * size_ ? n : 2 * size_);
   }
   void move_to(std::size_t n) {
     data_ = static_cast<T*>(moved_memory(data_, size_, n, sizeof(T), alignof(T)));
