@@ -6,9 +6,8 @@
 #include "talus/body/store.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
-#include "talus/detect/detail/box_frame.hpp"
+#include "talus/detect/box_place.hpp"
 #include "talus/detect/hash_grid.hpp"
-#include "talus/shape/box.hpp"
 
 namespace talus::detail {
 

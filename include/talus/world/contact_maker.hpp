@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "talus/core/plain_vector.hpp"
-#include "talus/detect/detail/box_batch.hpp"
+#include "talus/detect/box_batch.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/continuous.hpp"

@@ -42,15 +42,6 @@ template <class Real>
   return {m(0, j), m(1, j), m(2, j)};
 }
 
-/// A box in the world, its axes worked out.
-template <class Real>
-struct box_place {
-  vector3<Real> position, half;
-  matrix3<Real> axes;  ///< in the columns
-
-  [[nodiscard]] vector3<Real> to_world(const vector3<Real>& p) const { return position + axes * p; }
-};
-
 /// Boxes a and b in the frame of a: b's axes are the columns of `axes`, its centre is `offset`.
 template <class Real>
 struct box_pair {

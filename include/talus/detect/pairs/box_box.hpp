@@ -1,6 +1,7 @@
 #pragma once
 // Two boxes: a patch of up to four contacts where a face is involved, else a single one.
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/box_place.hpp"
 #include "talus/detect/detail/box_axes.hpp"
 #include "talus/detect/detail/box_manifold.hpp"
 #include "talus/detect/detail/box_nearest.hpp"
@@ -9,11 +10,6 @@
 namespace talus {
 
 namespace detail {
-
-template <class Real>
-[[nodiscard]] box_place<Real> place_of(const box& b, const pose& at) {
-  return {at.position, b.half(), at.orientation.toRotationMatrix()};
-}
 
 /// Calls `sink(contact_geometry)` for two boxes that no axis separates by more than the margin.
 /// `pair` and `gaps` are theirs, in the frame of a.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "talus/detect/box_place.hpp"
 #include "talus/detect/detail/box_axes.hpp"
 
 namespace talus::detail {
@@ -41,13 +42,10 @@ class box_batch {
   /// Bit k is set unless some axis separates pair k by more than its margin. What is in lanes that
   /// were not set does not matter.
   [[nodiscard]] unsigned test() {
-    const auto along = [](const number(*m)[3], int i, const number* v) {
-      return m[0][i] * v[0] + m[1][i] * v[1] + m[2][i] * v[2];
-    };
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j)
         c_[i][j] = a_[0][i] * b_[0][j] + a_[1][i] * b_[1][j] + a_[2][i] * b_[2][j];
-      d_[i] = along(a_, i, away_);
+      d_[i] = a_[0][i] * away_[0] + a_[1][i] * away_[1] + a_[2][i] * away_[2];
     }
     gaps_ = find_box_gaps<false>(ha_, hb_, c_, d_, margin_);
     const number square = margin_ * (margin_ < 0 ? -margin_ : margin_);

@@ -1,0 +1,22 @@
+#pragma once
+// Where a box is, as detection wants it: worked out once a step, however many pairs it is in.
+#include "talus/core/math.hpp"
+#include "talus/shape/box.hpp"
+
+namespace talus::detail {
+
+/// A box in the world, its axes worked out.
+template <class Real>
+struct box_place {
+  vector3<Real> position, half;
+  matrix3<Real> axes;  ///< in the columns
+
+  [[nodiscard]] vector3<Real> to_world(const vector3<Real>& p) const { return position + axes * p; }
+};
+
+template <class Real>
+[[nodiscard]] box_place<Real> place_of(const box& b, const pose& at) {
+  return {at.position, b.half(), at.orientation.toRotationMatrix()};
+}
+
+}  // namespace talus::detail
