@@ -75,7 +75,8 @@ inline assembled_problem read_fclib(const std::string& path) {
   const auto x = read_all<double>(f, w + "x");
 
   auto blocks = compressed_blocks(nz, size, p, i, x);
-  return assemble(std::move(blocks), contact_vector(q.data(), size / 3), std::move(mu));
+  return assemble(std::move(blocks), contact_vector(q.data(), size / 3),
+                  plain_vector<real>(std::span<const real>(mu)));
 }
 
 }  // namespace fc3d

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/assembled.hpp"
 
 namespace fc3d {
@@ -22,6 +23,7 @@ using talus::detail::assembled_problem;
 using talus::detail::contact_vector;
 using talus::detail::delassus_block;
 using talus::detail::fail;
+using talus::detail::plain_vector;
 
 /// More is taken for a damaged file.
 inline constexpr long long most_contacts = 200'000, most_entries = 200'000'000;
@@ -36,10 +38,10 @@ class block_gatherer {
       blocks_.push_back({i, j, mat3::Zero()});
     blocks_.back().value(row % 3, column % 3) += value;
   }
-  [[nodiscard]] std::vector<delassus_block> take() { return std::move(blocks_); }
+  [[nodiscard]] plain_vector<delassus_block> take() { return std::move(blocks_); }
 
  private:
-  std::vector<delassus_block> blocks_;
+  plain_vector<delassus_block> blocks_;
 };
 
 /// Numbers of a text, one after the other, each with a name for messages.
@@ -86,7 +88,7 @@ class number_stream {
   const char* end_;
 };
 
-inline std::vector<delassus_block> read_dense(number_stream& in, long long size) {
+inline plain_vector<delassus_block> read_dense(number_stream& in, long long size) {
   in.integer("the number of rows of the dense W", size, size);
   in.integer("the number of columns of the dense W", size, size);
   std::vector<real> column(static_cast<std::size_t>(3 * size));
@@ -100,7 +102,7 @@ inline std::vector<delassus_block> read_dense(number_stream& in, long long size)
   return w.take();
 }
 
-inline std::vector<delassus_block> read_blocks(number_stream& in, long long size) {
+inline plain_vector<delassus_block> read_blocks(number_stream& in, long long size) {
   const auto list = [&](const char* what, long long count, long long least, long long most) {
     std::vector<long long> all(static_cast<std::size_t>(count));
     for (auto& x : all) x = in.integer(what, least, most);
@@ -156,17 +158,17 @@ inline assembled_problem read_text(std::string_view text) {
     fail<std::runtime_error>("{} contacts are too many for a dense W", contacts);
   auto blocks = storage == 0 ? read_dense(in, size)
                 : size > 0   ? read_blocks(in, size)
-                             : std::vector<delassus_block>{};
+                             : plain_vector<delassus_block>{};
   contact_vector q(static_cast<int>(contacts));
   for (std::size_t k = 0; k < q.size(); ++k) q.data()[k] = in.number("an element of q");
-  std::vector<real> mu(static_cast<std::size_t>(contacts));
+  plain_vector<real> mu(static_cast<std::size_t>(contacts));
   for (auto& x : mu) x = in.number("a coefficient of friction");
   return assemble(std::move(blocks), std::move(q), std::move(mu));
 }
 
 /// Blocks of a square W as CSparse and FCLIB store it: in compressed rows (nz = -2), compressed
 /// columns (-1) or triplets (their number; `i` rows, `p` columns).
-inline std::vector<delassus_block> compressed_blocks(int nz, int size, const std::vector<int>& p,
+inline plain_vector<delassus_block> compressed_blocks(int nz, int size, const std::vector<int>& p,
                                                      const std::vector<int>& i,
                                                      const std::vector<double>& x) {
   block_gatherer gather;
