@@ -54,7 +54,7 @@ struct contact_scene {
     };
     std::vector<std::vector<int>> of(bodies.size());
     detail::contact_vector q(n);
-    std::vector<real> mu;
+    detail::plain_vector<real> mu;
     for (int i = 0; i < n; ++i) {
       const contact& c = contacts[i];
       for (const int k : {c.a, c.b}) {
@@ -67,7 +67,7 @@ struct contact_scene {
       q(i)[0] -= c.least;
       mu.push_back(c.mu);
     }
-    std::vector<detail::delassus_block> blocks;
+    detail::plain_vector<detail::delassus_block> blocks;
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       Eigen::Matrix<real, 6, 1> inverse;
       inverse << vec3::Constant(1 / bodies[k].mass), bodies[k].inertia.cwiseInverse();

@@ -153,7 +153,7 @@ TEST_CASE("damaged files are refused, and the message says what is wrong") {
 
 TEST_CASE("the error measures have the values computed by hand") {
   assembled_problem p =
-      assemble({{0, 0, vec3(1, 2, 3).asDiagonal()}}, {vec3(-1, 1, 0)}, std::vector<real>{0.5});
+      assemble({{0, 0, vec3(1, 2, 3).asDiagonal()}}, {vec3(-1, 1, 0)}, talus::detail::plain_vector<real>{0.5});
   // u = (1, 1, 0), û = (1.5, 1, 0); with rho = 1/2 the step lands inside of the cone, at
   // (1.25, -0.5, 0); with rho = 1 at (0.5, -1, 0), whose projection is (0.8, -0.4, 0).
   const contact_error e = error_of(p, {vec3(2, 0, 0)});
@@ -236,7 +236,7 @@ TEST_CASE("a solver that may not go on, or that has no solution to find, says th
   }
   CHECK(given_up > 40);
   // Nothing gives way: W is zero, and the bodies approach.
-  assembled_problem p = assemble({}, {vec3(-1, 0.2, 0)}, std::vector<real>{0.5});
+  assembled_problem p = assemble({}, {vec3(-1, 0.2, 0)}, talus::detail::plain_vector<real>{0.5});
   contact_vector r;
   auto result = solve_assembled(p, r, 1e-6, 500);
   CHECK_FALSE(result.converged);
@@ -251,7 +251,7 @@ TEST_CASE("a solver that may not go on, or that has no solution to find, says th
   CHECK_FALSE(result.converged);
   CHECK(r.is_finite());
   // A contact of two fixed things that do not move asks for nothing.
-  p = assemble({}, {vec3(0, 0, 0)}, std::vector<real>{0.5});
+  p = assemble({}, {vec3(0, 0, 0)}, talus::detail::plain_vector<real>{0.5});
   CHECK(solve_assembled(p, r, 1e-6).converged);
 }
 
