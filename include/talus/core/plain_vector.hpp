@@ -130,6 +130,7 @@ class plain_vector {
   }
   void append(std::span<const T> values) { append(values.data(), values.size()); }
   void erase(T* first, T* last) {
+    if (first == last) return;
     std::memmove(static_cast<void*>(first), static_cast<const void*>(last),
                  static_cast<std::size_t>(end() - last) * sizeof(T));
     size_ -= static_cast<std::size_t>(last - first);
