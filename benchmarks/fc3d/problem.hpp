@@ -169,8 +169,8 @@ inline assembled_problem read_text(std::string_view text) {
 /// Blocks of a square W as CSparse and FCLIB store it: in compressed rows (nz = -2), compressed
 /// columns (-1) or triplets (their number; `i` rows, `p` columns).
 inline plain_vector<delassus_block> compressed_blocks(int nz, int size, const std::vector<int>& p,
-                                                     const std::vector<int>& i,
-                                                     const std::vector<double>& x) {
+                                                      const std::vector<int>& i,
+                                                      const std::vector<double>& x) {
   block_gatherer gather;
   const auto inside = [&](int k) { return k >= 0 && k < size; };
   if (nz >= 0) {

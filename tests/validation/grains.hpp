@@ -30,8 +30,7 @@ class snapshot {
       const std::lock_guard lock(mutex_);
       w.for_each_local([&](const auto& b) {
         if constexpr (std::is_same_v<typename std::remove_cvref_t<decltype(b)>::shape_type, sphere>)
-          if (!b.is_fixed())
-            grains_.push_back({b.position(), b.velocity(), b.shape().radius});
+          if (!b.is_fixed()) grains_.push_back({b.position(), b.velocity(), b.shape().radius});
       });
     }
     w.link().barrier();
