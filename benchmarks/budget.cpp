@@ -66,15 +66,10 @@ void time_broad_phase(World& w, std::uint64_t repeats, double& build_ms, double&
 int main(int argc, char** argv) {
   return bench::guarded([&] {
     bench::arguments args(argc, argv);
-    const auto count = args.count("bodies", 8000);
-    const auto settle = args.count("settle", 720);
-    const auto measure = args.count("measure", 120);
-    const auto start = args.text("from", "");
-    const auto file = args.text("json", "");
+    const bench::pile_run run(args);
     if (!args.done()) return;
-
-    bench::scene scene = bench::pile_scene(count);
-    if (!start.empty()) bench::load_state(scene, start);
+    const auto [count, settle, measure, start, file] = run;
+    const bench::scene scene = run.scene();
     engine e(scene, 10);
     auto& w = e.world();
     for (std::uint64_t k = 0; k < settle; ++k) e.step();
@@ -112,16 +107,19 @@ int main(int argc, char** argv) {
 
     const double n = static_cast<double>(count), c = static_cast<double>(e.contacts());
     const auto& s = w.state();
-    double stored = 0;  // a contact as the solver sweeps over it
+    // What a sweep reads of the contacts, what the correction reads, and all of it; eight in a
+    // block.
+    double swept = 0, corrected_bytes = 0, stored = 0;
     s.each_contact_list([&](const auto& list) {
-      using list_type = std::remove_cvref_t<decltype(list)>;
-      const auto size = static_cast<double>(list.size());
-      if constexpr (requires { sizeof(typename list_type::contact_type); })
-        stored += size * sizeof(typename list_type::contact_type);
-      else
-        stored += static_cast<double>(list.bytes());
+      using contact = typename std::remove_cvref_t<decltype(list)>::contact_type;
+      const auto blocks = static_cast<double>(list.size()) / 8;
+      const double push = sizeof(detail::round_block_push);
+      const double bodies = sizeof(detail::round_block<contact>::a) * (contact::paired ? 2 : 1);
+      swept += blocks * sizeof(detail::round_block<contact>);
+      corrected_bytes += blocks * (6 * sizeof(detail::octet) + bodies + push);
+      stored += blocks * (sizeof(detail::round_block<contact>) + push);
     });
-    const double body = sizeof(detail::solver_body), shift = sizeof(vec3);
+    const double body = sizeof(detail::solver_body), shift = sizeof(detail::body_shift);
     const auto& spheres = s.of<sphere>();
     const double columns = static_cast<double>(spheres.movable.bytes_per_body());
     const double grid = static_cast<double>(spheres.grid.bytes()) / n;
@@ -142,7 +140,7 @@ int main(int argc, char** argv) {
       out.add("bytes_per_step", bytes);
       out.add("flops_per_step", flops);
       out.add("ms_of_step", total);
-      out.add("working_set_bytes", stored + n * body);
+      out.add("working_set_bytes", swept + n * body);
       text += (text.empty() ? "[" : ",") + out.json();
     };
     add("broad phase: grid", searches, build,
@@ -154,10 +152,10 @@ int main(int argc, char** argv) {
         2 * (history + keys) + n * (columns + body), 0);
     // A sweep reads each contact, writes its impulse, and reads and writes two bodies, which mostly
     // are where the last contact left them: each counts once.
-    add("sweeps", 10, 10 * sweep, 10 * (stored + c * 4 * sizeof(real) + 2 * n * body),
+    add("sweeps", 10, 10 * sweep, 10 * (swept + c * 4 * sizeof(real) + 2 * n * body),
         10 * c * flops_of_sweep);
     add("correction of overlaps", 3, 3 * correction,
-        3 * (stored + c * sizeof(real) + n * (body + 2 * shift)), 3 * c * flops_of_correction);
+        3 * (corrected_bytes + c * sizeof(real) + 2 * n * shift), 3 * c * flops_of_correction);
     add("positions", 1, integrate, n * (body + shift + 4 * sizeof(vec3)), 9 * n);
     bench::record::write_text(text + "]\n", file);
   });

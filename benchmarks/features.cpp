@@ -46,15 +46,10 @@ void enter(contenders& all, const bench::scene& s, const std::string& name) {
 int main(int argc, char** argv) {
   return bench::guarded([&] {
     bench::arguments args(argc, argv);
-    const auto count = args.count("bodies", 8000);
-    const auto settle = args.count("settle", 720);
-    const auto measure = args.count("measure", 120);
-    const auto start = args.text("from", "");
-    const auto file = args.text("json", "");
+    const bench::pile_run run(args);
     if (!args.done()) return;
-
-    bench::scene s = bench::pile_scene(count);
-    if (!start.empty()) bench::load_state(s, start);
+    const auto [count, settle, measure, start, file] = run;
+    const bench::scene s = run.scene();
     using round = bodies<sphere, plane>;
     contenders all;
     enter<round>(all, s, "spheres with friction");

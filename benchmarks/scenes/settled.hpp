@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "pile_scene.hpp"
+#include "report.hpp"
 #include "scene.hpp"
 
 namespace bench {
@@ -41,6 +43,25 @@ inline void load_state(scene& s, const std::string& file) {
       throw std::runtime_error("'" + file + "' belongs to another scene");
   s.balls = std::move(balls);
 }
+
+/// The options of programs that look at a pile from inside, and the pile: afresh, or settled
+/// before.
+struct pile_run {
+  explicit pile_run(arguments& args)
+      : bodies(args.count("bodies", 8000)),
+        settle(args.count("settle", 720)),
+        measure(args.count("measure", 120)),
+        from(args.text("from", "")),
+        file(args.text("json", "")) {}
+  [[nodiscard]] bench::scene scene() const {
+    bench::scene s = pile_scene(bodies);
+    if (!from.empty()) load_state(s, from);
+    return s;
+  }
+
+  std::uint64_t bodies, settle, measure;  ///< the latter two in steps
+  std::string from, file;
+};
 
 /// Bytes of this process that are in memory.
 inline double resident_bytes() {

@@ -126,6 +126,26 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("blocks that are filled in part, and not in their order, conserve momentum") {
+  for (unsigned seed = 1; seed <= 400; ++seed) {  // of 400, some fill blocks in any odd way
+    CAPTURE(seed);
+    random_heap random(seed);
+    const std::size_t count = 3 + seed % 20;
+    solver_state s = random.bodies(count, 0);
+    round_blocks<moving> blocks;
+    for (unsigned k = 0; k < 2 + seed % 37; ++k) {
+      const auto a = random.body(count), b = random.body(count);
+      if (a != b) blocks.add(random.contact(a, b), true, true);
+    }
+    const vec3 before = momentum(s);
+    blocks.weigh(s);
+    blocks.apply(s);
+    blocks.forward(s);
+    blocks.backward(s);
+    CHECK((momentum(s) - before).norm() < 1e-11);
+  }
+}
+
 TEST_CASE("contacts that share no body are solved in blocks as one by one") {
   random_heap random(7);
   solver_state s = random.bodies(62, 0), t = s;
