@@ -24,7 +24,11 @@ def machine(results):
         text += " (**busy**: times are too long and ratios uncertain)"
     if known.get("quick"):
         text += ". **A quick run: sizes are small and the figures mean nothing.**"
-    return text + ("" if text.endswith("**") else ".")
+    text += "" if text.endswith("**") else "."
+    for run in known.get("again", []):
+        text += (f" Measured again since, at a load of {number(run['load_before'])}: "
+                 f"{', '.join(run['parts'])}.")
+    return text
 
 
 def pace(results):

@@ -62,7 +62,13 @@ def main():
         options.error("BUILD and OUTPUT are needed")
     results = Results(given.output)
     if not given.draw:
-        results.machine = {**machine(), "quick": given.quick}
+        # A run of some parts leaves most figures as they were, and what is said of them.
+        partly = bool(results.machine) and (given.keep or bool(given.only))
+        if partly:
+            results.machine.setdefault("again", []).append(
+                {"parts": parts, "load_before": machine()["load_before"]})
+        else:
+            results.machine = {**machine(), "quick": given.quick}
         bench = Bench(given.build, results, given.quick, given.full, given.keep or bool(given.only))
         began = time.monotonic()
         if not given.keep:
@@ -74,7 +80,8 @@ def main():
                 PARTS[part](bench)
             except RuntimeError as error:
                 results.say(f"{part} is left: {error}")
-        results.machine["minutes"] = round((time.monotonic() - began) / 60, 1)
+        if not partly:
+            results.machine["minutes"] = round((time.monotonic() - began) / 60, 1)
         results.save(parts[-1])
 
     import page  # noqa: E402  (Matplotlib is slow to start)
