@@ -47,6 +47,17 @@ static_assert(sizeof(real) == sizeof(std::int64_t));
 #endif
 }
 
+/// Bit k is that of lane k.
+[[nodiscard]] inline unsigned bits_of(const octet_mask& m) {
+#if defined(__AVX512F__)
+  return _mm512_cmplt_epi64_mask(reinterpret_cast<__m512i>(m), _mm512_setzero_si512());
+#else
+  unsigned bits = 0;
+  for (int k = 0; k < 8; ++k) bits |= (m[k] != 0 ? 1u : 0u) << k;
+  return bits;
+#endif
+}
+
 /// Three components and one more number of eight things.
 struct octet_rows {
   octet x, y, z, w;

@@ -34,7 +34,7 @@ class split_pair {
       if (!s_.shift.empty()) s_.shift[x.index] = x.shift;
       if (x.index < s_.first_tensor) continue;
       s_.tensors[x.index - s_.first_tensor] = x.tensor;
-      if (!s_.turn.empty()) s_.turn[x.index - s_.first_tensor] = x.turn;
+      if (!s_.turn.empty()) s_.turn[x.index - s_.first_tensor].w = x.turn;
     }
   }
 
@@ -57,7 +57,7 @@ class split_pair {
       mat3& tensor = s_.tensors[x.index - s_.first_tensor];
       x.tensor = tensor;
       tensor *= parts;
-      if (!s_.turn.empty()) x.turn = s_.turn[x.index - s_.first_tensor];
+      if (!s_.turn.empty()) x.turn = s_.turn[x.index - s_.first_tensor].w;
     }
     return x;
   }

@@ -5,10 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <span>
 
 #include "talus/core/math.hpp"
-#include "talus/core/plain_vector.hpp"
 #include "talus/response/frame_around.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -127,10 +125,10 @@ class patch_shift {
  public:
   patch_shift(const contact_patch& p, const solver_state& s) : p_(p) {
     const auto a = static_cast<std::size_t>(p.a);
-    vec3 v = s.shift[a].v, w = s.turn[a - s.first_tensor];
+    vec3 v = s.shift[a].v, w = s.turn[a - s.first_tensor].w;
     if constexpr (Paired) {
       const auto b = static_cast<std::size_t>(p.b);
-      const vec3& turn = s.turn[b - s.first_tensor];
+      const vec3& turn = s.turn[b - s.first_tensor].w;
       v -= s.shift[b].v + crossed(turn, p.offset);
       w -= turn;
     }
@@ -157,11 +155,11 @@ class patch_shift {
                       moment_y_ * f(1, 2) + moment_z_ * f(2, 2)};
     const auto a = static_cast<std::size_t>(p_.a);
     s.shift[a].v += s.bodies[a].inverse_mass * impulse;
-    s.turn[a - s.first_tensor] += seen_in(s.tensor(a), moment);
+    s.turn[a - s.first_tensor].w += seen_in(s.tensor(a), moment);
     if constexpr (Paired) {
       const auto b = static_cast<std::size_t>(p_.b);
       s.shift[b].v -= s.bodies[b].inverse_mass * impulse;
-      s.turn[b - s.first_tensor] -= seen_in(s.tensor(b), moment + crossed(p_.offset, impulse));
+      s.turn[b - s.first_tensor].w -= seen_in(s.tensor(b), moment + crossed(p_.offset, impulse));
     }
   }
 
@@ -212,94 +210,6 @@ void weigh_patch(contact_patch& p, const solver_state& s) {
     set(4, {0, 0, 0}, turning.y), set(5, {0, 0, 0}, turning.z);
   }
 }
-
-/// The patches of a list of contacts, in its order. Sweeps visit contacts in the order of the list,
-/// as if each were solved by itself.
-template <class Contact>
-class contact_patches {
-  static constexpr bool paired = Contact::paired;
-
- public:
-  /// Finds the patches and weighs their contacts. `contacts` of one pair lie together.
-  void weigh(plain_vector<Contact>& contacts, const solver_state& s) {
-    patches_.clear();
-    for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
-      const Contact& c = contacts[first];
-      while (last < contacts.size() && contacts[last].same_patch(c)) ++last;
-      contact_patch& p = patches_.emplace_back();
-      p.first = static_cast<std::uint32_t>(first), p.last = static_cast<std::uint32_t>(last);
-      p.a = c.a, p.b = c.b;
-      p.frame = frame_around<real>(c.normal);
-      if constexpr (paired) p.offset = c.arm_b - c.arm_a;
-      weigh_patch<paired>(p, s);
-      for (std::size_t i = first; i < last; ++i) contacts[i].weigh(p);
-    }
-  }
-  /// Gives the bodies all impulses of the contacts, which need not have been weighed.
-  static void apply_all(const plain_vector<Contact>& contacts, solver_state& s) {
-    for (std::size_t first = 0, i = 0; first < contacts.size(); first = i) {
-      const Contact& c = contacts[first];
-      vec3 impulse{0, 0, 0}, moment{0, 0, 0};
-      for (; i < contacts.size() && contacts[i].same_patch(c); ++i) {
-        const vec3 p = contacts[i].impulse();
-        impulse += p, moment += contacts[i].arm_a.cross(p);
-      }
-      if (impulse == vec3(0, 0, 0) && moment == vec3(0, 0, 0)) continue;
-      vec3 offset{0, 0, 0};
-      if constexpr (paired) offset = c.arm_b - c.arm_a;
-      give_pair<paired>(s, c.a, c.b, offset, impulse, moment);
-    }
-  }
-  void sweep_forward(plain_vector<Contact>& contacts, solver_state& s) const {
-    for (const contact_patch& p : patches_) {
-      patch_motion<paired> motion(p, s);
-      bool changed = false;
-      for (std::size_t i = p.first; i < p.last; ++i) changed |= solve(contacts[i], motion);
-      if (changed) motion.apply(s);
-    }
-  }
-  /// note(index, change) for each contact that changes.
-  template <class Note>
-  void sweep_backward(plain_vector<Contact>& contacts, solver_state& s, Note&& note) const {
-    for (std::size_t k = patches_.size(); k-- > 0;) {
-      const contact_patch& p = patches_[k];
-      patch_motion<paired> motion(p, s);
-      bool changed = false;
-      for (std::size_t i = p.last; i-- > p.first;) {
-        const vec3 before = contacts[i].r;
-        if (!solve(contacts[i], motion)) continue;
-        changed = true;
-        note(i, vec3(contacts[i].r - before));
-      }
-      if (changed) motion.apply(s);
-    }
-  }
-  void sweep_push(plain_vector<Contact>& contacts, solver_state& s) const {
-    for (const contact_patch& p : patches_) {
-      patch_shift<paired> motion(p, s);
-      for (std::size_t i = p.first; i < p.last; ++i) {
-        Contact& c = contacts[i];
-        const real d = c.push_at(motion.at(c.arm));
-        if (d != 0) motion.push(c.arm, d);
-      }
-      motion.apply(s);
-    }
-  }
-
- private:
-  static bool solve(Contact& c, patch_motion<paired>& motion) {
-    const vec3 before = c.r;
-    vec3 u = motion.at(c.arm);
-    u[0] -= c.target;
-    c.r = c.block.solve(before, u, c.friction);
-    const vec3 d = c.r - before;
-    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return false;  // as open contacts stay
-    motion.hit(c.arm, d);
-    return true;
-  }
-
-  plain_vector<contact_patch> patches_;
-};
 
 #pragma GCC diagnostic pop
 

@@ -48,11 +48,11 @@ struct coulomb_block {
     return slide(r, u, un, mu);
   }
 
- private:
-  /// `un` is the normal velocity without the impulse. Eliminating the normal leaves the law as
-  /// (S + lambda) r_t = -c with the Schur complement S, and mu r_n / |r_t| = 1, which is nearly
-  /// linear in lambda: Newton's method starts from what lambda was before, and mostly takes a step
-  /// or two. Where it leads astray, the general solution is asked.
+  /// The same where it is known to slide; uses W and inverse_nn alone. `un` is the normal velocity
+  /// without the impulse. Eliminating the normal leaves the law as (S + lambda) r_t = -c with the
+  /// Schur complement S, and mu r_n / |r_t| = 1, which is nearly linear in lambda: Newton's method
+  /// starts from what lambda was before, and mostly takes a step or two. Where it leads astray, the
+  /// general solution is asked.
   [[nodiscard]] [[gnu::noinline]] vec3 slide(const vec3& r, const vec3& u, real un, real mu) const {
     const real inverse = inverse_nn;
     if (mu == 0) return {-un * inverse, 0, 0};

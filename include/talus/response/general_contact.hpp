@@ -42,16 +42,17 @@ struct general_contact : general_block<Law::friction> {
   static constexpr std::size_t streams = 1;
   using change = Eigen::Matrix<real, rows, 1>;  ///< impulse in the frame
 
-  real target = 0;    ///< least separating velocity after the step
-  real push = 0;      ///< least separating rate of the correction; at rest and under load, the rate
-  real friction = 0;  ///< coefficient mu
-  real pushed = 0;    ///< normal impulse of the correction
-  change r = change::Zero();  ///< impulse in the frame
-  std::int32_t a = 0;
-  std::int32_t b = -1;
+  // In this order, for vectors are read together with the number that follows them.
   vec3 normal{0, 0, 1};  ///< from b to a; the tangents are those of frame_around
   vec3 arm_a{0, 0, 0};   ///< from the centre of mass to the contact point
   vec3 arm_b{0, 0, 0};
+  change r = change::Zero();  ///< impulse in the frame
+  real target = 0;            ///< least separating velocity after the step
+  real push = 0;      ///< least separating rate of the correction; at rest and under load, the rate
+  real friction = 0;  ///< coefficient mu
+  real pushed = 0;    ///< normal impulse of the correction
+  std::int32_t a = 0;
+  std::int32_t b = -1;
 
   void weigh(const solver_state& s, real split_a, real split_b) {
     mat3 w = mobility<A>(s, a, arm_a, split_a);
@@ -210,7 +211,7 @@ struct general_contact : general_block<Law::friction> {
   template <contact_side Side>
   static vec3 shift_at(const solver_state& s, std::int32_t i, const vec3& arm) {
     vec3 rate = s.shift[i].v;
-    if constexpr (Side == contact_side::tensor) rate += s.turn[i - s.first_tensor].cross(arm);
+    if constexpr (Side == contact_side::tensor) rate += s.turn[i - s.first_tensor].w.cross(arm);
     return rate;
   }
   template <contact_side Side>
@@ -218,7 +219,7 @@ struct general_contact : general_block<Law::friction> {
     const vec3 p = d * axis();
     s.shift[i].v += s.bodies[i].inverse_mass * p;
     if constexpr (Side == contact_side::tensor)
-      s.turn[i - s.first_tensor] += s.tensor(i) * arm.cross(p);
+      s.turn[i - s.first_tensor].w += s.tensor(i) * arm.cross(p);
   }
   /// Velocity of the contact point of one body for a unit impulse there.
   template <contact_side Side>

@@ -2,7 +2,7 @@
 // Interior contacts of which a pair of bodies has several, swept patch by patch.
 #include <cstddef>
 
-#include "talus/response/contact_patch.hpp"
+#include "talus/response/contact_patches.hpp"
 #include "talus/response/contact_row.hpp"
 
 namespace talus::detail {
@@ -11,16 +11,17 @@ namespace talus::detail {
 template <swept_in_patches Contact>
 class patched_row : public contact_row<Contact> {
  public:
+  [[nodiscard]] std::size_t bytes() const {
+    return contact_row<Contact>::bytes() + patches_.bytes();
+  }
   void weigh(const solver_state& s) { patches_.weigh(this->contacts_, s); }
   void apply(solver_state& s) const { patches_.apply_all(this->contacts_, s); }
   void forward(solver_state& s) { patches_.sweep_forward(this->contacts_, s); }
-  void backward(solver_state& s) {
-    patches_.sweep_backward(this->contacts_, s, [](auto&&...) {});
-  }
+  void backward(solver_state& s) { patches_.sweep_backward(this->contacts_, s); }
   template <class Note>
   void backward_watched(solver_state& s, real speed, Note&& note) {
-    patches_.sweep_backward(this->contacts_, s, [&](std::size_t i, const auto& d) {
-      if (const real change = this->contacts_[i].speed_of(d); change > speed) note(i, change);
+    patches_.sweep_watched(this->contacts_, s, [&](std::size_t i, real change) {
+      if (change > speed) note(i, change);
     });
   }
   void push(solver_state& s) { patches_.sweep_push(this->contacts_, s); }

@@ -24,6 +24,12 @@ struct alignas(32) body_shift {
   real inverse_mass = 0;
 };
 
+/// The same of its orientation; as large as four numbers, so that it can be read as such.
+struct alignas(32) body_turn {
+  vec3 w{0, 0, 0};
+  real none = 0;
+};
+
 /// Velocities of a body, or changes of them.
 struct body_motion {
   vec3 v{0, 0, 0}, w{0, 0, 0};
@@ -49,8 +55,8 @@ struct solver_state {
   plain_vector<solver_body> bodies;
   /// It moves positions and never enters the velocities. Empty when overlaps are not corrected.
   plain_vector<body_shift> shift;
-  plain_vector<vec3> turn;     ///< likewise the rotation, of bodies from first_tensor
-  plain_vector<mat3> tensors;  ///< inverse inertia, world frame, of bodies from first_tensor
+  plain_vector<body_turn> turn;  ///< likewise the rotation, of bodies from first_tensor
+  plain_vector<mat3> tensors;    ///< inverse inertia, world frame, of bodies from first_tensor
   std::size_t first_tensor = 0;
   /// Number of bodies on other ranks that a body touches; only where there are ranks.
   plain_vector<std::uint32_t> boundary_contacts;

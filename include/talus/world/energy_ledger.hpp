@@ -166,7 +166,7 @@ void book_motion(world_state<Scenario>& s) {
       const quat& last = store.orientation_of[i];
       quat free = last;
       if constexpr (world_state<Scenario>::law::correction)
-        free = turned<real>(last, -s.dt * s.solver.turn[k - s.solver.first_tensor]);
+        free = turned<real>(last, -s.dt * s.solver.turn[k - s.solver.first_tensor].w);
       const real spin = twice_spin_energy(store, i, free, w);
       r.running.scheme += 0.5 * spin;
       if constexpr (world_state<Scenario>::law::correction)

@@ -17,7 +17,7 @@ void gather_velocities(world_state<Scenario>& s) {
   solver.tensors.resize(solver.bodies.size() - solver.first_tensor);
   if constexpr (world_state<Scenario>::law::correction) {
     solver.shift.resize(solver.bodies.size());
-    solver.turn.assign(solver.tensors.size(), vec3(0, 0, 0));
+    solver.turn.assign(solver.tensors.size(), {});
   }
   if constexpr (!world_state<Scenario>::link_type::alone)
     solver.boundary_contacts.assign(solver.bodies.size(), 0);
@@ -105,7 +105,7 @@ void integrate(world_state<Scenario>& s) {
               turned<real>(store.orientation_of[i], s.dt * solver.drift[b.first + i].w);
         if constexpr (world_state<Scenario>::law::correction)
           store.orientation_of[i] = turned<real>(
-              store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor]);
+              store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor].w);
       } else if constexpr (store_type::oriented) {
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], left * store.angular_velocity[i]);

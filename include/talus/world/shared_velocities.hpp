@@ -86,14 +86,14 @@ class shared_velocities {
             const bool turns = i >= solver.first_tensor;
             for (int k = 0; k < 3; ++k) {
               out[k] = solver.shift[i].v[k];
-              out[3 + k] = turns ? solver.turn[i - solver.first_tensor][k] : 0;
+              out[3 + k] = turns ? solver.turn[i - solver.first_tensor].w[k] : 0;
             }
           },
           [&](std::uint32_t i, const real* in) {
             const bool turns = i >= solver.first_tensor;
             for (int k = 0; k < 3; ++k) {
               solver.shift[i].v[k] = in[k];
-              if (turns) solver.turn[i - solver.first_tensor][k] = in[3 + k];
+              if (turns) solver.turn[i - solver.first_tensor].w[k] = in[3 + k];
             }
           });
   }

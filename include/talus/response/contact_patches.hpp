@@ -1,0 +1,201 @@
+#pragma once
+// All patches of a list of contacts: eight at a time where they share no body that can move, and
+// one by one where they do.
+#include <cstddef>
+#include <cstdint>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/response/block_planner.hpp"
+#include "talus/response/contact_patch.hpp"
+#include "talus/response/patch_block.hpp"
+
+namespace talus::detail {
+
+/// The patches of a list of contacts, nearly in its order (see block_planner). The contacts hold
+/// the impulses; what they are weighed with is kept here.
+template <class Contact>
+class contact_patches {
+  static constexpr bool paired = Contact::paired;
+  static constexpr std::size_t most_layers = 4;  ///< contacts of a patch in a block
+  using work = patch_block_work<Contact>;
+  using block = patch_block<Contact>;
+  using layer = patch_layer<Contact>;
+
+ public:
+  /// Finds the patches and weighs their contacts. `contacts` of one pair lie together, and stay
+  /// where they are until they are weighed anew.
+  void weigh(plain_vector<Contact>& contacts, const solver_state& s) {
+    patches_.clear(), runs_.clear();
+    plan_.clear();
+    used_ = 0;
+    const auto moves = [&](std::int32_t i) {
+      return s.bodies[static_cast<std::size_t>(i)].inverse_mass != 0;
+    };
+    for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
+      const Contact& c = contacts[first];
+      while (last < contacts.size() && contacts[last].same_patch(c)) ++last;
+      std::int64_t slot = -1;
+      if (last - first <= most_layers) {
+        const bool b_moves = paired && moves(c.b);
+        slot = moves(c.a) ? plan_.place(c.a, b_moves ? c.b : -1) : plan_.place(c.b, -1);
+      }
+      if (slot < 0) {
+        weigh_lone(contacts, first, last, s);
+        continue;
+      }
+      const auto at = static_cast<std::size_t>(slot) / lanes;
+      for (; used_ <= at; ++used_) {
+        if (used_ == blocks_.size()) blocks_.emplace_back();
+        blocks_[used_].depth = blocks_[used_].filled = 0;
+      }
+      block& b = blocks_[at];
+      b.depth = std::max(b.depth, static_cast<std::uint32_t>(last - first));
+      ++b.filled;
+      runs_.push_back({static_cast<std::uint32_t>(slot), static_cast<std::uint32_t>(first),
+                       static_cast<std::uint32_t>(last)});
+    }
+    fill(contacts);
+    for (std::size_t k = 0; k < used_; ++k)
+      if (blocks_[k].filled > 0) work::weigh(blocks_[k], layers_of(blocks_[k]), s);
+  }
+  /// Gives the bodies all impulses of the contacts, which need not have been weighed.
+  static void apply_all(const plain_vector<Contact>& contacts, solver_state& s) {
+    for (std::size_t first = 0, i = 0; first < contacts.size(); first = i) {
+      const Contact& c = contacts[first];
+      const mat3 frame = c.axes();
+      vec3 impulse{0, 0, 0}, moment{0, 0, 0};
+      for (; i < contacts.size() && contacts[i].same_patch(c); ++i) {
+        const vec3 p = seen_from(frame, contacts[i].r);
+        impulse += p, moment += crossed(contacts[i].arm_a, p);
+      }
+      if (impulse == vec3(0, 0, 0) && moment == vec3(0, 0, 0)) continue;
+      vec3 offset{0, 0, 0};
+      if constexpr (paired) offset = c.arm_b - c.arm_a;
+      give_pair<paired>(s, c.a, c.b, offset, impulse, moment);
+    }
+  }
+  void sweep_forward(plain_vector<Contact>& contacts, solver_state& s) {
+    const auto silent = [](auto&&...) {};
+    for (std::size_t k = 0; k < used_; ++k)
+      if (blocks_[k].filled > 0)
+        work::template sweep<true, false>(blocks_[k], layers_of(blocks_[k]), s, silent);
+    for (const contact_patch& p : patches_) {
+      patch_motion<paired> motion(p, s);
+      bool changed = false;
+      for (std::size_t i = p.first; i < p.last; ++i) changed |= solve(contacts[i], motion);
+      if (changed) motion.apply(s);
+    }
+  }
+  void sweep_backward(plain_vector<Contact>& contacts, solver_state& s) {
+    backward<false>(contacts, s, [](auto&&...) {});
+  }
+  /// note(index, change) with the change of velocity that each contact's own impulse makes.
+  template <class Note>
+  void sweep_watched(plain_vector<Contact>& contacts, solver_state& s, Note&& note) {
+    backward<true>(contacts, s, note);
+  }
+  void sweep_push(plain_vector<Contact>& contacts, solver_state& s) {
+    for (std::size_t k = 0; k < used_; ++k)
+      if (blocks_[k].filled > 0) work::push(blocks_[k], layers_of(blocks_[k]), s);
+    for (const contact_patch& p : patches_) {
+      patch_shift<paired> motion(p, s);
+      for (std::size_t i = p.first; i < p.last; ++i) {
+        Contact& c = contacts[i];
+        const real d = c.push_at(motion.at(c.arm));
+        if (d != 0) motion.push(c.arm, d);
+      }
+      motion.apply(s);
+    }
+  }
+  [[nodiscard]] std::size_t bytes() const {
+    return blocks_.capacity() * sizeof(block) + layers_.capacity() * sizeof(layer) +
+           patches_.capacity() * sizeof(contact_patch) + runs_.capacity() * sizeof(run) +
+           plan_.bytes();
+  }
+
+ private:
+  static constexpr std::size_t lanes = block_planner::lanes;
+  struct run {
+    std::uint32_t slot, first, last;
+  };
+
+  layer* layers_of(const block& b) { return layers_.data() + b.first; }
+
+  void weigh_lone(plain_vector<Contact>& contacts, std::size_t first, std::size_t last,
+                  const solver_state& s) {
+    const Contact& c = contacts[first];
+    contact_patch& p = patches_.emplace_back();
+    p.first = static_cast<std::uint32_t>(first), p.last = static_cast<std::uint32_t>(last);
+    p.a = c.a, p.b = c.b;
+    p.frame = frame_around<real>(c.normal);
+    if constexpr (paired) p.offset = c.arm_b - c.arm_a;
+    weigh_patch<paired>(p, s);
+    for (std::size_t i = first; i < last; ++i) contacts[i].weigh(p);
+  }
+  /// Notes in the blocks which contacts are theirs.
+  void fill(plain_vector<Contact>& contacts) {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < used_; ++k) {
+      blocks_[k].first = static_cast<std::uint32_t>(count);
+      count += blocks_[k].depth;
+    }
+    if (layers_.size() < count) layers_.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      layers_[k].present = octet_mask{};
+      for (Contact*& c : layers_[k].at) c = &spare_;
+    }
+    for (const run& r : runs_) {
+      block& b = blocks_[r.slot / lanes];
+      const std::size_t lane = r.slot % lanes;
+      const Contact& c = contacts[r.first];
+      for (std::size_t l = lane; l < (lane == 0 ? lanes : lane + 1); ++l)
+        b.a[l] = c.a, b.b[l] = c.b;
+      for (std::uint32_t i = r.first; i < r.last; ++i) {
+        layer& x = layers_of(b)[i - r.first];
+        x.at[lane] = &contacts[i];
+        x.present[lane] = -1;
+      }
+    }
+  }
+  template <bool Watched, class Note>
+  void backward(plain_vector<Contact>& contacts, solver_state& s, Note&& note) {
+    for (std::size_t k = patches_.size(); k-- > 0;) {
+      const contact_patch& p = patches_[k];
+      patch_motion<paired> motion(p, s);
+      bool changed = false;
+      for (std::size_t i = p.last; i-- > p.first;) {
+        const vec3 before = contacts[i].r;
+        if (!solve(contacts[i], motion)) continue;
+        changed = true;
+        if constexpr (Watched) note(i, contacts[i].speed_of(contacts[i].r - before));
+      }
+      if (changed) motion.apply(s);
+    }
+    const auto note_contact = [&](const Contact* c, real change) {
+      if (c != &spare_) note(static_cast<std::size_t>(c - contacts.data()), change);
+    };
+    for (std::size_t k = used_; k-- > 0;)
+      if (blocks_[k].filled > 0)
+        work::template sweep<false, Watched>(blocks_[k], layers_of(blocks_[k]), s, note_contact);
+  }
+  static bool solve(Contact& c, patch_motion<paired>& motion) {
+    const vec3 before = c.r;
+    vec3 u = motion.at(c.arm);
+    u[0] -= c.target;
+    c.r = c.block.solve(before, u, c.friction);
+    const vec3 d = c.r - before;
+    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return false;  // as open contacts stay
+    motion.hit(c.arm, d);
+    return true;
+  }
+
+  block_planner plan_;
+  plain_vector<block> blocks_;  ///< of which the first so many are in use
+  std::size_t used_ = 0;
+  plain_vector<layer> layers_;  ///< of all blocks
+  plain_vector<run> runs_;
+  plain_vector<contact_patch> patches_;  ///< that found no place in a block, or have none
+  Contact spare_;                        ///< where a block has none; its impulse stays zero
+};
+
+}  // namespace talus::detail

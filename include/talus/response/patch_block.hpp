@@ -1,0 +1,333 @@
+#pragma once
+// Eight patches that share no body that can move, solved side by side: what contact_patch is for
+// one of them, with the same formulas.
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "talus/core/math.hpp"
+#include "talus/core/octet.hpp"
+#include "talus/response/contact_patch.hpp"
+#include "talus/response/coulomb_block.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus::detail {
+
+// As with octets: all functions that are given one are inlined.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+/// Three components of eight things.
+struct octet_vector {
+  octet x, y, z;
+
+  [[gnu::always_inline]] friend octet_vector operator+(const octet_vector& a,
+                                                       const octet_vector& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+  }
+  [[gnu::always_inline]] friend octet_vector operator-(const octet_vector& a,
+                                                       const octet_vector& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+  }
+  [[gnu::always_inline]] friend octet_vector operator*(const octet& s, const octet_vector& a) {
+    return {s * a.x, s * a.y, s * a.z};
+  }
+  [[gnu::always_inline]] void operator+=(const octet_vector& a) { x += a.x, y += a.y, z += a.z; }
+};
+[[nodiscard]] [[gnu::always_inline]] inline octet dot(const octet_vector& a,
+                                                      const octet_vector& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+[[nodiscard]] [[gnu::always_inline]] inline octet_vector crossed(const octet_vector& a,
+                                                                 const octet_vector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Eight matrices by their rows, or symmetric ones of which the upper half counts.
+struct octet_matrix {
+  octet_vector x, y, z;
+
+  [[nodiscard]] [[gnu::always_inline]] octet_vector times(const octet_vector& v) const {
+    return {dot(x, v), dot(y, v), dot(z, v)};
+  }
+  /// What its transpose does to v.
+  [[nodiscard]] [[gnu::always_inline]] octet_vector across(const octet_vector& v) const {
+    return v.x * x + v.y * y + v.z * z;
+  }
+};
+
+/// frame_around() of eight normals, to the bit.
+[[nodiscard]] [[gnu::always_inline]] inline octet_matrix frames_around(const octet_vector& n) {
+  octet_mask bits;
+  const octet one = eight(1);
+  octet_mask of_one;
+  std::memcpy(&bits, &n.z, sizeof bits), std::memcpy(&of_one, &one, sizeof of_one);
+  bits = (bits & std::int64_t{1} << 63) | of_one;
+  octet sign;
+  std::memcpy(&sign, &bits, sizeof sign);
+  const octet p = -1 / (sign + n.z), q = n.x * n.y * p;
+  return {n, {1 + sign * n.x * n.x * p, sign * q, -sign * n.x}, {q, sign + n.y * n.y * p, -n.y}};
+}
+
+/// F T F^T, symmetric.
+[[nodiscard]] [[gnu::always_inline]] inline octet_matrix turned_tensors(const octet_matrix& f,
+                                                                        const octet_matrix& t) {
+  const octet_vector x = t.times(f.x), y = t.times(f.y), z = t.times(f.z);
+  const octet xy = dot(f.x, y), xz = dot(f.x, z), yz = dot(f.y, z);
+  return {{dot(f.x, x), xy, xz}, {xy, dot(f.y, y), yz}, {xz, yz, dot(f.z, z)}};
+}
+
+/// One contact of each of eight patches.
+template <class Contact>
+struct patch_layer {
+  octet_vector arm;  ///< from the centre of a, in the frame of the patch
+  octet friction;
+  octet i_nn, i_n1, i_n2, i_11, i_12, i_22;  ///< as in coulomb_block
+  octet nn, n1, n2, inverse_nn;
+  octet push, pushed;
+  octet t11, t12, t22;
+  octet_mask present;
+  Contact* at[8] = {};  ///< the impulse stays there; what is no contact is a spare one
+};
+
+template <class Contact>
+struct patch_block {
+  octet_matrix frame;
+  octet_vector offset;  ///< from the centre of b to that of a
+  octet_matrix tensor_a, tensor_b;
+  octet_matrix vv, wv, ww;  ///< the mobility: velocity and spin, each row for one of them
+  std::int32_t a[8], b[8];
+  std::uint32_t first = 0, depth = 0;  ///< its layers
+  std::uint32_t filled = 0;            ///< lanes, from the first; the others repeat its bodies
+};
+
+template <class Contact>
+struct patch_block_work {
+  static constexpr bool paired = Contact::paired;
+  using block = patch_block<Contact>;
+  using layer = patch_layer<Contact>;
+
+  static void weigh(block& p, layer* layers, const solver_state& s) {
+    const auto& at = layers[0].at;
+    const auto vector = [](const octet_rows& r) { return octet_vector{r.x, r.y, r.z}; };
+    p.frame = frames_around(vector(gather([&](int i) -> const vec3& { return at[i]->normal; })));
+    octet mass;
+    const auto tensors = [&](const std::int32_t(&of)[8], octet_matrix& t) {
+      const auto number = [&](int i) {
+        return s.tensors.data() + (static_cast<std::size_t>(of[i]) - s.first_tensor);
+      };
+      // Its nine numbers are xx yx zx xy yy zy xz yz zz.
+      const auto from = [&](int first) {
+        return gather([&](int i) -> const vec3& {
+          return *reinterpret_cast<const vec3*>(number(i)->data() + first);
+        });
+      };
+      const octet_rows low = from(1), high = from(5);
+      for (int i = 0; i < 8; ++i) t.x.x[i] = (*number(i))(0, 0);
+      t.x.y = t.y.x = low.x, t.x.z = t.z.x = low.y, t.y.y = low.w;
+      t.y.z = t.z.y = high.x, t.z.z = high.w;
+    };
+    for (int i = 0; i < 8; ++i) mass[i] = s.bodies[static_cast<std::size_t>(p.a[i])].inverse_mass;
+    tensors(p.a, p.tensor_a);
+    p.ww = turned_tensors(p.frame, p.tensor_a);
+    const octet zero = eight(0);
+    if constexpr (paired) {
+      for (int i = 0; i < 8; ++i)
+        mass[i] += s.bodies[static_cast<std::size_t>(p.b[i])].inverse_mass;
+      p.offset = vector(gather([&](int i) -> const vec3& { return at[i]->arm_b; })) -
+                 vector(gather([&](int i) -> const vec3& { return at[i]->arm_a; }));
+      tensors(p.b, p.tensor_b);
+      const octet_matrix g = turned_tensors(p.frame, p.tensor_b);
+      p.ww.x += g.x, p.ww.y += g.y, p.ww.z += g.z;
+      const octet_vector c = p.frame.times(p.offset);
+      // What an impulse turns, seen from a; and how that moves the centre of a.
+      p.wv = {c.z * g.y - c.y * g.z, c.x * g.z - c.z * g.x, c.y * g.x - c.x * g.y};
+      const octet_vector mx = crossed(c, p.wv.x), my = crossed(c, p.wv.y), mz = crossed(c, p.wv.z);
+      p.vv = {{mass - mx.x, zero - mx.y, zero - mx.z},
+              {zero - my.x, mass - my.y, zero - my.z},
+              {zero - mz.x, zero - mz.y, mass - mz.z}};
+    } else {
+      p.vv.x.x = mass;
+    }
+    for (std::uint32_t k = 0; k < p.depth; ++k) weigh_layer(p, layers[k]);
+  }
+
+  /// Solves all contacts, in the order of the layers or the reverse. note(contact, change of the
+  /// impulse's norm times own mobility) for those that change.
+  template <bool Forward, bool Watched, class Note>
+  static void sweep(const block& p, layer* layers, solver_state& s, Note&& note) {
+    const auto v_of = [&](const std::int32_t(&of)[8]) {
+      return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].v; };
+    };
+    const auto w_of = [&](const std::int32_t(&of)[8]) {
+      return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
+    };
+    octet_rows va = gather(v_of(p.a)), wa = gather(w_of(p.a)), vb, wb;
+    octet_vector v{va.x, va.y, va.z}, w{wa.x, wa.y, wa.z};
+    if constexpr (paired) {
+      vb = gather(v_of(p.b)), wb = gather(w_of(p.b));
+      const octet_vector of_b{wb.x, wb.y, wb.z};
+      v = v - (octet_vector{vb.x, vb.y, vb.z} + crossed(of_b, p.offset));
+      w = w - of_b;
+    }
+    v = p.frame.times(v), w = p.frame.times(w);
+    const octet zero = eight(0);
+    octet_vector impulse{zero, zero, zero}, moment{zero, zero, zero};
+    for (std::uint32_t n = 0; n < p.depth; ++n) {
+      layer& c = layers[Forward ? n : p.depth - 1 - n];
+      const octet_vector d = solve<Watched>(c, v + crossed(w, c.arm), note), m = crossed(c.arm, d);
+      impulse += d, moment += m;
+      if (n + 1 == p.depth) break;
+      if constexpr (paired) {
+        v += p.vv.times(d) + p.wv.times(m);
+        w += p.wv.across(d) + p.ww.times(m);
+      } else {
+        v += p.vv.x.x * d;
+        w += p.ww.times(m);
+      }
+    }
+    const octet_vector r = p.frame.across(impulse), m = p.frame.across(moment);
+    va.x += va.w * r.x, va.y += va.w * r.y, va.z += va.w * r.z;
+    const octet_vector ta = p.tensor_a.times(m);
+    wa.x += ta.x, wa.y += ta.y, wa.z += ta.z;
+    if constexpr (paired) {
+      vb.x -= vb.w * r.x, vb.y -= vb.w * r.y, vb.z -= vb.w * r.z;
+      const octet_vector tb = p.tensor_b.times(m + crossed(p.offset, r));
+      wb.x -= tb.x, wb.y -= tb.y, wb.z -= tb.z;
+      scatter(vb, v_of(p.b)), scatter(wb, w_of(p.b));
+    }
+    scatter(va, v_of(p.a)), scatter(wa, w_of(p.a));
+  }
+
+  /// The correction of overlaps, which presses along the normal alone.
+  static void push(const block& p, layer* layers, solver_state& s) {
+    const auto v_of = [&](const std::int32_t(&of)[8]) {
+      return [&](int i) -> vec3& { return s.shift[static_cast<std::size_t>(of[i])].v; };
+    };
+    const auto w_of = [&](const std::int32_t(&of)[8]) {
+      return [&](int i) -> vec3& {
+        return s.turn[static_cast<std::size_t>(of[i]) - s.first_tensor].w;
+      };
+    };
+    octet_rows va = gather(v_of(p.a)), wa = gather(w_of(p.a)), vb, wb;
+    octet_vector v{va.x, va.y, va.z}, w{wa.x, wa.y, wa.z};
+    if constexpr (paired) {
+      vb = gather(v_of(p.b)), wb = gather(w_of(p.b));
+      const octet_vector of_b{wb.x, wb.y, wb.z};
+      v = v - (octet_vector{vb.x, vb.y, vb.z} + crossed(of_b, p.offset));
+      w = w - of_b;
+    }
+    const octet_matrix& f = p.frame;
+    octet n = dot(f.x, v), y = dot(f.y, w), z = dot(f.z, w);
+    const octet zero = eight(0);
+    octet impulse = zero, moment_y = zero, moment_z = zero;
+    for (std::uint32_t k = 0; k < p.depth; ++k) {
+      layer& c = layers[k];
+      const octet_rows held = gather([&](int i) -> const vec3& { return c.at[i]->r; });
+      const octet rate = n + (y * c.arm.z - z * c.arm.y);
+      const octet free = c.pushed - (rate - c.push) * c.inverse_nn;
+      const octet next =
+          (((held.w == zero) & (held.x > zero)) | (free > zero)) & c.present ? free : zero;
+      const octet d = next - c.pushed;
+      c.pushed = next;
+      const octet my = d * c.arm.z, mz = zero - d * c.arm.y;
+      impulse += d, moment_y += my, moment_z += mz;
+      if constexpr (paired) {
+        n += p.vv.x.x * d + p.wv.x.y * my + p.wv.x.z * mz;
+        y += p.wv.x.y * d + p.ww.y.y * my + p.ww.y.z * mz;
+        z += p.wv.x.z * d + p.ww.y.z * my + p.ww.z.z * mz;
+      } else {
+        n += p.vv.x.x * d;
+        y += p.ww.y.y * my + p.ww.y.z * mz;
+        z += p.ww.y.z * my + p.ww.z.z * mz;
+      }
+    }
+    const octet_vector r = impulse * f.x, m = moment_y * f.y + moment_z * f.z;
+    va.x += va.w * r.x, va.y += va.w * r.y, va.z += va.w * r.z;
+    const octet_vector ta = p.tensor_a.times(m);
+    wa.x += ta.x, wa.y += ta.y, wa.z += ta.z;
+    if constexpr (paired) {
+      vb.x -= vb.w * r.x, vb.y -= vb.w * r.y, vb.z -= vb.w * r.z;
+      const octet_vector tb = p.tensor_b.times(m + crossed(p.offset, r));
+      wb.x -= tb.x, wb.y -= tb.y, wb.z -= tb.z;
+      scatter(vb, v_of(p.b)), scatter(wb, w_of(p.b));
+    }
+    scatter(va, v_of(p.a)), scatter(wa, w_of(p.a));
+  }
+
+ private:
+  /// The same as general_contact::weigh(contact_patch).
+  static void weigh_layer(const block& p, layer& c) {
+    const octet zero = eight(0);
+    const octet_rows arm = gather([&](int i) -> const vec3& { return c.at[i]->arm_a; });
+    const octet_vector r = c.arm = p.frame.times({arm.x, arm.y, arm.z});
+    for (int i = 0; i < 8; ++i) c.friction[i] = c.at[i]->friction, c.push[i] = c.at[i]->push;
+    c.pushed = zero;
+    // The motion that each component of an impulse at the arm makes, and the velocity there.
+    octet_vector nw = r.z * p.ww.y - r.y * p.ww.z, xw = r.x * p.ww.z - r.z * p.ww.x,
+                 yw = r.y * p.ww.x - r.x * p.ww.y;
+    octet nn, n1, n2, t11, t12, t22;
+    if constexpr (paired) {
+      // Columns of the velocity that a moment makes.
+      const octet_vector c3{p.wv.x.x, p.wv.y.x, p.wv.z.x}, c4{p.wv.x.y, p.wv.y.y, p.wv.z.y},
+          c5{p.wv.x.z, p.wv.y.z, p.wv.z.z};
+      const octet_vector n = p.vv.x + (r.z * c4 - r.y * c5), x = p.vv.y + (r.x * c5 - r.z * c3),
+                         y = p.vv.z + (r.y * c3 - r.x * c4);
+      nw += p.wv.x, xw += p.wv.y, yw += p.wv.z;
+      nn = n.x, n1 = n.y, n2 = n.z, t11 = x.y, t12 = x.z, t22 = y.z;
+    } else {
+      nn = t11 = t22 = p.vv.x.x;
+      n1 = n2 = t12 = zero;
+    }
+    nn += nw.y * r.z - nw.z * r.y, n1 += nw.z * r.x - nw.x * r.z, n2 += nw.x * r.y - nw.y * r.x;
+    t11 += xw.z * r.x - xw.x * r.z, t12 += xw.x * r.y - xw.y * r.x;
+    t22 += yw.x * r.y - yw.y * r.x;
+    c.nn = nn, c.n1 = n1, c.n2 = n2, c.t11 = t11, c.t12 = t12, c.t22 = t22;
+    const octet f = t11 * t22 - t12 * t12, g = n2 * t12 - n1 * t22, h = n1 * t12 - n2 * t11;
+    const octet scale = 1 / (nn * f + n1 * g + n2 * h);
+    c.i_nn = scale * f, c.i_n1 = scale * g, c.i_n2 = scale * h;
+    c.i_11 = scale * (nn * t22 - n2 * n2);
+    c.i_12 = scale * (n1 * n2 - nn * t12);
+    c.i_22 = scale * (nn * t11 - n1 * n1);
+    c.inverse_nn = 1 / nn;
+  }
+  /// The same as coulomb_block::solve, where the velocity is u; returns the changes.
+  template <bool Watched, class Note>
+  [[gnu::always_inline]] static octet_vector solve(layer& c, octet_vector u, Note& note) {
+    const auto impulse = [&](int i) -> vec3& { return c.at[i]->r; };
+    const octet zero = eight(0);
+    octet_rows r = gather(impulse);  // and the target
+    u.x -= r.w;
+    const octet n = r.x - (c.i_nn * u.x + c.i_n1 * u.y + c.i_n2 * u.z),
+                x = r.y - (c.i_n1 * u.x + c.i_11 * u.y + c.i_12 * u.z),
+                y = r.z - (c.i_n2 * u.x + c.i_12 * u.y + c.i_22 * u.z);
+    const octet limit = c.friction * n;
+    const octet_mask sticks = (n >= zero) & (x * x + y * y <= limit * limit) & c.present;
+    const octet un = u.x - (c.nn * r.x + c.n1 * r.y + c.n2 * r.z);
+    const octet_mask slides = ~sticks & ~(un >= zero) & c.present;
+    octet_vector next{sticks ? n : zero, sticks ? x : zero, sticks ? y : zero};
+    for (unsigned left = bits_of(slides); left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      coulomb_block own;
+      own.nn = c.nn[i], own.n1 = c.n1[i], own.n2 = c.n2[i];
+      own.t11 = c.t11[i], own.t12 = c.t12[i], own.t22 = c.t22[i];
+      own.inverse_nn = c.inverse_nn[i];
+      const vec3 found =
+          own.slide({r.x[i], r.y[i], r.z[i]}, {u.x[i], u.y[i], u.z[i]}, un[i], c.friction[i]);
+      next.x[i] = found[0], next.y[i] = found[1], next.z[i] = found[2];
+    }
+    const octet_vector d = next - octet_vector{r.x, r.y, r.z};
+    r.x = next.x, r.y = next.y, r.z = next.z;
+    scatter(r, impulse);
+    if constexpr (Watched) {
+      const octet change = square_root(dot(d, d)) * c.nn;
+      for (int i = 8; i-- > 0;) note(c.at[i], change[i]);
+    }
+    return d;
+  }
+};
+
+#pragma GCC diagnostic pop
+
+}  // namespace talus::detail
