@@ -6,16 +6,9 @@
 
 #include "talus/detect/box_place.hpp"
 #include "talus/detect/detail/box_axes.hpp"
+#include "talus/detect/detail/box_patches.hpp"
 
 namespace talus::detail {
-
-/// Eight numbers in registers.
-template <class Real>
-struct eight_of;
-template <>
-struct eight_of<double> {
-  using type = double __attribute__((vector_size(8 * sizeof(double))));
-};
 
 /// Up to eight pairs, taken up one by one and tested together. What becomes of a pair does not
 /// depend on the others.
@@ -55,6 +48,9 @@ class box_batch {
     for (unsigned k = 0; k < capacity; ++k) bits |= (near[k] != 0 ? 1u : 0u) << k;
     return bits;
   }
+  /// Looks for the patches of all pairs, after test().
+  void find_patches() { patches_.find(ha_, hb_, c_, d_, gaps_, margin_); }
+  [[nodiscard]] const box_patches<Real>& patches() const { return patches_; }
   [[nodiscard]] box_pair<Real> pair(unsigned lane) const {
     box_pair<Real> p;
     for (int i = 0; i < 3; ++i) {
@@ -72,6 +68,7 @@ class box_batch {
   number ha_[3]{}, hb_[3]{}, a_[3][3]{}, b_[3][3]{}, away_[3]{}, margin_{};
   number c_[3][3], d_[3];
   box_gaps<number> gaps_;
+  box_patches<Real> patches_;
 };
 
 }  // namespace talus::detail

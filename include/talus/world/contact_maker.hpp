@@ -89,11 +89,11 @@ class contact_maker {
   void finish() requires(batched) {
     const unsigned count = waiting_.count, near = waiting_.tests.test();
     waiting_.count = 0;
+    if (near != 0) waiting_.tests.find_patches();
     for (unsigned k = 0; k < count; ++k) {
       pair_at_hand& x = waiting_.pairs[k];
       if (near >> k & 1u)
-        collide_boxes((*waiting_.places)[x.i], (*waiting_.places)[x.j], waiting_.tests.pair(k),
-                      waiting_.tests.gaps(k), x.margin,
+        collide_boxes((*waiting_.places)[x.i], (*waiting_.places)[x.j], waiting_.tests, k, x.margin,
                       [&](const contact_geometry& g) { add(x, g); });
       forget_unless_made(x);
     }

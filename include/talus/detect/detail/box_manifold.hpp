@@ -20,6 +20,9 @@ class box_manifold {
   using corner = patch_corner<Real>;
 
  public:
+  /// What counts as inside an outline, in its half edges.
+  static constexpr Real soft = 1.001;
+
   /// Corners with a gap of at most `margin` of the patch over the face of a that looks along
   /// axis `axis`, to its positive or negative side.
   box_manifold(const box_pair<Real>& p, int axis, bool positive, Real margin)
@@ -154,8 +157,6 @@ class box_manifold {
   }
 
  private:
-  static constexpr Real soft = 1.001;
-
   // Cuts off what lies beyond `half` on one side. A corner just outside, within a thousandth of
   // `half`, counts as inside, so that boxes of one size stacked flush keep their own corners.
   void clip(Real corner::*along, bool far, Real half, box_part wall) {

@@ -1,6 +1,7 @@
 #pragma once
 // Two boxes: a patch of up to four contacts where a face is involved, else a single one.
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/box_batch.hpp"
 #include "talus/detect/box_place.hpp"
 #include "talus/detect/detail/box_axes.hpp"
 #include "talus/detect/detail/box_manifold.hpp"
@@ -10,6 +11,25 @@
 namespace talus {
 
 namespace detail {
+
+/// Calls `sink(contact_geometry)` for the corners of a patch, which are in the frame of its
+/// reference box: of b's face (`face_of_b`), or a's, that looks along its axis `axis` or against.
+template <class Sink, class Real>
+void give_patch(const box_place<Real>& a, const box_place<Real>& b, const box_pair<Real>& pair,
+                int axis, bool positive, bool face_of_b, std::array<box_contact<Real>, 4>& found,
+                std::size_t size, Sink&& sink) {
+  if (face_of_b)
+    for (std::size_t k = 0; k < size; ++k) {
+      box_contact<Real>& c = found[k];
+      c.normal = -(pair.axes * c.normal), c.point = pair.from_b(c.point);
+      std::swap(c.a, c.b);
+    }
+  if (size == 4) name_by_quarters(pair, found);
+  vector3<Real> normal = column_of((face_of_b ? b : a).axes, axis);
+  if (positive != face_of_b) normal = -normal;
+  for (std::size_t k = 0; k < size; ++k)
+    sink(contact_geometry{normal, a.to_world(found[k].point), found[k].gap, found[k].feature()});
+}
 
 /// Calls `sink(contact_geometry)` for two boxes that no axis separates by more than the margin.
 /// `pair` and `gaps` are theirs, in the frame of a.
@@ -45,19 +65,7 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
       std::array<box_contact<Real>, 4> found;
       std::size_t size = 0;
       patch.for_each([&](const box_contact<Real>& c) { found[size++] = c; });
-      if (face_of_b)
-        for (std::size_t k = 0; k < size; ++k) {
-          box_contact<Real>& c = found[k];
-          c.normal = -(pair.axes * c.normal), c.point = pair.from_b(c.point);
-          std::swap(c.a, c.b);
-        }
-      if (size == 4) name_by_quarters(pair, found);
-      if (size == 0) return;
-      vector3<Real> normal = column_of((face_of_b ? b : a).axes, face.i);
-      if (positive != face_of_b) normal = -normal;
-      for (std::size_t k = 0; k < size; ++k)
-        sink(
-            contact_geometry{normal, a.to_world(found[k].point), found[k].gap, found[k].feature()});
+      give_patch(a, b, pair, face.i, positive, face_of_b, found, size, sink);
       return;
     }
   }
@@ -66,6 +74,19 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
   if (single.gap <= margin)
     sink(contact_geometry{-(a.axes * single.normal), a.to_world(single.point), single.gap,
                           single.feature()});
+}
+
+/// The same for one of the pairs of a batch whose patches have been looked for.
+template <class Sink, class Real>
+void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box_batch<Real>& batch,
+                   unsigned lane, Real margin, Sink&& sink) {
+  const box_patches<Real>& patches = batch.patches();
+  if (!patches.good(lane))
+    return collide_boxes(a, b, batch.pair(lane), batch.gaps(lane), margin, sink);
+  std::array<box_contact<Real>, 4> found;
+  const std::size_t size = patches.corners(lane, found);
+  give_patch(a, b, batch.pair(lane), patches.axis(lane), patches.positive(lane), patches.of_b(lane),
+             found, size, sink);
 }
 
 }  // namespace detail
