@@ -83,6 +83,15 @@ struct general_contact : general_block<Law::friction> {
   }
   void warm(const vec3& impulse) {
     r = seen(impulse);
+    clip();
+  }
+  /// The same with the frame around the normal, which those of one patch share.
+  void warm(const vec3& impulse, const mat3& frame) requires(Law::friction) {
+    r = seen_in(frame, impulse);
+    clip();
+  }
+  /// Into the cone.
+  void clip() {
     r[0] = std::max(real{0}, r[0]);
     if constexpr (Law::friction) {
       const real limit = friction * r[0], square = r[1] * r[1] + r[2] * r[2];
@@ -93,6 +102,9 @@ struct general_contact : general_block<Law::friction> {
     }
   }
   [[nodiscard]] vec3 impulse() const { return unseen(r); }
+  [[nodiscard]] vec3 impulse(const mat3& frame) const requires(Law::friction) {
+    return seen_from(frame, r);
+  }
   [[nodiscard]] change whole() const { return r; }
 
   // What solving several contacts as one needs; see stalled_islands.hpp.

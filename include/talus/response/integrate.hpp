@@ -19,7 +19,9 @@ template <class Real>
 [[nodiscard]] quaternion<Real> turned(const quaternion<Real>& q, const vector3<Real>& angle) {
   const Real length = angle.norm();
   if (length == 0) return q;
-  return (quaternion<Real>(Eigen::AngleAxis<Real>(length, angle / length)) * q).normalized();
+  const half_angle<Real> h(length);
+  const vector3<Real> axis = (h.sine / length) * angle;
+  return (quaternion<Real>(h.cosine, axis[0], axis[1], axis[2]) * q).normalized();
 }
 
 }  // namespace talus::detail

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <type_traits>
 
 #include "talus/contact/history.hpp"
 #include "talus/contact/key.hpp"
@@ -14,6 +15,12 @@ namespace talus::detail {
 /// A kind of contact of which a pair of bodies has several.
 template <class Contact>
 concept comes_in_patches = Contact::patches;
+
+/// A kind of contact whose impulse is kept in a frame around its normal.
+template <class Contact>
+concept framed = requires(const Contact c, const mat3& frame) {
+  c.impulse(frame);
+};
 
 /// What the history keeps of one pair of bodies: as many entries in a row, or found by key.
 class kept_pair {
@@ -85,6 +92,33 @@ class remembered_pair {
   std::size_t size_ = 0;
 };
 
+/// Impulses of contacts to and from the frames around their normals, which are made once for those
+/// that follow each other with the same.
+template <class Contact>
+class shared_frame {
+ public:
+  void warm(Contact& c, const vec3& impulse) {
+    if constexpr (framed<Contact>)
+      c.warm(impulse, of(c));
+    else
+      c.warm(impulse);
+  }
+  [[nodiscard]] vec3 impulse(const Contact& c) {
+    if constexpr (framed<Contact>)
+      return c.impulse(of(c));
+    else
+      return c.impulse();
+  }
+
+ private:
+  const mat3& of(const Contact& c) {
+    if (!(c.axis() == normal_)) normal_ = c.axis(), frame_ = c.axes();
+    return frame_;
+  }
+  vec3 normal_{0, 0, 0};
+  mat3 frame_;
+};
+
 /// Lets the contacts of one pair start from what is remembered for their keys. What points of a
 /// patch bore that are no more goes to those that are new, in equal parts: while a body slides or
 /// rocks, the parts that meet change, but hardly the load.
@@ -93,15 +127,16 @@ void recall_patch(remembered_pair& before, std::span<const contact_key> keys,
                   std::span<Contact> contacts) {
   std::array<std::size_t, 64> heirs;
   std::size_t count = 0;
+  shared_frame<Contact> frame;
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (const vec3* p = before.find(keys[i]))
-      contacts[i].warm(*p);
+      frame.warm(contacts[i], *p);
     else if (count < heirs.size())
       heirs[count++] = i;
   if (count == 0) return;
   const vec3 share = before.lost() / static_cast<real>(count);
   if (share == vec3(0, 0, 0)) return;
-  for (std::size_t k = 0; k < count; ++k) contacts[heirs[k]].warm(share);
+  for (std::size_t k = 0; k < count; ++k) frame.warm(contacts[heirs[k]], share);
 }
 
 /// Lets each contact start from the impulse that is remembered for its key.
@@ -124,22 +159,18 @@ void recall(const contact_history& history, const plain_vector<contact_key>& key
   }
 }
 
-template <class Contacts>
-[[nodiscard]] vec3 impulse_of(const Contacts& contacts, std::size_t i) {
-  if constexpr (requires { contacts.impulse(i); })
-    return contacts.impulse(i);
-  else
-    return contacts[i].impulse();
-}
-
 /// The reverse; notes for each pair where its contacts are kept.
 template <class Contacts>
 void remember(contact_history& history, const plain_vector<contact_key>& keys,
               const plain_vector<history_place*>& places, const Contacts& contacts) {
+  [[maybe_unused]] shared_frame<std::remove_cvref_t<decltype(contacts[0])>> frame;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (places[i] != nullptr && (i == 0 || places[i] != places[i - 1]))
       *places[i] = history.next_place();
-    history.add(keys[i], impulse_of(contacts, i));
+    if constexpr (requires { contacts.impulse(i); })
+      history.add(keys[i], contacts.impulse(i));
+    else
+      history.add(keys[i], frame.impulse(contacts[i]));
   }
 }
 

@@ -1,0 +1,151 @@
+// Contacts of patches that are solved eight at a time, against each contact solved by itself.
+#include <doctest/doctest.h>
+
+#include <random>
+#include <talus/contact/law.hpp>
+#include <talus/response/general_contact.hpp>
+#include <talus/response/patched_row.hpp>
+
+using namespace talus;
+using namespace talus::detail;
+
+namespace {
+
+using law = hard_contact<coulomb_friction, newton_restitution, split_correction>;
+template <bool Paired>
+using contact_of = general_contact<law, contact_side::tensor,
+                                   Paired ? contact_side::tensor : contact_side::immovable>;
+
+class random_numbers {
+ public:
+  real between(real low, real high) { return std::uniform_real_distribution<>(low, high)(random_); }
+  vec3 vector(real size) {
+    return {between(-size, size), between(-size, size), between(-size, size)};
+  }
+
+ private:
+  std::mt19937_64 random_{3};
+};
+
+struct problem {
+  solver_state state;
+  random_numbers random;
+
+  explicit problem(std::size_t bodies) {
+    state.bodies.resize(bodies), state.shift.resize(bodies);
+    state.turn.resize(bodies), state.tensors.resize(bodies);
+    for (std::size_t i = 0; i < bodies; ++i) {
+      const real m = random.between(0.5, 2);
+      state.bodies[i] = {random.vector(1), m, random.vector(1), 0};
+      state.shift[i] = {vec3(0, 0, 0), m};
+      mat3 t;
+      for (int j = 0; j < 9; ++j) t(j / 3, j % 3) = random.between(-0.5, 0.5);
+      state.tensors[i] = t * t.transpose();
+      for (int j = 0; j < 3; ++j) state.tensors[i](j, j) += 1;
+    }
+  }
+  /// Some contacts of a on b with one normal.
+  template <class Row>
+  void add(Row& row, std::int32_t a, std::int32_t b, int contacts) {
+    using contact = std::remove_cvref_t<decltype(row[0])>;
+    const vec3 normal = random.vector(1).normalized(), offset = random.vector(1);
+    for (int k = 0; k < contacts; ++k) {
+      contact c;
+      c.a = a, c.b = b, c.normal = normal;
+      c.arm_a = random.vector(1);
+      if constexpr (contact::paired) c.arm_b = c.arm_a + offset;
+      c.friction = random.between(0, 1) < 0.2 ? 0 : random.between(0.1, 1);
+      c.target = random.between(0, 1) < 0.5 ? 0 : random.between(-0.5, 0.5);
+      c.push = random.between(-0.1, 0.3);
+      if (random.between(0, 1) < 0.7) c.warm(random.between(0, 0.5) * normal + random.vector(0.3));
+      row.add(c, true, true);
+    }
+  }
+};
+
+/// Sweeps both ways and of the correction: in blocks, and one by one.
+template <bool Paired>
+void check(problem& p, patched_row<contact_of<Paired>>& row) {
+  contact_row<contact_of<Paired>> plain;
+  for (std::size_t i = 0; i < row.size(); ++i) plain.add(row[i], true, true);
+  solver_state one = p.state, other = p.state;
+  row.weigh(one), plain.weigh(other);
+  row.apply(one), plain.apply(other);
+  std::size_t noted = 0, changed = 0;
+  real difference = 0, kinds[3] = {0, 0, 0};
+  const auto compare = [&] {
+    for (std::size_t i = 0; i < one.bodies.size(); ++i) {
+      difference = std::max(difference, (one.bodies[i].v - other.bodies[i].v).norm());
+      difference = std::max(difference, (one.bodies[i].w - other.bodies[i].w).norm());
+      difference = std::max(difference, (one.shift[i].v - other.shift[i].v).norm());
+      difference = std::max(difference, (one.turn[i].w - other.turn[i].w).norm());
+      CHECK(one.bodies[i].inverse_mass == other.bodies[i].inverse_mass);
+    }
+    for (std::size_t i = 0; i < row.size(); ++i)
+      difference = std::max(difference, (row[i].r - plain[i].r).norm());
+  };
+  row.forward(one), plain.forward(other);
+  compare();
+  row.backward(one), plain.backward(other);
+  compare();
+  row.forward(one), plain.forward(other);
+  std::vector<real> changes(row.size(), 0);
+  row.backward_watched(one, 1e-3,
+                       [&](std::size_t i, real change) { changes[i] = change, ++noted; });
+  plain.backward_watched(other, 1e-3, [&](std::size_t i, real change) {
+    ++changed;
+    CHECK(changes[i] == doctest::Approx(change));
+  });
+  compare();
+  CHECK(noted == changed);
+  CHECK(noted > row.size() / 10);
+  for (int k = 0; k < 3; ++k) row.push(one), plain.push(other);
+  compare();
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const vec3& r = row[i].r;
+    const real slip = std::hypot(r[1], r[2]) - row[i].friction * r[0];
+    ++kinds[r[0] == 0 ? 0 : std::abs(slip) < 1e-9 ? 1 : 2];
+  }
+  for (const real of_kind : kinds) CHECK(of_kind > 0.01 * static_cast<real>(row.size()));
+  CHECK(difference < 1e-10);
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("patches apart are solved in blocks as one by one", Paired, std::true_type,
+                   std::false_type) {
+  constexpr std::int32_t patches = 301;  // blocks that are filled in part
+  problem p(2 * patches);
+  patched_row<contact_of<Paired::value>> row;
+  for (std::int32_t k = 0; k < patches; ++k)
+    p.add(row, 2 * k, Paired::value ? 2 * k + 1 : -1, 1 + k % 7);
+  check<Paired::value>(p, row);
+}
+
+TEST_CASE("what all patches share and cannot move is left as it is") {
+  constexpr std::int32_t patches = 100;
+  problem p(patches + 1);
+  solver_body& ground = p.state.bodies[patches];
+  ground.inverse_mass = p.state.shift[patches].inverse_mass = 0;
+  for (int j = 0; j < 9; ++j) p.state.tensors[patches](j / 3, j % 3) = 0;
+  patched_row<contact_of<true>> row;
+  for (std::int32_t k = 0; k < patches; ++k) p.add(row, k, patches, 1 + k % 4);
+  check<true>(p, row);
+}
+
+TEST_CASE("a body in a hundred patches is hit by each once") {
+  constexpr std::int32_t patches = 100;
+  problem p(patches + 1);
+  patched_row<contact_of<true>> row;
+  for (std::int32_t k = 0; k < patches; ++k) p.add(row, k, patches, 1 + k % 4);
+  const auto momentum = [&](const solver_state& s) {
+    vec3 sum{0, 0, 0};
+    for (const solver_body& b : s.bodies) sum += b.v / b.inverse_mass;
+    return sum;
+  };
+  const vec3 before = momentum(p.state);
+  row.weigh(p.state);
+  row.apply(p.state);
+  for (int k = 0; k < 3; ++k) row.forward(p.state), row.backward(p.state);
+  CHECK((momentum(p.state) - before).norm() < 1e-10);
+}
