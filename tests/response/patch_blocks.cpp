@@ -1,6 +1,7 @@
 // Contacts of patches that are solved eight at a time, against each contact solved by itself.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <random>
 #include <talus/contact/law.hpp>
 #include <talus/response/general_contact.hpp>
@@ -148,4 +149,39 @@ TEST_CASE("a body in a hundred patches is hit by each once") {
   row.apply(p.state);
   for (int k = 0; k < 3; ++k) row.forward(p.state), row.backward(p.state);
   CHECK((momentum(p.state) - before).norm() < 1e-10);
+}
+
+TEST_CASE(
+    "patches that share a body are planned into blocks in their order, eight at most in one") {
+  random_numbers random;
+  for (const int bodies : {2, 3, 20, 500}) {
+    ordered_planner plan;
+    plan.clear();
+    std::vector<std::int64_t> last(static_cast<std::size_t>(bodies), -1);  // block of each body
+    std::vector<int> filled(4000, 0);
+    for (int k = 0; k < 2000; ++k) {
+      const int a = static_cast<int>(random.between(0, bodies)) % bodies;
+      const int b = (a + 1 + static_cast<int>(random.between(0, bodies - 1))) % bodies;
+      const bool alone = a == b || random.between(0, 1) < 0.2;
+      const auto slot = static_cast<std::int64_t>(plan.place(a, alone ? -1 : b)), block = slot / 8;
+      CHECK(slot % 8 == filled[static_cast<std::size_t>(block)]++);
+      CHECK(block > last[static_cast<std::size_t>(a)]);
+      last[static_cast<std::size_t>(a)] = block;
+      if (alone) continue;
+      CHECK(block > last[static_cast<std::size_t>(b)]);
+      last[static_cast<std::size_t>(b)] = block;
+    }
+    // No more blocks than there must be, where most is independent.
+    if (bodies == 500)
+      CHECK(std::count_if(filled.begin(), filled.end(), [](int n) { return n > 0; }) < 300);
+    CHECK(*std::max_element(filled.begin(), filled.end()) <= 8);
+  }
+}
+
+TEST_CASE("a chain of patches is solved in the order of the list") {
+  constexpr std::int32_t bodies = 150;  // longer than there are open blocks
+  problem p(bodies);
+  patched_row<contact_of<true>> row;
+  for (std::int32_t k = 0; k + 1 < bodies; ++k) p.add(row, k, k + 1, 1 + k % 4);
+  check<true>(p, row);
 }

@@ -116,7 +116,7 @@ class shared_frame {
     return frame_;
   }
   vec3 normal_{0, 0, 0};
-  mat3 frame_;
+  mat3 frame_ = mat3::Zero();
 };
 
 /// Lets the contacts of one pair start from what is remembered for their keys. What points of a
