@@ -185,3 +185,17 @@ TEST_CASE("a chain of patches is solved in the order of the list") {
   for (std::int32_t k = 0; k + 1 < bodies; ++k) p.add(row, k, k + 1, 1 + k % 4);
   check<true>(p, row);
 }
+
+TEST_CASE("impulses are remembered in the world, whatever the sign of a zero in the normal") {
+  plain_vector<contact_of<true>> row;
+  for (const real zero : {0.0, -0.0, 0.0}) {
+    auto& c = row.emplace_back();
+    c.normal = {1, 0, zero}, c.friction = 1;
+    c.warm(vec3(2, 0.5, 0.25));
+  }
+  plain_vector<contact_key> keys(3);
+  for (std::size_t k = 0; k < 3; ++k) keys[k].feature = k;
+  contact_history history;
+  remember(history, keys, plain_vector<history_place*>(3, nullptr), row);
+  for (const auto& kept : history.entries()) CHECK(kept.memory == vec3(2, 0.5, 0.25));
+}

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <span>
 #include <type_traits>
 
@@ -112,7 +113,9 @@ class shared_frame {
 
  private:
   const mat3& of(const Contact& c) {
-    if (!(c.axis() == normal_)) normal_ = c.axis(), frame_ = c.axes();
+    // To the bit: the frames around 0 and -0 are not the same.
+    if (std::memcmp(&c.axis(), &normal_, sizeof normal_) != 0)
+      normal_ = c.axis(), frame_ = c.axes();
     return frame_;
   }
   vec3 normal_{0, 0, 0};
