@@ -106,6 +106,16 @@ struct body_store {
     if constexpr (numbered) f(user_id, other.user_id);
   }
 
+  /// Likewise for what a step changes of a body.
+  template <class F>
+  void each_moving_column(F&& f) {
+    f(position), f(velocity), f(angular_velocity);
+    if constexpr (oriented) f(orientation_of);
+    if constexpr (forced) f(force), f(torque);
+    if constexpr (keeps_contact_forces) f(contact_force), f(contact_torque);
+    if constexpr (splits_forces) f(split);
+  }
+
   [[nodiscard]] talus::pose pose(std::size_t i) const {
     if constexpr (oriented)
       return {position[i], orientation_of[i]};
@@ -125,6 +135,13 @@ struct body_store {
     each_column([&](auto& c) { c.resize(n); });
   }
   void drop_shadows() { resize(locals); }
+  /// The shadow copies, which are then no longer here.
+  [[nodiscard]] body_store take_shadows() {
+    body_store taken;
+    for (std::size_t i = locals; i < size(); ++i) taken.append_from(*this, i);
+    drop_shadows();
+    return taken;
+  }
 
   /// Makes room for one more local, after the others, and returns its index. The shadow copies
   /// keep their order.
@@ -149,6 +166,11 @@ struct body_store {
     each_column_with(other, [&](auto& c, const auto& from) { c.push_back(from[i]); });
   }
 
+  /// Appends bodies [first, last) of another store.
+  void append_from(const body_store& other, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) append_from(other, i);
+  }
+
   void pack(std::size_t i, byte_writer& out) const {
     each_column([&](const auto& c) { out.put(c[i]); });
   }
@@ -157,6 +179,14 @@ struct body_store {
     each_column([&](auto& c) {
       c.push_back(in.get<typename std::remove_cvref_t<decltype(c)>::value_type>());
     });
+  }
+  /// The same with what a step changes, for a body that the receiver has.
+  void pack_motion(std::size_t i, byte_writer& out) {
+    each_moving_column([&](const auto& c) { out.put(c[i]); });
+  }
+  void unpack_motion(std::size_t i, byte_reader& in) {
+    each_moving_column(
+        [&](auto& c) { c[i] = in.get<typename std::remove_cvref_t<decltype(c)>::value_type>(); });
   }
 };
 

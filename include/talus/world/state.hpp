@@ -66,6 +66,16 @@ struct neighbour {
   }
 };
 
+/// Where the own bodies were when those were chosen of which the neighbours hold copies, and how
+/// far that reached; see world/shadow_copies.hpp.
+template <std::size_t Shapes>
+struct copy_choice {
+  std::array<plain_vector<noted_body>, Shapes> bodies;  ///< by shape
+  plain_vector<real> reach;  ///< of each neighbour's bodies, as it was then
+  real announced = 0;        ///< reach of the bodies here, as neighbours know it
+};
+struct no_copy_choice {};
+
 /// When bodies strike something in the step under way; see world/continuous.hpp.
 struct impact_times {
   plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
@@ -132,6 +142,9 @@ struct world_state : response_state<Scenario> {
   bool strangers = false;       ///< some neighbours are not connected to each other
   bool changed = true;          ///< bodies were added, removed or changed since the last handover
 
+  [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
+                                           copy_choice<shape_count>>
+      choice;
   found_pairs found;
   stage_seconds seconds;
   step_traffic sent;
