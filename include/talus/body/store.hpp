@@ -161,6 +161,13 @@ struct body_store {
     });
     --locals;
   }
+  /// Local k becomes the one that was local order[k].
+  void permute_locals(const plain_vector<std::uint32_t>& order) {
+    each_column([&](auto& c) {
+      const auto before = c;
+      for (std::size_t k = 0; k < order.size(); ++k) c[k] = before[order[k]];
+    });
+  }
   /// Appends body `i` of another store.
   void append_from(const body_store& other, std::size_t i) {
     each_column_with(other, [&](auto& c, const auto& from) { c.push_back(from[i]); });

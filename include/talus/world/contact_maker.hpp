@@ -215,9 +215,16 @@ class contact_maker {
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else
-      list_.add(c, key, x.moves_a, x.moves_b, x.last);
+      list_.add(c, key, x.moves_a, x.moves_b, x.last, at_rim(i, j));
   }
 
+  /// Whether the velocity of one of them is sent to other ranks.
+  bool at_rim(std::size_t i, std::size_t j) const {
+    if constexpr (state_type::link_type::alone)
+      return (void)i, (void)j, false;
+    else
+      return !s_.at_rim.empty() && (s_.at_rim[first_a_ + i] || (paired && s_.at_rim[first_b_ + j]));
+  }
   /// A contact that is farther than the slack and does not close within the step is no contact.
   bool parts_before_touching(const pair_at_hand& p, const contact_geometry& g,
                              const vec3& u) const {

@@ -36,7 +36,7 @@ body_counts number_bodies(world_state<Scenario>& s) {
 /// Lists the solver indices of the bodies whose velocities travel in each iteration.
 template <class Scenario>
 void list_travelling_velocities(world_state<Scenario>& s) {
-  number_bodies(s);
+  s.at_rim.assign(number_bodies(s).all, false);
   s.travelling.resize(s.neighbours.size());
   for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
     s.travelling[n].rank = s.neighbours[n].rank;
@@ -47,8 +47,10 @@ void list_travelling_velocities(world_state<Scenario>& s) {
     std::size_t copy = b.movable.locals;
     for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
       for (const auto i : s.neighbours[n].shadowed[k])
-        if (b.movable.inverse_mass[i] != 0)
+        if (b.movable.inverse_mass[i] != 0) {
           s.travelling[n].sent.push_back(static_cast<std::uint32_t>(b.first + i));
+          s.at_rim[b.first + i] = true;
+        }
       for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++copy)
         if (b.movable.inverse_mass[copy] != 0)
           s.travelling[n].received.push_back(static_cast<std::uint32_t>(b.first + copy));

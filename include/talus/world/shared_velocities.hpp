@@ -55,9 +55,14 @@ class shared_velocities {
   void solve_shared_islands(Lists& lists) {
     s_.islands.solve(access_to(lists), s_.solver);
   }
-  void share_velocities() {
-    exchange<6>([&](std::uint32_t i, real* out) { put_velocity(i, out); },
-                [&](std::uint32_t i, const real* in) { get_velocity(i, in); });
+  void share_velocities() { start_velocities(), finish_velocities(); }
+  /// The same in two halves: in between what is sent may not change, and what is received is not
+  /// there yet.
+  void start_velocities() {
+    start<6>([&](std::uint32_t i, real* out) { put_velocity(i, out); });
+  }
+  void finish_velocities() {
+    finish<6>([&](std::uint32_t i, const real* in) { get_velocity(i, in); });
   }
   /// Sums over all ranks, to be taken by finish_reduce() later.
   void start_reduce(std::span<const double> sums) { s_.link->start_reduce(reduction::sum, sums); }
@@ -70,35 +75,30 @@ class shared_velocities {
     exchange<1>([&](std::uint32_t i, real* out) { out[0] = values[i]; },
                 [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
   }
-  void share_corrections() {
+  void start_corrections() {
+    const solver_state& solver = s_.solver;
+    start<of_correction>([&](std::uint32_t i, real* out) {
+      const bool turns = turning && i >= solver.first_tensor;
+      for (int k = 0; k < 3; ++k) {
+        out[k] = solver.shift[i].v[k];
+        if (turning) out[3 + k] = turns ? solver.turn[i - solver.first_tensor][k] : 0;
+      }
+    });
+  }
+  void finish_corrections() {
     solver_state& solver = s_.solver;
-    if constexpr (!turning)
-      exchange<3>(
-          [&](std::uint32_t i, real* out) {
-            for (int k = 0; k < 3; ++k) out[k] = solver.shift[i].v[k];
-          },
-          [&](std::uint32_t i, const real* in) {
-            for (int k = 0; k < 3; ++k) solver.shift[i].v[k] = in[k];
-          });
-    else
-      exchange<6>(
-          [&](std::uint32_t i, real* out) {
-            const bool turns = i >= solver.first_tensor;
-            for (int k = 0; k < 3; ++k) {
-              out[k] = solver.shift[i].v[k];
-              out[3 + k] = turns ? solver.turn[i - solver.first_tensor][k] : 0;
-            }
-          },
-          [&](std::uint32_t i, const real* in) {
-            const bool turns = i >= solver.first_tensor;
-            for (int k = 0; k < 3; ++k) {
-              solver.shift[i].v[k] = in[k];
-              if (turns) solver.turn[i - solver.first_tensor][k] = in[3 + k];
-            }
-          });
+    finish<of_correction>([&](std::uint32_t i, const real* in) {
+      const bool turns = turning && i >= solver.first_tensor;
+      for (int k = 0; k < 3; ++k) {
+        solver.shift[i].v[k] = in[k];
+        if (turns) solver.turn[i - solver.first_tensor][k] = in[3 + k];
+      }
+    });
   }
 
  private:
+  static constexpr int of_correction = turning ? 6 : 3;
+
   void put_velocity(std::uint32_t i, real* out) const {
     const solver_body& b = s_.solver.bodies[i];
     for (int k = 0; k < 3; ++k) out[k] = b.v[k], out[3 + k] = b.w[k];
@@ -110,7 +110,13 @@ class shared_velocities {
 
   template <int Scalars, class Put, class Get>
   void exchange(Put&& put, Get&& get) {
+    start<Scalars>(put);
+    finish<Scalars>(get);
+  }
+  template <int Scalars, class Put>
+  void start(Put&& put) {
     constexpr std::size_t bytes = Scalars * sizeof(real);
+    const stage_clock clock(s_.seconds.exchange);
     real values[Scalars];
     std::size_t count = 0;
     for (const auto& other : s_.travelling) {
@@ -124,10 +130,15 @@ class shared_velocities {
         to += bytes;
       }
     }
-    const stage_clock clock(s_.seconds.exchange);
     s_.link->start_fixed(s_.velocity_parcels);
+  }
+  template <int Scalars, class Get>
+  void finish(Get&& get) {
+    constexpr std::size_t bytes = Scalars * sizeof(real);
+    const stage_clock clock(s_.seconds.exchange);
     s_.link->finish_fixed(s_.velocity_parcels);
-    count = 0;
+    real values[Scalars];
+    std::size_t count = 0;
     for (const auto& other : s_.travelling) {
       const std::byte* from = s_.velocity_parcels[count++].in.data();
       for (const std::uint32_t i : other.received) {

@@ -9,6 +9,7 @@
 #include "talus/world/momentum_balance.hpp"
 #include "talus/world/respond.hpp"
 #include "talus/world/soft_step.hpp"
+#include "talus/world/sort_bodies.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -33,6 +34,7 @@ void step(world_state<Scenario>& s, real dt) {
   constexpr bool watched = booked || watches<Scenario, momentum_balance>;
   constexpr bool verlet = std::is_same_v<typename Scenario::integrator, velocity_verlet>;
   s.dt = dt;
+  if (s.steps % steps_between_sorts == 0) sort_bodies(s);
   announce_changes(s);
   if constexpr (!Scenario::contact_law::soft) {
     if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
