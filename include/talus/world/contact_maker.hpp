@@ -11,6 +11,7 @@
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/continuous.hpp"
 #include "talus/world/hand_over.hpp"
+#include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -131,7 +132,9 @@ class contact_maker {
     pair_at_hand x{.i = i, .j = j, .last = last};
     x.own_a = i < a_.locals;
     const bool own_b = !paired || j < b_.locals;
-    x.moves_a = a_.inverse_mass[i] != 0, x.moves_b = paired && b_.inverse_mass[j] != 0;
+    x.moves_a = a_.moves(i), x.moves_b = paired && b_.moves(j);
+    if constexpr (store_a::sleeps)
+      if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !x.own_a && !own_b)
         require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);

@@ -10,6 +10,7 @@
 #include "talus/core/sort.hpp"
 #include "talus/world/closed_faces.hpp"
 #include "talus/world/coverage.hpp"
+#include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -124,7 +125,10 @@ template <class Scenario>
 /// are, hard ones where they might be a step later.
 template <class Scenario, class Store>
 [[nodiscard]] real shadow_reach(const world_state<Scenario>& s, const Store& store, std::size_t i) {
-  return reach_of(store, i, world_state<Scenario>::law::soft ? 0 : s.dt);
+  if constexpr (world_state<Scenario>::sleeps)  // a contact outlives the motion it was found in
+    return reach_of(store, i, steps_of_warning * s.dt) + 4 * s.dt * s.sleep.settings.speed;
+  else
+    return reach_of(store, i, world_state<Scenario>::law::soft ? 0 : s.dt);
 }
 
 /// Sends bodies whose centre has left to their new owner, with the memory of their contacts.
@@ -162,6 +166,7 @@ std::size_t migrate(world_state<Scenario>& s) {
 
   using remembered = typename world_state<Scenario>::history_type::entry;
   std::vector<plain_vector<remembered>> memories(s.parcels.size());
+  std::vector<plain_vector<remembered>> frozen(world_state<Scenario>::sleeps ? s.parcels.size() : 0);
   if (!leaving.empty()) {
     sort_values(leaving);
     const auto find = [&](system_id id) {
@@ -169,14 +174,20 @@ std::size_t migrate(world_state<Scenario>& s) {
           std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
       return at != leaving.end() && at->first == id ? at->second : memories.size();
     };
-    for (const remembered& c : s.history.entries()) {
-      const auto a = find(c.key.a), b = find(c.key.b);
-      if (a < memories.size()) memories[a].push_back(c);
-      if (b < memories.size() && b != a) memories[b].push_back(c);
-    }
+    const auto send = [&](const auto& history, auto& to) {
+      for (const remembered& c : history.entries()) {
+        const auto a = find(c.key.a), b = find(c.key.b);
+        if (a < to.size()) to[a].push_back(c);
+        if (b < to.size() && b != a) to[b].push_back(c);
+      }
+    };
+    send(s.history, memories);
+    if constexpr (world_state<Scenario>::sleeps) send(s.sleep.contacts, frozen);
   }
   for (std::size_t n = 0; n < memories.size(); ++n)
     byte_writer(s.parcels[n].out).put(std::span<const remembered>(memories[n]));
+  for (std::size_t n = 0; n < frozen.size(); ++n)
+    byte_writer(s.parcels[n].out).put(std::span<const remembered>(frozen[n]));
 
   s.link->start(s.parcels);
   s.link->finish(s.parcels);
@@ -190,8 +201,12 @@ std::size_t migrate(world_state<Scenario>& s) {
         passing += !s.own.contains(b.movable.position[b.movable.locals++]);
       }
     });
-    for (const remembered& c : in.get_all<remembered>())
-      if (s.history.find(c.key) == nullptr) s.history.add(c.key, c.memory);
+    const auto receive = [&](auto& history) {
+      for (const remembered& c : in.get_all<remembered>())
+        if (history.find(c.key) == nullptr) history.add(c.key, c.memory);
+    };
+    receive(s.history);
+    if constexpr (world_state<Scenario>::sleeps) receive(s.sleep.contacts);
   }
   return passing;
 }
@@ -210,10 +225,10 @@ void list_travelling_velocities(world_state<Scenario>& s) {
     std::size_t copy = b.movable.locals;
     for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
       for (const auto i : s.neighbours[n].shadowed[k])
-        if (b.movable.inverse_mass[i] != 0)
+        if (b.movable.moves(i))
           s.travelling[n].sent.push_back(static_cast<std::uint32_t>(b.first + i));
       for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++copy)
-        if (b.movable.inverse_mass[copy] != 0)
+        if (b.movable.moves(copy))
           s.travelling[n].received.push_back(static_cast<std::uint32_t>(b.first + copy));
     }
     ++k;
@@ -231,6 +246,7 @@ void list_travelling_velocities(world_state<Scenario>& s) {
 /// contact point lies.) With `anew` false nothing has changed here, and only that is said.
 template <class Scenario>
 void share_shadow_copies(world_state<Scenario>& s, bool anew) {
+  if constexpr (world_state<Scenario>::sleeps) anew = anew || s.sleep.changed;
   real largest = 0;
   const real covered = s.own.covered();
   s.each_finite_shape([&](auto& b) {
@@ -266,6 +282,8 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
     byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
     out.put(largest);
     out.put(static_cast<std::uint8_t>(anew));
+    if constexpr (world_state<Scenario>::sleeps)
+      out.put(static_cast<std::uint8_t>(s.sleep.changed));
     if (!anew) continue;
     k = 0;
     s.each_finite_shape([&](auto& b) {
@@ -287,6 +305,8 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
     byte_reader& message = in.emplace_back(s.parcels[n].in, s.neighbours[n].shared());
     s.neighbours[n].reach = message.template get<real>();
     const bool new_here = message.template get<std::uint8_t>() != 0;
+    if constexpr (world_state<Scenario>::sleeps)
+      s.sleep.changed |= message.template get<std::uint8_t>() != 0;
     renewed.push_back(new_here ? &message : nullptr);
     before.push_back(s.neighbours[n].copies);
     any = any || new_here;
@@ -294,11 +314,14 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   if (!any) return;
   rebuild_shadow_copies(s, before, renewed);
   if constexpr (!world_state<Scenario>::law::soft) list_travelling_velocities(s);
+  if constexpr (world_state<Scenario>::sleeps)
+    if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
 }
 
 /// The handover at the end of a step.
 template <class Scenario>
 void hand_over(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
@@ -306,6 +329,8 @@ void hand_over(world_state<Scenario>& s) {
     migrate(s);
     if constexpr (!world_state<Scenario>::law::soft) s.travelled.swap(s.travelling);
     share_shadow_copies(s, true);
+  } else if constexpr (world_state<Scenario>::sleeps) {
+    if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
 }
@@ -313,6 +338,7 @@ void hand_over(world_state<Scenario>& s) {
 /// At the beginning of a step: tells the neighbours what the user has changed since the last one.
 template <class Scenario>
 void announce_changes(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
@@ -326,6 +352,8 @@ void announce_changes(world_state<Scenario>& s) {
         s.changed = s.changed || s.neighbours[n].reach > before[n];
     }
     share_shadow_copies(s, s.changed);
+  } else if constexpr (world_state<Scenario>::sleeps) {
+    if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
 }

@@ -29,7 +29,7 @@ void gather_velocities(world_state<Scenario>& s) {
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.size(); ++i) {
       solver_body& body = solver.bodies[b.first + i];
-      const real inverse_mass = store.inverse_mass[i];
+      const real inverse_mass = store.asleep(i) ? 0 : store.inverse_mass[i];
       body.v = store.velocity[i];
       body.w = store.angular_velocity[i];
       body.inverse_mass = inverse_mass;
@@ -79,7 +79,7 @@ void integrate(world_state<Scenario>& s) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.locals; ++i) {
-      if (store.inverse_mass[i] == 0) continue;
+      if (!store.moves(i)) continue;
       const solver_body& body = solver.bodies[b.first + i];
       store.velocity[i] = kept * body.v;
       store.angular_velocity[i] = kept * body.w;
