@@ -58,6 +58,8 @@ void gather_velocities(world_state<Scenario>& s) {
 /// Solves the contact problem: afterwards the solver's velocities fulfil the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
+    if (s.settings.tolerance == 0 && all_rest(s)) return;  // no rank waits for this one
   gather_velocities(s);
   s.each_contact_list([&](auto& list) { list.recall(s.history); });
   s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,

@@ -12,9 +12,9 @@ namespace talus {
 /// When islands go to sleep; see world::sleeping.
 struct sleep_settings {
   /// Speed below which a body counts as resting, in units of length over time; its angular speed
-  /// times its bounding radius as well. About a hundredth of what bodies reach that fall their own
-  /// radius: 0.01 for radii of 0.5 and gravity of 10.
-  real speed = 0.01;
+  /// times its bounding radius as well. Typical: a fiftieth of what it reaches when it falls its own
+  /// size; 0.05 for bodies of size 1 in gravity of 10.
+  real speed = 0.05;
   /// How long all bodies of an island must have rested, in units of time.
   real time = 0.5;
 };

@@ -23,6 +23,26 @@
 
 namespace talus::detail {
 
+/// By how many steps of their motion bodies are looked for ahead.
+template <class Scenario>
+[[nodiscard]] int steps_ahead(const world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps)
+    return s.sleep.asleep.empty() ? 1 : steps_of_warning;
+  else
+    return (void)s, 1;
+}
+
+/// Whether nothing that this rank knows can move in this step.
+template <class Scenario>
+[[nodiscard]] bool all_rest(const world_state<Scenario>& s) {
+  if constexpr (!world_state<Scenario>::sleeps) return (void)s, false;
+  bool rest = true;
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.size() && rest; ++i) rest = !b.movable.moves(i);
+  });
+  return rest;
+}
+
 /// Whether a pair is left alone: one sleeps, and the other cannot move either.
 template <class StoreA, class StoreB>
 [[nodiscard]] bool undisturbed(const StoreA& a, std::size_t i, const StoreB& b, std::size_t j) {

@@ -121,8 +121,6 @@ struct world_state : response_state<Scenario> {
   /// Whether islands at rest are left out of the steps.
   static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
   [[no_unique_address]] std::conditional_t<sleeps, sleep_state<history_type>, no_sleep_state> sleep;
-  /// How many steps of their motion bodies are looked for ahead.
-  static constexpr int steps_ahead = sleeps ? steps_of_warning : 1;
 
   /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
   /// what a rank finds among bodies of others is not what they find.)
