@@ -79,7 +79,7 @@ struct body_store {
   column<splits_forces, split_forces> split;          ///< the sum of both, in parts
   column<numbered, std::uint32_t> user_id;
   column<sleeps, float> quiet;  ///< for how long the island has been at rest, units of time
-  std::size_t locals = 0;  ///< bodies [0, locals) are owned here, the rest are shadow copies
+  std::size_t locals = 0;       ///< bodies [0, locals) are owned here, the rest are shadow copies
 
   [[nodiscard]] std::size_t size() const { return id.size(); }
 

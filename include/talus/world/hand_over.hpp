@@ -166,7 +166,8 @@ std::size_t migrate(world_state<Scenario>& s) {
 
   using remembered = typename world_state<Scenario>::history_type::entry;
   std::vector<plain_vector<remembered>> memories(s.parcels.size());
-  std::vector<plain_vector<remembered>> frozen(world_state<Scenario>::sleeps ? s.parcels.size() : 0);
+  std::vector<plain_vector<remembered>> frozen(world_state<Scenario>::sleeps ? s.parcels.size()
+                                                                             : 0);
   if (!leaving.empty()) {
     sort_values(leaving);
     const auto find = [&](system_id id) {

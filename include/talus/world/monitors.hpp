@@ -51,8 +51,8 @@ struct energy_record {
   struct running_flows {
     compensated_sum<double> work, friction, impact, damping, correction, scheme, sleep;
     [[nodiscard]] energy_flows value() const {
-      return {work.value(),    friction.value(),   impact.value(),
-              damping.value(), correction.value(), scheme.value(),   sleep.value()};
+      return {work.value(),       friction.value(), impact.value(), damping.value(),
+              correction.value(), scheme.value(),   sleep.value()};
     }
   };
 

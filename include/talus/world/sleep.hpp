@@ -6,9 +6,9 @@
 // anew if the body was too fast; every fourth step a rank takes the least over each part of an
 // island that it sees, shadow copies included, whose value is that of the last step. So one fast
 // body is known everywhere after some steps, without a collective call; and as the value grows
-// alike on all ranks, an island falls asleep on all of them in the same step. Whoever is woken takes
-// over the value of who woke it: all go back to sleep together, and waking ends somewhere even where
-// an island is larger than what can be told in time.
+// alike on all ranks, an island falls asleep on all of them in the same step. Whoever is woken
+// takes over the value of who woke it: all go back to sleep together, and waking ends somewhere
+// even where an island is larger than what can be told in time.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -44,18 +44,22 @@ void meet_stirred(world_state<Scenario>& s) {
     });
   };
   if (s.sleep.asleep.empty()) return;
-  bool any = false;
+  plain_vector<system_id> stirred;
   s.each_shape([&](const auto& b) {
     const auto look = [&](const auto& store) {
       for (std::size_t j = 0; j < store.size(); ++j)
         if ((store.flags[j] & flag_stirred) != 0 && store.inverse_mass[j] == 0)
-          any = true, meet(store, j);
+          stirred.push_back(store.id[j]), meet(store, j);
     };
     look(b.movable), look(b.global);
   });
-  if (!any) return;
-  // What it touched before has lost its hold.
-  s.sleep.spreads = true;
+  if (stirred.empty()) return;
+  sort_values(stirred);
+  const auto moved = [&](system_id id) {
+    return std::binary_search(stirred.begin(), stirred.end(), id);
+  };
+  for (const auto& c : s.sleep.contacts.entries())  // what it touched has lost its hold
+    s.sleep.spreads = s.sleep.spreads || moved(c.key.a) || moved(c.key.b);
 }
 
 /// After contacts were looked for: wakes the islands that something has come near, tells the
@@ -145,12 +149,14 @@ void rest(world_state<Scenario>& s) {
     auto& store = b.movable;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
-      store.quiet[i] = s.sleep.rested[root_of(s.sleep.roots, static_cast<std::uint32_t>(b.first + i))];
+      store.quiet[i] =
+          s.sleep.rested[root_of(s.sleep.roots, static_cast<std::uint32_t>(b.first + i))];
       if (store.quiet[i] < long_enough) continue;
       if constexpr (watches<Scenario, energy_ledger>)
         s.monitors.energy.running.sleep +=
-            0.5 * (store.velocity[i].squaredNorm() / store.inverse_mass[i] +
-                   twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]));
+            0.5 *
+            (store.velocity[i].squaredNorm() / store.inverse_mass[i] +
+             twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]));
       store.velocity[i] = store.angular_velocity[i] = vec3(0, 0, 0);
       store.flags[i] |= flag_asleep;
       s.sleep.changed = true;

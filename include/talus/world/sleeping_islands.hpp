@@ -66,8 +66,9 @@ template <class Scenario, class StoreA, class StoreB>
       speed += b.angular_velocity[j].norm() * b.shape[j].bounding_radius();
     collide_pair(a.shape[i], a.pose(i), b.shape[j], b.pose(j), slack + ahead * speed,
                  [&](const contact_geometry& g) {
-                   const vec3 u = a.velocity[i] + a.angular_velocity[i].cross(g.point - a.position[i]) -
-                                  b.velocity[j] - b.angular_velocity[j].cross(g.point - b.position[j]);
+                   const vec3 u =
+                       a.velocity[i] + a.angular_velocity[i].cross(g.point - a.position[i]) -
+                       b.velocity[j] - b.angular_velocity[j].cross(g.point - b.position[j]);
                    touch = touch || g.gap + ahead * std::min(g.normal.dot(u), real(0)) <= slack;
                  });
   }
@@ -89,8 +90,8 @@ void disturb(world_state<Scenario>& s, Store& store, std::size_t i) {
   }
 }
 
-/// Notes whom to wake of a close pair; true if there is no contact to be made of it. Who is about to
-/// fall asleep wakes nobody: two islands would keep each other awake.
+/// Notes whom to wake of a close pair; true if there is no contact to be made of it. Who is about
+/// to fall asleep wakes nobody: two islands would keep each other awake.
 template <class Scenario, class StoreA, class StoreB>
 [[nodiscard]] bool meet_sleeper(world_state<Scenario>& s, const StoreA& a, std::size_t i,
                                 const StoreB& b, std::size_t j) {
@@ -99,7 +100,8 @@ template <class Scenario, class StoreA, class StoreB>
   const auto note = [&](const auto& sleeper, std::size_t k, const auto& waker, std::size_t l) {
     if constexpr (std::remove_cvref_t<decltype(waker)>::sleeps)
       if (sleeper.asleep(k) && k < sleeper.locals &&
-          waker.quiet[l] < static_cast<float>(s.sleep.settings.time) && about_to_touch(s, a, i, b, j))
+          waker.quiet[l] < static_cast<float>(s.sleep.settings.time) &&
+          about_to_touch(s, a, i, b, j))
         s.sleep.touched.push_back({sleeper.id[k], waker.quiet[l]});
   };
   note(a, i, b, j);
@@ -110,12 +112,12 @@ template <class Scenario, class StoreA, class StoreB>
 /// All bodies that a rank knows, in the order of their ids, for what is done when islands fall
 /// asleep or wake.
 struct known_body {
-  enum state : std::uint8_t { awake, own_asleep, copy_asleep, immovable, stirred };
+  enum state : std::uint8_t { awake, asleep, immovable, stirred };
   system_id id = no_id;
   state is = awake;
+  bool own = false;
   float quiet = 0;
 
-  [[nodiscard]] bool asleep() const { return is == own_asleep || is == copy_asleep; }
   [[nodiscard]] bool operator<(const known_body& other) const { return id < other.id; }
 };
 
@@ -130,7 +132,21 @@ class known_bodies {
   }
   [[nodiscard]] std::uint32_t find(system_id id) const {
     const auto at = std::lower_bound(all_.begin(), all_.end(), known_body{.id = id});
-    return at == all_.end() || at->id != id ? unknown : static_cast<std::uint32_t>(at - all_.begin());
+    return at == all_.end() || at->id != id ? unknown
+                                            : static_cast<std::uint32_t>(at - all_.begin());
+  }
+  /// Whether one of the two belongs to this rank.
+  [[nodiscard]] bool own(const contact_key& k) const {
+    const auto a = find(k.a), b = find(k.b);
+    return (a != unknown && all_[a].own) || (b != unknown && all_[b].own);
+  }
+  /// Whether no contact is made of the pair.
+  [[nodiscard]] bool rest(const contact_key& k) const {
+    const auto rests = [&](system_id id) {
+      const auto at = find(id);
+      return at == unknown || all_[at].is != known_body::awake;
+    };
+    return rests(k.a) && rests(k.b);
   }
   [[nodiscard]] std::size_t size() const { return all_.size(); }
   [[nodiscard]] const known_body& operator[](std::size_t k) const { return all_[k]; }
@@ -139,9 +155,9 @@ class known_bodies {
   template <class Store>
   void add(const Store& store) {
     for (std::size_t i = 0; i < store.size(); ++i) {
-      known_body k{.id = store.id[i]};
+      known_body k{.id = store.id[i], .own = i < store.locals};
       if (store.asleep(i))
-        k.is = i < store.locals ? known_body::own_asleep : known_body::copy_asleep;
+        k.is = known_body::asleep;
       else if (store.inverse_mass[i] == 0)
         k.is = store.flags[i] & flag_stirred ? known_body::stirred : known_body::immovable;
       else if constexpr (Store::sleeps)
@@ -181,8 +197,8 @@ void wake_islands(world_state<Scenario>& s) {
   };
   for (const auto& c : sleep.contacts.entries()) {
     const auto a = known.find(c.key.a), b = known.find(c.key.b);
-    const bool sleeps_a = a != known_bodies::unknown && known[a].asleep();
-    const bool sleeps_b = b != known_bodies::unknown && known[b].asleep();
+    const bool sleeps_a = a != known_bodies::unknown && known[a].is == known_body::asleep;
+    const bool sleeps_b = b != known_bodies::unknown && known[b].is == known_body::asleep;
     if (sleeps_a && sleeps_b)
       parent[root_of(parent, a)] = root_of(parent, b);
     else if (sleeps_a)
@@ -217,7 +233,7 @@ void note_sleepers(world_state<Scenario>& s) {
   const known_bodies known(s);
   plain_vector<system_id> now;
   for (std::size_t k = 0; k < known.size(); ++k)
-    if (known[k].asleep()) now.push_back(known[k].id);
+    if (known[k].is == known_body::asleep) now.push_back(known[k].id);
   const auto before = std::exchange(sleep.asleep, std::move(now));
   const auto in = [](const plain_vector<system_id>& list, system_id id) {
     return std::binary_search(list.begin(), list.end(), id);
@@ -227,13 +243,15 @@ void note_sleepers(world_state<Scenario>& s) {
     return in(sleep.asleep, k.a) || in(sleep.asleep, k.b);
   };
   const auto woke = [&](const contact_key& k) {
-    return (in(before, k.a) && !in(sleep.asleep, k.a)) || (in(before, k.b) && !in(sleep.asleep, k.b));
+    return (in(before, k.a) && !in(sleep.asleep, k.a)) ||
+           (in(before, k.b) && !in(sleep.asleep, k.b));
   };
   using history = std::remove_cvref_t<decltype(s.history)>;
   // What a contact with a sleeping body remembers from steps in which that slept is known to one
   // of its two ranks only: it ends when the body wakes.
   history awake, frozen;
   for (const auto& c : sleep.contacts.entries()) {
+    if (!known.own(c.key)) continue;  // handed over
     if (woke(c.key) || !sleeps(c.key)) awake.add(c.key, c.memory);
     if (sleeps(c.key)) frozen.add(c.key, c.memory);
   }
@@ -244,7 +262,8 @@ void note_sleepers(world_state<Scenario>& s) {
   };
   plain_vector<typename history::entry> others;
   for (const auto& c : s.history.entries())
-    if (!woke(c.key) && !thawed(c.key)) others.push_back(c);
+    if (!woke(c.key) && !thawed(c.key) && !(sleeps(c.key) && known.rest(c.key)))
+      others.push_back(c);
   for (const auto& c : others) awake.add(c.key, c.memory);
   for (const auto& c : s.history.entries())
     if (sleeps(c.key) && !slept(c.key)) frozen.add(c.key, c.memory);
@@ -254,6 +273,14 @@ void note_sleepers(world_state<Scenario>& s) {
   s.found.pause = 0;
   sleep.spreads = !sleep.asleep.empty();
   sleep.noted = true;
+}
+
+/// Calls f(contact) for what contacts of sleeping bodies remember while they are left out.
+template <class Scenario, class F>
+void each_frozen_contact(world_state<Scenario>& s, F&& f) {
+  const known_bodies known(s);
+  for (const auto& c : s.sleep.contacts.entries())
+    if (known.rest(c.key)) f(c);
 }
 
 }  // namespace talus::detail
