@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <set>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/energy.hpp>
 #include <talus/observe/force.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/parallel/grid.hpp>
+#include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/world/world.hpp>
 
@@ -130,6 +132,49 @@ TEST_CASE("an impact wakes its island on all ranks, no other one, and keeps its 
       CHECK(asleep_beyond(w) == 16);
       CHECK(measure_energy(w).worst < 1e-11);
     });
+}
+
+TEST_CASE("an island that sleeps until it is struck ends up as one that never slept") {
+  for (const int ranks : {1, 2, 4}) {
+    std::map<system_id, vec3> velocity[2];
+    std::mutex one_at_a_time;
+    for (const bool sleeps : {false, true})
+      on(ranks, [&](scene_world& w) {
+        w.sleeping({.speed = 0.05, .time = sleeps ? 0.1 : 1e9});
+        w.solver().tolerance = 1e-12, w.solver().max_iterations = 20000;
+        row_at(w, 0, 0);
+        run(w, 40);
+        REQUIRE(asleep(w) == (sleeps ? 16 : 0));
+        w.add_if_local(body{.shape = sphere{0.5}, .position = {-1, 0, 0}, .velocity = {4, 0, 0}});
+        run(w, 60);
+        const std::lock_guard lock(one_at_a_time);
+        w.for_each_local([&](const auto& b) { velocity[sleeps][b.id()] = b.velocity(); });
+      });
+    real most = 0;
+    for (const auto& [id, v] : velocity[0]) most = std::max(most, (v - velocity[1].at(id)).norm());
+    CHECK(velocity[0].size() == 17);
+    CHECK(most < 1e-8);
+  }
+}
+
+TEST_CASE("alone, a rank wakes in the very step what is struck without warning") {
+  using serial_scene = scenario<bodies<sphere>, features<sleeping>, transport<serial>>;
+  static_assert(world<serial_scene>::link_type::alone);
+  serial::link link;
+  world<serial_scene> w(link);
+  w.material({.restitution = 0, .friction = 0});
+  w.sleeping({.speed = 0.05, .time = 0.1});
+  w.solver().tolerance = 1e-12, w.solver().max_iterations = 20000;
+  for (int k = 0; k < 8; ++k) w.add(body{.shape = sphere{0.5}, .position = {real(k), 0, 0}});
+  for (int k = 0; k < 40; ++k) w.step(dt);
+  REQUIRE(measure_motion(w).asleep == 8);
+  const auto ball =
+      w.add(body{.shape = sphere{0.5}, .position = {-1.001, 0, 0}, .velocity = {4, 0, 0}});
+  w.step(dt);
+  const motion m = measure_motion(w);
+  CHECK(m.asleep == 0);
+  CHECK(m.momentum[0] == doctest::Approx(4 * w[ball].mass()).epsilon(1e-12));
+  CHECK(w[ball].velocity()[0] < 3);
 }
 
 TEST_CASE("what the user does wakes the island it concerns, on all ranks, and no other") {
