@@ -407,7 +407,7 @@ TEST_CASE("sleeping bodies change hands when space is divided anew, and wake the
 TEST_CASE("an island larger than what can be told in its time of rest comes to rest all the same") {
   on(4, [&](scene_world& w) {
     floor_of(w);
-    w.sleeping({.speed = 0.05, .time = dt});
+    w.sleeping({.speed = 0.05, .time = 0});
     struck_row(w);
     strike(w);
     run(w, 1000);

@@ -90,8 +90,13 @@ void disturb(world_state<Scenario>& s, Store& store, std::size_t i) {
   }
 }
 
-/// Notes whom to wake of a close pair; true if there is no contact to be made of it. Who is about
-/// to fall asleep wakes nobody: two islands would keep each other awake.
+/// Who is about to fall asleep wakes nobody: islands would keep each other awake.
+template <class Scenario>
+[[nodiscard]] bool wakes_others(const world_state<Scenario>& s, float quiet) {
+  return quiet == 0 || quiet < static_cast<float>(s.sleep.settings.time);
+}
+
+/// Notes whom to wake of a close pair; true if there is no contact to be made of it.
 template <class Scenario, class StoreA, class StoreB>
 [[nodiscard]] bool meet_sleeper(world_state<Scenario>& s, const StoreA& a, std::size_t i,
                                 const StoreB& b, std::size_t j) {
@@ -99,8 +104,7 @@ template <class Scenario, class StoreA, class StoreB>
   if (undisturbed(a, i, b, j)) return true;
   const auto note = [&](const auto& sleeper, std::size_t k, const auto& waker, std::size_t l) {
     if constexpr (std::remove_cvref_t<decltype(waker)>::sleeps)
-      if (sleeper.asleep(k) && k < sleeper.locals &&
-          waker.quiet[l] < static_cast<float>(s.sleep.settings.time) &&
+      if (sleeper.asleep(k) && k < sleeper.locals && wakes_others(s, waker.quiet[l]) &&
           about_to_touch(s, a, i, b, j))
         s.sleep.touched.push_back({sleeper.id[k], waker.quiet[l]});
   };
@@ -121,11 +125,11 @@ struct known_body {
   [[nodiscard]] bool operator<(const known_body& other) const { return id < other.id; }
 };
 
+template <class Scenario>
 class known_bodies {
  public:
   static constexpr std::uint32_t unknown = ~std::uint32_t{0};
 
-  template <class Scenario>
   explicit known_bodies(world_state<Scenario>& s) {
     s.each_shape([&](const auto& b) { add(b.movable), add(b.global); });
     sort_values(all_);
@@ -169,7 +173,8 @@ class known_bodies {
 };
 
 /// Root of the tree that `i` is in; shortens the way there.
-[[nodiscard]] inline std::uint32_t root_of(plain_vector<std::uint32_t>& parent, std::uint32_t i) {
+template <class Parents>
+[[nodiscard]] std::uint32_t root_of(Parents& parent, std::uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
 }
@@ -183,22 +188,21 @@ void wake_islands(world_state<Scenario>& s) {
   const bool all = std::exchange(sleep.all, false);
   sleep.spreads = false;
   constexpr float never_rests = std::numeric_limits<float>::infinity();
-  const known_bodies known(s);
+  const known_bodies<Scenario> known(s);
   plain_vector<std::uint32_t> parent(known.size());
   std::iota(parent.begin(), parent.end(), std::uint32_t{0});
   plain_vector<float> wakes(known.size(), never_rests);
   const auto wake = [&](std::uint32_t k, float quiet) { wakes[k] = std::min(wakes[k], quiet); };
-  const auto late = static_cast<float>(sleep.settings.time);
   const auto meet = [&](std::uint32_t sleeper, std::uint32_t k) {
-    if (k == known_bodies::unknown || known[k].is == known_body::stirred)
+    if (k == known.unknown || known[k].is == known_body::stirred)
       wake(sleeper, 0);
-    else if (known[k].is == known_body::awake && known[k].quiet < late)
+    else if (known[k].is == known_body::awake && wakes_others(s, known[k].quiet))
       wake(sleeper, known[k].quiet);
   };
   for (const auto& c : sleep.contacts.entries()) {
     const auto a = known.find(c.key.a), b = known.find(c.key.b);
-    const bool sleeps_a = a != known_bodies::unknown && known[a].is == known_body::asleep;
-    const bool sleeps_b = b != known_bodies::unknown && known[b].is == known_body::asleep;
+    const bool sleeps_a = a != known.unknown && known[a].is == known_body::asleep;
+    const bool sleeps_b = b != known.unknown && known[b].is == known_body::asleep;
     if (sleeps_a && sleeps_b)
       parent[root_of(parent, a)] = root_of(parent, b);
     else if (sleeps_a)
@@ -207,7 +211,7 @@ void wake_islands(world_state<Scenario>& s) {
       meet(b, a);
   }
   for (const auto& [id, quiet] : sleep.touched)
-    if (const auto k = known.find(id); k != known_bodies::unknown) wake(k, quiet);
+    if (const auto k = known.find(id); k != known.unknown) wake(k, quiet);
   sleep.touched.clear();
   for (std::uint32_t k = 0; k < known.size(); ++k) {
     const std::uint32_t root = root_of(parent, k);
@@ -230,7 +234,7 @@ void wake_islands(world_state<Scenario>& s) {
 template <class Scenario>
 void note_sleepers(world_state<Scenario>& s) {
   auto& sleep = s.sleep;
-  const known_bodies known(s);
+  const known_bodies<Scenario> known(s);
   plain_vector<system_id> now;
   for (std::size_t k = 0; k < known.size(); ++k)
     if (known[k].is == known_body::asleep) now.push_back(known[k].id);
@@ -278,7 +282,7 @@ void note_sleepers(world_state<Scenario>& s) {
 /// Calls f(contact) for what contacts of sleeping bodies remember while they are left out.
 template <class Scenario, class F>
 void each_frozen_contact(world_state<Scenario>& s, F&& f) {
-  const known_bodies known(s);
+  const known_bodies<Scenario> known(s);
   for (const auto& c : s.sleep.contacts.entries())
     if (known.rest(c.key)) f(c);
 }
