@@ -34,6 +34,7 @@ template <class Scenario>
   }
   if constexpr (requires { s.choice.bodies; })
     for (const auto& bodies : s.choice.bodies) of(bodies);
+  if constexpr (Scenario::template has_feature<sleeping>) bytes += s.sleep.bytes();
   if constexpr (Scenario::template has_feature<energy_ledger>) of(s.monitors.energy.mean);
   return bytes + s.found.bytes() + s.history.bytes();
 }

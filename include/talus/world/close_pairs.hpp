@@ -151,6 +151,12 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
     const std::size_t kind = kinds++;
     if (found.lists.size() < kinds) found.lists.resize(kinds);
     return [&s, &found, kind](std::size_t i, std::size_t j, real, real) {
+      if constexpr (world_state<Scenario>::sleeps) {
+        auto& with = s.template of<B>();
+        if (undisturbed(s.template of<A>().movable, i,
+                        P == partner::moving ? with.movable : with.global, j))
+          return;
+      }
       if constexpr (!B::finite && collidable<sphere, B>) {
         const auto& a = s.template of<A>();
         const auto& b = s.template of<B>().global;

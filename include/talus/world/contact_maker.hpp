@@ -11,6 +11,7 @@
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/continuous.hpp"
 #include "talus/world/hand_over.hpp"
+#include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -131,7 +132,9 @@ class contact_maker {
     pair_at_hand x{.i = i, .j = j, .last = last};
     x.own_a = i < a_.locals;
     const bool own_b = !paired || j < b_.locals;
-    x.moves_a = a_.inverse_mass[i] != 0, x.moves_b = paired && b_.inverse_mass[j] != 0;
+    x.moves_a = a_.moves(i), x.moves_b = paired && b_.moves(j);
+    if constexpr (store_a::sleeps)
+      if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !x.own_a && !own_b)
         require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
@@ -148,6 +151,8 @@ class contact_maker {
     x.radius = a_.shape[i].bounding_radius();
     x.slack = contact_slack * x.radius;
     x.margin = margin_a + margin_b;
+    if constexpr (store_a::sleeps)  // ranks look ahead as they know sleepers, but agree on contacts
+      x.margin = margin_in_step(a_, i) + margin_in_step(b_, j);
     if constexpr (ShapeB::finite) {
       // The slack of a large body that is none of a small one beside it: both have that of the
       // small.
@@ -263,6 +268,13 @@ class contact_maker {
     const real t = impact_time(first + i);
     if (t == never) return {0, 0, 0};
     return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
+  }
+  template <class Store>
+  real margin_in_step(const Store& store, std::size_t i) const {
+    if constexpr (Store::shape_type::finite)
+      return reach_of(store, i, s_.dt) - store.shape[i].bounding_radius();
+    else
+      return (void)store, (void)i, 0;
   }
   /// Acceleration of the surfaces by gravity and by the forces and torques on the two bodies.
   real pull(std::size_t i, std::size_t j) const {

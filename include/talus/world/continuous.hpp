@@ -23,7 +23,7 @@ namespace talus::detail {
 template <class Scenario, class Store>
 [[nodiscard]] vec3 acceleration_of(const world_state<Scenario>& s, const Store& store,
                                    std::size_t i) {
-  if (store.inverse_mass[i] == 0) return {0, 0, 0};
+  if (!store.moves(i)) return {0, 0, 0};
   vec3 a = s.gravity;
   if constexpr (Store::forced) a += store.inverse_mass[i] * store.force[i];
   return a;

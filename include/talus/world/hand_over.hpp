@@ -10,6 +10,7 @@
 #include "talus/core/sort.hpp"
 #include "talus/world/closed_faces.hpp"
 #include "talus/world/shadow_copies.hpp"
+#include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -108,6 +109,8 @@ std::size_t migrate(world_state<Scenario>& s) {
 
   using remembered = typename world_state<Scenario>::history_type::entry;
   std::vector<plain_vector<remembered>> memories(s.parcels.size());
+  std::vector<plain_vector<remembered>> frozen(world_state<Scenario>::sleeps ? s.parcels.size()
+                                                                             : 0);
   if (!leaving.empty()) {
     sort_values(leaving);
     const auto find = [&](system_id id) {
@@ -115,14 +118,20 @@ std::size_t migrate(world_state<Scenario>& s) {
           std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
       return at != leaving.end() && at->first == id ? at->second : memories.size();
     };
-    for (const remembered& c : s.history.entries()) {
-      const auto a = find(c.key.a), b = find(c.key.b);
-      if (a < memories.size()) memories[a].push_back(c);
-      if (b < memories.size() && b != a) memories[b].push_back(c);
-    }
+    const auto send = [&](const auto& history, auto& to) {
+      for (const remembered& c : history.entries()) {
+        const auto a = find(c.key.a), b = find(c.key.b);
+        if (a < to.size()) to[a].push_back(c);
+        if (b < to.size() && b != a) to[b].push_back(c);
+      }
+    };
+    send(s.history, memories);
+    if constexpr (world_state<Scenario>::sleeps) send(s.sleep.contacts, frozen);
   }
   for (std::size_t n = 0; n < memories.size(); ++n)
     byte_writer(s.parcels[n].out).put(std::span<const remembered>(memories[n]));
+  for (std::size_t n = 0; n < frozen.size(); ++n)
+    byte_writer(s.parcels[n].out).put(std::span<const remembered>(frozen[n]));
 
   s.link->start(s.parcels);
   s.link->finish(s.parcels);
@@ -140,7 +149,13 @@ std::size_t migrate(world_state<Scenario>& s) {
       }
       b.movable.append_from(copies, 0, copies.size());
     });
-    for (const remembered& c : in.get_all<remembered>()) s.history.add_arrived(c.key, c.memory);
+    const auto receive = [&](auto& history) {
+      for (const remembered& c : in.get_all<remembered>())
+        if (!world_state<Scenario>::sleeps || history.find(c.key) == nullptr)
+          history.add_arrived(c.key, c.memory);
+    };
+    receive(s.history);
+    if constexpr (world_state<Scenario>::sleeps) receive(s.sleep.contacts);
   }
   return passing;
 }
@@ -148,6 +163,7 @@ std::size_t migrate(world_state<Scenario>& s) {
 /// The handover at the end of a step.
 template <class Scenario>
 void hand_over(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
@@ -155,6 +171,8 @@ void hand_over(world_state<Scenario>& s) {
     migrate(s);
     if constexpr (!world_state<Scenario>::law::soft) s.travelled = s.travelling;
     share_shadow_copies(s, true);
+  } else if constexpr (world_state<Scenario>::sleeps) {
+    if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
 }
@@ -162,6 +180,7 @@ void hand_over(world_state<Scenario>& s) {
 /// At the beginning of a step: tells the neighbours what the user has changed since the last one.
 template <class Scenario>
 void announce_changes(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
@@ -175,6 +194,8 @@ void announce_changes(world_state<Scenario>& s) {
         s.changed = s.changed || s.neighbours[n].reach > before[n];
     }
     share_shadow_copies(s, s.changed);
+  } else if constexpr (world_state<Scenario>::sleeps) {
+    if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
 }

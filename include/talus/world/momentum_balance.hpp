@@ -17,6 +17,7 @@ void book_momentum(world_state<Scenario>& s) {
   const solver_state& solver = s.solver;
   const real lost = s.damping == 1 ? 0 : 1 - std::pow(s.damping, s.dt);
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
+    if (!store.moves(i)) return;
     const real mass = 1 / store.inverse_mass[i];
     r.before += vec3(mass * store.velocity[i]);
     r.gravity += vec3((s.dt * mass) * s.gravity);

@@ -29,7 +29,7 @@ void gather_velocities(world_state<Scenario>& s) {
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.size(); ++i) {
       solver_body& body = solver.bodies[b.first + i];
-      const real inverse_mass = store.inverse_mass[i];
+      const real inverse_mass = store.asleep(i) ? 0 : store.inverse_mass[i];
       body.v = store.velocity[i];
       body.w = store.angular_velocity[i];
       body.inverse_mass = inverse_mass;
@@ -58,6 +58,8 @@ void gather_velocities(world_state<Scenario>& s) {
 /// Solves the contact problem: afterwards the solver's velocities fulfil the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
+    if (s.settings.tolerance == 0 && all_rest(s)) return;  // no rank waits for this one
   gather_velocities(s);
   s.each_contact_list([&](auto& list) { list.recall(s.history); });
   s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
@@ -79,7 +81,7 @@ void integrate(world_state<Scenario>& s) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.locals; ++i) {
-      if (store.inverse_mass[i] == 0) continue;
+      if (!store.moves(i)) continue;
       const solver_body& body = solver.bodies[b.first + i];
       store.velocity[i] = kept * body.v;
       store.angular_velocity[i] = kept * body.w;

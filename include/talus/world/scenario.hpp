@@ -133,9 +133,15 @@ struct scenario final {
   template <class Feature>
   static constexpr bool names = detail::contains_type<typename features_policy::list, Feature>;
   static_assert(
-      !law_policy::soft || !(names<residual_monitor> || names<continuous_collision>),
+      !law_policy::soft ||
+          !(names<residual_monitor> || names<continuous_collision> || names<sleeping>),
       "scenario<...> names soft_contact<...> and a feature that needs the impulses of hard "
-      "contacts: remove residual_monitor and continuous_collision, or use hard_contact<...>");
+      "contacts: remove residual_monitor, continuous_collision and sleeping, or use "
+      "hard_contact<...>");
+  static_assert(!names<sleeping> || !names<continuous_collision>,
+                "scenario<...> names sleeping and continuous_collision, but bodies that are "
+                "followed on their way cannot wake what they strike within the step: keep one of "
+                "them");
   using kept_features =
       std::conditional_t<verlet,
                          detail::list_with<typename features_policy::list, detail::contact_forces>,

@@ -40,7 +40,7 @@ template <class Scenario, class Store>
   if constexpr (world_state<Scenario>::law::soft)
     return store.shape[i].bounding_radius();
   else
-    return reach_of(store, i, s.dt);
+    return reach_of(store, i, steps_ahead(s) * s.dt);
 }
 
 /// Sorts the bodies of each shape into its grid; reach(store, i, index in the solver's arrays) says

@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/world/coverage.hpp"
+#include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -47,12 +49,12 @@ void list_travelling_velocities(world_state<Scenario>& s) {
     std::size_t copy = b.movable.locals;
     for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
       for (const auto i : s.neighbours[n].shadowed[k])
-        if (b.movable.inverse_mass[i] != 0) {
+        if (b.movable.moves(i)) {
           s.travelling[n].sent.push_back(static_cast<std::uint32_t>(b.first + i));
           s.at_rim[b.first + i] = true;
         }
       for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++copy)
-        if (b.movable.inverse_mass[copy] != 0)
+        if (b.movable.moves(copy))
           s.travelling[n].received.push_back(static_cast<std::uint32_t>(b.first + copy));
     }
     ++k;
@@ -68,7 +70,10 @@ void list_travelling_velocities(world_state<Scenario>& s) {
 /// are, hard ones where they might be a step later.
 template <class Scenario, class Store>
 [[nodiscard]] real shadow_reach(const world_state<Scenario>& s, const Store& store, std::size_t i) {
-  return reach_of(store, i, world_state<Scenario>::law::soft ? 0 : s.dt);
+  if constexpr (world_state<Scenario>::sleeps)  // a contact outlives the motion it was found in
+    return reach_of(store, i, steps_of_warning * s.dt) + 4 * s.dt * s.sleep.settings.speed;
+  else
+    return reach_of(store, i, world_state<Scenario>::law::soft ? 0 : s.dt);
 }
 
 /// Takes up the motion of the copies of neighbour n from `in[n]`, unless that is null.
@@ -232,6 +237,7 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
   byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
   out.put(s.choice.announced);
   out.put(kind);
+  if constexpr (world_state<Scenario>::sleeps) out.put(static_cast<std::uint8_t>(s.sleep.changed));
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
     const auto& shadowed = s.neighbours[n].shadowed[k++];
@@ -249,10 +255,12 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
 /// sent again. With `anew` false nothing has changed here, and only that is said.
 template <class Scenario>
 void share_shadow_copies(world_state<Scenario>& s, bool anew) {
+  bool changed = s.changed;
+  if constexpr (world_state<Scenario>::sleeps) changed = changed || s.sleep.changed;
   measure_reach(s);
   auto mine = copy_message::nothing;
-  if (anew) {
-    mine = s.changed ? copy_message::all : copy_message::motion;
+  if (anew || changed) {
+    mine = changed ? copy_message::all : copy_message::motion;
     if (!copies_still_hold(s)) choose_copies(s), mine = copy_message::all;
   }
   for (std::size_t n = 0; n < s.parcels.size(); ++n) pack_copies(s, n, mine);
@@ -269,6 +277,8 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
     byte_reader& message = in.emplace_back(s.parcels[n].in, s.neighbours[n].shared());
     s.neighbours[n].reach = message.template get<real>();
     const auto kind = message.template get<copy_message>();
+    if constexpr (world_state<Scenario>::sleeps)
+      s.sleep.changed |= message.template get<std::uint8_t>() != 0;
     moved.push_back(kind == copy_message::motion ? &message : nullptr);
     renewed.push_back(kind == copy_message::all ? &message : nullptr);
     before.push_back(s.neighbours[n].copies);
@@ -278,6 +288,8 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   if (!any) return;
   rebuild_shadow_copies(s, before, renewed);
   if constexpr (!world_state<Scenario>::law::soft) list_travelling_velocities(s);
+  if constexpr (world_state<Scenario>::sleeps)
+    if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
 }
 
 }  // namespace talus::detail

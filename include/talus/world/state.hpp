@@ -22,6 +22,7 @@
 #include "talus/world/monitors.hpp"
 #include "talus/world/response_state.hpp"
 #include "talus/world/scenario.hpp"
+#include "talus/world/sleep_state.hpp"
 #include "talus/world/stage_clock.hpp"
 
 namespace talus {
@@ -126,6 +127,10 @@ struct world_state : response_state<Scenario> {
   static constexpr bool continuous =
       contains_type<typename Scenario::features, continuous_collision>;
   [[no_unique_address]] std::conditional_t<continuous, impact_times, no_impact_times> impacts;
+
+  /// Whether islands at rest are left out of the steps.
+  static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
+  [[no_unique_address]] std::conditional_t<sleeps, sleep_state<history_type>, no_sleep_state> sleep;
 
   /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
   /// what a rank finds among bodies of others is not what they find.)

@@ -64,6 +64,7 @@ void world<Scenario>::write(detail::body_store<Shape, typename Scenario::feature
     store.torque[i] = vec3(0, 0, 0);
   }
   if constexpr (store_type::numbered) store.user_id[i] = b.user_id;
+  if constexpr (detail::world_state<Scenario>::sleeps) detail::disturb(state_, store, i);
 }
 
 template <class Scenario>
@@ -174,11 +175,13 @@ void world<Scenario>::destroy(handle<Shape> h) {
     const auto i = at - bodies.global.id.begin();
     bodies.global.each_column([&](auto& c) { c.erase(c.begin() + i); });
     bodies.globals_changed = true;
+    note_removal();
     return;
   }
   const auto at = std::find(bodies.movable.id.begin(), bodies.movable.id.end(), h.id);
   bodies.movable.remove_local(static_cast<std::size_t>(at - bodies.movable.id.begin()));
   state_.changed = true;
+  note_removal();
 }
 
 template <class Scenario>
@@ -198,6 +201,7 @@ std::size_t world<Scenario>::destroy_if(Predicate&& predicate) {
     }
   });
   state_.changed |= removed > 0;
+  if (removed > 0) note_removal();
   return removed;
 }
 
@@ -252,6 +256,7 @@ void world<Scenario>::synchronize() {
     detail::share_shadow_copies(state_, true);
     detail::share_shadow_copies(state_, true);
   }
+  if constexpr (detail::world_state<Scenario>::sleeps) detail::note_sleepers(state_);
   state_.changed = false;
   rewired_ = false;
   synchronized_ = true;
