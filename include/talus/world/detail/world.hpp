@@ -252,6 +252,7 @@ void world<Scenario>::synchronize() {
             passing);
     }
     detail::refuse_closed_faces(state_, false);
+    state_.choice.reach.clear();  // domains may have changed
     // The first round tells every neighbour how far bodies reach, the second one acts on it.
     detail::share_shadow_copies(state_, true);
     detail::share_shadow_copies(state_, true);
