@@ -38,6 +38,7 @@ template <class Contact>
 class contact_list {
  public:
   using contact_type = Contact;
+  using state = typename Contact::state;
 
   void clear() {
     interior_.clear(), boundary_.clear(), foreign_.clear();
@@ -99,25 +100,25 @@ class contact_list {
   }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
-  [[gnu::noinline]] void count_boundary(solver_state& s) const {
+  [[gnu::noinline]] void count_boundary(state& s) const {
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t) {
       ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
     });
   }
-  [[gnu::noinline]] void weigh_interior(const solver_state& s) { interior_.weigh(s); }
-  [[gnu::noinline]] void weigh_boundary(const solver_state& s) {
+  [[gnu::noinline]] void weigh_interior(const state& s) { interior_.weigh(s); }
+  [[gnu::noinline]] void weigh_boundary(const state& s) {
     for (Contact& c : boundary_) c.weigh(s, parts_of(s, c.a), parts_of(s, c.b));
   }
-  [[gnu::noinline]] void apply_remembered(solver_state& s) const {
+  [[gnu::noinline]] void apply_remembered(state& s) const {
     interior_.apply(s);
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
   }
 
-  [[gnu::noinline]] void sweep_forward(solver_state& s) { interior_.forward(s); }
-  [[gnu::noinline]] void sweep_backward(solver_state& s) { interior_.backward(s); }
+  [[gnu::noinline]] void sweep_forward(state& s) { interior_.forward(s); }
+  [[gnu::noinline]] void sweep_backward(state& s) { interior_.backward(s); }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
+  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(state& s,
                                                                                     real speed) {
     stalled_.clear();
     interior_.backward_watched(s, speed, [&](std::size_t i, real change) {
@@ -150,7 +151,7 @@ class contact_list {
   }
   /// Solves all boundary contacts from one and the same state, those of a pair together; the
   /// changes are applied later.
-  [[gnu::noinline]] void relax_boundary(solver_state& s) {
+  [[gnu::noinline]] void relax_boundary(state& s) {
     changes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
       changes_[first] = boundary_[first].relax(s);
@@ -163,7 +164,7 @@ class contact_list {
           });
     });
   }
-  [[gnu::noinline]] void apply_boundary(solver_state& s) const {
+  [[gnu::noinline]] void apply_boundary(state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
   }
 
@@ -178,14 +179,14 @@ class contact_list {
   }
   // For those that treat all contacts simultaneously.
 
-  void count_all(solver_state& s) const {
+  void count_all(state& s) const {
     each_acting([&](const Contact& c, bool on_a, bool on_b) {
       if (on_a) ++s.boundary_contacts[c.a];
       if constexpr (Contact::paired)
         if (on_b) ++s.boundary_contacts[c.b];
     });
   }
-  [[gnu::noinline]] void weigh_all(const solver_state& s) {
+  [[gnu::noinline]] void weigh_all(const state& s) {
     const auto weigh = [&](Contact& c) {
       real parts_of_b = 1;
       if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
@@ -199,7 +200,7 @@ class contact_list {
   }
   /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
   /// has changed by since the last time, unless that leads back; the changes are applied later.
-  [[gnu::noinline]] void relax_ahead(const solver_state& s, real part) {
+  [[gnu::noinline]] void relax_ahead(const state& s, real part) {
     changes_.resize(size());
     each_numbered([&](Contact& c, std::size_t i) {
       auto& before = before_[i];
@@ -214,46 +215,47 @@ class contact_list {
       change = change + more;
     });
   }
-  [[gnu::noinline]] void apply_all(solver_state& s) const {
+  [[gnu::noinline]] void apply_all(state& s) const {
     for (std::size_t i = 0; i < interior_.size(); ++i) interior_[i].apply(s, changes_[i]);
     for (std::size_t i = 0; i < boundary_.size(); ++i)
       apply_own(s, i, changes_[interior_.size() + i]);
   }
 
-  [[gnu::noinline]] void sweep_push(solver_state& s) { interior_.push(s); }
-  [[gnu::noinline]] void relax_boundary_push(solver_state& s) {
+  [[gnu::noinline]] void sweep_push(state& s) { interior_.push(s); }
+  [[gnu::noinline]] void relax_boundary_push(state& s) {
     pushes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
       pushes_[first] = boundary_[first].relax_push(s);
       if constexpr (comes_in_patches<Contact>)
         if (last - first > 1)
           by_themselves(s, first, last, [&](std::size_t i, bool again) {
-            const real d = again || i > first ? boundary_[i].relax_push(s) : pushes_[i];
+            const auto d = again || i > first ? boundary_[i].relax_push(s) : pushes_[i];
             pushes_[i] = again ? pushes_[i] + d : d;
             boundary_[i].push_a(s, d), boundary_[i].push_b(s, d);
           });
     });
   }
-  [[gnu::noinline]] void apply_boundary_push(solver_state& s) const {
+  [[gnu::noinline]] void apply_boundary_push(state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i)
       owns_a_[i] ? boundary_[i].push_a(s, pushes_[i]) : boundary_[i].push_b(s, pushes_[i]);
   }
 
  private:
-  static real parts_of(const solver_state& s, std::int32_t body) {
-    return std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]);
+  static typename state::number parts_of(const state& s, std::int32_t body) {
+    return static_cast<typename state::number>(
+        std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]));
   }
   /// Sweeps f(contact, again) forward and backward through the contacts of one pair, which sees
   /// nothing else and is left as it was.
   template <class F>
-  void by_themselves(solver_state& s, std::size_t first, std::size_t last, F&& f) {
+  void by_themselves(state& s, std::size_t first, std::size_t last, F&& f) {
     const Contact& c = boundary_[first];
-    const split_pair alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
+    const split_pair<typename state::number> alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
     const std::size_t n = last - first;
     for (std::size_t k = 0; k < 2 * n - 1; ++k)
       k < n ? f(first + k, false) : f(first + 2 * n - 2 - k, true);
   }
-  void apply_own(solver_state& s, std::size_t i, const typename Contact::change& d) const {
+  void apply_own(state& s, std::size_t i, const typename Contact::change& d) const {
     if (owns_a_[i])
       boundary_[i].apply_to_a(s, d);
     else if constexpr (Contact::paired)
@@ -266,7 +268,7 @@ class contact_list {
   plain_vector<history_place*> interior_places_, boundary_places_;
   plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   plain_vector<typename Contact::change> changes_, before_;
-  plain_vector<real> pushes_;
+  plain_vector<decltype(Contact::pushed)> pushes_;
   plain_vector<std::pair<std::size_t, real>> stalled_;
 };
 
