@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
       const double push = sizeof(detail::round_block_push);
       const double bodies = sizeof(detail::round_block<contact>::a) * (contact::paired ? 2 : 1);
       swept += blocks * sizeof(detail::round_block<contact>);
-      corrected_bytes += blocks * (6 * sizeof(detail::octet) + bodies + push);
+      corrected_bytes += blocks * (6 * sizeof(detail::wide<real>) + bodies + push);
       stored += blocks * (sizeof(detail::round_block<contact>) + push);
     });
     const double body = sizeof(detail::solver_body), shift = sizeof(detail::body_shift);

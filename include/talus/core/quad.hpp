@@ -26,7 +26,7 @@ template <class Real>
 using quad_of = typename quad_type<Real>::type;
 using quad = quad_of<real>;
 
-/// The number of which a quad or an octet has several.
+/// The number of which a quad has four; of wider vectors too.
 template <class Lanes>
 using lane_of = std::remove_cvref_t<decltype(std::declval<const Lanes&>()[0])>;
 

@@ -1,6 +1,6 @@
 #pragma once
-// Interior contacts of round bodies in blocks of eight that share no body that can move, so that
-// eight are solved at once.
+// Interior contacts of round bodies in blocks that share no body that can move, so that the
+// contacts of a block are solved at once: eight in double, sixteen in float.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,38 +8,40 @@
 #include <span>
 
 #include "talus/core/math.hpp"
-#include "talus/core/octet.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/wide.hpp"
 #include "talus/response/block_planner.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
 
-// As with octets: all functions that are given one are inlined.
+// As with quads: all functions that are given one are inlined.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-template <bool Friction, class Octet>
+template <bool Friction, class Wide>
 struct round_block_friction {
-  Octet tx, ty, tz, inverse_wt, arm_a, arm_b, friction;
+  Wide tx, ty, tz, inverse_wt, arm_a, arm_b, friction;
 };
-template <class Octet>
-struct round_block_friction<false, Octet> {};
+template <class Wide>
+struct round_block_friction<false, Wide> {};
 
-/// Eight contacts. Lanes that are not filled repeat the bodies of the first and do nothing, since
-/// their normals are zero.
+/// The contacts of a block. Lanes that are not filled repeat the bodies of the first and do
+/// nothing, since their normals are zero.
 template <class Contact>
-struct round_block : round_block_friction<(Contact::rows > 1), octet_of<typename Contact::number>> {
-  octet_of<typename Contact::number> nx, ny, nz, inverse_wn, target, rn;
-  std::int32_t a[8], b[8];
+struct round_block : round_block_friction<(Contact::rows > 1), wide<typename Contact::number>> {
+  static constexpr int lanes = lanes_in<typename Contact::number>;
+
+  wide<typename Contact::number> nx, ny, nz, inverse_wn, target, rn;
+  std::int32_t a[lanes], b[lanes];
 };
 
 /// What the correction of overlaps needs besides: apart, since sweeps of the response are as fast
 /// as the memory that they read.
-template <class Octet>
+template <class Wide>
 struct round_block_push {
-  Octet push, pushed;
+  Wide push, pushed;
 };
 
 /// What contact_row is for other contacts.
@@ -47,13 +49,13 @@ template <class Contact>
 class round_blocks {
   using number = typename Contact::number;
   using state = typename Contact::state;
-  using octet = octet_of<number>;
-  using rows = octet_rows<number>;
+  using wide = detail::wide<number>;
+  using rows = wide_rows<number>;
   using vector = vector3<number>;
-  using push_of_block = round_block_push<octet>;
+  using push_of_block = round_block_push<wide>;
   static constexpr bool paired = Contact::paired;
   static constexpr bool friction = Contact::rows > 1;
-  static constexpr int lanes = block_planner::lanes;
+  static constexpr int lanes = lanes_in<number>;
   using block = round_block<Contact>;
 
  public:
@@ -159,7 +161,7 @@ class round_blocks {
         note(number_[places + k], change);
     }
     for (std::size_t k = used_; k-- > 0;) {
-      const octet change = relax(blocks_[k], s);
+      const wide change = relax(blocks_[k], s);
       for (std::size_t l = lanes; l-- > 0;)
         if (change[l] > speed * speed) note(number_[k * lanes + l], std::sqrt(change[l]));
     }
@@ -178,10 +180,10 @@ class round_blocks {
 
   void make_empty(std::size_t at, const Contact& first) {
     block& x = blocks_[at];
-    x.nx = x.ny = x.nz = x.inverse_wn = x.target = x.rn = eight(number(0));
-    pushes_[at].push = pushes_[at].pushed = eight(number(0));
+    x.nx = x.ny = x.nz = x.inverse_wn = x.target = x.rn = every_lane(number(0));
+    pushes_[at].push = pushes_[at].pushed = every_lane(number(0));
     if constexpr (friction)
-      x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = eight(number(0));
+      x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = every_lane(number(0));
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
@@ -222,25 +224,25 @@ class round_blocks {
   }
 
   // Velocities of a lane's bodies, each followed by its inverse mass or inertia.
-  static auto v(state& s, const std::int32_t (&of)[8]) {
+  static auto v(state& s, const std::int32_t (&of)[lanes]) {
     return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].v; };
   }
-  static auto w(state& s, const std::int32_t (&of)[8]) {
+  static auto w(state& s, const std::int32_t (&of)[lanes]) {
     return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
   }
 
   // The same as round_contact::warm; the impulse is where the tangential one will be.
   static void warm(block& x) {
     if constexpr (friction) {
-      const octet n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
-      x.rn = larger(n, eight(number(0)));
+      const wide n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
+      x.rn = larger(n, every_lane(number(0)));
       x.tx -= n * x.nx, x.ty -= n * x.ny, x.tz -= n * x.nz;
-      const octet limit = x.friction * x.rn;
-      const octet length = square_root(x.tx * x.tx + x.ty * x.ty + x.tz * x.tz);
-      const octet part = limit / larger(larger(length, limit), eight(Contact::tiny));
+      const wide limit = x.friction * x.rn;
+      const wide length = square_root(x.tx * x.tx + x.ty * x.ty + x.tz * x.tz);
+      const wide part = limit / larger(larger(length, limit), every_lane(Contact::tiny));
       x.tx *= part, x.ty *= part, x.tz *= part;
     } else {
-      x.rn = larger(x.rn, eight(number(0)));
+      x.rn = larger(x.rn, every_lane(number(0)));
     }
   }
   // The same as round_contact::weigh, with undivided masses.
@@ -248,7 +250,7 @@ class round_blocks {
     const auto body = [&](std::int32_t i) -> const solver_body_of<number>& {
       return s.bodies[static_cast<std::size_t>(i)];
     };
-    octet wn, spin_a, spin_b;
+    wide wn, spin_a, spin_b;
     for (int l = 0; l < lanes; ++l) {
       wn[l] = body(x.a[l]).inverse_mass;
       spin_a[l] = body(x.a[l]).inverse_inertia;
@@ -259,14 +261,14 @@ class round_blocks {
     }
     x.inverse_wn = 1 / wn;
     if constexpr (friction) {
-      octet wt = wn + x.arm_a * x.arm_a * spin_a;
+      wide wt = wn + x.arm_a * x.arm_a * spin_a;
       if constexpr (paired) wt += x.arm_b * x.arm_b * spin_b;
       x.inverse_wt = 1 / wt;
     }
   }
   // The same as round_contact::apply of the whole impulse.
   static void apply(const block& x, state& s) {
-    octet dx = x.rn * x.nx, dy = x.rn * x.ny, dz = x.rn * x.nz;
+    wide dx = x.rn * x.nx, dy = x.rn * x.ny, dz = x.rn * x.nz;
     if constexpr (friction) {
       hit_spin(x, x.tx, x.ty, x.tz, s);
       dx += x.tx, dy += x.ty, dz += x.tz;
@@ -280,61 +282,60 @@ class round_blocks {
       scatter(b, v(s, x.b));
     }
   }
-  static void hit_spin(const block& x, const octet& ex, const octet& ey, const octet& ez,
-                       state& s) {
-    const octet cx = x.ny * ez - x.nz * ey, cy = x.nz * ex - x.nx * ez, cz = x.nx * ey - x.ny * ex;
+  static void hit_spin(const block& x, const wide& ex, const wide& ey, const wide& ez, state& s) {
+    const wide cx = x.ny * ez - x.nz * ey, cy = x.nz * ex - x.nx * ez, cz = x.nx * ey - x.ny * ex;
     rows a = gather<number>(w(s, x.a));
-    const octet spin_a = x.arm_a * a.w;
+    const wide spin_a = x.arm_a * a.w;
     a.x -= spin_a * cx, a.y -= spin_a * cy, a.z -= spin_a * cz;
     scatter(a, w(s, x.a));
     if constexpr (paired) {
       rows b = gather<number>(w(s, x.b));
-      const octet spin_b = x.arm_b * b.w;
+      const wide spin_b = x.arm_b * b.w;
       b.x -= spin_b * cx, b.y -= spin_b * cy, b.z -= spin_b * cz;
       scatter(b, w(s, x.b));
     }
   }
 
   // The same as round_contact::relax and apply. Returns the squares of the changes of velocity.
-  static octet relax(block& x, state& s) {
+  static wide relax(block& x, state& s) {
     const auto va = v(s, x.a), vb = v(s, x.b), wa = w(s, x.a), wb = w(s, x.b);
     rows v_a = gather<number>(va), v_b;
-    octet ux = v_a.x, uy = v_a.y, uz = v_a.z;
+    wide ux = v_a.x, uy = v_a.y, uz = v_a.z;
     if constexpr (paired) {
       v_b = gather<number>(vb);
       ux -= v_b.x, uy -= v_b.y, uz -= v_b.z;
     }
-    const octet nx = x.nx, ny = x.ny, nz = x.nz;
-    const octet un = nx * ux + ny * uy + nz * uz;
-    const octet rn = larger(x.rn - (un - x.target) * x.inverse_wn, eight(number(0)));
-    const octet dn = rn - x.rn;
+    const wide nx = x.nx, ny = x.ny, nz = x.nz;
+    const wide un = nx * ux + ny * uy + nz * uz;
+    const wide rn = larger(x.rn - (un - x.target) * x.inverse_wn, every_lane(number(0)));
+    const wide dn = rn - x.rn;
     x.rn = rn;
-    octet dx = dn * nx, dy = dn * ny, dz = dn * nz;
-    octet square = dn * dn;
+    wide dx = dn * nx, dy = dn * ny, dz = dn * nz;
+    wide square = dn * dn;
     if constexpr (friction) {
       rows w_a = gather<number>(wa), w_b;
-      octet sx = x.arm_a * w_a.x, sy = x.arm_a * w_a.y, sz = x.arm_a * w_a.z;
+      wide sx = x.arm_a * w_a.x, sy = x.arm_a * w_a.y, sz = x.arm_a * w_a.z;
       if constexpr (paired) {
         w_b = gather<number>(wb);
         sx += x.arm_b * w_b.x, sy += x.arm_b * w_b.y, sz += x.arm_b * w_b.z;
       }
-      octet tx = x.tx - x.inverse_wt * (ux - un * nx + (ny * sz - nz * sy));
-      octet ty = x.ty - x.inverse_wt * (uy - un * ny + (nz * sx - nx * sz));
-      octet tz = x.tz - x.inverse_wt * (uz - un * nz + (nx * sy - ny * sx));
-      const octet limit = x.friction * rn;
-      const octet length = square_root(tx * tx + ty * ty + tz * tz);
-      const octet part = limit / larger(larger(length, limit), eight(Contact::tiny));
+      wide tx = x.tx - x.inverse_wt * (ux - un * nx + (ny * sz - nz * sy));
+      wide ty = x.ty - x.inverse_wt * (uy - un * ny + (nz * sx - nx * sz));
+      wide tz = x.tz - x.inverse_wt * (uz - un * nz + (nx * sy - ny * sx));
+      const wide limit = x.friction * rn;
+      const wide length = square_root(tx * tx + ty * ty + tz * tz);
+      const wide part = limit / larger(larger(length, limit), every_lane(Contact::tiny));
       tx *= part, ty *= part, tz *= part;
-      const octet ex = tx - x.tx, ey = ty - x.ty, ez = tz - x.tz;
+      const wide ex = tx - x.tx, ey = ty - x.ty, ez = tz - x.tz;
       x.tx = tx, x.ty = ty, x.tz = tz;
       square += ex * ex + ey * ey + ez * ez;
       dx += ex, dy += ey, dz += ez;
-      const octet cx = ny * ez - nz * ey, cy = nz * ex - nx * ez, cz = nx * ey - ny * ex;
-      const octet spin_a = x.arm_a * w_a.w;
+      const wide cx = ny * ez - nz * ey, cy = nz * ex - nx * ez, cz = nx * ey - ny * ex;
+      const wide spin_a = x.arm_a * w_a.w;
       w_a.x -= spin_a * cx, w_a.y -= spin_a * cy, w_a.z -= spin_a * cz;
       scatter(w_a, wa);
       if constexpr (paired) {
-        const octet spin_b = x.arm_b * w_b.w;
+        const wide spin_b = x.arm_b * w_b.w;
         w_b.x -= spin_b * cx, w_b.y -= spin_b * cy, w_b.z -= spin_b * cz;
         scatter(w_b, wb);
       }
@@ -353,29 +354,29 @@ class round_blocks {
     const auto at_a = [&](int i) -> vector& { return s.shift[std::size_t(x.a[i])].v; };
     const auto at_b = [&](int i) -> vector& { return s.shift[std::size_t(x.b[i])].v; };
     rows a = gather<number>(at_a), b;
-    octet rate = x.nx * a.x + x.ny * a.y + x.nz * a.z;
+    wide rate = x.nx * a.x + x.ny * a.y + x.nz * a.z;
     if constexpr (paired) {
       b = gather<number>(at_b);
       rate -= x.nx * b.x + x.ny * b.y + x.nz * b.z;
     }
-    const octet free = p.pushed - (rate - p.push) * x.inverse_wn;
-    const octet next =
-        ((x.target == eight(number(0))) & (x.rn > eight(number(0)))) | (free > eight(number(0)))
-            ? free
-            : eight(number(0));
-    const octet d = next - p.pushed;
+    const wide free = p.pushed - (rate - p.push) * x.inverse_wn;
+    const wide next = ((x.target == every_lane(number(0))) & (x.rn > every_lane(number(0)))) |
+                              (free > every_lane(number(0)))
+                          ? free
+                          : every_lane(number(0));
+    const wide d = next - p.pushed;
     p.pushed = next;
-    const octet da = d * a.w;
+    const wide da = d * a.w;
     a.x += da * x.nx, a.y += da * x.ny, a.z += da * x.nz;
     scatter(a, at_a);
     if constexpr (paired) {
-      const octet db = d * b.w;
+      const wide db = d * b.w;
       b.x -= db * x.nx, b.y -= db * x.ny, b.z -= db * x.nz;
       scatter(b, at_b);
     }
   }
 
-  block_planner plan_;
+  block_planner<lanes> plan_;
   plain_vector<block> blocks_;          ///< of which the first so many are in use
   plain_vector<push_of_block> pushes_;  ///< of each block
   std::size_t used_ = 0;
