@@ -3,6 +3,7 @@
 #include <string>
 #include <type_traits>
 
+#include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/policy.hpp"
 
@@ -29,6 +30,17 @@ template <>
 struct scalars_of<double> {
   using solved = real;
 };
+/// Squares of impulses must neither vanish nor overflow. (A template so that only those who need it
+/// compile it.)
+template <class Real>
+[[gnu::cold]] void require_mass_for_float(Real mass, const char* shape) {
+  if (mass >= 1e-12 && mass <= 1e12) return;
+  fail<std::invalid_argument>(
+      "a {} of mass {} was added, but contacts that are solved in float take masses between 1e-12 "
+      "and 1e12: choose other units, or precision<double>",
+      shape, mass);
+}
+
 template <class Scenario>
 using solved_scalar = typename scalars_of<typename Scenario::precision>::solved;
 
