@@ -10,7 +10,7 @@ namespace talus::detail {
 
 // Inlined always: each is a line or two of the loops that call it.
 
-/// After forces. With `k` the body's index in the solver's arrays.
+/// After forces.
 template <class Scenario, class Store>
 [[nodiscard]] [[gnu::always_inline]] inline vec3 free_velocity(const world_state<Scenario>& s,
                                                                const Store& store, std::size_t i) {
@@ -21,7 +21,7 @@ template <class Scenario, class Store>
   if constexpr (Store::forced) v += (s.dt * inverse_mass) * store.force[i];
   return v;
 }
-/// The angular velocity; of a body with a tensor, where solver_state::tensors has that.
+/// The angular velocity of body `k` of the solver's arrays, which have its tensor.
 template <class Scenario, class Store>
 [[nodiscard]] [[gnu::always_inline]] inline vec3 free_spin(const world_state<Scenario>& s,
                                                            const Store& store, std::size_t i,
@@ -38,11 +38,12 @@ template <class Scenario, class Store>
 }
 
 /// `before` and what the contacts have changed it by: what they do not touch keeps all its digits,
-/// although they are solved in fewer.
+/// although they are solved in fewer. (The difference is one of floats: where GCC 12 vectorises
+/// (double)(float)x, it forgets to round.)
 template <class Real>
 [[nodiscard]] [[gnu::always_inline]] inline vec3 changed_from(const vec3& before,
                                                               const vector3<Real>& after) {
-  return before + (in_scalar<real>(after) - in_scalar<real>(in_scalar<Real>(before)));
+  return before + in_scalar<real>(vector3<Real>(after - in_scalar<Real>(before)));
 }
 
 /// After the response, until the body has moved. Velocities before it are still in the store.
