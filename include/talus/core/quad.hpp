@@ -2,6 +2,7 @@
 // Four numbers in one register (or two, or four, as the target has them): a vector and one more.
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include "talus/core/math.hpp"
 
