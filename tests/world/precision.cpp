@@ -259,6 +259,38 @@ TEST_CASE("a heavy ball on light ones is solved as one problem, on 1 and 4 ranks
     });
 }
 
+TEST_CASE("boxes, forces, torques, damping and bodies followed on their way take floats too") {
+  struct outcome {
+    vec3 box_velocity, box_spin, ball_velocity;
+    real ball_height = 0;
+  };
+  const auto after = []<class Precision>(Precision) {
+    using all = scenario<bodies<sphere, box, plane>, precision<Precision>, transport<serial>,
+                         features<forces, damping, continuous_collision, energy_ledger>>;
+    serial::link link;
+    world<all> w(link);
+    w.material({.restitution = 0.5, .friction = 0});
+    w.damping(0.9);
+    w.global([&](auto& s) { s.add(plane{}, {}); });
+    const auto free = w.add(body{.shape = box{{1, 2, 3}}, .position = {0, 0, 50}});
+    const auto fast =
+        w.add(body{.shape = sphere{0.1}, .position = {9, 0, 5}, .velocity = {0, 0, -500}});
+    for (int k = 0; k < 20; ++k) {
+      w[free].add_force({1, 2, 3});
+      w[free].add_torque({3, 2, 1});
+      w.step(dt);
+    }
+    return outcome{w[free].velocity(), w[free].angular_velocity(), w[fast].velocity(),
+                   w[fast].position()[2]};
+  };
+  const outcome x = after(double{}), y = after(mixed_precision{});
+  CHECK(x.box_velocity == y.box_velocity);  // it touches nothing
+  CHECK(x.box_spin == y.box_spin);
+  CHECK(x.ball_velocity[2] > 200);
+  CHECK((x.ball_velocity - y.ball_velocity).norm() < 1e-6 * 250);
+  CHECK(y.ball_height == doctest::Approx(x.ball_height).epsilon(1e-5));
+}
+
 TEST_CASE("masses that floats cannot work with are refused") {
   serial::link link;
   world<lone_balls<mixed_precision>> w(link);

@@ -12,7 +12,8 @@ namespace talus {
 /// Positions, orientations, gaps and all that is kept from step to step are doubles; while contacts
 /// are solved, velocities are floats, and so are the contacts of round bodies (their impulses,
 /// normals and masses). A body that touches nothing moves as with doubles, to the bit. Contacts are
-/// solved to 1e-6 of the velocities at hand, masses lie between 1e-12 and 1e12.
+/// solved to 1e-6 of the velocities at hand, so that the solver's tolerance should not be smaller;
+/// masses lie between 1e-12 and 1e12.
 struct mixed_precision final {
   using talus_part_of = roles::precision;
   static constexpr const char* name = "mixed_precision";
