@@ -37,6 +37,16 @@ def pile(bench):
             bench.run("pile", rival, f"pile_{rival}", bodies=bodies, tags={"size": bodies}, **short)
 
 
+def precision(bench):
+    """Contacts solved in double and in float, in turns."""
+    bodies = 500 if bench.quick else 8000
+    short = {"settle": 60, "measure": 20} if bench.quick else {"settle": 720, "measure": 120}
+    for iterations in [1, 5, 20] if bench.quick else [1, 2, 5, 10, 20, 50]:
+        for numbers in ("double", "mixed"):
+            bench.run("precision", numbers, "pile", bodies=bodies, iterations=iterations,
+                      precision=numbers, tags={"asked": iterations, "size": bodies}, **short)
+
+
 def large_pile(bench):
     """Each number of iterations settles for itself here too: what a tall pile overlaps by depends on
     the iterations that it was settled with. Half a million bodies settle once, at least as long as
@@ -163,7 +173,7 @@ def budget(bench):
 
 
 PARTS = {each.__name__: each for each in
-         (limits, pile, sizes, shapes, well, gas, ranks, threads, features, budget)}
+         (limits, pile, precision, sizes, shapes, well, gas, ranks, threads, features, budget)}
 # The tables that each part fills, where they are not called as the part is.
 TABLES = {"shapes": ["boxes", "pyramid", "grains"]}
 
@@ -171,6 +181,7 @@ TABLES = {"shapes": ["boxes", "pyramid", "grains"]}
 PROGRAMS = {
     "limits": ["limits"],
     "pile": ["pile", "pile_bullet", "pile_bullet64", "pile_ode", "judge"],
+    "precision": ["pile"],
     "sizes": ["pile"],
     "shapes": ["crates", "crates_bullet", "crates_bullet64", "crates_ode", "grains"],
     "well": ["well", "well_bullet"],

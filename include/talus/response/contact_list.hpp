@@ -54,6 +54,7 @@ template <class Contact>
 class contact_list {
  public:
   using contact_type = Contact;
+  using state = typename Contact::state;
 
   void clear() {
     inner_.clear(), rim_.clear(), boundary_.clear(), foreign_.clear();
@@ -116,28 +117,28 @@ class contact_list {
   }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
-  [[gnu::noinline]] void count_boundary(solver_state& s) const {
+  [[gnu::noinline]] void count_boundary(state& s) const {
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t) {
       ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
     });
   }
-  [[gnu::noinline]] void weigh_interior(const solver_state& s) {
+  [[gnu::noinline]] void weigh_interior(const state& s) {
     for (part* p : {&inner_, &rim_}) p->row.weigh(s);
   }
-  [[gnu::noinline]] void weigh_boundary(const solver_state& s) {
+  [[gnu::noinline]] void weigh_boundary(const state& s) {
     for (Contact& c : boundary_) c.weigh(s, parts_of(s, c.a), parts_of(s, c.b));
   }
-  [[gnu::noinline]] void apply_remembered(solver_state& s) const {
+  [[gnu::noinline]] void apply_remembered(state& s) const {
     for (const part* p : {&inner_, &rim_}) p->row.apply(s);
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
   }
 
   /// Sweeps over the interior contacts. The rim comes first in either direction.
-  [[gnu::noinline]] void sweep_rim(solver_state& s, bool forward) { sweep(rim_, s, forward); }
-  [[gnu::noinline]] void sweep_inner(solver_state& s, bool forward) { sweep(inner_, s, forward); }
+  [[gnu::noinline]] void sweep_rim(state& s, bool forward) { sweep(rim_, s, forward); }
+  [[gnu::noinline]] void sweep_inner(state& s, bool forward) { sweep(inner_, s, forward); }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
+  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(state& s,
                                                                                     real speed) {
     stalled_.clear();
     const auto watch = [&](auto& row, std::size_t first) {
@@ -175,7 +176,7 @@ class contact_list {
   }
   /// Solves all boundary contacts from one and the same state, those of a pair together; the
   /// changes are applied later.
-  [[gnu::noinline]] void relax_boundary(solver_state& s) {
+  [[gnu::noinline]] void relax_boundary(state& s) {
     changes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
       changes_[first] = boundary_[first].relax(s);
@@ -188,7 +189,7 @@ class contact_list {
           });
     });
   }
-  [[gnu::noinline]] void apply_boundary(solver_state& s) const {
+  [[gnu::noinline]] void apply_boundary(state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
   }
 
@@ -203,14 +204,14 @@ class contact_list {
   }
   // For those that treat all contacts simultaneously.
 
-  void count_all(solver_state& s) const {
+  void count_all(state& s) const {
     each_acting([&](const Contact& c, bool on_a, bool on_b) {
       if (on_a) ++s.boundary_contacts[c.a];
       if constexpr (Contact::paired)
         if (on_b) ++s.boundary_contacts[c.b];
     });
   }
-  [[gnu::noinline]] void weigh_all(const solver_state& s) {
+  [[gnu::noinline]] void weigh_all(const state& s) {
     const auto weigh = [&](Contact& c) {
       real parts_of_b = 1;
       if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
@@ -224,7 +225,7 @@ class contact_list {
   }
   /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
   /// has changed by since the last time, unless that leads back; the changes are applied later.
-  [[gnu::noinline]] void relax_ahead(const solver_state& s, real part) {
+  [[gnu::noinline]] void relax_ahead(const state& s, real part) {
     changes_.resize(size());
     each_numbered([&](Contact& c, std::size_t i) {
       auto& before = before_[i];
@@ -239,28 +240,28 @@ class contact_list {
       change = change + more;
     });
   }
-  [[gnu::noinline]] void apply_all(solver_state& s) const {
+  [[gnu::noinline]] void apply_all(state& s) const {
     const std::size_t first = interior();
     for (std::size_t i = 0; i < first; ++i) interior(i).apply(s, changes_[i]);
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[first + i]);
   }
 
-  [[gnu::noinline]] void push_rim(solver_state& s) { rim_.row.push(s); }
-  [[gnu::noinline]] void push_inner(solver_state& s) { inner_.row.push(s); }
-  [[gnu::noinline]] void relax_boundary_push(solver_state& s) {
+  [[gnu::noinline]] void push_rim(state& s) { rim_.row.push(s); }
+  [[gnu::noinline]] void push_inner(state& s) { inner_.row.push(s); }
+  [[gnu::noinline]] void relax_boundary_push(state& s) {
     pushes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
       pushes_[first] = boundary_[first].relax_push(s);
       if constexpr (comes_in_patches<Contact>)
         if (last - first > 1)
           by_themselves(s, first, last, [&](std::size_t i, bool again) {
-            const real d = again || i > first ? boundary_[i].relax_push(s) : pushes_[i];
+            const auto d = again || i > first ? boundary_[i].relax_push(s) : pushes_[i];
             pushes_[i] = again ? pushes_[i] + d : d;
             boundary_[i].push_a(s, d), boundary_[i].push_b(s, d);
           });
     });
   }
-  [[gnu::noinline]] void apply_boundary_push(solver_state& s) const {
+  [[gnu::noinline]] void apply_boundary_push(state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i)
       owns_a_[i] ? boundary_[i].push_a(s, pushes_[i]) : boundary_[i].push_b(s, pushes_[i]);
   }
@@ -283,23 +284,24 @@ class contact_list {
     for (const part* p : {&inner_, &rim_})
       for (std::size_t i = 0; i < p->row.size(); ++i) f(p->row[i]);
   }
-  static void sweep(part& p, solver_state& s, bool forward) {
+  static void sweep(part& p, state& s, bool forward) {
     forward ? p.row.forward(s) : p.row.backward(s);
   }
-  static real parts_of(const solver_state& s, std::int32_t body) {
-    return std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]);
+  static typename state::number parts_of(const state& s, std::int32_t body) {
+    return static_cast<typename state::number>(
+        std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]));
   }
   /// Sweeps f(contact, again) forward and backward through the contacts of one pair, which sees
   /// nothing else and is left as it was.
   template <class F>
-  void by_themselves(solver_state& s, std::size_t first, std::size_t last, F&& f) {
+  void by_themselves(state& s, std::size_t first, std::size_t last, F&& f) {
     const Contact& c = boundary_[first];
-    const split_pair alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
+    const split_pair<typename state::number> alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
     const std::size_t n = last - first;
     for (std::size_t k = 0; k < 2 * n - 1; ++k)
       k < n ? f(first + k, false) : f(first + 2 * n - 2 - k, true);
   }
-  void apply_own(solver_state& s, std::size_t i, const typename Contact::change& d) const {
+  void apply_own(state& s, std::size_t i, const typename Contact::change& d) const {
     if (owns_a_[i])
       boundary_[i].apply_to_a(s, d);
     else if constexpr (Contact::paired)
@@ -312,7 +314,7 @@ class contact_list {
   plain_vector<history_place*> boundary_places_;
   plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   plain_vector<typename Contact::change> changes_, before_;
-  plain_vector<real> pushes_;
+  plain_vector<decltype(Contact::pushed)> pushes_;
   plain_vector<std::pair<std::size_t, real>> stalled_;
 };
 

@@ -11,9 +11,8 @@ namespace talus::detail {
 
 /// Gauss-Seidel on the contacts' `push`; between ranks simultaneously, with divided masses, as the
 /// contacts have been weighed. `ranks` has shared corrections of zero.
-template <class Lists, class Ranks>
-void correct_overlaps(Lists& lists, solver_state& s, const solver_settings& settings,
-                      Ranks&& ranks) {
+template <class Lists, class State, class Ranks>
+void correct_overlaps(Lists& lists, State& s, const solver_settings& settings, Ranks&& ranks) {
   const auto each = [&](auto&& f) { each_of(lists, f); };
   constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
   for (int k = 0; k < settings.correction_iterations; ++k) {

@@ -32,13 +32,13 @@ struct nonlinear_gauss_seidel final {
   /// Solves the contact problem in `lists` (a tuple of contact lists). `ranks` refreshes the shadow
   /// copies: share_velocities_and_counts(), share_velocities() or its two halves start_velocities()
   /// and finish_velocities(), and likewise for corrections.
-  template <class Lists, class Ranks>
-  static detail::solved solve(Lists& lists, detail::solver_state& s,
-                              const solver_settings& settings, bool correct, Ranks&& ranks) {
+  template <class Lists, class State, class Ranks>
+  static detail::solved solve(Lists& lists, State& s, const solver_settings& settings, bool correct,
+                              Ranks&& ranks) {
     const auto each = [&](auto&& f) { detail::each_of(lists, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
-    detail::convergence<Lists, Ranks> watch(lists, s, settings, ranks);
+    detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
     each([&](auto& list) { list.weigh_interior(s); });
     if constexpr (!alone) ranks.look_for_shared_islands(lists);
     each([&](auto& list) { list.apply_remembered(s); });
@@ -49,14 +49,14 @@ struct nonlinear_gauss_seidel final {
       ranks.solve_shared_islands(lists);
     }
 
-    const bool looks = detail::stalled_islands::due(s);
+    const bool looks = detail::stalled_islands<State>::due(s);
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
       detail::relax_boundary<Ranks>(lists, s);
       const bool more = k + 1 < watch.limit();
       if (looks && k + 1 == settings.iterations) {
-        detail::stalled_islands().sweep_and_solve(detail::access_to(lists), s);
+        detail::stalled_islands<State>().sweep_and_solve(detail::access_to<State>(lists), s);
         if constexpr (!alone)
           if (more) ranks.share_velocities();
       } else {

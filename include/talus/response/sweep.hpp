@@ -3,13 +3,12 @@
 #include <type_traits>
 
 #include "talus/core/each.hpp"
-#include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
 
 /// Boundary contacts, simultaneously, from the velocities that both ranks hold alike.
-template <class Ranks, class Lists>
-void relax_boundary(Lists& lists, solver_state& s) {
+template <class Ranks, class Lists, class State>
+void relax_boundary(Lists& lists, State& s) {
   if constexpr (!std::remove_cvref_t<Ranks>::alone) {
     each_of(lists, [&](auto& list) { list.relax_boundary(s); });
     each_of(lists, [&](auto& list) { list.apply_boundary(s); });
@@ -18,8 +17,8 @@ void relax_boundary(Lists& lists, solver_state& s) {
 
 /// Interior contacts, one after the other. If there is `more` to come, the ranks have the
 /// velocities of each other's bodies afterwards: those travel as soon as the rim is swept.
-template <class Lists, class Ranks>
-void sweep_interior(Lists& lists, solver_state& s, bool forward, bool more, Ranks& ranks) {
+template <class Lists, class State, class Ranks>
+void sweep_interior(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
   constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
   if constexpr (!alone) {
     each_of(lists, [&](auto& list) { list.sweep_rim(s, forward); });

@@ -46,15 +46,16 @@ template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class contact_maker {
   using state_type = world_state<Scenario>;
   using law = typename state_type::law;
+  using number = solved_scalar<Scenario>;
   static constexpr bool paired = Partner == partner::moving;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
   template <class A, class B>
   static auto kind() {
     if constexpr (paired)
-      return moving_contact<law, A, B>{};
+      return moving_contact<law, A, B, number>{};
     else
-      return anchored_contact<law, A>{};
+      return anchored_contact<law, A, number>{};
   }
   using contact_type = decltype(kind<ShapeA, ShapeB>());
   using store_a = body_store<ShapeA, typename Scenario::features>;
@@ -206,14 +207,15 @@ class contact_maker {
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
         *x.material, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
         creep(x.radius), s_.settings.correction);
-    c.target = want.target;
-    c.push = want.push;
+    real target = want.target;
     if constexpr (state_type::continuous) {
-      const bool rebounds = c.target > 0;
-      c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
-      if constexpr (paired) c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
+      const bool rebounds = target > 0;
+      target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
+      if constexpr (paired) target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
     }
-    if constexpr (law::friction) c.friction = want.friction;
+    c.target = static_cast<decltype(c.target)>(target);
+    c.push = static_cast<decltype(c.push)>(want.push);
+    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
     const contact_key key{a_.id[i], b_.id[j], g.feature};
     if (x.foreign) return list_.add_foreign(c, key);
     x.made = true;
@@ -310,13 +312,16 @@ class contact_maker {
   }
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {
-    c.normal = g.normal;
     if constexpr (requires { c.r; }) {  // a general contact
+      c.normal = g.normal;
       c.arm_a = arm_a;
       c.arm_b = arm_b;
-    } else if constexpr (law::friction) {
-      c.arm_a = -g.normal.dot(arm_a);
-      c.arm_b = g.normal.dot(arm_b);
+    } else {
+      c.normal = in_scalar<number>(g.normal);
+      if constexpr (law::friction) {
+        c.arm_a = static_cast<number>(-g.normal.dot(arm_a));
+        c.arm_b = static_cast<number>(g.normal.dot(arm_b));
+      }
     }
   }
 

@@ -56,8 +56,11 @@ void world<Scenario>::write(detail::body_store<Shape, typename Scenario::feature
   store.flags[i] = fixed ? detail::flag_fixed : 0;
   store.inverse_mass[i] = 0;
   if constexpr (Shape::finite)
-    if (!fixed)
+    if (!fixed) {
       store.inverse_mass[i] = 1 / (state_.materials[b.material].density * b.shape.volume());
+      if constexpr (!std::is_same_v<typename Scenario::precision, double>)
+        detail::require_mass_for_float(1 / store.inverse_mass[i], Shape::name);
+    }
   if constexpr (store_type::oriented) store.orientation_of[i] = b.orientation.normalized();
   if constexpr (store_type::forced) {
     store.force[i] = vec3(0, 0, 0);
