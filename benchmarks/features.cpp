@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
     contenders all;
     enter<round>(all, s, "spheres with friction");
     enter<round, hard_contact<newton_restitution>>(all, s, "without friction");
+    enter<round, precision<mixed_precision>>(all, s, "contacts solved in float");
     enter<round, features<orientation>>(all, s, "orientation kept");
     enter<bodies<sphere, box, plane>>(all, s, "boxes named, none there");
     enter<round, features<energy_ledger>>(all, s, "energy ledger");

@@ -26,7 +26,7 @@ struct run_of_ranks {
   bench::scene scene;
   std::array<int, 3> cells{};
   int iterations = 0;
-  std::uint64_t settle = 0, measure = 0;
+  std::uint64_t settle = 0, longest = 0, measure = 0;
   std::string keep;
 };
 
@@ -104,7 +104,7 @@ void settle(talus::world<scenario>& world, const run_of_ranks& run) {
   for (std::uint64_t done = run.settle;; done += 120) {
     const auto balls = collect(world);
     std::array<double, 1> restless{0};
-    if (world.rank() == 0 && balls.size() > 64000 && done < 20 * run.settle)
+    if (world.rank() == 0 && balls.size() > 64000 && done < run.longest)
       restless[0] = bench::kinetic_energy(balls, s.density).median > still;
     world.link().reduce(talus::reduction::max, restless);
     if (restless[0] == 0) {
@@ -224,6 +224,7 @@ int main(int argc, char** argv) {
       run.cells[k] = static_cast<int>(args.count(std::string("cells-") + "xyz"[k], k == 2));
     run.iterations = static_cast<int>(args.count("iterations", 0));
     run.settle = args.count("settle", 720);
+    run.longest = args.count("longest", 20 * run.settle);
     run.measure = args.count("measure", 120);
     const auto start = args.text("from", "");
     run.keep = args.text("keep", "");

@@ -11,6 +11,7 @@ LOOKS = {
     "talus": ("talus", "#0072B2", "o"),
     "talus_jacobi": ("talus, accelerated Jacobi", "#56B4E9", "P"),
     "talus_small": ("talus, small steps", "#009E73", "X"),
+    "talus_mixed": ("talus, contacts solved in float", "#3A86C8", "d"),
     "talus_soft": ("talus, soft contacts", "#CC79A7", "v"),
     "bullet": ("Bullet, float", "#D55E00", "s"),
     "bullet64": ("Bullet, double", "#E69F00", "D"),

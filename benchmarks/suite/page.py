@@ -48,7 +48,7 @@ def pace(results):
 def write(results):
     os.makedirs(results.output, exist_ok=True)
     values = {"machine": machine(results), "pace": pace(results)}
-    for fill in (tables.pile, tables.growth_words, tables.scenes, tables.ranks, tables.features,
+    for fill in (tables.pile, tables.precision, tables.growth_words, tables.scenes, tables.ranks, tables.features,
                  tables.compile_cost, budget.write):
         fill(results, values)
     values["judgement"] = table(["what", "target", "measured", "met"], judgement.judge(results))

@@ -37,21 +37,35 @@ def pile(bench):
             bench.run("pile", rival, f"pile_{rival}", bodies=bodies, tags={"size": bodies}, **short)
 
 
+def precision(bench):
+    """Contacts solved in double and in float, in turns."""
+    bodies = 500 if bench.quick else 8000
+    short = {"settle": 60, "measure": 20} if bench.quick else {"settle": 720, "measure": 120}
+    for iterations in [1, 5, 20] if bench.quick else [1, 2, 5, 10, 20, 50]:
+        for numbers in ("double", "mixed"):
+            bench.run("precision", numbers, "pile", bodies=bodies, iterations=iterations,
+                      precision=numbers, tags={"asked": iterations, "size": bodies}, **short)
+
+
 def large_pile(bench):
-    """Each number of iterations settles for itself here too, as long as that is affordable: what a
-    tall pile overlaps by depends on the iterations that it was settled with. Half a million bodies
-    settle once, at least as long as they fall."""
+    """Each number of iterations settles for itself here too: what a tall pile overlaps by depends on
+    the iterations that it was settled with. Half a million bodies settle once, at least as long as
+    they fall."""
     few, many = (1000, 2000) if bench.quick else (64000, 512000)
-    state = bench.state(few)
-    for bodies, settings in ((few, ["3", "5", "10"]), (many, ["5,10"])):
-        for iterations in settings:
-            keep = {"keep": state} if bodies == few and iterations == "5" else {}
-            bench.run("pile", "talus", "pile", bodies=bodies, iterations=iterations,
-                      tags={"asked": iterations, "size": bodies, "when": "once"},
-                      settle=60 if bench.quick else 720 if bodies == few else 480, relax=10 if bench.quick else 30,
-                      measure=5 if bench.quick else 40 if bodies == few else 12, **keep)
-    if os.path.exists(state):
-        bench.settled_here.add(state)
+    settle, relax, measure = (60, 10, 5) if bench.quick else (720, 30, 40)
+    for iterations in (3, 5, 10):
+        keep = {"keep": bench.state(few)} if iterations == 5 else {}
+        bench.run("pile", "talus", "pile", bodies=few, iterations=iterations, settle=settle,
+                  relax=relax, measure=measure,
+                  tags={"asked": iterations, "size": few, "when": "once"}, **keep)
+    if os.path.exists(bench.state(few)):
+        bench.settled_here.add(bench.state(few))
+    if not (bench.keep and bench.results.rows("pile", size=many)):
+        start = bench.settled(many, settle=settle * 2 // 3, longest=settle)
+        bench.run("pile", "talus", "pile", bodies=many, iterations="5,10", settle=relax,
+                  relax=relax, measure=min(measure, 12),
+                  tags={"size": many, "when": "once"}, **{"from": start})
+        os.remove(start)
 
 
 def sizes(bench):
@@ -105,14 +119,16 @@ def ranks(bench):
         bench.run("ranks", "one", "ranks", tags=tags, **common)
         bench.run("ranks", "two processes", "ranks", processes=2, tags=tags, **two, **common)
         bench.run("ranks", "two threads", "ranks", tags=tags, ranks=2, **two, **common)
-    beds = {"columns_per_rank": 8 if bench.quick else 32,
-            "bodies_per_rank": 512 if bench.quick else 32000,
-            "settle": 10 if bench.quick else 240, "measure": steps["measure"]}
+    bed = {"columns_per_rank": 8 if bench.quick else 32,
+           "bodies_per_rank": 512 if bench.quick else 32000}
+    states = [bench.settle(os.path.join(bench.states, f"bed_{n}.bin"), f"a bed for {n} ranks",
+                           {**bed, "ranks": n, "cells_x": n, "cells_y": 1}) for n in (1, 2)]
     for turn in range(1 if bench.quick else 2):
         tags = {"turn": turn, "scaling": "weak"}
-        bench.run("ranks", "one", "ranks", tags=tags, **beds)
-        bench.run("ranks", "two processes", "ranks", processes=2, tags=tags, **two, **beds)
-    side_by_side(bench, beds)
+        bench.run("ranks", "one", "ranks", tags=tags, **bed, **steps, **{"from": states[0]})
+        bench.run("ranks", "two processes", "ranks", processes=2, tags=tags, **two, **bed, **steps,
+                  **{"from": states[1]})
+    side_by_side(bench, {**bed, **steps, "from": states[0]})
 
 
 def side_by_side(bench, beds):
@@ -157,7 +173,7 @@ def budget(bench):
 
 
 PARTS = {each.__name__: each for each in
-         (limits, pile, sizes, shapes, well, gas, ranks, threads, features, budget)}
+         (limits, pile, precision, sizes, shapes, well, gas, ranks, threads, features, budget)}
 # The tables that each part fills, where they are not called as the part is.
 TABLES = {"shapes": ["boxes", "pyramid", "grains"]}
 
@@ -165,6 +181,7 @@ TABLES = {"shapes": ["boxes", "pyramid", "grains"]}
 PROGRAMS = {
     "limits": ["limits"],
     "pile": ["pile", "pile_bullet", "pile_bullet64", "pile_ode", "judge"],
+    "precision": ["pile"],
     "sizes": ["pile"],
     "shapes": ["crates", "crates_bullet", "crates_bullet64", "crates_ode", "grains"],
     "well": ["well", "well_bullet"],

@@ -64,19 +64,23 @@ class Bench:
     def state(self, bodies):
         return os.path.join(self.states, f"pile_{bodies}.bin")
 
-    def settled(self, bodies):
+    def settled(self, bodies, **options):
         """A file with the settled PILE of so many bodies. Settling counts for nothing, so that it
         may use all cores: two ranks as threads."""
-        path = self.state(bodies)
+        return self.settle(self.state(bodies), f"a pile of {bodies:,}",
+                           {"ranks": 2, "cells_x": 2, "cells_y": 1, "bodies": bodies, **options})
+
+    def settle(self, path, what, options):
+        """Runs until what the options describe has settled, unless that has been done."""
         if path in self.settled_here or (self.keep and os.path.exists(path)):
             return path
-        self.results.say(f"settling a pile of {bodies:,}")
-        words = self.command("ranks", {
-            "ranks": 2, "cells_x": 2, "cells_y": 1, "bodies": bodies, "keep": path,
-            "iterations": SETTLING_ITERATIONS, "settle": 60 if self.quick else 720, "measure": 0})
-        said, complaint = output_of(words)
+        began = time.monotonic()
+        said, complaint = output_of(self.command("ranks", {
+            "keep": path, "iterations": SETTLING_ITERATIONS, "settle": 60 if self.quick else 720,
+            "measure": 0, **options}))
         if said is None:
-            raise RuntimeError(f"the pile of {bodies} cannot be settled: {complaint}")
+            raise RuntimeError(f"{what} cannot be settled: {complaint}")
+        self.results.say(f"settled {what}, {time.monotonic() - began:.1f} s")
         self.settled_here.add(path)
         return path
 

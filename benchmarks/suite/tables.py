@@ -35,8 +35,13 @@ def pile(results, values):
         curves_of_error[bodies] = [
             (r["label"], [(r["cpu_ms_per_step_median"], r["penetration_mean"],
                            r.get("iterations", ""))]) for r in rivals if r]
-        curves_of_error[bodies].insert(0, ("talus", [
-            (r["cpu_ms_per_step_median"], r["penetration_mean"], r["iterations"]) for r in own]))
+        mixed = results.rows("precision", label="mixed", size=bodies)
+        for look, rows in (("talus_mixed", mixed), ("talus", own)):
+            if look == "talus_mixed" and not rows:
+                continue
+            curves_of_error[bodies].insert(0, (look, [
+                (r["cpu_ms_per_step_median"], r["penetration_mean"], r["iterations"])
+                for r in rows]))
     values["pile"] = table(["bodies", "engine", "iterations", "ms per step",
                             "ns per contact and iteration", "microseconds per body", "mean overlap",
                             "largest", "bytes stored", "in use", "resident"], lines) \
@@ -48,6 +53,18 @@ def pile(results, values):
                                  curves_of_error[bodies])
     values["error plots"] = "\n\n".join(
         f"![cost against error](error_{bodies}.svg)" for bodies in shown)
+
+
+def precision(results, values):
+    rows = results.rows("precision")
+    values["precision"] = table(
+        ["solved in", "iterations", "ms per step", "mean overlap", "largest", "contact residual",
+         "bytes in use per body", "of which contacts"],
+        [["float" if r["label"] == "mixed" else "double", r["iterations"], ms(r),
+          number(r["penetration_mean"]), number(r["penetration_max"]),
+          number(r["contact_residual"]), f"{r['bytes_in_use_per_body']:.0f}",
+          f"{r['bytes_of_contacts_per_body']:.0f}"]
+         for r in sorted(rows, key=lambda r: (r["iterations"], r["label"]))]) if rows else MISSING
 
 
 def curve(results):

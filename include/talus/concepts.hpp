@@ -224,6 +224,12 @@ concept solver = detail::part_for<Method, roles::solver>;
 template <class Method>
 concept integrator = detail::part_for<Method, roles::integrator>;
 
+/// The part of precision<...>: double, or a type that names scalars.
+/// - `solved`: of velocities, and of contacts of round bodies, while contacts are solved
+template <class Numbers>
+concept precision = std::same_as<Numbers, double> ||
+    (detail::part_for<Numbers, roles::precision>&& requires { typename Numbers::solved; });
+
 /// A toggle of features<...>.
 template <class Feature>
 concept feature = detail::part_for<Feature, roles::features>;

@@ -1,9 +1,9 @@
-// expects: precision<...> takes double so far: write precision<double>
+// expects: precision<...> takes double or mixed_precision, and this type is neither
 #include "talus/world/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL
-using scene = scenario<precision<double>>;
+using scene = scenario<precision<mixed_precision>>;
 #else
 using scene = scenario<precision<float>>;
 #endif

@@ -1,4 +1,5 @@
-// expects: scenario<...> names soft_contact<...> and a feature that needs the impulses of hard contacts
+// expects: scenario<...> names soft_contact<...> and a feature that needs the impulses of hard
+// contacts
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

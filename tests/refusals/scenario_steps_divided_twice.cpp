@@ -1,4 +1,5 @@
-// expects: scenario<...> names solver<small_steps> and continuous_collision, but both divide the step
+// expects: scenario<...> names solver<small_steps> and continuous_collision, but both divide the
+// step
 #include "talus/response/small_steps.hpp"
 #include "talus/world/scenario.hpp"
 using namespace talus;

@@ -45,6 +45,8 @@ static_assert(!store_of<sphere, orientation>::tensor);
 static_assert(!absent<decltype(store_of<sphere, forces>::torque)>);
 static_assert(!absent<decltype(store_of<sphere, user_ids>::user_id)>);
 static_assert(store_of<box>::tensor && store_of<box>::oriented);
+static_assert(absent<decltype(ball_store::quiet)> &&
+              !absent<decltype(store_of<sphere, sleeping>::quiet)>);
 static_assert(absent<decltype(store_of<plane, orientation>::orientation_of)>);
 
 // One storage for each shape that is named, and one list for each kind of contact they make.
@@ -58,6 +60,9 @@ static_assert(
                               contact_list<round_contact<full_law, partner::immovable>>>>);
 static_assert(std::tuple_size_v<state_of<serial_world<full_law, sphere, plane>>::lists_type> == 2);
 static_assert(std::tuple_size_v<state_of<boxes>::lists_type> > 2);
+
+// Nobody sleeps, and nothing is kept for it.
+static_assert(std::is_empty_v<decltype(state_of<spheres>::sleep)> && !state_of<spheres>::sleeps);
 
 // The domain of a rank that is alone is all of space.
 static_assert(std::is_empty_v<state_of<spheres>::domain_type>);

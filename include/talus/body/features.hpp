@@ -38,6 +38,12 @@ struct continuous_collision final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "continuous_collision";
 };
+/// Islands of bodies that have been at rest for a while are left out of the steps until something
+/// touches them: world::sleeping, docs/architecture.md.
+struct sleeping final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "sleeping";
+};
 
 // Monitors: they watch every step, and change no trajectory by a bit.
 
@@ -83,7 +89,7 @@ template <class Feature>
 struct part_of_features {
   static_assert(is_feature<Feature>::value,
                 "features<...> takes orientation, forces, user_ids, visibility, damping, "
-                "continuous_collision and the monitors energy_ledger, momentum_balance, "
+                "continuous_collision, sleeping and the monitors energy_ledger, momentum_balance, "
                 "penetration_monitor and residual_monitor, and "
                 "this type is none of them: remove it");
 };

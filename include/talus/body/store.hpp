@@ -15,7 +15,12 @@
 
 namespace talus::detail {
 
-enum body_flag : std::uint8_t { flag_fixed = 1, flag_invisible = 2 };
+enum body_flag : std::uint8_t {
+  flag_fixed = 1,
+  flag_invisible = 2,
+  flag_asleep = 4,  ///< its island is left out of the steps
+  flag_stirred = 8  ///< of something immovable: the user put or changed it since the last step
+};
 
 /// Stands for a column that this scenario does not store.
 struct no_column {
@@ -55,6 +60,7 @@ struct body_store {
       Shape::finite && contains_type<Features, contact_forces>;
   static constexpr bool splits_forces =
       Shape::finite && contains_type<Features, split_contact_forces>;
+  static constexpr bool sleeps = Shape::finite && contains_type<Features, sleeping>;
   static constexpr bool numbered = contains_type<Features, user_ids>;
 
   plain_vector<system_id> id;
@@ -72,7 +78,8 @@ struct body_store {
   column<keeps_contact_forces, vec3> contact_torque;  ///< likewise, about the centre of mass
   column<splits_forces, split_forces> split;          ///< the sum of both, in parts
   column<numbered, std::uint32_t> user_id;
-  std::size_t locals = 0;  ///< bodies [0, locals) are owned here, the rest are shadow copies
+  column<sleeps, float> quiet;  ///< for how long the island has been at rest, units of time
+  std::size_t locals = 0;       ///< bodies [0, locals) are owned here, the rest are shadow copies
 
   [[nodiscard]] std::size_t size() const { return id.size(); }
 
@@ -86,6 +93,7 @@ struct body_store {
     if constexpr (keeps_contact_forces) f(contact_force), f(contact_torque);
     if constexpr (splits_forces) f(split);
     if constexpr (numbered) f(user_id);
+    if constexpr (sleeps) f(quiet);
   }
   template <class F>
   void each_column(F&& f) const {
@@ -104,6 +112,18 @@ struct body_store {
       f(contact_force, other.contact_force), f(contact_torque, other.contact_torque);
     if constexpr (splits_forces) f(split, other.split);
     if constexpr (numbered) f(user_id, other.user_id);
+    if constexpr (sleeps) f(quiet, other.quiet);
+  }
+
+  /// Likewise for what a step changes of a body.
+  template <class F>
+  void each_moving_column(F&& f) {
+    f(position), f(velocity), f(angular_velocity);
+    if constexpr (oriented) f(orientation_of);
+    if constexpr (forced) f(force), f(torque);
+    if constexpr (keeps_contact_forces) f(contact_force), f(contact_torque);
+    if constexpr (splits_forces) f(split);
+    if constexpr (sleeps) f(quiet);
   }
 
   [[nodiscard]] talus::pose pose(std::size_t i) const {
@@ -113,6 +133,14 @@ struct body_store {
       return {position[i], quat{1, 0, 0, 0}};
   }
   [[nodiscard]] bool fixed(std::size_t i) const { return flags[i] & flag_fixed; }
+  [[nodiscard]] bool asleep(std::size_t i) const {
+    if constexpr (sleeps)
+      return flags[i] & flag_asleep;
+    else
+      return (void)i, false;
+  }
+  /// Whether forces and contacts can move it in this step.
+  [[nodiscard]] bool moves(std::size_t i) const { return inverse_mass[i] != 0 && !asleep(i); }
 
   /// Bytes that one body takes in the columns.
   [[nodiscard]] static std::size_t bytes_per_body() {
@@ -125,6 +153,13 @@ struct body_store {
     each_column([&](auto& c) { c.resize(n); });
   }
   void drop_shadows() { resize(locals); }
+  /// The shadow copies, which are then no longer here.
+  [[nodiscard]] body_store take_shadows() {
+    body_store taken;
+    for (std::size_t i = locals; i < size(); ++i) taken.append_from(*this, i);
+    drop_shadows();
+    return taken;
+  }
 
   /// Makes room for one more local, after the others, and returns its index. The shadow copies
   /// keep their order.
@@ -144,9 +179,21 @@ struct body_store {
     });
     --locals;
   }
+  /// Local k becomes the one that was local order[k].
+  void permute_locals(const plain_vector<std::uint32_t>& order) {
+    each_column([&](auto& c) {
+      const auto before = c;
+      for (std::size_t k = 0; k < order.size(); ++k) c[k] = before[order[k]];
+    });
+  }
   /// Appends body `i` of another store.
   void append_from(const body_store& other, std::size_t i) {
     each_column_with(other, [&](auto& c, const auto& from) { c.push_back(from[i]); });
+  }
+
+  /// Appends bodies [first, last) of another store.
+  void append_from(const body_store& other, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) append_from(other, i);
   }
 
   void pack(std::size_t i, byte_writer& out) const {
@@ -157,6 +204,14 @@ struct body_store {
     each_column([&](auto& c) {
       c.push_back(in.get<typename std::remove_cvref_t<decltype(c)>::value_type>());
     });
+  }
+  /// The same with what a step changes, for a body that the receiver has.
+  void pack_motion(std::size_t i, byte_writer& out) {
+    each_moving_column([&](const auto& c) { out.put(c[i]); });
+  }
+  void unpack_motion(std::size_t i, byte_reader& in) {
+    each_moving_column(
+        [&](auto& c) { c[i] = in.get<typename std::remove_cvref_t<decltype(c)>::value_type>(); });
   }
 };
 

@@ -26,14 +26,12 @@ class history_of {
  public:
   using entry = kept_contact<Memory>;
 
-  void clear() {
-    entries_.clear();
-    indexed_ = false;
-  }
+  void clear() { reset(0); }
   /// Makes room for `n` contacts; call before adding.
   void reset(std::size_t n) {
     entries_.clear();
     entries_.reserve(n);
+    arrived_ = nothing;
     indexed_ = false;
   }
   void add(const contact_key& key, const Memory& memory) {
@@ -43,6 +41,25 @@ class history_of {
       index();
     else
       insert(entries_.size());
+  }
+  /// The same for a contact that another rank remembered, with one of its bodies now here. Where it
+  /// is remembered here already, that counts.
+  void add_arrived(const contact_key& key, const Memory& memory) {
+    arrived_ = std::min(arrived_, entries_.size());
+    add(key, memory);
+  }
+  /// Where to look for contacts of a pair that had none here and now has a body that arrived.
+  [[nodiscard]] history_place place_of_arrivals() const {
+    const std::size_t count = entries_.size() - std::min(arrived_, entries_.size());
+    return count == 0     ? history_place::none
+           : count <= few ? history_place::arrived
+                          : history_place::unknown;
+  }
+  /// Where contacts of a pair are that came from another rank, or none.
+  [[nodiscard]] history_place find_arrived(const contact_key& pair) const {
+    for (std::size_t i = arrived_; i < entries_.size(); ++i)
+      if (entries_[i].key.same_pair(pair)) return static_cast<history_place>(i);
+    return history_place::none;
   }
   /// Where the contact that is added next will be.
   [[nodiscard]] history_place next_place() const {
@@ -82,8 +99,10 @@ class history_of {
  private:
   void insert(std::size_t number) const {
     const auto mask = slots_.size() - 1;
-    auto s = entries_[number - 1].key.hash() & mask;
-    while (slots_[s] != 0) s = (s + 1) & mask;
+    const contact_key& key = entries_[number - 1].key;
+    auto s = key.hash() & mask;
+    for (; slots_[s] != 0; s = (s + 1) & mask)
+      if (number > arrived_ && entries_[slots_[s] - 1].key == key) return;
     slots_[s] = static_cast<std::uint32_t>(number);
   }
   void index() const {
@@ -96,7 +115,11 @@ class history_of {
     indexed_ = true;
   }
 
+  static constexpr std::size_t nothing = ~std::size_t{0};
+  static constexpr std::size_t few = 200;  ///< are looked through one by one
+
   plain_vector<entry> entries_;
+  std::size_t arrived_ = nothing;  ///< the first entry from another rank
   mutable bool indexed_ = false;
   mutable plain_vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
 };

@@ -4,7 +4,12 @@
 
 namespace talus::detail {
 
-/// Number of the first entry; or that the pair had no contact; or that it has to be looked up.
-enum class history_place : std::uint32_t { none = 0xffffffffu, unknown = 0xfffffffeu };
+/// Number of the first entry; or that the pair had no contact; or that it has to be looked up,
+/// among all or among those that came from another rank since the last step.
+enum class history_place : std::uint32_t {
+  none = 0xffffffffu,
+  unknown = 0xfffffffeu,
+  arrived = 0xfffffffdu
+};
 
 }  // namespace talus::detail

@@ -146,6 +146,15 @@ template <detail::small_transpose T, std::same_as<matrix3<typename T::Scalar>> M
 
 namespace detail {
 
+/// The vector in another scalar; itself where that is its own.
+template <class Real, small_vector V>
+[[nodiscard]] [[gnu::always_inline]] inline decltype(auto) in_scalar(const V& a) {
+  if constexpr (std::same_as<typename V::Scalar, Real>)
+    return (a);
+  else
+    return vector3<Real>{static_cast<Real>(a[0]), static_cast<Real>(a[1]), static_cast<Real>(a[2])};
+}
+
 /// The matrix with a_i b_j.
 template <small_vector V>
 [[nodiscard]] inline matrix3<typename V::Scalar> outer(const V& a, const V& b) {

@@ -34,7 +34,7 @@ template <class Scenario>
     const auto& r = w.state().monitors.energy;
     const detail::energy_sums now = detail::energy_of(w.state());
     const double energy = now.kinetic + now.potential, then = r.after.kinetic + r.after.potential;
-    std::array<double, 19> sums{now.kinetic,
+    std::array<double, 21> sums{now.kinetic,
                                 now.potential,
                                 r.started ? r.initial : energy,
                                 r.started ? r.changes + (energy - then) : 0,
@@ -52,15 +52,17 @@ template <class Scenario>
                                 r.total.damping,
                                 r.total.correction,
                                 r.total.scheme,
-                                0};
+                                0,
+                                r.step.sleep,
+                                r.total.sleep};
     if constexpr (Scenario::contact_law::soft) sums[18] = w.state().monitors.springs.stored;
     w.link().reduce(reduction::sum, sums);
     b.worst = r.worst;
     w.link().reduce(reduction::max, std::span(&b.worst, 1));
     b.kinetic = sums[0], b.potential = sums[1], b.initial = sums[2], b.changes = sums[3];
     b.closure = sums[4], b.scale = sums[5], b.elastic = sums[18];
-    b.step = {sums[6], sums[7], sums[8], sums[9], sums[10], sums[11]};
-    b.total = {sums[12], sums[13], sums[14], sums[15], sums[16], sums[17]};
+    b.step = {sums[6], sums[7], sums[8], sums[9], sums[10], sums[11], sums[19]};
+    b.total = {sums[12], sums[13], sums[14], sums[15], sums[16], sums[17], sums[20]};
   }
   return b;
 }

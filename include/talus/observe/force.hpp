@@ -14,7 +14,7 @@ namespace detail {
 /// Of hard contacts: their impulses over the length of the step.
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 force_of_impulses(world<Scenario>& w, handle<Shape> h) {
-  const auto& s = w.state();
+  auto& s = w.state();
   // The contacts of a body that moves are all known to its owner; others are counted by the owners
   // of the bodies that meet it. (More ranks may remember them.)
   detail::plain_vector<system_id> own;
@@ -28,13 +28,15 @@ template <class Scenario, class Shape>
   double fixed = found && found->is_fixed();
   w.link().reduce(reduction::max, std::span(&fixed, 1));
   vec3 impulse{0, 0, 0};
-  for (const detail::remembered_contact& c : s.history.entries()) {
-    if (c.key.a != h.id && c.key.b != h.id) continue;
+  const auto add = [&](const detail::remembered_contact& c) {
+    if (c.key.a != h.id && c.key.b != h.id) return;
     const bool first = c.key.a == h.id;
     const bool counts =
         fixed != 0 ? std::binary_search(own.begin(), own.end(), first ? c.key.b : c.key.a) : owned;
     if (counts) impulse += first ? c.memory : vec3(-c.memory);
-  }
+  };
+  for (const detail::remembered_contact& c : s.history.entries()) add(c);
+  if constexpr (detail::world_state<Scenario>::sleeps) detail::each_frozen_contact(s, add);
   std::array<double, 3> sum{impulse[0], impulse[1], impulse[2]};
   w.link().reduce(reduction::sum, sum);
   return s.dt > 0 ? vec3(vec3(sum[0], sum[1], sum[2]) / s.dt) : vec3(0, 0, 0);

@@ -32,6 +32,9 @@ template <class Scenario>
     of(s.solver.tensors);
     of(s.solver.boundary_contacts);
   }
+  if constexpr (requires { s.choice.bodies; })
+    for (const auto& bodies : s.choice.bodies) of(bodies);
+  if constexpr (Scenario::template has_feature<sleeping>) bytes += s.sleep.bytes();
   if constexpr (Scenario::template has_feature<energy_ledger>) of(s.monitors.energy.mean);
   return bytes + s.found.bytes() + s.history.bytes();
 }

@@ -73,6 +73,8 @@ template <class Scenario>
     add("energy_damping", energy, e.total.damping);
     add("energy_correction", energy, e.total.correction);
     add("energy_scheme", energy, e.total.scheme);
+    if constexpr (Scenario::template has_feature<sleeping>)
+      add("energy_sleep", energy, e.total.sleep);
     add("energy_error", "1", e.error());
     add("energy_error_worst", "1", e.worst);
     say("energy", e.error());

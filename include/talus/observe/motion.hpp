@@ -11,6 +11,7 @@ namespace talus {
 struct motion {
   std::uint64_t bodies = 0;
   std::uint64_t movable = 0;
+  std::uint64_t asleep = 0;     ///< of the movable ones; see world::sleeping
   double mass = 0;              ///< of the movable ones
   double kinetic_energy = 0;    ///< of translation and rotation
   double potential_energy = 0;  ///< -m g . x, with respect to the origin
@@ -23,7 +24,8 @@ struct motion {
 template <class Scenario>
 [[nodiscard, gnu::cold]] motion measure_motion(world<Scenario>& w) {
   w.require_all_ranks("measure_motion");
-  std::array<double, 11> sums{};
+  constexpr bool sleeps = Scenario::template has_feature<sleeping>;
+  std::array<double, sleeps ? 12 : 11> sums{};
   double fastest = 0;
   w.for_each_local([&](const auto& b) {
     sums[0] += 1;
@@ -37,6 +39,7 @@ template <class Scenario>
     const vec3 p = b.mass() * b.velocity();
     const vec3 l = b.position().cross(p) + spin_momentum;
     sums[1] += 1;
+    if constexpr (sleeps) sums[11] += b.is_asleep();
     sums[2] += b.mass();
     sums[3] += 0.5 * (p.dot(b.velocity()) + spin_momentum.dot(spin));
     sums[4] -= b.mass() * w.gravity().dot(b.position());
@@ -48,6 +51,7 @@ template <class Scenario>
   motion m;
   m.bodies = static_cast<std::uint64_t>(sums[0]);
   m.movable = static_cast<std::uint64_t>(sums[1]);
+  if constexpr (sleeps) m.asleep = static_cast<std::uint64_t>(sums[11]);
   m.mass = sums[2];
   m.kinetic_energy = sums[3];
   m.potential_energy = sums[4];

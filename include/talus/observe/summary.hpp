@@ -34,6 +34,7 @@ struct summary {
   double dt = 0;
   double critical_dt = 0;      ///< of soft contacts, at the end; 0: the contacts are hard
   std::uint64_t contacts = 0;  ///< considered in the last step
+  bool sleeping = false;       ///< whether islands may go to sleep
   motion moving;
   penetration overlap;
   contact_residual residual;  ///< of the last step
@@ -108,6 +109,7 @@ template <class Scenario>
   r.steps = w.steps();
   r.dt = s.dt;
   if constexpr (Scenario::contact_law::soft) r.critical_dt = critical_dt(w);
+  r.sleeping = Scenario::template has_feature<talus::sleeping>;
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);
   if constexpr (!Scenario::contact_law::soft) {
@@ -180,6 +182,7 @@ template <class Scenario>
   }
   o.add("bodies", r.moving.bodies);
   o.add("bodies_movable", r.moving.movable);
+  if (r.sleeping) o.add("bodies_asleep", r.moving.asleep);
   o.add("contacts", r.contacts);
   o.add("touching_contacts", r.overlap.touching);
   o.add("penetration_mean", r.overlap.mean);
@@ -252,6 +255,8 @@ template <class Scenario>
         "mean "
         "nothing; take a fifth of it or less\n",
         r.dt, text(r.critical_dt, 4));
+  const std::string asleep =
+      r.sleeping ? detail::compose(", {} of them asleep", r.moving.asleep) : std::string();
   const std::string solving =
       soft(r) ? detail::compose("           dt is {} of the critical time step {}\n",
                                 text(r.dt / r.critical_dt, 3), text(r.critical_dt, 3))
@@ -262,7 +267,7 @@ template <class Scenario>
                     text(r.solved.residual_worst, 2), tolerance, text(mean_iterations(r), 3),
                     r.solved.iterations_max);
   return detail::compose(
-      "{}: {} bodies ({} movable) on {} rank(s), {}, {} steps of {}\n"
+      "{}: {} bodies ({} movable{}) on {} rank(s), {}, {} steps of {}\n"
       "  speed    {} ms of processor per step, {} s in all; detect {} %, respond {} %, exchange {} "
       "%\n"
       "  error    overlap {} of the radius on average, {} at most; {} of {} contacts touch\n"
@@ -270,7 +275,7 @@ template <class Scenario>
       "  motion   kinetic energy {}, fastest {}, momentum {}\n"
       "  traffic  {} messages and {} bytes per step and rank at most, {} collectives per step\n"
       "  memory   {} bytes per body; state {}\n{}{}",
-      r.scenario, r.moving.bodies, r.moving.movable, r.ranks, r.transport, r.steps, r.dt,
+      r.scenario, r.moving.bodies, r.moving.movable, asleep, r.ranks, r.transport, r.steps, r.dt,
       text(1e3 * r.cpu_seconds / steps, 3), text(r.wall_seconds, 3), percent(r.seconds.detect),
       percent(r.seconds.respond), percent(r.seconds.exchange), text(r.overlap.mean, 2),
       text(r.overlap.max, 2), r.overlap.touching, r.contacts, solving,

@@ -9,19 +9,19 @@
 
 namespace talus::detail {
 
-/// Finds for each contact the first block that has room and none of its bodies. Blocks are open
-/// for a while only, so that they hold neighbours in the list, which are neighbours in space.
+/// Finds for each contact the first block of `Lanes` that has room and none of its bodies. Blocks
+/// are open for a while only, so that they hold neighbours in the list, which are neighbours in
+/// space.
+template <int Lanes>
 class block_planner {
  public:
-  static constexpr int lanes = 8;
-
   void clear() {
     std::fill(used_.begin(), used_.end(), use{});
     filled_.clear();
     first_ = 0;
     full_ = 0;
   }
-  /// Slot (block * lanes + lane) for a contact of a and b, -1 where b cannot move; or -1 if all
+  /// Slot (block * Lanes + lane) for a contact of a and b, -1 where b cannot move; or -1 if all
   /// open blocks hold one of its bodies.
   [[nodiscard]] std::int64_t place(std::int32_t a, std::int32_t b) {
     const auto highest = static_cast<std::size_t>(std::max(a, b));
@@ -35,13 +35,13 @@ class block_planner {
     const int lane = filled_[block]++;
     mark(a, at);
     if (b >= 0) mark(b, at);
-    if (lane + 1 == lanes) {
+    if (lane + 1 == Lanes) {
       full_ |= std::uint64_t{1} << at;
       const int done = std::countr_one(full_);
       first_ += static_cast<std::size_t>(done);
       full_ = done == open ? 0 : full_ >> done;
     }
-    return static_cast<std::int64_t>(block) * lanes + lane;
+    return static_cast<std::int64_t>(block) * Lanes + lane;
   }
   [[nodiscard]] std::size_t bytes() const {
     return used_.capacity() * sizeof(use) + filled_.capacity();

@@ -22,9 +22,12 @@ void each_patch(const plain_vector<contact_key>& keys, F&& f) {
 
 /// For as long as it lives, two bodies are by themselves and their masses divided into parts; then
 /// all is as it was before.
+template <class Real>
 class split_pair {
+  using state = solver_state_of<Real>;
+
  public:
-  split_pair(solver_state& s, std::int32_t a, std::int32_t b, real parts_a, real parts_b)
+  split_pair(state& s, std::int32_t a, std::int32_t b, real parts_a, real parts_b)
       : s_(s), sides_{save(a, parts_a), save(b, parts_b)} {}
   split_pair(const split_pair&) = delete;
   split_pair& operator=(const split_pair&) = delete;
@@ -41,17 +44,17 @@ class split_pair {
  private:
   struct side {
     std::size_t index;
-    solver_body body;
+    solver_body_of<Real> body;
     mat3 tensor;
-    body_shift shift;
+    body_shift_of<Real> shift;
     vec3 turn;
   };
   side save(std::int32_t i, real parts) {
     side x;
     x.index = static_cast<std::size_t>(i);
     x.body = s_.bodies[x.index];
-    s_.bodies[x.index].inverse_mass *= parts;
-    s_.bodies[x.index].inverse_inertia *= parts;
+    s_.bodies[x.index].inverse_mass *= static_cast<Real>(parts);
+    s_.bodies[x.index].inverse_inertia *= static_cast<Real>(parts);
     if (!s_.shift.empty()) x.shift = s_.shift[x.index];
     if (x.index >= s_.first_tensor) {
       mat3& tensor = s_.tensors[x.index - s_.first_tensor];
@@ -62,7 +65,7 @@ class split_pair {
     return x;
   }
 
-  solver_state& s_;
+  state& s_;
   side sides_[2];
 };
 

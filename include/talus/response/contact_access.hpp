@@ -22,6 +22,7 @@ struct contact_ends {
   std::int32_t a, b;
 };
 
+template <class State>
 class contact_access {
  public:
   template <class List>
@@ -42,12 +43,11 @@ class contact_access {
     calls_->set(list_, p, i, impulse);
   }
   /// The same for an interior contact, with the change applied to the bodies.
-  void set(std::size_t i, const vec3& impulse, solver_state& s) const {
+  void set(std::size_t i, const vec3& impulse, State& s) const {
     calls_->set_and_apply(list_, i, impulse, s);
   }
   /// A sweep that notes which interior contacts still change by more than `speed`: (index, change).
-  const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
-                                                                  real speed) const {
+  const plain_vector<std::pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
     return calls_->sweep_watched(list_, s, speed);
   }
 
@@ -58,8 +58,8 @@ class contact_access {
     const contact_key& (*key)(void*, contact_part, std::size_t);
     island_contact (*contact)(void*, contact_part, std::size_t);
     void (*set)(void*, contact_part, std::size_t, const vec3&);
-    void (*set_and_apply)(void*, std::size_t, const vec3&, solver_state&);
-    const plain_vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, solver_state&, real);
+    void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
+    const plain_vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
   };
   template <class List>
   static List& of(void* list) {
@@ -83,15 +83,14 @@ class contact_access {
       [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
         of<List>(l).edit(p, i, [&](auto& c) { c.warm(impulse); });
       },
-      [](void* l, std::size_t i, const vec3& impulse, solver_state& s) {
+      [](void* l, std::size_t i, const vec3& impulse, State& s) {
         of<List>(l).edit(contact_part::interior, i, [&](auto& c) {
           const auto before = c.whole();
           c.warm(impulse);
           c.apply(s, c.since(before));
         });
       },
-      [](void* l, solver_state& s,
-         real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
+      [](void* l, State& s, real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
         return of<List>(l).sweep_watched(s, speed);
       }};
 
@@ -100,10 +99,13 @@ class contact_access {
 };
 
 /// All lists of a tuple.
-template <class Lists>
-[[nodiscard]] plain_vector<contact_access> access_to(Lists& lists) {
+template <class State, class Lists>
+[[nodiscard]] plain_vector<contact_access<State>> access_to(Lists& lists) {
   return std::apply(
-      [](auto&... list) { return plain_vector<contact_access>{contact_access(list)...}; }, lists);
+      [](auto&... list) {
+        return plain_vector<contact_access<State>>{contact_access<State>(list)...};
+      },
+      lists);
 }
 
 }  // namespace talus::detail

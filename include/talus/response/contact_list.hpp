@@ -30,28 +30,46 @@ struct interior_contacts<Contact> {
   using type = typename Contact::blocks;
 };
 
+/// Interior contacts, with what finds the impulses that they had.
+template <class Contact>
+struct keyed_contacts {
+  typename interior_contacts<Contact>::type row;
+  plain_vector<contact_key> keys;
+  plain_vector<history_place*> places;
+
+  void clear() { row.clear(), keys.clear(), places.clear(); }
+  [[nodiscard]] std::size_t bytes() const {
+    return row.bytes() + keys.capacity() * sizeof(contact_key) +
+           places.capacity() * sizeof(history_place*);
+  }
+};
+
 /// Contacts between bodies that this rank can move by itself (interior), and contacts between a
 /// body owned here and a movable body owned elsewhere (boundary): each of those is computed alike
-/// on both ranks, from the same velocities, and moves only the body owned here. What runs over the
-/// list is compiled once for a kind of contact: inlined into solvers it would be many times.
+/// on both ranks, from the same velocities, and moves only the body owned here. Interior contacts
+/// of bodies that other ranks need to know (the rim) are apart from the others: when they have been
+/// swept, these velocities can travel while the others are. What runs over the list is compiled
+/// once for a kind of contact: inlined into solvers it would be many times.
 template <class Contact>
 class contact_list {
  public:
   using contact_type = Contact;
+  using state = typename Contact::state;
 
   void clear() {
-    interior_.clear(), boundary_.clear(), foreign_.clear();
-    interior_keys_.clear(), boundary_keys_.clear(), foreign_keys_.clear();
-    interior_places_.clear(), boundary_places_.clear();
+    inner_.clear(), rim_.clear(), boundary_.clear(), foreign_.clear();
+    boundary_keys_.clear(), foreign_keys_.clear();
+    boundary_places_.clear();
     owns_a_.clear();
   }
   /// `last` says where the history keeps the contacts of its pair; nobody knows if it is null. It
-  /// is kept up to date.
+  /// is kept up to date. `at_rim`: whether other ranks need to know one of the bodies.
   void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
-           history_place* last) {
-    interior_.add(contact, a_moves, b_moves);
-    interior_keys_.push_back(key);
-    interior_places_.push_back(last);
+           history_place* last, bool at_rim = false) {
+    auto& p = at_rim ? rim_ : inner_;
+    p.row.add(contact, a_moves, b_moves);
+    p.keys.push_back(key);
+    p.places.push_back(last);
   }
   void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
                     history_place* last) {
@@ -65,17 +83,17 @@ class contact_list {
     foreign_.push_back(contact);
     foreign_keys_.push_back(key);
   }
-  [[nodiscard]] std::size_t size() const { return interior_.size() + boundary_.size(); }
+  [[nodiscard]] std::size_t size() const { return interior() + boundary_.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    return interior_.bytes() + boundary_.capacity() * sizeof(Contact) +
-           (interior_keys_.capacity() + boundary_keys_.capacity()) * sizeof(contact_key) +
-           (interior_places_.capacity() + boundary_places_.capacity()) * sizeof(history_place*);
+    return inner_.bytes() + rim_.bytes() + boundary_.capacity() * sizeof(Contact) +
+           boundary_keys_.capacity() * sizeof(contact_key) +
+           boundary_places_.capacity() * sizeof(history_place*);
   }
 
   /// Calls f(contact, counts_here): a boundary contact counts on the rank that owns its body a.
   template <class F>
   void each(F&& f) const {
-    for (std::size_t i = 0; i < interior_.size(); ++i) f(interior_[i], true);
+    each_interior([&](const auto& c) { f(c, true); });
     for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
   }
 
@@ -83,74 +101,82 @@ class contact_list {
   /// ranks each contact acts on each body once.
   template <class F>
   void each_acting(F&& f) const {
-    for (std::size_t i = 0; i < interior_.size(); ++i) f(interior_[i], true, true);
+    each_interior([&](const auto& c) { f(c, true, true); });
     for (std::size_t i = 0; i < boundary_.size(); ++i)
       f(boundary_[i], bool(owns_a_[i]), !owns_a_[i]);
   }
 
   /// Takes up the impulses of the last step.
   [[gnu::noinline]] void recall(const contact_history& history) {
-    interior_.recall(history, interior_keys_, interior_places_);
+    for (part* p : {&inner_, &rim_}) p->row.recall(history, p->keys, p->places);
     detail::recall(history, boundary_keys_, boundary_places_, boundary_);
   }
   [[gnu::noinline]] void remember(contact_history& history) const {
-    detail::remember(history, interior_keys_, interior_places_, interior_);
+    for (const part* p : {&inner_, &rim_}) detail::remember(history, p->keys, p->places, p->row);
     detail::remember(history, boundary_keys_, boundary_places_, boundary_);
   }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
-  [[gnu::noinline]] void count_boundary(solver_state& s) const {
+  [[gnu::noinline]] void count_boundary(state& s) const {
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t) {
       ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
     });
   }
-  [[gnu::noinline]] void weigh_interior(const solver_state& s) { interior_.weigh(s); }
-  [[gnu::noinline]] void weigh_boundary(const solver_state& s) {
+  [[gnu::noinline]] void weigh_interior(const state& s) {
+    for (part* p : {&inner_, &rim_}) p->row.weigh(s);
+  }
+  [[gnu::noinline]] void weigh_boundary(const state& s) {
     for (Contact& c : boundary_) c.weigh(s, parts_of(s, c.a), parts_of(s, c.b));
   }
-  [[gnu::noinline]] void apply_remembered(solver_state& s) const {
-    interior_.apply(s);
+  [[gnu::noinline]] void apply_remembered(state& s) const {
+    for (const part* p : {&inner_, &rim_}) p->row.apply(s);
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
   }
 
-  [[gnu::noinline]] void sweep_forward(solver_state& s) { interior_.forward(s); }
-  [[gnu::noinline]] void sweep_backward(solver_state& s) { interior_.backward(s); }
+  /// Sweeps over the interior contacts. The rim comes first in either direction.
+  [[gnu::noinline]] void sweep_rim(state& s, bool forward) { sweep(rim_, s, forward); }
+  [[gnu::noinline]] void sweep_inner(state& s, bool forward) { sweep(inner_, s, forward); }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(solver_state& s,
+  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(state& s,
                                                                                     real speed) {
     stalled_.clear();
-    interior_.backward_watched(s, speed, [&](std::size_t i, real change) {
-      stalled_.push_back({i, change});
-    });
+    const auto watch = [&](auto& row, std::size_t first) {
+      row.backward_watched(s, speed, [&](std::size_t i, real change) {
+        stalled_.push_back({first + i, change});
+      });
+    };
+    if (rim_.row.size() > 0) watch(rim_.row, inner_.row.size());
+    watch(inner_.row, 0);
     return stalled_;
   }
 
   [[nodiscard]] std::size_t size(contact_part p) const {
-    return p == contact_part::interior   ? interior_.size()
+    return p == contact_part::interior   ? interior()
            : p == contact_part::boundary ? boundary_.size()
                                          : foreign_.size();
   }
   [[nodiscard]] Contact contact(contact_part p, std::size_t i) const {
-    return p == contact_part::interior   ? interior_[i]
+    return p == contact_part::interior   ? interior(i)
            : p == contact_part::boundary ? boundary_[i]
                                          : foreign_[i];
   }
   template <class F>
   void edit(contact_part p, std::size_t i, F&& f) {
     if (p == contact_part::interior)
-      interior_.edit(i, f);
+      edit_interior(i, f);
     else
       f((p == contact_part::boundary ? boundary_ : foreign_)[i]);
   }
   [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
-    return (p == contact_part::interior   ? interior_keys_
-            : p == contact_part::boundary ? boundary_keys_
-                                          : foreign_keys_)[i];
+    if (p != contact_part::interior)
+      return (p == contact_part::boundary ? boundary_keys_ : foreign_keys_)[i];
+    const std::size_t inner = inner_.keys.size();
+    return i < inner ? inner_.keys[i] : rim_.keys[i - inner];
   }
   /// Solves all boundary contacts from one and the same state, those of a pair together; the
   /// changes are applied later.
-  [[gnu::noinline]] void relax_boundary(solver_state& s) {
+  [[gnu::noinline]] void relax_boundary(state& s) {
     changes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
       changes_[first] = boundary_[first].relax(s);
@@ -163,7 +189,7 @@ class contact_list {
           });
     });
   }
-  [[gnu::noinline]] void apply_boundary(solver_state& s) const {
+  [[gnu::noinline]] void apply_boundary(state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
   }
 
@@ -173,19 +199,19 @@ class contact_list {
   template <class F>
   void each_numbered(F&& f) {
     std::size_t i = 0;
-    for (; i < interior_.size(); ++i) interior_.edit(i, [&](Contact& c) { f(c, i); });
+    for (; i < interior(); ++i) edit_interior(i, [&](Contact& c) { f(c, i); });
     for (Contact& c : boundary_) f(c, i++);
   }
   // For those that treat all contacts simultaneously.
 
-  void count_all(solver_state& s) const {
+  void count_all(state& s) const {
     each_acting([&](const Contact& c, bool on_a, bool on_b) {
       if (on_a) ++s.boundary_contacts[c.a];
       if constexpr (Contact::paired)
         if (on_b) ++s.boundary_contacts[c.b];
     });
   }
-  [[gnu::noinline]] void weigh_all(const solver_state& s) {
+  [[gnu::noinline]] void weigh_all(const state& s) {
     const auto weigh = [&](Contact& c) {
       real parts_of_b = 1;
       if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
@@ -199,7 +225,7 @@ class contact_list {
   }
   /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
   /// has changed by since the last time, unless that leads back; the changes are applied later.
-  [[gnu::noinline]] void relax_ahead(const solver_state& s, real part) {
+  [[gnu::noinline]] void relax_ahead(const state& s, real part) {
     changes_.resize(size());
     each_numbered([&](Contact& c, std::size_t i) {
       auto& before = before_[i];
@@ -214,59 +240,81 @@ class contact_list {
       change = change + more;
     });
   }
-  [[gnu::noinline]] void apply_all(solver_state& s) const {
-    for (std::size_t i = 0; i < interior_.size(); ++i) interior_[i].apply(s, changes_[i]);
-    for (std::size_t i = 0; i < boundary_.size(); ++i)
-      apply_own(s, i, changes_[interior_.size() + i]);
+  [[gnu::noinline]] void apply_all(state& s) const {
+    const std::size_t first = interior();
+    for (std::size_t i = 0; i < first; ++i) interior(i).apply(s, changes_[i]);
+    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[first + i]);
   }
 
-  [[gnu::noinline]] void sweep_push(solver_state& s) { interior_.push(s); }
-  [[gnu::noinline]] void relax_boundary_push(solver_state& s) {
+  [[gnu::noinline]] void push_rim(state& s) { rim_.row.push(s); }
+  [[gnu::noinline]] void push_inner(state& s) { inner_.row.push(s); }
+  [[gnu::noinline]] void relax_boundary_push(state& s) {
     pushes_.resize(boundary_.size());
     each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
       pushes_[first] = boundary_[first].relax_push(s);
       if constexpr (comes_in_patches<Contact>)
         if (last - first > 1)
           by_themselves(s, first, last, [&](std::size_t i, bool again) {
-            const real d = again || i > first ? boundary_[i].relax_push(s) : pushes_[i];
+            const auto d = again || i > first ? boundary_[i].relax_push(s) : pushes_[i];
             pushes_[i] = again ? pushes_[i] + d : d;
             boundary_[i].push_a(s, d), boundary_[i].push_b(s, d);
           });
     });
   }
-  [[gnu::noinline]] void apply_boundary_push(solver_state& s) const {
+  [[gnu::noinline]] void apply_boundary_push(state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i)
       owns_a_[i] ? boundary_[i].push_a(s, pushes_[i]) : boundary_[i].push_b(s, pushes_[i]);
   }
 
  private:
-  static real parts_of(const solver_state& s, std::int32_t body) {
-    return std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]);
+  using part = keyed_contacts<Contact>;
+
+  [[nodiscard]] std::size_t interior() const { return inner_.row.size() + rim_.row.size(); }
+  [[nodiscard]] Contact interior(std::size_t i) const {
+    const std::size_t inner = inner_.row.size();
+    return i < inner ? inner_.row[i] : rim_.row[i - inner];
+  }
+  template <class F>
+  void edit_interior(std::size_t i, F&& f) {
+    const std::size_t inner = inner_.row.size();
+    i < inner ? inner_.row.edit(i, f) : rim_.row.edit(i - inner, f);
+  }
+  template <class F>
+  void each_interior(F&& f) const {
+    for (const part* p : {&inner_, &rim_})
+      for (std::size_t i = 0; i < p->row.size(); ++i) f(p->row[i]);
+  }
+  static void sweep(part& p, state& s, bool forward) {
+    forward ? p.row.forward(s) : p.row.backward(s);
+  }
+  static typename state::number parts_of(const state& s, std::int32_t body) {
+    return static_cast<typename state::number>(
+        std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]));
   }
   /// Sweeps f(contact, again) forward and backward through the contacts of one pair, which sees
   /// nothing else and is left as it was.
   template <class F>
-  void by_themselves(solver_state& s, std::size_t first, std::size_t last, F&& f) {
+  void by_themselves(state& s, std::size_t first, std::size_t last, F&& f) {
     const Contact& c = boundary_[first];
-    const split_pair alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
+    const split_pair<typename state::number> alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
     const std::size_t n = last - first;
     for (std::size_t k = 0; k < 2 * n - 1; ++k)
       k < n ? f(first + k, false) : f(first + 2 * n - 2 - k, true);
   }
-  void apply_own(solver_state& s, std::size_t i, const typename Contact::change& d) const {
+  void apply_own(state& s, std::size_t i, const typename Contact::change& d) const {
     if (owns_a_[i])
       boundary_[i].apply_to_a(s, d);
     else if constexpr (Contact::paired)
       boundary_[i].apply_to_b(s, d);
   }
 
-  typename interior_contacts<Contact>::type interior_;
+  part inner_, rim_;
   plain_vector<Contact> boundary_, foreign_;
-  plain_vector<contact_key> interior_keys_, boundary_keys_, foreign_keys_;
-  plain_vector<history_place*> interior_places_, boundary_places_;
+  plain_vector<contact_key> boundary_keys_, foreign_keys_;
+  plain_vector<history_place*> boundary_places_;
   plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   plain_vector<typename Contact::change> changes_, before_;
-  plain_vector<real> pushes_;
+  plain_vector<decltype(Contact::pushed)> pushes_;
   plain_vector<std::pair<std::size_t, real>> stalled_;
 };
 

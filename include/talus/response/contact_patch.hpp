@@ -61,18 +61,19 @@ struct contact_patch {
 };
 
 /// Changes the velocities of two bodies by an impulse on a, with its moment about the centre of a.
-template <bool Paired>
-void give_pair(solver_state& s, std::int32_t of_a, std::int32_t of_b, const vec3& offset,
+template <bool Paired, class State>
+void give_pair(State& s, std::int32_t of_a, std::int32_t of_b, const vec3& offset,
                const vec3& impulse, const vec3& moment) {
   const auto i = static_cast<std::size_t>(of_a);
-  solver_body& a = s.bodies[i];
-  a.v += a.inverse_mass * impulse;
-  a.w += seen_in(s.tensor(i), moment);
+  using number = typename State::number;
+  auto& a = s.bodies[i];
+  a.v += in_scalar<number>(vec3(a.inverse_mass * impulse));
+  a.w += in_scalar<number>(seen_in(s.tensor(i), moment));
   if constexpr (Paired) {
     const auto j = static_cast<std::size_t>(of_b);
-    solver_body& b = s.bodies[j];
-    b.v -= b.inverse_mass * impulse;
-    b.w -= seen_in(s.tensor(j), moment + crossed(offset, impulse));
+    auto& b = s.bodies[j];
+    b.v -= in_scalar<number>(vec3(b.inverse_mass * impulse));
+    b.w -= in_scalar<number>(seen_in(s.tensor(j), moment + crossed(offset, impulse)));
   }
 }
 
@@ -80,13 +81,14 @@ void give_pair(solver_state& s, std::int32_t of_a, std::int32_t of_b, const vec3
 template <bool Paired>
 class patch_motion {
  public:
-  patch_motion(const contact_patch& p, const solver_state& s) : p_(p) {
-    const solver_body& a = s.bodies[static_cast<std::size_t>(p.a)];
-    vec3 v = a.v, w = a.w;
+  template <class State>
+  patch_motion(const contact_patch& p, const State& s) : p_(p) {
+    const auto& a = s.bodies[static_cast<std::size_t>(p.a)];
+    vec3 v = v_of(a), w = w_of(a);
     if constexpr (Paired) {
-      const solver_body& b = s.bodies[static_cast<std::size_t>(p.b)];
-      v -= b.v + crossed(b.w, p.offset);
-      w -= b.w;
+      const auto& b = s.bodies[static_cast<std::size_t>(p.b)];
+      v -= v_of(b) + crossed(w_of(b), p.offset);
+      w -= w_of(b);
     }
     v = seen_in(p.frame, v), w = seen_in(p.frame, w);
     motion_ = twist{v[0], v[1], v[2], w[0], w[1], w[2]};
@@ -105,11 +107,13 @@ class patch_motion {
     total_ += twist{r[0], r[1], r[2], x, y, z};
   }
   /// Gives the bodies the impulses that acted.
-  void apply(solver_state& s) const {
+  template <class State>
+  void apply(State& s) const {
     give(p_, s, {total_[0], total_[1], total_[2]}, {total_[3], total_[4], total_[5]});
   }
   /// The impulse `r`, with the moment `m` about the centre of a, both in the frame of the patch.
-  static void give(const contact_patch& p, solver_state& s, const vec3& r, const vec3& m) {
+  template <class State>
+  static void give(const contact_patch& p, State& s, const vec3& r, const vec3& m) {
     give_pair<Paired>(s, p.a, p.b, p.offset, seen_from(p.frame, r), seen_from(p.frame, m));
   }
 
@@ -123,13 +127,14 @@ class patch_motion {
 template <bool Paired>
 class patch_shift {
  public:
-  patch_shift(const contact_patch& p, const solver_state& s) : p_(p) {
+  template <class State>
+  patch_shift(const contact_patch& p, const State& s) : p_(p) {
     const auto a = static_cast<std::size_t>(p.a);
-    vec3 v = s.shift[a].v, w = s.turn[a - s.first_tensor].w;
+    vec3 v = in_scalar<real>(s.shift[a].v), w = s.turn[a - s.first_tensor].w;
     if constexpr (Paired) {
       const auto b = static_cast<std::size_t>(p.b);
       const vec3& turn = s.turn[b - s.first_tensor].w;
-      v -= s.shift[b].v + crossed(turn, p.offset);
+      v -= in_scalar<real>(s.shift[b].v) + crossed(turn, p.offset);
       w -= turn;
     }
     const mat3& f = p.frame;
@@ -146,19 +151,21 @@ class patch_shift {
     z_ += m[0][5] * d + m[4][5] * y + m[5][5] * z;
     total_ += d, moment_y_ += y, moment_z_ += z;
   }
-  void apply(solver_state& s) const {
+  template <class State>
+  void apply(State& s) const {
     if (total_ == 0 && moment_y_ == 0 && moment_z_ == 0) return;
+    using number = typename State::number;
     const mat3& f = p_.frame;
     const vec3 impulse{total_ * f(0, 0), total_ * f(0, 1), total_ * f(0, 2)};
     const vec3 moment{moment_y_ * f(1, 0) + moment_z_ * f(2, 0),
                       moment_y_ * f(1, 1) + moment_z_ * f(2, 1),
                       moment_y_ * f(1, 2) + moment_z_ * f(2, 2)};
     const auto a = static_cast<std::size_t>(p_.a);
-    s.shift[a].v += s.bodies[a].inverse_mass * impulse;
+    s.shift[a].v += in_scalar<number>(vec3(s.bodies[a].inverse_mass * impulse));
     s.turn[a - s.first_tensor].w += seen_in(s.tensor(a), moment);
     if constexpr (Paired) {
       const auto b = static_cast<std::size_t>(p_.b);
-      s.shift[b].v -= s.bodies[b].inverse_mass * impulse;
+      s.shift[b].v -= in_scalar<number>(vec3(s.bodies[b].inverse_mass * impulse));
       s.turn[b - s.first_tensor].w -= seen_in(s.tensor(b), moment + crossed(p_.offset, impulse));
     }
   }
@@ -181,8 +188,8 @@ struct turned_tensor {
 };
 
 /// Fills in what the bodies of a patch do to each other.
-template <bool Paired>
-void weigh_patch(contact_patch& p, const solver_state& s) {
+template <bool Paired, class State>
+void weigh_patch(contact_patch& p, const State& s) {
   const auto a = static_cast<std::size_t>(p.a);
   real mass = s.bodies[a].inverse_mass;
   turned_tensor turning(p.frame, s.tensor(a));

@@ -11,6 +11,8 @@ namespace talus::detail {
 template <class Contact>
 class contact_row {
  public:
+  using state = typename Contact::state;
+
   void clear() { contacts_.clear(); }
   /// Which of its bodies can move matters to blocks only.
   void add(const Contact& c, bool, bool) { contacts_.push_back(c); }
@@ -27,21 +29,21 @@ class contact_row {
               const plain_vector<history_place*>& places) {
     detail::recall(history, keys, places, contacts_);
   }
-  void weigh(const solver_state& s) {
+  void weigh(const state& s) {
     for (Contact& c : contacts_) c.weigh(s, 1, 1);
   }
-  void apply(solver_state& s) const {
+  void apply(state& s) const {
     for (const Contact& c : contacts_) c.apply(s, c.whole());
   }
-  void forward(solver_state& s) {
+  void forward(state& s) {
     in_streams([&](Contact& c) { c.apply(s, c.relax(s)); });
   }
-  void backward(solver_state& s) {
+  void backward(state& s) {
     in_streams_backward([&](Contact& c) { c.apply(s, c.relax(s)); });
   }
   /// As backward; note(number, change of velocity) for those that change by more than `speed`.
   template <class Note>
-  void backward_watched(solver_state& s, real speed, Note&& note) {
+  void backward_watched(state& s, real speed, Note&& note) {
     in_streams_backward([&](Contact& c) {
       const auto d = c.relax(s);
       c.apply(s, d);
@@ -49,9 +51,9 @@ class contact_row {
       if (change > speed) note(static_cast<std::size_t>(&c - contacts_.data()), change);
     });
   }
-  void push(solver_state& s) {
+  void push(state& s) {
     in_streams([&](Contact& c) {
-      const real d = c.relax_push(s);
+      const auto d = c.relax_push(s);
       if (d != 0) c.push_a(s, d), c.push_b(s, d);
     });
   }

@@ -17,8 +17,8 @@ template <class Contact>
     p.normal = c.r[0] * c.normal;
     if constexpr (Contact::rows == 3) p.tangential = c.axes().transpose() * vec3(0, c.r[1], c.r[2]);
   } else {
-    p.normal = c.rn * c.normal;
-    if constexpr (requires { c.rt; }) p.tangential = c.rt;
+    p.normal = c.rn * c.axis();
+    if constexpr (requires { c.rt; }) p.tangential = in_scalar<real>(c.rt);
   }
   return p;
 }
@@ -30,7 +30,7 @@ template <class Contact>
   if constexpr (requires { c.r; })
     return v + w.cross(c.arm_a);
   else if constexpr (requires { c.rt; })
-    return v + c.arm_a * c.normal.cross(w);
+    return v + c.arm_a * c.axis().cross(w);
   else
     return v;
 }
@@ -40,7 +40,7 @@ template <class Contact>
   if constexpr (requires { c.r; })
     return v + w.cross(c.arm_b);
   else if constexpr (requires { c.rt; })
-    return v - c.arm_b * c.normal.cross(w);
+    return v - c.arm_b * c.axis().cross(w);
   else
     return v;
 }

@@ -23,22 +23,21 @@ struct solved {
 /// iteration; all but the last of them run beside an iteration. Checks grow rarer with the
 /// iterations (every eighth of their number), which keeps their cost below that of the iterations.
 ///
-///   convergence<Lists, Ranks> watch(lists, state, settings, ranks);   // before any impulse acts
-///   int k = 0;
-///   for (; k < watch.limit(); ++k) {
+///   convergence<Lists, Ranks, State> watch(lists, state, settings, ranks);   // before any impulse
+///   acts int k = 0; for (; k < watch.limit(); ++k) {
 ///     ...                           // all ranks hold the velocities after k iterations
 ///     if (watch.reached(k)) break;
 ///     ...                           // iterate
 ///     watch.hear();
 ///   }
-template <class Lists, class Ranks>
+template <class Lists, class Ranks, class State = solver_state>
 class convergence {
   static constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
  public:
   /// Checks are at least `apart` iterations from each other.
-  convergence(const Lists& lists, const solver_state& s, const solver_settings& settings,
-              Ranks& ranks, int apart = 1)
+  convergence(const Lists& lists, const State& s, const solver_settings& settings, Ranks& ranks,
+              int apart = 1)
       : lists_(lists),
         s_(s),
         settings_(settings),
@@ -111,7 +110,7 @@ class convergence {
   }
 
   const Lists& lists_;
-  const solver_state& s_;
+  const State& s_;
   const solver_settings& settings_;
   Ranks& ranks_;
   int apart_;

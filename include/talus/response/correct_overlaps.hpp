@@ -11,17 +11,21 @@ namespace talus::detail {
 
 /// Gauss-Seidel on the contacts' `push`; between ranks simultaneously, with divided masses, as the
 /// contacts have been weighed. `ranks` has shared corrections of zero.
-template <class Lists, class Ranks>
-void correct_overlaps(Lists& lists, solver_state& s, const solver_settings& settings,
-                      Ranks&& ranks) {
+template <class Lists, class State, class Ranks>
+void correct_overlaps(Lists& lists, State& s, const solver_settings& settings, Ranks&& ranks) {
   const auto each = [&](auto&& f) { each_of(lists, f); };
+  constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
   for (int k = 0; k < settings.correction_iterations; ++k) {
-    if constexpr (!std::remove_cvref_t<Ranks>::alone) {
-      if (k > 0) ranks.share_corrections();
+    const bool last = k + 1 == settings.correction_iterations;
+    if constexpr (!alone) {
       each([&](auto& list) { list.relax_boundary_push(s); });
       each([&](auto& list) { list.apply_boundary_push(s); });
+      each([&](auto& list) { list.push_rim(s); });
+      if (!last) ranks.start_corrections();
     }
-    each([&](auto& list) { list.sweep_push(s); });
+    each([&](auto& list) { list.push_inner(s); });
+    if constexpr (!alone)
+      if (!last) ranks.finish_corrections();
   }
 }
 

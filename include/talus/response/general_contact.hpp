@@ -29,13 +29,15 @@ struct general_block<false> {
 /// The general contact: Delassus block in the frame (normal, tangent, tangent), solved exactly for
 /// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a
 /// relative to b, impulses act on a.
-template <class Law, contact_side A, contact_side B>
+template <class Law, contact_side A, contact_side B, class Real = real>
 struct general_contact : general_block<Law::friction> {
+  using state = solver_state_of<Real>;  ///< velocities are Reals, all else is real
   static constexpr bool paired = B != contact_side::immovable;
   static constexpr bool patches = true;  ///< a pair of bodies has several such contacts
-  /// Where one of the bodies is round, a pair has one contact.
-  static constexpr bool swept_in_patches =
-      Law::friction && A == contact_side::tensor && B != contact_side::scalar;
+  /// Where one of the bodies is round, a pair has one contact. (With velocities in fewer digits
+  /// contacts are solved one by one.)
+  static constexpr bool swept_in_patches = Law::friction && A == contact_side::tensor &&
+                                           B != contact_side::scalar && std::is_same_v<Real, real>;
   static constexpr int rows = Law::friction ? 3 : 1;
   /// One by one in the order of the list: stacks converge much faster when the impulses travel
   /// along them, and the local solution costs more than waiting.
@@ -54,7 +56,7 @@ struct general_contact : general_block<Law::friction> {
   std::int32_t a = 0;
   std::int32_t b = -1;
 
-  void weigh(const solver_state& s, real split_a, real split_b) {
+  void weigh(const state& s, real split_a, real split_b) {
     mat3 w = mobility<A>(s, a, arm_a, split_a);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, split_b);
     if constexpr (Law::friction) {
@@ -121,14 +123,14 @@ struct general_contact : general_block<Law::friction> {
   [[nodiscard]] const vec3& axis() const { return normal; }
   [[nodiscard]] real mu() const { return Law::friction ? friction : 0; }
   /// Of a against b at the point of contact; without friction its normal part alone.
-  [[nodiscard]] vec3 relative_velocity(const solver_state& s) const {
-    vec3 u = s.bodies[a].v + s.bodies[a].w.cross(arm_a);
-    if constexpr (paired) u -= s.bodies[b].v + s.bodies[b].w.cross(arm_b);
+  [[nodiscard]] vec3 relative_velocity(const state& s) const {
+    vec3 u = v_of(s.bodies[a]) + w_of(s.bodies[a]).cross(arm_a);
+    if constexpr (paired) u -= v_of(s.bodies[b]) + w_of(s.bodies[b]).cross(arm_b);
     if constexpr (!Law::friction) u = axis().dot(u) * axis();
     return u;
   }
   /// Sum of the diagonal of the Delassus block, with undivided masses.
-  [[nodiscard]] real mobility_trace(const solver_state& s) const {
+  [[nodiscard]] real mobility_trace(const state& s) const {
     mat3 w = mobility<A>(s, a, arm_a, 1);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, 1);
     if constexpr (Law::friction)
@@ -137,9 +139,9 @@ struct general_contact : general_block<Law::friction> {
       return axis().dot(w * axis());
   }
 
-  change relax(const solver_state& s) {
-    vec3 u = s.bodies[a].v + s.bodies[a].w.cross(arm_a);
-    if constexpr (paired) u -= s.bodies[b].v + s.bodies[b].w.cross(arm_b);
+  change relax(const state& s) {
+    vec3 u = v_of(s.bodies[a]) + w_of(s.bodies[a]).cross(arm_a);
+    if constexpr (paired) u -= v_of(s.bodies[b]) + w_of(s.bodies[b]).cross(arm_b);
     const change before = r;
     if constexpr (Law::friction) {
       u = seen(u);
@@ -150,22 +152,22 @@ struct general_contact : general_block<Law::friction> {
     }
     return r - before;
   }
-  void apply(solver_state& s, const change& d) const {
+  void apply(state& s, const change& d) const {
     apply_to_a(s, d);
     if constexpr (paired) apply_to_b(s, d);
   }
-  void apply_to_a(solver_state& s, const change& d) const {
+  void apply_to_a(state& s, const change& d) const {
     const vec3 p = unseen(d);
-    s.bodies[a].v += s.bodies[a].inverse_mass * p;
-    s.bodies[a].w += turn<A>(s, a, arm_a.cross(p));
+    s.bodies[a].v += in_scalar<Real>(vec3(s.bodies[a].inverse_mass * p));
+    s.bodies[a].w += in_scalar<Real>(turn<A>(s, a, arm_a.cross(p)));
   }
-  void apply_to_b(solver_state& s, const change& d) const {
+  void apply_to_b(state& s, const change& d) const {
     const vec3 p = unseen(d);
-    s.bodies[b].v -= s.bodies[b].inverse_mass * p;
-    s.bodies[b].w -= turn<B>(s, b, arm_b.cross(p));
+    s.bodies[b].v -= in_scalar<Real>(vec3(s.bodies[b].inverse_mass * p));
+    s.bodies[b].w -= in_scalar<Real>(turn<B>(s, b, arm_b.cross(p)));
   }
 
-  real relax_push(const solver_state& s) {
+  real relax_push(const state& s) {
     const vec3 n = axis();
     real rate = n.dot(shift_at<A>(s, a, arm_a));
     if constexpr (paired) rate -= n.dot(shift_at<B>(s, b, arm_b));
@@ -179,8 +181,8 @@ struct general_contact : general_block<Law::friction> {
     pushed = target == 0 && r[0] > 0 ? next : std::max(real{0}, next);
     return pushed - before;
   }
-  void push_a(solver_state& s, real d) const { push_one<A>(s, a, arm_a, d); }
-  void push_b(solver_state& s, real d) const {
+  void push_a(state& s, real d) const { push_one<A>(s, a, arm_a, d); }
+  void push_b(state& s, real d) const {
     if constexpr (paired) push_one<B>(s, b, arm_b, -d);
   }
 
@@ -213,7 +215,7 @@ struct general_contact : general_block<Law::friction> {
       return 1 / this->delassus;
   }
   template <contact_side Side>
-  static vec3 turn(const solver_state& s, std::int32_t i, const vec3& moment) {
+  static vec3 turn(const state& s, std::int32_t i, const vec3& moment) {
     if constexpr (Side == contact_side::tensor)
       return s.tensor(i) * moment;
     else
@@ -221,28 +223,28 @@ struct general_contact : general_block<Law::friction> {
   }
   /// What the correction moves the contact point by; a round body need not turn for it.
   template <contact_side Side>
-  static vec3 shift_at(const solver_state& s, std::int32_t i, const vec3& arm) {
-    vec3 rate = s.shift[i].v;
+  static vec3 shift_at(const state& s, std::int32_t i, const vec3& arm) {
+    vec3 rate = in_scalar<real>(s.shift[i].v);
     if constexpr (Side == contact_side::tensor) rate += s.turn[i - s.first_tensor].w.cross(arm);
     return rate;
   }
   template <contact_side Side>
-  void push_one(solver_state& s, std::int32_t i, const vec3& arm, real d) const {
+  void push_one(state& s, std::int32_t i, const vec3& arm, real d) const {
     const vec3 p = d * axis();
-    s.shift[i].v += s.bodies[i].inverse_mass * p;
+    s.shift[i].v += in_scalar<Real>(vec3(s.bodies[i].inverse_mass * p));
     if constexpr (Side == contact_side::tensor)
       s.turn[i - s.first_tensor].w += s.tensor(i) * arm.cross(p);
   }
   /// Velocity of the contact point of one body for a unit impulse there.
   template <contact_side Side>
-  static mat3 mobility(const solver_state& s, std::int32_t i, const vec3& arm, real split) {
+  static mat3 mobility(const state& s, std::int32_t i, const vec3& arm, real split) {
     const mat3 x = cross_matrix(arm);
     mat3 turning;
     if constexpr (Side == contact_side::tensor)
       turning = x * s.tensor(i) * x;
     else
       turning = s.bodies[i].inverse_inertia * (x * x);
-    return split * (diagonal_matrix(s.bodies[i].inverse_mass) - turning);
+    return split * (diagonal_matrix<real>(s.bodies[i].inverse_mass) - turning);
   }
 };
 

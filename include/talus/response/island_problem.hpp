@@ -86,8 +86,9 @@ class contact_order {
 
 /// Assembles the problem of these contacts at the velocities of `s`, which contain their impulses;
 /// `r` becomes those in the axes of the contacts.
-[[nodiscard]] inline assembled_problem assemble_island(const plain_vector<island_contact>& contacts,
-                                                       const solver_state& s, contact_vector& r) {
+template <class State>
+[[nodiscard]] assembled_problem assemble_island(const plain_vector<island_contact>& contacts,
+                                                const State& s, contact_vector& r) {
   struct end {
     std::int32_t body;
     std::int32_t contact;
@@ -106,8 +107,8 @@ class contact_order {
     const auto side = [&](std::int32_t body, const vec3& arm, real sign) {
       if (body < 0) return;
       const mat3 turning = -sign * (c.axes * cross_matrix(arm));
-      const solver_body& moving = s.bodies[static_cast<std::size_t>(body)];
-      u += sign * (c.axes * moving.v) + turning * moving.w;
+      const auto& moving = s.bodies[static_cast<std::size_t>(body)];
+      u += sign * (c.axes * v_of(moving)) + turning * w_of(moving);
       if (moving.inverse_mass != 0)
         ends.push_back({body, static_cast<std::int32_t>(i), turning, sign});
     };
@@ -125,8 +126,9 @@ class contact_order {
     while (last < order.size() && order[last].first == order[first].first) ++last;
     const auto body = static_cast<std::size_t>(order[first].first);
     const real inverse_mass = s.bodies[body].inverse_mass;
-    const mat3 inertia =
-        body >= s.first_tensor ? s.tensor(body) : diagonal_matrix(s.bodies[body].inverse_inertia);
+    const mat3 inertia = body >= s.first_tensor
+                             ? s.tensor(body)
+                             : diagonal_matrix<real>(s.bodies[body].inverse_inertia);
     for (std::size_t i = first; i < last; ++i)
       for (std::size_t j = first; j < last; ++j) {
         const end &x = ends[order[i].second], &y = ends[order[j].second];

@@ -11,6 +11,7 @@
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
 #include "talus/response/stalled_islands.hpp"
+#include "talus/response/sweep.hpp"
 
 namespace talus {
 
@@ -19,8 +20,9 @@ namespace talus {
 /// Between ranks, momentum is conserved thus: boundary contacts are solved simultaneously, from the
 /// velocities that both ranks hold alike, with the mass of each body split among its boundary pairs
 /// so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012);
-/// then each rank sweeps its interior contacts. What the sweeps get nowhere with, such as a heavy
-/// body on light ones, is solved by Newton's method after the last of them (see
+/// then each rank sweeps its interior contacts, those of bodies that other ranks need to know
+/// first: their velocities travel while the others are swept. What the sweeps get nowhere with,
+/// such as a heavy body on light ones, is solved by Newton's method after the last of them (see
 /// response/stalled_islands.hpp).
 struct nonlinear_gauss_seidel final {
   using talus_part_of = roles::solver;
@@ -28,14 +30,15 @@ struct nonlinear_gauss_seidel final {
   static constexpr bool solves_shared_islands = true;
 
   /// Solves the contact problem in `lists` (a tuple of contact lists). `ranks` refreshes the shadow
-  /// copies: share_velocities_and_counts(), share_velocities(), share_corrections().
-  template <class Lists, class Ranks>
-  static detail::solved solve(Lists& lists, detail::solver_state& s,
-                              const solver_settings& settings, bool correct, Ranks&& ranks) {
+  /// copies: share_velocities_and_counts(), share_velocities() or its two halves start_velocities()
+  /// and finish_velocities(), and likewise for corrections.
+  template <class Lists, class State, class Ranks>
+  static detail::solved solve(Lists& lists, State& s, const solver_settings& settings, bool correct,
+                              Ranks&& ranks) {
     const auto each = [&](auto&& f) { detail::each_of(lists, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
-    detail::convergence<Lists, Ranks> watch(lists, s, settings, ranks);
+    detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
     each([&](auto& list) { list.weigh_interior(s); });
     if constexpr (!alone) ranks.look_for_shared_islands(lists);
     each([&](auto& list) { list.apply_remembered(s); });
@@ -46,22 +49,19 @@ struct nonlinear_gauss_seidel final {
       ranks.solve_shared_islands(lists);
     }
 
-    const bool looks = detail::stalled_islands::due(s);
+    const bool looks = detail::stalled_islands<State>::due(s);
     int k = 0;
     for (; k < watch.limit(); ++k) {
-      if constexpr (!alone)
-        if (k > 0) ranks.share_velocities();
       if (watch.reached(k)) break;
-      if constexpr (!alone) {
-        each([&](auto& list) { list.relax_boundary(s); });
-        each([&](auto& list) { list.apply_boundary(s); });
+      detail::relax_boundary<Ranks>(lists, s);
+      const bool more = k + 1 < watch.limit();
+      if (looks && k + 1 == settings.iterations) {
+        detail::stalled_islands<State>().sweep_and_solve(detail::access_to<State>(lists), s);
+        if constexpr (!alone)
+          if (more) ranks.share_velocities();
+      } else {
+        detail::sweep_interior(lists, s, k % 2 == 0, more, ranks);
       }
-      if (looks && k + 1 == settings.iterations)
-        detail::stalled_islands().sweep_and_solve(detail::access_to(lists), s);
-      else if (k % 2 == 0)
-        each([&](auto& list) { list.sweep_forward(s); });
-      else
-        each([&](auto& list) { list.sweep_backward(s); });
       watch.hear();
     }
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });

@@ -11,20 +11,22 @@ namespace talus::detail {
 template <swept_in_patches Contact>
 class patched_row : public contact_row<Contact> {
  public:
+  using typename contact_row<Contact>::state;
+
   [[nodiscard]] std::size_t bytes() const {
     return contact_row<Contact>::bytes() + patches_.bytes();
   }
-  void weigh(const solver_state& s) { patches_.weigh(this->contacts_, s); }
-  void apply(solver_state& s) const { patches_.apply_all(this->contacts_, s); }
-  void forward(solver_state& s) { patches_.sweep_forward(this->contacts_, s); }
-  void backward(solver_state& s) { patches_.sweep_backward(this->contacts_, s); }
+  void weigh(const state& s) { patches_.weigh(this->contacts_, s); }
+  void apply(state& s) const { patches_.apply_all(this->contacts_, s); }
+  void forward(state& s) { patches_.sweep_forward(this->contacts_, s); }
+  void backward(state& s) { patches_.sweep_backward(this->contacts_, s); }
   template <class Note>
-  void backward_watched(solver_state& s, real speed, Note&& note) {
+  void backward_watched(state& s, real speed, Note&& note) {
     patches_.sweep_watched(this->contacts_, s, [&](std::size_t i, real change) {
       if (change > speed) note(i, change);
     });
   }
-  void push(solver_state& s) { patches_.sweep_push(this->contacts_, s); }
+  void push(state& s) { patches_.sweep_push(this->contacts_, s); }
 
  private:
   contact_patches<Contact> patches_;

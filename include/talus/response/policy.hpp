@@ -46,15 +46,4 @@ struct integrator final {
   static std::string describe() { return detail::describe_list<Method>("integrator"); }
 };
 
-/// Policy: the scalar in which contacts are solved. Default, and so far the only one:
-/// precision<double>.
-template <class Real>
-struct precision final {
-  static_assert(std::is_same_v<Real, double>,
-                "precision<...> takes double so far: write precision<double>");
-  using talus_role = roles::precision;
-  using type = double;
-  static std::string describe() { return detail::describe_list<Real>("precision"); }
-};
-
 }  // namespace talus

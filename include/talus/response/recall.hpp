@@ -28,8 +28,10 @@ class kept_pair {
  public:
   kept_pair(const contact_history& history, const contact_key& key, const history_place* place)
       : history_(history), key_(key), searched_(place == nullptr) {
-    if (searched_ || *place == history_place::none) return;
-    row_ = history.row(*place, key);
+    if (searched_) return;
+    const auto at = *place == history_place::arrived ? history.find_arrived(key) : *place;
+    if (at == history_place::none) return;
+    row_ = history.row(at, key);
     searched_ = row_.empty();
   }
   [[nodiscard]] const vec3* find(const contact_key& key) const {

@@ -14,7 +14,7 @@ namespace talus::detail {
 
 /// Whether contacts of this kind obey Coulomb's law, so that a residual is defined for them.
 template <class Contact>
-concept has_residual = requires(const Contact& c, const solver_state& s) {
+concept has_residual = requires(const Contact& c, const typename Contact::state& s) {
   c.relative_velocity(s);
   c.mobility_trace(s);
 };
@@ -33,7 +33,7 @@ void each_counted(const Lists& lists, F&& f) {
 
 /// The relative velocity, less the one that gap and restitution ask for.
 template <class Contact>
-[[nodiscard]] vec3 violation(const Contact& c, const solver_state& s) {
+[[nodiscard]] vec3 violation(const Contact& c, const typename Contact::state& s) {
   return c.relative_velocity(s) - c.target * c.axis();
 }
 
@@ -42,7 +42,7 @@ struct residual_scale {
   std::array<double, 3> sums{};  ///< the diagonal of the Delassus operator, its rows, |q|^2
 
   template <class Contact>
-  void add(const Contact& c, const solver_state& s, const vec3& q) {
+  void add(const Contact& c, const typename Contact::state& s, const vec3& q) {
     sums[0] += c.mobility_trace(s);
     sums[1] += Contact::rows;
     sums[2] += q.squaredNorm();
@@ -57,7 +57,7 @@ struct residual_sums {
   double largest = 0;            ///< of the squares of the natural maps
 
   template <class Contact>
-  void add(const Contact& c, const solver_state& s, double rho) {
+  void add(const Contact& c, const typename Contact::state& s, double rho) {
     const vec3 r = c.impulse(), u = violation(c, s);
     const double square = natural_map(r, u, c.axis(), c.mu(), rho).squaredNorm();
     sums[0] += square;
@@ -85,30 +85,30 @@ struct residual_sums {
 
 /// Adds what each contact of a list adds that obeys Coulomb's law and counts on this rank.
 template <class List>
-[[gnu::noinline]] void add_to(residual_scale& scale, const List& list, const solver_state& s) {
+[[gnu::noinline]] void add_to(residual_scale& scale, const List& list,
+                              const typename List::contact_type::state& s) {
   if constexpr (has_residual<typename List::contact_type>)
     list.each([&](const auto& c, bool counts_here) {
       if (counts_here) scale.add(c, s, violation(c, s));
     });
 }
 template <class List>
-[[gnu::noinline]] void add_to(residual_sums& sums, const List& list, const solver_state& s,
-                              double rho) {
+[[gnu::noinline]] void add_to(residual_sums& sums, const List& list,
+                              const typename List::contact_type::state& s, double rho) {
   if constexpr (has_residual<typename List::contact_type>)
     list.each([&](const auto& c, bool counts_here) {
       if (counts_here) sums.add(c, s, rho);
     });
 }
 /// The same for a tuple of lists.
-template <class... Lists>
-[[nodiscard]] residual_scale scale_of(const std::tuple<Lists...>& lists, const solver_state& s) {
+template <class... Lists, class State>
+[[nodiscard]] residual_scale scale_of(const std::tuple<Lists...>& lists, const State& s) {
   residual_scale scale;
   each_of(lists, [&](const auto& list) { add_to(scale, list, s); });
   return scale;
 }
-template <class... Lists>
-[[nodiscard]] residual_sums sums_of(const std::tuple<Lists...>& lists, const solver_state& s,
-                                    double rho) {
+template <class... Lists, class State>
+[[nodiscard]] residual_sums sums_of(const std::tuple<Lists...>& lists, const State& s, double rho) {
   residual_sums sums;
   each_of(lists, [&](const auto& list) { add_to(sums, list, s, rho); });
   return sums;

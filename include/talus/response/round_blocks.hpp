@@ -1,6 +1,6 @@
 #pragma once
-// Interior contacts of round bodies in blocks of eight that share no body that can move, so that
-// eight are solved at once.
+// Interior contacts of round bodies in blocks that share no body that can move, so that the
+// contacts of a block are solved at once: eight in double, sixteen in float.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,45 +8,54 @@
 #include <span>
 
 #include "talus/core/math.hpp"
-#include "talus/core/octet.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/wide.hpp"
 #include "talus/response/block_planner.hpp"
 #include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
 
-// As with octets: all functions that are given one are inlined.
+// As with quads: all functions that are given one are inlined.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-template <bool Friction>
+template <bool Friction, class Wide>
 struct round_block_friction {
-  octet tx, ty, tz, inverse_wt, arm_a, arm_b, friction;
+  Wide tx, ty, tz, inverse_wt, arm_a, arm_b, friction;
 };
-template <>
-struct round_block_friction<false> {};
+template <class Wide>
+struct round_block_friction<false, Wide> {};
 
-/// Eight contacts. Lanes that are not filled repeat the bodies of the first and do nothing, since
-/// their normals are zero.
+/// The contacts of a block. Lanes that are not filled repeat the bodies of the first and do
+/// nothing, since their normals are zero.
 template <class Contact>
-struct round_block : round_block_friction<(Contact::rows > 1)> {
-  octet nx, ny, nz, inverse_wn, target, rn;
-  std::int32_t a[8], b[8];
+struct round_block : round_block_friction<(Contact::rows > 1), wide<typename Contact::number>> {
+  static constexpr int lanes = lanes_in<typename Contact::number>;
+
+  wide<typename Contact::number> nx, ny, nz, inverse_wn, target, rn;
+  std::int32_t a[lanes], b[lanes];
 };
 
 /// What the correction of overlaps needs besides: apart, since sweeps of the response are as fast
 /// as the memory that they read.
+template <class Wide>
 struct round_block_push {
-  octet push, pushed;
+  Wide push, pushed;
 };
 
 /// What contact_row is for other contacts.
 template <class Contact>
 class round_blocks {
+  using number = typename Contact::number;
+  using state = typename Contact::state;
+  using wide = detail::wide<number>;
+  using rows = wide_rows<number>;
+  using vector = vector3<number>;
+  using push_of_block = round_block_push<wide>;
   static constexpr bool paired = Contact::paired;
   static constexpr bool friction = Contact::rows > 1;
-  static constexpr int lanes = block_planner::lanes;
+  static constexpr int lanes = lanes_in<number>;
   using block = round_block<Contact>;
 
  public:
@@ -75,7 +84,7 @@ class round_blocks {
   }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    return blocks_.capacity() * sizeof(block) + pushes_.capacity() * sizeof(round_block_push) +
+    return blocks_.capacity() * sizeof(block) + pushes_.capacity() * sizeof(push_of_block) +
            lone_.capacity() * sizeof(Contact) +
            (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
   }
@@ -89,9 +98,9 @@ class round_blocks {
     if (slot & lone) return lone_[slot & ~lone].impulse();
     const block& x = blocks_[slot / lanes];
     const std::size_t l = slot % lanes;
-    vec3 p{x.rn[l] * x.nx[l], x.rn[l] * x.ny[l], x.rn[l] * x.nz[l]};
-    if constexpr (friction) p += vec3(x.tx[l], x.ty[l], x.tz[l]);
-    return p;
+    vector p{x.rn[l] * x.nx[l], x.rn[l] * x.ny[l], x.rn[l] * x.nz[l]};
+    if constexpr (friction) p += vector(x.tx[l], x.ty[l], x.tz[l]);
+    return in_scalar<real>(p);
   }
   template <class F>
   void edit(std::size_t i, F&& f) {
@@ -105,40 +114,41 @@ class round_blocks {
   void recall(const contact_history& history, const plain_vector<contact_key>& keys,
               const plain_vector<history_place*>& places) {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-      const vec3* kept = kept_pair(history, keys[i], places[i]).find(keys[i]);
-      if (kept == nullptr) continue;
+      const vec3* found = kept_pair(history, keys[i], places[i]).find(keys[i]);
+      if (found == nullptr) continue;
       const std::uint32_t slot = slots_[i];
       if (slot & lone) {
-        lone_[slot & ~lone].warm(*kept);
+        lone_[slot & ~lone].warm(*found);
         continue;
       }
       block& x = blocks_[slot / lanes];
       const std::size_t l = slot % lanes;
+      const vector& kept = in_scalar<number>(*found);
       if constexpr (friction)
-        x.tx[l] = (*kept)[0], x.ty[l] = (*kept)[1], x.tz[l] = (*kept)[2];
+        x.tx[l] = kept[0], x.ty[l] = kept[1], x.tz[l] = kept[2];
       else
-        x.rn[l] = kept->dot(vec3(x.nx[l], x.ny[l], x.nz[l]));
+        x.rn[l] = kept.dot(vector(x.nx[l], x.ny[l], x.nz[l]));
     }
     for (block& x : used()) warm(x);
   }
-  void weigh(const solver_state& s) {
+  void weigh(const state& s) {
     for (block& x : used()) weigh(x, s);
     for (Contact& c : lone_) c.weigh(s, 1, 1);
   }
-  void apply(solver_state& s) const {
+  void apply(state& s) const {
     for (const block& x : used()) apply(x, s);
     for (const Contact& c : lone_) c.apply(s, c.whole());
   }
-  void forward(solver_state& s) {
+  void forward(state& s) {
     for (block& x : used()) relax(x, s);
     for (Contact& c : lone_) c.apply(s, c.relax(s));
   }
-  void backward(solver_state& s) {
+  void backward(state& s) {
     for (std::size_t k = lone_.size(); k-- > 0;) lone_[k].apply(s, lone_[k].relax(s));
     for (std::size_t k = used_; k-- > 0;) relax(blocks_[k], s);
   }
   template <class Note>
-  void backward_watched(solver_state& s, real speed, Note&& note) {
+  void backward_watched(state& s, real speed, Note&& note) {
     const std::size_t places = used_ * lanes;
     number_.assign(places + lone_.size(), 0);
     for (std::size_t i = 0; i < slots_.size(); ++i)
@@ -151,15 +161,15 @@ class round_blocks {
         note(number_[places + k], change);
     }
     for (std::size_t k = used_; k-- > 0;) {
-      const octet change = relax(blocks_[k], s);
+      const wide change = relax(blocks_[k], s);
       for (std::size_t l = lanes; l-- > 0;)
         if (change[l] > speed * speed) note(number_[k * lanes + l], std::sqrt(change[l]));
     }
   }
-  void push(solver_state& s) {
+  void push(state& s) {
     for (std::size_t k = 0; k < used_; ++k) relax_push(blocks_[k], pushes_[k], s);
     for (Contact& c : lone_)
-      if (const real d = c.relax_push(s); d != 0) c.push_a(s, d), c.push_b(s, d);
+      if (const number d = c.relax_push(s); d != 0) c.push_a(s, d), c.push_b(s, d);
   }
 
  private:
@@ -170,10 +180,10 @@ class round_blocks {
 
   void make_empty(std::size_t at, const Contact& first) {
     block& x = blocks_[at];
-    x.nx = x.ny = x.nz = x.inverse_wn = x.target = x.rn = eight(0);
-    pushes_[at].push = pushes_[at].pushed = eight(0);
+    x.nx = x.ny = x.nz = x.inverse_wn = x.target = x.rn = every_lane(number(0));
+    pushes_[at].push = pushes_[at].pushed = every_lane(number(0));
     if constexpr (friction)
-      x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = eight(0);
+      x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = every_lane(number(0));
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
@@ -214,33 +224,33 @@ class round_blocks {
   }
 
   // Velocities of a lane's bodies, each followed by its inverse mass or inertia.
-  static auto v(solver_state& s, const std::int32_t (&of)[8]) {
-    return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].v; };
+  static auto v(state& s, const std::int32_t (&of)[lanes]) {
+    return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].v; };
   }
-  static auto w(solver_state& s, const std::int32_t (&of)[8]) {
-    return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
+  static auto w(state& s, const std::int32_t (&of)[lanes]) {
+    return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
   }
 
   // The same as round_contact::warm; the impulse is where the tangential one will be.
   static void warm(block& x) {
     if constexpr (friction) {
-      const octet n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
-      x.rn = larger(n, eight(0));
+      const wide n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
+      x.rn = larger(n, every_lane(number(0)));
       x.tx -= n * x.nx, x.ty -= n * x.ny, x.tz -= n * x.nz;
-      const octet limit = x.friction * x.rn;
-      const octet length = square_root(x.tx * x.tx + x.ty * x.ty + x.tz * x.tz);
-      const octet part = limit / larger(larger(length, limit), eight(Contact::tiny));
+      const wide limit = x.friction * x.rn;
+      const wide length = square_root(x.tx * x.tx + x.ty * x.ty + x.tz * x.tz);
+      const wide part = limit / larger(larger(length, limit), every_lane(Contact::tiny));
       x.tx *= part, x.ty *= part, x.tz *= part;
     } else {
-      x.rn = larger(x.rn, eight(0));
+      x.rn = larger(x.rn, every_lane(number(0)));
     }
   }
   // The same as round_contact::weigh, with undivided masses.
-  static void weigh(block& x, const solver_state& s) {
-    const auto body = [&](std::int32_t i) -> const solver_body& {
+  static void weigh(block& x, const state& s) {
+    const auto body = [&](std::int32_t i) -> const solver_body_of<number>& {
       return s.bodies[static_cast<std::size_t>(i)];
     };
-    octet wn, spin_a, spin_b;
+    wide wn, spin_a, spin_b;
     for (int l = 0; l < lanes; ++l) {
       wn[l] = body(x.a[l]).inverse_mass;
       spin_a[l] = body(x.a[l]).inverse_inertia;
@@ -251,82 +261,81 @@ class round_blocks {
     }
     x.inverse_wn = 1 / wn;
     if constexpr (friction) {
-      octet wt = wn + x.arm_a * x.arm_a * spin_a;
+      wide wt = wn + x.arm_a * x.arm_a * spin_a;
       if constexpr (paired) wt += x.arm_b * x.arm_b * spin_b;
       x.inverse_wt = 1 / wt;
     }
   }
   // The same as round_contact::apply of the whole impulse.
-  static void apply(const block& x, solver_state& s) {
-    octet dx = x.rn * x.nx, dy = x.rn * x.ny, dz = x.rn * x.nz;
+  static void apply(const block& x, state& s) {
+    wide dx = x.rn * x.nx, dy = x.rn * x.ny, dz = x.rn * x.nz;
     if constexpr (friction) {
       hit_spin(x, x.tx, x.ty, x.tz, s);
       dx += x.tx, dy += x.ty, dz += x.tz;
     }
-    octet_rows a = gather(v(s, x.a));
+    rows a = gather<number>(v(s, x.a));
     a.x += a.w * dx, a.y += a.w * dy, a.z += a.w * dz;
     scatter(a, v(s, x.a));
     if constexpr (paired) {
-      octet_rows b = gather(v(s, x.b));
+      rows b = gather<number>(v(s, x.b));
       b.x -= b.w * dx, b.y -= b.w * dy, b.z -= b.w * dz;
       scatter(b, v(s, x.b));
     }
   }
-  static void hit_spin(const block& x, const octet& ex, const octet& ey, const octet& ez,
-                       solver_state& s) {
-    const octet cx = x.ny * ez - x.nz * ey, cy = x.nz * ex - x.nx * ez, cz = x.nx * ey - x.ny * ex;
-    octet_rows a = gather(w(s, x.a));
-    const octet spin_a = x.arm_a * a.w;
+  static void hit_spin(const block& x, const wide& ex, const wide& ey, const wide& ez, state& s) {
+    const wide cx = x.ny * ez - x.nz * ey, cy = x.nz * ex - x.nx * ez, cz = x.nx * ey - x.ny * ex;
+    rows a = gather<number>(w(s, x.a));
+    const wide spin_a = x.arm_a * a.w;
     a.x -= spin_a * cx, a.y -= spin_a * cy, a.z -= spin_a * cz;
     scatter(a, w(s, x.a));
     if constexpr (paired) {
-      octet_rows b = gather(w(s, x.b));
-      const octet spin_b = x.arm_b * b.w;
+      rows b = gather<number>(w(s, x.b));
+      const wide spin_b = x.arm_b * b.w;
       b.x -= spin_b * cx, b.y -= spin_b * cy, b.z -= spin_b * cz;
       scatter(b, w(s, x.b));
     }
   }
 
   // The same as round_contact::relax and apply. Returns the squares of the changes of velocity.
-  static octet relax(block& x, solver_state& s) {
+  static wide relax(block& x, state& s) {
     const auto va = v(s, x.a), vb = v(s, x.b), wa = w(s, x.a), wb = w(s, x.b);
-    octet_rows v_a = gather(va), v_b;
-    octet ux = v_a.x, uy = v_a.y, uz = v_a.z;
+    rows v_a = gather<number>(va), v_b;
+    wide ux = v_a.x, uy = v_a.y, uz = v_a.z;
     if constexpr (paired) {
-      v_b = gather(vb);
+      v_b = gather<number>(vb);
       ux -= v_b.x, uy -= v_b.y, uz -= v_b.z;
     }
-    const octet nx = x.nx, ny = x.ny, nz = x.nz;
-    const octet un = nx * ux + ny * uy + nz * uz;
-    const octet rn = larger(x.rn - (un - x.target) * x.inverse_wn, eight(0));
-    const octet dn = rn - x.rn;
+    const wide nx = x.nx, ny = x.ny, nz = x.nz;
+    const wide un = nx * ux + ny * uy + nz * uz;
+    const wide rn = larger(x.rn - (un - x.target) * x.inverse_wn, every_lane(number(0)));
+    const wide dn = rn - x.rn;
     x.rn = rn;
-    octet dx = dn * nx, dy = dn * ny, dz = dn * nz;
-    octet square = dn * dn;
+    wide dx = dn * nx, dy = dn * ny, dz = dn * nz;
+    wide square = dn * dn;
     if constexpr (friction) {
-      octet_rows w_a = gather(wa), w_b;
-      octet sx = x.arm_a * w_a.x, sy = x.arm_a * w_a.y, sz = x.arm_a * w_a.z;
+      rows w_a = gather<number>(wa), w_b;
+      wide sx = x.arm_a * w_a.x, sy = x.arm_a * w_a.y, sz = x.arm_a * w_a.z;
       if constexpr (paired) {
-        w_b = gather(wb);
+        w_b = gather<number>(wb);
         sx += x.arm_b * w_b.x, sy += x.arm_b * w_b.y, sz += x.arm_b * w_b.z;
       }
-      octet tx = x.tx - x.inverse_wt * (ux - un * nx + (ny * sz - nz * sy));
-      octet ty = x.ty - x.inverse_wt * (uy - un * ny + (nz * sx - nx * sz));
-      octet tz = x.tz - x.inverse_wt * (uz - un * nz + (nx * sy - ny * sx));
-      const octet limit = x.friction * rn;
-      const octet length = square_root(tx * tx + ty * ty + tz * tz);
-      const octet part = limit / larger(larger(length, limit), eight(Contact::tiny));
+      wide tx = x.tx - x.inverse_wt * (ux - un * nx + (ny * sz - nz * sy));
+      wide ty = x.ty - x.inverse_wt * (uy - un * ny + (nz * sx - nx * sz));
+      wide tz = x.tz - x.inverse_wt * (uz - un * nz + (nx * sy - ny * sx));
+      const wide limit = x.friction * rn;
+      const wide length = square_root(tx * tx + ty * ty + tz * tz);
+      const wide part = limit / larger(larger(length, limit), every_lane(Contact::tiny));
       tx *= part, ty *= part, tz *= part;
-      const octet ex = tx - x.tx, ey = ty - x.ty, ez = tz - x.tz;
+      const wide ex = tx - x.tx, ey = ty - x.ty, ez = tz - x.tz;
       x.tx = tx, x.ty = ty, x.tz = tz;
       square += ex * ex + ey * ey + ez * ez;
       dx += ex, dy += ey, dz += ez;
-      const octet cx = ny * ez - nz * ey, cy = nz * ex - nx * ez, cz = nx * ey - ny * ex;
-      const octet spin_a = x.arm_a * w_a.w;
+      const wide cx = ny * ez - nz * ey, cy = nz * ex - nx * ez, cz = nx * ey - ny * ex;
+      const wide spin_a = x.arm_a * w_a.w;
       w_a.x -= spin_a * cx, w_a.y -= spin_a * cy, w_a.z -= spin_a * cz;
       scatter(w_a, wa);
       if constexpr (paired) {
-        const octet spin_b = x.arm_b * w_b.w;
+        const wide spin_b = x.arm_b * w_b.w;
         w_b.x -= spin_b * cx, w_b.y -= spin_b * cy, w_b.z -= spin_b * cz;
         scatter(w_b, wb);
       }
@@ -341,33 +350,35 @@ class round_blocks {
   }
 
   // The same as round_contact::relax_push, push_a and push_b.
-  static void relax_push(const block& x, round_block_push& p, solver_state& s) {
-    const auto at_a = [&](int i) -> vec3& { return s.shift[std::size_t(x.a[i])].v; };
-    const auto at_b = [&](int i) -> vec3& { return s.shift[std::size_t(x.b[i])].v; };
-    octet_rows a = gather(at_a), b;
-    octet rate = x.nx * a.x + x.ny * a.y + x.nz * a.z;
+  static void relax_push(const block& x, push_of_block& p, state& s) {
+    const auto at_a = [&](int i) -> vector& { return s.shift[std::size_t(x.a[i])].v; };
+    const auto at_b = [&](int i) -> vector& { return s.shift[std::size_t(x.b[i])].v; };
+    rows a = gather<number>(at_a), b;
+    wide rate = x.nx * a.x + x.ny * a.y + x.nz * a.z;
     if constexpr (paired) {
-      b = gather(at_b);
+      b = gather<number>(at_b);
       rate -= x.nx * b.x + x.ny * b.y + x.nz * b.z;
     }
-    const octet free = p.pushed - (rate - p.push) * x.inverse_wn;
-    const octet next =
-        ((x.target == eight(0)) & (x.rn > eight(0))) | (free > eight(0)) ? free : eight(0);
-    const octet d = next - p.pushed;
+    const wide free = p.pushed - (rate - p.push) * x.inverse_wn;
+    const wide next = ((x.target == every_lane(number(0))) & (x.rn > every_lane(number(0)))) |
+                              (free > every_lane(number(0)))
+                          ? free
+                          : every_lane(number(0));
+    const wide d = next - p.pushed;
     p.pushed = next;
-    const octet da = d * a.w;
+    const wide da = d * a.w;
     a.x += da * x.nx, a.y += da * x.ny, a.z += da * x.nz;
     scatter(a, at_a);
     if constexpr (paired) {
-      const octet db = d * b.w;
+      const wide db = d * b.w;
       b.x -= db * x.nx, b.y -= db * x.ny, b.z -= db * x.nz;
       scatter(b, at_b);
     }
   }
 
-  block_planner plan_;
-  plain_vector<block> blocks_;             ///< of which the first so many are in use
-  plain_vector<round_block_push> pushes_;  ///< of each block
+  block_planner<lanes> plan_;
+  plain_vector<block> blocks_;          ///< of which the first so many are in use
+  plain_vector<push_of_block> pushes_;  ///< of each block
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | lone
   plain_vector<Contact> lone_;          ///< contacts that found no place

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "talus/core/math.hpp"
 #include "talus/core/quad.hpp"
@@ -21,21 +22,21 @@ class round_blocks;
 enum class partner { moving, immovable };
 
 /// What friction adds to a contact of round bodies, and to a change of its impulse.
-template <bool Friction>
+template <bool Friction, class Real = real>
 struct round_friction {
-  vec3 rt{0, 0, 0};  ///< tangential impulse
-  real inverse_wt = 0;
-  real arm_a = 0;  ///< distance of the contact point from the centre of a, b
-  real arm_b = 0;
-  real friction = 0;  ///< coefficient mu
+  vector3<Real> rt{0, 0, 0};  ///< tangential impulse
+  Real inverse_wt = 0;
+  Real arm_a = 0;  ///< distance of the contact point from the centre of a, b
+  Real arm_b = 0;
+  Real friction = 0;  ///< coefficient mu
 };
-template <>
-struct round_friction<false> {};
+template <class Real>
+struct round_friction<false, Real> {};
 
-template <bool Friction>
+template <bool Friction, class Real>
 struct round_change {
-  quad t{0, 0, 0, 0};
-  real n = 0;
+  quad_of<Real> t{0, 0, 0, 0};
+  Real n = 0;
 
   friend round_change operator+(const round_change& x, const round_change& y) {
     return {x.t + y.t, x.n + y.n};
@@ -43,12 +44,12 @@ struct round_change {
   friend round_change operator-(const round_change& x, const round_change& y) {
     return {x.t - y.t, x.n - y.n};
   }
-  friend round_change operator*(real f, const round_change& x) { return {f * x.t, f * x.n}; }
-  [[nodiscard]] real dot(const round_change& x) const { return n * x.n + sum_of_products(t, x.t); }
+  friend round_change operator*(Real f, const round_change& x) { return {f * x.t, f * x.n}; }
+  [[nodiscard]] Real dot(const round_change& x) const { return n * x.n + sum_of_products(t, x.t); }
 };
-template <>
-struct round_change<false> {
-  real n = 0;
+template <class Real>
+struct round_change<false, Real> {
+  Real n = 0;
 
   friend round_change operator+(const round_change& x, const round_change& y) {
     return {x.n + y.n};
@@ -56,8 +57,8 @@ struct round_change<false> {
   friend round_change operator-(const round_change& x, const round_change& y) {
     return {x.n - y.n};
   }
-  friend round_change operator*(real f, const round_change& x) { return {f * x.n}; }
-  [[nodiscard]] real dot(const round_change& x) const { return n * x.n; }
+  friend round_change operator*(Real f, const round_change& x) { return {f * x.n}; }
+  [[nodiscard]] Real dot(const round_change& x) const { return n * x.n; }
 };
 
 /// The Delassus block of such a contact is diagonal: w_n = 1/m_a + 1/m_b along the normal and
@@ -65,57 +66,62 @@ struct round_change<false> {
 /// needs no tangent basis and no tensor: r_n = max(0, r_n - (u_n - target)/w_n), and r_t - u_t/w_t
 /// is clipped radially to mu r_n. Velocities are those of a relative to b, impulses act on a.
 /// Without friction nothing tangential is stored or computed. Vectors are worked on as quads, which
-/// is why a number follows each of them in memory.
-template <class Law, partner Partner>
-struct round_contact : round_friction<Law::friction> {
+/// is why a number follows each of them in memory. What others ask of a contact is told in reals.
+template <class Law, partner Partner, class Real = real>
+struct round_contact : round_friction<Law::friction, Real> {
+  using number = Real;
+  using state = solver_state_of<Real>;
+  using quad = quad_of<Real>;
   static constexpr bool paired = Partner == partner::moving;
   static constexpr int rows = Law::friction ? 3 : 1;  ///< of the Delassus operator
   /// Contacts that follow each other in the list share a body, so that each would wait for the one
   /// before; contacts far apart do not, and the processor works on several at once.
   static constexpr std::size_t streams = 3;
 
-  static constexpr real tiny = 1e-150;  ///< impulses below it are none
+  /// Impulses below it are none.
+  static constexpr Real tiny = std::is_same_v<Real, double> ? Real(1e-150) : Real(1e-19);
   using blocks = round_blocks<round_contact>;
 
-  vec3 normal{0, 0, 1};  ///< from b to a
-  real inverse_wn = 0;
+  vector3<Real> normal{0, 0, 1};  ///< from b to a
+  Real inverse_wn = 0;
   std::int32_t a = 0;
   std::int32_t b = -1;
-  real target = 0;  ///< least separating velocity after the step
-  real push = 0;    ///< least separating rate of the correction; at rest and under load, the rate
-  real rn = 0;      ///< normal impulse
-  real pushed = 0;  ///< normal impulse of the correction
+  Real target = 0;  ///< least separating velocity after the step
+  Real push = 0;    ///< least separating rate of the correction; at rest and under load, the rate
+  Real rn = 0;      ///< normal impulse
+  Real pushed = 0;  ///< normal impulse of the correction
 
-  using change = round_change<Law::friction>;
+  using change = round_change<Law::friction, Real>;
 
   /// Effective masses; `split_a` and `split_b` are the numbers of parts that the masses of a and b
   /// are divided into where several contacts are solved simultaneously (1 elsewhere).
-  void weigh(const solver_state& s, real split_a, real split_b) {
-    const solver_body& A = s.bodies[a];
-    real wn = split_a * A.inverse_mass;
+  void weigh(const state& s, Real split_a, Real split_b) {
+    const body& A = s.bodies[a];
+    Real wn = split_a * A.inverse_mass;
     if constexpr (paired) wn += split_b * s.bodies[b].inverse_mass;
     inverse_wn = 1 / wn;
     if constexpr (Law::friction) {
-      real wt = wn + split_a * this->arm_a * this->arm_a * A.inverse_inertia;
+      Real wt = wn + split_a * this->arm_a * this->arm_a * A.inverse_inertia;
       if constexpr (paired) wt += split_b * this->arm_b * this->arm_b * s.bodies[b].inverse_inertia;
       this->inverse_wt = 1 / wt;
     }
   }
 
   /// Starts from an impulse of the last step, turned into the present cone.
-  void warm(const vec3& impulse) {
-    rn = std::max(real{0}, normal.dot(impulse));
+  void warm(const vec3& kept) {
+    const vector3<Real>& impulse = in_scalar<Real>(kept);
+    rn = std::max(Real{0}, normal.dot(impulse));
     if constexpr (Law::friction) {
       this->rt = impulse - normal.dot(impulse) * normal;
-      const real limit = this->friction * rn, square = this->rt.squaredNorm();
+      const Real limit = this->friction * rn, square = this->rt.squaredNorm();
       if (square > limit * limit) this->rt *= limit / std::sqrt(square);
     }
   }
   [[nodiscard]] vec3 impulse() const {
     if constexpr (Law::friction)
-      return rn * normal + this->rt;
+      return in_scalar<real>(vector3<Real>(rn * normal + this->rt));
     else
-      return rn * normal;
+      return in_scalar<real>(vector3<Real>(rn * normal));
   }
   [[nodiscard]] change whole() const {
     if constexpr (Law::friction)
@@ -131,7 +137,7 @@ struct round_contact : round_friction<Law::friction> {
   }
 
   // What the residual is made of; see residual.hpp.
-  [[nodiscard]] const vec3& axis() const { return normal; }
+  [[nodiscard]] decltype(auto) axis() const { return in_scalar<real>(normal); }
   [[nodiscard]] real mu() const {
     if constexpr (Law::friction)
       return this->friction;
@@ -139,20 +145,21 @@ struct round_contact : round_friction<Law::friction> {
       return 0;
   }
   /// Of a against b at the point of contact; without friction its normal part alone.
-  [[nodiscard]] vec3 relative_velocity(const solver_state& s) const {
-    vec3 u = s.bodies[a].v;
-    if constexpr (paired) u -= s.bodies[b].v;
+  [[nodiscard]] vec3 relative_velocity(const state& s) const {
+    vec3 u = v_of(s.bodies[a]);
+    if constexpr (paired) u -= v_of(s.bodies[b]);
+    const vec3& n = axis();
     if constexpr (Law::friction) {
-      vec3 spin = this->arm_a * s.bodies[a].w;
-      if constexpr (paired) spin += this->arm_b * s.bodies[b].w;
-      return u + normal.cross(spin);
+      vec3 spin = this->arm_a * w_of(s.bodies[a]);
+      if constexpr (paired) spin += this->arm_b * w_of(s.bodies[b]);
+      return u + n.cross(spin);
     } else {
-      return normal.dot(u) * normal;
+      return n.dot(u) * n;
     }
   }
   /// Sum of the diagonal of the Delassus block, with undivided masses.
-  [[nodiscard]] real mobility_trace(const solver_state& s) const {
-    const solver_body& A = s.bodies[a];
+  [[nodiscard]] real mobility_trace(const state& s) const {
+    const body& A = s.bodies[a];
     real trace = rows * A.inverse_mass;
     if constexpr (paired) trace += rows * s.bodies[b].inverse_mass;
     if constexpr (Law::friction) {
@@ -163,16 +170,16 @@ struct round_contact : round_friction<Law::friction> {
   }
 
   // What solving several contacts as one needs; see stalled_islands.hpp.
-  [[nodiscard]] mat3 axes() const { return frame_around<real>(normal); }
+  [[nodiscard]] mat3 axes() const { return frame_around<real>(axis()); }
   [[nodiscard]] vec3 lever_a() const {
     if constexpr (Law::friction)
-      return -this->arm_a * normal;
+      return -this->arm_a * axis();
     else
       return {0, 0, 0};
   }
   [[nodiscard]] vec3 lever_b() const {
     if constexpr (Law::friction)
-      return this->arm_b * normal;
+      return this->arm_b * axis();
     else
       return {0, 0, 0};
   }
@@ -184,27 +191,27 @@ struct round_contact : round_friction<Law::friction> {
   }
   /// The change of velocity at the contact that a change of its impulse makes.
   [[nodiscard]] real speed_of(const change& d) const {
-    real square = d.n * d.n;
+    Real square = d.n * d.n;
     if constexpr (Law::friction) square += sum_of_products(d.t, d.t);
     return std::sqrt(square) / inverse_wn;
   }
 
   /// Solves this contact with all others held; the change is still to be applied.
-  change relax(const solver_state& s) {
-    const solver_body& A = s.bodies[a];
+  change relax(const state& s) {
+    const body& A = s.bodies[a];
     const quad n = normal_quad();
     quad u = load(A.v);
     if constexpr (paired) u -= load(s.bodies[b].v);
-    const real un = sum_of_products(n, u);
-    const real before = rn;
-    rn = std::max(real{0}, rn - (un - target) * inverse_wn);
+    const Real un = sum_of_products(n, u);
+    const Real before = rn;
+    rn = std::max(Real{0}, rn - (un - target) * inverse_wn);
     if constexpr (Law::friction) {
       quad spin = this->arm_a * load(A.w);
       if constexpr (paired) spin += this->arm_b * load(s.bodies[b].w);
       const quad old = load(this->rt);
       quad t = without_fourth(old - old[3] * (u - un * n + cross(n, spin)));
       // No branch: whether a contact slides is hard to predict.
-      const real limit = this->friction * rn;
+      const Real limit = this->friction * rn;
       t *= limit / std::max({limit, std::sqrt(sum_of_products(t, t)), tiny});
       store(this->rt, __builtin_shufflevector(t, old, 0, 1, 2, 7));
       return {t - without_fourth(old), rn - before};
@@ -213,50 +220,50 @@ struct round_contact : round_friction<Law::friction> {
     }
   }
 
-  void apply(solver_state& s, const change& d) const {
+  void apply(state& s, const change& d) const {
     apply_to_a(s, d);
     if constexpr (paired) apply_to_b(s, d);
   }
-  void apply_to_a(solver_state& s, const change& d) const {
-    solver_body& A = s.bodies[a];
-    real spin = 0;
+  void apply_to_a(state& s, const change& d) const {
+    body& A = s.bodies[a];
+    Real spin = 0;
     if constexpr (Law::friction) spin = this->arm_a * A.inverse_inertia;
     hit(A, d, A.inverse_mass, spin);
   }
-  void apply_to_b(solver_state& s, const change& d) const {
-    solver_body& B = s.bodies[b];
-    real spin = 0;
+  void apply_to_b(state& s, const change& d) const {
+    body& B = s.bodies[b];
+    Real spin = 0;
     if constexpr (Law::friction) spin = this->arm_b * B.inverse_inertia;
     hit(B, d, -B.inverse_mass, spin);
   }
 
-  real relax_push(const solver_state& s) {
-    real rate = normal.dot(s.shift[a].v);
+  Real relax_push(const state& s) {
+    Real rate = normal.dot(s.shift[a].v);
     if constexpr (paired) rate -= normal.dot(s.shift[b].v);
-    const real before = pushed;
-    const real next = pushed - (rate - push) * inverse_wn;
+    const Real before = pushed;
+    const Real next = pushed - (rate - push) * inverse_wn;
     // Surfaces that hold each other neither part nor meet but by the push.
-    pushed = target == 0 && rn > 0 ? next : std::max(real{0}, next);
+    pushed = target == 0 && rn > 0 ? next : std::max(Real{0}, next);
     return pushed - before;
   }
-  void push_a(solver_state& s, real d) const {
-    s.shift[a].v += (d * s.bodies[a].inverse_mass) * normal;
-  }
-  void push_b(solver_state& s, real d) const {
+  void push_a(state& s, Real d) const { s.shift[a].v += (d * s.bodies[a].inverse_mass) * normal; }
+  void push_b(state& s, Real d) const {
     if constexpr (paired) s.shift[b].v -= (d * s.bodies[b].inverse_mass) * normal;
   }
 
  private:
+  using body = solver_body_of<Real>;
+
   [[nodiscard]] quad normal_quad() const { return without_fourth(load(normal)); }
   [[nodiscard]] quad tangent() const { return without_fourth(load(this->rt)); }
 
-  void hit(solver_body& body, const change& d, real inverse_mass, real spin) const {
+  void hit(body& x, const change& d, Real inverse_mass, Real spin) const {
     const quad n = normal_quad();
     if constexpr (Law::friction) {
-      store(body.v, load(body.v) + inverse_mass * (d.n * n + d.t));
-      store(body.w, load(body.w) - spin * cross(n, d.t));
+      store(x.v, load(x.v) + inverse_mass * (d.n * n + d.t));
+      store(x.w, load(x.w) - spin * cross(n, d.t));
     } else {
-      store(body.v, load(body.v) + (inverse_mass * d.n) * n);
+      store(x.v, load(x.v) + (inverse_mass * d.n) * n);
     }
   }
 };

@@ -72,7 +72,11 @@ struct body_ties {
 /// island by itself, to the same bits, and needs to be told nothing but that the others do the
 /// same: that is known if every body has as many contacts here as its owner knows of, and if every
 /// owner holds every body. What does not fulfil this is left to the iterations.
+template <class State>
 class shared_islands {
+  using access = contact_access<State>;
+  using number = typename State::number;
+
  public:
   static constexpr std::size_t most_boundary_contacts = 400;
   static constexpr std::size_t most_contacts = 400;
@@ -84,10 +88,10 @@ class shared_islands {
   /// Before any impulse acts: keeps the velocities, and counts the contacts of each body. `own` is
   /// this rank, `sent` and `received` hold, for each other rank, the bodies that it has copies of
   /// and those that this rank has copies of.
-  void look(std::span<const contact_access> lists, const solver_state& s, int own,
+  void look(std::span<const access> lists, const State& s, int own,
             std::span<const travelling_bodies> travelling) {
     std::size_t at_boundary = 0;
-    for (const contact_access& list : lists) at_boundary += list.size(contact_part::boundary);
+    for (const access& list : lists) at_boundary += list.size(contact_part::boundary);
     takes_part_ = wanted_ && at_boundary > 0 && at_boundary <= most_boundary_contacts;
     wanted_ = at_boundary <= most_boundary_contacts;
     ties_.assign(s.bodies.size(), {});  // what is sent where this rank takes no part
@@ -119,7 +123,7 @@ class shared_islands {
 
   /// After the ties of all bodies have been shared: solves the islands that this rank shares with
   /// others. `s` then holds their velocities, and the lists their impulses.
-  void solve(std::span<const contact_access> lists, solver_state& s) {
+  void solve(std::span<const access> lists, State& s) {
     if (!std::exchange(takes_part_, false)) return;
     join_bodies(lists, s);
     std::map<std::uint32_t, island> islands;
@@ -152,23 +156,23 @@ class shared_islands {
   };
 
   template <class F>
-  static void each_contact(std::span<const contact_access> lists, F&& f) {
+  static void each_contact(std::span<const access> lists, F&& f) {
     for (std::size_t k = 0; k < lists.size(); ++k)
       for (const auto p : {contact_part::interior, contact_part::boundary, contact_part::foreign})
         for (std::size_t i = 0, n = lists[k].size(p); i < n; ++i)
           f(lists[k].ends(p, i), member{k, p, i});
   }
-  static bool moves(const solver_state& s, std::int32_t body) {
+  static bool moves(const State& s, std::int32_t body) {
     return s.bodies[static_cast<std::size_t>(body)].inverse_mass != 0;
   }
   std::uint32_t root(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  std::uint32_t root(const solver_state& s, const contact_ends& c) {
+  std::uint32_t root(const State& s, const contact_ends& c) {
     return root(static_cast<std::uint32_t>(moves(s, c.a) ? c.a : c.b));
   }
-  void join_bodies(std::span<const contact_access> lists, const solver_state& s) {
+  void join_bodies(std::span<const access> lists, const State& s) {
     parent_.resize(s.bodies.size());
     std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
     each_contact(lists, [&](const contact_ends& c, member) {
@@ -178,7 +182,7 @@ class shared_islands {
       if (a != b) parent_[std::max(a, b)] = std::min(a, b);
     });
   }
-  static void add_body(island& one, const solver_state& s, std::int32_t body, system_id id) {
+  static void add_body(island& one, const State& s, std::int32_t body, system_id id) {
     if (moves(s, body)) one.bodies.emplace_back(id, body);
   }
 
@@ -206,7 +210,7 @@ class shared_islands {
   }
 
   /// Everything in the order of ids, so that each rank computes the same bits.
-  void solve_one(island& one, std::span<const contact_access> lists, solver_state& s) const {
+  void solve_one(island& one, std::span<const access> lists, State& s) const {
     std::stable_partition(one.bodies.begin(), one.bodies.end(), [&](const auto& b) {
       return static_cast<std::size_t>(b.second) < s.first_tensor;
     });
@@ -215,7 +219,9 @@ class shared_islands {
     for (const auto& [id, body] : one.bodies) {
       const auto i = static_cast<std::size_t>(body);
       place[body] = static_cast<std::int32_t>(own.bodies.size());
-      own.bodies.push_back(free_[i]);
+      const auto& free = free_[i];
+      own.bodies.push_back(
+          {v_of(free), real(free.inverse_mass), w_of(free), real(free.inverse_inertia)});
       if (i < s.first_tensor)
         ++own.first_tensor;
       else
@@ -234,8 +240,8 @@ class shared_islands {
         if (body < 0) return;
         const std::int32_t there = place_of(body);
         if (there < 0) {
-          const solver_body& b = s.bodies[static_cast<std::size_t>(body)];
-          u += sign * (b.v + b.w.cross(arm));
+          const auto& b = s.bodies[static_cast<std::size_t>(body)];
+          u += sign * (v_of(b) + w_of(b).cross(arm));
         }
         body = there;
       };
@@ -265,8 +271,9 @@ class shared_islands {
       lists[m.list].set(m.part, m.index, p);
     }
     for (const auto& [body, at] : place) {
-      s.bodies[static_cast<std::size_t>(body)].v = own.bodies[static_cast<std::size_t>(at)].v;
-      s.bodies[static_cast<std::size_t>(body)].w = own.bodies[static_cast<std::size_t>(at)].w;
+      auto& b = s.bodies[static_cast<std::size_t>(body)];
+      b.v = in_scalar<number>(own.bodies[static_cast<std::size_t>(at)].v);
+      b.w = in_scalar<number>(own.bodies[static_cast<std::size_t>(at)].w);
     }
   }
   static void hit(solver_state& s, std::int32_t body, const vec3& arm, const vec3& impulse) {
@@ -280,7 +287,7 @@ class shared_islands {
   }
   bool wanted_ = true, takes_part_ = false;
   plain_vector<body_ties> ties_;
-  plain_vector<solver_body> free_;
+  plain_vector<solver_body_of<number>> free_;
   plain_vector<std::uint32_t> parent_;
 };
 

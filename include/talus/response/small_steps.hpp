@@ -15,6 +15,7 @@
 #include "talus/response/rebound.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
+#include "talus/response/sweep.hpp"
 
 namespace talus {
 
@@ -165,21 +166,11 @@ struct small_steps final {
   /// from one way to the other, the errors that a sweep leaves would swing up with period two.
   template <class Lists, class Watch, class Ranks>
   static detail::solved iterate(Lists& lists, detail::solver_state& s, Watch& watch, Ranks& ranks) {
-    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
-    constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
     int k = 0;
     for (; k < watch.limit(); ++k) {
-      if constexpr (!alone)
-        if (k > 0) ranks.share_velocities();
       if (watch.reached(k)) break;
-      if constexpr (!alone) {
-        each([&](auto& list) { list.relax_boundary(s); });
-        each([&](auto& list) { list.apply_boundary(s); });
-      }
-      if (k % 2 == 0)
-        each([&](auto& list) { list.sweep_forward(s); });
-      else
-        each([&](auto& list) { list.sweep_backward(s); });
+      detail::relax_boundary<Ranks>(lists, s);
+      detail::sweep_interior(lists, s, k % 2 == 0, k + 1 < watch.limit(), ranks);
       watch.hear();
     }
     return watch.end(k, [&] { ranks.share_velocities(); });

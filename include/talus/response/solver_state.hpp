@@ -9,20 +9,24 @@
 
 namespace talus::detail {
 
-/// Velocity and inverse inertia of one body: one cache line. For a body whose inertia is a tensor
-/// `inverse_inertia` is unused; see solver_state::tensors.
-struct alignas(64) solver_body {
-  vec3 v{0, 0, 0};
-  real inverse_mass = 0;
-  vec3 w{0, 0, 0};
-  real inverse_inertia = 0;
+/// Velocity and inverse inertia of one body: one cache line, or half of one. For a body whose
+/// inertia is a tensor `inverse_inertia` is unused; see solver_state::tensors.
+template <class Real>
+struct alignas(8 * sizeof(Real)) solver_body_of {
+  vector3<Real> v{0, 0, 0};
+  Real inverse_mass = 0;
+  vector3<Real> w{0, 0, 0};
+  Real inverse_inertia = 0;
 };
+using solver_body = solver_body_of<real>;
 
 /// Displacement of a body per unit of time that the correction of overlaps asks for.
-struct alignas(32) body_shift {
-  vec3 v{0, 0, 0};
-  real inverse_mass = 0;
+template <class Real>
+struct alignas(4 * sizeof(Real)) body_shift_of {
+  vector3<Real> v{0, 0, 0};
+  Real inverse_mass = 0;
 };
+using body_shift = body_shift_of<real>;
 
 /// The same of its orientation; as large as four numbers, so that it can be read as such.
 struct alignas(32) body_turn {
@@ -50,11 +54,16 @@ inline constexpr bool solves_shared_islands = requires {
 };
 
 /// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
-/// a tensor, locals before shadow copies within each shape.
-struct solver_state {
-  plain_vector<solver_body> bodies;
+/// a tensor, locals before shadow copies within each shape. `Real` is the scalar of velocities and
+/// of the impulses of round contacts; see precision<...>. What bodies with a tensor need besides is
+/// always real.
+template <class Real>
+struct solver_state_of {
+  using number = Real;
+
+  plain_vector<solver_body_of<Real>> bodies;
   /// It moves positions and never enters the velocities. Empty when overlaps are not corrected.
-  plain_vector<body_shift> shift;
+  plain_vector<body_shift_of<Real>> shift;
   plain_vector<body_turn> turn;  ///< likewise the rotation, of bodies from first_tensor
   plain_vector<mat3> tensors;    ///< inverse inertia, world frame, of bodies from first_tensor
   std::size_t first_tensor = 0;
@@ -69,5 +78,16 @@ struct solver_state {
 
   [[nodiscard]] const mat3& tensor(std::size_t body) const { return tensors[body - first_tensor]; }
 };
+using solver_state = solver_state_of<real>;
+
+/// Velocities of a body as reals, whatever they are stored in.
+template <class Real>
+[[nodiscard]] [[gnu::always_inline]] inline decltype(auto) v_of(const solver_body_of<Real>& b) {
+  return in_scalar<real>(b.v);
+}
+template <class Real>
+[[nodiscard]] [[gnu::always_inline]] inline decltype(auto) w_of(const solver_body_of<Real>& b) {
+  return in_scalar<real>(b.w);
+}
 
 }  // namespace talus::detail

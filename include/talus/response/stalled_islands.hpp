@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -25,24 +26,28 @@ namespace talus::detail {
 /// of an error grows with the ratio of the masses and the square of the bodies in a row: a stack of
 /// ten with a top of a thousand times the density needs tens of thousands of sweeps, and one
 /// Newton step. Contacts with bodies of other ranks keep their impulses.
+template <class State>
 class stalled_islands {
+  using access = contact_access<State>;
+
  public:
   /// Whether to look for stalled islands in this step. Where all that stalls is too large to be
   /// solved here, as in a pile, looking is put off for some steps.
-  [[nodiscard]] static bool due(solver_state& s) {
+  [[nodiscard]] static bool due(State& s) {
     if (s.pause == 0) return true;
     --s.pause;
     return false;
   }
 
   /// The last sweep, and then what has stalled.
-  void sweep_and_solve(std::span<const contact_access> lists, solver_state& s) {
+  void sweep_and_solve(std::span<const access> lists, State& s) {
     if (s.speed == 0)  // no gravity
-      for (const solver_body& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * b.v.norm());
-    const real least = 1e-9 * s.speed;  // less cannot matter
+      for (const auto& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * v_of(b).norm());
+    // Less cannot matter, or is round-off.
+    const real least = (std::is_same_v<typename State::number, real> ? 1e-9 : 1e-5) * s.speed;
     std::size_t stalled = 0, contacts = 0;
     plain_vector<std::span<const std::pair<std::size_t, real>>> changes;
-    for (const contact_access& list : lists) {
+    for (const access& list : lists) {
       changes.emplace_back(list.sweep_watched(s, least));
       stalled += changes.back().size();
       contacts += list.size(contact_part::interior);
@@ -91,23 +96,23 @@ class stalled_islands {
     }
   };
 
-  static const solver_body& body(const solver_state& s, std::int32_t i) {
+  static const auto& body(const State& s, std::int32_t i) {
     return s.bodies[static_cast<std::size_t>(i)];
   }
-  static bool moves(const solver_state& s, std::int32_t i) { return body(s, i).inverse_mass != 0; }
+  static bool moves(const State& s, std::int32_t i) { return body(s, i).inverse_mass != 0; }
 
   [[nodiscard]] std::uint32_t root(std::int32_t of) {
     auto i = static_cast<std::uint32_t>(of);
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  [[nodiscard]] std::uint32_t root(const contact_ends& c, const solver_state& s) {
+  [[nodiscard]] std::uint32_t root(const contact_ends& c, const State& s) {
     return root(moves(s, c.a) ? c.a : c.b);
   }
-  void join_bodies(std::span<const contact_access> lists, const solver_state& s) {
+  void join_bodies(std::span<const access> lists, const State& s) {
     parent_.resize(s.bodies.size());
     std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-    for (const contact_access& list : lists)
+    for (const access& list : lists)
       for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i) {
         const auto [a, b] = list.ends(contact_part::interior, i);
         if (b < 0 || !moves(s, a) || !moves(s, b)) continue;
@@ -115,9 +120,9 @@ class stalled_islands {
         if (x != y) parent_[std::max(x, y)] = std::min(x, y);
       }
   }
-  void gather(std::span<const contact_access> lists,
+  void gather(std::span<const access> lists,
               std::span<const std::span<const std::pair<std::size_t, real>>> changes,
-              const solver_state& s) {
+              const State& s) {
     islands_.clear();
     number_.assign(s.bodies.size(), 0);  // from 1, of the island of a root
     for (std::size_t k = 0; k < lists.size(); ++k)
@@ -140,7 +145,7 @@ class stalled_islands {
         one.contacts.push_back({k, i});
         for (const std::int32_t end : {c.a, c.b})
           if (end >= 0 && moves(s, end)) {
-            const real mass = 1 / body(s, end).inverse_mass;
+            const real mass = 1 / real(body(s, end).inverse_mass);
             one.least_mass = std::min(one.least_mass, mass);
             one.most_mass = std::max(one.most_mass, mass);
           }
@@ -148,8 +153,7 @@ class stalled_islands {
   }
 
   /// Whether the island, now that its length is known, is stalled and could be afforded.
-  static bool solve_one(const island& one, std::span<const contact_access> lists, solver_state& s,
-                        real& budget) {
+  static bool solve_one(const island& one, std::span<const access> lists, State& s, real& budget) {
     plain_vector<island_contact> contacts;
     for (const member& m : one.contacts)
       contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));

@@ -3,7 +3,9 @@
 // 1967). What is done with them depends on who is within reach at present, so that keeping them
 // changes nothing but the order of the contacts.
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include "talus/detect/narrow.hpp"
@@ -13,34 +15,117 @@
 
 namespace talus::detail {
 
-/// A body may move by this part of its bounding radius, or of the mean one if that is less, until
-/// pairs are looked for anew; and by what it moves in some steps, or few fast ones would have them
-/// looked for all the time.
-inline constexpr real pair_skin = 0.1;
-inline constexpr int pair_steps = 8;
+/// Calls visit<A, B, partner>(number) for all pairs of shapes in the order of their lists.
+template <class Scenario, class Visit>
+void each_kind_of_pair(world_state<Scenario>& s, Visit&& visit) {
+  std::size_t kind = 0;
+  s.each_finite_shape([&](auto& a) {
+    using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
+    visit.template operator()<A, A, partner::moving>(kind++);
+    s.each_shape([&](auto& b) {
+      using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      constexpr bool later =
+          index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
+      if constexpr (B::finite && later) visit.template operator()<A, B, partner::moving>(kind++);
+      visit.template operator()<A, B, partner::immovable>(kind++);
+    });
+  });
+}
+
+/// Whether no body reaches out of its skin, all are known and have kept their numbers.
+template <class Scenario>
+[[nodiscard]] bool all_within_skin(const world_state<Scenario>& s) {
+  bool hold = true;
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    const auto& store = b.movable;
+    const auto& noted = s.found.shapes[k++].bodies;
+    hold = hold && store.size() == noted.size();
+    for (std::size_t i = 0; hold && i < store.size(); ++i)
+      hold = noted[i].covers(store.id[i], store.position[i], b.reach[i]);
+  });
+  return hold;
+}
+
+/// Whether other bodies are here than when the pairs were found, or in another order.
+template <class Scenario>
+[[nodiscard]] bool numbers_changed(const world_state<Scenario>& s) {
+  bool changed = false;
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    const auto& noted = s.found.shapes[k++].bodies;
+    changed =
+        changed || !std::equal(noted.begin(), noted.end(), b.movable.id.begin(), b.movable.id.end(),
+                               [](const noted_body& x, system_id id) { return x.id == id; });
+  });
+  return changed;
+}
+
+/// Gives the pairs the numbers that bodies have now, after some have changed their owner or have
+/// gone. False if there are bodies that were not there.
+template <class Scenario>
+[[nodiscard]] bool renumber_pairs(world_state<Scenario>& s) {
+  constexpr std::size_t shapes = world_state<Scenario>::shape_count;
+  using finite_shapes = typename world_state<Scenario>::finite_shapes;
+  std::array<plain_vector<std::uint32_t>, shapes> was, now;
+  bool known = true;
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    was[k] = numbers_before(s.found.shapes[k].bodies, b.movable.id);
+    known = known && std::find(was[k].begin(), was[k].end(), nobody) == was[k].end();
+    ++k;
+  });
+  if (!known) return false;
+
+  std::array<plain_vector<char>, shapes> came;  // or went: by the number now
+  k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    found_pairs::shape& found = s.found.shapes[k];
+    plain_vector<noted_body> bodies(b.movable.size());
+    came[k].resize(b.movable.size());
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      bodies[i] = found.bodies[was[k][i]];
+      came[k][i] = (was[k][i] < found.locals) != (i < b.movable.locals);
+    }
+    now[k] = numbers_now(was[k], found.bodies.size());
+    found.bodies.swap(bodies);
+    found.locals = b.movable.locals;
+    ++k;
+  });
+  const history_place anew = s.history.place_of_arrivals();
+  each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
+    constexpr std::size_t a = index_of<finite_shapes, A>;
+    auto& list = s.found.lists[kind];
+    std::size_t kept = 0;
+    for (close_pair pair : list) {
+      pair.i = now[a][pair.i];
+      bool change = pair.i != nobody && came[a][pair.i];
+      if constexpr (P == partner::moving) {
+        constexpr std::size_t b = index_of<finite_shapes, B>;
+        pair.j = now[b][pair.j];
+        change = change || (pair.j != nobody && came[b][pair.j]);
+      }
+      if (pair.i == nobody || pair.j == nobody) continue;
+      if (change && pair.last == history_place::none) pair.last = anew;
+      list[kept++] = pair;
+    }
+    list.resize(kept);
+  });
+  return true;
+}
 
 /// Measures the present reach of all bodies, and tells whether the pairs found last are all that
-/// can touch now: the same bodies in the same order, none of which reaches out of its skin.
+/// can touch now.
 template <class Scenario>
 [[nodiscard]] bool pairs_still_hold(world_state<Scenario>& s) {
-  const found_pairs& found = s.found;
-  bool hold = found.known;
-  std::size_t k = 0;
+  bool hold = s.found.known;
   s.each_shape([&](const auto& b) { hold = hold && !b.globals_changed; });
   s.each_finite_shape([&](auto& b) {
-    const auto& store = b.movable;
-    hold = hold && k + store.size() <= found.bodies.size();
-    if (!hold) return;
-    b.reach.resize(store.size());
-    for (std::size_t i = 0; i < store.size(); ++i, ++k) {
-      const auto& then = found.bodies[k];
-      b.reach[i] = reach_in_step(s, store, i);
-      const real left = then.reach - b.reach[i];
-      hold = hold && then.id == store.id[i] && left >= 0 &&
-             (store.position[i] - then.position).squaredNorm() <= left * left;
-    }
+    b.reach.resize(b.movable.size());
+    for (std::size_t i = 0; i < b.movable.size(); ++i) b.reach[i] = reach_in_step(s, b.movable, i);
   });
-  return hold && k == found.bodies.size();
+  if (!hold) return false;
+  return all_within_skin(s) || (numbers_changed(s) && renumber_pairs(s) && all_within_skin(s));
 }
 
 /// Looks for all pairs that are within reach of each other, or within the skin around.
@@ -54,9 +139,8 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
   });
   const real mean = sum / static_cast<real>(std::max<std::size_t>(bodies, 1));
   prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t) {
-    const real radius = store.shape[i].bounding_radius();
-    return reach_in_step(s, store, i) + pair_skin * std::min(mean, radius) +
-           std::min(pair_steps * s.dt * store.velocity[i].norm(), radius);
+    return reach_in_step(s, store, i) +
+           skin_of(store.shape[i].bounding_radius(), mean, store.velocity[i].norm(), s.dt);
   });
 
   found_pairs& found = s.found;
@@ -67,6 +151,12 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
     const std::size_t kind = kinds++;
     if (found.lists.size() < kinds) found.lists.resize(kinds);
     return [&s, &found, kind](std::size_t i, std::size_t j, real, real) {
+      if constexpr (world_state<Scenario>::sleeps) {
+        auto& with = s.template of<B>();
+        if (undisturbed(s.template of<A>().movable, i,
+                        P == partner::moving ? with.movable : with.global, j))
+          return;
+      }
       if constexpr (!B::finite && collidable<sphere, B>) {
         const auto& a = s.template of<A>();
         const auto& b = s.template of<B>().global;
@@ -79,10 +169,14 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
           {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), history_place::unknown});
     };
   });
-  found.bodies.clear();
+  found.shapes.resize(world_state<Scenario>::shape_count);
+  std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
+    found_pairs::shape& noted = found.shapes[k++];
+    noted.locals = b.movable.locals;
+    noted.bodies.clear();
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
-      found.bodies.push_back({b.movable.id[i], b.movable.position[i], b.reach[i]});
+      noted.bodies.push_back({b.movable.id[i], b.movable.position[i], b.reach[i]});
       b.reach[i] = reach_in_step(s, b.movable, i);
     }
   });
@@ -113,8 +207,7 @@ template <class Scenario>
 /// Like each_close_pair(), for the pairs found.
 template <class Scenario, class Make>
 void each_found_pair(world_state<Scenario>& s, Make&& make) {
-  std::size_t kind = 0;
-  const auto visit = [&]<class A, class B, partner P>() {
+  each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
     auto take = make.template operator()<A, B, P>();
     const auto& of_a = s.template of<A>();
     const auto& of_b = s.template of<B>();
@@ -140,18 +233,6 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
       take(i, j, margin(a, reach_a, i), margin_b, pair.last);
     }
     if constexpr (requires { take.finish(); }) take.finish();
-    ++kind;
-  };
-  s.each_finite_shape([&](auto& a) {
-    using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
-    visit.template operator()<A, A, partner::moving>();
-    s.each_shape([&](auto& b) {
-      using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
-      constexpr bool later =
-          index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
-      if constexpr (B::finite && later) visit.template operator()<A, B, partner::moving>();
-      visit.template operator()<A, B, partner::immovable>();
-    });
   });
 }
 template <template <class, class, class, partner> class Maker, class Scenario>

@@ -14,28 +14,29 @@ template <class Shape>
 inline constexpr contact_side side_of = Shape::round ? contact_side::scalar : contact_side::tensor;
 
 /// Contact of two bodies that can move.
-template <class Law, class A, class B>
-using moving_contact = std::conditional_t<A::round && B::round, round_contact<Law, partner::moving>,
-                                          general_contact<Law, side_of<A>, side_of<B>>>;
+template <class Law, class A, class B, class Real = real>
+using moving_contact =
+    std::conditional_t<A::round && B::round, round_contact<Law, partner::moving, Real>,
+                       general_contact<Law, side_of<A>, side_of<B>, Real>>;
 
 /// Contact of a body that can move with a global one.
-template <class Law, class A>
+template <class Law, class A, class Real = real>
 using anchored_contact =
-    std::conditional_t<A::round, round_contact<Law, partner::immovable>,
-                       general_contact<Law, side_of<A>, contact_side::immovable>>;
+    std::conditional_t<A::round, round_contact<Law, partner::immovable, Real>,
+                       general_contact<Law, side_of<A>, contact_side::immovable, Real>>;
 
-template <class Law, class A, class... Bs>
+template <class Law, class Real, class A>
 struct contacts_of_one {
   template <class B>
   static auto pair_with() {
     if constexpr (A::finite && B::finite)
-      return type_list<contact_list<moving_contact<Law, A, B>>>{};
+      return type_list<contact_list<moving_contact<Law, A, B, Real>>>{};
     else
       return type_list<>{};
   }
   static auto anchored() {
     if constexpr (A::finite)
-      return type_list<contact_list<anchored_contact<Law, A>>>{};
+      return type_list<contact_list<anchored_contact<Law, A, Real>>>{};
     else
       return type_list<>{};
   }
@@ -54,14 +55,14 @@ struct join_lists<type_list<Ts...>, type_list<Us...>, Rest...> {
   using type = typename join_lists<type_list<Ts..., Us...>, Rest...>::type;
 };
 
-template <class Shapes, class Law>
+template <class Shapes, class Law, class Real>
 struct contact_lists_for;
-template <class... Shapes, class Law>
-struct contact_lists_for<type_list<Shapes...>, Law> {
+template <class... Shapes, class Law, class Real>
+struct contact_lists_for<type_list<Shapes...>, Law, Real> {
   template <class A>
   using of_one =
-      typename join_lists<decltype(contacts_of_one<Law, A>::template pair_with<Shapes>())...,
-                          decltype(contacts_of_one<Law, A>::anchored())>::type;
+      typename join_lists<decltype(contacts_of_one<Law, Real, A>::template pair_with<Shapes>())...,
+                          decltype(contacts_of_one<Law, Real, A>::anchored())>::type;
   using all = unique_types<typename join_lists<of_one<Shapes>...>::type>;
 };
 
@@ -72,8 +73,10 @@ struct as_tuple<type_list<Ts...>> {
   using type = std::tuple<Ts...>;
 };
 
-/// std::tuple of the contact lists that the shapes of a scenario need, each kind once.
-template <class Shapes, class Law>
-using contact_lists_of = typename as_tuple<typename contact_lists_for<Shapes, Law>::all>::type;
+/// std::tuple of the contact lists that the shapes of a scenario need, each kind once. `Real` is
+/// the scalar in which they are solved.
+template <class Shapes, class Law, class Real = real>
+using contact_lists_of =
+    typename as_tuple<typename contact_lists_for<Shapes, Law, Real>::all>::type;
 
 }  // namespace talus::detail

@@ -11,6 +11,7 @@
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/continuous.hpp"
 #include "talus/world/hand_over.hpp"
+#include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -45,15 +46,16 @@ template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class contact_maker {
   using state_type = world_state<Scenario>;
   using law = typename state_type::law;
+  using number = solved_scalar<Scenario>;
   static constexpr bool paired = Partner == partner::moving;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
   template <class A, class B>
   static auto kind() {
     if constexpr (paired)
-      return moving_contact<law, A, B>{};
+      return moving_contact<law, A, B, number>{};
     else
-      return anchored_contact<law, A>{};
+      return anchored_contact<law, A, number>{};
   }
   using contact_type = decltype(kind<ShapeA, ShapeB>());
   using store_a = body_store<ShapeA, typename Scenario::features>;
@@ -131,7 +133,9 @@ class contact_maker {
     pair_at_hand x{.i = i, .j = j, .last = last};
     x.own_a = i < a_.locals;
     const bool own_b = !paired || j < b_.locals;
-    x.moves_a = a_.inverse_mass[i] != 0, x.moves_b = paired && b_.inverse_mass[j] != 0;
+    x.moves_a = a_.moves(i), x.moves_b = paired && b_.moves(j);
+    if constexpr (store_a::sleeps)
+      if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !x.own_a && !own_b)
         require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
@@ -148,6 +152,8 @@ class contact_maker {
     x.radius = a_.shape[i].bounding_radius();
     x.slack = contact_slack * x.radius;
     x.margin = margin_a + margin_b;
+    if constexpr (store_a::sleeps)  // ranks look ahead as they know sleepers, but agree on contacts
+      x.margin = margin_in_step(a_, i) + margin_in_step(b_, j);
     if constexpr (ShapeB::finite) {
       // The slack of a large body that is none of a small one beside it: both have that of the
       // small.
@@ -201,23 +207,31 @@ class contact_maker {
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
         *x.material, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
         creep(x.radius), s_.settings.correction);
-    c.target = want.target;
-    c.push = want.push;
+    real target = want.target;
     if constexpr (state_type::continuous) {
-      const bool rebounds = c.target > 0;
-      c.target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
-      if constexpr (paired) c.target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
+      const bool rebounds = target > 0;
+      target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
+      if constexpr (paired) target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
     }
-    if constexpr (law::friction) c.friction = want.friction;
+    c.target = static_cast<decltype(c.target)>(target);
+    c.push = static_cast<decltype(c.push)>(want.push);
+    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
     const contact_key key{a_.id[i], b_.id[j], g.feature};
     if (x.foreign) return list_.add_foreign(c, key);
     x.made = true;
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else
-      list_.add(c, key, x.moves_a, x.moves_b, x.last);
+      list_.add(c, key, x.moves_a, x.moves_b, x.last, at_rim(i, j));
   }
 
+  /// Whether the velocity of one of them is sent to other ranks.
+  bool at_rim(std::size_t i, std::size_t j) const {
+    if constexpr (state_type::link_type::alone)
+      return (void)i, (void)j, false;
+    else
+      return !s_.at_rim.empty() && (s_.at_rim[first_a_ + i] || (paired && s_.at_rim[first_b_ + j]));
+  }
   /// A contact that is farther than the slack and does not close within the step is no contact.
   bool parts_before_touching(const pair_at_hand& p, const contact_geometry& g,
                              const vec3& u) const {
@@ -257,6 +271,13 @@ class contact_maker {
     if (t == never) return {0, 0, 0};
     return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
   }
+  template <class Store>
+  real margin_in_step(const Store& store, std::size_t i) const {
+    if constexpr (Store::shape_type::finite)
+      return reach_of(store, i, s_.dt) - store.shape[i].bounding_radius();
+    else
+      return (void)store, (void)i, 0;
+  }
   /// Acceleration of the surfaces by gravity and by the forces and torques on the two bodies.
   real pull(std::size_t i, std::size_t j) const {
     real sum = gravity_;
@@ -291,13 +312,16 @@ class contact_maker {
   }
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {
-    c.normal = g.normal;
     if constexpr (requires { c.r; }) {  // a general contact
+      c.normal = g.normal;
       c.arm_a = arm_a;
       c.arm_b = arm_b;
-    } else if constexpr (law::friction) {
-      c.arm_a = -g.normal.dot(arm_a);
-      c.arm_b = g.normal.dot(arm_b);
+    } else {
+      c.normal = in_scalar<number>(g.normal);
+      if constexpr (law::friction) {
+        c.arm_a = static_cast<number>(-g.normal.dot(arm_a));
+        c.arm_b = static_cast<number>(g.normal.dot(arm_b));
+      }
     }
   }
 

@@ -15,6 +15,7 @@
 #include "talus/response/free_flight.hpp"
 #include "talus/world/energy_ledger.hpp"
 #include "talus/world/shared_velocities.hpp"
+#include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -23,7 +24,7 @@ namespace talus::detail {
 template <class Scenario, class Store>
 [[nodiscard]] vec3 acceleration_of(const world_state<Scenario>& s, const Store& store,
                                    std::size_t i) {
-  if (store.inverse_mass[i] == 0) return {0, 0, 0};
+  if (!store.moves(i)) return {0, 0, 0};
   vec3 a = s.gravity;
   if constexpr (Store::forced) a += store.inverse_mass[i] * store.force[i];
   return a;
@@ -245,10 +246,10 @@ template <class Scenario, class Store>
   f.orientation = store.pose(i).orientation;
   if (store.inverse_mass[i] == 0) return f;
   const real t = s.impacts.time[body];
-  f.velocity = s.solver.bodies[body].v;
+  f.velocity = solved_velocity(s, store, i, body);
   if (t != never) f.velocity += (real(0.5) * t) * acceleration_of(s, store, i);
   if constexpr (Store::tensor) {
-    f.spin = s.solver.bodies[body].w;
+    f.spin = solved_spin(s, store, i, body);
     f.inertia = store.shape[i].inertia();
   }
   return f;

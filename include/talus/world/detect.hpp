@@ -13,6 +13,8 @@ template <class Scenario>
 void detect(world_state<Scenario>& s) {
   s.each_contact_list([](auto& list) { list.clear(); });
   if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
+  if constexpr (world_state<Scenario>::sleeps)
+    if (all_rest(s)) return count_bodies(s);
   if constexpr (world_state<Scenario>::continuous) {
     prepare_detection(s);
     follow_flights(s, [&] { each_close_pair<impact_finder>(s); });

@@ -4,6 +4,7 @@
 
 #include "talus/response/contact_work.hpp"
 #include "talus/response/integrate.hpp"
+#include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -69,7 +70,7 @@ void open_energy(world_state<Scenario>& s) {
 template <class Scenario>
 void book_contacts(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
-  const solver_state& solver = s.solver;
+  const auto& solver = s.solver;
   s.each_contact_list([&]<class List>(const List& list) {
     list.each_acting([&](const auto& c, bool on_a, bool on_b) {
       using contact = std::remove_cvref_t<decltype(c)>;
@@ -104,34 +105,35 @@ void book_contacts(world_state<Scenario>& s) {
 template <class Scenario>
 void book_response(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
-  const solver_state& solver = s.solver;
+  const auto& solver = s.solver;
   const real kept = s.damping == 1 ? 1 : std::pow(s.damping, s.dt), lost = 1 - kept * kept;
   r.mean.resize(solver.bodies.size());
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
-      const solver_body& after = solver.bodies[b.first + i];
-      r.mean[b.first + i] = {0.5 * (b.movable.velocity[i] + after.v),
-                             0.5 * (b.movable.angular_velocity[i] + after.w)};
+      const std::size_t k = b.first + i;
+      r.mean[k] = {0.5 * (b.movable.velocity[i] + solved_velocity(s, b.movable, i, k)),
+                   0.5 * (b.movable.angular_velocity[i] + solved_spin(s, b.movable, i, k))};
     }
   });
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
     using store_type = std::remove_cvref_t<decltype(store)>;
     const real mass = 1 / store.inverse_mass[i];
     const auto& mean = r.mean[k];
-    const solver_body& after = solver.bodies[k];
+    const vec3& v = solved_velocity(s, store, i, k);
+    const vec3& w = solved_spin(s, store, i, k);
     const vec3 pull = (s.dt * mass) * s.gravity;
     // Gravity speeds up at the mean velocity and falls at the last one.
-    r.running.scheme += pull.dot(mean.v - kept * after.v);
+    r.running.scheme += pull.dot(mean.v - kept * v);
     if constexpr (store_type::forced)
       r.running.work += s.dt * (store.force[i].dot(mean.v) + store.torque[i].dot(mean.w));
     if constexpr (world_state<Scenario>::law::correction)
-      r.running.correction += -pull.dot(solver.shift[k].v);
+      r.running.correction += -pull.dot(in_scalar<real>(solver.shift[k].v));
     if constexpr (divides_the_step<typename Scenario::solver>)
       r.running.scheme += -pull.dot(solver.drift[k].v);
     const bool damped = kept != 1;
     if (!damped && !store_type::tensor) return;
-    const real spin = twice_spin_energy(store, i, store.pose(i).orientation, after.w);
-    if (damped) r.running.damping += (0.5 * lost) * (mass * after.v.squaredNorm() + spin);
+    const real spin = twice_spin_energy(store, i, store.pose(i).orientation, w);
+    if (damped) r.running.damping += (0.5 * lost) * (mass * v.squaredNorm() + spin);
     if constexpr (store_type::tensor) r.running.scheme += -0.5 * kept * kept * spin;
   });
   book_contacts(s);

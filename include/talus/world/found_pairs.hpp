@@ -1,36 +1,94 @@
 #pragma once
 // Pairs of bodies that may touch, as they were found last; see world/close_pairs.hpp.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "talus/contact/place.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 
 namespace talus::detail {
+
+/// What is found out about the surroundings of a body holds while the body moves by this part of
+/// its bounding radius, or of the mean one if that is less; and by what it moves in some steps, or
+/// few fast ones would have it found out all the time.
+inline constexpr real skin_part = 0.1;
+inline constexpr int skin_steps = 8;
+
+[[nodiscard]] inline real skin_of(real radius, real mean, real speed, real dt) {
+  return skin_part * std::min(mean, radius) + std::min(skin_steps * dt * speed, radius);
+}
+
+/// Where a body was when its surroundings were looked at, and how far around.
+struct noted_body {
+  system_id id = no_id;
+  vec3 position{0, 0, 0};
+  real reach = 0;  ///< with its skin
+
+  /// Whether what was found holds for a body with this reach.
+  [[nodiscard]] bool covers(system_id now, const vec3& p, real reach_now) const {
+    const real left = reach - reach_now;
+    return id == now && left >= 0 && (p - position).squaredNorm() <= left * left;
+  }
+};
+
+inline constexpr std::uint32_t nobody = 0xffffffffu;
+
+/// The numbers that bodies had before, or `nobody`; most have kept theirs.
+[[nodiscard]] inline plain_vector<std::uint32_t> numbers_before(
+    const plain_vector<noted_body>& before, std::span<const system_id> now) {
+  plain_vector<std::pair<system_id, std::uint32_t>> others;
+  const auto stayed = [&](std::size_t i) {
+    return i < before.size() && i < now.size() && before[i].id == now[i];
+  };
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (!stayed(i)) others.emplace_back(before[i].id, static_cast<std::uint32_t>(i));
+  sort_values(others);
+  plain_vector<std::uint32_t> was(now.size());
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    was[i] = static_cast<std::uint32_t>(i);
+    if (stayed(i)) continue;
+    const auto at = std::lower_bound(others.begin(), others.end(), std::pair{now[i], 0u});
+    was[i] = at != others.end() && at->first == now[i] ? at->second : nobody;
+  }
+  return was;
+}
+/// The reverse: what number each of `count` bodies has now.
+[[nodiscard]] inline plain_vector<std::uint32_t> numbers_now(const plain_vector<std::uint32_t>& was,
+                                                             std::size_t count) {
+  plain_vector<std::uint32_t> now(count, nobody);
+  for (std::size_t i = 0; i < was.size(); ++i)
+    if (was[i] != nobody) now[was[i]] = static_cast<std::uint32_t>(i);
+  return now;
+}
 
 struct close_pair {
   std::uint32_t i, j;  ///< indices into the bodies of two shapes
   history_place last;  ///< where the history keeps what their contacts had in the last step
 };
 
-/// One list for each pair of shapes, and where the bodies were when the pairs were found.
+/// One list for each pair of shapes, and where the bodies of each shape were when the pairs were
+/// found.
 struct found_pairs {
-  struct body {
-    system_id id = no_id;
-    vec3 position{0, 0, 0};
-    real reach = 0;  ///< with its skin
+  struct shape {
+    plain_vector<noted_body> bodies;
+    std::size_t locals = 0;  ///< the first so many are owned here
   };
   std::vector<plain_vector<close_pair>> lists;
-  plain_vector<body> bodies;
+  std::vector<shape> shapes;
   bool known = false;
   int steps = 0;  ///< for which they have held
   int pause = 0;  ///< steps for which keeping pairs is not worth it: bodies move too fast
 
   [[nodiscard]] std::size_t bytes() const {
-    std::size_t sum = bodies.capacity() * sizeof(body);
+    std::size_t sum = 0;
+    for (const shape& s : shapes) sum += s.bodies.capacity() * sizeof(noted_body);
     for (const auto& list : lists) sum += list.capacity() * sizeof(close_pair);
     return sum;
   }

@@ -25,9 +25,11 @@ struct contact_residual {
 namespace detail {
 
 /// Gives shadow copies what their owners have, in two solver states of the last step.
-template <class Scenario>
-void refresh_last_step(world_state<Scenario>& s, solver_state& x, solver_state& y) {
-  constexpr std::size_t bytes = 4 * sizeof(vec3);
+template <class Scenario, class Real>
+void refresh_last_step(world_state<Scenario>& s, solver_state_of<Real>& x,
+                       solver_state_of<Real>& y) {
+  using vector = vector3<Real>;
+  constexpr std::size_t bytes = 4 * sizeof(vector);
   const auto each = [&](std::uint32_t i, auto&& f) {
     f(x.bodies[i].v), f(x.bodies[i].w), f(y.bodies[i].v), f(y.bodies[i].w);
   };
@@ -38,14 +40,14 @@ void refresh_last_step(world_state<Scenario>& s, solver_state& x, solver_state& 
     p.in.resize(other.received.size() * bytes);
     std::byte* to = p.out.data();
     for (const auto i : other.sent)
-      each(i, [&](const vec3& v) { std::memcpy(to, v.data(), sizeof v), to += sizeof v; });
+      each(i, [&](const vector& v) { std::memcpy(to, v.data(), sizeof v), to += sizeof v; });
   }
   s.link->start_fixed(parcels);
   s.link->finish_fixed(parcels);
   for (std::size_t n = 0; n < parcels.size(); ++n) {
     const std::byte* from = parcels[n].in.data();
     for (const auto i : s.travelled[n].received)
-      each(i, [&](vec3& v) { std::memcpy(v.data(), from, sizeof v), from += sizeof v; });
+      each(i, [&](vector& v) { std::memcpy(v.data(), from, sizeof v), from += sizeof v; });
   }
 }
 
@@ -54,7 +56,7 @@ void refresh_last_step(world_state<Scenario>& s, solver_state& x, solver_state& 
 template <class Scenario>
 contact_residual last_residual(world_state<Scenario>& s) {
   // Velocities at the end, and what the impulses gave to them: u and W r are read from these.
-  solver_state after = s.solver, given = s.solver;
+  auto after = s.solver, given = s.solver;
   for (auto& body : given.bodies) body.v = body.w = {0, 0, 0};
   s.each_contact_list([&](const auto& list) {
     if constexpr (requires { list.apply_remembered(given); }) list.apply_remembered(given);

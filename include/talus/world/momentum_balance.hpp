@@ -4,6 +4,7 @@
 
 #include "talus/response/contact_work.hpp"
 #include "talus/world/energy_ledger.hpp"
+#include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -14,15 +15,16 @@ template <class Scenario>
 void book_momentum(world_state<Scenario>& s) {
   momentum_record& r = s.monitors.momentum;
   r = {};
-  const solver_state& solver = s.solver;
+  const auto& solver = s.solver;
   const real lost = s.damping == 1 ? 0 : 1 - std::pow(s.damping, s.dt);
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
+    if (!store.moves(i)) return;
     const real mass = 1 / store.inverse_mass[i];
     r.before += vec3(mass * store.velocity[i]);
     r.gravity += vec3((s.dt * mass) * s.gravity);
     if constexpr (std::remove_cvref_t<decltype(store)>::forced)
       r.forces += vec3(s.dt * store.force[i]);
-    if (lost != 0) r.damping += vec3((-lost * mass) * solver.bodies[k].v);
+    if (lost != 0) r.damping += vec3((-lost * mass) * solved_velocity(s, store, i, k));
     r.mass += mass;
   });
   s.each_contact_list([&](const auto& list) {

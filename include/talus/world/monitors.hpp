@@ -22,13 +22,15 @@ struct energy_flows {
   double correction = 0;  ///< added by the correction of overlaps
   double scheme = 0;      ///< added by the time stepping: -m g^2 dt^2/2 per step of a free fall,
                           ///< and what the scheme of rotation does
+  double sleep = 0;       ///< dissipated where islands went to sleep
 
   [[nodiscard]] double net() const {
-    return work + correction + scheme - friction - impact - damping;
+    return work + correction + scheme - friction - impact - damping - sleep;
   }
   energy_flows& operator+=(const energy_flows& x) {
     work += x.work, friction += x.friction, impact += x.impact;
     damping += x.damping, correction += x.correction, scheme += x.scheme;
+    sleep += x.sleep;
     return *this;
   }
 };
@@ -47,10 +49,10 @@ struct energy_record {
     vec3 v, w;
   };
   struct running_flows {
-    compensated_sum<double> work, friction, impact, damping, correction, scheme;
+    compensated_sum<double> work, friction, impact, damping, correction, scheme, sleep;
     [[nodiscard]] energy_flows value() const {
-      return {work.value(),    friction.value(),   impact.value(),
-              damping.value(), correction.value(), scheme.value()};
+      return {work.value(),       friction.value(), impact.value(), damping.value(),
+              correction.value(), scheme.value(),   sleep.value()};
     }
   };
 

@@ -5,6 +5,7 @@
 #include "talus/response/integrate.hpp"
 #include "talus/world/continuous.hpp"
 #include "talus/world/shared_velocities.hpp"
+#include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -12,7 +13,8 @@ namespace talus::detail {
 /// Fills the solver's arrays: velocities after forces, inverse masses and inertias.
 template <class Scenario>
 void gather_velocities(world_state<Scenario>& s) {
-  solver_state& solver = s.solver;
+  using number = solved_scalar<Scenario>;
+  auto& solver = s.solver;
   solver.speed = s.dt * s.gravity.norm();
   solver.tensors.resize(solver.bodies.size() - solver.first_tensor);
   if constexpr (world_state<Scenario>::law::correction) {
@@ -28,27 +30,27 @@ void gather_velocities(world_state<Scenario>& s) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.size(); ++i) {
-      solver_body& body = solver.bodies[b.first + i];
-      const real inverse_mass = store.inverse_mass[i];
-      body.v = store.velocity[i];
-      body.w = store.angular_velocity[i];
-      body.inverse_mass = inverse_mass;
+      auto& body = solver.bodies[b.first + i];
+      const real inverse_mass = store.asleep(i) ? 0 : store.inverse_mass[i];
+      body.inverse_mass = static_cast<number>(inverse_mass);
       body.inverse_inertia = 0;
       if constexpr (world_state<Scenario>::law::correction)
-        solver.shift[b.first + i] = {vec3(0, 0, 0), inverse_mass};
-      if constexpr (store_type::tensor) solver.tensors[b.first + i - solver.first_tensor].setZero();
-      if (inverse_mass == 0) continue;
-      body.v += s.dt * s.gravity;
-      if constexpr (store_type::forced) body.v += (s.dt * inverse_mass) * store.force[i];
+        solver.shift[b.first + i] = {{0, 0, 0}, body.inverse_mass};
       if constexpr (store_type::tensor) {
-        const vec3 inverse_moments = inverse_mass * store.shape[i].inertia().cwiseInverse();
         mat3& tensor = solver.tensors[b.first + i - solver.first_tensor];
-        tensor = inverse_tensor(store.orientation_of[i], inverse_moments);
-        if constexpr (store_type::forced) body.w += s.dt * (tensor * store.torque[i]);
-      } else {
-        body.inverse_inertia = inverse_mass * (1 / store.shape[i].inertia()[0]);
-        if constexpr (store_type::forced) body.w += (s.dt * body.inverse_inertia) * store.torque[i];
+        if (inverse_mass == 0) {
+          tensor.setZero();
+        } else {
+          const vec3 inverse_moments = inverse_mass * store.shape[i].inertia().cwiseInverse();
+          tensor = inverse_tensor(store.orientation_of[i], inverse_moments);
+        }
+      } else if (inverse_mass != 0) {
+        body.inverse_inertia =
+            static_cast<number>(inverse_mass * (1 / store.shape[i].inertia()[0]));
       }
+      body.v = in_scalar<number>(free_velocity(s, store, i));
+      body.w = in_scalar<number>(free_spin(s, store, i, b.first + i));
+      if (inverse_mass == 0) continue;
       if constexpr (divided)
         solver.gain[b.first + i] = {body.v - store.velocity[i], body.w - store.angular_velocity[i]};
     }
@@ -58,6 +60,8 @@ void gather_velocities(world_state<Scenario>& s) {
 /// Solves the contact problem: afterwards the solver's velocities fulfil the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
+    if (s.settings.tolerance == 0 && all_rest(s)) return;  // no rank waits for this one
   gather_velocities(s);
   s.each_contact_list([&](auto& list) { list.recall(s.history); });
   s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
@@ -73,16 +77,15 @@ void respond(world_state<Scenario>& s) {
 /// Moves the bodies owned here with their new velocities.
 template <class Scenario>
 void integrate(world_state<Scenario>& s) {
-  const solver_state& solver = s.solver;
+  const auto& solver = s.solver;
   const real kept = s.damping == 1 ? 1 : std::pow(s.damping, s.dt);
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.locals; ++i) {
-      if (store.inverse_mass[i] == 0) continue;
-      const solver_body& body = solver.bodies[b.first + i];
-      store.velocity[i] = kept * body.v;
-      store.angular_velocity[i] = kept * body.w;
+      if (!store.moves(i)) continue;
+      store.velocity[i] = kept * solved_velocity(s, store, i, b.first + i);
+      store.angular_velocity[i] = kept * solved_spin(s, store, i, b.first + i);
       vec3 rate = store.velocity[i];
       real left = s.dt;
       if constexpr (world_state<Scenario>::continuous)
@@ -93,7 +96,8 @@ void integrate(world_state<Scenario>& s) {
           if constexpr (watches<Scenario, energy_ledger>)
             book_stop(s, store, i, s.dt * (store.velocity[i] - rate));
         }
-      if constexpr (world_state<Scenario>::law::correction) rate += solver.shift[b.first + i].v;
+      if constexpr (world_state<Scenario>::law::correction)
+        rate += in_scalar<real>(solver.shift[b.first + i].v);
       constexpr bool divided = divides_the_step<typename Scenario::solver>;
       if constexpr (divided) rate += solver.drift[b.first + i].v;
       store.position[i] += s.dt * rate;

@@ -51,20 +51,21 @@ struct travelling_velocities {
   plain_vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
 };
 
-template <class Shapes, class Law>
+template <class Shapes, class Law, class Real>
 struct hard_response {
-  using lists_type = contact_lists_of<Shapes, Law>;
+  using lists_type = contact_lists_of<Shapes, Law, Real>;
   using history_type = history_of<typename Law::memory>;
 
   solver_settings settings;
   lists_type contacts;
   history_type history;
-  solver_state solver;
-  shared_islands islands;  ///< where there are ranks
+  solver_state_of<Real> solver;
+  shared_islands<solver_state_of<Real>> islands;  ///< where there are ranks
   talus::convergence convergence;
   std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
   std::vector<travelling_velocities> travelled;   ///< in the last step
   std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
+  plain_vector<char> at_rim;  ///< of the bodies in solver indices: whether any velocity is sent
 };
 
 template <class Law>
@@ -77,12 +78,12 @@ struct soft_response {
   soft_state<Law> soft;
 };
 
-template <class Shapes, class Law>
+template <class Shapes, class Law, class Real>
 struct response_of {
-  using type = hard_response<Shapes, Law>;
+  using type = hard_response<Shapes, Law, Real>;
 };
-template <class Shapes, class Law>
-requires(Law::soft) struct response_of<Shapes, Law> {
+template <class Shapes, class Law, class Real>
+requires(Law::soft) struct response_of<Shapes, Law, Real> {
   using type = soft_response<Law>;
 };
 

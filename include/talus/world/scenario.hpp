@@ -6,6 +6,7 @@
 #include "talus/body/features.hpp"
 #include "talus/contact/law.hpp"
 #include "talus/contact/soft_law.hpp"
+#include "talus/core/precision.hpp"
 #include "talus/detect/policy.hpp"
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/policy.hpp"
@@ -73,6 +74,9 @@ struct argument_of_scenario {
   static_assert(!is_part<Type, roles::integrator>,
                 "scenario<...> takes an integrator inside integrator<...>: write "
                 "integrator<semi_implicit_euler> for a bare semi_implicit_euler");
+  static_assert(!is_part<Type, roles::precision>,
+                "scenario<...> takes a precision inside precision<...>: write "
+                "precision<mixed_precision> for a bare mixed_precision");
   static_assert(!is_part<Type, roles::features>,
                 "scenario<...> takes a feature inside features<...>: write features<orientation> "
                 "for a bare orientation, and likewise for this type");
@@ -133,9 +137,15 @@ struct scenario final {
   template <class Feature>
   static constexpr bool names = detail::contains_type<typename features_policy::list, Feature>;
   static_assert(
-      !law_policy::soft || !(names<residual_monitor> || names<continuous_collision>),
+      !law_policy::soft ||
+          !(names<residual_monitor> || names<continuous_collision> || names<sleeping>),
       "scenario<...> names soft_contact<...> and a feature that needs the impulses of hard "
-      "contacts: remove residual_monitor and continuous_collision, or use hard_contact<...>");
+      "contacts: remove residual_monitor, continuous_collision and sleeping, or use "
+      "hard_contact<...>");
+  static_assert(!names<sleeping> || !names<continuous_collision>,
+                "scenario<...> names sleeping and continuous_collision, but bodies that are "
+                "followed on their way cannot wake what they strike within the step: keep one of "
+                "them");
   using kept_features =
       std::conditional_t<verlet,
                          detail::list_with<typename features_policy::list, detail::contact_forces>,
@@ -144,6 +154,13 @@ struct scenario final {
                     !names<continuous_collision>,
                 "scenario<...> names solver<small_steps> and continuous_collision, but both divide "
                 "the step: keep one of them");
+  static constexpr bool in_double = std::is_same_v<typename precision_policy::type, double>;
+  static_assert(in_double || !law_policy::soft,
+                "scenario<...> names soft_contact<...> and a precision other than double, but soft "
+                "contacts are computed in double: remove the precision, or use hard_contact<...>");
+  static_assert(in_double || std::is_same_v<typename solver_policy::type, nonlinear_gauss_seidel>,
+                "scenario<...> names a precision other than double and a solver that works in "
+                "double: remove the precision, or use solver<nonlinear_gauss_seidel>");
   static_assert(law_policy::soft || !verlet,
                 "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "
                 "are no forces that it could use: remove the integrator, or use "

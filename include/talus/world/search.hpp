@@ -40,7 +40,7 @@ template <class Scenario, class Store>
   if constexpr (world_state<Scenario>::law::soft)
     return store.shape[i].bounding_radius();
   else
-    return reach_of(store, i, s.dt);
+    return reach_of(store, i, steps_ahead(s) * s.dt);
 }
 
 /// Sorts the bodies of each shape into its grid; reach(store, i, index in the solver's arrays) says
@@ -108,11 +108,10 @@ void each_close_pair(world_state<Scenario>& s, Make&& make) {
             against(i, j, margin(a.movable, a.reach, i), margin(b.global, b.global_reach, j));
           });
       } else {
-        // Those of other ranks too, where contacts among them may be wanted, in this step or later.
-        const std::size_t count =
-            world_state<Scenario>::islands_across_ranks ? a.movable.size() : a.movable.locals;
+        // Those of other ranks too: pairs that are kept may come to be owned here.
         for (std::size_t j = 0; j < b.global.size(); ++j)
-          for (std::size_t i = 0; i < count; ++i) against(i, j, margin(a.movable, a.reach, i), 0);
+          for (std::size_t i = 0; i < a.movable.size(); ++i)
+            against(i, j, margin(a.movable, a.reach, i), 0);
       }
     });
   });

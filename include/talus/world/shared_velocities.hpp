@@ -16,6 +16,8 @@ template <class Scenario>
 class shared_velocities {
  public:
   using state_type = world_state<Scenario>;
+  using number = solved_scalar<Scenario>;
+  using solver_type = solver_state_of<number>;
   static constexpr bool alone = state_type::link_type::alone;
   /// Whether the correction of overlaps turns bodies: some have a tensor of inertia.
   static constexpr bool turning =
@@ -26,7 +28,7 @@ class shared_velocities {
   /// Besides the velocities: into how many parts each body's mass is split at the boundary, and
   /// what shared islands need to know of it.
   void share_velocities_and_counts() {
-    exchange<10>(
+    exchange<10, real>(
         [&](std::uint32_t i, real* out) {
           put_velocity(i, out);
           out[6] = s_.solver.boundary_contacts[i];
@@ -49,15 +51,20 @@ class shared_velocities {
     std::vector<travelling_bodies> travelling;
     for (const auto& other : s_.travelling)
       travelling.push_back({other.rank, other.sent, other.received});
-    s_.islands.look(access_to(lists), s_.solver, s_.link->rank(), travelling);
+    s_.islands.look(access_to<solver_type>(lists), s_.solver, s_.link->rank(), travelling);
   }
   template <class Lists>
   void solve_shared_islands(Lists& lists) {
-    s_.islands.solve(access_to(lists), s_.solver);
+    s_.islands.solve(access_to<solver_type>(lists), s_.solver);
   }
-  void share_velocities() {
-    exchange<6>([&](std::uint32_t i, real* out) { put_velocity(i, out); },
-                [&](std::uint32_t i, const real* in) { get_velocity(i, in); });
+  void share_velocities() { start_velocities(), finish_velocities(); }
+  /// The same in two halves: in between what is sent may not change, and what is received is not
+  /// there yet.
+  void start_velocities() {
+    start<6, number>([&](std::uint32_t i, number* out) { put_velocity(i, out); });
+  }
+  void finish_velocities() {
+    finish<6, number>([&](std::uint32_t i, const number* in) { get_velocity(i, in); });
   }
   /// Sums over all ranks, to be taken by finish_reduce() later.
   void start_reduce(std::span<const double> sums) { s_.link->start_reduce(reduction::sum, sums); }
@@ -67,51 +74,56 @@ class shared_velocities {
   }
   /// One value of each body.
   void share_values(plain_vector<real>& values) {
-    exchange<1>([&](std::uint32_t i, real* out) { out[0] = values[i]; },
-                [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
+    exchange<1, real>([&](std::uint32_t i, real* out) { out[0] = values[i]; },
+                      [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
   }
-  void share_corrections() {
-    solver_state& solver = s_.solver;
-    if constexpr (!turning)
-      exchange<3>(
-          [&](std::uint32_t i, real* out) {
-            for (int k = 0; k < 3; ++k) out[k] = solver.shift[i].v[k];
-          },
-          [&](std::uint32_t i, const real* in) {
-            for (int k = 0; k < 3; ++k) solver.shift[i].v[k] = in[k];
-          });
-    else
-      exchange<6>(
-          [&](std::uint32_t i, real* out) {
-            const bool turns = i >= solver.first_tensor;
-            for (int k = 0; k < 3; ++k) {
-              out[k] = solver.shift[i].v[k];
-              out[3 + k] = turns ? solver.turn[i - solver.first_tensor].w[k] : 0;
-            }
-          },
-          [&](std::uint32_t i, const real* in) {
-            const bool turns = i >= solver.first_tensor;
-            for (int k = 0; k < 3; ++k) {
-              solver.shift[i].v[k] = in[k];
-              if (turns) solver.turn[i - solver.first_tensor].w[k] = in[3 + k];
-            }
-          });
+  void start_corrections() {
+    const solver_type& solver = s_.solver;
+    start<of_correction, correction>([&](std::uint32_t i, correction* out) {
+      const bool turns = turning && i >= solver.first_tensor;
+      for (int k = 0; k < 3; ++k) {
+        out[k] = solver.shift[i].v[k];
+        if (turning) out[3 + k] = turns ? solver.turn[i - solver.first_tensor].w[k] : 0;
+      }
+    });
+  }
+  void finish_corrections() {
+    solver_type& solver = s_.solver;
+    finish<of_correction, correction>([&](std::uint32_t i, const correction* in) {
+      const bool turns = turning && i >= solver.first_tensor;
+      for (int k = 0; k < 3; ++k) {
+        solver.shift[i].v[k] = static_cast<number>(in[k]);
+        if (turns) solver.turn[i - solver.first_tensor].w[k] = in[3 + k];
+      }
+    });
   }
 
  private:
-  void put_velocity(std::uint32_t i, real* out) const {
-    const solver_body& b = s_.solver.bodies[i];
+  static constexpr int of_correction = turning ? 6 : 3;
+  using correction = std::conditional_t<turning, real, number>;
+
+  template <class Real>
+  void put_velocity(std::uint32_t i, Real* out) const {
+    const solver_body_of<number>& b = s_.solver.bodies[i];
     for (int k = 0; k < 3; ++k) out[k] = b.v[k], out[3 + k] = b.w[k];
   }
-  void get_velocity(std::uint32_t i, const real* in) {
-    solver_body& b = s_.solver.bodies[i];
-    for (int k = 0; k < 3; ++k) b.v[k] = in[k], b.w[k] = in[3 + k];
+  template <class Real>
+  void get_velocity(std::uint32_t i, const Real* in) {
+    solver_body_of<number>& b = s_.solver.bodies[i];
+    for (int k = 0; k < 3; ++k)
+      b.v[k] = static_cast<number>(in[k]), b.w[k] = static_cast<number>(in[3 + k]);
   }
 
-  template <int Scalars, class Put, class Get>
+  template <int Scalars, class Real, class Put, class Get>
   void exchange(Put&& put, Get&& get) {
-    constexpr std::size_t bytes = Scalars * sizeof(real);
-    real values[Scalars];
+    start<Scalars, Real>(put);
+    finish<Scalars, Real>(get);
+  }
+  template <int Scalars, class Real, class Put>
+  void start(Put&& put) {
+    constexpr std::size_t bytes = Scalars * sizeof(Real);
+    const stage_clock clock(s_.seconds.exchange);
+    Real values[Scalars];
     std::size_t count = 0;
     for (const auto& other : s_.travelling) {
       parcel& p = s_.velocity_parcels[count++];
@@ -124,10 +136,15 @@ class shared_velocities {
         to += bytes;
       }
     }
-    const stage_clock clock(s_.seconds.exchange);
     s_.link->start_fixed(s_.velocity_parcels);
+  }
+  template <int Scalars, class Real, class Get>
+  void finish(Get&& get) {
+    constexpr std::size_t bytes = Scalars * sizeof(Real);
+    const stage_clock clock(s_.seconds.exchange);
     s_.link->finish_fixed(s_.velocity_parcels);
-    count = 0;
+    Real values[Scalars];
+    std::size_t count = 0;
     for (const auto& other : s_.travelling) {
       const std::byte* from = s_.velocity_parcels[count++].in.data();
       for (const std::uint32_t i : other.received) {

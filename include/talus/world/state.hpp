@@ -22,6 +22,7 @@
 #include "talus/world/monitors.hpp"
 #include "talus/world/response_state.hpp"
 #include "talus/world/scenario.hpp"
+#include "talus/world/sleep_state.hpp"
 #include "talus/world/stage_clock.hpp"
 
 namespace talus {
@@ -66,6 +67,16 @@ struct neighbour {
   }
 };
 
+/// Where the own bodies were when those were chosen of which the neighbours hold copies, and how
+/// far that reached; see world/shadow_copies.hpp.
+template <std::size_t Shapes>
+struct copy_choice {
+  std::array<plain_vector<noted_body>, Shapes> bodies;  ///< by shape
+  plain_vector<real> reach;  ///< of each neighbour's bodies, as it was then
+  real announced = 0;        ///< reach of the bodies here, as neighbours know it
+};
+struct no_copy_choice {};
+
 /// When bodies strike something in the step under way; see world/continuous.hpp.
 struct impact_times {
   plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
@@ -81,7 +92,8 @@ struct shares_data : std::bool_constant<packs_itself<Shape>> {};
 
 template <class Scenario>
 using response_state =
-    typename response_of<typename Scenario::shapes, typename Scenario::contact_law>::type;
+    typename response_of<typename Scenario::shapes, typename Scenario::contact_law,
+                         solved_scalar<Scenario>>::type;
 
 /// The contacts and what finds their impulses or forces are in the base.
 template <class Scenario>
@@ -117,6 +129,10 @@ struct world_state : response_state<Scenario> {
       contains_type<typename Scenario::features, continuous_collision>;
   [[no_unique_address]] std::conditional_t<continuous, impact_times, no_impact_times> impacts;
 
+  /// Whether islands at rest are left out of the steps.
+  static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
+  [[no_unique_address]] std::conditional_t<sleeps, sleep_state<history_type>, no_sleep_state> sleep;
+
   /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
   /// what a rank finds among bodies of others is not what they find.)
   static constexpr bool islands_across_ranks = !link_type::alone && !law::soft && !continuous &&
@@ -132,6 +148,9 @@ struct world_state : response_state<Scenario> {
   bool strangers = false;       ///< some neighbours are not connected to each other
   bool changed = true;          ///< bodies were added, removed or changed since the last handover
 
+  [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
+                                           copy_choice<shape_count>>
+      choice;
   found_pairs found;
   stage_seconds seconds;
   step_traffic sent;

@@ -8,7 +8,9 @@
 #include "talus/world/last_residual.hpp"
 #include "talus/world/momentum_balance.hpp"
 #include "talus/world/respond.hpp"
+#include "talus/world/sleep.hpp"
 #include "talus/world/soft_step.hpp"
+#include "talus/world/sort_bodies.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -33,10 +35,13 @@ void step(world_state<Scenario>& s, real dt) {
   constexpr bool watched = booked || watches<Scenario, momentum_balance>;
   constexpr bool verlet = std::is_same_v<typename Scenario::integrator, velocity_verlet>;
   s.dt = dt;
+  if (s.steps % steps_between_sorts == 0) sort_bodies(s);
   announce_changes(s);
   if constexpr (!Scenario::contact_law::soft) {
     if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
     detect_stage([&] { detect(s); });  // contacts of local bodies with each other, copies, globals
+    if constexpr (world_state<Scenario>::sleeps)  // islands that something comes near wake
+      detect_stage([&] { rouse(s, [&] { detect(s); }); });
     respond_stage([&] { respond(s); });  // velocities that fulfil the contact law
     if constexpr (watches<Scenario, energy_ledger>) book_response(s);
     if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
@@ -45,8 +50,10 @@ void step(world_state<Scenario>& s, real dt) {
         limit_flights(s, [&] { each_close_pair<flight_stopper>(s); });
       });
     integrate_stage([&] { integrate(s); });  // positions of the bodies owned here
-    if constexpr (watches<Scenario, energy_ledger>) book_motion(s), close_energy(s);
+    if constexpr (watches<Scenario, energy_ledger>) book_motion(s);
     if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
+    if constexpr (world_state<Scenario>::sleeps) integrate_stage([&] { rest(s); });
+    if constexpr (watches<Scenario, energy_ledger>) close_energy(s);
   } else if constexpr (verlet) {
     if constexpr (watched) open_soft(s);
     if constexpr (booked) survey_at_start(s);

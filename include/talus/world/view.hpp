@@ -7,6 +7,7 @@
 #include "talus/body/body.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/sections.hpp"
+#include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus {
@@ -31,6 +32,12 @@ class body_view {
   /// Whether the body is known on all ranks.
   [[nodiscard]] bool is_global() const { return global_; }
   [[nodiscard]] bool is_fixed() const { return store_->fixed(i_); }
+  /// Whether the body sleeps: its island is at rest and left out of the steps. Known on every rank
+  /// that knows the body.
+  [[nodiscard]] bool is_asleep() const {
+    if constexpr (detail::require_feature<Scenario, sleeping>()) return store_->asleep(i_);
+    return false;
+  }
 
   [[nodiscard]] const Shape& shape() const { return store_->shape[i_]; }
   [[nodiscard]] const vec3& position() const { return store_->position[i_]; }
@@ -97,6 +104,7 @@ class body_view {
     store_->inverse_mass[i_] = 0;
     store_->velocity[i_].setZero();
     store_->angular_velocity[i_].setZero();
+    if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Makes a fixed body movable again. A global body stays fixed: logic_error.
   void release() requires(Shape::finite) {
@@ -108,11 +116,18 @@ class body_view {
           id());
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
     store_->inverse_mass[i_] = 1 / mass();
+    if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
+  }
+  /// Wakes the island of the body, and begins its time of rest anew. (So does every change of a
+  /// body but that of its visibility.)
+  void wake() requires(Shape::finite) {
+    if constexpr (detail::require_feature<Scenario, sleeping>())
+      prepare_change("rest", vec3(0, 0, 0));
   }
   /// Pictures leave invisible bodies out; nothing else changes.
   void set_visible(bool visible) {
     if constexpr (detail::require_feature<Scenario, visibility>()) {
-      prepare_change("visibility", vec3(0, 0, 0));
+      prepare_change("visibility", vec3(0, 0, 0), false);
       if (visible)
         store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_invisible);
       else
@@ -149,7 +164,7 @@ class body_view {
           "outside of the global section",
           id());
   }
-  void prepare_change(const char* what, const vec3& value) {
+  void prepare_change(const char* what, const vec3& value, bool wakes = true) {
     if (!detail::finite(value))
       detail::fail<std::invalid_argument>("the {} of body {} must be finite, but is {}", what, id(),
                                           detail::text(value));
@@ -165,6 +180,8 @@ class body_view {
           "would differ: change it on all ranks, outside of the section",
           what, id(), s_->link->rank());
     if (!global_) s_->changed = true;
+    if constexpr (state_type::sleeps)
+      if (wakes) detail::disturb(*s_, *store_, i_);
   }
 
   state_type* s_;

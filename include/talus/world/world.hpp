@@ -129,12 +129,15 @@ class world {
   /// Properties of contacts between two materials, instead of the mean of theirs.
   void material_pair(material_id a, material_id b, const pair_material& p) {
     state_.materials.set_pair(a, b, p);
+    if constexpr (detail::world_state<Scenario>::sleeps) state_.sleep.all = true;
   }
   [[nodiscard]] const material_table& materials() const { return state_.materials; }
   /// Acceleration of all bodies.
   void gravity(const vec3& g) {
     sections_.require_all_ranks("gravity", rank());
     require_finite("the gravity", g);
+    if constexpr (detail::world_state<Scenario>::sleeps)
+      state_.sleep.all = state_.sleep.all || g != state_.gravity;
     state_.gravity = g;
   }
   [[nodiscard]] const vec3& gravity() const { return state_.gravity; }
@@ -146,6 +149,30 @@ class world {
             "the damping is the part of the velocity kept per unit of time, in (0, 1], but is {}",
             kept);
       state_.damping = kept;
+    }
+  }
+  /// When islands go to sleep: bodies joined by contacts, all of which have been slow for a while.
+  /// They stand still, and are left out of the steps, until something awake comes near, or the
+  /// user changes one of them, what they touch, gravity, or a pair of materials. Alike on all
+  /// ranks; throws invalid_argument for values that are not finite, a speed that is not positive,
+  /// or a negative time. Needs features<sleeping>.
+  void sleeping(const sleep_settings& how) {
+    if constexpr (detail::require_feature<Scenario, talus::sleeping>()) {
+      if (!(how.speed > 0) || !std::isfinite(how.speed) || !(how.time >= 0) ||
+          !std::isfinite(how.time))
+        detail::fail<std::invalid_argument>(
+            "islands go to sleep below a positive speed and after a time of 0 or more, both "
+            "finite, but they are {} and {}",
+            how.speed, how.time);
+      state_.sleep.settings = how;
+    }
+  }
+  /// Wakes all islands, in the next step. All ranks call it alike; for one island see
+  /// body_view::wake.
+  void wake() {
+    if constexpr (detail::require_feature<Scenario, talus::sleeping>()) {
+      sections_.require_all_ranks("wake", rank());
+      state_.sleep.all = true;
     }
   }
   [[nodiscard]] solver_settings& solver() requires(!Scenario::contact_law::soft) {
@@ -320,6 +347,12 @@ class world {
     }
   }
   void require_two_sided_connections();
+  /// What sleeps on a body that is no more has to wake.
+  void note_removal() {
+    if constexpr (detail::world_state<Scenario>::sleeps) {
+      if (!state_.sleep.asleep.empty()) state_.sleep.changed = state_.sleep.spreads = true;
+    }
+  }
   template <class Shape>
   void write(detail::body_store<Shape, typename Scenario::features>& store, std::size_t i,
              const body<Shape>& b, system_id id, bool fixed);

@@ -56,14 +56,18 @@ void world<Scenario>::write(detail::body_store<Shape, typename Scenario::feature
   store.flags[i] = fixed ? detail::flag_fixed : 0;
   store.inverse_mass[i] = 0;
   if constexpr (Shape::finite)
-    if (!fixed)
+    if (!fixed) {
       store.inverse_mass[i] = 1 / (state_.materials[b.material].density * b.shape.volume());
+      if constexpr (!std::is_same_v<typename Scenario::precision, double>)
+        detail::require_mass_for_float(1 / store.inverse_mass[i], Shape::name);
+    }
   if constexpr (store_type::oriented) store.orientation_of[i] = b.orientation.normalized();
   if constexpr (store_type::forced) {
     store.force[i] = vec3(0, 0, 0);
     store.torque[i] = vec3(0, 0, 0);
   }
   if constexpr (store_type::numbered) store.user_id[i] = b.user_id;
+  if constexpr (detail::world_state<Scenario>::sleeps) detail::disturb(state_, store, i);
 }
 
 template <class Scenario>
@@ -174,11 +178,13 @@ void world<Scenario>::destroy(handle<Shape> h) {
     const auto i = at - bodies.global.id.begin();
     bodies.global.each_column([&](auto& c) { c.erase(c.begin() + i); });
     bodies.globals_changed = true;
+    note_removal();
     return;
   }
   const auto at = std::find(bodies.movable.id.begin(), bodies.movable.id.end(), h.id);
   bodies.movable.remove_local(static_cast<std::size_t>(at - bodies.movable.id.begin()));
   state_.changed = true;
+  note_removal();
 }
 
 template <class Scenario>
@@ -198,6 +204,7 @@ std::size_t world<Scenario>::destroy_if(Predicate&& predicate) {
     }
   });
   state_.changed |= removed > 0;
+  if (removed > 0) note_removal();
   return removed;
 }
 
@@ -248,10 +255,12 @@ void world<Scenario>::synchronize() {
             passing);
     }
     detail::refuse_closed_faces(state_, false);
+    state_.choice.reach.clear();  // domains may have changed
     // The first round tells every neighbour how far bodies reach, the second one acts on it.
     detail::share_shadow_copies(state_, true);
     detail::share_shadow_copies(state_, true);
   }
+  if constexpr (detail::world_state<Scenario>::sleeps) detail::note_sleepers(state_);
   state_.changed = false;
   rewired_ = false;
   synchronized_ = true;

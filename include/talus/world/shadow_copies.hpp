@@ -1,0 +1,295 @@
+#pragma once
+// Shadow copies: of which bodies the neighbours need to know, and how they come to know it.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/world/coverage.hpp"
+#include "talus/world/sleeping_islands.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+struct body_counts {
+  std::size_t scalar = 0, all = 0;
+};
+
+/// Gives each shape its range in the arrays of the response: scalar inertia first, then tensors.
+/// The arrays themselves keep what the last step left until the next one begins.
+template <class Scenario>
+body_counts number_bodies(world_state<Scenario>& s) {
+  std::size_t next = 0;
+  const auto number = [&](auto& b, bool tensors) {
+    if (std::remove_cvref_t<decltype(b.movable)>::tensor != tensors) return;
+    b.first = next;
+    next += b.movable.size();
+  };
+  s.each_finite_shape([&](auto& b) { number(b, false); });
+  const std::size_t scalar = next;
+  s.each_finite_shape([&](auto& b) { number(b, true); });
+  return {scalar, next};
+}
+
+/// Lists the solver indices of the bodies whose velocities travel in each iteration.
+template <class Scenario>
+void list_travelling_velocities(world_state<Scenario>& s) {
+  s.at_rim.assign(number_bodies(s).all, false);
+  s.travelling.resize(s.neighbours.size());
+  for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
+    s.travelling[n].rank = s.neighbours[n].rank;
+    s.travelling[n].sent.clear(), s.travelling[n].received.clear();
+  }
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    std::size_t copy = b.movable.locals;
+    for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
+      for (const auto i : s.neighbours[n].shadowed[k])
+        if (b.movable.moves(i)) {
+          s.travelling[n].sent.push_back(static_cast<std::uint32_t>(b.first + i));
+          s.at_rim[b.first + i] = true;
+        }
+      for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++copy)
+        if (b.movable.moves(copy))
+          s.travelling[n].received.push_back(static_cast<std::uint32_t>(b.first + copy));
+    }
+    ++k;
+  });
+  // Where there is nothing to say, there is nothing to say on the other side either.
+  std::erase_if(s.travelling,
+                [](const auto& other) { return other.sent.empty() && other.received.empty(); });
+  s.velocity_parcels.clear();
+  for (const auto& other : s.travelling) s.velocity_parcels.push_back({.rank = other.rank});
+}
+
+/// How far a body reaches until the next copies are made. Soft contacts are found where the copies
+/// are, hard ones where they might be a step later.
+template <class Scenario, class Store>
+[[nodiscard]] real shadow_reach(const world_state<Scenario>& s, const Store& store, std::size_t i) {
+  if constexpr (world_state<Scenario>::sleeps)  // a contact outlives the motion it was found in
+    return reach_of(store, i, steps_of_warning * s.dt) + 4 * s.dt * s.sleep.settings.speed;
+  else
+    return reach_of(store, i, world_state<Scenario>::law::soft ? 0 : s.dt);
+}
+
+/// Takes up the motion of the copies of neighbour n from `in[n]`, unless that is null.
+template <class Scenario>
+void move_shadow_copies(world_state<Scenario>& s, const std::vector<byte_reader*>& in) {
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    std::size_t i = b.movable.locals;
+    for (std::size_t n = 0; n < in.size(); ++n)
+      for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++i)
+        if (in[n] != nullptr) b.movable.unpack_motion(i, *in[n]);
+    ++k;
+  });
+}
+
+/// Rebuilds the shadow copies of all shapes: those of neighbour n are taken from `in[n]`, or stay
+/// as they are where `in[n]` is null; `before[n]` says how many there were, by shape.
+template <class Scenario, class Counts>
+void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>& before,
+                           const std::vector<byte_reader*>& in) {
+  const bool some_stay = std::find(in.begin(), in.end(), nullptr) != in.end();
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    std::remove_reference_t<decltype(b.movable)> old;
+    if (some_stay)
+      old = b.movable.take_shadows();
+    else
+      b.movable.drop_shadows();
+    std::size_t first = 0;
+    for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
+      if (in[n] == nullptr) {
+        b.movable.append_from(old, first, first + before[n][k]);
+      } else {
+        const auto copies = in[n]->template get<std::uint64_t>();
+        for (std::uint64_t c = 0; c < copies; ++c) b.movable.unpack(*in[n]);
+        s.neighbours[n].copies[k] = copies;
+      }
+      first += before[n][k];
+    }
+    ++k;
+  });
+}
+
+/// How much a rank says of its bodies to those that hold copies of them.
+enum class copy_message : std::uint8_t { nothing, motion, all };
+
+/// Whether nothing on other ranks reaches farther than it did when copies were chosen.
+template <class Scenario>
+[[nodiscard]] bool reach_still_holds(const world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::continuous) return false;  // reach is that of each flight
+  const plain_vector<real>& then = s.choice.reach;
+  return std::equal(s.neighbours.begin(), s.neighbours.end(), then.begin(), then.end(),
+                    [](const auto& n, real reach) { return n.reach <= reach; });
+}
+
+/// Whether the copies chosen last are all that can be needed now: the same bodies in the same
+/// order, none of which reaches out of its skin.
+template <class Scenario>
+[[nodiscard]] bool copies_still_hold(const world_state<Scenario>& s) {
+  bool hold = reach_still_holds(s);
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    if (!hold) return;
+    const auto& store = b.movable;
+    const auto& noted = s.choice.bodies[k++];
+    hold = store.locals == noted.size();
+    for (std::size_t i = 0; hold && i < store.locals; ++i)
+      hold = noted[i].covers(store.id[i], store.position[i], b.reach[i]);
+  });
+  return hold;
+}
+
+/// Chooses for every neighbour the copies it needs: of each body here that may touch one of its
+/// bodies, that is, whose distance from its domain is within the sum of its own reach and the
+/// largest reach there. (So both owners of a pair that touches hold a copy of the other, wherever
+/// the contact point lies.) What has been said of bodies that are within their skin stays.
+template <class Scenario>
+void choose_copies(world_state<Scenario>& s) {
+  const bool some_stay = reach_still_holds(s);
+  real furthest = 0;
+  s.choice.reach.clear();
+  for (const auto& n : s.neighbours) {
+    furthest = std::max(furthest, n.reach);
+    s.choice.reach.push_back(n.reach);
+  }
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    const auto& store = b.movable;
+    auto& noted = s.choice.bodies[k];
+    plain_vector<std::uint32_t> was, now;
+    if (some_stay) {
+      was = numbers_before(noted, std::span(store.id).first(store.locals));
+      now = numbers_now(was, noted.size());
+    }
+    plain_vector<noted_body> before(world_state<Scenario>::continuous ? 0 : store.locals);
+    before.swap(noted);
+    const auto stays = [&](std::size_t i) {
+      return some_stay && was[i] != nobody &&
+             before[was[i]].covers(store.id[i], store.position[i], b.reach[i]);
+    };
+    for (auto& n : s.neighbours) {
+      auto& list = n.shadowed[k];
+      std::size_t kept = 0;
+      for (const std::uint32_t old : list)
+        if (const auto i = some_stay ? now[old] : nobody; i != nobody && stays(i)) list[kept++] = i;
+      list.resize(kept);
+    }
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      if (stays(i)) {
+        noted[i] = before[was[i]];
+        continue;
+      }
+      const vec3& p = store.position[i];
+      real reach = b.reach[i];
+      if constexpr (!world_state<Scenario>::continuous) {
+        const real radius = store.shape[i].bounding_radius();
+        reach += skin_of(radius, radius, store.velocity[i].norm(), s.dt);
+        noted[i] = {store.id[i], p, reach};
+      }
+      s.own.for_each_within(p, reach + furthest, [&](std::size_t n) {
+        auto& other = s.neighbours[n];
+        // A force that is missing for a step is an error: a large body may just have gone there.
+        const real there = world_state<Scenario>::law::soft ? furthest : other.reach;
+        if (s.own.connections()[n].distance(p) <= reach + there)
+          other.shadowed[k].push_back(static_cast<std::uint32_t>(i));
+      });
+    }
+    for (auto& n : s.neighbours) sort_values(n.shadowed[k]);
+    ++k;
+  });
+}
+
+/// Measures how far bodies reach, and what neighbours have to know of that: more than there is, so
+/// that it changes rarely.
+template <class Scenario>
+void measure_reach(world_state<Scenario>& s) {
+  real largest = 0;
+  const real covered = s.own.covered();
+  s.each_finite_shape([&](auto& b) {
+    b.reach.resize(b.movable.size());
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      b.reach[i] = shadow_reach(s, b.movable, i);
+      if (i >= b.movable.locals) continue;
+      largest = std::max(largest, b.reach[i]);
+      if (b.movable.shape[i].bounding_radius() > covered)
+        require_reached(s, b.movable.id[i], b.movable.shape[i], b.movable.position[i]);
+    }
+  });
+  real& said = s.choice.announced;
+  if (world_state<Scenario>::continuous)
+    said = largest;
+  else if (!(largest <= said && said <= real(1.2) * largest))
+    said = real(1.05) * largest;
+}
+
+/// What neighbour `n` is told of the bodies of which it holds copies.
+template <class Scenario>
+void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
+  s.parcels[n].out.clear();
+  s.neighbours[n].next_exchange();
+  byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
+  out.put(s.choice.announced);
+  out.put(kind);
+  if constexpr (world_state<Scenario>::sleeps) out.put(static_cast<std::uint8_t>(s.sleep.changed));
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    const auto& shadowed = s.neighbours[n].shadowed[k++];
+    if (kind == copy_message::all) {
+      out.put(static_cast<std::uint64_t>(shadowed.size()));
+      for (const auto i : shadowed) b.movable.pack(i, out);
+    } else if (kind == copy_message::motion) {
+      for (const auto i : shadowed) b.movable.pack_motion(i, out);
+    }
+  });
+}
+
+/// Refreshes the copies that neighbours hold. Which these are is chosen anew only when that is
+/// necessary, so that they keep their order, and all but what a step changes of them need not be
+/// sent again. With `anew` false nothing has changed here, and only that is said.
+template <class Scenario>
+void share_shadow_copies(world_state<Scenario>& s, bool anew) {
+  bool changed = s.changed;
+  if constexpr (world_state<Scenario>::sleeps) changed = changed || s.sleep.changed;
+  measure_reach(s);
+  auto mine = copy_message::nothing;
+  if (anew || changed) {
+    mine = changed ? copy_message::all : copy_message::motion;
+    if (!copies_still_hold(s)) choose_copies(s), mine = copy_message::all;
+  }
+  for (std::size_t n = 0; n < s.parcels.size(); ++n) pack_copies(s, n, mine);
+
+  s.link->start(s.parcels);
+  s.link->finish(s.parcels);
+
+  std::vector<byte_reader> in;
+  std::vector<byte_reader*> moved, renewed;
+  plain_vector<std::array<std::size_t, world_state<Scenario>::shape_count>> before;
+  in.reserve(s.parcels.size());
+  bool any = mine == copy_message::all;
+  for (std::size_t n = 0; n < s.parcels.size(); ++n) {
+    byte_reader& message = in.emplace_back(s.parcels[n].in, s.neighbours[n].shared());
+    s.neighbours[n].reach = message.template get<real>();
+    const auto kind = message.template get<copy_message>();
+    if constexpr (world_state<Scenario>::sleeps)
+      s.sleep.changed |= message.template get<std::uint8_t>() != 0;
+    moved.push_back(kind == copy_message::motion ? &message : nullptr);
+    renewed.push_back(kind == copy_message::all ? &message : nullptr);
+    before.push_back(s.neighbours[n].copies);
+    any = any || kind == copy_message::all;
+  }
+  move_shadow_copies(s, moved);
+  if (!any) return;
+  rebuild_shadow_copies(s, before, renewed);
+  if constexpr (!world_state<Scenario>::law::soft) list_travelling_velocities(s);
+  if constexpr (world_state<Scenario>::sleeps)
+    if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
+}
+
+}  // namespace talus::detail

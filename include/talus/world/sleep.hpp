@@ -1,0 +1,167 @@
+#pragma once
+// features<sleeping> in a step: who has rested for long enough falls asleep, and what comes near
+// to a sleeping island wakes it before it touches.
+//
+// A body carries for how long its island has been quiet. In every step its owner adds dt, or begins
+// anew if the body was too fast; every fourth step a rank takes the least over each part of an
+// island that it sees, shadow copies included, whose value is that of the last step. So one fast
+// body is known everywhere after some steps, without a collective call; and as the value grows
+// alike on all ranks, an island falls asleep on all of them in the same step. Whoever is woken
+// takes over the value of who woke it: all go back to sleep together, and waking ends somewhere
+// even where an island is larger than what can be told in time.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "talus/world/energy_ledger.hpp"
+#include "talus/world/hand_over.hpp"
+#include "talus/world/sleeping_islands.hpp"
+#include "talus/world/stage_clock.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Notes the sleeping bodies owned here that something immovable has come near that was put there,
+/// moved or changed by the user.
+template <class Scenario>
+void meet_stirred(world_state<Scenario>& s) {
+  const auto meet = [&](const auto& store, std::size_t j) {
+    using B = typename std::remove_cvref_t<decltype(store)>::shape_type;
+    s.each_finite_shape([&](const auto& of_a) {
+      const auto& a = of_a.movable;
+      for (std::size_t i = 0; i < a.locals; ++i) {
+        if (!a.asleep(i)) continue;
+        if constexpr (B::finite) {
+          const real reach = (1 + contact_slack) *
+                             (a.shape[i].bounding_radius() + store.shape[j].bounding_radius());
+          const real ahead = steps_of_warning * s.dt * store.velocity[j].norm();
+          if ((a.position[i] - store.position[j]).norm() > reach + ahead) continue;
+        }
+        if (about_to_touch(s, a, i, store, j)) s.sleep.touched.push_back({a.id[i], 0});
+      }
+    });
+  };
+  if (s.sleep.asleep.empty()) return;
+  plain_vector<system_id> stirred;
+  s.each_shape([&](const auto& b) {
+    const auto look = [&](const auto& store) {
+      for (std::size_t j = 0; j < store.size(); ++j)
+        if ((store.flags[j] & flag_stirred) != 0 && store.inverse_mass[j] == 0)
+          stirred.push_back(store.id[j]), meet(store, j);
+    };
+    look(b.movable), look(b.global);
+  });
+  if (stirred.empty()) return;
+  sort_values(stirred);
+  const auto moved = [&](system_id id) {
+    return std::binary_search(stirred.begin(), stirred.end(), id);
+  };
+  for (const auto& c : s.sleep.contacts.entries())  // what it touched has lost its hold
+    s.sleep.spreads = s.sleep.spreads || moved(c.key.a) || moved(c.key.b);
+}
+
+/// After contacts were looked for: wakes the islands that something has come near, tells the
+/// neighbours, and looks again where anybody has woken.
+template <class Scenario, class Detect>
+void rouse(world_state<Scenario>& s, Detect&& detect) {
+  s.sleep.noted = false;
+  meet_stirred(s);
+  wake_islands(s);
+  if constexpr (!world_state<Scenario>::link_type::alone) {
+    const stage_clock clock(s.seconds.exchange);
+    share_shadow_copies(s, false);
+  } else if (std::exchange(s.sleep.changed, false)) {
+    note_sleepers(s);
+  }
+  if (s.sleep.noted) detect();
+}
+
+/// Adds the step to the time for which each body owned here has been quiet.
+template <class Scenario>
+void count_quiet(world_state<Scenario>& s) {
+  const auto dt = static_cast<float>(s.dt);
+  const real slow = s.sleep.settings.speed * s.sleep.settings.speed;
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      if (!store.moves(i)) continue;
+      const real radius = store.shape[i].bounding_radius();
+      const bool rests = store.velocity[i].squaredNorm() < slow &&
+                         radius * radius * store.angular_velocity[i].squaredNorm() < slow;
+      store.quiet[i] = rests ? store.quiet[i] + dt : 0;
+    }
+  });
+  if (!std::exchange(s.sleep.stirred, false)) return;
+  const auto forget = [](auto& store) {
+    for (auto& flags : store.flags) flags &= static_cast<std::uint8_t>(~flag_stirred);
+  };
+  s.each_shape([&](auto& b) { forget(b.movable), forget(b.global); });
+}
+
+/// The bodies that contacts join have been quiet for as long as the least quiet of them; those that
+/// touch a fixed body with a velocity, as on a belt, not at all.
+template <class Scenario>
+void join_islands(world_state<Scenario>& s) {
+  auto& parent = s.sleep.roots;
+  auto& rested = s.sleep.rested;
+  const auto& bodies = s.solver.bodies;
+  parent.resize(bodies.size());
+  std::iota(parent.begin(), parent.end(), std::uint32_t{0});
+  rested.assign(bodies.size(), std::numeric_limits<float>::infinity());
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.size(); ++i)
+      if (b.movable.moves(i))
+        rested[b.first + i] =
+            b.movable.quiet[i] + (i < b.movable.locals ? 0 : static_cast<float>(s.dt));
+  });
+  const auto carried = [&](std::size_t body, std::size_t by) {
+    if (bodies[by].v != vec3(0, 0, 0) || bodies[by].w != vec3(0, 0, 0)) rested[body] = 0;
+  };
+  s.each_contact_list([&](const auto& list) {
+    list.each([&](const auto& c, bool) {
+      if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
+        const auto a = static_cast<std::uint32_t>(c.a), b = static_cast<std::uint32_t>(c.b);
+        if (bodies[a].inverse_mass == 0)
+          carried(b, a);
+        else if (bodies[b].inverse_mass == 0)
+          carried(a, b);
+        else
+          parent[root_of(parent, a)] = root_of(parent, b);
+      }
+    });
+  });
+  for (std::uint32_t k = 0; k < parent.size(); ++k) {
+    float& all = rested[root_of(parent, k)];
+    all = std::min(all, rested[k]);
+  }
+}
+
+/// After positions have moved: the islands that have been quiet for long enough fall asleep.
+template <class Scenario>
+void rest(world_state<Scenario>& s) {
+  count_quiet(s);
+  if (s.steps % steps_between_rests != 0) return;
+  join_islands(s);
+  const auto long_enough = static_cast<float>(s.sleep.settings.time);
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      if (!store.moves(i)) continue;
+      store.quiet[i] =
+          s.sleep.rested[root_of(s.sleep.roots, static_cast<std::uint32_t>(b.first + i))];
+      if (store.quiet[i] < long_enough) continue;
+      if constexpr (watches<Scenario, energy_ledger>)
+        s.monitors.energy.running.sleep +=
+            0.5 *
+            (store.velocity[i].squaredNorm() / store.inverse_mass[i] +
+             twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]));
+      store.velocity[i] = store.angular_velocity[i] = vec3(0, 0, 0);
+      store.flags[i] |= flag_asleep;
+      s.sleep.changed = true;
+    }
+  });
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,56 @@
+#pragma once
+// What a world keeps for features<sleeping>; see world/sleeping_islands.hpp.
+#include <cstdint>
+#include <utility>
+
+#include "talus/core/id.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+
+namespace talus {
+
+/// When islands go to sleep; see world::sleeping.
+struct sleep_settings {
+  /// Speed below which a body counts as resting, in units of length over time; its angular speed
+  /// times its bounding radius as well. Typical: a fiftieth of what it reaches when it falls its
+  /// own size; 0.05 for bodies of size 1 in gravity of 10.
+  real speed = 0.05;
+  /// How long all bodies of an island must have rested, in units of time.
+  real time = 0.5;
+};
+
+namespace detail {
+
+/// Steps of its present motion by which a body is looked for ahead, so that an island is awake on
+/// all ranks when it is struck.
+inline constexpr int steps_of_warning = 4;
+/// Islands go to sleep in every fourth step only, many at once.
+inline constexpr int steps_between_rests = 4;
+
+template <class History>
+struct sleep_state {
+  using waker =
+      std::pair<system_id, float>;  ///< a sleeping body, for how long its waker has rested
+
+  sleep_settings settings;
+  History contacts;                ///< of the bodies that sleep: what they remember until they wake
+  plain_vector<system_id> asleep;  ///< all that are known here, sorted
+  plain_vector<waker> touched;     ///< own bodies that something awake has come near
+  plain_vector<std::uint32_t> roots;  ///< of the islands, in the solver's indices
+  plain_vector<float> rested;         ///< by root
+  bool all = false;                   ///< all are to wake
+  bool changed = false;  ///< own bodies fell asleep or awoke, and the neighbours do not know it yet
+  bool noted = false;    ///< what is remembered was put in order, since rouse() began
+  bool spreads = false;  ///< somebody known here awoke: others of its island may have to
+  bool stirred = false;  ///< own immovable bodies are marked as stirred
+
+  [[nodiscard]] std::size_t bytes() const {
+    return contacts.bytes() + asleep.capacity() * sizeof(system_id) +
+           touched.capacity() * sizeof(waker) + roots.capacity() * sizeof(std::uint32_t) +
+           rested.capacity() * sizeof(float);
+  }
+};
+struct no_sleep_state {};
+
+}  // namespace detail
+}  // namespace talus

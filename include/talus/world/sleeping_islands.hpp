@@ -1,0 +1,290 @@
+#pragma once
+// features<sleeping>: islands, that is bodies joined by contacts (immovable ones do not join), that
+// have been at rest for a while are left out of the steps. Who falls asleep or wakes is in
+// world/sleep.hpp; here is what an island remembers, and how waking spreads through it.
+//
+// The flag of a body is changed by its owner alone, and only right before a handover of shadow
+// copies, so that at any time all ranks that know the body agree on it. In a step a body that
+// sleeps is as immovable as a fixed one.
+//
+// What the contacts of a sleeping body had is frozen in `sleep.contacts`, on each rank that owns
+// one of their bodies, when the first of the two falls asleep, and thawed when both are awake
+// again: both ranks of a contact then go on from the same impulse.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+#include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/detect/narrow.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// By how many steps of their motion bodies are looked for ahead.
+template <class Scenario>
+[[nodiscard]] int steps_ahead(const world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps)
+    return s.sleep.asleep.empty() ? 1 : steps_of_warning;
+  else
+    return (void)s, 1;
+}
+
+/// Whether nothing that this rank knows can move in this step.
+template <class Scenario>
+[[nodiscard]] bool all_rest(const world_state<Scenario>& s) {
+  if constexpr (!world_state<Scenario>::sleeps) return (void)s, false;
+  bool rest = true;
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.size() && rest; ++i) rest = !b.movable.moves(i);
+  });
+  return rest;
+}
+
+/// Whether a pair is left alone: one sleeps, and the other cannot move either.
+template <class StoreA, class StoreB>
+[[nodiscard]] bool undisturbed(const StoreA& a, std::size_t i, const StoreB& b, std::size_t j) {
+  return (a.asleep(i) && !b.moves(j)) || (b.asleep(j) && !a.moves(i));
+}
+
+/// Whether two bodies are within the slack of contacts, or soon will be if they go on as they do.
+template <class Scenario, class StoreA, class StoreB>
+[[nodiscard]] bool about_to_touch(const world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                                  const StoreB& b, std::size_t j) {
+  using A = typename StoreA::shape_type;
+  using B = typename StoreB::shape_type;
+  bool touch = false;
+  if constexpr (collidable<A, B>) {
+    real size = a.shape[i].bounding_radius(), speed = (a.velocity[i] - b.velocity[j]).norm();
+    if constexpr (B::finite) size = 2 * std::min(size, b.shape[j].bounding_radius());
+    const real slack = contact_slack * size, ahead = steps_of_warning * s.dt;
+    if constexpr (StoreA::tensor)
+      speed += a.angular_velocity[i].norm() * a.shape[i].bounding_radius();
+    if constexpr (StoreB::tensor)
+      speed += b.angular_velocity[j].norm() * b.shape[j].bounding_radius();
+    collide_pair(a.shape[i], a.pose(i), b.shape[j], b.pose(j), slack + ahead * speed,
+                 [&](const contact_geometry& g) {
+                   const vec3 u =
+                       a.velocity[i] + a.angular_velocity[i].cross(g.point - a.position[i]) -
+                       b.velocity[j] - b.angular_velocity[j].cross(g.point - b.position[j]);
+                   touch = touch || g.gap + ahead * std::min(g.normal.dot(u), real(0)) <= slack;
+                 });
+  }
+  return touch;
+}
+
+/// The user changes a body: its island wakes, or what it holds, in the next step.
+template <class Scenario, class Store>
+void disturb(world_state<Scenario>& s, Store& store, std::size_t i) {
+  if (store.inverse_mass[i] == 0) {
+    store.flags[i] |= flag_stirred;
+    s.sleep.stirred = true;
+  } else if constexpr (Store::sleeps) {
+    if (store.asleep(i)) {
+      store.flags[i] &= static_cast<std::uint8_t>(~flag_asleep);
+      s.sleep.changed = s.sleep.spreads = true;
+    }
+    store.quiet[i] = 0;
+  }
+}
+
+/// Who is about to fall asleep wakes nobody: islands would keep each other awake.
+template <class Scenario>
+[[nodiscard]] bool wakes_others(const world_state<Scenario>& s, float quiet) {
+  return quiet == 0 || quiet < static_cast<float>(s.sleep.settings.time);
+}
+
+/// Notes whom to wake of a close pair; true if there is no contact to be made of it.
+template <class Scenario, class StoreA, class StoreB>
+[[nodiscard]] bool meet_sleeper(world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                                const StoreB& b, std::size_t j) {
+  if (!a.asleep(i) && !b.asleep(j)) return false;
+  if (undisturbed(a, i, b, j)) return true;
+  const auto note = [&](const auto& sleeper, std::size_t k, const auto& waker, std::size_t l) {
+    if constexpr (std::remove_cvref_t<decltype(waker)>::sleeps)
+      if (sleeper.asleep(k) && k < sleeper.locals && wakes_others(s, waker.quiet[l]) &&
+          about_to_touch(s, a, i, b, j))
+        s.sleep.touched.push_back({sleeper.id[k], waker.quiet[l]});
+  };
+  note(a, i, b, j);
+  note(b, j, a, i);
+  return false;
+}
+
+/// All bodies that a rank knows, in the order of their ids, for what is done when islands fall
+/// asleep or wake.
+struct known_body {
+  enum state : std::uint8_t { awake, asleep, immovable, stirred };
+  system_id id = no_id;
+  state is = awake;
+  bool own = false;
+  float quiet = 0;
+
+  [[nodiscard]] bool operator<(const known_body& other) const { return id < other.id; }
+};
+
+template <class Scenario>
+class known_bodies {
+ public:
+  static constexpr std::uint32_t unknown = ~std::uint32_t{0};
+
+  explicit known_bodies(world_state<Scenario>& s) {
+    s.each_shape([&](const auto& b) { add(b.movable), add(b.global); });
+    sort_values(all_);
+  }
+  [[nodiscard]] std::uint32_t find(system_id id) const {
+    const auto at = std::lower_bound(all_.begin(), all_.end(), known_body{.id = id});
+    return at == all_.end() || at->id != id ? unknown
+                                            : static_cast<std::uint32_t>(at - all_.begin());
+  }
+  /// Whether one of the two belongs to this rank.
+  [[nodiscard]] bool own(const contact_key& k) const {
+    const auto a = find(k.a), b = find(k.b);
+    return (a != unknown && all_[a].own) || (b != unknown && all_[b].own);
+  }
+  /// Whether no contact is made of the pair.
+  [[nodiscard]] bool rest(const contact_key& k) const {
+    const auto rests = [&](system_id id) {
+      const auto at = find(id);
+      return at == unknown || all_[at].is != known_body::awake;
+    };
+    return rests(k.a) && rests(k.b);
+  }
+  [[nodiscard]] std::size_t size() const { return all_.size(); }
+  [[nodiscard]] const known_body& operator[](std::size_t k) const { return all_[k]; }
+
+ private:
+  template <class Store>
+  void add(const Store& store) {
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      known_body k{.id = store.id[i], .own = i < store.locals};
+      if (store.asleep(i))
+        k.is = known_body::asleep;
+      else if (store.inverse_mass[i] == 0)
+        k.is = store.flags[i] & flag_stirred ? known_body::stirred : known_body::immovable;
+      else if constexpr (Store::sleeps)
+        k.quiet = store.quiet[i];
+      all_.push_back(k);
+    }
+  }
+  plain_vector<known_body> all_;
+};
+
+/// Root of the tree that `i` is in; shortens the way there.
+template <class Parents>
+[[nodiscard]] std::uint32_t root_of(Parents& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// Before shadow copies are shared: wakes the bodies owned here whose island something has woken:
+/// what came near, a contact partner that is awake, was stirred or is no more, or the user.
+template <class Scenario>
+void wake_islands(world_state<Scenario>& s) {
+  auto& sleep = s.sleep;
+  if (!sleep.all && !sleep.spreads && sleep.touched.empty()) return;
+  const bool all = std::exchange(sleep.all, false);
+  sleep.spreads = false;
+  constexpr float never_rests = std::numeric_limits<float>::infinity();
+  const known_bodies<Scenario> known(s);
+  plain_vector<std::uint32_t> parent(known.size());
+  std::iota(parent.begin(), parent.end(), std::uint32_t{0});
+  plain_vector<float> wakes(known.size(), never_rests);
+  const auto wake = [&](std::uint32_t k, float quiet) { wakes[k] = std::min(wakes[k], quiet); };
+  const auto meet = [&](std::uint32_t sleeper, std::uint32_t k) {
+    if (k == known.unknown || known[k].is == known_body::stirred)
+      wake(sleeper, 0);
+    else if (known[k].is == known_body::awake && wakes_others(s, known[k].quiet))
+      wake(sleeper, known[k].quiet);
+  };
+  for (const auto& c : sleep.contacts.entries()) {
+    const auto a = known.find(c.key.a), b = known.find(c.key.b);
+    const bool sleeps_a = a != known.unknown && known[a].is == known_body::asleep;
+    const bool sleeps_b = b != known.unknown && known[b].is == known_body::asleep;
+    if (sleeps_a && sleeps_b)
+      parent[root_of(parent, a)] = root_of(parent, b);
+    else if (sleeps_a)
+      meet(a, b);
+    else if (sleeps_b)
+      meet(b, a);
+  }
+  for (const auto& [id, quiet] : sleep.touched)
+    if (const auto k = known.find(id); k != known.unknown) wake(k, quiet);
+  sleep.touched.clear();
+  for (std::uint32_t k = 0; k < known.size(); ++k) {
+    const std::uint32_t root = root_of(parent, k);
+    wakes[root] = std::min(wakes[root], wakes[k]);
+  }
+  s.each_finite_shape([&](auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i) {
+      if (!b.movable.asleep(i)) continue;
+      const float quiet = all ? 0 : wakes[root_of(parent, known.find(b.movable.id[i]))];
+      if (quiet == never_rests) continue;
+      b.movable.flags[i] &= static_cast<std::uint8_t>(~flag_asleep);
+      b.movable.quiet[i] = quiet;
+      sleep.changed = true;
+    }
+  });
+}
+
+/// After shadow copies were shared and some body known here fell asleep, awoke or went: freezes and
+/// thaws what contacts remember.
+template <class Scenario>
+void note_sleepers(world_state<Scenario>& s) {
+  auto& sleep = s.sleep;
+  const known_bodies<Scenario> known(s);
+  plain_vector<system_id> now;
+  for (std::size_t k = 0; k < known.size(); ++k)
+    if (known[k].is == known_body::asleep) now.push_back(known[k].id);
+  const auto before = std::exchange(sleep.asleep, std::move(now));
+  const auto in = [](const plain_vector<system_id>& list, system_id id) {
+    return std::binary_search(list.begin(), list.end(), id);
+  };
+  const auto slept = [&](const contact_key& k) { return in(before, k.a) || in(before, k.b); };
+  const auto sleeps = [&](const contact_key& k) {
+    return in(sleep.asleep, k.a) || in(sleep.asleep, k.b);
+  };
+  const auto woke = [&](const contact_key& k) {
+    return (in(before, k.a) && !in(sleep.asleep, k.a)) ||
+           (in(before, k.b) && !in(sleep.asleep, k.b));
+  };
+  using history = std::remove_cvref_t<decltype(s.history)>;
+  // What a contact with a sleeping body remembers from steps in which that slept is known to one
+  // of its two ranks only: it ends when the body wakes.
+  history awake, frozen;
+  for (const auto& c : sleep.contacts.entries()) {
+    if (!known.own(c.key)) continue;  // handed over
+    if (woke(c.key) || !sleeps(c.key)) awake.add(c.key, c.memory);
+    if (sleeps(c.key)) frozen.add(c.key, c.memory);
+  }
+  const auto thawed = [&, some = awake.entries().size() > 0](const contact_key& k) {
+    bool any = false;
+    if (some) awake.each_of_pair(k, [&](const auto&) { any = true; });
+    return any;
+  };
+  plain_vector<typename history::entry> others;
+  for (const auto& c : s.history.entries())
+    if (!woke(c.key) && !thawed(c.key) && !(sleeps(c.key) && known.rest(c.key)))
+      others.push_back(c);
+  for (const auto& c : others) awake.add(c.key, c.memory);
+  for (const auto& c : s.history.entries())
+    if (sleeps(c.key) && !slept(c.key)) frozen.add(c.key, c.memory);
+  s.history = std::move(awake);
+  sleep.contacts = std::move(frozen);
+  s.found.known = false;
+  s.found.pause = 0;
+  sleep.spreads = !sleep.asleep.empty();
+  sleep.noted = true;
+}
+
+/// Calls f(contact) for what contacts of sleeping bodies remember while they are left out.
+template <class Scenario, class F>
+void each_frozen_contact(world_state<Scenario>& s, F&& f) {
+  const known_bodies<Scenario> known(s);
+  for (const auto& c : s.sleep.contacts.entries())
+    if (known.rest(c.key)) f(c);
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,93 @@
+#pragma once
+// Bodies that are neighbours in space become neighbours in memory, where they no longer are: along
+// Morton's curve (Morton 1966). Nothing but the order of bodies and contacts changes.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+inline constexpr std::uint64_t steps_between_sorts = 256;
+/// Fewer bodies are in the nearest memory in any order.
+inline constexpr std::size_t fewest_to_sort = 4096;
+/// Bodies that follow each other are about two mean spacings apart when they are in order, and a
+/// third of the scene otherwise.
+inline constexpr real most_scattered = 4;
+
+/// The place of a point on the curve: bits of the three coordinates in turns.
+[[nodiscard]] inline std::uint64_t along_curve(const std::array<std::uint32_t, 3>& cell) {
+  std::uint64_t code = 0;
+  for (int k = 0; k < 3; ++k) {
+    std::uint64_t x = cell[static_cast<std::size_t>(k)] & 0x1fffffu;
+    x = (x | x << 32) & 0x001f00000000ffffull;
+    x = (x | x << 16) & 0x001f0000ff0000ffull;
+    x = (x | x << 8) & 0x100f00f00f00f00full;
+    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
+    x = (x | x << 2) & 0x1249249249249249ull;
+    code |= x << k;
+  }
+  return code;
+}
+
+/// Mean distance, in mean spacings, of points that follow each other.
+[[nodiscard]] inline real scatter_of(std::span<const vec3> points) {
+  vec3 mean{0, 0, 0}, square{0, 0, 0};
+  real way = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    mean += points[i];
+    square += points[i].cwiseProduct(points[i]);
+    if (i > 0) way += (points[i] - points[i - 1]).norm();
+  }
+  const auto n = static_cast<real>(points.size());
+  mean /= n;
+  const vec3 variance = square / n - mean.cwiseProduct(mean);
+  const real widest = std::sqrt(std::max(variance.maxCoeff(), real(0)));
+  // Of a box with these variances; something flat is at least as thick as its bodies are apart.
+  const real thinnest = widest / std::sqrt(n);
+  real volume = 1;
+  for (int k = 0; k < 3; ++k)
+    volume *= std::max(std::sqrt(std::max(variance[k], real(0))), thinnest) * std::sqrt(real(12));
+  return volume > 0 ? way / n / std::cbrt(volume / n) : 0;
+}
+
+/// For each place, the number of the point that comes there.
+[[nodiscard]] inline plain_vector<std::uint32_t> order_along_curve(std::span<const vec3> points) {
+  vec3 low = points.front(), high = points.front();
+  for (const vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const real cells = 0x1fffff / std::max((high - low).maxCoeff(), real(1e-300));
+  plain_vector<std::pair<std::uint64_t, std::uint32_t>> codes(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::array<std::uint32_t, 3> cell;
+    for (int k = 0; k < 3; ++k)
+      cell[static_cast<std::size_t>(k)] =
+          static_cast<std::uint32_t>((points[i][k] - low[k]) * cells);
+    codes[i] = {along_curve(cell), static_cast<std::uint32_t>(i)};
+  }
+  sort_values(codes);
+  plain_vector<std::uint32_t> order(points.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = codes[i].second;
+  return order;
+}
+
+/// Sorts the bodies owned here where that will pay. What refers to bodies by their numbers is found
+/// anew by their ids.
+template <class Scenario>
+void sort_bodies(world_state<Scenario>& s) {
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    if (store.locals < fewest_to_sort) return;
+    const auto points = std::span<const vec3>(store.position).first(store.locals);
+    if (!(scatter_of(points) > most_scattered)) return;
+    store.permute_locals(order_along_curve(points));
+    s.changed = true;
+  });
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,14 @@
+// expects: names a precision other than double and a solver that works in double
+#include "talus/response/accelerated_jacobi.hpp"
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<solver<nonlinear_gauss_seidel>, precision<mixed_precision>>;
+#else
+using scene = scenario<solver<accelerated_jacobi>, precision<mixed_precision>>;
+#endif
+
+const scene checked;
+
+int main() {}
