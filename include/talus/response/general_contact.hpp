@@ -2,6 +2,7 @@
 // A contact in which at least one body has an inertia tensor or a lever arm off the normal.
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "talus/core/math.hpp"
 #include "talus/response/contact_patch.hpp"
