@@ -84,7 +84,7 @@ def shapes(bench):
     scenes = (("boxes", "boxpile", 64 if bench.quick else 1000),
               ("pyramid", "pyramid", 6 if bench.quick else 20))
     for table, scene, bodies in scenes:
-        for engine, iterations in [("talus", 3), ("talus", 5), ("talus", 10), ("bullet", 0),
+        for engine, iterations in [("talus", 2), ("talus", 3), ("talus", 5), ("talus", 10), ("bullet", 0),
                                    ("bullet64", 0), ("ode", 0), ("talus", 10)]:
             first = not bench.results.row(table, label=engine, asked=iterations)
             bench.run(table, engine, "crates" + ("" if engine == "talus" else "_" + engine),
