@@ -42,10 +42,15 @@ class history_of {
     else
       insert(entries_.size());
   }
-  /// The same for a contact that another rank remembered, with one of its bodies now here. Where it
-  /// is remembered here already, that counts.
+  /// The same for a contact of a body that has arrived; several ranks may tell of it.
   void add_arrived(const contact_key& key, const Memory& memory) {
     arrived_ = std::min(arrived_, entries_.size());
+    if (entries_.size() - arrived_ > few) {
+      if (find(key) != nullptr) return;
+    } else {
+      for (std::size_t i = arrived_; i < entries_.size(); ++i)
+        if (entries_[i].key == key) return;
+    }
     add(key, memory);
   }
   /// Where to look for contacts of a pair that had none here and now has a body that arrived.
@@ -69,8 +74,10 @@ class history_of {
   [[nodiscard]] std::span<const entry> row(history_place place, const contact_key& pair) const {
     const auto first = static_cast<std::size_t>(place);
     if (first >= entries_.size()) return {};
+    const std::size_t end =
+        first < arrived_ ? std::min(arrived_, entries_.size()) : entries_.size();
     std::size_t last = first;
-    while (last < entries_.size() && entries_[last].key.same_pair(pair)) ++last;
+    while (last < end && entries_[last].key.same_pair(pair)) ++last;
     return std::span(entries_).subspan(first, last - first);
   }
   /// What the contact kept in the last step, or null where it is new.
@@ -99,10 +106,8 @@ class history_of {
  private:
   void insert(std::size_t number) const {
     const auto mask = slots_.size() - 1;
-    const contact_key& key = entries_[number - 1].key;
-    auto s = key.hash() & mask;
-    for (; slots_[s] != 0; s = (s + 1) & mask)
-      if (number > arrived_ && entries_[slots_[s] - 1].key == key) return;
+    auto s = entries_[number - 1].key.hash() & mask;
+    while (slots_[s] != 0) s = (s + 1) & mask;
     slots_[s] = static_cast<std::uint32_t>(number);
   }
   void index() const {

@@ -39,24 +39,25 @@ template <class Scenario>
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
     const auto& store = b.movable;
-    const auto& noted = s.found.shapes[k++].bodies;
-    hold = hold && store.size() == noted.size();
+    const auto& [noted, locals] = s.found.shapes[k++];
+    hold = hold && store.size() == noted.size() && store.locals == locals;
     for (std::size_t i = 0; hold && i < store.size(); ++i)
       hold = noted[i].covers(store.id[i], store.position[i], b.reach[i]);
   });
   return hold;
 }
 
-/// Whether other bodies are here than when the pairs were found, or in another order.
+/// Whether other bodies are here than when the pairs were found, in another order, or with other
+/// owners.
 template <class Scenario>
 [[nodiscard]] bool numbers_changed(const world_state<Scenario>& s) {
   bool changed = false;
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
-    const auto& noted = s.found.shapes[k++].bodies;
-    changed =
-        changed || !std::equal(noted.begin(), noted.end(), b.movable.id.begin(), b.movable.id.end(),
-                               [](const noted_body& x, system_id id) { return x.id == id; });
+    const auto& [noted, locals] = s.found.shapes[k++];
+    changed = changed || b.movable.locals != locals ||
+              !std::equal(noted.begin(), noted.end(), b.movable.id.begin(), b.movable.id.end(),
+                          [](const noted_body& x, system_id id) { return x.id == id; });
   });
   return changed;
 }
@@ -187,7 +188,10 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
 /// Looks for all pairs within reach of each other, unless those found before still hold.
 template <class Scenario>
 void find_close_pairs(world_state<Scenario>& s) {
-  if (!pairs_still_hold(s)) find_pairs_with_skin(s);
+  if (pairs_still_hold(s))
+    count_bodies(s);
+  else
+    find_pairs_with_skin(s);
 }
 
 /// The same, unless bodies move so fast that pairs do not hold for long: then false.

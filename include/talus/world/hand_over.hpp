@@ -72,6 +72,40 @@ template <class Scenario>
                   "the start");
 }
 
+/// Which movable bodies each neighbour owns, as far as there are copies here: their contacts with
+/// bodies of this rank are remembered there too.
+class bodies_elsewhere {
+ public:
+  explicit bodies_elsewhere(std::size_t neighbours) : ids_(neighbours) {}
+  void add(std::size_t neighbour, system_id id) { ids_[neighbour].push_back(id); }
+  void sort() {
+    for (auto& each : ids_) sort_values(each);
+  }
+  [[nodiscard]] bool owns(std::size_t neighbour, system_id id) const {
+    return std::binary_search(ids_[neighbour].begin(), ids_[neighbour].end(), id);
+  }
+
+ private:
+  std::vector<plain_vector<system_id>> ids_;
+};
+
+template <class Scenario>
+[[nodiscard]] bodies_elsewhere movable_copies(const world_state<Scenario>& s) {
+  bodies_elsewhere all(s.neighbours.size());
+  // Of what sleeps, only one rank may remember.
+  if constexpr (world_state<Scenario>::sleeps) return all;
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    std::size_t i = b.movable.locals;
+    for (std::size_t n = 0; n < s.neighbours.size(); ++n)
+      for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++i)
+        if (b.movable.moves(i)) all.add(n, b.movable.id[i]);
+    ++k;
+  });
+  all.sort();
+  return all;
+}
+
 /// Sends bodies whose centre has left to their new owner, with the memory of their contacts.
 /// Returns the number of bodies that this rank still holds for others (only where the way to their
 /// owner is longer than one connection).
@@ -118,11 +152,12 @@ std::size_t migrate(world_state<Scenario>& s) {
           std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
       return at != leaving.end() && at->first == id ? at->second : memories.size();
     };
+    const auto there = movable_copies(s);
     const auto send = [&](const auto& history, auto& to) {
       for (const remembered& c : history.entries()) {
         const auto a = find(c.key.a), b = find(c.key.b);
-        if (a < to.size()) to[a].push_back(c);
-        if (b < to.size() && b != a) to[b].push_back(c);
+        if (a < to.size() && !there.owns(a, c.key.b)) to[a].push_back(c);
+        if (b < to.size() && b != a && !there.owns(b, c.key.a)) to[b].push_back(c);
       }
     };
     send(s.history, memories);

@@ -216,9 +216,8 @@ void measure_reach(world_state<Scenario>& s) {
     b.reach.resize(b.movable.size());
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
       b.reach[i] = shadow_reach(s, b.movable, i);
-      if (i >= b.movable.locals) continue;
-      largest = std::max(largest, b.reach[i]);
-      if (b.movable.shape[i].bounding_radius() > covered)
+      largest = std::max(largest, b.reach[i]);  // what is a copy here may be owned in a step
+      if (i < b.movable.locals && b.movable.shape[i].bounding_radius() > covered)
         require_reached(s, b.movable.id[i], b.movable.shape[i], b.movable.position[i]);
     }
   });
