@@ -38,36 +38,42 @@ inline constexpr real most_scattered = 4;
 
 /// Mean distance, in mean spacings, of points that follow each other.
 [[nodiscard]] inline real scatter_of(std::span<const vec3> points) {
-  vec3 mean{0, 0, 0}, square{0, 0, 0};
-  real way = 0;
+  real sum[3] = {}, square[3] = {}, way = 0, last[3] = {};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    mean += points[i];
-    square += points[i].cwiseProduct(points[i]);
-    if (i > 0) way += (points[i] - points[i - 1]).norm();
+    real step = 0;
+    for (int k = 0; k < 3; ++k) {
+      const real x = points[i][k], d = i > 0 ? x - last[k] : 0;
+      sum[k] += x, square[k] += x * x, step += d * d;
+      last[k] = x;
+    }
+    way += std::sqrt(step);
   }
   const auto n = static_cast<real>(points.size());
-  mean /= n;
-  const vec3 variance = square / n - mean.cwiseProduct(mean);
-  const real widest = std::sqrt(std::max(variance.maxCoeff(), real(0)));
-  // Of a box with these variances; something flat is at least as thick as its bodies are apart.
-  const real thinnest = widest / std::sqrt(n);
-  real volume = 1;
-  for (int k = 0; k < 3; ++k)
-    volume *= std::max(std::sqrt(std::max(variance[k], real(0))), thinnest) * std::sqrt(real(12));
+  real width[3], widest = 0;  // of a box with these variances
+  for (int k = 0; k < 3; ++k) {
+    const real mean = sum[k] / n;
+    width[k] = std::sqrt(std::max(12 * (square[k] / n - mean * mean), real(0)));
+    widest = std::max(widest, width[k]);
+  }
+  real volume = 1;  // something flat is at least as thick as its bodies are apart
+  for (const real w : width) volume *= std::max(w, widest / std::sqrt(n));
   return volume > 0 ? way / n / std::cbrt(volume / n) : 0;
 }
 
 /// For each place, the number of the point that comes there.
 [[nodiscard]] inline plain_vector<std::uint32_t> order_along_curve(std::span<const vec3> points) {
-  vec3 low = points.front(), high = points.front();
-  for (const vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const real cells = 0x1fffff / std::max((high - low).maxCoeff(), real(1e-300));
+  real low[3], widest = 1e-300;
+  for (int k = 0; k < 3; ++k) {
+    real high = low[k] = points.front()[k];
+    for (const vec3& p : points) low[k] = std::min(low[k], p[k]), high = std::max(high, p[k]);
+    widest = std::max(widest, high - low[k]);
+  }
   plain_vector<std::pair<std::uint64_t, std::uint32_t>> codes(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::array<std::uint32_t, 3> cell;
-    for (int k = 0; k < 3; ++k)
-      cell[static_cast<std::size_t>(k)] =
-          static_cast<std::uint32_t>((points[i][k] - low[k]) * cells);
+    for (std::size_t k = 0; k < 3; ++k)
+      cell[k] = static_cast<std::uint32_t>((points[i][static_cast<Eigen::Index>(k)] - low[k]) /
+                                           widest * 0x1fffff);
     codes[i] = {along_curve(cell), static_cast<std::uint32_t>(i)};
   }
   sort_values(codes);
