@@ -35,7 +35,7 @@ def pile(bench):
         # They would settle for hours: from where talus has settled, with time to find their own rest.
         bodies = 1000 if bench.quick else 64000
         for rival in rivals:
-            bench.run("pile", rival, f"pile_{rival}", bodies=bodies, settle=120, measure=20,
+            bench.run("pile", rival, f"pile_{rival}", bodies=bodies, settle=90, measure=12,
                       tags={"size": bodies}, **{"from": bench.settled(bodies)})
 
 
