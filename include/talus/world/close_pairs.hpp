@@ -126,7 +126,11 @@ template <class Scenario>
     for (std::size_t i = 0; i < b.movable.size(); ++i) b.reach[i] = reach_in_step(s, b.movable, i);
   });
   if (!hold) return false;
-  return all_within_skin(s) || (numbers_changed(s) && renumber_pairs(s) && all_within_skin(s));
+  if (all_within_skin(s)) return true;
+  if constexpr (world_state<Scenario>::link_type::alone)
+    return false;  // bodies come and go by the user's hand alone
+  else
+    return numbers_changed(s) && renumber_pairs(s) && all_within_skin(s);
 }
 
 /// Looks for all pairs that are within reach of each other, or within the skin around.
