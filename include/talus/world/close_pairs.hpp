@@ -204,9 +204,11 @@ template <class Scenario>
   found_pairs& found = s.found;
   if (found.pause > 0) return --found.pause, false;
   if (pairs_still_hold(s)) return ++found.steps, count_bodies(s), true;
-  const bool worth = !found.known || found.steps >= 2;
+  const bool held = !found.known || found.steps >= 2;
+  found.failures = held ? 0 : found.failures + 1;
   found.steps = 0;
-  if (worth) return find_pairs_with_skin(s), true;
+  if (found.failures < 2) return find_pairs_with_skin(s), true;
+  found.failures = 0;
   found.known = false;
   found.pause = 16;
   return false;

@@ -83,8 +83,9 @@ struct found_pairs {
   std::vector<plain_vector<close_pair>> lists;
   std::vector<shape> shapes;
   bool known = false;
-  int steps = 0;  ///< for which they have held
-  int pause = 0;  ///< steps for which keeping pairs is not worth it: bodies move too fast
+  int steps = 0;     ///< for which they have held
+  int failures = 0;  ///< searches in a row that held for less than two steps
+  int pause = 0;     ///< steps for which keeping pairs is not worth it: bodies move too fast
 
   [[nodiscard]] std::size_t bytes() const {
     std::size_t sum = 0;
