@@ -124,14 +124,8 @@ struct patch_block_work {
     const auto w_of = [&](const std::int32_t(&of)[8]) {
       return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
     };
-    octet_rows va = gather(v_of(p.a)), wa = gather(w_of(p.a)), vb, wb;
-    octet_vector v{va.x, va.y, va.z}, w{wa.x, wa.y, wa.z};
-    if constexpr (paired) {
-      vb = gather(v_of(p.b)), wb = gather(w_of(p.b));
-      const octet_vector of_b{wb.x, wb.y, wb.z};
-      v = v - (octet_vector{vb.x, vb.y, vb.z} + crossed(of_b, p.offset));
-      w = w - of_b;
-    }
+    ends_of_pairs ends;
+    auto [v, w] = ends.read(p, v_of, w_of);
     v = p.frame.times(v), w = p.frame.times(w);
     const octet zero = eight(0);
     octet_vector impulse{zero, zero, zero}, moment{zero, zero, zero};
@@ -149,16 +143,7 @@ struct patch_block_work {
       }
     }
     const octet_vector r = p.frame.across(impulse), m = p.frame.across(moment);
-    va.x += va.w * r.x, va.y += va.w * r.y, va.z += va.w * r.z;
-    const octet_vector ta = p.tensor_a.times(m);
-    wa.x += ta.x, wa.y += ta.y, wa.z += ta.z;
-    if constexpr (paired) {
-      vb.x -= vb.w * r.x, vb.y -= vb.w * r.y, vb.z -= vb.w * r.z;
-      const octet_vector tb = p.tensor_b.times(m + crossed(p.offset, r));
-      wb.x -= tb.x, wb.y -= tb.y, wb.z -= tb.z;
-      scatter(vb, v_of(p.b)), scatter(wb, w_of(p.b));
-    }
-    scatter(va, v_of(p.a)), scatter(wa, w_of(p.a));
+    ends.give(p, r, m, v_of, w_of);
   }
 
   /// The correction of overlaps, which presses along the normal alone.
@@ -171,14 +156,8 @@ struct patch_block_work {
         return s.turn[static_cast<std::size_t>(of[i]) - s.first_tensor].w;
       };
     };
-    octet_rows va = gather(v_of(p.a)), wa = gather(w_of(p.a)), vb, wb;
-    octet_vector v{va.x, va.y, va.z}, w{wa.x, wa.y, wa.z};
-    if constexpr (paired) {
-      vb = gather(v_of(p.b)), wb = gather(w_of(p.b));
-      const octet_vector of_b{wb.x, wb.y, wb.z};
-      v = v - (octet_vector{vb.x, vb.y, vb.z} + crossed(of_b, p.offset));
-      w = w - of_b;
-    }
+    ends_of_pairs ends;
+    auto [v, w] = ends.read(p, v_of, w_of);
     const octet_matrix& f = p.frame;
     octet n = dot(f.x, v), y = dot(f.y, w), z = dot(f.z, w);
     const octet zero = eight(0);
@@ -205,19 +184,43 @@ struct patch_block_work {
       }
     }
     const octet_vector r = impulse * f.x, m = moment_y * f.y + moment_z * f.z;
-    va.x += va.w * r.x, va.y += va.w * r.y, va.z += va.w * r.z;
-    const octet_vector ta = p.tensor_a.times(m);
-    wa.x += ta.x, wa.y += ta.y, wa.z += ta.z;
-    if constexpr (paired) {
-      vb.x -= vb.w * r.x, vb.y -= vb.w * r.y, vb.z -= vb.w * r.z;
-      const octet_vector tb = p.tensor_b.times(m + crossed(p.offset, r));
-      wb.x -= tb.x, wb.y -= tb.y, wb.z -= tb.z;
-      scatter(vb, v_of(p.b)), scatter(wb, w_of(p.b));
-    }
-    scatter(va, v_of(p.a)), scatter(wa, w_of(p.a));
+    ends.give(p, r, m, v_of, w_of);
   }
 
  private:
+  struct relative_motion {
+    octet_vector v, w;
+  };
+  /// Velocities of the bodies of a block, or displacements: v_of and w_of say where they are.
+  struct ends_of_pairs {
+    octet_rows va, wa, vb, wb;
+
+    /// Of a against b, at the centre of a.
+    template <class V, class W>
+    [[gnu::always_inline]] relative_motion read(const block& p, V& v_of, W& w_of) {
+      va = gather(v_of(p.a)), wa = gather(w_of(p.a));
+      const octet_vector v{va.x, va.y, va.z}, w{wa.x, wa.y, wa.z};
+      if constexpr (!paired) return {v, w};
+      vb = gather(v_of(p.b)), wb = gather(w_of(p.b));
+      const octet_vector of_b{wb.x, wb.y, wb.z};
+      return {v - (octet_vector{vb.x, vb.y, vb.z} + crossed(of_b, p.offset)), w - of_b};
+    }
+    /// Changes them by an impulse on a and its moment about the centre of a, and writes them back.
+    template <class V, class W>
+    [[gnu::always_inline]] void give(const block& p, const octet_vector& r, const octet_vector& m,
+                                     V& v_of, W& w_of) {
+      va.x += va.w * r.x, va.y += va.w * r.y, va.z += va.w * r.z;
+      const octet_vector ta = p.tensor_a.times(m);
+      wa.x += ta.x, wa.y += ta.y, wa.z += ta.z;
+      if constexpr (paired) {
+        vb.x -= vb.w * r.x, vb.y -= vb.w * r.y, vb.z -= vb.w * r.z;
+        const octet_vector tb = p.tensor_b.times(m + crossed(p.offset, r));
+        wb.x -= tb.x, wb.y -= tb.y, wb.z -= tb.z;
+        scatter(vb, v_of(p.b)), scatter(wb, w_of(p.b));
+      }
+      scatter(va, v_of(p.a)), scatter(wa, w_of(p.a));
+    }
+  };
   /// The same as general_contact::weigh(contact_patch).
   static void weigh_layer(const block& p, layer& c) {
     const octet zero = eight(0);
