@@ -3,6 +3,7 @@
 #include "scenes/pile_protocol.hpp"
 #include "scenes/talus_engine.hpp"
 #include "talus/response/accelerated_jacobi.hpp"
+#include "talus/response/coloured_gauss_seidel.hpp"
 #include "talus/response/small_steps.hpp"
 
 namespace {
@@ -51,6 +52,8 @@ int main(int argc, char** argv) {
       throw std::invalid_argument("there is no precision '" + numbers + "' with " + solver);
     else if (solver == "nonlinear_gauss_seidel")
       run_with<talus::solver<talus::nonlinear_gauss_seidel>>(args);
+    else if (solver == "coloured_gauss_seidel")
+      run_with<talus::solver<talus::coloured_gauss_seidel>>(args);
     else if (solver == "accelerated_jacobi")
       run_with<talus::solver<talus::accelerated_jacobi>>(args);
     else if (solver == "small_steps")

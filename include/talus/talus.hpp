@@ -27,6 +27,7 @@
 #include "talus/parallel/slabs.hpp"
 #include "talus/parallel/threads.hpp"
 #include "talus/response/accelerated_jacobi.hpp"
+#include "talus/response/coloured_gauss_seidel.hpp"
 #include "talus/response/small_steps.hpp"
 #include "talus/scene/lattice.hpp"
 #include "talus/scene/named_decomposition.hpp"

@@ -16,7 +16,7 @@ namespace talus::detail {
 /// converge much faster when the impulses travel along them. (Patches of more contacts than a block
 /// has room for come last.) The contacts hold the impulses; what they are weighed with is kept
 /// here.
-template <class Contact>
+template <class Contact, class Planner = ordered_planner>
 class contact_patches {
   static constexpr bool paired = Contact::paired;
   static constexpr std::size_t most_layers = 4;  ///< contacts of a patch in a block
@@ -42,8 +42,8 @@ class contact_patches {
         continue;
       }
       const bool b_moves = paired && moves(c.b);
-      const std::size_t slot =
-          moves(c.a) ? plan_.place(c.a, b_moves ? c.b : -1) : plan_.place(c.b, -1);
+      const auto slot = static_cast<std::size_t>(
+          moves(c.a) ? plan_.place(c.a, b_moves ? c.b : -1) : plan_.place(c.b, -1));
       const auto at = slot / lanes;
       for (; used_ <= at; ++used_) {
         if (used_ == blocks_.size()) blocks_.emplace_back();
@@ -115,7 +115,7 @@ class contact_patches {
   }
 
  private:
-  static constexpr std::size_t lanes = ordered_planner::lanes;
+  static constexpr std::size_t lanes = Planner::lanes;
   struct run {
     std::uint32_t slot, first, last;
   };
@@ -190,7 +190,7 @@ class contact_patches {
     return true;
   }
 
-  ordered_planner plan_;
+  Planner plan_;
   plain_vector<block> blocks_;  ///< of which the first so many are in use
   std::size_t used_ = 0;
   plain_vector<layer> layers_;  ///< of all blocks

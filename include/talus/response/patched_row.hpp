@@ -8,7 +8,7 @@
 namespace talus::detail {
 
 /// A contact_row whose patches are found when it is weighed.
-template <swept_in_patches Contact>
+template <swept_in_patches Contact, class Planner = ordered_planner>
 class patched_row : public contact_row<Contact> {
  public:
   using typename contact_row<Contact>::state;
@@ -29,7 +29,7 @@ class patched_row : public contact_row<Contact> {
   void push(state& s) { patches_.sweep_push(this->contacts_, s); }
 
  private:
-  contact_patches<Contact> patches_;
+  contact_patches<Contact, Planner> patches_;
 };
 
 }  // namespace talus::detail

@@ -27,8 +27,9 @@ template <class Method>
 struct solver final {
   static_assert(detail::is_part<Method, roles::solver>,
                 "solver<...> takes a solver, and this type is none: write "
-                "solver<nonlinear_gauss_seidel>, solver<accelerated_jacobi> or solver<small_steps> "
-                "(each in talus/response/ under its name)");
+                "solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>, "
+                "solver<accelerated_jacobi> or solver<small_steps> (each in talus/response/ under "
+                "its name)");
   using talus_role = roles::solver;
   using type = Method;
   static std::string describe() { return detail::describe_list<Method>("solver"); }

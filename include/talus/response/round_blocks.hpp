@@ -44,8 +44,8 @@ struct round_block_push {
   Wide push, pushed;
 };
 
-/// What contact_row is for other contacts.
-template <class Contact>
+/// What contact_row is for other contacts. `Planner` says which contacts share a block.
+template <class Contact, class Planner = block_planner<lanes_in<typename Contact::number>>>
 class round_blocks {
   using number = typename Contact::number;
   using state = typename Contact::state;
@@ -376,7 +376,7 @@ class round_blocks {
     }
   }
 
-  block_planner<lanes> plan_;
+  Planner plan_;
   plain_vector<block> blocks_;          ///< of which the first so many are in use
   plain_vector<push_of_block> pushes_;  ///< of each block
   std::size_t used_ = 0;

@@ -15,9 +15,6 @@
 
 namespace talus::detail {
 
-template <class Contact>
-class round_blocks;
-
 /// Whether the second body of a contact can move at all; global bodies cannot.
 enum class partner { moving, immovable };
 

@@ -53,6 +53,13 @@ inline constexpr bool solves_shared_islands = requires {
   requires Solver::solves_shared_islands;
 };
 
+/// A solver that sweeps colour by colour, so that nothing depends on where contacts lie in memory;
+/// see coloured_gauss_seidel.hpp.
+template <class Solver>
+inline constexpr bool solves_by_colours = requires {
+  requires Solver::by_colours;
+};
+
 /// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
 /// a tensor, locals before shadow copies within each shape. `Real` is the scalar of velocities and
 /// of the impulses of round contacts; see precision<...>. What bodies with a tensor need besides is

@@ -25,18 +25,18 @@ using anchored_contact =
     std::conditional_t<A::round, round_contact<Law, partner::immovable, Real>,
                        general_contact<Law, side_of<A>, contact_side::immovable, Real>>;
 
-template <class Law, class Real, class A>
+template <class Law, class Real, template <class> class List, class A>
 struct contacts_of_one {
   template <class B>
   static auto pair_with() {
     if constexpr (A::finite && B::finite)
-      return type_list<contact_list<moving_contact<Law, A, B, Real>>>{};
+      return type_list<List<moving_contact<Law, A, B, Real>>>{};
     else
       return type_list<>{};
   }
   static auto anchored() {
     if constexpr (A::finite)
-      return type_list<contact_list<anchored_contact<Law, A, Real>>>{};
+      return type_list<List<anchored_contact<Law, A, Real>>>{};
     else
       return type_list<>{};
   }
@@ -55,14 +55,14 @@ struct join_lists<type_list<Ts...>, type_list<Us...>, Rest...> {
   using type = typename join_lists<type_list<Ts..., Us...>, Rest...>::type;
 };
 
-template <class Shapes, class Law, class Real>
+template <class Shapes, class Law, class Real, template <class> class List>
 struct contact_lists_for;
-template <class... Shapes, class Law, class Real>
-struct contact_lists_for<type_list<Shapes...>, Law, Real> {
+template <class... Shapes, class Law, class Real, template <class> class List>
+struct contact_lists_for<type_list<Shapes...>, Law, Real, List> {
   template <class A>
   using of_one =
-      typename join_lists<decltype(contacts_of_one<Law, Real, A>::template pair_with<Shapes>())...,
-                          decltype(contacts_of_one<Law, Real, A>::anchored())>::type;
+      typename join_lists<decltype(contacts_of_one<Law, Real, List, A>::template pair_with<Shapes>())...,
+                          decltype(contacts_of_one<Law, Real, List, A>::anchored())>::type;
   using all = unique_types<typename join_lists<of_one<Shapes>...>::type>;
 };
 
@@ -74,9 +74,10 @@ struct as_tuple<type_list<Ts...>> {
 };
 
 /// std::tuple of the contact lists that the shapes of a scenario need, each kind once. `Real` is
-/// the scalar in which they are solved.
-template <class Shapes, class Law, class Real = real>
+/// the scalar in which they are solved, `List` keeps the contacts of one kind.
+template <class Shapes, class Law, class Real = real,
+          template <class> class List = contact_list>
 using contact_lists_of =
-    typename as_tuple<typename contact_lists_for<Shapes, Law, Real>::all>::type;
+    typename as_tuple<typename contact_lists_for<Shapes, Law, Real, List>::all>::type;
 
 }  // namespace talus::detail

@@ -58,6 +58,7 @@ class contact_maker {
       return anchored_contact<law, A, number>{};
   }
   using contact_type = decltype(kind<ShapeA, ShapeB>());
+  using list_type = typename state_type::template list_of<contact_type>;
   using store_a = body_store<ShapeA, typename Scenario::features>;
   using store_b = body_store<ShapeB, typename Scenario::features>;
 
@@ -68,7 +69,7 @@ class contact_maker {
         b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
         first_a_(s.template of<ShapeA>().first),
         first_b_(paired ? s.template of<ShapeB>().first : 0),
-        list_(std::get<contact_list<contact_type>>(s.contacts)),
+        list_(std::get<list_type>(s.contacts)),
         gravity_(s.gravity.norm()) {
     if constexpr (batched) {
       waiting_.places = &s.template of<ShapeA>().places;
@@ -217,7 +218,8 @@ class contact_maker {
     c.push = static_cast<decltype(c.push)>(want.push);
     if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
     const contact_key key{a_.id[i], b_.id[j], g.feature};
-    if (x.foreign) return list_.add_foreign(c, key);
+    if constexpr (state_type::islands_across_ranks)
+      if (x.foreign) return list_.add_foreign(c, key);
     x.made = true;
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
@@ -329,7 +331,7 @@ class contact_maker {
   store_a& a_;
   store_b& b_;
   std::size_t first_a_, first_b_;
-  contact_list<contact_type>& list_;
+  list_type& list_;
   real gravity_;
   [[no_unique_address]] std::conditional_t<batched, waiting_pairs, none_wait> waiting_;
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "talus/response/integrate.hpp"
+#include "talus/world/colour_contacts.hpp"
 #include "talus/world/continuous.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/solved_velocity.hpp"
@@ -63,11 +64,14 @@ void respond(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
     if (s.settings.tolerance == 0 && all_rest(s)) return;  // no rank waits for this one
   gather_velocities(s);
+  constexpr bool coloured = solves_by_colours<typename Scenario::solver>;
+  if constexpr (coloured) colour_contacts(s);
   s.each_contact_list([&](auto& list) { list.recall(s.history); });
-  s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
-                                            world_state<Scenario>::law::correction,
-                                            shared_velocities<Scenario>(s)),
-                    s.settings.tolerance);
+  std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
+  s.convergence.add(
+      Scenario::solver::solve(s.contacts, s.solver, s.settings,
+                              world_state<Scenario>::law::correction, ranks),
+      s.settings.tolerance);
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);

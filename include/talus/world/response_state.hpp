@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <limits>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "talus/contact/history.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/parallel/parcel.hpp"
+#include "talus/response/coloured_list.hpp"
 #include "talus/response/convergence.hpp"
 #include "talus/response/shared_islands.hpp"
 #include "talus/response/soft_state.hpp"
@@ -51,9 +53,36 @@ struct travelling_velocities {
   plain_vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
 };
 
-template <class Shapes, class Law, class Real>
+/// How a solver keeps the contacts of one kind.
+template <class Solver>
+struct lists_for {
+  template <class Contact>
+  using list = contact_list<Contact>;
+};
+template <class Solver>
+requires(solves_by_colours<Solver>) struct lists_for<Solver> {
+  template <class Contact>
+  using list = coloured_list<Contact>;
+};
+
+/// The colours of the contacts, and the messages that go with them.
+struct shared_colours {
+  colouring all;
+  /// For each colour a message to each neighbour that shares contacts of it, and to which of the
+  /// lines it belongs.
+  struct messages {
+    std::vector<parcel> parcels;
+    plain_vector<std::uint32_t> lines;
+  };
+  std::vector<messages> of_colour;
+};
+struct no_colours {};
+
+template <class Shapes, class Law, class Solver, class Real>
 struct hard_response {
-  using lists_type = contact_lists_of<Shapes, Law, Real>;
+  template <class Contact>
+  using list_of = typename lists_for<Solver>::template list<Contact>;
+  using lists_type = contact_lists_of<Shapes, Law, Real, list_of>;
   using history_type = history_of<typename Law::memory>;
 
   solver_settings settings;
@@ -62,6 +91,8 @@ struct hard_response {
   solver_state_of<Real> solver;
   shared_islands<solver_state_of<Real>> islands;  ///< where there are ranks
   talus::convergence convergence;
+  [[no_unique_address]] std::conditional_t<solves_by_colours<Solver>, shared_colours, no_colours>
+      colours;
   std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
   std::vector<travelling_velocities> travelled;   ///< in the last step
   std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
@@ -78,12 +109,12 @@ struct soft_response {
   soft_state<Law> soft;
 };
 
-template <class Shapes, class Law, class Real>
+template <class Shapes, class Law, class Solver, class Real>
 struct response_of {
-  using type = hard_response<Shapes, Law, Real>;
+  using type = hard_response<Shapes, Law, Solver, Real>;
 };
-template <class Shapes, class Law, class Real>
-requires(Law::soft) struct response_of<Shapes, Law, Real> {
+template <class Shapes, class Law, class Solver, class Real>
+requires(Law::soft) struct response_of<Shapes, Law, Solver, Real> {
   using type = soft_response<Law>;
 };
 

@@ -78,29 +78,34 @@ class shared_velocities {
                       [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
   }
   void start_corrections() {
-    const solver_type& solver = s_.solver;
-    start<of_correction, correction>([&](std::uint32_t i, correction* out) {
-      const bool turns = turning && i >= solver.first_tensor;
-      for (int k = 0; k < 3; ++k) {
-        out[k] = solver.shift[i].v[k];
-        if (turning) out[3 + k] = turns ? solver.turn[i - solver.first_tensor].w[k] : 0;
-      }
-    });
+    start<of_correction, correction>(
+        [&](std::uint32_t i, correction* out) { put_correction(i, out); });
   }
   void finish_corrections() {
-    solver_type& solver = s_.solver;
-    finish<of_correction, correction>([&](std::uint32_t i, const correction* in) {
-      const bool turns = turning && i >= solver.first_tensor;
-      for (int k = 0; k < 3; ++k) {
-        solver.shift[i].v[k] = static_cast<number>(in[k]);
-        if (turns) solver.turn[i - solver.first_tensor].w[k] = in[3 + k];
-      }
-    });
+    finish<of_correction, correction>(
+        [&](std::uint32_t i, const correction* in) { get_correction(i, in); });
   }
 
- private:
+ protected:
   static constexpr int of_correction = turning ? 6 : 3;
   using correction = std::conditional_t<turning, real, number>;
+
+  void put_correction(std::uint32_t i, correction* out) const {
+    const solver_type& solver = s_.solver;
+    const bool turns = turning && i >= solver.first_tensor;
+    for (int k = 0; k < 3; ++k) {
+      out[k] = solver.shift[i].v[k];
+      if (turning) out[3 + k] = turns ? solver.turn[i - solver.first_tensor].w[k] : 0;
+    }
+  }
+  void get_correction(std::uint32_t i, const correction* in) {
+    solver_type& solver = s_.solver;
+    const bool turns = turning && i >= solver.first_tensor;
+    for (int k = 0; k < 3; ++k) {
+      solver.shift[i].v[k] = static_cast<number>(in[k]);
+      if (turns) solver.turn[i - solver.first_tensor].w[k] = in[3 + k];
+    }
+  }
 
   template <class Real>
   void put_velocity(std::uint32_t i, Real* out) const {
@@ -114,6 +119,9 @@ class shared_velocities {
       b.v[k] = static_cast<number>(in[k]), b.w[k] = static_cast<number>(in[3 + k]);
   }
 
+  state_type& s_;
+
+ private:
   template <int Scalars, class Real, class Put, class Get>
   void exchange(Put&& put, Get&& get) {
     start<Scalars, Real>(put);
@@ -154,8 +162,6 @@ class shared_velocities {
       }
     }
   }
-
-  state_type& s_;
 };
 
 }  // namespace talus::detail

@@ -93,7 +93,7 @@ struct shares_data : std::bool_constant<packs_itself<Shape>> {};
 template <class Scenario>
 using response_state =
     typename response_of<typename Scenario::shapes, typename Scenario::contact_law,
-                         solved_scalar<Scenario>>::type;
+                         typename Scenario::solver, solved_scalar<Scenario>>::type;
 
 /// The contacts and what finds their impulses or forces are in the base.
 template <class Scenario>

@@ -1,0 +1,74 @@
+#pragma once
+// Gauss-Seidel in an order that follows from ids alone: the same bits on any number of ranks.
+#include <cstdint>
+#include <type_traits>
+
+#include "talus/core/each.hpp"
+#include "talus/core/policy.hpp"
+#include "talus/response/coloured_list.hpp"
+#include "talus/response/convergence.hpp"
+#include "talus/response/solver_settings.hpp"
+#include "talus/response/solver_state.hpp"
+
+namespace talus {
+
+/// Sweeps over the contacts colour by colour, each solved exactly for its cone with all others
+/// held (nonlinear block Gauss-Seidel; Jourdan, Alart, Jean 1998). No two pairs of one colour share
+/// a body, so their order does not matter, and colours follow from the ids of the bodies alone
+/// (see response/colouring.hpp). Contacts between bodies of two ranks are computed on both, to the
+/// last bit alike, from velocities that travel before each colour that needs them. So the
+/// trajectory does not depend on the number of ranks, on how they share space, or on where bodies
+/// lie in memory, and momentum is conserved as on one rank. The price is a message for each colour
+/// with contacts between two ranks, where nonlinear_gauss_seidel has one for each iteration.
+struct coloured_gauss_seidel final {
+  using talus_part_of = roles::solver;
+  static constexpr const char* name = "coloured_gauss_seidel";
+  static constexpr bool by_colours = true;
+
+  /// As nonlinear_gauss_seidel::solve; the contacts in `lists` have been coloured. `ranks` knows
+  /// how many colours there are.
+  template <class Lists, class State, class Ranks>
+  static detail::solved solve(Lists& lists, State& s, const solver_settings& settings, bool correct,
+                              Ranks&& ranks) {
+    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
+    constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
+    const std::uint32_t colours = ranks.colours();
+
+    detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
+    each([&](auto& list) { list.weigh(s); });
+    for (std::uint32_t c = 0; c < colours; ++c)
+      each([&](auto& list) { list.apply_remembered(s, c); });
+
+    int k = 0;
+    for (; k < watch.limit(); ++k) {
+      if constexpr (!alone)
+        if (watch.due(k)) ranks.share_velocities();
+      if (watch.reached(k)) break;
+      for (std::uint32_t c = 0; c < colours; ++c) {
+        if constexpr (!alone) ranks.start_velocities(c);
+        each([&](auto& list) { list.sweep(s, c, false); });
+        if constexpr (alone) continue;
+        ranks.finish_velocities(c);
+        each([&](auto& list) { list.sweep(s, c, true); });
+      }
+      watch.hear();
+    }
+    const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
+
+    if (correct)
+      for (int j = 0; j < settings.correction_iterations; ++j)
+        for (std::uint32_t c = 0; c < colours; ++c) {
+          if constexpr (!alone) ranks.start_corrections(c);
+          each([&](auto& list) { list.push(s, c, false); });
+          if constexpr (alone) continue;
+          ranks.finish_corrections(c);
+          each([&](auto& list) { list.push(s, c, true); });
+        }
+    return done;
+  }
+};
+
+/// The solver for trajectories that are the same to the last bit on any number of ranks.
+using reproducible = coloured_gauss_seidel;
+
+}  // namespace talus

@@ -1,0 +1,200 @@
+#pragma once
+// The contacts of one kind on this rank, solved colour by colour.
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/response/colouring.hpp"
+#include "talus/response/contact_row.hpp"
+#include "talus/response/in_sequence.hpp"
+#include "talus/response/patched_row.hpp"
+#include "talus/response/recall.hpp"
+#include "talus/response/round_blocks.hpp"
+
+namespace talus::detail {
+
+template <class Contact>
+struct row_of_colour {
+  using type = contact_row<Contact>;
+};
+template <swept_in_patches Contact>
+struct row_of_colour<Contact> {
+  using type = patched_row<Contact, in_sequence<8>>;
+};
+template <class Contact>
+requires requires { typename Contact::blocks; }
+struct row_of_colour<Contact> {
+  using type = round_blocks<Contact, in_sequence<lanes_in<typename Contact::number>>>;
+};
+
+/// What contact_list is for other solvers. No two pairs of one colour share a body that can move,
+/// so that their order does not matter. Contacts with a body of another rank (shared ones) are
+/// computed alike on both ranks, and apart from the others: what they need has to travel.
+template <class Contact>
+class coloured_list {
+ public:
+  using contact_type = Contact;
+  using state = typename Contact::state;
+
+  void clear() {
+    waiting_.clear();
+    for (std::size_t k = 0; k < used_; ++k)
+      for (part& p : colours_[k].parts) p.clear();
+    used_ = 0;
+    count_ = 0;
+  }
+  void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
+           history_place* last, bool = false) {
+    waiting_.add(contact, key, last, {a_moves, b_moves, false, true});
+  }
+  void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
+                    history_place* last) {
+    waiting_.add(contact, key, last, {true, true, true, owns_a});
+  }
+
+  /// Calls f(unit, shared) for each pair of bodies; what the unit says of its list is left open.
+  template <class F>
+  void each_unit(F&& f) const {
+    const auto& w = waiting_;
+    for (std::size_t i = 0; i < w.contacts.size(); ++i) {
+      if (i > 0 && w.keys[i].same_pair(w.keys[i - 1])) continue;
+      const ends_of_contact& e = w.ends[i];
+      std::int32_t a = e.a_moves ? w.contacts[i].a : -1, b = -1;
+      if constexpr (Contact::paired) b = e.b_moves ? w.contacts[i].b : -1;
+      if (a < 0 || (e.shared && !e.owns_a)) std::swap(a, b);
+      f(contact_unit{.priority = w.keys[i].hash(),
+                     .id_a = w.keys[i].a,
+                     .id_b = w.keys[i].b,
+                     .a = a,
+                     .b = b,
+                     .first = static_cast<std::uint32_t>(i)},
+        e.shared);
+    }
+  }
+  /// The colour of the unit whose first contact is `first`.
+  void set_colour(std::uint32_t first, std::uint32_t colour) { waiting_.colour[first] = colour; }
+  /// When all units have a colour below `colours`: from then on contacts are where these are.
+  [[gnu::noinline]] void arrange(std::uint32_t colours) {
+    if (colours_.size() < colours) colours_.resize(colours);
+    used_ = colours;
+    auto& w = waiting_;
+    std::uint32_t colour = 0;
+    for (std::size_t i = 0; i < w.contacts.size(); ++i) {
+      if (i == 0 || !w.keys[i].same_pair(w.keys[i - 1])) colour = w.colour[i];
+      const ends_of_contact& e = w.ends[i];
+      part& p = colours_[colour].parts[e.shared];
+      p.row.add(w.contacts[i], e.a_moves, e.b_moves);
+      p.keys.push_back(w.keys[i]);
+      p.places.push_back(w.places[i]);
+      if (e.shared) p.owns_a.push_back(e.owns_a);
+    }
+    count_ = w.contacts.size();
+    w.clear();
+  }
+
+  [[nodiscard]] std::size_t size() const { return count_ + waiting_.contacts.size(); }
+  [[nodiscard]] std::size_t bytes() const {
+    std::size_t sum = waiting_.bytes();
+    for (const both& c : colours_)
+      for (const part& p : c.parts) sum += p.bytes();
+    return sum;
+  }
+  /// Calls f(contact, counts_here): a shared contact counts on the rank that owns its body a.
+  template <class F>
+  void each(F&& f) const {
+    each_part([&](const part& p, bool shared) {
+      for (std::size_t i = 0; i < p.row.size(); ++i) f(p.row[i], !shared || p.owns_a[i]);
+    });
+  }
+  /// Calls f(contact, acts_on_a, acts_on_b): on which of its bodies it acts on this rank. Over all
+  /// ranks each contact acts on each body once.
+  template <class F>
+  void each_acting(F&& f) const {
+    each_part([&](const part& p, bool shared) {
+      for (std::size_t i = 0; i < p.row.size(); ++i)
+        f(p.row[i], !shared || p.owns_a[i], !shared || !p.owns_a[i]);
+    });
+  }
+
+  /// Takes up the impulses of the last step.
+  [[gnu::noinline]] void recall(const contact_history& history) {
+    each_part([&](part& p, bool) { p.row.recall(history, p.keys, p.places); });
+  }
+  [[gnu::noinline]] void remember(contact_history& history) const {
+    each_part([&](const part& p, bool) { detail::remember(history, p.keys, p.places, p.row); });
+  }
+  [[gnu::noinline]] void weigh(const state& s) {
+    each_part([&](part& p, bool) { p.row.weigh(s); });
+  }
+  /// In the order of the colours, so that each body gets its impulses in the same order anywhere.
+  [[gnu::noinline]] void apply_remembered(state& s, std::uint32_t colour) const {
+    if (colour < used_)
+      for (const part& p : colours_[colour].parts) p.row.apply(s);
+  }
+  void apply_remembered(state& s) const {
+    for (std::uint32_t k = 0; k < used_; ++k) apply_remembered(s, k);
+  }
+  [[gnu::noinline]] void sweep(state& s, std::uint32_t colour, bool shared) {
+    if (colour < used_) colours_[colour].parts[shared].row.forward(s);
+  }
+  [[gnu::noinline]] void push(state& s, std::uint32_t colour, bool shared) {
+    if (colour < used_) colours_[colour].parts[shared].row.push(s);
+  }
+
+ private:
+  struct ends_of_contact {
+    bool a_moves, b_moves, shared, owns_a;
+  };
+  /// Contacts in the order in which they were found.
+  struct waiting {
+    plain_vector<Contact> contacts;
+    plain_vector<contact_key> keys;
+    plain_vector<history_place*> places;
+    plain_vector<ends_of_contact> ends;
+    plain_vector<std::uint32_t> colour;
+
+    void add(const Contact& c, const contact_key& key, history_place* place,
+             const ends_of_contact& e) {
+      contacts.push_back(c), keys.push_back(key), places.push_back(place), ends.push_back(e);
+      colour.push_back(0);
+    }
+    void clear() { contacts.clear(), keys.clear(), places.clear(), ends.clear(), colour.clear(); }
+    [[nodiscard]] std::size_t bytes() const {
+      return contacts.capacity() * (sizeof(Contact) + sizeof(contact_key) +
+                                    sizeof(history_place*) + sizeof(ends_of_contact) + 4);
+    }
+  };
+  struct part {
+    typename row_of_colour<Contact>::type row;
+    plain_vector<contact_key> keys;
+    plain_vector<history_place*> places;
+    plain_vector<char> owns_a;  ///< of shared contacts: whether body a is owned here, else b
+
+    void clear() { row.clear(), keys.clear(), places.clear(), owns_a.clear(); }
+    [[nodiscard]] std::size_t bytes() const {
+      return row.bytes() + keys.capacity() * sizeof(contact_key) +
+             places.capacity() * sizeof(history_place*) + owns_a.capacity();
+    }
+  };
+  struct both {
+    part parts[2];  ///< not shared, shared
+  };
+
+  template <class F>
+  void each_part(F&& f) {
+    for (std::size_t k = 0; k < used_; ++k) f(colours_[k].parts[0], false), f(colours_[k].parts[1], true);
+  }
+  template <class F>
+  void each_part(F&& f) const {
+    for (std::size_t k = 0; k < used_; ++k) f(colours_[k].parts[0], false), f(colours_[k].parts[1], true);
+  }
+
+  waiting waiting_;
+  std::vector<both> colours_;
+  std::size_t used_ = 0, count_ = 0;
+};
+
+}  // namespace talus::detail

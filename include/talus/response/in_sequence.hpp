@@ -1,0 +1,29 @@
+#pragma once
+// Blocks of contacts that share no body anyway, as those of one colour.
+#include <cstddef>
+#include <cstdint>
+
+namespace talus::detail {
+
+/// Fills one block after the other. What acts on the same bodies as the last one, as further
+/// patches of a pair do, begins a new block.
+template <int Lanes>
+class in_sequence {
+ public:
+  static constexpr std::size_t lanes = Lanes;
+
+  void clear() { next_ = 0, a_ = b_ = -1; }
+  /// Slot (block * Lanes + lane) for what acts on a and b, -1 where b cannot move.
+  [[nodiscard]] std::int64_t place(std::int32_t a, std::int32_t b) {
+    if (a == a_ && b == b_) next_ = (next_ + Lanes - 1) / Lanes * Lanes;
+    a_ = a, b_ = b;
+    return next_++;
+  }
+  [[nodiscard]] static std::size_t bytes() { return 0; }
+
+ private:
+  std::int64_t next_ = 0;
+  std::int32_t a_ = -1, b_ = -1;
+};
+
+}  // namespace talus::detail
