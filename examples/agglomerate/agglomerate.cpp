@@ -6,6 +6,7 @@ using namespace talus;
 using clump = union_of<sphere>;
 using agglomerate = scenario<bodies<sphere, clump>,
                              hard_contact<coulomb_friction, newton_restitution, no_correction>,
+                             solver<nonlinear_gauss_seidel, reproducible>,
                              decomposition<slabs<dynamic>>, transport<as_launched>>;
 
 struct agglomerate_options : options {

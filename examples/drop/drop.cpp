@@ -3,6 +3,7 @@
 using namespace talus;
 
 using drop = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
+                      solver<nonlinear_gauss_seidel, reproducible>,
                       decomposition<grid<dynamic, dynamic>>,  // as many ranks as there are
                       transport<as_launched>>;                // serial, --ranks N, or mpirun
 

@@ -5,6 +5,7 @@
 using namespace talus;
 
 using outlet = scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction>,
+                        solver<nonlinear_gauss_seidel, reproducible>,
                         decomposition<join<grid<9, 1, 7>, slabs<1>>>, transport<as_launched>>;
 
 struct outlet_options : options {

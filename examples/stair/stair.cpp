@@ -6,6 +6,7 @@ using namespace talus;
 using stone = union_of<box, sphere, capsule>;
 using stair =
     scenario<bodies<sphere, stone, plane>, hard_contact<coulomb_friction, newton_restitution>,
+             solver<nonlinear_gauss_seidel, reproducible>,
              decomposition<join<ring<dynamic>, slabs<dynamic>>>, transport<as_launched>>;
 
 struct stair_options : options {

@@ -4,7 +4,7 @@ using namespace talus;
 
 using well =
     scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction, newton_restitution>,
-             solver<nonlinear_gauss_seidel>,
+             solver<nonlinear_gauss_seidel, reproducible>,
              decomposition<any_decomposition>,  // of four ranks a grid makes two by two
              transport<as_launched>, features<damping>>;
 

@@ -39,7 +39,8 @@ std::vector<sharing> sharings() {
       {"grid", 9, squares(3, 3)},
       {"hexagonal", 7, hexagonal<dynamic>{.width = 8}},
       {"hexagonal", 19, hexagonal<dynamic>{.width = 8}},
-      {"slanting cells", 2, cells(half_space(0.3, 0.8, 0.2, 0.1), complement(half_space(0.3, 0.8, 0.2, 0.1)))},
+      {"slanting cells", 2,
+       cells(half_space(0.3, 0.8, 0.2, 0.1), complement(half_space(0.3, 0.8, 0.2, 0.1)))},
       {"ring", 4, ring<dynamic>{.sectors = 4, .centre = {-6, -6, 0}, .angle = pi / 2}},
   };
 }

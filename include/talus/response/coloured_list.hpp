@@ -163,8 +163,8 @@ class coloured_list {
     }
     void clear() { contacts.clear(), keys.clear(), places.clear(), ends.clear(), colour.clear(); }
     [[nodiscard]] std::size_t bytes() const {
-      return contacts.capacity() * (sizeof(Contact) + sizeof(contact_key) +
-                                    sizeof(history_place*) + sizeof(ends_of_contact) + 4);
+      return contacts.capacity() * (sizeof(Contact) + sizeof(contact_key) + sizeof(history_place*) +
+                                    sizeof(ends_of_contact) + 4);
     }
   };
   struct part {
@@ -185,11 +185,13 @@ class coloured_list {
 
   template <class F>
   void each_part(F&& f) {
-    for (std::size_t k = 0; k < used_; ++k) f(colours_[k].parts[0], false), f(colours_[k].parts[1], true);
+    for (std::size_t k = 0; k < used_; ++k)
+      f(colours_[k].parts[0], false), f(colours_[k].parts[1], true);
   }
   template <class F>
   void each_part(F&& f) const {
-    for (std::size_t k = 0; k < used_; ++k) f(colours_[k].parts[0], false), f(colours_[k].parts[1], true);
+    for (std::size_t k = 0; k < used_; ++k)
+      f(colours_[k].parts[0], false), f(colours_[k].parts[1], true);
   }
 
   waiting waiting_;

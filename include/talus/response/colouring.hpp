@@ -23,7 +23,7 @@ struct contact_unit {
   system_id id_a = no_id, id_b = no_id;
   std::int32_t a = -1, b = -1;  ///< those that can move, in solver indices; owned here first
   std::uint32_t first = 0;      ///< of its contacts in their list
-  std::int32_t line = -1;             ///< to the neighbour that has it too
+  std::int32_t line = -1;       ///< to the neighbour that has it too
 };
 
 /// What two neighbours say to each other about the contacts between their bodies, and then in each
@@ -81,8 +81,7 @@ class colouring {
   [[nodiscard]] std::uint32_t colour_of(std::size_t n) const { return colour_of_[n]; }
   [[nodiscard]] std::size_t bytes() const {
     return units_.capacity() * sizeof(contact_unit) +
-           (order_.capacity() + starts_.capacity() + colour_of_.capacity()) *
-               sizeof(std::uint32_t);
+           (order_.capacity() + starts_.capacity() + colour_of_.capacity()) * sizeof(std::uint32_t);
   }
 
  private:
@@ -212,7 +211,8 @@ class colouring {
     }
     for (; !in.empty(); ++l.heard) {
       const auto at = in.get<std::uint32_t>();
-      if (at >= l.units.size()) fail<std::runtime_error>("rank {} told of a contact {} of {}", l.rank, at, l.units.size());
+      if (at >= l.units.size())
+        fail<std::runtime_error>("rank {} told of a contact {} of {}", l.rank, at, l.units.size());
       taken_there& there = there_[number_[l.units[at]]];
       const auto words = in.get_all<std::uint64_t>();
       there.colours.assign(words.begin(), words.end());

@@ -42,8 +42,8 @@ class contact_patches {
         continue;
       }
       const bool b_moves = paired && moves(c.b);
-      const auto slot = static_cast<std::size_t>(
-          moves(c.a) ? plan_.place(c.a, b_moves ? c.b : -1) : plan_.place(c.b, -1));
+      const auto slot = static_cast<std::size_t>(moves(c.a) ? plan_.place(c.a, b_moves ? c.b : -1)
+                                                            : plan_.place(c.b, -1));
       const auto at = slot / lanes;
       for (; used_ <= at; ++used_) {
         if (used_ == blocks_.size()) blocks_.emplace_back();

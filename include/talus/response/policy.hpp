@@ -4,6 +4,7 @@
 
 #include "talus/core/policy.hpp"
 #include "talus/response/nonlinear_gauss_seidel.hpp"
+#include "talus/response/solver_state.hpp"
 
 namespace talus {
 
@@ -22,9 +23,15 @@ struct velocity_verlet final {
   static constexpr const char* name = "velocity_verlet";
 };
 
-/// Policy: the solver of the contact problem. Default: solver<nonlinear_gauss_seidel>.
-template <class Method>
+/// Policy: the solver of the contact problem. Default: solver<nonlinear_gauss_seidel>. A program
+/// run by run() is compiled with a second one besides if that is named, which its option
+/// --reproducible chooses: solver<nonlinear_gauss_seidel, reproducible>.
+template <class Method, class OnRequest = void>
 struct solver final {
+  static_assert(std::is_void_v<OnRequest> || detail::solves_by_colours<OnRequest>,
+                "solver<...> takes as second solver, for the option --reproducible, one whose "
+                "results do not depend on the ranks: write solver<nonlinear_gauss_seidel, "
+                "reproducible>");
   static_assert(detail::is_part<Method, roles::solver>,
                 "solver<...> takes a solver, and this type is none: write "
                 "solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>, "
@@ -32,6 +39,7 @@ struct solver final {
                 "its name)");
   using talus_role = roles::solver;
   using type = Method;
+  using on_request = OnRequest;
   static std::string describe() { return detail::describe_list<Method>("solver"); }
 };
 

@@ -29,6 +29,7 @@ struct options {
   std::string json;            ///< file for the results; empty: none
   std::string csv;             ///< file for a time series; empty: none
   std::size_t csv_every = 10;  ///< steps between its lines
+  bool reproducible = false;   ///< the same bits on any number of ranks
   bool quiet = false;          ///< no progress, no summary
   std::string frames;          ///< folder for pictures; empty: none
   std::size_t every = 100;     ///< steps between pictures
@@ -48,6 +49,7 @@ struct options {
     cli.add("--json", json, "write the results to this file");
     cli.add("--csv", csv, "write a time series, comma-separated, to this file");
     cli.add("--csv-every", csv_every, "steps from one of its lines to the next", 1);
+    cli.add("--reproducible", reproducible, "the same bits on any number of ranks; slower");
     cli.add("--quiet", quiet, "no progress, no summary");
     cli.add("--frames", frames, "write pictures for POV-Ray into this folder");
     cli.add("--every", every, "steps from one picture to the next", 1);

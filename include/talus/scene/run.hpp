@@ -88,6 +88,28 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
                              options.json);
 }
 
+/// Which of the solvers of a program is meant.
+template <class Scenario, class Options>
+void require_reproducible(const Options& options) {
+  if constexpr (!solves_by_colours<typename Scenario::solver> &&
+                std::is_void_v<typename Scenario::solver_on_request>)
+    if (options.reproducible)
+      throw usage_error(
+          "--reproducible needs a solver whose results do not depend on the ranks, and this "
+          "program has none: name solver<nonlinear_gauss_seidel, reproducible> in its scenario "
+          "(hard contacts only)");
+}
+template <class Scenario, class Options, class SetUp>
+void run_rank_with_solver(typename Scenario::transport::link& link, const Options& options,
+                          const std::string& name, SetUp& set_up) {
+  if constexpr (!std::is_void_v<typename Scenario::solver_on_request>)
+    if (options.reproducible)
+      return run_rank<
+          typename scenario_with_solver<Scenario, typename Scenario::solver_on_request>::type>(
+          link, options, name, set_up);
+  run_rank<Scenario>(link, options, name, set_up);
+}
+
 }  // namespace detail
 
 /// Runs a scenario as the program was started: serially, with ranks inside the process (--ranks),
@@ -105,14 +127,16 @@ int run(int argc, char** argv, SetUp&& set_up) {
   };
   try {
     const Options chosen = parse<Options>(argc, argv);
+    detail::require_reproducible<Scenario>(chosen);
     launch_settings settings;
     settings.argc = &argc;
     settings.argv = &argv;
     settings.ranks = chosen.ranks;
     settings.default_ranks = typename Scenario::decomposition{}.size();
     settings.report = complain;
-    Scenario::transport::launch(
-        settings, [&](auto& link) { detail::run_rank<Scenario>(link, chosen, name, set_up); });
+    Scenario::transport::launch(settings, [&](auto& link) {
+      detail::run_rank_with_solver<Scenario>(link, chosen, name, set_up);
+    });
     return 0;
   } catch (const help_requested& help) {
     if (speaks) std::fputs(help.what(), stdout);

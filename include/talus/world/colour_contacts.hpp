@@ -42,7 +42,8 @@ void colour_contacts(world_state<Scenario>& s) {
     s.link->finish(parcels);
     std::size_t n = 0;
     for (colour_line& l : all.lines)
-      if (first || l.open()) l.out = std::move(parcels[n].out), l.in = std::move(parcels[n].in), ++n;
+      if (first || l.open())
+        l.out = std::move(parcels[n].out), l.in = std::move(parcels[n].in), ++n;
   });
   std::size_t unit = 0;
   const std::size_t* end = ends.data();
@@ -61,8 +62,7 @@ void colour_contacts(world_state<Scenario>& s) {
       if (all.lines[n].first[c + 1] > all.lines[n].first[c])
         m.lines.push_back(static_cast<std::uint32_t>(n));
     m.parcels.resize(m.lines.size());
-    for (std::size_t k = 0; k < m.lines.size(); ++k)
-      m.parcels[k].rank = all.lines[m.lines[k]].rank;
+    for (std::size_t k = 0; k < m.lines.size(); ++k) m.parcels[k].rank = all.lines[m.lines[k]].rank;
   }
 }
 
@@ -95,9 +95,9 @@ class coloured_velocities : public shared_velocities<Scenario> {
   }
 
  private:
+  using base::s_;
   using typename base::correction;
   using typename base::number;
-  using base::s_;
 
   template <int Scalars, class Real, class Put>
   void start(std::uint32_t colour, Put&& put) {

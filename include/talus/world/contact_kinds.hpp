@@ -60,9 +60,9 @@ struct contact_lists_for;
 template <class... Shapes, class Law, class Real, template <class> class List>
 struct contact_lists_for<type_list<Shapes...>, Law, Real, List> {
   template <class A>
-  using of_one =
-      typename join_lists<decltype(contacts_of_one<Law, Real, List, A>::template pair_with<Shapes>())...,
-                          decltype(contacts_of_one<Law, Real, List, A>::anchored())>::type;
+  using of_one = typename join_lists<
+      decltype(contacts_of_one<Law, Real, List, A>::template pair_with<Shapes>())...,
+      decltype(contacts_of_one<Law, Real, List, A>::anchored())>::type;
   using all = unique_types<typename join_lists<of_one<Shapes>...>::type>;
 };
 
@@ -75,8 +75,7 @@ struct as_tuple<type_list<Ts...>> {
 
 /// std::tuple of the contact lists that the shapes of a scenario need, each kind once. `Real` is
 /// the scalar in which they are solved, `List` keeps the contacts of one kind.
-template <class Shapes, class Law, class Real = real,
-          template <class> class List = contact_list>
+template <class Shapes, class Law, class Real = real, template <class> class List = contact_list>
 using contact_lists_of =
     typename as_tuple<typename contact_lists_for<Shapes, Law, Real, List>::all>::type;
 

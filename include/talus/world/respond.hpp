@@ -68,10 +68,9 @@ void respond(world_state<Scenario>& s) {
   if constexpr (coloured) colour_contacts(s);
   s.each_contact_list([&](auto& list) { list.recall(s.history); });
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
-  s.convergence.add(
-      Scenario::solver::solve(s.contacts, s.solver, s.settings,
-                              world_state<Scenario>::law::correction, ranks),
-      s.settings.tolerance);
+  s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
+                                            world_state<Scenario>::law::correction, ranks),
+                    s.settings.tolerance);
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);

@@ -158,24 +158,32 @@ struct scenario final {
   static_assert(in_double || !law_policy::soft,
                 "scenario<...> names soft_contact<...> and a precision other than double, but soft "
                 "contacts are computed in double: remove the precision, or use hard_contact<...>");
-  static_assert(in_double || std::is_same_v<typename solver_policy::type, nonlinear_gauss_seidel>,
+  static_assert(in_double || std::is_same_v<typename solver_policy::type, nonlinear_gauss_seidel> ||
+                    detail::solves_by_colours<typename solver_policy::type>,
                 "scenario<...> names a precision other than double and a solver that works in "
-                "double: remove the precision, or use solver<nonlinear_gauss_seidel>");
+                "double: remove the precision, or use solver<nonlinear_gauss_seidel> or "
+                "solver<reproducible>");
+  static_assert(!detail::solves_by_colours<typename solver_policy::type> ||
+                    !(names<sleeping> || names<continuous_collision>),
+                "scenario<...> names solver<reproducible> and a feature whose results depend on "
+                "the ranks: remove sleeping and continuous_collision, or use "
+                "solver<nonlinear_gauss_seidel>");
   static_assert(law_policy::soft || !verlet,
                 "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "
                 "are no forces that it could use: remove the integrator, or use "
                 "soft_contact<...>");
 
  public:
-  using shapes = typename bodies_policy::list;            ///< sphere and plane
-  using contact_law = law_policy;                         ///< friction, restitution and correction
-  using solver = typename solver_policy::type;            ///< nonlinear_gauss_seidel
-  using broad_phase = typename broad_phase_policy::type;  ///< linear_hash_grid
-  using integrator = typename integrator_policy::type;    ///< semi_implicit_euler
-  using decomposition = typename decomposition_policy::type;  ///< a grid for any number of ranks
-  using transport = typename transport_policy::type;          ///< threads
-  using precision = typename precision_policy::type;          ///< double
-  using features = std::conditional_t<                        ///< none
+  using shapes = typename bodies_policy::list;  ///< sphere and plane
+  using contact_law = law_policy;               ///< friction, restitution and correction
+  using solver = typename solver_policy::type;  ///< nonlinear_gauss_seidel
+  using solver_on_request = typename solver_policy::on_request;  ///< none: void
+  using broad_phase = typename broad_phase_policy::type;         ///< linear_hash_grid
+  using integrator = typename integrator_policy::type;           ///< semi_implicit_euler
+  using decomposition = typename decomposition_policy::type;     ///< a grid for any number of ranks
+  using transport = typename transport_policy::type;             ///< threads
+  using precision = typename precision_policy::type;             ///< double
+  using features = std::conditional_t<                           ///< none
       law_policy::soft && names<energy_ledger>,
       detail::list_with<kept_features, detail::split_contact_forces>, kept_features>;
 
@@ -196,6 +204,18 @@ struct scenario final {
         " ");
   }
 };
+
+namespace detail {
+
+template <class Scenario, class Method>
+struct scenario_with_solver;
+template <class... Policies, class Method>
+struct scenario_with_solver<scenario<Policies...>, Method> {
+  using type = scenario<
+      std::conditional_t<plays<Policies, roles::solver>, talus::solver<Method>, Policies>...>;
+};
+
+}  // namespace detail
 
 /// Every policy of a scenario, for summaries and files.
 template <class Scenario>
