@@ -220,8 +220,9 @@ void announce_changes(world_state<Scenario>& s) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
     if (s.changed) refuse_closed_faces(s, false);
-    if constexpr (world_state<Scenario>::continuous) {
-      // The first round tells how far bodies fly now, the second acts on it.
+    // The first round tells how far bodies fly now, or how large those are that the user added, the
+    // second acts on it. (Elsewhere contacts with these may come a step late.)
+    if constexpr (world_state<Scenario>::continuous || world_state<Scenario>::by_colours) {
       plain_vector<real> before;
       for (const auto& n : s.neighbours) before.push_back(n.reach);
       share_shadow_copies(s, s.changed);

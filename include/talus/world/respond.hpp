@@ -64,7 +64,7 @@ void respond(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
     if (s.settings.tolerance == 0 && all_rest(s)) return;  // no rank waits for this one
   gather_velocities(s);
-  constexpr bool coloured = solves_by_colours<typename Scenario::solver>;
+  constexpr bool coloured = world_state<Scenario>::by_colours;
   if constexpr (coloured) colour_contacts(s);
   s.each_contact_list([&](auto& list) { list.recall(s.history); });
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);

@@ -133,6 +133,9 @@ struct world_state : response_state<Scenario> {
   static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
   [[no_unique_address]] std::conditional_t<sleeps, sleep_state<history_type>, no_sleep_state> sleep;
 
+  /// Whether contacts are solved colour by colour, so that nothing depends on the ranks.
+  static constexpr bool by_colours = solves_by_colours<typename Scenario::solver>;
+
   /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
   /// what a rank finds among bodies of others is not what they find.)
   static constexpr bool islands_across_ranks = !link_type::alone && !law::soft && !continuous &&
