@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "talus/core/each.hpp"
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/response/coloured_list.hpp"
 #include "talus/response/convergence.hpp"
@@ -34,7 +35,7 @@ struct coloured_gauss_seidel final {
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
     const std::uint32_t colours = ranks.colours();
 
-    detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
+    detail::convergence<Lists, Ranks, State, detail::exact_sum> watch(lists, s, settings, ranks);
     each([&](auto& list) { list.weigh(s); });
     for (std::uint32_t c = 0; c < colours; ++c)
       each([&](auto& list) { list.apply_remembered(s, c); });

@@ -1,10 +1,14 @@
 #pragma once
 // When a solver stops: after a number of iterations, or when the contact residual is small enough.
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <type_traits>
 
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/residual.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
@@ -22,6 +26,7 @@ struct solved {
 /// and nothing else. Ranks agree by one reduction per check, so that all stop after the same
 /// iteration; all but the last of them run beside an iteration. Checks grow rarer with the
 /// iterations (every eighth of their number), which keeps their cost below that of the iterations.
+/// `Sum` is double, or exact_sum where nothing may depend on how contacts are shared out.
 ///
 ///   convergence<Lists, Ranks, State> watch(lists, state, settings, ranks);   // before any impulse
 ///   acts int k = 0; for (; k < watch.limit(); ++k) {
@@ -30,7 +35,7 @@ struct solved {
 ///     ...                           // iterate
 ///     watch.hear();
 ///   }
-template <class Lists, class Ranks, class State = solver_state>
+template <class Lists, class Ranks, class State = solver_state, class Sum = double>
 class convergence {
   static constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
@@ -45,8 +50,8 @@ class convergence {
         apart_(apart),
         watches_(settings.tolerance > 0) {
     if (!watches_) return;
-    scale_ = scale_of(lists, s);
-    if constexpr (!alone) ranks_.start_reduce(scale_.sums);
+    scale_ = scale_of<Sum>(lists, s);
+    start_sum(scale_.sums);
     opening_ = true;
   }
 
@@ -95,18 +100,46 @@ class convergence {
 
  private:
   void look() {
-    if constexpr (!alone)
-      if (opening_) ranks_.finish_reduce(scale_.sums);
+    if (opening_) finish_sum(scale_.sums);
     opening_ = false;
-    now_ = sums_of(lists_, s_, scale_.rho());
-    if constexpr (!alone) ranks_.start_reduce(now_.sums);
+    now_ = sums_of<Sum>(lists_, s_, scale_.rho());
+    start_sum(now_.sums);
     looking_ = true;
   }
   bool conclude() {
-    if constexpr (!alone) ranks_.finish_reduce(now_.sums);
+    finish_sum(now_.sums);
     looking_ = false;
     residual_ = now_.value(scale_);
     return residual_ <= settings_.tolerance;
+  }
+
+  /// Over all ranks; exact sums travel digit by digit.
+  template <std::size_t N>
+  void start_sum(std::array<Sum, N>& sums) {
+    if constexpr (alone) {
+      return;
+    } else if constexpr (std::is_same_v<Sum, double>) {
+      ranks_.start_reduce(sums);
+    } else {
+      constexpr std::size_t size = Sum::digits + 1;
+      digits_.resize(N * size);
+      for (std::size_t k = 0; k < N; ++k)
+        sums[k].write(std::span<double, size>(digits_.data() + k * size, size));
+      ranks_.start_reduce(digits_);
+    }
+  }
+  template <std::size_t N>
+  void finish_sum(std::array<Sum, N>& sums) {
+    if constexpr (alone) {
+      return;
+    } else if constexpr (std::is_same_v<Sum, double>) {
+      ranks_.finish_reduce(sums);
+    } else {
+      constexpr std::size_t size = Sum::digits + 1;
+      ranks_.finish_reduce(digits_);
+      for (std::size_t k = 0; k < N; ++k)
+        sums[k].read(std::span<const double, size>(digits_.data() + k * size, size));
+    }
   }
 
   const Lists& lists_;
@@ -118,8 +151,9 @@ class convergence {
   bool opening_ = false, looking_ = false;  ///< a reduction is open: of the scale, of a check
   bool hopeful_ = false, settled_ = false;
   int next_ = 0, looked_ = 0;  ///< iterations before the next check, and before the last
-  residual_scale scale_;
-  residual_sums now_;
+  residual_scale_of<Sum> scale_;
+  residual_sums_of<Sum> now_;
+  plain_vector<double> digits_;
   double residual_ = std::numeric_limits<double>::quiet_NaN();
 };
 

@@ -37,9 +37,11 @@ template <class Contact>
   return c.relative_velocity(s) - c.target * c.axis();
 }
 
-/// Of all contacts together, the parts of the residual that no iteration changes. Sums over ranks.
-struct residual_scale {
-  std::array<double, 3> sums{};  ///< the diagonal of the Delassus operator, its rows, |q|^2
+/// Of all contacts together, the parts of the residual that no iteration changes. Sums over ranks,
+/// in double or exact.
+template <class Sum>
+struct residual_scale_of {
+  std::array<Sum, 3> sums{};  ///< the diagonal of the Delassus operator, its rows, |q|^2
 
   template <class Contact>
   void add(const Contact& c, const typename Contact::state& s, const vec3& q) {
@@ -48,13 +50,18 @@ struct residual_scale {
     sums[2] += q.squaredNorm();
   }
   /// The mass that turns velocities into impulses: 1 / mean diagonal.
-  [[nodiscard]] double rho() const { return sums[0] > 0 ? sums[1] / sums[0] : 0; }
+  [[nodiscard]] double rho() const {
+    const double diagonal = sums[0];
+    return diagonal > 0 ? sums[1] / diagonal : 0;
+  }
 };
+using residual_scale = residual_scale_of<double>;
 
 /// The parts that each iteration changes.
-struct residual_sums {
-  std::array<double, 4> sums{};  ///< |natural map|^2, |r|^2, |u|^2, number of contacts
-  double largest = 0;            ///< of the squares of the natural maps
+template <class Sum>
+struct residual_sums_of {
+  std::array<Sum, 4> sums{};  ///< |natural map|^2, |r|^2, |u|^2, number of contacts
+  double largest = 0;         ///< of the squares of the natural maps
 
   template <class Contact>
   void add(const Contact& c, const typename Contact::state& s, double rho) {
@@ -67,33 +74,35 @@ struct residual_sums {
     if (!(square <= largest)) largest = square;  // a NaN is not lost
   }
   /// |natural map| / max(|r|, rho |q|, rho |u|); 0 where nothing touches.
-  [[nodiscard]] double value(const residual_scale& scale) const {
-    return sums[0] == 0 ? 0 : std::sqrt(sums[0] / square_of(scale));
+  [[nodiscard]] double value(const residual_scale_of<Sum>& scale) const {
+    const double square = sums[0];
+    return square == 0 ? 0 : std::sqrt(square / square_of(scale));
   }
   /// The largest natural map of a contact over the root mean square of the same scale: the residual
   /// is the root mean square of such values.
-  [[nodiscard]] double worst(const residual_scale& scale) const {
+  [[nodiscard]] double worst(const residual_scale_of<Sum>& scale) const {
     return largest == 0 ? 0 : std::sqrt(largest * sums[3] / square_of(scale));
   }
 
  private:
-  [[nodiscard]] double square_of(const residual_scale& scale) const {
-    const double rho = scale.rho();
-    return std::max({sums[1], rho * rho * scale.sums[2], rho * rho * sums[2]});
+  [[nodiscard]] double square_of(const residual_scale_of<Sum>& scale) const {
+    const double rho = scale.rho(), r = sums[1], q = scale.sums[2], u = sums[2];
+    return std::max({r, rho * rho * q, rho * rho * u});
   }
 };
+using residual_sums = residual_sums_of<double>;
 
 /// Adds what each contact of a list adds that obeys Coulomb's law and counts on this rank.
-template <class List>
-[[gnu::noinline]] void add_to(residual_scale& scale, const List& list,
+template <class Sum, class List>
+[[gnu::noinline]] void add_to(residual_scale_of<Sum>& scale, const List& list,
                               const typename List::contact_type::state& s) {
   if constexpr (has_residual<typename List::contact_type>)
     list.each([&](const auto& c, bool counts_here) {
       if (counts_here) scale.add(c, s, violation(c, s));
     });
 }
-template <class List>
-[[gnu::noinline]] void add_to(residual_sums& sums, const List& list,
+template <class Sum, class List>
+[[gnu::noinline]] void add_to(residual_sums_of<Sum>& sums, const List& list,
                               const typename List::contact_type::state& s, double rho) {
   if constexpr (has_residual<typename List::contact_type>)
     list.each([&](const auto& c, bool counts_here) {
@@ -101,15 +110,16 @@ template <class List>
     });
 }
 /// The same for a tuple of lists.
-template <class... Lists, class State>
-[[nodiscard]] residual_scale scale_of(const std::tuple<Lists...>& lists, const State& s) {
-  residual_scale scale;
+template <class Sum = double, class... Lists, class State>
+[[nodiscard]] residual_scale_of<Sum> scale_of(const std::tuple<Lists...>& lists, const State& s) {
+  residual_scale_of<Sum> scale;
   each_of(lists, [&](const auto& list) { add_to(scale, list, s); });
   return scale;
 }
-template <class... Lists, class State>
-[[nodiscard]] residual_sums sums_of(const std::tuple<Lists...>& lists, const State& s, double rho) {
-  residual_sums sums;
+template <class Sum = double, class... Lists, class State>
+[[nodiscard]] residual_sums_of<Sum> sums_of(const std::tuple<Lists...>& lists, const State& s,
+                                            double rho) {
+  residual_sums_of<Sum> sums;
   each_of(lists, [&](const auto& list) { add_to(sums, list, s, rho); });
   return sums;
 }

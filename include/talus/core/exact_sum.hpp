@@ -1,0 +1,77 @@
+#pragma once
+// Sums of numbers that do not depend on the order of their terms.
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace talus::detail {
+
+/// The sum of finite numbers >= 0, exact whatever their size (a long accumulator: Kulisch 1986), so
+/// that it is the same to the bit however the terms are grouped. Takes up to 2^31 terms. What is
+/// not finite makes the sum NaN.
+class exact_sum {
+  static constexpr int bits = 32;       ///< of a digit, in words twice as large
+  static constexpr int lowest = -1074;  ///< exponent of the least number there is
+
+ public:
+  static constexpr std::size_t digits = 67;
+
+  exact_sum& operator+=(double x) {
+    if (!(x >= 0 && std::isfinite(x))) {
+      broken_ = 1;
+      return *this;
+    }
+    if (x == 0) return *this;
+    const auto word = std::bit_cast<std::uint64_t>(x);
+    const auto exponent = static_cast<int>(word >> 52);
+    std::uint64_t mantissa = word & ((std::uint64_t{1} << 52) - 1);
+    if (exponent > 0) mantissa |= std::uint64_t{1} << 52;
+    const int at = exponent > 0 ? exponent - 1 : 0;  // of the last bit, above `lowest`
+    const auto first = static_cast<std::size_t>(at / bits);
+    const int shift = at % bits;
+    const std::uint64_t low = mantissa << shift, high = shift == 0 ? 0 : mantissa >> (64 - shift);
+    digits_[first] += low & mask;
+    digits_[first + 1] += low >> bits;
+    digits_[first + 2] += high;
+    return *this;
+  }
+  /// As numbers that may be added up over ranks, up to 2^20 of them.
+  void write(std::span<double, digits + 1> out) {
+    carry();
+    for (std::size_t k = 0; k < digits; ++k) out[k] = static_cast<double>(digits_[k]);
+    out[digits] = static_cast<double>(broken_);
+  }
+  void read(std::span<const double, digits + 1> in) {
+    for (std::size_t k = 0; k < digits; ++k) digits_[k] = static_cast<std::uint64_t>(in[k]);
+    broken_ = in[digits] != 0;
+  }
+  /// The nearest number, or one of the two nearest.
+  [[nodiscard]] double value() const {
+    if (broken_) return std::nan("");
+    exact_sum sum = *this;
+    sum.carry();
+    double all = 0;
+    for (std::size_t k = digits; k-- > 0;)  // from the highest: what is too small changes nothing
+      all += std::ldexp(static_cast<double>(sum.digits_[k]), static_cast<int>(k) * bits + lowest);
+    return all;
+  }
+  operator double() const { return value(); }
+
+ private:
+  static constexpr std::uint64_t mask = (std::uint64_t{1} << bits) - 1;
+
+  void carry() {
+    for (std::size_t k = 0; k + 1 < digits; ++k) {
+      digits_[k + 1] += digits_[k] >> bits;
+      digits_[k] &= mask;
+    }
+  }
+
+  std::array<std::uint64_t, digits> digits_{};
+  std::uint64_t broken_ = 0;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,57 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <talus/core/exact_sum.hpp>
+#include <vector>
+
+using talus::detail::exact_sum;
+
+namespace {
+
+double sum_of(const std::vector<double>& terms) {
+  exact_sum s;
+  for (const double x : terms) s += x;
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("an exact sum is the same in any order and grouping, for terms of all sizes") {
+  std::mt19937_64 random(20261122);
+  for (int run = 0; run < 200; ++run) {
+    CAPTURE(run);
+    std::vector<double> terms(1 + random() % 300);
+    for (double& x : terms)
+      x = std::ldexp(static_cast<double>(random() >> 11), -static_cast<int>(random() % 1000));
+    const double first = sum_of(terms);
+    std::shuffle(terms.begin(), terms.end(), random);
+    CHECK(sum_of(terms) == first);
+    // In three parts, as three ranks would.
+    std::array<double, exact_sum::digits + 1> total{}, part{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      exact_sum s;
+      for (std::size_t i = k; i < terms.size(); i += 3) s += terms[i];
+      s.write(part);
+      for (std::size_t d = 0; d < total.size(); ++d) total[d] += part[d];
+    }
+    exact_sum all;
+    all.read(total);
+    CHECK(all.value() == first);
+  }
+}
+
+TEST_CASE("an exact sum is right where a sum in double loses its small terms") {
+  std::vector<double> terms(1 << 12, 0x1p-53);
+  terms.push_back(1);
+  CHECK(sum_of(terms) == 1 + 0x1p-41);
+  CHECK(sum_of({0x1p1000, 0x1p1000}) == 0x1p1001);
+  CHECK(sum_of({std::numeric_limits<double>::denorm_min(),
+                std::numeric_limits<double>::denorm_min()}) ==
+        2 * std::numeric_limits<double>::denorm_min());
+  CHECK(sum_of({}) == 0);
+  CHECK(std::isnan(sum_of({1, std::numeric_limits<double>::infinity()})));
+  CHECK(std::isnan(sum_of({std::nan(""), 1})));
+}
