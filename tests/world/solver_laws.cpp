@@ -11,6 +11,7 @@
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/response/accelerated_jacobi.hpp>
+#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/response/small_steps.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/world/world.hpp>
@@ -90,7 +91,7 @@ std::uint64_t iterations_of_step(World& w) {
 }  // namespace
 
 TEST_CASE_TEMPLATE("the residual falls with the iterations, on 1 and 4 ranks", Heap,
-                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>) {
+                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>) {
   for (const int ranks : {1, 4})
     Heap::on(ranks, 90, [&](auto& w, bool speaks) {
       real before = 1;
@@ -113,7 +114,7 @@ TEST_CASE_TEMPLATE("the residual falls with the iterations, on 1 and 4 ranks", H
 
 TEST_CASE_TEMPLATE(
     "with a tolerance all ranks stop after the same iteration, where the residual is within it",
-    Heap, heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, divided) {
+    Heap, heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>, divided) {
   for (const int ranks : {1, 4})
     Heap::on(ranks, 90, [&](auto& w, bool speaks) {
       w.solver().max_iterations = 20000;
@@ -147,9 +148,9 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "measuring the residual changes nothing, and steps without a tolerance are not "
-    "collective",
-    Heap, heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, divided) {
+    "runs on the same ranks end with the same bits, whether the residual is measured or not, and "
+    "steps without a tolerance are not collective",
+    Heap, heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>, divided) {
   for (const int ranks : {1, 4}) {
     std::vector<std::string> digests;
     for (const bool measured : {false, true})
@@ -168,7 +169,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE("impulses lie in their cones, on 1 and 4 ranks", Heap,
-                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, divided) {
+                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>,
+                   divided) {
   for (const int ranks : {1, 4})
     Heap::on(ranks, 40, [&](auto& w, bool) {
       real outside = 0, pull = 0, largest = 0;
@@ -189,7 +191,8 @@ TEST_CASE_TEMPLATE("impulses lie in their cones, on 1 and 4 ranks", Heap,
 }
 
 TEST_CASE_TEMPLATE("momentum is conserved to round-off, on 1 and 4 ranks", Heap,
-                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, divided) {
+                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>,
+                   divided) {
   for (const int ranks : {1, 4})
     Heap::on(
         ranks, 0,
@@ -223,12 +226,14 @@ TEST_CASE("a solver finds what Gauss-Seidel finds, if both iterate long enough")
   };
   for (const int ranks : {1, 4}) {
     const auto sought = end_of(heap<nonlinear_gauss_seidel>{}, 1);
-    const auto found = end_of(heap<accelerated_jacobi>{}, ranks);
-    REQUIRE(found.size() == sought.size());
-    real largest = 0;
-    for (const auto& [id, v] : sought) largest = std::max(largest, (found.at(id) - v).norm());
-    MESSAGE("accelerated_jacobi, ", ranks, " rank(s): velocities within ", largest);
-    CHECK(largest < 1e-7);
+    for (const auto& found :
+         {end_of(heap<accelerated_jacobi>{}, ranks), end_of(heap<reproducible>{}, ranks)}) {
+      REQUIRE(found.size() == sought.size());
+      real largest = 0;
+      for (const auto& [id, v] : sought) largest = std::max(largest, (found.at(id) - v).norm());
+      MESSAGE(ranks, " rank(s): velocities within ", largest);
+      CHECK(largest < 1e-7);
+    }
   }
 }
 
