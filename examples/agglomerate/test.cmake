@@ -5,3 +5,7 @@ set(turns "momentum_lost LESS 1e-13" "angular_momentum_lost LESS 1e-12" "spin GR
 add_example_test(alone ARGS --quiet CHECK ${turns} "ranks_that_know_it EQUAL 1")
 add_example_test(threads ARGS --quiet --ranks 5 CHECK ${turns} "ranks_that_know_it EQUAL 5")
 add_example_test(mpi RANKS 5 ARGS --quiet CHECK ${turns} "ranks_that_know_it EQUAL 5")
+
+# The same bits on any ranks, while it is known to all of them.
+add_same_bits_test(same_bits ARGS --reproducible
+                   RUNS "--ranks 1" "--ranks 2" "--ranks 5" "mpi 4")

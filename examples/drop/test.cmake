@@ -2,3 +2,7 @@
 set(rests "penetration_mean LESS 1e-3" "penetration_max LESS 0.05" "collectives_per_step EQUAL 0")
 add_example_test(alone ARGS --steps 600 --quiet CHECK ${rests} "transport STREQUAL serial")
 add_example_test(mpi RANKS 4 ARGS --steps 600 --quiet CHECK ${rests} "ranks EQUAL 4")
+
+# The same bits on any ranks.
+add_same_bits_test(same_bits ARGS --reproducible --steps 300
+                   RUNS "--ranks 1" "--ranks 2" "--ranks 9" "mpi 4")

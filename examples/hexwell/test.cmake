@@ -6,3 +6,9 @@ add_example_test(threads ARGS ${size} --ranks 91 CHECK ${falls} "messages_per_st
 add_example_test(mpi RANKS 91 TIMEOUT 600 ARGS --bodies 1200 --steps 5 --quiet
                  CHECK ${falls} "messages_per_step_max EQUAL 90" "ranks EQUAL 91")
 add_example_test(mpi_whole LONG RANKS 91 ARGS --quiet CHECK "bodies EQUAL 6000")
+
+# The same bits on any ranks.
+add_same_bits_test(same_bits ARGS --reproducible --bodies 1200 --steps 150
+                   RUNS "--ranks 1" "--ranks 7" "--ranks 19" "mpi 7")
+add_same_bits_test(same_bits_whole LONG ARGS --reproducible --steps 3000
+                   RUNS "--ranks 1" "--ranks 19" "--ranks 91" "mpi 37")

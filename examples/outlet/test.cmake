@@ -5,3 +5,8 @@ set(flows "collectives_per_step EQUAL 0" "penetration_mean LESS 2e-3" "spheres_l
 add_example_test(alone ARGS --quiet CHECK ${flows})
 add_example_test(threads ARGS --quiet --ranks 64 --steps 40 CHECK "bodies EQUAL 4000" "ranks EQUAL 64")
 add_example_test(threads_whole LONG ARGS --quiet --ranks 64 CHECK ${flows})
+
+# The same bits on any ranks.
+add_same_bits_test(same_bits ARGS --reproducible --spheres 1500 --steps 120
+                   RUNS "--ranks 1" "--ranks 64")
+add_same_bits_test(same_bits_whole LONG ARGS --reproducible RUNS "--ranks 1" "--ranks 64")

@@ -8,3 +8,9 @@ add_example_test(nine RANKS 9 ARGS --quiet --steps 600 --sectors 8 --slabs 1
                  CHECK ${flows} "ranks EQUAL 9")
 # Until spheres leave at the foot.
 add_example_test(whole LONG ARGS --quiet --ranks 8 CHECK ${flows} "removed GREATER 1000")
+
+# Bodies emitted by one rank and removed by others: the same bits on any ranks.
+set(one_and_others "--ranks 1" "--ranks 8" "--sectors 4 --slabs 3 --ranks 7"
+                   "mpi 9 --sectors 8 --slabs 1")
+add_same_bits_test(same_bits ARGS --reproducible --steps 700 RUNS ${one_and_others})
+add_same_bits_test(same_bits_whole LONG ARGS --reproducible RUNS ${one_and_others})
