@@ -1,4 +1,4 @@
-// expects: solver<nonlinear_gauss_seidel>, solver<accelerated_jacobi> or solver<small_steps>
+// expects: solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>, solver<accelerated_jacobi>
 #include "talus/world/scenario.hpp"
 using namespace talus;
 
