@@ -3,10 +3,10 @@
 #include <talus/mpi.hpp>
 using namespace talus;
 
-using drop =
-    scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
-             decomposition<grid<dynamic, dynamic>>,           // as many ranks as there are
-             transport<as_launched>, features<checkpoints>>;  // serial, --ranks N, or mpirun
+using drop = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
+                      decomposition<grid<dynamic, dynamic>>,  // as many ranks as there are
+                      transport<as_launched>,                 // serial, --ranks N, or mpirun
+                      features<checkpoints>>;                 // --checkpoint FILE, --restart FILE
 
 int main(int argc, char** argv) {
   return run<drop>(argc, argv, [](auto& world, const auto& options) {
