@@ -59,7 +59,7 @@ struct options {
     cli.add("--show-domains", domains, "pictures show what each rank owns");
     cli.add("--checkpoint", checkpoint,
             "keep the state of the run in this file; SIGUSR1 and SIGTERM write it too");
-    cli.add("--checkpoint-every", checkpoint_every, "steps from one version of it to the next");
+    cli.add("--checkpoint-every", checkpoint_every, "steps from one version of it to the next", 1);
     cli.add("--restart", restart, "go on from this checkpoint");
     cli.check([this] {
       if (checkpoint.empty() && checkpoint_every > 0)
