@@ -1,13 +1,15 @@
 // A long agglomerate over five domains (pe tutorial, figure 10): its centre is in the third, its
 // ends are in the first and the last one, where spheres hit it from both sides, so that it turns.
+#include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
 
 using clump = union_of<sphere>;
-using agglomerate = scenario<bodies<sphere, clump>,
-                             hard_contact<coulomb_friction, newton_restitution, no_correction>,
-                             solver<nonlinear_gauss_seidel, reproducible>,
-                             decomposition<slabs<dynamic>>, transport<as_launched>>;
+using agglomerate =
+    scenario<bodies<sphere, clump>,
+             hard_contact<coulomb_friction, newton_restitution, no_correction>,
+             solver<nonlinear_gauss_seidel, reproducible>, decomposition<slabs<dynamic>>,
+             transport<as_launched>, features<checkpoints>>;
 
 struct agglomerate_options : options {
   int grains = 25;  // spheres of the agglomerate

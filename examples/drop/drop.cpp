@@ -1,11 +1,13 @@
 // The scenario of the README: a block of spheres dropped onto a floor.
+#include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
 
 using drop = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
                       solver<nonlinear_gauss_seidel, reproducible>,
                       decomposition<grid<dynamic, dynamic>>,  // as many ranks as there are
-                      transport<as_launched>>;                // serial, --ranks N, or mpirun
+                      transport<as_launched>,                 // serial, --ranks N, or mpirun
+                      features<checkpoints>>;                 // --checkpoint FILE, --restart FILE
 
 int main(int argc, char** argv) {
   return run<drop>(argc, argv, [](auto& world, const auto& options) {

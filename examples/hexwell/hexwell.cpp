@@ -1,5 +1,6 @@
 // The hexagonal well: spheres and boxes fall into a round wall of 3,000 fixed bricks, on hexagonal
 // domains (pe tutorial, figure 1). With --bodies 500000 --ranks 91 it is the scene of that figure.
+#include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 #include <variant>
 using namespace talus;
@@ -8,7 +9,7 @@ using hexwell =
     scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction, newton_restitution>,
              solver<nonlinear_gauss_seidel, reproducible>,
              decomposition<hexagonal<dynamic>>,  // 1, 7, 19, 37, 61, 91 ranks ...
-             transport<as_launched>, features<damping>>;
+             transport<as_launched>, features<damping, checkpoints>>;
 
 struct hexwell_options : options {
   int bodies = 3000;

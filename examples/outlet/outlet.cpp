@@ -1,12 +1,14 @@
 // Granular medium leaves a silo through a slot (pe tutorial, figures 2 to 4), and the mass flow
 // rate against Beverloo's law. Domains: nine by seven rectangles in x and z, and all below the
 // outlet. With --spheres 108570 it is the scene of those figures.
+#include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
 
 using outlet = scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction>,
                         solver<nonlinear_gauss_seidel, reproducible>,
-                        decomposition<join<grid<9, 1, 7>, slabs<1>>>, transport<as_launched>>;
+                        decomposition<join<grid<9, 1, 7>, slabs<1>>>, transport<as_launched>,
+                        features<checkpoints>>;
 
 struct outlet_options : options {
   int spheres = 4000;

@@ -1,5 +1,6 @@
 // The stair: spheres roll down a spiral stair around a column, emitted at its top and removed at
 // its foot (pe tutorial, section 6). Sectors around the column, slabs at the foot.
+#include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
 
@@ -7,7 +8,8 @@ using stone = union_of<box, sphere, capsule>;
 using stair =
     scenario<bodies<sphere, stone, plane>, hard_contact<coulomb_friction, newton_restitution>,
              solver<nonlinear_gauss_seidel, reproducible>,
-             decomposition<join<ring<dynamic>, slabs<dynamic>>>, transport<as_launched>>;
+             decomposition<join<ring<dynamic>, slabs<dynamic>>>, transport<as_launched>,
+             features<checkpoints>>;
 
 struct stair_options : options {
   int sectors = 6, slabs = 2;  // ranks around the column, and at the foot
@@ -74,7 +76,10 @@ int main(int argc, char** argv) {
     const double space = 0.65 * w / options.columns, radius = 0.4 * space;
     const auto every = static_cast<std::uint64_t>(std::ceil(2.2 * radius / options.dt));
     double emitted = 0, removed = 0;
-    random_stream random(options.seed, 0);
+    random_stream random(options.seed, 0);  // only rank 0 draws
+    world.keep_sum("emitted", emitted);
+    world.keep_sum("removed", removed);
+    world.keep("random", random);
     const auto emit = [&] {
       for (int i = 0; i < options.rows; ++i)
         for (int j = 0; j < options.columns; ++j) {

@@ -1,4 +1,5 @@
 // The well: spheres fall into a round wall of fixed bricks (pe tutorial, section 5).
+#include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
 
@@ -6,7 +7,7 @@ using well =
     scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction, newton_restitution>,
              solver<nonlinear_gauss_seidel, reproducible>,
              decomposition<any_decomposition>,  // of four ranks a grid makes two by two
-             transport<as_launched>, features<damping>>;
+             transport<as_launched>, features<damping, checkpoints>>;
 
 struct well_options : options {
   int spheres = 3000;

@@ -1,4 +1,5 @@
-// expects: solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>, solver<accelerated_jacobi>
+// expects: solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>,
+// solver<accelerated_jacobi>
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

@@ -71,6 +71,12 @@ TEST_CASE("every option is read") {
                                             "--csv-every",
                                             "3",
                                             "--quiet",
+                                            "--checkpoint",
+                                            "out.h5",
+                                            "--checkpoint-every",
+                                            "7",
+                                            "--restart",
+                                            "in.h5",
                                             "--spheres",
                                             "0",
                                             "--damping",
@@ -84,6 +90,9 @@ TEST_CASE("every option is read") {
   CHECK(o.csv == "out.csv");
   CHECK(o.csv_every == 3);
   CHECK(o.quiet);
+  CHECK(o.checkpoint == "out.h5");
+  CHECK(o.checkpoint_every == 7);
+  CHECK(o.restart == "in.h5");
   CHECK(o.spheres == 0);
   CHECK(o.damping == 1);
   CHECK(!o.flat);
@@ -189,6 +198,8 @@ TEST_CASE("values that make no sense are refused") {
         "--damping must be between 0 and 1, but is 1.5; see --help");
   CHECK(refusal({"--json"}) == "--json needs a value; see --help");
   CHECK(refusal({"--json", "--quiet"}) == "--json needs a value, but --quiet follows; see --help");
+  CHECK(refusal({"--checkpoint-every", "5"}) ==
+        "--checkpoint-every needs --checkpoint FILE; see --help");
   CHECK(refusal({"--csv-every", "0"}) == "--csv-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");
   CHECK(refusal({"--steps="}) ==

@@ -44,6 +44,12 @@ struct sleeping final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "sleeping";
 };
+/// Runs write their state to a file and go on from one: <talus/checkpoint.hpp>,
+/// docs/checkpoints.md.
+struct checkpoints final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "checkpoints";
+};
 
 // Monitors: they watch every step, and change no trajectory by a bit.
 
@@ -89,7 +95,8 @@ template <class Feature>
 struct part_of_features {
   static_assert(is_feature<Feature>::value,
                 "features<...> takes orientation, forces, user_ids, visibility, damping, "
-                "continuous_collision, sleeping and the monitors energy_ledger, momentum_balance, "
+                "continuous_collision, sleeping, checkpoints and the monitors energy_ledger, "
+                "momentum_balance, "
                 "penetration_monitor and residual_monitor, and "
                 "this type is none of them: remove it");
 };

@@ -100,6 +100,19 @@ struct body_store {
     const_cast<body_store*>(this)->each_column([&](const auto& c) { f(c); });
   }
 
+  /// Calls f(name) for every column that exists, in the same order.
+  template <class F>
+  static void each_column_name(F&& f) {
+    f("id"), f("position"), f("velocity"), f("angular_velocity"), f("shape"), f("inverse_mass"),
+        f("material"), f("flags");
+    if constexpr (oriented) f("orientation");
+    if constexpr (forced) f("force"), f("torque");
+    if constexpr (keeps_contact_forces) f("contact_force"), f("contact_torque");
+    if constexpr (splits_forces) f("split_forces");
+    if constexpr (numbered) f("user_id");
+    if constexpr (sleeps) f("quiet");
+  }
+
   /// Calls f(column, the same column of `other`).
   template <class F>
   void each_column_with(const body_store& other, F&& f) {

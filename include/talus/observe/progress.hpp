@@ -20,6 +20,12 @@ class progress_line {
   explicit progress_line(std::FILE* out)
       : out_(out), terminal_(out != nullptr && isatty(fileno(out)) != 0) {}
 
+  /// The run goes on from this step: speed counts from here.
+  void begin_at(std::uint64_t step) {
+    first_ = step;
+    start_ = detail::wall_seconds();
+  }
+
   /// Call after each step; a line appears every 0.2 s on a terminal, every 10 s elsewhere.
   /// `note` is added to it, as in ", overlap 1e-5".
   void update(std::uint64_t step, std::uint64_t steps, const std::string& note = {}) {
@@ -28,7 +34,7 @@ class progress_line {
     if (step != steps && now - shown_ < (terminal_ ? 0.2 : 10)) return;
     shown_ = now;
     const double seconds = now - start_;
-    const double speed = seconds > 0 ? static_cast<double>(step) / seconds : 0;
+    const double speed = seconds > 0 ? static_cast<double>(step - first_) / seconds : 0;
     steps = std::max(steps, step);  // a scenario may take more steps than it was asked for
     const double left = speed > 0 ? static_cast<double>(steps - step) / speed : 0;
     const double part = static_cast<double>(step) / static_cast<double>(steps);
@@ -51,6 +57,7 @@ class progress_line {
 
   std::FILE* out_;
   bool terminal_;
+  std::uint64_t first_ = 0;
   double start_ = detail::wall_seconds();
   double shown_ = start_;
 };

@@ -30,7 +30,8 @@ struct summary {
   std::string policies;
   std::string transport;
   int ranks = 1;
-  std::uint64_t steps = 0;
+  std::uint64_t steps = 0;         ///< from the beginning
+  std::uint64_t restarted_at = 0;  ///< step of the checkpoint that this run went on from
   double dt = 0;
   double critical_dt = 0;      ///< of soft contacts, at the end; 0: the contacts are hard
   std::uint64_t contacts = 0;  ///< considered in the last step
@@ -60,6 +61,11 @@ template <class Scenario>
     return w.link().transport_name();
   else
     return Scenario::transport::name;
+}
+
+/// By this run, at least one.
+[[nodiscard]] inline double steps_taken(std::uint64_t steps, std::uint64_t restarted_at) {
+  return steps > restarted_at ? static_cast<double>(steps - restarted_at) : 1;
 }
 
 /// One flat JSON object, field by field.
@@ -107,6 +113,7 @@ template <class Scenario>
   r.transport = detail::transport_in_use(w);
   r.ranks = w.ranks();
   r.steps = w.steps();
+  r.restarted_at = w.restarted_at();
   r.dt = s.dt;
   if constexpr (Scenario::contact_law::soft) r.critical_dt = critical_dt(w);
   r.sleeping = Scenario::template has_feature<talus::sleeping>;
@@ -137,7 +144,7 @@ template <class Scenario>
   r.messages_per_step_max = most[0];
   r.bytes_per_step_max = most[1];
   r.collectives_per_step =
-      static_cast<double>(most[2]) / static_cast<double>(std::max<std::uint64_t>(1, r.steps));
+      static_cast<double>(most[2]) / detail::steps_taken(r.steps, r.restarted_at);
   std::array<double, 5> slowest{s.seconds.detect, s.seconds.respond, s.seconds.integrate,
                                 s.seconds.exchange, wall_seconds};
   link.reduce(reduction::max, slowest);
@@ -175,6 +182,7 @@ template <class Scenario>
   o.add("transport", r.transport);
   o.add("ranks", r.ranks);
   o.add("steps", r.steps);
+  if (r.restarted_at > 0) o.add("restarted_at", r.restarted_at);
   o.add("dt", r.dt);
   if (soft(r)) {
     o.add("critical_dt", r.critical_dt);
@@ -225,7 +233,7 @@ template <class Scenario>
 
 /// The figures as a person reads them.
 [[nodiscard, gnu::cold]] inline std::string to_text(const summary& r) {
-  const double steps = static_cast<double>(std::max<std::uint64_t>(1, r.steps));
+  const double steps = detail::steps_taken(r.steps, r.restarted_at);
   const auto percent = [&](double seconds) {
     return std::lround(100 * seconds / std::max(r.wall_seconds, 1e-9));
   };

@@ -2,6 +2,7 @@
 // A run as a table: one line of comma-separated values for every so many steps.
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -20,9 +21,10 @@ class time_series {
  public:
   /// Opens the file, replacing one that is there; an empty name means no file, and costs nothing.
   /// Throws runtime_error if it cannot be written. `speaks` is true on rank 0 alone.
-  time_series(std::string file, bool speaks) : name_(std::move(file)) {
+  /// With `goes_on` the file stays, and go_on_from() is called before the first line.
+  time_series(std::string file, bool speaks, bool goes_on = false) : name_(std::move(file)) {
     if (name_.empty() || !speaks) return;
-    file_ = std::fopen(name_.c_str(), "w");
+    file_ = std::fopen(name_.c_str(), goes_on ? "a+" : "w");
     if (file_ == nullptr)
       detail::fail<std::runtime_error>(
           "the file {} cannot be written: give --csv a file in a folder that exists and is "
@@ -71,7 +73,37 @@ class time_series {
     if (file_ != nullptr) write(columns);
   }
 
+  /// On all ranks: the table goes on after a restart in this step. Lines of later steps, which the
+  /// run before had still written, go, and so do those between two of `every` steps.
+  [[gnu::cold]] void go_on_from(std::uint64_t step, std::uint64_t every) {
+    if (name_.empty()) return;
+    sampled_ = true;  // by the run before, if it is the time for a line
+    last_ = step;
+    if (file_ == nullptr) return;
+    std::string kept, line;
+    std::rewind(file_);
+    for (int c; (c = std::fgetc(file_)) != EOF;) {
+      line += static_cast<char>(c);
+      if (c != '\n') continue;
+      char* end = nullptr;
+      const unsigned long long of = std::strtoull(line.c_str(), &end, 10);
+      const bool values = end != line.c_str();
+      if (!values || (of <= step && of % every == 0)) kept += line;
+      headed_ = true;
+      line.clear();
+    }
+    file_ = std::freopen(name_.c_str(), "w", file_);
+    if (file_ == nullptr || std::fputs(kept.c_str(), file_) < 0 || std::fflush(file_) != 0)
+      fail_to_write();
+  }
+
  private:
+  [[noreturn, gnu::cold]] void fail_to_write() const {
+    detail::fail<std::runtime_error>(
+        "the time series could not be written to {}: is the disk "
+        "full?",
+        name_);
+  }
   [[gnu::cold]] void write(const detail::plain_vector<measured>& columns) {
     std::string lines;
     const auto line = [&](auto&& text) {
@@ -87,11 +119,7 @@ class time_series {
         return std::string(c.name) + " [" + std::string(c.dimension) + "]";
       });
     line([](const measured& c) { return detail::text(c.value); });
-    if (std::fputs(lines.c_str(), file_) < 0 || std::fflush(file_) != 0)
-      detail::fail<std::runtime_error>(
-          "the time series could not be written to {}: is the disk "
-          "full?",
-          name_);
+    if (std::fputs(lines.c_str(), file_) < 0 || std::fflush(file_) != 0) fail_to_write();
   }
 
   std::string name_;

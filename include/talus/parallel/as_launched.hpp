@@ -79,6 +79,12 @@ struct as_launched {
       std::visit([&](auto& l) { l.finish_reduce(values); }, any_);
     }
 
+    /// Of the MPI processes; null where ranks are none.
+    [[nodiscard]] const boost::mpi::communicator* communicator() const {
+      const auto* processes = std::get_if<mpi::link>(&any_);
+      return processes != nullptr ? &processes->communicator() : nullptr;
+    }
+
     /// The transport in use, for the summary of a run.
     [[nodiscard]] const char* transport_name() const {
       constexpr const char* names[] = {serial::name, threads::name, mpi::name};

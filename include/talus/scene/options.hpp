@@ -19,23 +19,26 @@ namespace talus {
 ///     }
 ///   };
 struct options {
-  std::size_t steps = 1000;    ///< time steps
-  double dt = 0.005;           ///< length of a step, in units of time
-  int ranks = 0;               ///< ranks to start; 0: as the decomposition says
-  int iterations = 10;         ///< of the contact solver, per step
-  double tolerance = 0;        ///< contact residual to iterate to; 0: fixed iterations
-  int max_iterations = 0;      ///< at most, with a tolerance; 0: the solver's own limit
-  std::uint64_t seed = 1;      ///< of all random numbers
-  std::string json;            ///< file for the results; empty: none
-  std::string csv;             ///< file for a time series; empty: none
-  std::size_t csv_every = 10;  ///< steps between its lines
-  bool reproducible = false;   ///< the same bits on any number of ranks
-  bool quiet = false;          ///< no progress, no summary
-  std::string frames;          ///< folder for pictures; empty: none
-  std::size_t every = 100;     ///< steps between pictures
-  std::string colour;          ///< "rank" or "speed"; empty: as the scene likes it
-  bool copies = false;         ///< pictures show shadow copies
-  bool domains = false;        ///< pictures show what each rank owns
+  std::size_t steps = 1000;          ///< time steps
+  double dt = 0.005;                 ///< length of a step, in units of time
+  int ranks = 0;                     ///< ranks to start; 0: as the decomposition says
+  int iterations = 10;               ///< of the contact solver, per step
+  double tolerance = 0;              ///< contact residual to iterate to; 0: fixed iterations
+  int max_iterations = 0;            ///< at most, with a tolerance; 0: the solver's own limit
+  std::uint64_t seed = 1;            ///< of all random numbers
+  std::string json;                  ///< file for the results; empty: none
+  std::string csv;                   ///< file for a time series; empty: none
+  std::size_t csv_every = 10;        ///< steps between its lines
+  bool reproducible = false;         ///< the same bits on any number of ranks
+  bool quiet = false;                ///< no progress, no summary
+  std::string frames;                ///< folder for pictures; empty: none
+  std::size_t every = 100;           ///< steps between pictures
+  std::string colour;                ///< "rank" or "speed"; empty: as the scene likes it
+  bool copies = false;               ///< pictures show shadow copies
+  bool domains = false;              ///< pictures show what each rank owns
+  std::string checkpoint;            ///< file for the state of the run; empty: none
+  std::size_t checkpoint_every = 0;  ///< steps between its versions; 0: on signals alone
+  std::string restart;               ///< checkpoint to go on from; empty: from the beginning
 
   [[gnu::cold]] void describe(command_line& cli) {
     cli.add("--steps", steps, "time steps");
@@ -56,7 +59,13 @@ struct options {
     cli.add("--colour", colour, "of bodies in pictures: by rank or by speed");
     cli.add("--show-copies", copies, "pictures show shadow copies too");
     cli.add("--show-domains", domains, "pictures show what each rank owns");
+    cli.add("--checkpoint", checkpoint,
+            "keep the state of the run in this file; SIGUSR1 and SIGTERM write it too");
+    cli.add("--checkpoint-every", checkpoint_every, "steps from one version of it to the next", 1);
+    cli.add("--restart", restart, "go on from this checkpoint");
     cli.check([this] {
+      if (checkpoint.empty() && checkpoint_every > 0)
+        throw usage_error("--checkpoint-every needs --checkpoint FILE; see --help");
       if (!colour.empty() && colour != "rank" && colour != "speed")
         throw usage_error("--colour must be rank or speed, but is '" + colour + "'; see --help");
     });

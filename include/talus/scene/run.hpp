@@ -36,13 +36,48 @@ namespace detail {
         file);
 }
 
+/// Throws usage_error where checkpoints are asked for that the scenario does not name.
+[[gnu::cold]] inline void refuse_checkpoints(const options& options) {
+  if (!options.checkpoint.empty() || !options.restart.empty())
+    throw usage_error(
+        "this program keeps no checkpoints: name features<checkpoints> in its scenario, #include "
+        "<talus/checkpoint.hpp>, and link talus::hdf5");
+}
+
 /// Steps from one reading of the monitors for the progress line to the next: all ranks take part.
 inline constexpr std::uint64_t note_every = 50;
 
-/// One rank of the program: set-up, steps with progress, figures.
+/// Ended by SIGTERM, as the shell says it.
+inline constexpr int ended_by_sigterm = 128 + 15;
+
+/// The checkpoints that the options ask for. Collective.
+template <class Scenario, class Options>
+void attach_checkpoints(world<Scenario>& w, const Options& options, progress_line& progress,
+                        time_series& table) {
+  if constexpr (Scenario::template has_feature<checkpoints>) {
+    static_assert(complete<checkpoint_files<Scenario>>,
+                  "run needs what writes the checkpoints of its scenario, which names "
+                  "features<checkpoints>: write #include <talus/checkpoint.hpp>");
+    if constexpr (complete<checkpoint_files<Scenario>>) {
+      if (options.checkpoint.empty() && options.restart.empty()) return;
+      checkpoint_plan plan;
+      plan.to = options.checkpoint;
+      plan.every = options.checkpoint_every;
+      plan.from = options.restart;
+      plan.tell = [](const std::string& words) { std::fputs((words + "\n").c_str(), stderr); };
+      plan.restarted = [&](std::uint64_t step) {
+        progress.begin_at(step);
+        table.go_on_from(step, options.csv_every);
+      };
+      checkpoint_files<Scenario>::attach(w, plan);
+    }
+  }
+}
+
+/// One rank of the program: set-up, steps with progress, figures. Returns the exit code.
 template <class Scenario, class Options, class SetUp>
-void run_rank(typename Scenario::transport::link& link, const Options& options,
-              const std::string& name, SetUp& set_up) {
+int run_rank(typename Scenario::transport::link& link, const Options& options,
+             const std::string& name, SetUp& set_up) {
   world<Scenario> w(link);
   if constexpr (!Scenario::contact_law::soft) {
     w.solver().iterations = options.iterations;
@@ -54,7 +89,7 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
   if (speaks) require_writable(options.json);
 
   progress_line progress(speaks && !options.quiet ? stderr : nullptr);
-  time_series table(options.csv, speaks);
+  time_series table(options.csv, speaks, !options.restart.empty());
   w.before_simulating([&] { table.sample(w); });
   std::string note;
   w.after_each_step([&] {
@@ -64,13 +99,31 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
     progress.update(w.steps(), options.steps, note);
     if (w.steps() % options.csv_every == 0) table.sample(w);
   });
+  attach_checkpoints(w, options, progress, table);
   const double cpu = thread_seconds();
   const double start = wall_seconds();
   results own;
-  if constexpr (std::is_void_v<decltype(set_up(w, options))>)
-    set_up(w, options);
-  else
-    own = set_up(w, options);
+  const auto set_up_and_simulate = [&] {
+    if constexpr (std::is_void_v<decltype(set_up(w, options))>)
+      set_up(w, options);
+    else
+      own = set_up(w, options);
+  };
+  if constexpr (Scenario::template has_feature<checkpoints>) {
+    try {
+      set_up_and_simulate();
+    } catch (const ended_by_signal& end) {
+      if (speaks)
+        std::fputs(compose("{}: ended by SIGTERM in step {}; go on with --restart {}\n", name,
+                           end.step, options.checkpoint)
+                       .c_str(),
+                   stderr);
+      return ended_by_sigterm;
+    }
+    w.require_restarted();
+  } else {
+    set_up_and_simulate();
+  }
   const double wall = wall_seconds() - start;
 
   if (w.steps() == 0) w.synchronize();
@@ -78,14 +131,15 @@ void run_rank(typename Scenario::transport::link& link, const Options& options,
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
   figures.own = std::move(own);
-  if (!speaks) return;
+  if (!speaks) return 0;
   if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
-  if (options.json.empty()) return;
+  if (options.json.empty()) return 0;
   std::ofstream file(options.json);
   file << to_json(figures);
   if (!file.flush())
     fail<std::runtime_error>("the results could not be written to {}: is the disk full?",
                              options.json);
+  return 0;
 }
 
 /// Which of the solvers of a program is meant.
@@ -100,14 +154,14 @@ void require_reproducible(const Options& options) {
           "(hard contacts only)");
 }
 template <class Scenario, class Options, class SetUp>
-void run_rank_with_solver(typename Scenario::transport::link& link, const Options& options,
-                          const std::string& name, SetUp& set_up) {
+int run_rank_with_solver(typename Scenario::transport::link& link, const Options& options,
+                         const std::string& name, SetUp& set_up) {
   if constexpr (!std::is_void_v<typename Scenario::solver_on_request>)
     if (options.reproducible)
       return run_rank<
           typename scenario_with_solver<Scenario, typename Scenario::solver_on_request>::type>(
           link, options, name, set_up);
-  run_rank<Scenario>(link, options, name, set_up);
+  return run_rank<Scenario>(link, options, name, set_up);
 }
 
 }  // namespace detail
@@ -134,10 +188,13 @@ int run(int argc, char** argv, SetUp&& set_up) {
     settings.ranks = chosen.ranks;
     settings.default_ranks = typename Scenario::decomposition{}.size();
     settings.report = complain;
+    if constexpr (!Scenario::template has_feature<checkpoints>) detail::refuse_checkpoints(chosen);
+    int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
-      detail::run_rank_with_solver<Scenario>(link, chosen, name, set_up);
+      const int of_rank = detail::run_rank_with_solver<Scenario>(link, chosen, name, set_up);
+      if (link.rank() == 0 || detail::find_launcher().size > 1) code = of_rank;
     });
-    return 0;
+    return code;
   } catch (const help_requested& help) {
     if (speaks) std::fputs(help.what(), stdout);
     return 0;

@@ -13,6 +13,7 @@
 #include "talus/parallel/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/reach.hpp"
+#include "talus/world/checkpoints.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/sections.hpp"
 #include "talus/world/state.hpp"
@@ -20,12 +21,6 @@
 #include "talus/world/view.hpp"
 
 namespace talus {
-
-/// What simulate() is asked for.
-struct simulation {
-  std::size_t steps = 0;  ///< number of time steps
-  real dt = 0;            ///< length of a step, in units of time
-};
 
 /// One rank's part of a simulation of the given scenario. All ranks run the same program (SPMD):
 /// functions marked *collective* are called by all of them, and throw runtime_error inside an
@@ -298,12 +293,40 @@ class world {
   void step(real dt);
   /// Collective: many steps; the observers are called after each.
   void simulate(const simulation& s);
+  /// State of the user's own that checkpoints hold: a value of which all ranks have the same, or
+  /// that rank 0 alone uses, such as a number or a random_stream; rank 0's is stored, and at a
+  /// restart all ranks get it. The variable must outlive all calls of simulate(); all ranks name
+  /// the same. Throws invalid_argument for a name that is empty or taken. Needs
+  /// features<checkpoints>.
+  template <class T>
+  void keep(const std::string& name, T& value) {
+    if constexpr (detail::require_feature<Scenario, checkpoints>()) keeper_.add(name, value);
+  }
+  /// The same for a number that each rank counts by itself and of which the sum is meant: the sum
+  /// is stored, and at a restart rank 0 gets it, the others 0.
+  template <class T>
+  void keep_sum(const std::string& name, T& value) {
+    if constexpr (detail::require_feature<Scenario, checkpoints>()) keeper_.add_sum(name, value);
+  }
   /// Calls f() after each step of simulate().
   void after_each_step(std::function<void()> f) { observers_.push_back(std::move(f)); }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
 
   [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
+  /// Throws runtime_error where a checkpoint was to be read, and no simulate() has come to its
+  /// step.
+  void require_restarted() const {
+    if constexpr (keeps)
+      if (keeper_.hooks != nullptr) keeper_.hooks->require_restarted();
+  }
+  /// The step of the checkpoint from which this run went on; 0 if it began at the beginning.
+  [[nodiscard]] std::uint64_t restarted_at() const {
+    if constexpr (keeps)
+      return keeper_.restarted_at;
+    else
+      return 0;
+  }
   [[nodiscard]] real time() const { return state_.time; }
 
   /// The parts of this world, for observers and outputs.
@@ -312,6 +335,9 @@ class world {
   [[nodiscard]] link_type& link() { return *state_.link; }
 
  private:
+  friend struct detail::checkpoint_access;
+  static constexpr bool keeps = Scenario::template has_feature<checkpoints>;
+
   static void require_finite(const char* what, const vec3& v) {
     if (!detail::finite(v))
       detail::fail<std::invalid_argument>("{} must be finite, but is {}", what, detail::text(v));
@@ -379,6 +405,8 @@ class world {
   std::uint64_t attempts_ = 0;
   std::uint64_t added_here_ = 0;
   std::vector<std::function<void()>> observers_, starters_;
+  [[no_unique_address]] std::conditional_t<keeps, detail::checkpoint_keeper, detail::keeps_nothing>
+      keeper_;
 };
 
 }  // namespace talus

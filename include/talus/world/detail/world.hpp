@@ -273,6 +273,8 @@ void world<Scenario>::step(real dt) {
     detail::fail<std::logic_error>(
         "step was called inside a global section on rank {}: close the section first", rank());
   detail::require_positive(dt, "the time step dt");
+  if constexpr (keeps)
+    if (keeper_.hooks != nullptr) keeper_.hooks->refuse_step_before_restart();
   if constexpr (!Scenario::contact_law::soft) {
     const solver_settings& how = state_.settings;
     if (!(how.tolerance >= 0 && how.tolerance < 1) || how.max_iterations < 1)
@@ -309,11 +311,27 @@ void world<Scenario>::simulate(const simulation& s) {
   sections_.require_all_ranks("simulate", rank());
   detail::require_positive(s.dt, "the time step dt");
   state_.dt = s.dt;
-  synchronize();
+  std::size_t steps = s.steps;
+  detail::checkpoint_hooks* hooks = nullptr;
+  bool restarted = false;
+  if constexpr (keeps)
+    if (hooks = keeper_.hooks.get(); hooks != nullptr) {
+      const detail::restart_plan plan = hooks->begin(s);
+      if (plan.skips) return;
+      steps = plan.steps;
+      restarted = plan.restarts;
+    }
+  if (!restarted) synchronize();
   for (const auto& start : starters_) start();
-  for (std::size_t k = 0; k < s.steps; ++k) {
+  for (std::size_t k = 0; k < steps; ++k) {
+    if constexpr (keeps)
+      if (hooks != nullptr) hooks->before_step();
     step(s.dt);
+    if constexpr (keeps)
+      if (hooks != nullptr) hooks->after_step();
     for (const auto& observe : observers_) observe();
+    if constexpr (keeps)
+      if (hooks != nullptr) hooks->after_observers();
   }
 }
 

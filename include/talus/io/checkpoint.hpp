@@ -1,0 +1,248 @@
+#pragma once
+// The state of a world in a file, from which another run goes on: docs/checkpoints.md.
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "talus/io/detail/checkpoint_parameters.hpp"
+#include "talus/io/detail/checkpoint_parts.hpp"
+#include "talus/io/detail/checkpoint_reader.hpp"
+#include "talus/io/detail/checkpoint_writer.hpp"
+#include "talus/world/fresh_start.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// Names and rows of a scenario's tables, for both directions.
+template <class Scenario, class F>
+void each_table_of_bodies(world_state<Scenario>& s, const char* group, F&& f) {
+  s.each_shape([&](auto& b) {
+    using store = std::remove_cvref_t<decltype(b.movable)>;
+    f(b, table_of_shape<store, typename Scenario::shapes>(group));
+  });
+}
+
+/// The rows of this rank.
+template <class Scenario>
+[[nodiscard]] std::vector<table_part> tables_of(world_state<Scenario>& s) {
+  std::vector<table_part> tables;
+  each_table_of_bodies(s, "bodies", [&](auto& b, const std::string& path) {
+    if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite)
+      tables.push_back(part_of(b.movable, b.movable.locals, path));
+  });
+  each_table_of_bodies(s, "globals", [&](auto& b, const std::string& path) {
+    tables.push_back(part_of(b.global, s.link->rank() == 0 ? b.global.size() : 0, path));
+  });
+  const known_places known = places_of_known(s);
+  tables.push_back(part_of_contacts(s.history, known, "/contacts"));
+  if constexpr (world_state<Scenario>::sleeps)
+    tables.push_back(part_of_contacts(s.sleep.contacts, known, "/sleeping_contacts"));
+  return tables;
+}
+
+/// What rank 0 says of the run. Collective.
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::vector<small_dataset> facts_of(world<Scenario>& w,
+                                                             checkpoint_team& team,
+                                                             const pending_wakes& wakes) {
+  using access = checkpoint_access;
+  auto& s = w.state();
+  auto& keeper = access::keeper(w);
+  std::vector<small_dataset> out;
+  for (const scenario_mark& m : marks_of<Scenario>())
+    out.push_back(text_dataset("/scenario/" + m.name, m.text));
+  out.push_back(text_dataset("/scenario/policies", describe<Scenario>()));
+  byte_buffer mine;
+  byte_writer(mine).put(access::added_here(w));
+  std::vector<std::uint64_t> added;
+  for (const byte_buffer& each : team.gather(mine))
+    added.push_back(byte_reader(each).get<std::uint64_t>());
+  added.insert(added.end(), keeper.added_elsewhere.begin(), keeper.added_elsewhere.end());
+  const auto whole = [&](const char* path, std::uint64_t value) {
+    out.push_back(numbers_dataset<std::uint64_t>(path, std::span(&value, 1)));
+  };
+  whole("/run/steps", s.steps);
+  whole("/run/seed", access::seed(w));
+  whole("/run/fills", access::fills(w));
+  whole("/run/attempts", access::attempts(w));
+  whole("/run/ranks", static_cast<std::uint64_t>(w.ranks()));
+  out.push_back(numbers_dataset<std::uint64_t>("/run/added_by_rank", added));
+  out.push_back(numbers_dataset<double>("/run/time", std::span(&s.time, 1)));
+  const parameters now = parameters_of(s);
+  const parameters first = keeper.first_parameters.value_or(now);
+  out.push_back(numbers_dataset<double>("/parameters/at_first", first));
+  out.push_back(numbers_dataset<double>("/parameters/at_last", now));
+  std::string names;
+  for (const char* name : parameter_names) names += std::string(name) + '\n';
+  out.push_back(text_dataset("/parameters/names", names));
+  if constexpr (!world_state<Scenario>::law::soft) {
+    const talus::convergence& c = s.convergence;
+    out.push_back(numbers_dataset<double>(
+        "/run/convergence",
+        std::array{static_cast<double>(c.iterations), static_cast<double>(c.iterations_max),
+                   c.residual, c.residual_worst, static_cast<double>(c.steps_above)}));
+  }
+  out.push_back(numbers_dataset<std::uint64_t>(
+      "/run/waking", std::array{wakes.all, wakes.spreads, wakes.stirred}));
+  const auto materials = numbers_of(s.materials), pairs = numbers_of_pairs(s.materials);
+  out.push_back(numbers_dataset<double>("/materials/each", materials, 8));
+  out.push_back(numbers_dataset<double>("/materials/pairs", pairs, 3));
+  put_kept(team, keeper.values, out);
+  return out;
+}
+
+/// Throws runtime_error where the file is of another type of scenario.
+template <class Scenario>
+[[gnu::cold]] void require_same_scenario(const checkpoint_reader& in) {
+  for (const scenario_mark& mine : marks_of<Scenario>()) {
+    const std::string theirs = in.text("/scenario/" + mine.name);
+    if (theirs != mine.text)
+      fail<std::runtime_error>(
+          "is of another scenario: that has {}, and this program {}; take the program that wrote "
+          "it",
+          theirs, mine.text);
+  }
+}
+
+/// Takes the state of this rank from a file. Returns what the set-up changes, in words, and adds
+/// to `rows` how many bodies there are, and how many of them this rank has taken.
+template <class Scenario>
+[[gnu::cold]] std::string read_rank(world<Scenario>& w, const std::string& file,
+                                    std::array<std::uint64_t, 2>& rows, pending_wakes& wakes) {
+  using access = checkpoint_access;
+  auto& s = w.state();
+  auto& keeper = access::keeper(w);
+  const checkpoint_reader in(file);
+  require_same_scenario<Scenario>(in);
+  require_materials(in, s.materials);
+  get_kept(in, w.rank(), keeper.values);
+
+  const auto whole = [&](const char* path) { return in.integers(path, 1)[0]; };
+  s.steps = whole("/run/steps");
+  s.time = in.reals("/run/time", 1)[0];
+  keeper.restarted_at = s.steps;
+  access::seed(w) = whole("/run/seed");
+  access::fills(w) = whole("/run/fills");
+  access::attempts(w) = whole("/run/attempts");
+  const auto added = in.integers("/run/added_by_rank");
+  const auto rank = static_cast<std::size_t>(w.rank()), ranks = static_cast<std::size_t>(w.ranks());
+  access::added_here(w) = rank < added.size() ? added[rank] : 0;
+  keeper.added_elsewhere.assign(
+      added.begin() + static_cast<std::ptrdiff_t>(std::min(ranks, added.size())), added.end());
+  const auto waking = in.integers("/run/waking", 3);
+  wakes = {waking[0], waking[1], waking[2]};
+
+  const auto get = [&](const char* path) {
+    const auto values = in.reals(path, parameter_names.size());
+    parameters all;
+    std::copy(values.begin(), values.end(), all.begin());
+    return all;
+  };
+  keeper.first_parameters = parameters_of(s);
+  const std::string changes =
+      merge_parameters(s, get("/parameters/at_first"), get("/parameters/at_last"));
+  if constexpr (!world_state<Scenario>::law::soft) {
+    const auto c = in.reals("/run/convergence", 5);
+    s.convergence = {static_cast<std::uint64_t>(c[0]), static_cast<std::uint64_t>(c[1]), c[2], c[3],
+                     static_cast<std::uint64_t>(c[4])};
+  }
+
+  const auto bounds = s.own.bounds();
+  const std::size_t materials = s.materials.size();
+  each_table_of_bodies(s, "bodies", [&](auto& b, const std::string& path) {
+    using store = std::remove_cvref_t<decltype(b.movable)>;
+    if constexpr (store::shape_type::finite) {
+      b.movable = {};
+      table_reader table =
+          in.table(path, columns_of<store>(), packs_itself<typename store::shape_type>);
+      read_bodies(table, b.movable, bounds, materials,
+                  [&](const vec3& p) { return s.own.contains(p); });
+      rows[0] = rows[0] + table.rows();
+      rows[1] = rows[1] + b.movable.locals;
+    }
+  });
+  constexpr real infinity = std::numeric_limits<real>::infinity();
+  const std::pair everywhere(vec3(-infinity, -infinity, -infinity),
+                             vec3(infinity, infinity, infinity));
+  each_table_of_bodies(s, "globals", [&](auto& b, const std::string& path) {
+    using store = std::remove_cvref_t<decltype(b.global)>;
+    b.global = {};
+    table_reader table =
+        in.table(path, columns_of<store>(), packs_itself<typename store::shape_type>);
+    read_bodies(table, b.global, everywhere, materials, [](const vec3&) { return true; });
+    b.global.locals = 0;
+  });
+  using history = std::remove_cvref_t<decltype(s.history)>;
+  using memory = decltype(history::entry::memory);
+  const id_table own = own_bodies(s);
+  table_reader contacts = in.table("/contacts", columns_of_contacts<memory>(), false);
+  s.history = read_contacts<history>(contacts, own, bounds);
+  if constexpr (world_state<Scenario>::sleeps) {
+    table_reader sleeping = in.table("/sleeping_contacts", columns_of_contacts<memory>(), false);
+    s.sleep.contacts = read_contacts<history>(sleeping, own, bounds);
+  }
+  return changes;
+}
+
+}  // namespace detail
+
+/// Collective: writes the state of the world to a file, which replaces the one of that name when it
+/// is whole and on the disk. The world begins afresh then, as one that reads the file does, so that
+/// both go on alike to the bit. Throws runtime_error alike on all ranks if the file cannot be
+/// written; the old one is as it was then.
+template <class Scenario>
+[[gnu::cold]] void write_checkpoint(world<Scenario>& w, const std::string& file) {
+  if constexpr (detail::require_feature<Scenario, checkpoints>()) {
+    w.require_all_ranks("write_checkpoint");
+    w.synchronize();
+    detail::team_over team(w.link());
+    const auto wakes = detail::measure_pending_wakes(w.state());
+    auto tables = detail::tables_of(w.state());
+    const auto facts = detail::facts_of(w, team, wakes);
+    detail::checkpoint_writer(team, file).write(tables, facts);
+    tables.clear();
+    detail::begin_afresh(w, wakes);
+  }
+}
+
+/// Collective: replaces all bodies, and whatever else the future depends on, by what a file holds.
+/// The world has its domain and its materials, and has been told what to keep. Any number of ranks
+/// reads the file of any other. Returns, in words, which parameters differ from those of the run
+/// that wrote it; empty if none. Throws runtime_error alike on all ranks if the file cannot be
+/// read, is damaged, or is of another scenario.
+template <class Scenario>
+[[gnu::cold]] std::string read_checkpoint(world<Scenario>& w, const std::string& file) {
+  std::string changes;
+  if constexpr (detail::require_feature<Scenario, checkpoints>()) {
+    w.require_all_ranks("read_checkpoint");
+    detail::checkpoint_access::require_domain(w);
+    detail::team_over team(w.link());
+    std::array<std::uint64_t, 2> rows{};
+    detail::pending_wakes wakes;
+    team.together([&] {
+      try {
+        changes = detail::read_rank(w, file, rows, wakes);
+      } catch (const std::bad_alloc&) {
+        detail::fail<std::runtime_error>("the checkpoint {} asks for more memory than there is",
+                                         file);
+      } catch (const std::exception& e) {
+        detail::fail<std::runtime_error>("the checkpoint {} {}", file, e.what());
+      }
+    });
+    team.sum(std::span(&rows[1], 1));
+    if (rows[0] != rows[1])
+      detail::fail<std::runtime_error>(
+          "the checkpoint {} holds {} bodies, but {} are in the domain of some rank: all space "
+          "must belong to one rank each",
+          file, rows[0], rows[1]);
+    detail::begin_afresh(w, wakes);
+  }
+  return changes;
+}
+
+}  // namespace talus

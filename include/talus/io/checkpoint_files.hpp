@@ -1,0 +1,156 @@
+#pragma once
+// The checkpoints of a run<...>: when they are written (every so many steps, and on signals), and
+// where simulate() goes on from one.
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "talus/core/clock.hpp"
+#include "talus/io/checkpoint.hpp"
+#include "talus/io/detail/run_signals.hpp"
+#include "talus/world/checkpoints.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus::detail {
+
+template <class Scenario>
+class checkpoint_files final : public checkpoint_hooks {
+  /// How often ranks tell each other which signals they have heard, in seconds of wall time.
+  static constexpr double between_polls = 0.2;
+  static constexpr std::uint64_t most_steps_between_polls = 1000;
+  /// What a rank has heard, as numbers of which the largest counts.
+  enum heard { nothing = 0, write = 1, end = 2 };
+
+ public:
+  /// Puts itself between the steps of the world. Collective; throws runtime_error where a file
+  /// cannot be written or read, before anything is computed.
+  static void attach(world<Scenario>& w, const checkpoint_plan& plan) {
+    auto& hooks = checkpoint_access::keeper(w).hooks;
+    hooks = std::make_unique<checkpoint_files>(w, plan);
+  }
+  checkpoint_files(world<Scenario>& w, const checkpoint_plan& plan) : w_(w), plan_(plan) {
+    team_over team(w.link());
+    team.together([&] {
+      if (plan_.from.empty()) return;
+      try {
+        const checkpoint_reader in(plan_.from);
+        require_same_scenario<Scenario>(in);
+        waiting_ = in.integers("/run/steps", 1)[0];
+      } catch (const std::exception& e) {
+        fail<std::runtime_error>("the checkpoint {} {}", plan_.from, e.what());
+      }
+    });
+    if (plan_.to.empty()) return;
+    checkpoint_writer(team, plan_.to).require_writable();
+    if (w.rank() == 0 || team.of_processes()) listening_.emplace();
+    heard_write_ = heard_signals().write;
+    heard_end_ = heard_signals().end;
+  }
+
+  restart_plan begin(const simulation& s) override {
+    if (!waiting_) {
+      auto& first = checkpoint_access::keeper(w_).first_parameters;
+      if (!first) first = parameters_of(w_.state());
+      return {.steps = s.steps};
+    }
+    auto& state = w_.state();
+    if (state.steps + s.steps < *waiting_) {
+      state.steps += s.steps;
+      state.time += static_cast<real>(s.steps) * s.dt;
+      return {.skips = true};
+    }
+    const std::uint64_t last = state.steps + s.steps;
+    const std::string changes = read_checkpoint(w_, plan_.from);
+    waiting_.reset();
+    if (w_.rank() == 0 && !changes.empty() && plan_.tell)
+      plan_.tell(compose("goes on from {} with other parameters: {}", plan_.from, changes));
+    if (plan_.restarted) plan_.restarted(w_.steps());
+    return {.steps = static_cast<std::size_t>(last - w_.steps()), .restarts = true};
+  }
+
+  /// A poll is a reduction that is under way while the step is computed.
+  void before_step() override {
+    if (plan_.to.empty() || w_.steps() < next_poll_) return;
+    const double now = wall_seconds();
+    said_ = {
+        static_cast<double>(hear()),
+        (now - polled_) / static_cast<double>(std::max<std::uint64_t>(1, w_.steps() - polled_at_))};
+    polled_ = now;
+    polled_at_ = w_.steps();
+    polling_ = true;
+    if (reduces_beside_steps()) w_.link().start_reduce(reduction::max, said_);
+  }
+  void after_step() override {
+    if (!std::exchange(polling_, false)) return;
+    if (reduces_beside_steps())
+      w_.link().finish_reduce(said_);
+    else
+      w_.link().reduce(reduction::max, std::span<double>(said_));
+    asked_ = static_cast<heard>(static_cast<int>(said_[0]));
+    const double steps = between_polls / std::max(said_[1], 1e-9);
+    next_poll_ = w_.steps() + (polled_before_ ? static_cast<std::uint64_t>(std::clamp(
+                                                    steps, 0.0, double{most_steps_between_polls}))
+                                              : 0);
+    polled_before_ = true;
+  }
+  void after_observers() override {
+    if (plan_.to.empty()) return;
+    const heard asked = std::exchange(asked_, nothing);
+    const bool due = plan_.every > 0 && w_.steps() % plan_.every == 0;
+    if (!due && asked == nothing) return;
+    write_checkpoint(w_, plan_.to);
+    heard_write_ = heard_signals().write;  // other ranks may have heard it a step later
+    if (asked == end) throw ended_by_signal{w_.steps()};
+  }
+  void refuse_step_before_restart() const override {
+    if (waiting_ && w_.steps() < *waiting_)
+      fail<std::logic_error>(
+          "a step is to be taken before the run goes on from the checkpoint {}: only "
+          "world.simulate(...) knows which steps it leaves out",
+          plan_.from);
+  }
+  void require_restarted() const override {
+    if (waiting_)
+      fail<std::runtime_error>(
+          "the checkpoint {} is of step {}, but this run ends with step {}: steps count from the "
+          "beginning; give --steps more",
+          plan_.from, *waiting_, w_.steps());
+  }
+
+ private:
+  [[nodiscard]] heard hear() {
+    if (heard_signals().end != heard_end_) return end;
+    const unsigned writes = heard_signals().write;
+    return std::exchange(heard_write_, writes) != writes ? write : nothing;
+  }
+  /// A link has one reduction under way at a time, and some solvers have theirs in each step.
+  [[nodiscard]] bool reduces_beside_steps() const {
+    if constexpr (Scenario::contact_law::soft)
+      return true;
+    else
+      return w_.state().settings.tolerance == 0 && !watches<Scenario, residual_monitor>;
+  }
+
+  world<Scenario>& w_;
+  checkpoint_plan plan_;
+  std::optional<std::uint64_t> waiting_;  ///< the step of the file that is to be read
+  unsigned heard_write_ = 0, heard_end_ = 0;
+  std::array<double, 2> said_{};
+  double polled_ = wall_seconds();
+  std::uint64_t polled_at_ = 0, next_poll_ = 0;
+  bool polling_ = false, polled_before_ = false;
+  heard asked_ = nothing;
+  std::optional<listen_to_signals> listening_;  ///< once in a process
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,236 @@
+#pragma once
+// What a checkpoint says of its run besides bodies and contacts.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/core/type_list.hpp"
+#include "talus/io/detail/checkpoint_reader.hpp"
+#include "talus/io/detail/checkpoint_writer.hpp"
+#include "talus/world/fresh_start.hpp"
+
+namespace talus::detail {
+
+/// Numbers that a run can be told, in the order in which they are stored.
+inline constexpr std::array parameter_names{"dt",         "gravity_x",      "gravity_y",
+                                            "gravity_z",  "damping",        "iterations",
+                                            "tolerance",  "max_iterations", "correction_iterations",
+                                            "correction", "sleeping_speed", "sleeping_time"};
+using parameters = std::array<double, parameter_names.size()>;
+
+/// Calls f(number, value) for those that this scenario has.
+template <class State, class F>
+void each_parameter(State& s, F&& f) {
+  f(0, s.dt);
+  for (int k = 0; k < 3; ++k) f(static_cast<std::size_t>(1 + k), s.gravity[k]);
+  f(4, s.damping);
+  if constexpr (!State::law::soft) {
+    f(5, s.settings.iterations);
+    f(6, s.settings.tolerance);
+    f(7, s.settings.max_iterations);
+    f(8, s.settings.correction_iterations);
+    f(9, s.settings.correction);
+  }
+  if constexpr (State::sleeps) {
+    f(10, s.sleep.settings.speed);
+    f(11, s.sleep.settings.time);
+  }
+}
+template <class State>
+[[nodiscard]] parameters parameters_of(State& s) {
+  parameters all{};
+  each_parameter(s, [&](std::size_t k, auto& value) { all[k] = static_cast<double>(value); });
+  return all;
+}
+/// What the set-up gives like the one of the run that wrote goes on as it was at the end of that
+/// run; what it gives otherwise is meant to change, and is returned in words.
+template <class State>
+[[nodiscard, gnu::cold]] std::string merge_parameters(State& s, const parameters& at_first,
+                                                      const parameters& at_last) {
+  std::string changes;
+  each_parameter(s, [&](std::size_t k, auto& value) {
+    const auto mine = static_cast<double>(value);
+    const bool as_before = k == 0 ? mine == 0 : mine == at_first[k];  // dt: none is given yet
+    if (as_before) {
+      value = static_cast<std::remove_cvref_t<decltype(value)>>(at_last[k]);
+    } else if (mine != at_last[k]) {
+      if (!changes.empty()) changes += ", ";
+      changes += compose("{} is {} and was {}", parameter_names[k], mine, at_last[k]);
+    }
+  });
+  return changes;
+}
+
+/// What must be alike in the scenario that writes and in the one that reads. Transport,
+/// decomposition, solver, broad phase, precision and monitors may differ.
+struct scenario_mark {
+  std::string name, text;
+};
+template <class... Types>
+[[nodiscard]] std::string list_text(type_list<Types...>, const char* name) {
+  return describe_list<Types...>(name);
+}
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::vector<scenario_mark> marks_of() {
+  std::vector<std::string> features;
+  for_each_type<typename Scenario::features>([&](auto type) {
+    using feature = typename decltype(type)::type;
+    constexpr bool of_bodies =
+        contains_type<type_list<orientation, forces, user_ids, visibility, damping,
+                                continuous_collision, sleeping>,
+                      feature> ||
+        (Scenario::contact_law::soft && std::is_same_v<feature, energy_ledger>);
+    if constexpr (of_bodies) features.push_back(feature::name);
+  });
+  std::sort(features.begin(), features.end());
+  std::string named;
+  for (const std::string& f : features) named += (named.empty() ? "" : ", ") + f;
+  return {{"bodies", list_text(typename Scenario::shapes{}, "bodies")},
+          {"contacts", describe_policy<typename Scenario::contact_law>()},
+          {"integrator", describe_policy<typename Scenario::integrator>()},
+          {"features", "features<" + named + ">"}};
+}
+
+[[nodiscard, gnu::cold]] inline byte_buffer bytes_of_text(const std::string& text) {
+  const auto* at = reinterpret_cast<const std::byte*>(text.data());
+  return {at, at + text.size()};
+}
+[[nodiscard, gnu::cold]] inline small_dataset text_dataset(std::string path,
+                                                           const std::string& text) {
+  return {std::move(path), number_type::u8, text.size(), 1, bytes_of_text(text)};
+}
+template <class T>
+[[nodiscard, gnu::cold]] small_dataset numbers_dataset(std::string path, std::span<const T> values,
+                                                       std::uint32_t width = 1) {
+  const auto bytes = std::as_bytes(values);
+  return {std::move(path),
+          std::is_same_v<T, double> ? number_type::f64 : number_type::u64,
+          values.size() / width,
+          width,
+          {bytes.begin(), bytes.end()}};
+}
+
+/// Numbers of a material, as they are stored.
+[[nodiscard, gnu::cold]] inline std::array<double, 8> numbers_of(const material& m) {
+  return {m.density,   m.restitution,    m.friction,      m.sliding_friction(),
+          m.stiffness, m.youngs_modulus, m.poisson_ratio, m.rolling_friction};
+}
+[[nodiscard, gnu::cold]] inline std::vector<double> numbers_of(const material_table& all) {
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (const double x : numbers_of(all[material_id(i)])) numbers.push_back(x);
+  return numbers;
+}
+[[nodiscard, gnu::cold]] inline std::vector<double> numbers_of_pairs(const material_table& all) {
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      const pair_material& p = all.pair(material_id(i), material_id(j));
+      numbers.insert(numbers.end(), {p.restitution, p.friction, p.dynamic_friction});
+    }
+  return numbers;
+}
+/// Throws runtime_error where the set-up has made other materials.
+[[gnu::cold]] inline void require_materials(const checkpoint_reader& in,
+                                            const material_table& mine) {
+  constexpr std::array names{"density",   "restitution",     "friction",      "dynamic friction",
+                             "stiffness", "Young's modulus", "Poisson ratio", "rolling friction"};
+  const auto theirs = in.reals("/materials/each", checkpoint_reader::any, 8);
+  if (theirs.size() != 8 * mine.size())
+    fail<std::runtime_error>(
+        "is of a run with {} materials, and this program has made {}: its set-up must make the "
+        "same",
+        theirs.size() / 8, mine.size());
+  const auto own = numbers_of(mine);
+  for (std::size_t k = 0; k < own.size(); ++k)
+    if (own[k] != theirs[k])
+      fail<std::runtime_error>(
+          "is of a run whose material {} has the {} {}, and this program gives it {}: its set-up "
+          "must make the same materials",
+          k / 8, names[k % 8], theirs[k], own[k]);
+  const auto n = mine.size();
+  const auto pairs = in.reals("/materials/pairs", n * n, 3);
+  const auto own_pairs = numbers_of_pairs(mine);
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (pairs[k] != own_pairs[k])
+      fail<std::runtime_error>(
+          "is of a run with other properties for contacts of the materials {} and {} (world."
+          "material_pair): its set-up must make the same",
+          k / 3 / n, k / 3 % n);
+}
+
+/// Kept values: names, what they mean with how many bytes, and the bytes.
+[[nodiscard, gnu::cold]] inline std::string names_of(const std::vector<kept_value>& values) {
+  std::string names;
+  for (const kept_value& v : values) names += v.name + '\n';
+  return names;
+}
+/// Collective, as sums are made.
+[[gnu::cold]] inline void put_kept(checkpoint_team& team, const std::vector<kept_value>& values,
+                                   std::vector<small_dataset>& out) {
+  std::vector<std::uint64_t> kinds;
+  byte_buffer bytes;
+  byte_writer to(bytes);
+  for (const kept_value& v : values) {
+    kinds.push_back(static_cast<std::uint64_t>(v.means));
+    kinds.push_back(v.bytes);
+    if (v.means == kept_value::kind::alike) {
+      const auto* at = static_cast<const std::byte*>(v.at);
+      bytes.insert(bytes.end(), at, at + v.bytes);
+    } else if (v.means == kept_value::kind::sum_of_reals) {
+      byte_buffer mine;
+      byte_writer(mine).put(v.real_number(v.at));
+      double sum = 0;
+      for (const byte_buffer& each : team.gather(mine)) sum += byte_reader(each).get<double>();
+      to.put(sum);
+    } else {
+      std::uint64_t sum = v.integer(v.at);
+      team.sum(std::span(&sum, 1));
+      to.put(sum);
+    }
+  }
+  out.push_back(text_dataset("/kept/names", names_of(values)));
+  out.push_back(numbers_dataset<std::uint64_t>("/kept/kinds", kinds, 2));
+  out.push_back({"/kept/values", number_type::u8, bytes.size(), 1, bytes});
+}
+[[gnu::cold]] inline void get_kept(const checkpoint_reader& in, int rank,
+                                   const std::vector<kept_value>& values) {
+  const std::string theirs = in.text("/kept/names"), mine = names_of(values);
+  const auto line = [](std::string names) {
+    if (names.empty()) return std::string("nothing");
+    names.pop_back();
+    for (char& c : names)
+      if (c == '\n') c = ',';
+    return names;
+  };
+  if (theirs != mine)
+    fail<std::runtime_error>("is of a run that kept {}, and this program keeps {} (world.keep)",
+                             line(theirs), line(mine));
+  const auto kinds = in.integers("/kept/kinds", values.size(), 2);
+  const auto bytes = in.numbers<std::byte>("/kept/values", number_type::u8);
+  byte_reader from(bytes);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const kept_value& v = values[k];
+    if (kinds[2 * k] != static_cast<std::uint64_t>(v.means) || kinds[2 * k + 1] != v.bytes)
+      fail<std::runtime_error>(
+          "is of a run that kept '{}' as another type of value: its type must stay the same",
+          v.name);
+    if (v.means == kept_value::kind::alike) {
+      auto* to = static_cast<std::byte*>(v.at);
+      for (std::size_t i = 0; i < v.bytes; ++i) to[i] = from.get<std::byte>();
+    } else if (v.means == kept_value::kind::sum_of_reals) {
+      const auto sum = from.get<double>();
+      v.set_real(v.at, rank == 0 ? sum : 0);
+    } else {
+      const auto sum = from.get<std::uint64_t>();
+      v.set_integer(v.at, rank == 0 ? sum : 0);
+    }
+  }
+}
+
+}  // namespace talus::detail

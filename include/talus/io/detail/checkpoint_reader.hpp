@@ -1,0 +1,98 @@
+#pragma once
+// Reading a checkpoint: the first block and all that describes the tables are checked before HDF5
+// looks at them, the rows as they are read.
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "talus/io/detail/checkpoint_block.hpp"
+#include "talus/io/detail/checkpoint_table.hpp"
+#include "talus/io/detail/checkpoint_writer.hpp"
+#include "talus/io/detail/hdf5.hpp"
+
+namespace talus::detail {
+
+/// An open checkpoint. Holds HDF5's mutex while it lives: each rank reads by itself.
+class checkpoint_reader {
+ public:
+  /// Throws runtime_error for a file that cannot be opened, is none, or is damaged.
+  [[gnu::cold]] explicit checkpoint_reader(const std::string& name) : only_(hdf5_mutex()) {
+    const system_file file(name, O_RDONLY);
+    struct stat found {};
+    if (!file.good() || ::fstat(file.id(), &found) != 0)
+      fail<std::runtime_error>("cannot be read: {}", system_words());
+    const auto length = static_cast<std::uint64_t>(found.st_size);
+    byte_buffer head(std::min<std::uint64_t>(length, 512));
+    if (!S_ISREG(found.st_mode) || !file.read(0, head))
+      throw std::runtime_error("cannot be read: it is no file");
+    if (head.size() == 512) {  // as long as it says, if that is not absurd; read_block judges
+      std::uint32_t bytes = 0;
+      std::memcpy(&bytes, head.data() + 36, 4);
+      head.resize(std::min<std::uint64_t>({std::max(bytes, 512u), length, 1u << 26}));
+      if (!file.read(0, head)) throw std::runtime_error("cannot be read to its end");
+    }
+    const checkpoint_block block = read_block(head, length);
+    if (checksum_of_rest(file, block) != block.rest_checksum)
+      throw std::runtime_error("is damaged: the checksum of what describes its tables is wrong");
+    const hdf5_handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "read");
+#if H5_VERSION_GE(1, 10, 7)
+    hdf5_ok(H5Pset_file_locking(access, false, true), "read");
+#endif
+    file_.emplace(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "read");
+  }
+
+  [[nodiscard]] bool has(const std::string& path) const {
+    std::string so_far;
+    for (std::size_t at = 0; at != path.npos;) {  // link by link
+      at = path.find('/', at + 1);
+      so_far = path.substr(0, at);
+      if (H5Lexists(*file_, so_far.c_str(), H5P_DEFAULT) <= 0) return false;
+    }
+    return true;
+  }
+  /// All numbers of a small dataset. `rows` is what it must have, or `any`.
+  static constexpr std::uint64_t any = ~std::uint64_t{0};
+  template <class T>
+  [[nodiscard]] std::vector<T> numbers(const std::string& path, number_type type,
+                                       std::uint64_t rows = any, std::uint32_t width = 1) const {
+    const open_dataset set(*file_, path, type, width);
+    if ((rows != any && set.rows() != rows) || set.rows() > most_small)
+      fail<std::runtime_error>("is damaged: its dataset {} is not what it should be", path);
+    std::vector<T> values(set.rows() * width);
+    set.read(0, set.rows(), values.data());
+    return values;
+  }
+  [[nodiscard]] std::vector<double> reals(const std::string& path, std::uint64_t rows = any,
+                                          std::uint32_t width = 1) const {
+    return numbers<double>(path, number_type::f64, rows, width);
+  }
+  [[nodiscard]] std::vector<std::uint64_t> integers(const std::string& path,
+                                                    std::uint64_t rows = any,
+                                                    std::uint32_t width = 1) const {
+    return numbers<std::uint64_t>(path, number_type::u64, rows, width);
+  }
+  [[nodiscard]] std::string text(const std::string& path) const {
+    const auto bytes = numbers<char>(path, number_type::u8);
+    return {bytes.begin(), bytes.end()};
+  }
+  [[nodiscard]] table_reader table(const std::string& path, std::vector<table_column> columns,
+                                   bool extras) const {
+    return {*file_, path, std::move(columns), extras};
+  }
+
+ private:
+  static constexpr std::uint64_t most_small = 1 << 24;
+  std::unique_lock<std::mutex> only_;
+  silent_hdf5 silent_;
+  std::optional<hdf5_handle> file_;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,109 @@
+#pragma once
+// What ranks say to each other while they write or read a checkpoint, whatever connects them. What
+// uses it does not depend on the transport.
+#include <hdf5.h>
+
+#include <cstdint>
+#include <exception>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "talus/core/bytes.hpp"
+#include "talus/core/error.hpp"
+#include "talus/parallel/reduction.hpp"
+
+namespace talus::detail {
+
+/// All functions are collective.
+class checkpoint_team {
+ public:
+  checkpoint_team() = default;
+  checkpoint_team(const checkpoint_team&) = delete;
+  checkpoint_team& operator=(const checkpoint_team&) = delete;
+  virtual ~checkpoint_team() = default;
+
+  [[nodiscard]] virtual int rank() const = 0;
+  [[nodiscard]] virtual int size() const = 0;
+  virtual void barrier() = 0;
+  [[nodiscard]] virtual std::vector<byte_buffer> gather(const byte_buffer& mine) = 0;
+  [[nodiscard]] virtual std::vector<byte_buffer> gather_all(const byte_buffer& mine) = 0;
+  virtual void broadcast(byte_buffer& bytes) = 0;
+  virtual void most(std::span<std::uint64_t> values) = 0;
+  virtual void sum(std::span<std::uint64_t> values) = 0;
+  /// Whether each rank is a process of its own.
+  [[nodiscard]] virtual bool of_processes() const = 0;
+#ifdef H5_HAVE_PARALLEL
+  /// MPI_COMM_NULL where ranks are no processes.
+  [[nodiscard]] virtual MPI_Comm communicator() const = 0;
+#endif
+
+  /// Calls f() on this rank; where it fails on any, throws runtime_error with the same words on
+  /// all.
+  template <class F>
+  void together(F&& f) {
+    std::string problem;
+    try {
+      f();
+    } catch (const aborted&) {
+      throw;
+    } catch (const std::exception& e) {
+      problem = e.what();
+      if (problem.empty()) problem = "unknown error";
+    }
+    agree(problem);
+  }
+
+ private:
+  [[gnu::cold]] void agree(const std::string& problem) {
+    std::uint64_t any = !problem.empty();
+    most(std::span(&any, 1));
+    if (any == 0) return;
+    byte_buffer mine;
+    for (const char c : problem) mine.push_back(static_cast<std::byte>(c));
+    for (const byte_buffer& words : gather_all(mine))
+      if (!words.empty())
+        throw std::runtime_error(
+            std::string(reinterpret_cast<const char*>(words.data()), words.size()));
+  }
+};
+
+template <class Link>
+class team_over final : public checkpoint_team {
+ public:
+  explicit team_over(Link& link) : link_(link) {}
+  [[nodiscard]] int rank() const override { return link_.rank(); }
+  [[nodiscard]] int size() const override { return link_.size(); }
+  void barrier() override { link_.barrier(); }
+  [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine) override {
+    return link_.gather(mine);
+  }
+  [[nodiscard]] std::vector<byte_buffer> gather_all(const byte_buffer& mine) override {
+    return link_.gather_all(mine);
+  }
+  void broadcast(byte_buffer& bytes) override { link_.broadcast(bytes); }
+  void most(std::span<std::uint64_t> values) override { link_.reduce(reduction::max, values); }
+  void sum(std::span<std::uint64_t> values) override { link_.reduce(reduction::sum, values); }
+  [[nodiscard]] bool of_processes() const override {
+    if constexpr (requires { *link_.communicator(); })
+      return link_.communicator() != nullptr;
+    else
+      return requires { link_.communicator(); };
+  }
+#ifdef H5_HAVE_PARALLEL
+  [[nodiscard]] MPI_Comm communicator() const override {
+    if constexpr (requires { *link_.communicator(); })
+      return link_.communicator() != nullptr ? static_cast<MPI_Comm>(*link_.communicator())
+                                             : MPI_COMM_NULL;
+    else if constexpr (requires { link_.communicator(); })
+      return link_.communicator();
+    else
+      return MPI_COMM_NULL;
+  }
+#endif
+
+ private:
+  Link& link_;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,403 @@
+#pragma once
+// Writing a checkpoint: rank 0 makes a file beside the old one, with the place of everything in it
+// fixed and reserved; then all ranks write their rows, through MPI-IO or in turns; then rank 0 adds
+// the first block, brings it to the disk, and gives it its name. Whatever happens before that, the
+// old file is as it was.
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "talus/io/detail/checkpoint_block.hpp"
+#include "talus/io/detail/checkpoint_table.hpp"
+#include "talus/io/detail/checkpoint_team.hpp"
+#include "talus/io/detail/hdf5.hpp"
+
+namespace talus::detail {
+
+/// A dataset that rank 0 writes alone.
+struct small_dataset {
+  std::string path;
+  number_type type = number_type::f64;
+  std::uint64_t rows = 0;
+  std::uint32_t width = 1;
+  byte_buffer bytes;
+};
+
+/// An open file, by the system's own functions.
+class system_file {
+ public:
+  system_file(const std::string& path, int flags) : id_(::open(path.c_str(), flags, 0666)) {}
+  system_file(const system_file&) = delete;
+  system_file& operator=(const system_file&) = delete;
+  ~system_file() {
+    if (id_ >= 0) ::close(id_);
+  }
+  [[nodiscard]] bool good() const { return id_ >= 0; }
+  [[nodiscard]] int id() const { return id_; }
+  /// False at the end of the file, and where reading fails.
+  [[nodiscard]] bool read(std::uint64_t at, std::span<std::byte> into) const {
+    while (!into.empty()) {
+      const ssize_t n = ::pread(id_, into.data(), into.size(), static_cast<off_t>(at));
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      into = into.subspan(static_cast<std::size_t>(n));
+      at += static_cast<std::uint64_t>(n);
+    }
+    return true;
+  }
+  [[nodiscard]] bool write(std::uint64_t at, std::span<const std::byte> from) const {
+    while (!from.empty()) {
+      const ssize_t n = ::pwrite(id_, from.data(), from.size(), static_cast<off_t>(at));
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      from = from.subspan(static_cast<std::size_t>(n));
+      at += static_cast<std::uint64_t>(n);
+    }
+    return true;
+  }
+
+ private:
+  int id_;
+};
+
+[[nodiscard, gnu::cold]] inline std::string system_words(int error = errno) {
+  return std::strerror(error);
+}
+
+/// A write beyond the limit of file sizes shall fail, not end the process.
+class no_size_signal {
+ public:
+  no_size_signal() : before_(std::signal(SIGXFSZ, SIG_IGN)) {}
+  no_size_signal(const no_size_signal&) = delete;
+  no_size_signal& operator=(const no_size_signal&) = delete;
+  ~no_size_signal() {
+    if (before_ != SIG_ERR) std::signal(SIGXFSZ, before_);
+  }
+
+ private:
+  void (*before_)(int);
+};
+
+/// Checksum of what no range covers.
+[[nodiscard, gnu::cold]] inline std::uint64_t checksum_of_rest(const system_file& file,
+                                                               const checkpoint_block& block) {
+  constexpr std::uint64_t chunk = 1 << 20;
+  byte_buffer bytes;
+  std::uint64_t sum = 0;
+  each_part_of_rest(block, [&](byte_range part) {
+    while (part.bytes > 0) {
+      bytes.resize(std::min(chunk, part.bytes));
+      if (!file.read(part.first, bytes)) throw std::runtime_error("cannot be read to its end");
+      sum = mix(sum) + checksum_of(bytes, part.first);
+      part.first += bytes.size();
+      part.bytes -= bytes.size();
+    }
+  });
+  return sum;
+}
+
+class checkpoint_writer {
+ public:
+  checkpoint_writer(checkpoint_team& team, std::string file)
+      : team_(team), file_(std::move(file)), part_(file_ + ".part") {}
+
+  /// Collective; `small` is that of rank 0. Throws runtime_error alike on all ranks.
+  [[gnu::cold]] void write(std::vector<table_part>& tables,
+                           const std::vector<small_dataset>& small) {
+    const no_size_signal unharmed;
+    try {
+      const auto counts = gather_counts(tables);
+      team_.together([&] {
+        if (team_.rank() == 0) explain([&] { make_file(tables, counts, small); });
+      });
+      const auto places = share_places(tables.size(), counts);
+      const auto rows = [&] { write_rows(tables, places); };
+      team_.together([&] { explain([&] { parallel() ? rows() : in_turns(rows); }); });
+      team_.together([&] {
+        if (team_.rank() == 0) explain([&] { finish(); });
+      });
+    } catch (...) {
+      if (team_.rank() == 0) ::unlink(part_.c_str());
+      throw;
+    }
+  }
+
+  /// Throws runtime_error if the file could not be made: found out before hours of computing.
+  [[gnu::cold]] void require_writable() {
+    team_.together([&] {
+      if (team_.rank() != 0) return;
+      explain([&] {
+        open_part(O_RDWR | O_CREAT);
+        ::unlink(part_.c_str());
+      });
+    });
+  }
+
+ private:
+  struct counted {
+    std::uint64_t rows = 0, extra = 0;
+    std::vector<table_piece> pieces;
+  };
+
+  [[nodiscard]] bool parallel() const {
+#ifdef H5_HAVE_PARALLEL
+    return team_.size() > 1 && team_.communicator() != MPI_COMM_NULL;
+#else
+    return false;
+#endif
+  }
+
+  template <class F>
+  void explain(F&& f) {
+    try {
+      f();
+    } catch (const std::exception& e) {
+      fail<std::runtime_error>("the checkpoint {} {}", file_, e.what());
+    }
+  }
+  /// One rank after the other. Each takes its turn even if an earlier one has failed.
+  template <class F>
+  void in_turns(F&& f) {
+    std::exception_ptr problem;
+    for (int r = 0; r < team_.size(); ++r) {
+      if (r == team_.rank()) try {
+          f();
+        } catch (...) {
+          problem = std::current_exception();
+        }
+      team_.barrier();
+    }
+    if (problem) std::rethrow_exception(problem);
+  }
+
+  /// Of every rank, on rank 0: rows and pieces of every table.
+  std::vector<std::vector<counted>> gather_counts(const std::vector<table_part>& tables) {
+    byte_buffer mine;
+    byte_writer out(mine);
+    for (const table_part& t : tables) {
+      out.put(t.rows);
+      out.put(static_cast<std::uint64_t>(t.extra.size()));
+      out.put(std::span<const table_piece>(t.pieces));
+    }
+    std::vector<std::vector<counted>> all;
+    for (const byte_buffer& bytes : team_.gather(mine)) {
+      byte_reader in(bytes);
+      auto& one = all.emplace_back();
+      for (std::size_t k = 0; k < tables.size(); ++k) {
+        counted c;
+        c.rows = in.get<std::uint64_t>();
+        c.extra = in.get<std::uint64_t>();
+        const auto pieces = in.get_all<table_piece>();
+        c.pieces.assign(pieces.begin(), pieces.end());
+        one.push_back(std::move(c));
+      }
+    }
+    return all;
+  }
+
+  /// Where this rank's rows of each table begin.
+  std::vector<table_place> share_places(std::size_t tables,
+                                        const std::vector<std::vector<counted>>& counts) {
+    byte_buffer bytes;
+    if (team_.rank() == 0) {
+      byte_writer out(bytes);
+      std::vector<table_place> next(tables);
+      for (const auto& one : counts)
+        for (std::size_t k = 0; k < tables; ++k) {
+          out.put(next[k]);
+          next[k].row += one[k].rows;
+          next[k].extra += one[k].extra;
+        }
+    }
+    team_.broadcast(bytes);
+    byte_reader in(bytes);
+    std::vector<table_place> mine(tables);
+    for (int r = 0; r <= team_.rank(); ++r)
+      for (table_place& p : mine) p = in.get<table_place>();
+    return mine;
+  }
+
+  void open_part(int flags) {
+    const system_file file(part_, flags);
+    if (!file.good())
+      fail<std::runtime_error>(
+          "cannot be written: {}: {}; name a file in a folder that exists, is writable and has "
+          "room",
+          part_, system_words());
+  }
+
+  static hdf5_handle access_list() {
+    hdf5_handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "written");
+#if H5_VERSION_GE(1, 10, 2)
+    hdf5_ok(H5Pset_libver_bounds(list, H5F_LIBVER_V18, H5F_LIBVER_V18), "written");
+#endif
+#if H5_VERSION_GE(1, 10, 7)
+    hdf5_ok(H5Pset_file_locking(list, false, true), "written");  // network disks often refuse
+#endif
+    return list;
+  }
+
+  /// On rank 0: a file in which everything has its place, and all is written but rows.
+  void make_file(const std::vector<table_part>& tables,
+                 const std::vector<std::vector<counted>>& counts,
+                 const std::vector<small_dataset>& small) {
+    const std::lock_guard only(hdf5_mutex());
+    const silent_hdf5 silent;
+    std::size_t columns = 0;
+    std::uint64_t bytes = 1 << 16;
+    for (std::size_t k = 0; k < tables.size(); ++k) {
+      columns += tables[k].columns.size() + 1;
+      for (const auto& one : counts) {
+        for (const table_column& c : tables[k].columns) bytes += one[k].rows * c.row_bytes();
+        bytes += one[k].extra + one[k].pieces.size() * 88;
+      }
+    }
+    for (const small_dataset& s : small) bytes += s.bytes.size() + 512;
+    open_part(O_RDWR | O_CREAT | O_TRUNC);
+    require_size_allowed(bytes);
+    block_ = {};
+    block_.block_bytes = block_bytes_for(columns);
+    {
+      const hdf5_handle how(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "written");
+      hdf5_ok(H5Pset_userblock(how, block_.block_bytes), "written");
+      hdf5_handle file(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, how, access_list()), H5Fclose,
+                       "written");
+      for (std::size_t k = 0; k < tables.size(); ++k) make_table(file, tables[k], k, counts);
+      for (const small_dataset& s : small)
+        write_small(file, s.path, s.type, s.rows, s.width, s.bytes.data());
+      file.close("written");
+    }
+    reserve();
+  }
+  void make_table(hid_t file, const table_part& t, std::size_t k,
+                  const std::vector<std::vector<counted>>& counts) {
+    table_place all;
+    std::vector<std::uint64_t> numbers;
+    std::vector<double> boxes;
+    for (const auto& one : counts) {
+      for (const table_piece& p : one[k].pieces) {
+        numbers.insert(numbers.end(), {p.first + all.row, p.rows, p.extra_first + all.extra,
+                                       p.extra_bytes, p.checksum});
+        boxes.insert(boxes.end(), p.box.begin(), p.box.end());
+      }
+      all.row += one[k].rows;
+      all.extra += one[k].extra;
+    }
+    const auto add = [&](const std::string& name, const dataset_shape& shape) {
+      const std::uint64_t at = create_dataset(file, t.path + "/" + name, shape);
+      if (shape.rows > 0) block_.ranges.push_back({at, shape.rows * shape.row_bytes()});
+    };
+    for (const table_column& c : t.columns) add(c.name, {c.type, all.row, c.width});
+    if (t.extras) add("extra", {number_type::u8, all.extra, 1});
+    write_small(file, t.path + "/pieces", number_type::u64, numbers.size() / 5, 5, numbers.data());
+    write_small(file, t.path + "/boxes", number_type::f64, boxes.size() / 6, 6, boxes.data());
+  }
+  static void write_small(hid_t file, const std::string& path, number_type type, std::uint64_t rows,
+                          std::uint32_t width, const void* data) {
+    create_dataset(file, path, {type, rows, width});
+    if (rows > 0) write_whole(file, path, type, data);
+  }
+  static void require_size_allowed(std::uint64_t bytes) {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+        bytes > limit.rlim_cur)
+      fail<std::runtime_error>(
+          "cannot be written: it needs some {} bytes, and files may have {} (ulimit -f): raise "
+          "that limit",
+          bytes, static_cast<std::uint64_t>(limit.rlim_cur));
+  }
+  /// So that a full disk is found out here, where one rank fails alone.
+  void reserve() {
+    const system_file file(part_, O_RDWR);
+    struct stat found {};
+    if (!file.good() || ::fstat(file.id(), &found) != 0)
+      fail<std::runtime_error>("cannot be written: {}", system_words());
+    block_.file_bytes = static_cast<std::uint64_t>(found.st_size);
+    int failed = 0;
+    do {
+      failed = ::fallocate(file.id(), 0, 0, found.st_size) != 0 ? errno : 0;
+    } while (failed == EINTR);
+    if (failed != 0 && failed != EOPNOTSUPP && failed != ENOSYS)
+      fail<std::runtime_error>(
+          "cannot be written: there is no room for {} bytes more ({}): make room, or name a file "
+          "on "
+          "another disk",
+          block_.file_bytes, system_words(failed));
+  }
+
+  /// The rows of this rank.
+  void write_rows(const std::vector<table_part>& tables, const std::vector<table_place>& places) {
+    const std::lock_guard only(hdf5_mutex());
+    const silent_hdf5 silent;
+    const hdf5_handle access = access_list();
+    const hdf5_handle how(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "written");
+#ifdef H5_HAVE_PARALLEL
+    if (parallel()) {
+      hdf5_ok(H5Pset_fapl_mpio(access, team_.communicator(), MPI_INFO_NULL), "written");
+      hdf5_ok(H5Pset_dxpl_mpio(how, H5FD_MPIO_COLLECTIVE), "written");
+    }
+#endif
+    hdf5_handle file(H5Fopen(part_.c_str(), H5F_ACC_RDWR, access), H5Fclose, "written");
+    const auto write = [&](const std::string& path, number_type type, std::uint32_t width,
+                           std::uint64_t first, std::uint64_t rows, const std::byte* data) {
+      const hdf5_handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "written");
+      const row_selection part(set, first, rows, width);
+      static constexpr std::byte nothing{};
+      hdf5_ok(H5Dwrite(set, type_in_memory(type), part.memory(), part.file(), how,
+                       rows > 0 ? data : &nothing),
+              "written");
+    };
+    for (std::size_t k = 0; k < tables.size(); ++k) {
+      const table_part& t = tables[k];
+      for (const table_column& c : t.columns)
+        write(t.path + "/" + c.name, c.type, c.width, places[k].row, t.rows, c.rows);
+      if (t.extras)
+        write(t.path + "/extra", number_type::u8, 1, places[k].extra, t.extra.size(),
+              t.extra.data());
+    }
+    file.close("written");
+    const system_file written(part_, O_RDWR);  // what this machine holds of it goes to the disk
+    if (!written.good() || ::fsync(written.id()) != 0)
+      fail<std::runtime_error>("cannot be written to the disk: {}", system_words());
+  }
+
+  void finish() {
+    {
+      const system_file file(part_, O_RDWR);
+      struct stat found {};
+      if (!file.good() || ::fstat(file.id(), &found) != 0)
+        fail<std::runtime_error>("cannot be written: {}", system_words());
+      if (static_cast<std::uint64_t>(found.st_size) != block_.file_bytes)
+        throw std::runtime_error("cannot be written: HDF5 has changed its length");
+      std::sort(block_.ranges.begin(), block_.ranges.end(),
+                [](const byte_range& a, const byte_range& b) { return a.first < b.first; });
+      block_.rest_checksum = checksum_of_rest(file, block_);
+      const byte_buffer bytes = compose_block(block_);
+      if (!file.write(0, bytes) || ::fsync(file.id()) != 0)
+        fail<std::runtime_error>("cannot be written to the disk: {}", system_words());
+    }
+    if (::rename(part_.c_str(), file_.c_str()) != 0)
+      fail<std::runtime_error>("cannot be given its name: {}", system_words());
+    const auto slash = file_.find_last_of('/');
+    const std::string folder = slash == file_.npos ? "." : file_.substr(0, slash + 1);
+    const system_file entry(folder, O_RDONLY | O_DIRECTORY);
+    if (entry.good()) ::fsync(entry.id());  // some file systems cannot, and need not
+  }
+
+  checkpoint_team& team_;
+  std::string file_, part_;
+  checkpoint_block block_;
+};
+
+}  // namespace talus::detail

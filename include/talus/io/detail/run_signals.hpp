@@ -1,0 +1,43 @@
+#pragma once
+// The signals by which batch systems and users ask a run for its state.
+#include <atomic>
+#include <csignal>
+
+namespace talus::detail {
+
+/// How often each has come since the program began. A signal is of the process, and so is this.
+struct signals_heard {
+  std::atomic<unsigned> write{0}, end{0};
+  static_assert(std::atomic<unsigned>::is_always_lock_free);
+};
+[[nodiscard]] inline signals_heard& heard_signals() {
+  static signals_heard all;
+  return all;
+}
+
+/// While it lives SIGUSR1 and SIGTERM are counted instead of ending the process.
+class listen_to_signals {
+ public:
+  listen_to_signals() {
+    (void)heard_signals();
+    struct sigaction action {};
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    action.sa_handler = [](int) { ++heard_signals().write; };
+    sigaction(SIGUSR1, &action, &write_);
+    action.sa_handler = [](int) { ++heard_signals().end; };
+    sigaction(SIGTERM, &action, &end_);
+  }
+  listen_to_signals(const listen_to_signals&) = delete;
+  listen_to_signals& operator=(const listen_to_signals&) = delete;
+  ~listen_to_signals() {
+    sigaction(SIGUSR1, &write_, nullptr);
+    sigaction(SIGTERM, &end_, nullptr);
+  }
+
+ private:
+  struct sigaction write_ {
+  }, end_{};
+};
+
+}  // namespace talus::detail

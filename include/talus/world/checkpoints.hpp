@@ -1,0 +1,138 @@
+#pragma once
+// features<checkpoints>: what a world knows of them. How files are written and read is in io/,
+// which a program includes by <talus/checkpoint.hpp>; here is what the user wants to be kept, and
+// where in simulate() files come into it.
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "talus/core/bytes.hpp"
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus {
+
+/// What simulate() is asked for.
+struct simulation {
+  std::size_t steps = 0;  ///< number of time steps; with a restart those before it count
+  real dt = 0;            ///< length of a step, in units of time
+};
+
+namespace detail {
+
+/// What becomes of a call of simulate() when a run goes on from a file.
+struct restart_plan {
+  std::size_t steps = 0;  ///< to be taken
+  bool skips = false;     ///< all of them were taken before the file was written
+  bool restarts = false;  ///< the state is now that of the file
+};
+
+/// What simulate() calls where checkpoints are in use. All functions are collective.
+struct checkpoint_hooks {
+  checkpoint_hooks() = default;
+  checkpoint_hooks(const checkpoint_hooks&) = delete;
+  checkpoint_hooks& operator=(const checkpoint_hooks&) = delete;
+  virtual ~checkpoint_hooks() = default;
+  virtual restart_plan begin(const simulation& s) = 0;
+  virtual void before_step() = 0;
+  virtual void after_step() = 0;
+  virtual void after_observers() = 0;
+  /// Throws runtime_error where simulate() has not come to the step of the file.
+  virtual void require_restarted() const = 0;
+  /// A step by hand has no place among those that a restart leaves out.
+  virtual void refuse_step_before_restart() const = 0;
+};
+
+/// State of the user's own: the bytes of a value, or a number of which the ranks' sum is meant.
+struct kept_value {
+  enum class kind : std::uint8_t { alike, sum_of_reals, sum_of_integers };
+  std::string name;
+  kind means;
+  std::size_t bytes;
+  void* at;
+  double (*real_number)(const void*) = nullptr;
+  std::uint64_t (*integer)(const void*) = nullptr;
+  void (*set_real)(void*, double) = nullptr;
+  void (*set_integer)(void*, std::uint64_t) = nullptr;
+};
+
+struct checkpoint_keeper {
+  std::vector<kept_value> values;
+  std::vector<std::uint64_t> added_elsewhere;  ///< by ranks that a run before this one had
+  std::optional<std::array<double, 12>> first_parameters;  ///< as the set-up gave them
+  std::uint64_t restarted_at = 0;                          ///< step of the file that was read
+  std::unique_ptr<checkpoint_hooks> hooks;                 ///< null where no file is asked for
+
+  template <class T>
+  void add(const std::string& name, T& value) {
+    static_assert(plain_bytes<T> && std::is_copy_constructible_v<T>,
+                  "world.keep takes a value that owns no memory, such as a number or a "
+                  "random_stream: keep its parts one by one");
+    require_new(name);
+    values.push_back({name, kept_value::kind::alike, sizeof(T), &value});
+  }
+  template <class T>
+  void add_sum(const std::string& name, T& value) {
+    static_assert(std::floating_point<T> || (std::integral<T> && !std::same_as<T, bool>),
+                  "world.keep_sum takes a number: for anything else there is world.keep");
+    require_new(name);
+    kept_value k{name, {}, sizeof(T), &value};
+    if constexpr (std::floating_point<T>) {
+      k.means = kept_value::kind::sum_of_reals;
+      k.real_number = [](const void* at) {
+        return static_cast<double>(*static_cast<const T*>(at));
+      };
+      k.set_real = [](void* at, double x) { *static_cast<T*>(at) = static_cast<T>(x); };
+    } else {
+      k.means = kept_value::kind::sum_of_integers;
+      k.integer = [](const void* at) {
+        return static_cast<std::uint64_t>(*static_cast<const T*>(at));
+      };
+      k.set_integer = [](void* at, std::uint64_t x) { *static_cast<T*>(at) = static_cast<T>(x); };
+    }
+    values.push_back(k);
+  }
+
+ private:
+  [[gnu::cold]] void require_new(const std::string& name) const {
+    if (name.empty())
+      fail<std::invalid_argument>("world.keep needs a name, by which the value is found again");
+    for (const kept_value& v : values)
+      if (v.name == name)
+        fail<std::invalid_argument>(
+            "world.keep has been given two values of the name '{}': name each once", name);
+  }
+};
+struct keeps_nothing {};
+
+/// The checkpoints that a run is asked for.
+struct checkpoint_plan {
+  std::string to;         ///< file to write; empty: none
+  std::size_t every = 0;  ///< steps from one to the next; 0: on signals alone
+  std::string from;       ///< file to go on from; empty: none
+  std::function<void(const std::string&)> tell;    ///< takes a message for the user, on rank 0
+  std::function<void(std::uint64_t)> restarted{};  ///< takes the step of the file, when it is read
+};
+
+/// The run was asked to end (SIGTERM), and its state is written. Thrown alike on all ranks.
+struct ended_by_signal {
+  std::uint64_t step = 0;
+};
+
+/// What io/ may reach of a world.
+struct checkpoint_access;
+
+/// The files of a run; defined by <talus/checkpoint.hpp>.
+template <class Scenario>
+class checkpoint_files;
+
+}  // namespace detail
+}  // namespace talus

@@ -1,0 +1,180 @@
+#pragma once
+// A world whose future follows from its bodies and what their contacts remember alone: all that is
+// found out from step to step to save work (pairs, copies, pauses) is forgotten, and made anew.
+// Both the run that writes a checkpoint and the one that reads it begin afresh there, so they go on
+// alike to the bit, where the order of contacts counts as well.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "talus/core/sort.hpp"
+#include "talus/world/state.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus::detail {
+
+struct checkpoint_access {
+  template <class World>
+  [[nodiscard]] static auto& keeper(World& w) {
+    return w.keeper_;
+  }
+  template <class World>
+  [[nodiscard]] static std::uint64_t& seed(World& w) {
+    return w.seed_;
+  }
+  template <class World>
+  [[nodiscard]] static std::uint64_t& fills(World& w) {
+    return w.fills_;
+  }
+  template <class World>
+  [[nodiscard]] static std::uint64_t& attempts(World& w) {
+    return w.attempts_;
+  }
+  template <class World>
+  [[nodiscard]] static std::uint64_t& added_here(World& w) {
+    return w.added_here_;
+  }
+  template <class World>
+  static void require_domain(const World& w) {
+    w.require_domain();
+  }
+};
+
+/// Bodies by their ids: open addressing, the numbers from 1.
+class id_table {
+ public:
+  static constexpr std::uint32_t unknown = ~std::uint32_t{0};
+
+  void reset(std::size_t most) {
+    std::size_t room = 16;
+    while (room < 2 * most) room *= 2;
+    slots_.assign(room, 0);
+    ids_.clear();
+    ids_.reserve(most);
+  }
+  void add(system_id id) {
+    ids_.push_back(id);
+    slots_[free_slot(id)] = static_cast<std::uint32_t>(ids_.size());
+  }
+  /// In the order in which they were added; `unknown` if it was not.
+  [[nodiscard]] std::uint32_t find(system_id id) const {
+    for (std::size_t s = first_slot(id); slots_[s] != 0; s = next(s))
+      if (ids_[slots_[s] - 1] == id) return slots_[s] - 1;
+    return unknown;
+  }
+  [[nodiscard]] bool has(system_id id) const { return find(id) != unknown; }
+
+ private:
+  [[nodiscard]] std::size_t first_slot(system_id id) const {
+    return mix(value_of(id)) & (slots_.size() - 1);
+  }
+  [[nodiscard]] std::size_t next(std::size_t slot) const {
+    return (slot + 1) & (slots_.size() - 1);
+  }
+  [[nodiscard]] std::size_t free_slot(system_id id) const {
+    std::size_t s = first_slot(id);
+    while (slots_[s] != 0) s = next(s);
+    return s;
+  }
+  plain_vector<std::uint32_t> slots_;
+  plain_vector<system_id> ids_;
+};
+
+/// The bodies owned here.
+template <class Scenario>
+[[nodiscard]] id_table own_bodies(const world_state<Scenario>& s) {
+  std::size_t all = 0;
+  s.each_finite_shape([&](const auto& b) { all += b.movable.locals; });
+  id_table own;
+  own.reset(all);
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i) own.add(b.movable.id[i]);
+  });
+  return own;
+}
+
+/// What contacts remember, of the bodies owned here alone.
+template <class History>
+[[nodiscard]] History of_own_bodies(const History& all, const id_table& own) {
+  History kept;
+  kept.reset(all.entries().size());
+  for (const auto& c : all.entries())
+    if (own.has(c.key.a) || own.has(c.key.b)) kept.add(c.key, c.memory);
+  return kept;
+}
+
+/// Sleeping bodies that are known here, in the order of their ids.
+template <class Scenario>
+[[nodiscard]] plain_vector<system_id> known_sleepers(const world_state<Scenario>& s) {
+  plain_vector<system_id> all;
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.size(); ++i)
+      if (b.movable.asleep(i)) all.push_back(b.movable.id[i]);
+  });
+  sort_values(all);
+  return all;
+}
+
+/// What is under way of sleeping and waking; alike on all ranks.
+struct pending_wakes {
+  std::uint64_t all = 0, spreads = 0, stirred = 0;
+};
+
+template <class Scenario>
+[[nodiscard]] pending_wakes measure_pending_wakes(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps) {
+    std::array<std::uint64_t, 3> any{s.sleep.all, s.sleep.spreads, s.sleep.stirred};
+    s.link->reduce(reduction::max, std::span(any));
+    return {any[0], any[1], any[2]};
+  } else {
+    return (void)s, pending_wakes{};
+  }
+}
+
+/// Collective: forgets what is derived, and makes the shadow copies anew. All bodies are with
+/// their owners.
+template <class Scenario>
+void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
+  using state = world_state<Scenario>;
+  state& s = w.state();
+  const id_table own = own_bodies(s);
+  auto history = of_own_bodies(s.history, own);
+  s.history.clear();
+  s.found = {};
+  if constexpr (!state::law::soft) {
+    s.solver.pause = 0;
+    s.islands = {};
+  }
+  s.each_finite_shape([](auto& b) {
+    b.movable.drop_shadows();
+    b.grid = {};
+    b.global_grid = {};
+  });
+  s.each_shape([](auto& b) { b.globals_changed = true; });
+  if constexpr (!state::link_type::alone) {
+    s.neighbours.clear();
+    s.parcels.clear();
+    s.choice = {};
+  }
+  s.changed = true;
+  if constexpr (state::sleeps) {
+    auto frozen = of_own_bodies(s.sleep.contacts, own);
+    auto settings = s.sleep.settings;
+    s.sleep = {};
+    s.sleep.settings = settings;
+    w.synchronize();
+    s.sleep.contacts = std::move(frozen);
+    s.sleep.asleep = known_sleepers(s);
+    s.sleep.all = wakes.all != 0;
+    s.sleep.spreads = wakes.spreads != 0;
+    s.sleep.stirred = wakes.stirred != 0;
+  } else {
+    (void)wakes;
+    w.synchronize();
+  }
+  s.history = std::move(history);
+}
+
+}  // namespace talus::detail
