@@ -82,6 +82,60 @@ const std::map<std::string, std::function<void()>> jobs = {
          }
        });
      }},
+    {"returns",  // while the others exchange
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         auto parcels = parcels_around(l);
+         for (int step = 0; step < 30 || l.rank() != 2; ++step) exchange_unknown(l, parcels, step);
+       });
+     }},
+    {"returns_fixed",
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         auto parcels = parcels_around(l);
+         for (int step = 0; step < 30 || l.rank() != 0; ++step) exchange_fixed(l, parcels, step);
+       });
+     }},
+    {"returns_before_a_meeting",
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         for (int i = 0; i < 9 || l.rank() != 3; ++i) (void)l.gather_all(byte_buffer(100));
+       });
+     }},
+    {"returns_before_a_reduction",
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         for (int i = 0; i < 9 || l.rank() != 1; ++i) {
+           double one = 1;
+           l.start_reduce(reduction::sum, std::span(&one, 1));
+           l.finish_reduce(std::span(&one, 1));
+         }
+       });
+     }},
+    {"sends_much_to_one_that_returned",
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         std::vector<parcel> parcels{{l.rank() ^ 1}};
+         parcels[0].out.resize(1 << 24);
+         if (l.rank() == 1) return;
+         if (l.rank() > 1) parcels.clear();
+         l.start(parcels);
+         l.finish(parcels);
+       });
+     }},
+    {"some_end_later",  // and none is waited for in vain
+     [] {
+       mpi::launch(launch_settings{}, [](auto& l) {
+         (void)l.gather(byte_buffer(10));
+         if (l.rank() % 2) return;
+         std::vector<parcel> parcels{{l.rank() ^ 2}};
+         parcels[0].out.resize(8);
+         if (l.rank() == 2) std::this_thread::sleep_for(3s);
+         l.start(parcels);
+         l.finish(parcels);
+         std::fputs("done\n", stderr);
+       });
+     }},
     {"no_std_exception", [] { mpi::launch(launch_settings{}, [](auto&) { throw 42; }); }},
     {"too_many_ranks", [] { as_launched::launch(launch_settings{.ranks = 9}, [](auto&) {}); }},
     {"own_report",
@@ -194,6 +248,25 @@ TEST_CASE("mpi: every kind of error is reported") {
   check_job("wrong_size",
             "error on rank 3 of 4: rank 3 expected 40 bytes from rank 2, but more came: .*");
   check_job("own_report", "<" + left + ">");
+}
+
+TEST_CASE("mpi: a rank that returns while others wait for it ends the job with one message") {
+  const auto ended = [](const char* rank) {
+    return "error on rank [0-3] of 4: rank [0-3] waits for rank " + std::string(rank) +
+           ", whose program has ended: .*";
+  };
+  check_job("returns", ended("2"));
+  check_job("returns_fixed", ended("0"));
+  check_job("returns_before_a_meeting", ended("3"));
+  check_job("returns_before_a_reduction", ended("1"));
+  check_job("sends_much_to_one_that_returned", ended("1"));
+}
+
+TEST_CASE("mpi: ranks may end at different times when nobody waits for them") {
+  const outcome result = run("some_end_later");
+  CHECK(result.text == "done\ndone\n");
+  CHECK(result.status == 0);
+  CHECK(result.seconds < 20);
 }
 
 TEST_CASE("threads and serial refuse to run several times over, and say so once") {

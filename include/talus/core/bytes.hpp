@@ -85,7 +85,9 @@ class byte_reader {
   }
   template <class T>
   vector_of<T> get_all() {
-    vector_of<T> values(get<std::size_t>());
+    const auto count = get<std::size_t>();
+    if (count > in_.size()) throw std::runtime_error("a message ended before its content");
+    vector_of<T> values(count);
     for (T& value : values) value = get<T>();
     return values;
   }

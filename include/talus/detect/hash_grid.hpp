@@ -284,7 +284,9 @@ inline void hash_grid::check(std::span<const vec3> centres, std::span<const real
                              "smaller time step or check forces and velocities",
                              detail::text(centres[i])));
     if (!(r >= 0) || !std::isfinite(r))
-      throw unplaceable(i, detail::compose("the reach {} is not a finite length", r));
+      throw unplaceable(
+          i, detail::compose(
+                 "the reach {} is not a finite length: choose smaller speeds or a smaller dt", r));
     if (r > 0 && detail::max_norm(centres[i]) > limit * r)
       throw unplaceable(i,
                         detail::compose("the centre {} is so far out that a size of {} is lost in "

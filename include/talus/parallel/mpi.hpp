@@ -1,9 +1,10 @@
 #pragma once
 // Ranks as MPI processes. The only transport that includes MPI.
 //
-// Boost.MPI does everything but four things it has not (1.74): non-blocking messages without a
-// heap allocation each, a wait that tells the size of each message, non-blocking collectives, and
-// windows. These are C.
+// Boost.MPI does everything but five things it has not (1.74): non-blocking messages without a
+// heap allocation each, a wait that tells the size of each message, non-blocking collectives,
+// windows, and waits that end when there is nobody left to wait for. These are C. Before each of
+// its collective calls all ranks meet, with such a wait.
 #include <mpi.h>
 
 #include <boost/mpi/collectives.hpp>
@@ -20,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/parallel/detail/mpi_patience.hpp"
 #include "talus/parallel/detail/mpi_verdict.hpp"
 #include "talus/parallel/detail/open_exchange.hpp"
 #include "talus/parallel/launch_settings.hpp"
@@ -72,6 +74,8 @@ struct mpi {
     [[nodiscard]] int size() const { return size_; }
     [[nodiscard]] const traffic& counters() const { return exchange_.sent(); }
     [[nodiscard]] const boost::mpi::communicator& communicator() const { return ranks_; }
+    /// From now on nobody is waited for whose program has ended, as `who_left` knows.
+    void heed(const detail::mpi_verdict& who_left) { patience_ = detail::mpi_patience(who_left); }
 
     void start(std::span<parcel> parcels) {
       exchange_.start(parcels, sizes::unknown, rank_, size_);
@@ -85,7 +89,7 @@ struct mpi {
         else
           receive(p.rank, p.in);
       }
-      for (MPI_Request& sent : sends_) wait(sent);
+      await_sends(parcels);
       for (parcel& p : parcels) p.out.clear();
     }
     void start_fixed(std::span<parcel> parcels) {
@@ -107,16 +111,13 @@ struct mpi {
           continue;
         }
         MPI_Status status;
-        if (wait(*next++, &status) == MPI_ERR_TRUNCATE) detail::fail_size(rank_, p, {});
+        if (wait(*next++, p.rank, &status) == MPI_ERR_TRUNCATE) detail::fail_size(rank_, p, {});
         if (size_of(status) != p.in.size()) detail::fail_size(rank_, p, size_of(status));
       }
-      for (MPI_Request& sent : sends_) wait(sent);
+      await_sends(parcels);
     }
 
-    void barrier() {
-      exchange_.count_collective(rank_);
-      ranks_.barrier();
-    }
+    void barrier() { meet(); }
     [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine) {
       // One message each: MPI_Gatherv would limit the whole to 2 GiB.
       exchange_.count_collective(rank_);
@@ -131,7 +132,7 @@ struct mpi {
       return all;
     }
     [[nodiscard]] std::vector<byte_buffer> gather_all(const byte_buffer& mine) {
-      exchange_.count_collective(rank_);
+      meet();
       std::vector<int> counts;
       boost::mpi::all_gather(ranks_, count(mine), counts);
       byte_buffer whole(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
@@ -146,7 +147,7 @@ struct mpi {
       return all;
     }
     void broadcast(byte_buffer& data) {
-      exchange_.count_collective(rank_);
+      meet();
       std::uint64_t n = data.size();
       boost::mpi::broadcast(ranks_, n, 0);
       data.resize(n);
@@ -154,7 +155,7 @@ struct mpi {
     }
     void reduce(reduction how, std::span<double> values) {
       // Not MPI_Allreduce, which may add up in any order.
-      exchange_.count_collective(rank_);
+      meet();
       if (values.empty()) return;
       std::vector<double> all(values.size() * static_cast<std::size_t>(size_));
       boost::mpi::all_gather(ranks_, values.data(), static_cast<int>(values.size()), all.data());
@@ -170,11 +171,11 @@ struct mpi {
     }
     void finish_reduce(std::span<double> values) {
       const reduction how = exchange_.finish_reduce(values.size(), rank_);
-      wait(reduction_);
+      wait(reduction_, detail::mpi_patience::all);
       combine(how, values, all_brought_);
     }
     void reduce(reduction how, std::span<std::uint64_t> values) {
-      exchange_.count_collective(rank_);
+      meet();
       if (values.empty()) return;
       const std::vector<std::uint64_t> mine(values.begin(), values.end());
       const auto with = [&](auto op) {
@@ -187,6 +188,13 @@ struct mpi {
     }
 
    private:
+    /// All ranks are in the same collective call.
+    void meet() {
+      exchange_.count_collective(rank_);
+      MPI_Request request = MPI_REQUEST_NULL;
+      BOOST_MPI_CHECK_RESULT(MPI_Ibarrier, (ranks_, &request));
+      wait(request, detail::mpi_patience::all);
+    }
     /// From rank 0 upwards, so that all ranks have the same to the bit.
     static void combine(reduction how, std::span<double> values, std::span<const double> all) {
       if (values.empty()) return;
@@ -204,16 +212,31 @@ struct mpi {
     }
     /// The next message of rank `from`, of any size.
     void receive(int from, byte_buffer& data) {
-      const MPI_Status message = ranks_.probe(from, tag_);
+      MPI_Status message;
+      patience_.wait(rank_, from, 0, [&] {
+        int there = 0;
+        BOOST_MPI_CHECK_RESULT(MPI_Iprobe, (from, tag_, ranks_, &there, &message));
+        return there != 0;
+      });
       data.resize(size_of(message));
       ranks_.recv(from, tag_, bytes(data), count(data));
     }
+    void await_sends(std::span<const parcel> parcels) {
+      auto next = sends_.begin();
+      for (const parcel& p : parcels)
+        if (p.rank != rank_) wait(*next++, p.rank);
+    }
     /// Returns MPI_SUCCESS or MPI_ERR_TRUNCATE. (One by one: Open MPI 4.1 may crash in MPI_Waitall
     /// when one of the messages is too long.)
-    static int wait(MPI_Request& request, MPI_Status* status = MPI_STATUS_IGNORE) {
-      const int result = MPI_Wait(&request, status);
+    int wait(MPI_Request& request, int other, MPI_Status* status = MPI_STATUS_IGNORE) {
+      int result = MPI_SUCCESS;
+      patience_.wait(rank_, other, exchange_.sent().collectives, [&] {
+        int done = 0;
+        result = MPI_Test(&request, &done, status);
+        return done != 0 || result != MPI_SUCCESS;
+      });
       if (result != MPI_SUCCESS && result != MPI_ERR_TRUNCATE)
-        throw boost::mpi::exception("MPI_Wait", result);
+        throw boost::mpi::exception("MPI_Test", result);
       return result;
     }
 
@@ -247,6 +270,7 @@ struct mpi {
     std::vector<MPI_Request> receives_;
     std::vector<double> brought_, all_brought_;  ///< to the open reduction
     MPI_Request reduction_ = MPI_REQUEST_NULL;
+    detail::mpi_patience patience_;
   };
 
   /// Calls main(link&) on this process. Initialises MPI if the program has not, and then finalises
@@ -268,7 +292,7 @@ struct mpi {
         ours.emplace(mpi::threading::funneled, false);
     }
     const auto ranks = how.communicator.value_or(mpi::communicator{});
-    if (ranks.size() == 1) return run(how, ranks, main);
+    if (ranks.size() == 1) return run(how, ranks, main, nullptr);
 
     detail::mpi_verdict verdict(ranks);
     const auto end_with = [&](const char* error) {
@@ -277,7 +301,7 @@ struct mpi {
       verdict.end();
     };
     try {
-      run(how, ranks, main);
+      run(how, ranks, main, &verdict);
     } catch (const std::exception& e) {
       end_with(e.what());
     } catch (...) {
@@ -287,7 +311,8 @@ struct mpi {
 
  private:
   template <class Main>
-  static void run(const settings& how, const boost::mpi::communicator& ranks, Main& main) {
+  static void run(const settings& how, const boost::mpi::communicator& ranks, Main& main,
+                  detail::mpi_verdict* verdict) {
     const int started = detail::find_launcher().size;
     if (started > 1 && ranks.size() == 1 && !how.communicator)
       detail::fail<std::runtime_error>(
@@ -300,7 +325,9 @@ struct mpi {
           "mpirun -n {}, or do not ask",
           how.ranks, ranks.size(), how.ranks);
     link mine = how.tag ? link(ranks, *how.tag) : link(ranks);
+    if (verdict != nullptr) mine.heed(*verdict);
     main(mine);
+    if (verdict != nullptr) verdict->leave(mine.counters().collectives);
   }
 };
 

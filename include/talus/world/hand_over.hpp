@@ -9,6 +9,8 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/world/closed_faces.hpp"
+#include "talus/world/conservation.hpp"
+#include "talus/world/flights.hpp"
 #include "talus/world/shadow_copies.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
@@ -48,17 +50,22 @@ void match_connections(world_state<Scenario>& s) {
   s.changed = true;
 }
 
-/// Index of the connection towards the owner of `p`: itself, or a neighbour nearer to it.
+struct way {
+  std::size_t connection;  ///< index of the first one
+  bool ends_there;
+};
+
+/// The way to the owner of `p`: to itself, or to a neighbour nearer to it.
 template <class Scenario>
-[[nodiscard]] std::size_t way_to(const world_state<Scenario>& s, const vec3& p) {
+[[nodiscard]] way way_to(const world_state<Scenario>& s, const vec3& p) {
   const auto connections = s.own.connections();
   const int owner = s.own.owner(p);
   std::size_t best = 0;
   for (std::size_t n = 0; n < connections.size(); ++n) {
-    if (connections[n].rank == owner) return n;
+    if (connections[n].rank == owner) return {n, true};
     if (connections[n].distance(p) < connections[best].distance(p)) best = n;
   }
-  return best;
+  return {best, false};
 }
 
 template <class Scenario>
@@ -108,23 +115,24 @@ template <class Scenario>
 
 /// Sends bodies whose centre has left to their new owner, with the memory of their contacts.
 /// Returns the number of bodies that this rank still holds for others (only where the way to their
-/// owner is longer than one connection).
+/// owner is longer than one connection). Nobody flies such a way in a step (`after_step`).
 template <class Scenario>
-std::size_t migrate(world_state<Scenario>& s) {
+std::size_t migrate(world_state<Scenario>& s, bool after_step) {
+  require_all_here(s);
   plain_vector<std::pair<system_id, std::size_t>> leaving;
-  for (parcel& p : s.parcels) p.out.clear();
-  for (auto& n : s.neighbours) n.next_exchange();
+  for (std::size_t n = 0; n < s.parcels.size(); ++n) open_letter(s, n);
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     plain_vector<std::size_t> gone;
-    std::vector<plain_vector<std::size_t>> to(s.parcels.size());
+    std::vector<plain_vector<std::pair<std::size_t, bool>>> to(s.parcels.size());
     for (std::size_t i = 0; i < store.locals; ++i) {
       const vec3& p = store.position[i];
       if (!finite(p)) fail_lost(s, store.id[i], p);
       if (s.own.contains(p)) continue;
       if (s.parcels.empty()) fail_lost(s, store.id[i], p);
-      const auto n = way_to(s, p);
-      to[n].push_back(i);
+      const auto [n, ends_there] = way_to(s, p);
+      if (!ends_there && after_step) refuse_long_flight(s, store, i);
+      to[n].emplace_back(i, ends_there);
       gone.push_back(i);
       leaving.emplace_back(store.id[i], n);
       if constexpr (world_state<Scenario>::law::soft)
@@ -133,7 +141,12 @@ std::size_t migrate(world_state<Scenario>& s) {
     for (std::size_t n = 0; n < to.size(); ++n) {
       byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
       out.put(static_cast<std::uint64_t>(to[n].size()));
-      for (const auto i : to[n]) store.pack(i, out);
+      for (const auto& [i, ends_there] : to[n]) {
+        s.neighbours[n].mail.given.add(store.id[i]);
+        s.owned.remove(store.id[i]);
+        out.put(ends_there);
+        store.pack(i, out);
+      }
     }
     if (gone.empty()) return;
     const auto copies = store.take_shadows();
@@ -168,19 +181,29 @@ std::size_t migrate(world_state<Scenario>& s) {
   for (std::size_t n = 0; n < frozen.size(); ++n)
     byte_writer(s.parcels[n].out).put(std::span<const remembered>(frozen[n]));
 
+  for (std::size_t n = 0; n < s.parcels.size(); ++n) seal_letter(s, n, true);
   s.link->start(s.parcels);
   s.link->finish(s.parcels);
 
   std::size_t passing = 0;
+  arrivals came;
   for (std::size_t n = 0; n < s.parcels.size(); ++n) {
-    byte_reader in(s.parcels[n].in, s.neighbours[n].shared());
+    byte_reader in = read_letter(s, n, true);
     s.each_finite_shape([&](auto& b) {
       auto count = in.get<std::uint64_t>();
       if (count == 0) return;
       const auto copies = b.movable.take_shadows();
       for (; count > 0; --count) {
+        const bool ends_here = in.get<bool>();
         b.movable.unpack(in);
-        passing += !s.own.contains(b.movable.position[b.movable.locals++]);
+        const std::size_t i = b.movable.locals++;
+        const system_id id = b.movable.id[i];
+        came.all.push_back({id, static_cast<std::uint32_t>(n)});
+        s.neighbours[n].mail.taken.add(id);
+        s.owned.add(id);
+        if (s.own.contains(b.movable.position[i])) continue;
+        ++passing;
+        if (ends_here) refuse_foreign(s, id, b.movable.position[i], n);
       }
       b.movable.append_from(copies, 0, copies.size());
     });
@@ -191,7 +214,9 @@ std::size_t migrate(world_state<Scenario>& s) {
     };
     receive(s.history);
     if constexpr (world_state<Scenario>::sleeps) receive(s.sleep.contacts);
+    close_letter(s, n, in);
   }
+  require_new(s, came);
   return passing;
 }
 
@@ -203,11 +228,13 @@ void hand_over(world_state<Scenario>& s) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
     refuse_closed_faces(s, true);
-    migrate(s);
+    migrate(s, true);
     if constexpr (!world_state<Scenario>::law::soft) s.travelled = s.travelling;
     share_shadow_copies(s, true);
-  } else if constexpr (world_state<Scenario>::sleeps) {
-    if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
+  } else {
+    require_all_here(s);
+    if constexpr (world_state<Scenario>::sleeps)
+      if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
 }
@@ -230,6 +257,7 @@ void announce_changes(world_state<Scenario>& s) {
         s.changed = s.changed || s.neighbours[n].reach > before[n];
     }
     share_shadow_copies(s, s.changed);
+    refuse_uncovered_flights(s);
   } else if constexpr (world_state<Scenario>::sleeps) {
     if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }

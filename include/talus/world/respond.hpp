@@ -5,6 +5,7 @@
 #include "talus/response/integrate.hpp"
 #include "talus/world/colour_contacts.hpp"
 #include "talus/world/continuous.hpp"
+#include "talus/world/finite_motion.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
@@ -85,6 +86,7 @@ void integrate(world_state<Scenario>& s) {
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;
+    finite_watch watch;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
       store.velocity[i] = kept * solved_velocity(s, store, i, b.first + i);
@@ -120,7 +122,11 @@ void integrate(world_state<Scenario>& s) {
           store.orientation_of[i] =
               turned<real>(store.orientation_of[i], s.dt * solver.drift[b.first + i].w);
       }
+      watch.look(store.position[i]);  // where the velocity is in
+      watch.look(store.angular_velocity[i]);
+      if constexpr (store_type::oriented) watch.look(store.orientation_of[i]);
     }
+    if (watch.doubtful()) refuse_infinite_motion(s, store);
     if constexpr (store_type::forced) {
       std::fill(store.force.begin(), store.force.end(), vec3(0, 0, 0));
       std::fill(store.torque.begin(), store.torque.end(), vec3(0, 0, 0));

@@ -58,9 +58,12 @@ void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
         grid.build(store.position, reach);
       } catch (const unplaceable& e) {
         const int rank = &store == &b.movable ? owner_of_index(s, b, e.index) : s.link->rank();
-        fail<std::runtime_error>("body {} at {} on rank {} cannot be placed in step {}: {}",
-                                 store.id[e.index], text(store.position[e.index]), rank, s.steps,
-                                 e.what());
+        fail<std::runtime_error>(
+            "body {} at {} on rank {}, with velocity {}, angular velocity {} and dt = {}, cannot "
+            "be "
+            "placed in step {}: {}",
+            store.id[e.index], store.position[e.index], rank, store.velocity[e.index],
+            store.angular_velocity[e.index], s.dt, s.steps, e.what());
       }
     };
     sort(b.movable, b.reach, b.grid);

@@ -9,6 +9,7 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
+#include "talus/world/conservation.hpp"
 #include "talus/world/coverage.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
@@ -231,13 +232,19 @@ void measure_reach(world_state<Scenario>& s) {
 /// What neighbour `n` is told of the bodies of which it holds copies.
 template <class Scenario>
 void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
-  s.parcels[n].out.clear();
-  s.neighbours[n].next_exchange();
+  open_letter(s, n);
   byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
   out.put(s.choice.announced);
   out.put(kind);
   if constexpr (world_state<Scenario>::sleeps) out.put(static_cast<std::uint8_t>(s.sleep.changed));
+  copies_told told;
   std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    for (const auto i : s.neighbours[n].shadowed[k]) told.add(b.movable.id[i]);
+    ++k;
+  });
+  out.put(told);
+  k = 0;
   s.each_finite_shape([&](auto& b) {
     const auto& shadowed = s.neighbours[n].shadowed[k++];
     if (kind == copy_message::all) {
@@ -247,6 +254,7 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
       for (const auto i : shadowed) b.movable.pack_motion(i, out);
     }
   });
+  seal_letter(s, n, false);
 }
 
 /// Refreshes the copies that neighbours hold. Which these are is chosen anew only when that is
@@ -270,22 +278,27 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   std::vector<byte_reader> in;
   std::vector<byte_reader*> moved, renewed;
   plain_vector<std::array<std::size_t, world_state<Scenario>::shape_count>> before;
+  plain_vector<copies_told> told;
   in.reserve(s.parcels.size());
   bool any = mine == copy_message::all;
   for (std::size_t n = 0; n < s.parcels.size(); ++n) {
-    byte_reader& message = in.emplace_back(s.parcels[n].in, s.neighbours[n].shared());
+    byte_reader& message = in.emplace_back(read_letter(s, n, false));
     s.neighbours[n].reach = message.template get<real>();
     const auto kind = message.template get<copy_message>();
     if constexpr (world_state<Scenario>::sleeps)
       s.sleep.changed |= message.template get<std::uint8_t>() != 0;
+    told.push_back(message.template get<copies_told>());
     moved.push_back(kind == copy_message::motion ? &message : nullptr);
     renewed.push_back(kind == copy_message::all ? &message : nullptr);
     before.push_back(s.neighbours[n].copies);
     any = any || kind == copy_message::all;
   }
   move_shadow_copies(s, moved);
+  if (any) rebuild_shadow_copies(s, before, renewed);
+  for (std::size_t n = 0; n < in.size(); ++n) close_letter(s, n, in[n]);
+  require_copies(s, told);
   if (!any) return;
-  rebuild_shadow_copies(s, before, renewed);
+  require_one_owner(s);
   if constexpr (!world_state<Scenario>::law::soft) list_travelling_velocities(s);
   if constexpr (world_state<Scenario>::sleeps)
     if (std::exchange(s.sleep.changed, false)) note_sleepers(s);

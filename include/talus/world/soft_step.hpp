@@ -11,6 +11,7 @@
 #include "talus/response/soft_force.hpp"
 #include "talus/world/close_pairs.hpp"
 #include "talus/world/detect.hpp"
+#include "talus/world/finite_motion.hpp"
 #include "talus/world/soft_ledger.hpp"
 #include "talus/world/state.hpp"
 
@@ -314,6 +315,7 @@ template <class Scenario>
 void drift(world_state<Scenario>& s, real h) {
   each_movable_store(s, [&](auto& store, std::size_t) {
     using store_type = std::remove_reference_t<decltype(store)>;
+    finite_watch watch;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (store.inverse_mass[i] == 0) continue;
       store.position[i] += h * store.velocity[i];
@@ -327,7 +329,11 @@ void drift(world_state<Scenario>& s, real h) {
             turned<real>(store.orientation_of[i], vec3(h * store.angular_velocity[i]));
       if constexpr (watches<Scenario, energy_ledger>) book_drift(s, store, i, h, w, q);
       (void)w, (void)q;
+      watch.look(store.position[i]);
+      watch.look(store.angular_velocity[i]);
+      if constexpr (store_type::oriented) watch.look(store.orientation_of[i]);
     }
+    if (watch.doubtful()) refuse_infinite_motion(s, store);
   });
 }
 

@@ -18,6 +18,7 @@
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 #include "talus/world/bodies_of_shape.hpp"
+#include "talus/world/body_count.hpp"
 #include "talus/world/found_pairs.hpp"
 #include "talus/world/monitors.hpp"
 #include "talus/world/response_state.hpp"
@@ -44,6 +45,16 @@ namespace detail {
 /// Stands for shared_memory where no shape shares data.
 struct no_shared_memory {};
 
+/// Messages between this rank and one of its neighbours, and bodies handed over; see
+/// world/letters.hpp.
+struct correspondence {
+  std::uint64_t sent = 0, received = 0;
+  body_count given;        ///< to the neighbour
+  body_count taken;        ///< from it
+  body_count before_last;  ///< taken before the last handover of any
+  body_count told;         ///< how many should have come, by its last message
+};
+
 /// What this rank and one of its neighbours know of each other's bodies.
 template <std::size_t Shapes, class Memory>
 struct neighbour {
@@ -53,7 +64,8 @@ struct neighbour {
   std::array<plain_vector<std::uint32_t>, Shapes>
       shadowed;                              ///< own bodies with a copy there, by shape
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
-  [[no_unique_address]] Memory memory;       ///< of the shared data of shapes
+  correspondence mail;
+  [[no_unique_address]] Memory memory;  ///< of the shared data of shapes
 
   /// Both ends call it before each exchange of bodies.
   void next_exchange() {
@@ -123,6 +135,8 @@ struct world_state : response_state<Scenario> {
   real dt = 0;       ///< of the last step, or of the one under way
   std::uint64_t steps = 0;
   real time = 0;
+  body_count owned;  ///< the bodies that should be owned here; see world/conservation.hpp
+  body_count made;   ///< created by this rank, without those that it destroyed
 
   /// Whether bodies are followed on their way through a step.
   static constexpr bool continuous =

@@ -284,6 +284,12 @@ class world {
     return n;
   }
 
+  /// Collective: whether all bodies are there. Returns how many the ranks own together, and the sum
+  /// of their ids; throws runtime_error, alike on all ranks, if that is not what was created
+  /// without what was destroyed. Each step looks at every handover by itself, without a collective
+  /// call; simulate() ends with an audit.
+  body_count audit();
+
   // --- Time ----------------------------------------------------------------------------------
 
   /// Collective: bodies go to the ranks that own their centres, however far, and shadow copies are
@@ -370,9 +376,20 @@ class world {
             "the mass of a {}, density times volume, is {}, beyond what numbers can hold: choose "
             "units in which it is nearer to 1",
             Shape::name, mass);
+      const vec3 moments = mass * b.shape.inertia();
+      for (int k = 0; k < 3; ++k)
+        if (!std::isnormal(moments[k]) || !std::isnormal(1 / moments[k]))
+          detail::fail<std::invalid_argument>(
+              "a moment of inertia of a {} is {}, beyond what numbers can hold: choose units in "
+              "which its size is nearer to 1",
+              Shape::name, moments[k]);
     }
   }
   void require_two_sided_connections();
+  void note_destroyed(system_id id) {
+    state_.owned.remove(id);
+    state_.made.remove(id);
+  }
   /// What sleeps on a body that is no more has to wake.
   void note_removal() {
     if constexpr (detail::world_state<Scenario>::sleeps) {

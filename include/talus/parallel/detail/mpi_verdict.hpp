@@ -1,27 +1,33 @@
 #pragma once
-// When processes fail, exactly one of them speaks: the first to raise a flag on rank 0.
+// When processes fail, exactly one of them speaks: the first to raise a flag on rank 0. Beside the
+// flag is written which ranks have ended their program in peace, so that nobody waits for them.
 #include <mpi.h>
 
+#include <algorithm>
 #include <boost/mpi/communicator.hpp>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <thread>
+#include <vector>
 
 namespace talus::detail {
 
-/// The flag. One-sided (C API: Boost.MPI has no windows), as the other ranks are busy or blocked
-/// somewhere else. Made and destroyed by all ranks together.
+/// The flag, and after it a number for each rank: 0, or 1 plus the collective calls of its program
+/// when that ended. One-sided (C API: Boost.MPI has no windows), as the other ranks are busy or
+/// blocked somewhere else. Made and destroyed by all ranks together.
 class mpi_verdict {
   using clock = std::chrono::steady_clock;
 
  public:
   explicit mpi_verdict(const boost::mpi::communicator& ranks) : ranks_(ranks) {
-    int* flag = nullptr;
-    const MPI_Aint bytes = ranks.rank() == 0 ? sizeof(int) : 0;
-    MPI_Win_allocate(bytes, sizeof(int), MPI_INFO_NULL, ranks, &flag, &window_);
+    std::uint64_t* words = nullptr;
+    const std::size_t count = ranks.rank() == 0 ? 1 + static_cast<std::size_t>(ranks.size()) : 0;
+    MPI_Win_allocate(static_cast<MPI_Aint>(count * sizeof *words), sizeof *words, MPI_INFO_NULL,
+                     ranks, &words, &window_);
     MPI_Win_set_errhandler(window_, MPI_ERRORS_RETURN);
     MPI_Win_lock_all(MPI_MODE_NOCHECK, window_);
-    if (bytes > 0) *flag = 0;
+    std::fill_n(words, count, 0);
     MPI_Win_sync(window_);
     ranks.barrier();
   }
@@ -58,6 +64,22 @@ class mpi_verdict {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     end();
+  }
+
+  /// This rank's program has returned, after so many collective calls.
+  void leave(std::uint64_t collectives) {
+    const std::uint64_t mine = collectives + 1;
+    MPI_Accumulate(&mine, 1, MPI_UINT64_T, 0, 1 + ranks_.rank(), 1, MPI_UINT64_T, MPI_REPLACE,
+                   window_);
+    MPI_Win_flush(0, window_);
+  }
+  /// For each rank 0, or 1 plus the collective calls after which its program returned.
+  [[nodiscard]] std::vector<std::uint64_t> left() const {
+    std::vector<std::uint64_t> all(static_cast<std::size_t>(ranks_.size()));
+    MPI_Get_accumulate(nullptr, 0, MPI_UINT64_T, all.data(), ranks_.size(), MPI_UINT64_T, 0, 1,
+                       ranks_.size(), MPI_UINT64_T, MPI_NO_OP, window_);
+    MPI_Win_flush(0, window_);
+    return all;
   }
 
   [[noreturn]] void end() {

@@ -207,9 +207,9 @@ class thread_team {
   [[nodiscard]] std::string everyone_waits() const {
     std::string text = "every rank waits for another one, so none can go on:";
     int named = 0;
-    for (int rank = 0; rank < size() && named < 8; ++rank) {
-      const int why = doing_[static_cast<std::size_t>(rank)];
-      if (why == busy) continue;
+    for (int n = 0; n < 2 * size() && named < 8; ++n) {  // first those that have ended
+      const int rank = n % size(), why = doing_[static_cast<std::size_t>(rank)];
+      if (why == busy || (n < size()) != (why == ended)) continue;
       text += compose("{} rank {} ", named++ ? "," : "", rank);
       if (why == ended)
         text += "has ended";

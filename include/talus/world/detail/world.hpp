@@ -76,6 +76,8 @@ system_id world<Scenario>::insert(const body<Shape>& b, system_id id) {
   if constexpr (!link_type::alone) detail::require_reached(state_, id, b.shape, b.position);
   auto& store = state_.template of<Shape>().movable;
   write(store, store.insert_local(), b, id, b.fixed);
+  state_.owned.add(id);
+  state_.made.add(id);
   state_.changed = true;
   return id;
 }
@@ -183,6 +185,7 @@ void world<Scenario>::destroy(handle<Shape> h) {
   }
   const auto at = std::find(bodies.movable.id.begin(), bodies.movable.id.end(), h.id);
   bodies.movable.remove_local(static_cast<std::size_t>(at - bodies.movable.id.begin()));
+  note_destroyed(h.id);
   state_.changed = true;
   note_removal();
 }
@@ -196,6 +199,7 @@ std::size_t world<Scenario>::destroy_if(Predicate&& predicate) {
     for (std::size_t i = 0; i < b.movable.locals;) {
       view<shape> v(state_, sections_, b.movable, i, false);
       if (predicate(std::as_const(v))) {
+        note_destroyed(b.movable.id[i]);
         b.movable.remove_local(i);
         ++removed;
       } else {
@@ -237,6 +241,28 @@ bool world<Scenario>::overlaps(const Shape& shape, const vec3& position, const q
 }
 
 template <class Scenario>
+body_count world<Scenario>::audit() {
+  sections_.require_all_ranks("audit", rank());
+  const body_count here = detail::count_owned(state_);
+  std::array<std::uint64_t, 4> sums{here.bodies, here.ids, state_.made.bodies, state_.made.ids};
+  state_.link->reduce(reduction::sum, std::span(sums));
+  const body_count all{sums[0], sums[1]}, expected{sums[2], sums[3]};
+  if (all != expected) {
+    const detail::surplus difference(all, expected);
+    detail::fail<std::runtime_error>(
+        "{} {} after {} steps: all ranks together own {} bodies, but {} were created and not "
+        "destroyed{}",
+        difference.text(),
+        difference.bodies < 0   ? "is lost"
+        : difference.bodies > 0 ? "is there twice"
+                                : "is there",
+        state_.steps, all.bodies, expected.bodies,
+        detail::owners_text(state_, difference.single() ? difference.id : no_id));
+  }
+  return all;
+}
+
+template <class Scenario>
 void world<Scenario>::synchronize() {
   sections_.require_all_ranks("synchronize", rank());
   require_domain();
@@ -245,7 +271,7 @@ void world<Scenario>::synchronize() {
     detail::match_connections(state_);
     detail::share_connections(state_);
     for (int round = 0;; ++round) {
-      std::uint64_t passing = detail::migrate(state_);
+      std::uint64_t passing = detail::migrate(state_, false);
       state_.link->reduce(reduction::sum, std::span(&passing, 1));
       if (passing == 0) break;
       if (round > ranks())
@@ -333,6 +359,7 @@ void world<Scenario>::simulate(const simulation& s) {
     if constexpr (keeps)
       if (hooks != nullptr) hooks->after_observers();
   }
+  (void)audit();
 }
 
 }  // namespace talus
