@@ -11,6 +11,7 @@
 #include "talus/io/detail/checkpoint_parts.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
+#include "talus/world/conservation.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/world.hpp"
 
@@ -240,6 +241,7 @@ template <class Scenario>
           "the checkpoint {} holds {} bodies, but {} are in the domain of some rank: all space "
           "must belong to one rank each",
           file, rows[0], rows[1]);
+    w.state().owned = w.state().made = detail::count_owned(w.state());
     detail::begin_afresh(w, wakes);
   }
   return changes;
