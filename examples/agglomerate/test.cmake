@@ -7,5 +7,5 @@ add_example_test(threads ARGS --quiet --ranks 5 CHECK ${turns} "ranks_that_know_
 add_example_test(mpi RANKS 5 ARGS --quiet CHECK ${turns} "ranks_that_know_it EQUAL 5")
 
 # The same bits on any ranks, while it is known to all of them.
-add_same_bits_test(same_bits ARGS --reproducible
+add_same_bits_test(same_bits RESTART STEPS 1000 ARGS --reproducible
                    RUNS "--ranks 1" "--ranks 2" "--ranks 5" "mpi 4")

@@ -4,5 +4,5 @@ add_example_test(alone ARGS --steps 600 --quiet CHECK ${rests} "transport STREQU
 add_example_test(mpi RANKS 4 ARGS --steps 600 --quiet CHECK ${rests} "ranks EQUAL 4")
 
 # The same bits on any ranks.
-add_same_bits_test(same_bits ARGS --reproducible --steps 300
+add_same_bits_test(same_bits RESTART STEPS 300 ARGS --reproducible
                    RUNS "--ranks 1" "--ranks 2" "--ranks 9" "mpi 4")

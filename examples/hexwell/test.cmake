@@ -8,7 +8,7 @@ add_example_test(mpi RANKS 91 TIMEOUT 600 ARGS --bodies 1200 --steps 5 --quiet
 add_example_test(mpi_whole LONG RANKS 91 ARGS --quiet CHECK "bodies EQUAL 6000")
 
 # The same bits on any ranks.
-add_same_bits_test(same_bits ARGS --reproducible --bodies 1200 --steps 150
+add_same_bits_test(same_bits RESTART STEPS 150 ARGS --reproducible --bodies 1200
                    RUNS "--ranks 1" "--ranks 7" "--ranks 19" "mpi 7")
-add_same_bits_test(same_bits_whole LONG ARGS --reproducible --steps 3000
+add_same_bits_test(same_bits_whole LONG RESTART STEPS 3000 ARGS --reproducible
                    RUNS "--ranks 1" "--ranks 19" "--ranks 91" "mpi 37")

@@ -7,6 +7,6 @@ add_example_test(threads ARGS --quiet --ranks 64 --steps 40 CHECK "bodies EQUAL 
 add_example_test(threads_whole LONG ARGS --quiet --ranks 64 CHECK ${flows})
 
 # The same bits on any ranks.
-add_same_bits_test(same_bits ARGS --reproducible --spheres 1500 --steps 120
+add_same_bits_test(same_bits RESTART STEPS 120 ARGS --reproducible --spheres 1500
                    RUNS "--ranks 1" "--ranks 64")
-add_same_bits_test(same_bits_whole LONG ARGS --reproducible RUNS "--ranks 1" "--ranks 64")
+add_same_bits_test(same_bits_whole LONG RESTART STEPS 2000 ARGS --reproducible RUNS "--ranks 1" "--ranks 64")

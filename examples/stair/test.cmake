@@ -12,5 +12,5 @@ add_example_test(whole LONG ARGS --quiet --ranks 8 CHECK ${flows} "removed GREAT
 # Bodies emitted by one rank and removed by others: the same bits on any ranks.
 set(one_and_others "--ranks 1" "--ranks 8" "--sectors 4 --slabs 3 --ranks 7"
                    "mpi 9 --sectors 8 --slabs 1")
-add_same_bits_test(same_bits ARGS --reproducible --steps 700 RUNS ${one_and_others})
-add_same_bits_test(same_bits_whole LONG ARGS --reproducible RUNS ${one_and_others})
+add_same_bits_test(same_bits RESTART STEPS 700 ARGS --reproducible RUNS ${one_and_others})
+add_same_bits_test(same_bits_whole LONG RESTART STEPS 12000 ARGS --reproducible RUNS ${one_and_others})

@@ -1,12 +1,13 @@
 # The initial state is the same to the bit on every transport and number of ranks.
-add_same_bits_test(same_start ARGS --steps 0 RUNS "--ranks 1" "--ranks 3" "--ranks 9" "mpi 4")
+add_same_bits_test(same_start STEPS 0 RUNS "--ranks 1" "--ranks 3" "--ranks 9" "mpi 4")
 
 # So is the final one, with the reproducible solver.
 set(one_and_others "--ranks 1" "--ranks 4" "--ranks 9 --decomposition slabs"
                    "--ranks 7 --decomposition hexagonal" "--ranks 19 --decomposition hexagonal"
                    "mpi 2")
-add_same_bits_test(same_bits ARGS --reproducible --spheres 300 --steps 1200 RUNS ${one_and_others})
-add_same_bits_test(same_bits_whole LONG ARGS --reproducible RUNS ${one_and_others})
+add_same_bits_test(same_bits RESTART STEPS 1200 ARGS --reproducible --spheres 300
+                   RUNS ${one_and_others})
+add_same_bits_test(same_bits_whole LONG RESTART STEPS 6000 ARGS --reproducible RUNS ${one_and_others})
 
 # A shorter fall of fewer spheres, on each transport.
 set(falls --spheres 400 --steps 2500 --quiet)
