@@ -142,6 +142,16 @@ void require_sane(const Store& s, std::size_t i, std::size_t materials) {
   s.shape[i].validate();
 }
 
+/// Rows that have to be read for what lies within a box: room for them is asked for at once, of
+/// which memory is taken as far as it is used.
+[[nodiscard, gnu::cold]] inline std::uint64_t rows_within(const table_reader& table,
+                                                          const std::pair<vec3, vec3>& bounds) {
+  std::uint64_t rows = 0;
+  for (const table_piece& p : table.pieces())
+    if (overlap(p.box, bounds.first, bounds.second)) rows += p.rows;
+  return rows;
+}
+
 /// Appends the bodies for which takes(position) to the locals of a store that has no shadow copies.
 /// Pieces outside of a box are not read.
 template <class Store, class Takes>
@@ -152,6 +162,8 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
   shared_memory memory;
   [[maybe_unused]] std::conditional_t<packs_itself<shape>, form_reader<shape>, no_column> forms;
   plain_vector<std::uint32_t> kept;
+  const std::size_t room = store.size() + rows_within(table, bounds);
+  store.each_column([&](auto& c) { c.reserve(room); });
   for (const table_piece& p : table.pieces()) {
     if (!overlap(p.box, bounds.first, bounds.second)) continue;
     table.read(p);
@@ -167,7 +179,6 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
     std::size_t k = 0;
     store.each_column([&](auto& c) {
       using value = typename std::remove_cvref_t<decltype(c)>::value_type;
-      c.reserve(std::max(c.size() + kept.size(), c.size() + c.size() / 2));
       for (const std::uint32_t i : kept) {
         if constexpr (packs_itself<value>)
           c.push_back(
@@ -249,17 +260,25 @@ template <class History>
   t.columns = columns_of_contacts<memory>();
   t.memory.resize(t.columns.size());
   plain_vector<std::array<std::uint32_t, 2>> bodies;
+  bodies.reserve(history.entries().size());
+  for (std::size_t k = 0; k < t.columns.size(); ++k)
+    t.memory[k].resize(history.entries().size() * t.columns[k].row_bytes());
+  system_id last = no_id;
+  std::uint32_t a = id_table::unknown;
   for (const entry& c : history.entries()) {
-    const std::uint32_t a = known.ids.find(c.key.a), b = known.ids.find(c.key.b);
+    if (c.key.a != last) a = known.ids.find(last = c.key.a);  // they come body by body
+    const std::uint32_t b = known.ids.find(c.key.b);
     if (a >= known.own && b >= known.own) continue;
-    bodies.push_back({a, b});
     const std::uint8_t side = a >= known.own;
     std::size_t k = 0;
-    const auto put = [&](const auto& value) { byte_writer(t.memory[k++]).put(value); };
+    const auto put = [&](const auto& value) {
+      std::memcpy(t.memory[k++].data() + bodies.size() * sizeof value, &value, sizeof value);
+    };
     put(c.key.a), put(c.key.b), put(c.key.feature), put(side);
     each_part_of_memory(c.memory, [&](const char*, const auto& part) {
       put(static_cast<stored_part<decltype(part)>>(part));
     });
+    bodies.push_back({a, b});
   }
   t.rows = bodies.size();
   cut_into_pieces(t);
@@ -279,6 +298,7 @@ template <class History>
                                     const std::pair<vec3, vec3>& bounds) {
   using entry = typename History::entry;
   History first, second;
+  first.reset(rows_within(table, bounds));
   for (const table_piece& p : table.pieces()) {
     if (!overlap(p.box, bounds.first, bounds.second)) continue;
     table.read(p);
