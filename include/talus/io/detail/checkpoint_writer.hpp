@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -122,8 +123,10 @@ class checkpoint_writer {
         if (team_.rank() == 0) explain([&] { make_file(tables, counts, small); });
       });
       const auto places = share_places(tables.size(), counts);
-      const auto rows = [&] { write_rows(tables, places); };
-      team_.together([&] { explain([&] { parallel() ? rows() : in_turns(rows); }); });
+      if (parallel())
+        write_together(tables, places);
+      else
+        team_.together([&] { explain([&] { in_turns([&] { write_in_turn(tables, places); }); }); });
       team_.together([&] {
         if (team_.rank() == 0) explain([&] { finish(); });
       });
@@ -237,7 +240,7 @@ class checkpoint_writer {
           part_, system_words());
   }
 
-  static hdf5_handle access_list() {
+  [[nodiscard]] static hdf5_handle access_list() {
     hdf5_handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "written");
 #if H5_VERSION_GE(1, 10, 2)
     hdf5_ok(H5Pset_libver_bounds(list, H5F_LIBVER_V18, H5F_LIBVER_V18), "written");
@@ -336,27 +339,60 @@ class checkpoint_writer {
           block_.file_bytes, system_words(failed));
   }
 
-  /// The rows of this rank.
-  void write_rows(const std::vector<table_part>& tables, const std::vector<table_place>& places) {
+  /// The file again, on all ranks or on the one whose turn it is.
+  hdf5_handle open_file() const {
+    const hdf5_handle access = access_list();
+#ifdef H5_HAVE_PARALLEL
+    if (parallel())
+      hdf5_ok(H5Pset_fapl_mpio(access, team_.communicator(), MPI_INFO_NULL), "written");
+#endif
+    return {H5Fopen(part_.c_str(), H5F_ACC_RDWR, access), H5Fclose, "written"};
+  }
+  /// Through MPI-IO: whatever fails on one rank, it takes part in all that the others wait for.
+  void write_together(const std::vector<table_part>& tables,
+                      const std::vector<table_place>& places) {
+    const silent_hdf5 silent;
+    std::optional<hdf5_handle> file;
+    try {
+      team_.together([&] { explain([&] { file.emplace(open_file()); }); });
+    } catch (...) {
+      if (file) file->leave_open();
+      throw;
+    }
+    team_.together([&] { explain([&] { write_rows(*file, tables, places); }); });
+  }
+  void write_in_turn(const std::vector<table_part>& tables,
+                     const std::vector<table_place>& places) {
     const std::lock_guard only(hdf5_mutex());
     const silent_hdf5 silent;
-    const hdf5_handle access = access_list();
+    hdf5_handle file = open_file();
+    write_rows(file, tables, places);
+  }
+  /// The rows of this rank.
+  void write_rows(hdf5_handle& file, const std::vector<table_part>& tables,
+                  const std::vector<table_place>& places) const {
+    std::string problem;
+    const auto attempt = [&](auto&& f) {
+      try {
+        f();
+      } catch (const std::exception& e) {
+        if (problem.empty()) problem = e.what();
+      }
+    };
     const hdf5_handle how(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "written");
 #ifdef H5_HAVE_PARALLEL
-    if (parallel()) {
-      hdf5_ok(H5Pset_fapl_mpio(access, team_.communicator(), MPI_INFO_NULL), "written");
-      hdf5_ok(H5Pset_dxpl_mpio(how, H5FD_MPIO_COLLECTIVE), "written");
-    }
+    if (parallel()) hdf5_ok(H5Pset_dxpl_mpio(how, H5FD_MPIO_COLLECTIVE), "written");
 #endif
-    hdf5_handle file(H5Fopen(part_.c_str(), H5F_ACC_RDWR, access), H5Fclose, "written");
     const auto write = [&](const std::string& path, number_type type, std::uint32_t width,
                            std::uint64_t first, std::uint64_t rows, const std::byte* data) {
-      const hdf5_handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "written");
-      const row_selection part(set, first, rows, width);
       static constexpr std::byte nothing{};
-      hdf5_ok(H5Dwrite(set, type_in_memory(type), part.memory(), part.file(), how,
-                       rows > 0 ? data : &nothing),
-              "written");
+      attempt([&] {
+        const hdf5_handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "written");
+        const row_selection part(set, first, rows, width);
+        hdf5_ok(H5Dwrite(set, type_in_memory(type), part.memory(), part.file(), how,
+                         rows > 0 ? data : &nothing),
+                "written");
+      });
     };
     for (std::size_t k = 0; k < tables.size(); ++k) {
       const table_part& t = tables[k];
@@ -366,10 +402,12 @@ class checkpoint_writer {
         write(t.path + "/extra", number_type::u8, 1, places[k].extra, t.extra.size(),
               t.extra.data());
     }
-    file.close("written");
+    attempt([&] { file.close("written"); });
     const system_file written(part_, O_RDWR);  // what this machine holds of it goes to the disk
     if (!written.good() || ::fsync(written.id()) != 0)
-      fail<std::runtime_error>("cannot be written to the disk: {}", system_words());
+      attempt(
+          [] { fail<std::runtime_error>("cannot be written to the disk: {}", system_words()); });
+    if (!problem.empty()) throw std::runtime_error(problem);
   }
 
   void finish() {
