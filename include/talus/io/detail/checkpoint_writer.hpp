@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -20,9 +19,11 @@
 #include <vector>
 
 #include "talus/io/detail/checkpoint_block.hpp"
+#include "talus/io/detail/checkpoint_places.hpp"
 #include "talus/io/detail/checkpoint_table.hpp"
 #include "talus/io/detail/checkpoint_team.hpp"
 #include "talus/io/detail/hdf5.hpp"
+#include "talus/io/detail/system_file.hpp"
 
 namespace talus::detail {
 
@@ -33,61 +34,6 @@ struct small_dataset {
   std::uint64_t rows = 0;
   std::uint32_t width = 1;
   byte_buffer bytes;
-};
-
-/// An open file, by the system's own functions.
-class system_file {
- public:
-  system_file(const std::string& path, int flags) : id_(::open(path.c_str(), flags, 0666)) {}
-  system_file(const system_file&) = delete;
-  system_file& operator=(const system_file&) = delete;
-  ~system_file() {
-    if (id_ >= 0) ::close(id_);
-  }
-  [[nodiscard]] bool good() const { return id_ >= 0; }
-  [[nodiscard]] int id() const { return id_; }
-  /// False at the end of the file, and where reading fails.
-  [[nodiscard]] bool read(std::uint64_t at, std::span<std::byte> into) const {
-    while (!into.empty()) {
-      const ssize_t n = ::pread(id_, into.data(), into.size(), static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      into = into.subspan(static_cast<std::size_t>(n));
-      at += static_cast<std::uint64_t>(n);
-    }
-    return true;
-  }
-  [[nodiscard]] bool write(std::uint64_t at, std::span<const std::byte> from) const {
-    while (!from.empty()) {
-      const ssize_t n = ::pwrite(id_, from.data(), from.size(), static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      from = from.subspan(static_cast<std::size_t>(n));
-      at += static_cast<std::uint64_t>(n);
-    }
-    return true;
-  }
-
- private:
-  int id_;
-};
-
-[[nodiscard, gnu::cold]] inline std::string system_words(int error = errno) {
-  return std::strerror(error);
-}
-
-/// A write beyond the limit of file sizes shall fail, not end the process.
-class no_size_signal {
- public:
-  no_size_signal() : before_(std::signal(SIGXFSZ, SIG_IGN)) {}
-  no_size_signal(const no_size_signal&) = delete;
-  no_size_signal& operator=(const no_size_signal&) = delete;
-  ~no_size_signal() {
-    if (before_ != SIG_ERR) std::signal(SIGXFSZ, before_);
-  }
-
- private:
-  void (*before_)(int);
 };
 
 /// Checksum of what no range covers.
@@ -118,11 +64,11 @@ class checkpoint_writer {
                            const std::vector<small_dataset>& small) {
     const no_size_signal unharmed;
     try {
-      const auto counts = gather_counts(tables);
+      const auto counts = gather_counts(team_, tables);
       team_.together([&] {
         if (team_.rank() == 0) explain([&] { make_file(tables, counts, small); });
       });
-      const auto places = share_places(tables.size(), counts);
+      const auto places = share_places(team_, tables.size(), counts);
       if (parallel())
         write_together(tables, places);
       else
@@ -148,11 +94,6 @@ class checkpoint_writer {
   }
 
  private:
-  struct counted {
-    std::uint64_t rows = 0, extra = 0;
-    std::vector<table_piece> pieces;
-  };
-
   [[nodiscard]] bool parallel() const {
 #ifdef H5_HAVE_PARALLEL
     return team_.size() > 1 && team_.communicator() != MPI_COMM_NULL;
@@ -184,53 +125,6 @@ class checkpoint_writer {
     if (problem) std::rethrow_exception(problem);
   }
 
-  /// Of every rank, on rank 0: rows and pieces of every table.
-  std::vector<std::vector<counted>> gather_counts(const std::vector<table_part>& tables) {
-    byte_buffer mine;
-    byte_writer out(mine);
-    for (const table_part& t : tables) {
-      out.put(t.rows);
-      out.put(static_cast<std::uint64_t>(t.extra.size()));
-      out.put(std::span<const table_piece>(t.pieces));
-    }
-    std::vector<std::vector<counted>> all;
-    for (const byte_buffer& bytes : team_.gather(mine)) {
-      byte_reader in(bytes);
-      auto& one = all.emplace_back();
-      for (std::size_t k = 0; k < tables.size(); ++k) {
-        counted c;
-        c.rows = in.get<std::uint64_t>();
-        c.extra = in.get<std::uint64_t>();
-        const auto pieces = in.get_all<table_piece>();
-        c.pieces.assign(pieces.begin(), pieces.end());
-        one.push_back(std::move(c));
-      }
-    }
-    return all;
-  }
-
-  /// Where this rank's rows of each table begin.
-  std::vector<table_place> share_places(std::size_t tables,
-                                        const std::vector<std::vector<counted>>& counts) {
-    byte_buffer bytes;
-    if (team_.rank() == 0) {
-      byte_writer out(bytes);
-      std::vector<table_place> next(tables);
-      for (const auto& one : counts)
-        for (std::size_t k = 0; k < tables; ++k) {
-          out.put(next[k]);
-          next[k].row += one[k].rows;
-          next[k].extra += one[k].extra;
-        }
-    }
-    team_.broadcast(bytes);
-    byte_reader in(bytes);
-    std::vector<table_place> mine(tables);
-    for (int r = 0; r <= team_.rank(); ++r)
-      for (table_place& p : mine) p = in.get<table_place>();
-    return mine;
-  }
-
   void open_part(int flags) {
     const system_file file(part_, flags);
     if (!file.good())
@@ -252,8 +146,7 @@ class checkpoint_writer {
   }
 
   /// On rank 0: a file in which everything has its place, and all is written but rows.
-  void make_file(const std::vector<table_part>& tables,
-                 const std::vector<std::vector<counted>>& counts,
+  void make_file(const std::vector<table_part>& tables, const counted_rows& counts,
                  const std::vector<small_dataset>& small) {
     const std::lock_guard only(hdf5_mutex());
     const silent_hdf5 silent;
@@ -283,8 +176,7 @@ class checkpoint_writer {
     }
     reserve();
   }
-  void make_table(hid_t file, const table_part& t, std::size_t k,
-                  const std::vector<std::vector<counted>>& counts) {
+  void make_table(hid_t file, const table_part& t, std::size_t k, const counted_rows& counts) {
     table_place all;
     std::vector<std::uint64_t> numbers;
     std::vector<double> boxes;
