@@ -62,7 +62,8 @@ class checkpoint_writer {
   /// Collective; `small` is that of rank 0. Throws runtime_error alike on all ranks.
   [[gnu::cold]] void write(std::vector<table_part>& tables,
                            const std::vector<small_dataset>& small) {
-    const no_size_signal unharmed;
+    std::optional<no_size_signal> unharmed;  // a signal is of the process
+    if (team_.rank() == 0 || team_.of_processes()) unharmed.emplace();
     try {
       const auto counts = gather_counts(team_, tables);
       team_.together([&] {
