@@ -7,8 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "talus/io/detail/checkpoint_bodies.hpp"
+#include "talus/io/detail/checkpoint_contacts.hpp"
 #include "talus/io/detail/checkpoint_parameters.hpp"
-#include "talus/io/detail/checkpoint_parts.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
 #include "talus/world/conservation.hpp"

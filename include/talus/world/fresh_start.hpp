@@ -139,9 +139,10 @@ template <class Scenario>
 void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
   using state = world_state<Scenario>;
   state& s = w.state();
-  const id_table own = own_bodies(s);
-  auto history = of_own_bodies(s.history, own);
-  s.history.clear();
+  const bool alone = w.ranks() == 1;
+  const id_table own = alone ? id_table{} : own_bodies(s);
+  auto history = alone ? std::move(s.history) : of_own_bodies(s.history, own);
+  s.history = {};
   s.found = {};
   if constexpr (!state::law::soft) {
     s.solver.pause = 0;
@@ -160,7 +161,7 @@ void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
   }
   s.changed = true;
   if constexpr (state::sleeps) {
-    auto frozen = of_own_bodies(s.sleep.contacts, own);
+    auto frozen = alone ? std::move(s.sleep.contacts) : of_own_bodies(s.sleep.contacts, own);
     auto settings = s.sleep.settings;
     s.sleep = {};
     s.sleep.settings = settings;

@@ -49,15 +49,6 @@ class checkpoint_reader {
     file_.emplace(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "read");
   }
 
-  [[nodiscard]] bool has(const std::string& path) const {
-    std::string so_far;
-    for (std::size_t at = 0; at != path.npos;) {  // link by link
-      at = path.find('/', at + 1);
-      so_far = path.substr(0, at);
-      if (H5Lexists(*file_, so_far.c_str(), H5P_DEFAULT) <= 0) return false;
-    }
-    return true;
-  }
   /// All numbers of a small dataset. `rows` is what it must have, or `any`.
   static constexpr std::uint64_t any = ~std::uint64_t{0};
   template <class T>

@@ -102,15 +102,10 @@ template <class Column>
         std::span<const std::byte>(t.extra).subspan(p.extra_first, p.extra_bytes));
 }
 
-/// Where the rows of a rank begin in each table: rows and bytes of extras.
-struct table_place {
-  std::uint64_t row = 0, extra = 0;
-};
-
 /// A table that is read, piece by piece.
 class table_reader {
  public:
-  /// `columns` say what to expect; those whose names begin with '?' may be missing.
+  /// `columns` say what to expect.
   table_reader(hid_t file, const std::string& path, std::vector<table_column> columns, bool extras)
       : path_(path), columns_(std::move(columns)) {
     bool first = true;

@@ -10,18 +10,20 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "talus/io/detail/checkpoint_block.hpp"
+#include "talus/io/detail/checkpoint_places.hpp"
 #include "talus/io/detail/checkpoint_table.hpp"
 #include "talus/io/detail/checkpoint_team.hpp"
 #include "talus/io/detail/hdf5.hpp"
+#include "talus/io/detail/system_file.hpp"
 
 namespace talus::detail {
 
@@ -32,61 +34,6 @@ struct small_dataset {
   std::uint64_t rows = 0;
   std::uint32_t width = 1;
   byte_buffer bytes;
-};
-
-/// An open file, by the system's own functions.
-class system_file {
- public:
-  system_file(const std::string& path, int flags) : id_(::open(path.c_str(), flags, 0666)) {}
-  system_file(const system_file&) = delete;
-  system_file& operator=(const system_file&) = delete;
-  ~system_file() {
-    if (id_ >= 0) ::close(id_);
-  }
-  [[nodiscard]] bool good() const { return id_ >= 0; }
-  [[nodiscard]] int id() const { return id_; }
-  /// False at the end of the file, and where reading fails.
-  [[nodiscard]] bool read(std::uint64_t at, std::span<std::byte> into) const {
-    while (!into.empty()) {
-      const ssize_t n = ::pread(id_, into.data(), into.size(), static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      into = into.subspan(static_cast<std::size_t>(n));
-      at += static_cast<std::uint64_t>(n);
-    }
-    return true;
-  }
-  [[nodiscard]] bool write(std::uint64_t at, std::span<const std::byte> from) const {
-    while (!from.empty()) {
-      const ssize_t n = ::pwrite(id_, from.data(), from.size(), static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      from = from.subspan(static_cast<std::size_t>(n));
-      at += static_cast<std::uint64_t>(n);
-    }
-    return true;
-  }
-
- private:
-  int id_;
-};
-
-[[nodiscard, gnu::cold]] inline std::string system_words(int error = errno) {
-  return std::strerror(error);
-}
-
-/// A write beyond the limit of file sizes shall fail, not end the process.
-class no_size_signal {
- public:
-  no_size_signal() : before_(std::signal(SIGXFSZ, SIG_IGN)) {}
-  no_size_signal(const no_size_signal&) = delete;
-  no_size_signal& operator=(const no_size_signal&) = delete;
-  ~no_size_signal() {
-    if (before_ != SIG_ERR) std::signal(SIGXFSZ, before_);
-  }
-
- private:
-  void (*before_)(int);
 };
 
 /// Checksum of what no range covers.
@@ -115,15 +62,18 @@ class checkpoint_writer {
   /// Collective; `small` is that of rank 0. Throws runtime_error alike on all ranks.
   [[gnu::cold]] void write(std::vector<table_part>& tables,
                            const std::vector<small_dataset>& small) {
-    const no_size_signal unharmed;
+    std::optional<no_size_signal> unharmed;  // a signal is of the process
+    if (team_.rank() == 0 || team_.of_processes()) unharmed.emplace();
     try {
-      const auto counts = gather_counts(tables);
+      const auto counts = gather_counts(team_, tables);
       team_.together([&] {
         if (team_.rank() == 0) explain([&] { make_file(tables, counts, small); });
       });
-      const auto places = share_places(tables.size(), counts);
-      const auto rows = [&] { write_rows(tables, places); };
-      team_.together([&] { explain([&] { parallel() ? rows() : in_turns(rows); }); });
+      const auto places = share_places(team_, tables.size(), counts);
+      if (parallel())
+        write_together(tables, places);
+      else
+        team_.together([&] { explain([&] { in_turns([&] { write_in_turn(tables, places); }); }); });
       team_.together([&] {
         if (team_.rank() == 0) explain([&] { finish(); });
       });
@@ -145,11 +95,6 @@ class checkpoint_writer {
   }
 
  private:
-  struct counted {
-    std::uint64_t rows = 0, extra = 0;
-    std::vector<table_piece> pieces;
-  };
-
   [[nodiscard]] bool parallel() const {
 #ifdef H5_HAVE_PARALLEL
     return team_.size() > 1 && team_.communicator() != MPI_COMM_NULL;
@@ -181,53 +126,6 @@ class checkpoint_writer {
     if (problem) std::rethrow_exception(problem);
   }
 
-  /// Of every rank, on rank 0: rows and pieces of every table.
-  std::vector<std::vector<counted>> gather_counts(const std::vector<table_part>& tables) {
-    byte_buffer mine;
-    byte_writer out(mine);
-    for (const table_part& t : tables) {
-      out.put(t.rows);
-      out.put(static_cast<std::uint64_t>(t.extra.size()));
-      out.put(std::span<const table_piece>(t.pieces));
-    }
-    std::vector<std::vector<counted>> all;
-    for (const byte_buffer& bytes : team_.gather(mine)) {
-      byte_reader in(bytes);
-      auto& one = all.emplace_back();
-      for (std::size_t k = 0; k < tables.size(); ++k) {
-        counted c;
-        c.rows = in.get<std::uint64_t>();
-        c.extra = in.get<std::uint64_t>();
-        const auto pieces = in.get_all<table_piece>();
-        c.pieces.assign(pieces.begin(), pieces.end());
-        one.push_back(std::move(c));
-      }
-    }
-    return all;
-  }
-
-  /// Where this rank's rows of each table begin.
-  std::vector<table_place> share_places(std::size_t tables,
-                                        const std::vector<std::vector<counted>>& counts) {
-    byte_buffer bytes;
-    if (team_.rank() == 0) {
-      byte_writer out(bytes);
-      std::vector<table_place> next(tables);
-      for (const auto& one : counts)
-        for (std::size_t k = 0; k < tables; ++k) {
-          out.put(next[k]);
-          next[k].row += one[k].rows;
-          next[k].extra += one[k].extra;
-        }
-    }
-    team_.broadcast(bytes);
-    byte_reader in(bytes);
-    std::vector<table_place> mine(tables);
-    for (int r = 0; r <= team_.rank(); ++r)
-      for (table_place& p : mine) p = in.get<table_place>();
-    return mine;
-  }
-
   void open_part(int flags) {
     const system_file file(part_, flags);
     if (!file.good())
@@ -237,7 +135,7 @@ class checkpoint_writer {
           part_, system_words());
   }
 
-  static hdf5_handle access_list() {
+  [[nodiscard]] static hdf5_handle access_list() {
     hdf5_handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "written");
 #if H5_VERSION_GE(1, 10, 2)
     hdf5_ok(H5Pset_libver_bounds(list, H5F_LIBVER_V18, H5F_LIBVER_V18), "written");
@@ -249,8 +147,7 @@ class checkpoint_writer {
   }
 
   /// On rank 0: a file in which everything has its place, and all is written but rows.
-  void make_file(const std::vector<table_part>& tables,
-                 const std::vector<std::vector<counted>>& counts,
+  void make_file(const std::vector<table_part>& tables, const counted_rows& counts,
                  const std::vector<small_dataset>& small) {
     const std::lock_guard only(hdf5_mutex());
     const silent_hdf5 silent;
@@ -280,8 +177,7 @@ class checkpoint_writer {
     }
     reserve();
   }
-  void make_table(hid_t file, const table_part& t, std::size_t k,
-                  const std::vector<std::vector<counted>>& counts) {
+  void make_table(hid_t file, const table_part& t, std::size_t k, const counted_rows& counts) {
     table_place all;
     std::vector<std::uint64_t> numbers;
     std::vector<double> boxes;
@@ -336,27 +232,60 @@ class checkpoint_writer {
           block_.file_bytes, system_words(failed));
   }
 
-  /// The rows of this rank.
-  void write_rows(const std::vector<table_part>& tables, const std::vector<table_place>& places) {
+  /// The file again, on all ranks or on the one whose turn it is.
+  hdf5_handle open_file() const {
+    const hdf5_handle access = access_list();
+#ifdef H5_HAVE_PARALLEL
+    if (parallel())
+      hdf5_ok(H5Pset_fapl_mpio(access, team_.communicator(), MPI_INFO_NULL), "written");
+#endif
+    return {H5Fopen(part_.c_str(), H5F_ACC_RDWR, access), H5Fclose, "written"};
+  }
+  /// Through MPI-IO: whatever fails on one rank, it takes part in all that the others wait for.
+  void write_together(const std::vector<table_part>& tables,
+                      const std::vector<table_place>& places) {
+    const silent_hdf5 silent;
+    std::optional<hdf5_handle> file;
+    try {
+      team_.together([&] { explain([&] { file.emplace(open_file()); }); });
+    } catch (...) {
+      if (file) file->leave_open();
+      throw;
+    }
+    team_.together([&] { explain([&] { write_rows(*file, tables, places); }); });
+  }
+  void write_in_turn(const std::vector<table_part>& tables,
+                     const std::vector<table_place>& places) {
     const std::lock_guard only(hdf5_mutex());
     const silent_hdf5 silent;
-    const hdf5_handle access = access_list();
+    hdf5_handle file = open_file();
+    write_rows(file, tables, places);
+  }
+  /// The rows of this rank.
+  void write_rows(hdf5_handle& file, const std::vector<table_part>& tables,
+                  const std::vector<table_place>& places) const {
+    std::string problem;
+    const auto attempt = [&](auto&& f) {
+      try {
+        f();
+      } catch (const std::exception& e) {
+        if (problem.empty()) problem = e.what();
+      }
+    };
     const hdf5_handle how(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "written");
 #ifdef H5_HAVE_PARALLEL
-    if (parallel()) {
-      hdf5_ok(H5Pset_fapl_mpio(access, team_.communicator(), MPI_INFO_NULL), "written");
-      hdf5_ok(H5Pset_dxpl_mpio(how, H5FD_MPIO_COLLECTIVE), "written");
-    }
+    if (parallel()) hdf5_ok(H5Pset_dxpl_mpio(how, H5FD_MPIO_COLLECTIVE), "written");
 #endif
-    hdf5_handle file(H5Fopen(part_.c_str(), H5F_ACC_RDWR, access), H5Fclose, "written");
     const auto write = [&](const std::string& path, number_type type, std::uint32_t width,
                            std::uint64_t first, std::uint64_t rows, const std::byte* data) {
-      const hdf5_handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "written");
-      const row_selection part(set, first, rows, width);
       static constexpr std::byte nothing{};
-      hdf5_ok(H5Dwrite(set, type_in_memory(type), part.memory(), part.file(), how,
-                       rows > 0 ? data : &nothing),
-              "written");
+      attempt([&] {
+        const hdf5_handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "written");
+        const row_selection part(set, first, rows, width);
+        hdf5_ok(H5Dwrite(set, type_in_memory(type), part.memory(), part.file(), how,
+                         rows > 0 ? data : &nothing),
+                "written");
+      });
     };
     for (std::size_t k = 0; k < tables.size(); ++k) {
       const table_part& t = tables[k];
@@ -366,10 +295,12 @@ class checkpoint_writer {
         write(t.path + "/extra", number_type::u8, 1, places[k].extra, t.extra.size(),
               t.extra.data());
     }
-    file.close("written");
+    attempt([&] { file.close("written"); });
     const system_file written(part_, O_RDWR);  // what this machine holds of it goes to the disk
     if (!written.good() || ::fsync(written.id()) != 0)
-      fail<std::runtime_error>("cannot be written to the disk: {}", system_words());
+      attempt(
+          [] { fail<std::runtime_error>("cannot be written to the disk: {}", system_words()); });
+    if (!problem.empty()) throw std::runtime_error(problem);
   }
 
   void finish() {

@@ -73,6 +73,8 @@ class hdf5_handle {
     if (id_ >= 0) close_(id_);
   }
   operator hid_t() const { return id_; }
+  /// Never closes it: where that would wait for ranks that have failed.
+  void leave_open() { id_ = -1; }
   /// Closes it now, and says if that fails.
   void close(const char* done) {
     if (id_ >= 0) hdf5_ok(close_(std::exchange(id_, -1)), done);
