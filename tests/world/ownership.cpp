@@ -127,6 +127,30 @@ TEST_CASE(
                        doctest::Contains("rank 1"), std::runtime_error);
 }
 
+TEST_CASE("a body that is released next to a boundary takes as much momentum as it gives") {
+  // What lay against it was solved by the other rank alone, which remembers its impulse.
+  threads::launch({.ranks = 2}, [&](threads::link& link) {
+    world<halves> w(link, {.lower = {-1}, .upper = {1}});
+    const auto stuff = w.material({});
+    const auto movable =
+        w.add_if_local(body{.shape = sphere{0.5}, .position = {-0.4, 0, 0}, .material = stuff});
+    const auto fixed = w.add_if_local(
+        body{.shape = sphere{0.5}, .position = {0.6, 0, 0}, .material = stuff, .fixed = true});
+    w.gravity({10, 0, 0});
+    for (int k = 0; k < 10; ++k) w.step(0.01);
+    w.gravity({0, 0, 0});
+    if (fixed) w[*fixed].release();
+    for (int k = 0; k < 3; ++k) {
+      w.step(0.01);
+      double momentum = 0;
+      w.for_each_local([&](const auto& b) { momentum += b.mass() * b.velocity()[0]; });
+      link.reduce(reduction::sum, std::span(&momentum, 1));
+      CHECK(std::abs(momentum) < 1e-14);
+    }
+    CHECK(movable.has_value() == (link.rank() == 0));
+  });
+}
+
 TEST_CASE("bodies made before the connections are handed over by synchronize") {
   using free_form = scenario<bodies<sphere>, transport<threads>, decomposition<by_hand>>;
   threads::launch({.ranks = 2}, [&](threads::link& link) {

@@ -53,6 +53,16 @@ class history_of {
     }
     add(key, memory);
   }
+  /// Contacts of a body start anew. They keep their places.
+  [[gnu::cold]] void forget(system_id body) {
+    for (entry& e : entries_)
+      if (e.key.a == body || e.key.b == body) {
+        if constexpr (requires { Memory::Zero(); })
+          e.memory = Memory::Zero();
+        else
+          e.memory = {};
+      }
+  }
   /// Where to look for contacts of a pair that had none here and now has a body that arrived.
   [[nodiscard]] history_place place_of_arrivals() const {
     const std::size_t count = entries_.size() - std::min(arrived_, entries_.size());

@@ -51,8 +51,9 @@ void refuse_uncovered_flights(const world_state<Scenario>& s) {
           fail<std::runtime_error>(
               "body {} of rank {} at {} would fly {} far in step {}, by its velocity {} and dt = "
               "{}, "
-              "as far as the domain of rank {}, and ranks {} and {} are not connected, so contacts "
-              "on its way would be lost: choose a smaller dt, or connect them ({})",
+              "into the domain of rank {}, and ranks {} and {} are not connected, so contacts on "
+              "its "
+              "way would be lost: choose a smaller dt, or connect them ({})",
               store.id[i], s.link->rank(), p, text(way, 4), s.steps, v, s.dt, other, s.link->rank(),
               other, way_to_connect(s, s.own.rank(), other));
         }

@@ -11,6 +11,7 @@
 #include "talus/world/closed_faces.hpp"
 #include "talus/world/conservation.hpp"
 #include "talus/world/flights.hpp"
+#include "talus/world/released.hpp"
 #include "talus/world/shadow_copies.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
@@ -201,6 +202,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
         came.all.push_back({id, static_cast<std::uint32_t>(n)});
         s.neighbours[n].mail.taken.add(id);
         s.owned.add(id);
+        if (b.movable.flags[i] & flag_released) note_release(s, b.movable, i);
         if (s.own.contains(b.movable.position[i])) continue;
         ++passing;
         if (ends_here) refuse_foreign(s, id, b.movable.position[i], n);

@@ -11,6 +11,7 @@
 #include "talus/core/sort.hpp"
 #include "talus/world/conservation.hpp"
 #include "talus/world/coverage.hpp"
+#include "talus/world/released.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
@@ -109,7 +110,10 @@ void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>&
         b.movable.append_from(old, first, first + before[n][k]);
       } else {
         const auto copies = in[n]->template get<std::uint64_t>();
-        for (std::uint64_t c = 0; c < copies; ++c) b.movable.unpack(*in[n]);
+        for (std::uint64_t c = 0; c < copies; ++c) {
+          b.movable.unpack(*in[n]);
+          if (b.movable.flags.back() & flag_released) forget_contacts(s, b.movable.id.back());
+        }
         s.neighbours[n].copies[k] = copies;
       }
       first += before[n][k];
@@ -271,6 +275,7 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
     if (!copies_still_hold(s)) choose_copies(s), mine = copy_message::all;
   }
   for (std::size_t n = 0; n < s.parcels.size(); ++n) pack_copies(s, n, mine);
+  if (mine == copy_message::all) end_releases(s);
 
   s.link->start(s.parcels);
   s.link->finish(s.parcels);

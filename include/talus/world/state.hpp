@@ -164,6 +164,7 @@ struct world_state : response_state<Scenario> {
   std::vector<parcel> parcels;  ///< likewise: handovers
   bool strangers = false;       ///< some neighbours are not connected to each other
   bool changed = true;          ///< bodies were added, removed or changed since the last handover
+  plain_vector<system_id> released;  ///< by the user, before neighbours have heard of it
 
   [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
                                            copy_choice<shape_count>>

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "talus/body/body.hpp"
+#include "talus/world/released.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/sections.hpp"
 #include "talus/world/sleeping_islands.hpp"
@@ -116,6 +117,7 @@ class body_view {
           id());
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
     store_->inverse_mass[i_] = 1 / mass();
+    if constexpr (!state_type::link_type::alone) detail::note_release(*s_, *store_, i_);
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Wakes the island of the body, and begins its time of rest anew. (So does every change of a

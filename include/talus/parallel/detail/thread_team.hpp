@@ -207,9 +207,10 @@ class thread_team {
   [[nodiscard]] std::string everyone_waits() const {
     std::string text = "every rank waits for another one, so none can go on:";
     int named = 0;
-    for (int n = 0; n < 2 * size() && named < 8; ++n) {  // first those that have ended
+    for (int n = 0; n < 2 * size() && named < 8; ++n) {  // of many, first those that have ended
       const int rank = n % size(), why = doing_[static_cast<std::size_t>(rank)];
-      if (why == busy || (n < size()) != (why == ended)) continue;
+      const bool first = size() > 8 && why == ended;
+      if (why == busy || (n < size()) != first) continue;
       text += compose("{} rank {} ", named++ ? "," : "", rank);
       if (why == ended)
         text += "has ended";

@@ -85,7 +85,7 @@ namespace talus {
     if (o == nullptr) {
       if (rest_ != nullptr && !word.starts_with('-'))
         rest_->emplace_back(word);
-      else
+      else if (mistake.empty())
         wrong = unknown(word);
     } else if (name.size() < word.size()) {
       wrong = read(*o, word.substr(name.size() + 1));

@@ -1,0 +1,36 @@
+#pragma once
+// Bodies that were fixed and can move again. What touched them was a matter of the other body's
+// rank alone, so that rank alone remembers impulses. From now on both ranks compute these contacts,
+// and have to start from the same: from nothing.
+#include <type_traits>
+
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+template <class Scenario>
+void forget_contacts(world_state<Scenario>& s, system_id id) {
+  s.history.forget(id);
+  if constexpr (world_state<Scenario>::sleeps) s.sleep.contacts.forget(id);
+}
+
+/// Body `i` of this rank was released, here or, if it has just arrived, where it came from.
+template <class Scenario, class Store>
+[[gnu::cold]] void note_release(world_state<Scenario>& s, Store& store, std::size_t i) {
+  store.flags[i] |= flag_released;
+  s.released.push_back(store.id[i]);
+  forget_contacts(s, store.id[i]);
+}
+
+/// All neighbours have been told of the bodies released here.
+template <class Scenario>
+void end_releases(world_state<Scenario>& s) {
+  if (s.released.empty()) return;
+  s.released.clear();
+  s.each_finite_shape([&](auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i)
+      b.movable.flags[i] &= static_cast<std::uint8_t>(~flag_released);
+  });
+}
+
+}  // namespace talus::detail

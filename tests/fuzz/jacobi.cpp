@@ -1,0 +1,12 @@
+// Spheres, accelerated Jacobi, islands that sleep.
+#include <talus/response/accelerated_jacobi.hpp>
+#include "family.hpp"
+
+namespace fuzz {
+
+outcome run_jacobi(const plan& p) {
+  return run_family<scenario<bodies<sphere, plane>, solver<accelerated_jacobi>, transport<threads>,
+                             decomposition<any_decomposition>, features<sleeping>>>(p);
+}
+
+}  // namespace fuzz

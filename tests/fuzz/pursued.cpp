@@ -1,0 +1,11 @@
+// Spheres and boxes that are followed on their way.
+#include "family.hpp"
+
+namespace fuzz {
+
+outcome run_pursued(const plan& p) {
+  return run_family<scenario<bodies<sphere, box, plane>, transport<threads>,
+                             decomposition<any_decomposition>, features<continuous_collision>>>(p);
+}
+
+}  // namespace fuzz

@@ -1,0 +1,11 @@
+// Spheres, nonlinear Gauss-Seidel.
+#include "family.hpp"
+
+namespace fuzz {
+
+outcome run_spheres(const plan& p) {
+  return run_family<
+      scenario<bodies<sphere, plane>, transport<threads>, decomposition<any_decomposition>>>(p);
+}
+
+}  // namespace fuzz
