@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <talus/observe/digest.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/parallel/any_decomposition.hpp>
 #include <talus/parallel/threads.hpp>
@@ -52,6 +53,7 @@ class on_rank {
     std::uint64_t sums[2] = {result_.crossed, result_.contacts};
     w_.link().reduce(reduction::sum, std::span(sums));
     result_.crossed = sums[0], result_.contacts = sums[1];
+    result_.digest = state_digest(w_);
     return result_;
   }
 
@@ -156,7 +158,8 @@ class on_rank {
       const auto chosen = r_.integer(7);
       w_.destroy_if([&](const auto& b) { return detail::mix(value_of(b.id())) % 23 == chosen; });
     }
-    if (r_.integer(6) == 0)  // a rank by itself
+    // A rank by itself; what it does depends on the ranks.
+    if (r_.integer(6) == 0 && !detail::solves_by_colours<typename Scenario::solver>)
       w_.exclusive(static_cast<int>(r_.integer(static_cast<std::uint64_t>(p_.ranks))), [&] {
         random mine(p_.seed, 100 + w_.steps());
         const real L = p_.side - 0.5;
@@ -237,7 +240,7 @@ class on_rank {
     if (std::adjacent_find(all.begin(), all.end()) != all.end()) fail("a body has two owners");
     if (w_.audit().bodies != all.size()) fail("the audit counts wrong");
     // I2: each contact acts once on each of its bodies, and with the same impulse.
-    if constexpr (!soft) {
+    if constexpr (!soft && !detail::solves_by_colours<typename Scenario::solver>) {
       std::vector<action> actions;
       w_.state().each_contact_list([&](const auto& list) {
         using detail::contact_part;

@@ -28,13 +28,15 @@ const family families[] = {{"spheres", fuzz::run_spheres},
                            {"solids", fuzz::run_solids},
                            {"jacobi", fuzz::run_jacobi},
                            {"springs", fuzz::run_springs},
-                           {"pursued", fuzz::run_pursued}};
+                           {"pursued", fuzz::run_pursued},
+                           {"alike", fuzz::run_alike}};
 #else
 const family families[] = {{"spheres", fuzz::run_spheres},
                            {"solids", nullptr},
                            {"jacobi", nullptr},
                            {"springs", fuzz::run_springs},
-                           {"pursued", nullptr}};
+                           {"pursued", nullptr},
+                           {"alike", nullptr}};
 #endif
 
 // Of the run under way, for those that speak when it cannot.

@@ -85,6 +85,7 @@ struct broken : std::logic_error {
 /// What a run came to.
 struct outcome {
   std::string refused;  ///< the message it ended with, if it did
+  std::string digest;   ///< of the final state, else
   std::uint64_t crossed = 0, contacts = 0;
   real energy_gain = 0;  ///< over the scale of the energy; see checks.hpp
   real momentum_error = 0;
@@ -94,6 +95,7 @@ outcome run_spheres(const plan& p);  ///< nonlinear Gauss-Seidel
 outcome run_solids(const plan& p);   ///< spheres, boxes, capsules and unions
 outcome run_jacobi(const plan& p);   ///< spheres, accelerated Jacobi, sleeping islands
 outcome run_springs(const plan& p);  ///< spheres with soft contacts
+outcome run_alike(const plan& p);    ///< spheres and boxes, the same bits as on one rank
 outcome run_pursued(const plan& p);  ///< spheres and boxes followed on their way
 
 }  // namespace fuzz
