@@ -1,5 +1,6 @@
 // Bodies whose centres coincide exactly, of all shapes: no direction is better than another, and
 // still they part, slowly, and end where they do not overlap.
+// plain
 #include <doctest/doctest.h>
 
 #include <talus/shape/capsule.hpp>

@@ -1,4 +1,5 @@
 // Tutorial: small bodies, large bodies and global bodies.
+// plain
 #include <doctest/doctest.h>
 
 #include <atomic>

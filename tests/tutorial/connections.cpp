@@ -1,4 +1,5 @@
 // Tutorial: connections made by hand, and those that decompositions make.
+// plain
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // Tutorial: what goes wrong most, and the message that each mistake gets, to the letter.
+// plain
 #include <doctest/doctest.h>
 
 #include <stdexcept>

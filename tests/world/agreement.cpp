@@ -1,4 +1,5 @@
 // Ranks that compute the same contact find the same impulse: else momentum would be lost.
+// plain
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,4 +1,5 @@
 // Adding, changing, finding and destroying bodies, and what bad input is told.
+// plain
 #include <doctest/doctest.h>
 
 #include <limits>

@@ -1,5 +1,6 @@
 // Worlds on every kind of domain: bodies cross its faces and are conserved, and what must not
 // happen at a closed face ends the run.
+// plain
 #include <doctest/doctest.h>
 
 #include <talus/observe/motion.hpp>

@@ -1,4 +1,5 @@
 // Bodies larger than a domain: what the connections do not cover is reported, nothing is lost.
+// plain
 #include <doctest/doctest.h>
 
 #include <talus/parallel/grid.hpp>

@@ -1,3 +1,4 @@
+// plain
 #include "talus/world/scenario.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,5 @@
 // Exclusive and global sections, and what may not happen in them.
+// plain
 #include <doctest/doctest.h>
 
 #include <stdexcept>

@@ -1,4 +1,5 @@
 // Bodies are brought into an order in memory that follows their order in space.
+// plain
 #include <doctest/doctest.h>
 
 #include <algorithm>
