@@ -35,6 +35,14 @@ using soft_pile = scenario<bodies<sphere, plane>,
                            integrator<velocity_verlet>, decomposition<grid<dynamic, dynamic>>,
                            transport<threads>, features<checkpoints>>;
 
+using balls = scenario<bodies<sphere, plane>, decomposition<grid<dynamic, dynamic>>,
+                       transport<threads>, features<checkpoints>>;
+
+/// Whether trajectories do not depend on the number of ranks. Add scenarios whose solver promises
+/// that; the balls of run_course() touch nothing but the ground.
+template <class Scenario>
+inline constexpr bool independent_of_ranks = std::is_same_v<Scenario, balls>;
+
 /// A file of this process, gone at the end.
 struct scratch_file {
   std::string name = "/tmp/talus_checkpoint_" + std::to_string(getpid()) + ".h5";
@@ -73,6 +81,11 @@ auto a_body(const vec3& place, random_stream& random, material_id stone) {
         made = body{.shape = dumbbell, .position = place, .material = stone, .orientation = turn};
     }
     return made;
+  } else if constexpr (std::is_same_v<Scenario, balls>) {
+    return body{.shape = sphere{random.uniform(0.3, 0.4)},
+                .position = place,
+                .material = stone,
+                .angular_velocity = 0.1 * random.unit_vector()};
   } else {
     return body{.shape = sphere{random.uniform(0.3, 0.48)}, .position = place, .material = stone};
   }
@@ -94,8 +107,8 @@ outcome run_course(const course& c, const std::string& file) {
     if (c.ranks > 1) w.decompose({.lower = {-2, -2}, .upper = {2, 2}});
     w.gravity({0, 0, -10});
     if constexpr (std::is_same_v<Scenario, pile>) {
-      w.sleeping({.speed = 0.4, .time = 0.1});
-      w.damping(0.99);
+      w.sleeping({.speed = 1, .time = 0.1});
+      w.damping(0.2);
     }
     const auto stone = w.material({.density = 2,
                                    .restitution = 0.3,
@@ -103,7 +116,8 @@ outcome run_course(const course& c, const std::string& file) {
                                    .youngs_modulus = 1e5,
                                    .rolling_friction = 0.02});
     w.global([&](auto& scope) { scope.add(plane{}, stone); });
-    w.fill(simple_cubic{.spacing = 1} & box_region{{-2, -2, 0.5}, {2, 2, 4}},
+    w.fill(simple_cubic{.spacing = 1} &
+               box_region{{-2, -2, 0.5}, {2, 2, std::is_same_v<Scenario, balls> ? 1 : 4}},
            [&](const site& s, random_stream& random) {
              return a_body<Scenario>(s.position, random, stone);
            });
@@ -118,7 +132,7 @@ outcome run_course(const course& c, const std::string& file) {
       w.step(c.dt);
       counted += 1;
       drawn = random.uniform();
-      if (w.steps() % 60 == 10)
+      if (w.steps() % 60 == 10 && !std::is_same_v<Scenario, balls>)
         (void)w.add_if_local(
             body{.shape = sphere{0.4}, .position = {drawn, 0.5, 8}, .material = stone});
       if (w.steps() == c.write_after) write_checkpoint(w, file);
@@ -153,6 +167,7 @@ void check_restarts(std::size_t half, double dt) {
     CHECK(then.asleep == there.asleep);
     if constexpr (std::is_same_v<Scenario, pile>) CHECK(then.asleep > 0);
     CHECK(later.bodies == whole.bodies);
+    if constexpr (independent_of_ranks<Scenario>) CHECK(later.digest == whole.digest);
     CHECK(later.random == whole.random);
     CHECK(later.counted == static_cast<double>(half * static_cast<std::size_t>(ranks) +
                                                half * static_cast<std::size_t>(others)));
@@ -162,26 +177,27 @@ void check_restarts(std::size_t half, double dt) {
 }  // namespace
 
 TEST_CASE("a restarted pile of all shapes goes on to the bit, asleep and awake") {
-  check_restarts<pile>(150, 0.01);
+  check_restarts<pile>(120, 0.01);
 }
 
 TEST_CASE("a restarted heap of soft spheres goes on to the bit, its springs included") {
-  check_restarts<soft_pile>(200, 0.002);
+  check_restarts<soft_pile>(150, 0.002);
+}
+
+TEST_CASE("where trajectories do not depend on the ranks, a restart on others changes no bit") {
+  check_restarts<balls>(100, 0.01);
 }
 
 // --- Runs with options ---------------------------------------------------------------------------
 
 namespace {
 
-using balls = scenario<bodies<sphere, plane>, decomposition<grid<dynamic>>, transport<threads>,
-                       features<checkpoints>>;
-
 /// What the next run does otherwise than the first.
 struct change {
   real density = 1, gravity = 10;
   bool by_hand = false, other_names = false;
   int seen_in_second = 0;  ///< steps of the second part that a run takes
-  std::string digest;
+  std::string digest{};
 };
 
 /// In two parts, with a body that comes in between. Returns the exit code; `said` is what it says.
@@ -221,8 +237,7 @@ int run_in_two_parts(std::vector<const char*> words, change& c, std::string* sai
         second = true;
         world.simulate({.steps = options.steps - 40, .dt = options.dt});
         CHECK(seen == static_cast<double>(options.steps));
-        CHECK(world.gravity()[2] ==
-              (c.gravity == 10 || world.restarted_at() == 0 ? -5 : -c.gravity));
+        if (world.steps() > 55) CHECK(world.gravity()[2] == (c.gravity == 10 ? -5 : -c.gravity));
         const std::string digest = state_digest(world);
         if (world.rank() == 0) c.digest = digest;
       });

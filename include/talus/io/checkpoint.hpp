@@ -1,6 +1,7 @@
 #pragma once
 // The state of a world in a file, from which another run goes on: docs/checkpoints.md.
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -154,7 +155,11 @@ template <class Scenario>
                      static_cast<std::uint64_t>(c[4])};
   }
 
-  const auto bounds = s.own.bounds();
+  auto bounds = s.own.bounds();
+  for (int k = 0; k < 3; ++k) {  // round-off of the corners shall cost nobody
+    bounds.first[k] -= 1e-9 * (1 + std::abs(bounds.first[k]));
+    bounds.second[k] += 1e-9 * (1 + std::abs(bounds.second[k]));
+  }
   const std::size_t materials = s.materials.size();
   each_table_of_bodies(s, "bodies", [&](auto& b, const std::string& path) {
     using store = std::remove_cvref_t<decltype(b.movable)>;

@@ -4,15 +4,12 @@
 // the first block, brings it to the disk, and gives it its name. Whatever happens before that, the
 // old file is as it was.
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <optional>
 #include <span>
 #include <string>
@@ -137,9 +134,7 @@ class checkpoint_writer {
 
   [[nodiscard]] static hdf5_handle access_list() {
     hdf5_handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "written");
-#if H5_VERSION_GE(1, 10, 2)
     hdf5_ok(H5Pset_libver_bounds(list, H5F_LIBVER_V18, H5F_LIBVER_V18), "written");
-#endif
 #if H5_VERSION_GE(1, 10, 7)
     hdf5_ok(H5Pset_file_locking(list, false, true), "written");  // network disks often refuse
 #endif
@@ -175,7 +170,7 @@ class checkpoint_writer {
         write_small(file, s.path, s.type, s.rows, s.width, s.bytes.data());
       file.close("written");
     }
-    reserve();
+    block_.file_bytes = reserve_file(part_);
   }
   void make_table(hid_t file, const table_part& t, std::size_t k, const counted_rows& counts) {
     table_place all;
@@ -204,34 +199,6 @@ class checkpoint_writer {
     create_dataset(file, path, {type, rows, width});
     if (rows > 0) write_whole(file, path, type, data);
   }
-  static void require_size_allowed(std::uint64_t bytes) {
-    rlimit limit{};
-    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-        bytes > limit.rlim_cur)
-      fail<std::runtime_error>(
-          "cannot be written: it needs some {} bytes, and files may have {} (ulimit -f): raise "
-          "that limit",
-          bytes, static_cast<std::uint64_t>(limit.rlim_cur));
-  }
-  /// So that a full disk is found out here, where one rank fails alone.
-  void reserve() {
-    const system_file file(part_, O_RDWR);
-    struct stat found {};
-    if (!file.good() || ::fstat(file.id(), &found) != 0)
-      fail<std::runtime_error>("cannot be written: {}", system_words());
-    block_.file_bytes = static_cast<std::uint64_t>(found.st_size);
-    int failed = 0;
-    do {
-      failed = ::fallocate(file.id(), 0, 0, found.st_size) != 0 ? errno : 0;
-    } while (failed == EINTR);
-    if (failed != 0 && failed != EOPNOTSUPP && failed != ENOSYS)
-      fail<std::runtime_error>(
-          "cannot be written: there is no room for {} bytes more ({}): make room, or name a file "
-          "on "
-          "another disk",
-          block_.file_bytes, system_words(failed));
-  }
-
   /// The file again, on all ranks or on the one whose turn it is.
   hdf5_handle open_file() const {
     const hdf5_handle access = access_list();

@@ -1,6 +1,8 @@
 #pragma once
 // Files by the system's own functions, where HDF5 is not asked.
 #include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,7 +11,10 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <stdexcept>
 #include <string>
+
+#include "talus/core/error.hpp"
 
 namespace talus::detail {
 
@@ -67,5 +72,35 @@ class no_size_signal {
  private:
   void (*before_)(int);
 };
+
+/// Throws runtime_error where this process may not write so long a file.
+[[gnu::cold]] inline void require_size_allowed(std::uint64_t bytes) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      bytes > limit.rlim_cur)
+    fail<std::runtime_error>(
+        "cannot be written: it needs some {} bytes, and files may have {} (ulimit -f): raise "
+        "that limit",
+        bytes, static_cast<std::uint64_t>(limit.rlim_cur));
+}
+
+/// Asks for room on the disk for all of a file, so that a full one is found out here, where one
+/// rank fails alone. Returns the length of the file.
+[[gnu::cold]] inline std::uint64_t reserve_file(const std::string& path) {
+  const system_file file(path, O_RDWR);
+  struct stat found {};
+  if (!file.good() || ::fstat(file.id(), &found) != 0)
+    fail<std::runtime_error>("cannot be written: {}", system_words());
+  int failed = 0;
+  do {
+    failed = ::fallocate(file.id(), 0, 0, found.st_size) != 0 ? errno : 0;
+  } while (failed == EINTR);
+  if (failed != 0 && failed != EOPNOTSUPP && failed != ENOSYS)
+    fail<std::runtime_error>(
+        "cannot be written: there is no room for {} bytes more ({}): make room, or name a file on "
+        "another disk",
+        static_cast<std::uint64_t>(found.st_size), system_words(failed));
+  return static_cast<std::uint64_t>(found.st_size);
+}
 
 }  // namespace talus::detail

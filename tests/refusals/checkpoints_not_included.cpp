@@ -1,0 +1,17 @@
+// expects: run needs what writes the checkpoints of its scenario, which names
+// features<checkpoints>: write #include <talus/checkpoint.hpp>
+#include "talus/parallel/serial.hpp"
+#include "talus/scene/run.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<bodies<sphere>, transport<serial>>;
+#else
+using scene = scenario<bodies<sphere>, transport<serial>, features<checkpoints>>;
+#endif
+
+int main(int argc, char** argv) {
+  return run<scene>(argc, argv, [](auto& world, const auto& options) {
+    world.simulate({.steps = options.steps, .dt = options.dt});
+  });
+}
