@@ -5,6 +5,8 @@
 // three are so large that they lie in several domains at once. Nothing may be lost, and memory may
 // not grow. Prints a digest of the end, so that a solver whose trajectories do not depend on the
 // number of ranks can be held to that: add it to `solvers`.
+#define DOCTEST_CONFIG_IMPLEMENT  // the precompiled header refers to it
+#include <doctest/doctest.h>
 #include <malloc.h>
 #include <unistd.h>
 

@@ -58,21 +58,25 @@ void require_all_here(const world_state<Scenario>& s) {
 /// Who owns a body, and where, of all ranks. Collective; for messages.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string owners_text(const world_state<Scenario>& s, system_id id) {
-  byte_buffer mine;
-  byte_writer out(mine);
-  s.each_finite_shape([&](const auto& b) {
-    for (std::size_t i = 0; i < b.movable.locals; ++i)
-      if (b.movable.id[i] == id) out.put(b.movable.position[i]);
-  });
-  std::string owners;
-  int rank = 0;
-  for (const byte_buffer& theirs : s.link->gather_all(mine)) {
-    for (byte_reader in(theirs); !in.empty();)
-      owners += compose("{} rank {} at {}", owners.empty() ? "; it is owned by" : " and by", rank,
-                        in.get<vec3>());
-    ++rank;
+  if constexpr (world_state<Scenario>::link_type::alone)
+    return "";
+  else {
+    byte_buffer mine;
+    byte_writer out(mine);
+    s.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = 0; i < b.movable.locals; ++i)
+        if (b.movable.id[i] == id) out.put(b.movable.position[i]);
+    });
+    std::string owners;
+    int rank = 0;
+    for (const byte_buffer& theirs : s.link->gather_all(mine)) {
+      for (byte_reader in(theirs); !in.empty();)
+        owners += compose("{} rank {} at {}", owners.empty() ? "; it is owned by" : " and by", rank,
+                          in.get<vec3>());
+      ++rank;
+    }
+    return owners;
   }
-  return owners;
 }
 
 /// The bodies that came in a handover, and from which neighbour.
