@@ -1,6 +1,8 @@
 // fuzz_scenarios [--runs N] [--seed S] [--only FAMILY] [--seconds T] [--verbose], or fuzz_all
 // Random scenarios from consecutive seeds, each checked against the invariants. A run that fails,
 // crashes or hangs prints the one command that repeats it.
+#define DOCTEST_CONFIG_IMPLEMENT  // the precompiled header refers to it
+#include <doctest/doctest.h>
 #include <unistd.h>
 #include <atomic>
 #include <chrono>

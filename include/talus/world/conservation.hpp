@@ -25,6 +25,13 @@ template <class Scenario>
   return here;
 }
 
+/// Bodies came here by other means than those of the world, as from a file, on all ranks: those
+/// that are here now are those that should be.
+template <class Scenario>
+void take_stock(world_state<Scenario>& s) {
+  s.owned = s.made = count_owned(s);
+}
+
 /// A body that is owned here more than once, or no_id.
 template <class Scenario>
 [[nodiscard, gnu::cold]] system_id twice_owned(const world_state<Scenario>& s) {
@@ -45,9 +52,9 @@ void require_all_here(const world_state<Scenario>& s) {
   const surplus difference(here, s.owned);
   const system_id twice = twice_owned(s);
   fail<std::runtime_error>(
-      "{} {} in step {}: rank {} should own {} bodies, and owns {}; bodies come and go only by "
-      "add, "
-      "fill and destroy of their world",
+      "{} {} in step {}: rank {} should own {} bodies, and owns {}; bodies come and go by add, "
+      "fill "
+      "and destroy only",
       twice != no_id ? "body " + text(twice) + last_seen(s, twice) : text(s, difference),
       twice != no_id          ? "is there twice"
       : difference.bodies > 0 ? "appeared from nowhere"
@@ -58,21 +65,25 @@ void require_all_here(const world_state<Scenario>& s) {
 /// Who owns a body, and where, of all ranks. Collective; for messages.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string owners_text(const world_state<Scenario>& s, system_id id) {
-  byte_buffer mine;
-  byte_writer out(mine);
-  s.each_finite_shape([&](const auto& b) {
-    for (std::size_t i = 0; i < b.movable.locals; ++i)
-      if (b.movable.id[i] == id) out.put(b.movable.position[i]);
-  });
-  std::string owners;
-  int rank = 0;
-  for (const byte_buffer& theirs : s.link->gather_all(mine)) {
-    for (byte_reader in(theirs); !in.empty();)
-      owners += compose("{} rank {} at {}", owners.empty() ? "; it is owned by" : " and by", rank,
-                        in.get<vec3>());
-    ++rank;
+  if constexpr (world_state<Scenario>::link_type::alone)
+    return "";
+  else {
+    byte_buffer mine;
+    byte_writer out(mine);
+    s.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = 0; i < b.movable.locals; ++i)
+        if (b.movable.id[i] == id) out.put(b.movable.position[i]);
+    });
+    std::string owners;
+    int rank = 0;
+    for (const byte_buffer& theirs : s.link->gather_all(mine)) {
+      for (byte_reader in(theirs); !in.empty();)
+        owners += compose("{} rank {} at {}", owners.empty() ? "; it is owned by" : " and by", rank,
+                          in.get<vec3>());
+      ++rank;
+    }
+    return owners;
   }
-  return owners;
 }
 
 /// The bodies that came in a handover, and from which neighbour.

@@ -38,6 +38,7 @@ void refuse_uncovered_flights(const world_state<Scenario>& s) {
     s.each_finite_shape([&](const auto& b) {
       const auto& store = b.movable;
       for (std::size_t i = 0; i < store.locals; ++i) {
+        if (!store.moves(i)) continue;  // a belt has a speed, and stays
         const vec3 &p = store.position[i], &v = store.velocity[i];
         const real radius = store.shape[i].bounding_radius(), way = s.dt * v.norm();
         if (radius + way <= s.own.covered() || !s.own.contains(p)) continue;

@@ -3,7 +3,6 @@
 // begins to ask whether there is anybody left to wait for.
 #include <chrono>
 #include <cstdint>
-#include <thread>
 
 #include "talus/core/error.hpp"
 #include "talus/parallel/detail/mpi_verdict.hpp"
@@ -21,7 +20,7 @@ class mpi_patience {
 
   /// Calls done() until it is true. Throws runtime_error if `other`, or for a collective call (the
   /// `call`-th) any rank, has ended its program before it came so far, and nothing of it arrived in
-  /// a further fifth of a second.
+  /// a further second.
   template <class Done>
   void wait(int rank, int other, std::uint64_t call, Done&& done) const {
     if (done()) return;
@@ -36,7 +35,7 @@ class mpi_patience {
             "the same collective calls, and none returns before the others",
             rank, suspect);
       suspect = find_suspect(other, call);
-      look = clock::now() + std::chrono::milliseconds(200);
+      look = clock::now() + std::chrono::milliseconds(suspect == all ? 200 : 1000);
     }
   }
 
