@@ -133,8 +133,9 @@ TEST_CASE("a body that is released next to a boundary takes as much momentum as 
   threads::launch({.ranks = 2}, [&](threads::link& link) {
     world<halves> w(link, {.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
-    const auto movable =
-        w.add_if_local(body{.shape = sphere{0.5}, .position = {-0.4, 0, 0}, .material = stuff});
+    w.solver().iterations = 1;  // more would forget where they began
+    for (const double x : {-2.4, -1.4, -0.4})
+      w.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, 0}, .material = stuff});
     const auto fixed = w.add_if_local(
         body{.shape = sphere{0.5}, .position = {0.6, 0, 0}, .material = stuff, .fixed = true});
     w.gravity({10, 0, 0});
@@ -148,7 +149,6 @@ TEST_CASE("a body that is released next to a boundary takes as much momentum as 
       link.reduce(reduction::sum, std::span(&momentum, 1));
       CHECK(std::abs(momentum) < 1e-14);
     }
-    CHECK(movable.has_value() == (link.rank() == 0));
   });
 }
 
