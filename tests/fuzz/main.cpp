@@ -26,19 +26,13 @@ struct family {
 };
 // A seed has one family, whichever of them are compiled.
 #ifdef TALUS_FUZZ_ALL
-const family families[] = {{"spheres", fuzz::run_spheres},
-                           {"solids", fuzz::run_solids},
-                           {"jacobi", fuzz::run_jacobi},
-                           {"springs", fuzz::run_springs},
-                           {"pursued", fuzz::run_pursued},
-                           {"alike", fuzz::run_alike}};
+const family families[] = {{"spheres", fuzz::run_spheres}, {"solids", fuzz::run_solids},
+                           {"jacobi", fuzz::run_jacobi},   {"springs", fuzz::run_springs},
+                           {"pursued", fuzz::run_pursued}, {"alike", fuzz::run_alike}};
 #else
-const family families[] = {{"spheres", fuzz::run_spheres},
-                           {"solids", nullptr},
-                           {"jacobi", nullptr},
-                           {"springs", fuzz::run_springs},
-                           {"pursued", nullptr},
-                           {"alike", nullptr}};
+const family families[] = {
+    {"spheres", fuzz::run_spheres}, {"solids", nullptr},  {"jacobi", nullptr},
+    {"springs", fuzz::run_springs}, {"pursued", nullptr}, {"alike", nullptr}};
 #endif
 
 // Of the run under way, for those that speak when it cannot.

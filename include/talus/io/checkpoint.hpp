@@ -247,7 +247,7 @@ template <class Scenario>
           "the checkpoint {} holds {} bodies, but {} are in the domain of some rank: all space "
           "must belong to one rank each",
           file, rows[0], rows[1]);
-    w.state().owned = w.state().made = detail::count_owned(w.state());
+    detail::take_stock(w.state());
     detail::begin_afresh(w, wakes);
   }
   return changes;

@@ -109,8 +109,12 @@ class checkpoint_files final : public checkpoint_hooks {
     const bool due = plan_.every > 0 && w_.steps() % plan_.every == 0;
     if (!due && asked == nothing) return;
     write_checkpoint(w_, plan_.to);
+    written_ = w_.steps();
     heard_write_ = heard_signals().write;  // other ranks may have heard it a step later
     if (asked == end) throw ended_by_signal{w_.steps()};
+  }
+  void at_end() override {
+    if (!plan_.to.empty() && written_ != w_.steps()) write_checkpoint(w_, plan_.to);
   }
   void refuse_step_before_restart() const override {
     if (waiting_)
@@ -150,6 +154,7 @@ class checkpoint_files final : public checkpoint_hooks {
   std::uint64_t polled_at_ = 0, next_poll_ = 0;
   bool polling_ = false, polled_before_ = false;
   heard asked_ = nothing;
+  std::optional<std::uint64_t> written_;        ///< the last step that was written
   std::optional<listen_to_signals> listening_;  ///< once in a process
 };
 

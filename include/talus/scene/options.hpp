@@ -37,7 +37,7 @@ struct options {
   bool copies = false;               ///< pictures show shadow copies
   bool domains = false;              ///< pictures show what each rank owns
   std::string checkpoint;            ///< file for the state of the run; empty: none
-  std::size_t checkpoint_every = 0;  ///< steps between its versions; 0: on signals alone
+  std::size_t checkpoint_every = 0;  ///< steps between its versions; 0: on signals and at the end
   std::string restart;               ///< checkpoint to go on from; empty: from the beginning
 
   [[gnu::cold]] void describe(command_line& cli) {

@@ -131,6 +131,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
   figures.own = std::move(own);
+  if constexpr (Scenario::template has_feature<checkpoints>) w.end_checkpoints();
   if (!speaks) return 0;
   if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
   if (options.json.empty()) return 0;
