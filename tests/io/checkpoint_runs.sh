@@ -7,6 +7,7 @@ set -euo pipefail
 program=$1 folder=$2/$3 what=$3
 shift 3
 launch=("$@")
+export OMPI_MCA_odls_base_sigkill_timeout=20  # from mpirun's SIGTERM to its SIGKILL; one second else
 rm -rf "$folder"
 mkdir -p "$folder"
 cd "$folder"
