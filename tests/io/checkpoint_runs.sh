@@ -7,7 +7,6 @@ set -euo pipefail
 program=$1 folder=$2/$3 what=$3
 shift 3
 launch=("$@")
-export OMPI_MCA_odls_base_sigkill_timeout=20  # from mpirun's SIGTERM to its SIGKILL; one second else
 rm -rf "$folder"
 mkdir -p "$folder"
 cd "$folder"
@@ -118,6 +117,7 @@ END
 }
 
 signals() {
+  export OMPI_MCA_odls_base_sigkill_timeout=20  # from mpirun's SIGTERM to its SIGKILL; one second else
   local how code pid steps
   for how in serial threads mpi; do
     local start=("$program")
