@@ -117,7 +117,7 @@ END
 }
 
 signals() {
-  export OMPI_MCA_odls_base_sigkill_timeout=20  # from mpirun's SIGTERM to its SIGKILL; one second else
+  export OMPI_MCA_odls_base_sigkill_timeout=5  # from mpirun's SIGTERM to its SIGKILL; one second else
   local how code pid steps
   for how in serial threads mpi; do
     local start=("$program")

@@ -72,3 +72,37 @@ TEST_CASE("a body added in the run where none was expected is met by the same co
           body{.shape = sphere{1.5}, .position = {0.3, 0.2, 3.2}, .velocity = {0, 0, -5}});
   });
 }
+
+TEST_CASE(
+    "what a collision makes faster than anything else meets the same bodies in the next step") {
+  const auto chain = [](double at, double next) {
+    return [=](auto& w) {
+      w.gravity({0, 0, 0});
+      const auto heavy = w.material({.density = 1000, .restitution = 1, .friction = 0});
+      const auto light = w.material({.density = 1, .restitution = 1, .friction = 0});
+      const double speed = 0.3 * 0.5 * 240, start = at - 1 - 3.1 * speed / 240;
+      for (const double x : {start, at, next})
+        w.add_if_local(body{.shape = sphere{0.5},
+                            .position = {x, 0.3, 2},
+                            .material = x == start ? heavy : light,
+                            .velocity = {x == start ? speed : 0, 0, 0}});
+    };
+  };
+  for (const double at : {-0.35, -0.3})
+    check_same<heap<reproducible>>(8, chain(at, at + 1.55), nothing);
+}
+
+TEST_CASE("what the user moves into another domain meets the bodies there in the next step") {
+  check_same<heap<reproducible>>(
+      40,
+      [](auto& w) {
+        w.add_if_local(body{.shape = sphere{0.5}, .position = {-2.1, 0.3, 0.5}});
+        w.add_if_local(body{.shape = sphere{0.5}, .position = {2.5, 0.3, 0.5}});
+      },
+      [](auto& w, int k) {
+        if (k != 20) return;
+        w.for_each_local([](auto& b) {
+          if (b.position()[0] < 0) b.translate({3.65, 0, 0.1});
+        });
+      });
+}

@@ -248,6 +248,17 @@ template <class Scenario>
           "must belong to one rank each",
           file, rows[0], rows[1]);
     detail::take_stock(w.state());
+    std::array<double, 3> found{static_cast<double>(w.steps()), -static_cast<double>(w.steps()),
+                                double(detail::twice_owned(w.state()) != no_id)};
+    w.link().reduce(reduction::max, std::span<double>(found));
+    if (found[0] != -found[1])
+      detail::fail<std::runtime_error>(
+          "the checkpoint {} was of step {} for one rank and of step {} for another: it was "
+          "replaced "
+          "while it was read; start again",
+          file, -found[1], found[0]);
+    if (found[2] != 0)
+      detail::fail<std::runtime_error>("the checkpoint {} holds a body twice", file);
     detail::begin_afresh(w, wakes);
   }
   return changes;

@@ -58,6 +58,7 @@ class checkpoint_files final : public checkpoint_hooks {
   }
 
   restart_plan begin(const simulation& s) override {
+    next_poll_ = 0, between_ = 1;  // other steps than those before may take longer
     if (!waiting_) {
       auto& first = checkpoint_access::keeper(w_).first_parameters;
       if (!first) first = parameters_of(w_.state());
@@ -74,6 +75,11 @@ class checkpoint_files final : public checkpoint_hooks {
     waiting_.reset();
     if (w_.rank() == 0 && !changes.empty() && plan_.tell)
       plan_.tell(compose("goes on from {} with other parameters: {}", plan_.from, changes));
+    if (w_.steps() > last)
+      fail<std::runtime_error>(
+          "the checkpoint {} is of step {} now, beyond step {}, with which this part of the run "
+          "ends: another run has written it since this one began",
+          plan_.from, w_.steps(), last);
     if (plan_.restarted) plan_.restarted(w_.steps());
     return {.steps = static_cast<std::size_t>(last - w_.steps()), .restarts = true};
   }
@@ -97,24 +103,19 @@ class checkpoint_files final : public checkpoint_hooks {
     else
       w_.link().reduce(reduction::max, std::span<double>(said_));
     asked_ = static_cast<heard>(static_cast<int>(said_[0]));
-    const double steps = between_polls / std::max(said_[1], 1e-9);
-    next_poll_ = w_.steps() + (polled_before_ ? static_cast<std::uint64_t>(std::clamp(
-                                                    steps, 0.0, double{most_steps_between_polls}))
-                                              : 0);
-    polled_before_ = true;
+    // At most twice as far ahead as the last time: steps may become slower.
+    const double steps = std::min(between_polls / std::max(said_[1], 1e-9), 2.0 * between_);
+    between_ = std::clamp(steps, 1.0, double{most_steps_between_polls});
+    next_poll_ = w_.steps() + static_cast<std::uint64_t>(between_);
   }
   void after_observers() override {
     if (plan_.to.empty()) return;
     const heard asked = std::exchange(asked_, nothing);
-    const bool due = plan_.every > 0 && w_.steps() % plan_.every == 0;
+    const bool due = (plan_.every > 0 && w_.steps() % plan_.every == 0) || w_.steps() == plan_.last;
     if (!due && asked == nothing) return;
     write_checkpoint(w_, plan_.to);
-    written_ = w_.steps();
     heard_write_ = heard_signals().write;  // other ranks may have heard it a step later
     if (asked == end) throw ended_by_signal{w_.steps()};
-  }
-  void at_end() override {
-    if (!plan_.to.empty() && written_ != w_.steps()) write_checkpoint(w_, plan_.to);
   }
   void refuse_step_before_restart() const override {
     if (waiting_)
@@ -152,9 +153,9 @@ class checkpoint_files final : public checkpoint_hooks {
   std::array<double, 2> said_{};
   double polled_ = wall_seconds();
   std::uint64_t polled_at_ = 0, next_poll_ = 0;
-  bool polling_ = false, polled_before_ = false;
+  bool polling_ = false;
+  double between_ = 1;  ///< steps from the last poll to the next
   heard asked_ = nothing;
-  std::optional<std::uint64_t> written_;        ///< the last step that was written
   std::optional<listen_to_signals> listening_;  ///< once in a process
 };
 

@@ -92,8 +92,11 @@ class time_series {
       headed_ = true;
       line.clear();
     }
-    file_ = std::freopen(name_.c_str(), "w", file_);
-    if (file_ == nullptr || std::fputs(kept.c_str(), file_) < 0 || std::fflush(file_) != 0)
+    // Beside it, so that the table is whole at any time.
+    const std::string beside = name_ + ".part";
+    file_ = std::freopen(beside.c_str(), "w", file_);
+    if (file_ == nullptr || std::fputs(kept.c_str(), file_) < 0 || std::fflush(file_) != 0 ||
+        std::rename(beside.c_str(), name_.c_str()) != 0)
       fail_to_write();
   }
 

@@ -120,7 +120,7 @@ struct mpi {
     void barrier() { meet(); }
     [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine) {
       // One message each: MPI_Gatherv would limit the whole to 2 GiB.
-      exchange_.count_collective(rank_);
+      meet();
       std::vector<byte_buffer> all;
       if (rank_ != 0) {
         ranks_.send(0, tag_, bytes(mine), count(mine));

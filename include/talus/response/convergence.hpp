@@ -38,6 +38,8 @@ struct solved {
 template <class Lists, class Ranks, class State = solver_state, class Sum = double>
 class convergence {
   static constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
+  /// Where nothing may depend on the ranks, a rank alone learns as late as others.
+  static constexpr bool at_once = alone && std::is_same_v<Sum, double>;
 
  public:
   /// Checks are at least `apart` iterations from each other.
@@ -69,7 +71,7 @@ class convergence {
     looked_ = k;
     next_ = k + std::max(apart_, k / 8);
     look();
-    if (alone || hopeful_) settled_ = conclude();
+    if (at_once || hopeful_) settled_ = conclude();
     hopeful_ = false;
     return settled_;
   }
@@ -80,7 +82,7 @@ class convergence {
   /// check is made at once, or after `grace` more iterations, and waited for, so that the
   /// velocities that are kept are those that passed.
   void hear(int grace = 0) {
-    if constexpr (!alone) {
+    if constexpr (!at_once) {
       if (!looking_) return;
       hopeful_ = conclude();
       if (hopeful_) next_ = looked_ + 1 + grace;

@@ -63,6 +63,7 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, progress_lin
       checkpoint_plan plan;
       plan.to = options.checkpoint;
       plan.every = options.checkpoint_every;
+      plan.last = options.steps;
       plan.from = options.restart;
       plan.tell = [](const std::string& words) { std::fputs((words + "\n").c_str(), stderr); };
       plan.restarted = [&](std::uint64_t step) {
@@ -131,7 +132,6 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
   figures.own = std::move(own);
-  if constexpr (Scenario::template has_feature<checkpoints>) w.end_checkpoints();
   if (!speaks) return 0;
   if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
   if (options.json.empty()) return 0;

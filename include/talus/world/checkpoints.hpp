@@ -47,8 +47,6 @@ struct checkpoint_hooks {
   virtual void after_observers() = 0;
   /// Throws runtime_error where simulate() has not come to the step of the file.
   virtual void require_restarted() const = 0;
-  /// After the last step: the file holds the end of the run.
-  virtual void at_end() = 0;
   /// A step by hand has no place among those that a restart leaves out.
   virtual void refuse_step_before_restart() const = 0;
 };
@@ -117,9 +115,10 @@ struct keeps_nothing {};
 
 /// The checkpoints that a run is asked for.
 struct checkpoint_plan {
-  std::string to;         ///< file to write; empty: none
-  std::size_t every = 0;  ///< steps from one to the next; 0: on signals and at the end
-  std::string from;       ///< file to go on from; empty: none
+  std::string to;          ///< file to write; empty: none
+  std::size_t every = 0;   ///< steps from one to the next; 0: on signals and at the end
+  std::uint64_t last = 0;  ///< the step after which the run ends, if that is known
+  std::string from;        ///< file to go on from; empty: none
   std::function<void(const std::string&)> tell;    ///< takes a message for the user, on rank 0
   std::function<void(std::uint64_t)> restarted{};  ///< takes the step of the file, when it is read
 };

@@ -117,7 +117,10 @@ class body_view {
           id());
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
     store_->inverse_mass[i_] = 1 / mass();
-    if constexpr (!state_type::link_type::alone) detail::note_release(*s_, *store_, i_);
+    if constexpr (!state_type::link_type::alone)
+      detail::note_release(*s_, *store_, i_);
+    else if constexpr (state_type::by_colours)
+      detail::forget_contacts(*s_, id());
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Wakes the island of the body, and begins its time of rest anew. (So does every change of a

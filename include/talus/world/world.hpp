@@ -326,12 +326,6 @@ class world {
     if constexpr (keeps)
       if (keeper_.hooks != nullptr) keeper_.hooks->require_restarted();
   }
-  /// Collective: writes the checkpoint that the run was asked for, unless that was done after the
-  /// last step.
-  void end_checkpoints() {
-    if constexpr (keeps)
-      if (keeper_.hooks != nullptr) keeper_.hooks->at_end();
-  }
   /// The step of the checkpoint from which this run went on; 0 if it began at the beginning.
   [[nodiscard]] std::uint64_t restarted_at() const {
     if constexpr (keeps)

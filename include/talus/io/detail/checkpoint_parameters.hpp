@@ -2,9 +2,11 @@
 // What a checkpoint says of its run besides bodies and contacts.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -54,6 +56,10 @@ template <class State>
                                                       const parameters& at_last) {
   std::string changes;
   each_parameter(s, [&](std::size_t k, auto& value) {
+    constexpr bool whole = std::is_integral_v<std::remove_cvref_t<decltype(value)>>;
+    if (!(std::abs(at_last[k]) < (whole ? 2e9 : 1e300)) || !std::isfinite(at_first[k]))
+      fail<std::runtime_error>("says that {} is {}, which makes no sense", parameter_names[k],
+                               at_last[k]);
     const auto mine = static_cast<double>(value);
     const bool as_before = k == 0 ? mine == 0 : mine == at_first[k];  // dt: none is given yet
     if (as_before) {

@@ -15,7 +15,8 @@ struct signals_heard {
   return all;
 }
 
-/// While it lives SIGUSR1 and SIGTERM are counted instead of ending the process.
+/// While it lives SIGUSR1 and SIGTERM are counted instead of ending the process; a second SIGTERM
+/// ends it as usual, for programs that take no steps.
 class listen_to_signals {
  public:
   listen_to_signals() {
@@ -26,6 +27,7 @@ class listen_to_signals {
     action.sa_handler = [](int) { ++heard_signals().write; };
     sigaction(SIGUSR1, &action, &write_);
     action.sa_handler = [](int) { ++heard_signals().end; };
+    action.sa_flags |= static_cast<int>(SA_RESETHAND);
     sigaction(SIGTERM, &action, &end_);
   }
   listen_to_signals(const listen_to_signals&) = delete;
