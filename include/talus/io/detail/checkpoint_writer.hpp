@@ -85,8 +85,10 @@ class checkpoint_writer {
     team_.together([&] {
       if (team_.rank() != 0) return;
       explain([&] {
+        const bool there =
+            ::access(part_.c_str(), F_OK) == 0;  // of a run that writes, or was killed
         open_part(O_RDWR | O_CREAT);
-        ::unlink(part_.c_str());
+        if (!there) ::unlink(part_.c_str());
       });
     });
   }
@@ -208,7 +210,7 @@ class checkpoint_writer {
 #endif
     return {H5Fopen(part_.c_str(), H5F_ACC_RDWR, access), H5Fclose, "written"};
   }
-  /// Through MPI-IO: whatever fails on one rank, it takes part in all that the others wait for.
+  /// Through MPI-IO: where a write fails on one rank, it takes part in the others still.
   void write_together(const std::vector<table_part>& tables,
                       const std::vector<table_place>& places) {
     const silent_hdf5 silent;
