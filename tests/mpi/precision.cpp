@@ -1,5 +1,6 @@
 // Contacts solved in float: ranks as processes end with the bits of ranks as threads.
 // ranks: 2 4
+// long
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 

@@ -1,5 +1,6 @@
 // Islands that sleep and wake across processes.
 // ranks: 1 2 4
+// long
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 

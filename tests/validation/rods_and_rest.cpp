@@ -1,5 +1,6 @@
 // Painleve's rod against its closed form; the floor bears the weight of what rests on it; boxes on
 // inclines across ranks; extreme coefficients. On 1 rank, and on 4 that meet in the scene.
+// long
 #include <doctest/doctest.h>
 
 #include <cmath>

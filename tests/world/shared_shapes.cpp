@@ -1,4 +1,5 @@
 // Polyhedra and unions across ranks: momentum, migration, and how often their form is sent.
+// long
 #include <doctest/doctest.h>
 
 #include <set>
