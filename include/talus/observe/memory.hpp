@@ -31,6 +31,7 @@ template <class Scenario>
     of(s.solver.drift);
     of(s.solver.tensors);
     of(s.solver.boundary_contacts);
+    if constexpr (requires { s.colours.all; }) bytes += s.colours.all.bytes();
   }
   if constexpr (requires { s.choice.bodies; })
     for (const auto& bodies : s.choice.bodies) of(bodies);

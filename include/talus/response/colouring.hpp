@@ -205,14 +205,17 @@ class colouring {
       for (const std::uint32_t n : l.units) own += mix(units_[n].priority);
       if (count != l.units.size() || sum != own)
         fail<std::runtime_error>(
-            "two ranks disagree about the contacts between their bodies: this one has {} pairs "
-            "with rank {}, which has {}; a shadow copy is missing or out of date",
-            l.units.size(), l.rank, count);
+            "two ranks disagree about the pairs of their bodies that touch: {} here, and {} by "
+            "rank "
+            "{}; a shadow copy is missing or out of date: call synchronize() on all ranks after "
+            "changing bodies or connections",
+            l.units.size(), count, l.rank);
     }
     for (; !in.empty(); ++l.heard) {
       const auto at = in.get<std::uint32_t>();
       if (at >= l.units.size())
-        fail<std::runtime_error>("rank {} told of a contact {} of {}", l.rank, at, l.units.size());
+        fail<std::runtime_error>("rank {} told of pair {}, but shares {} with this one", l.rank, at,
+                                 l.units.size());
       taken_there& there = there_[number_[l.units[at]]];
       const auto words = in.get_all<std::uint64_t>();
       there.colours.assign(words.begin(), words.end());

@@ -28,6 +28,12 @@ void colour_contacts(world_state<Scenario>& s) {
   s.each_contact_list([&](const auto& list) {
     list.each_unit([&](contact_unit unit, bool shared) {
       if (shared) unit.line = line_of[static_cast<std::size_t>(unit.b)];
+      if (shared && unit.line < 0)
+        fail<std::runtime_error>(
+            "bodies {} and {} touch across ranks in step {}, but rank {} does not hear of the "
+            "motion "
+            "of one of them: call synchronize() on all ranks after changing bodies",
+            text(unit.id_a), text(unit.id_b), s.steps, s.link->rank());
       all.add(unit);
     });
     ends.push_back(all.size());
