@@ -1,3 +1,4 @@
+# long
 # 91 hexagonal ranks: nothing is lost, and the busiest rank has six neighbours with 15 messages each.
 set(falls "bodies EQUAL 4200" "penetration_mean LESS 1e-3" "collectives_per_step EQUAL 0")
 set(size --bodies 1200 --steps 60 --quiet)
@@ -12,3 +13,6 @@ add_same_bits_test(same_bits RESTART STEPS 150 ARGS --reproducible --bodies 1200
                    RUNS "--ranks 1" "--ranks 7" "--ranks 19" "mpi 7")
 add_same_bits_test(same_bits_whole LONG RESTART STEPS 3000 ARGS --reproducible
                    RUNS "--ranks 1" "--ranks 19" "--ranks 91" "mpi 37")
+
+# What the default solver promises: from run to run on as many ranks, threads or processes.
+add_same_bits_test(twice LONG STEPS 3000 RUNS "--ranks 19" "--ranks 19" "mpi 19")

@@ -1,3 +1,4 @@
+# long
 # Half full, the flow rate is that of Beverloo's law within the spread of its constants, on one rank
 # and on 64.
 set(flows "collectives_per_step EQUAL 0" "penetration_mean LESS 2e-3" "spheres_left GREATER 500"

@@ -14,3 +14,7 @@ set(one_and_others "--ranks 1" "--ranks 8" "--sectors 4 --slabs 3 --ranks 7"
                    "mpi 9 --sectors 8 --slabs 1")
 add_same_bits_test(same_bits RESTART STEPS 700 ARGS --reproducible RUNS ${one_and_others})
 add_same_bits_test(same_bits_whole LONG RESTART STEPS 12000 ARGS --reproducible RUNS ${one_and_others})
+
+# What the default solver promises: from run to run on as many ranks, threads or processes.
+add_same_bits_test(twice LONG STEPS 6000 RUNS "--ranks 9 --sectors 8 --slabs 1"
+                   "--ranks 9 --sectors 8 --slabs 1" "mpi 9 --sectors 8 --slabs 1")

@@ -31,3 +31,8 @@ add_example_test(slabs ARGS ${few} --ranks 5 --decomposition slabs
                  CHECK ${kept} "messages_per_step_max LESS 31")
 add_example_test(hexagonal ARGS ${few} --ranks 19 --decomposition hexagonal
                  CHECK ${kept} "messages_per_step_max LESS 91")
+
+# What the default solver promises: the same bits from run to run on as many ranks, whether these are
+# threads or processes.
+add_same_bits_test(twice LONG STEPS 6000 RUNS "--ranks 4" "--ranks 4" "mpi 4")
+add_same_bits_test(twice_alone LONG STEPS 6000 RUNS "--ranks 1" "--ranks 1")

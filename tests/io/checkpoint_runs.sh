@@ -2,11 +2,13 @@
 # What becomes of the checkpoints of a run when files are damaged, disks are full, signals come and
 # ranks are killed: with a real program.
 #   checkpoint_runs.sh PROGRAM FOLDER WHAT [MPIRUN...]
-# PROGRAM is the example drop; MPIRUN... starts it on two ranks.
+# PROGRAM is the example drop, or well, which draws pictures; MPIRUN... starts it on two ranks.
 set -euo pipefail
 program=$1 folder=$2/$3 what=$3
 shift 3
 launch=("$@")
+few=()  # what makes it small
+[[ $(basename "$program") == well ]] && few=(--spheres 100)
 rm -rf "$folder"
 mkdir -p "$folder"
 cd "$folder"
@@ -14,14 +16,14 @@ cd "$folder"
 fail() { echo "FAILED: $*"; exit 1; }
 digest() { sed -n 's/.*"state_digest": "\([0-9a-f]*\)".*/\1/p' "$1"; }
 
-# Runs the program, which must end with the code, within 20 seconds, and say all of the words.
+# Runs the program, which must end with the code, within a minute, and say all of the words.
 expect() {
   local code=$1 got=0 word
   shift
   local words=()
   while [[ $1 != -- ]]; do words+=("$1"); shift; done
   shift
-  timeout -k 5 20 "$@" >out 2>&1 || got=$?
+  timeout -k 5 60 "$@" >out 2>&1 || got=$?
   [[ $got == "$code" ]] || { cat out; fail "exit code $got instead of $code: $*"; }
   for word in "${words[@]}"; do
     grep -qF -- "$word" out || { cat out; fail "nothing says '$word': $*"; }
@@ -149,36 +151,89 @@ signals() {
   done
 }
 
-# One of two ranks is killed while a file is being written, for as many times as it takes to leave
-# an unfinished one behind.
-killed() {
-  local pid victim attempt
-  expect 0 -- "${launch[@]}" "$program" --quiet --steps 600 --checkpoint whole.h5 \
-    --checkpoint-every 10 --json whole.json
+# Starts the program on two ranks, in the background.
+start() {
+  "${launch[@]}" "$program" "${few[@]}" --quiet --checkpoint c.h5 "$@" >out 2>&1 &
+  pid=$!
+}
+# Kills one of the two: a program whose parent is that mpirun.
+kill_a_rank() {
+  local victim=
+  until [[ -n $victim ]]; do
+    kill -0 $pid 2>/dev/null || fail "no rank to kill"
+    victim=$(pgrep -P "$pid" -f -- "--checkpoint c.h5" | tail -n 1)
+  done
+  "$@"
+  kill -KILL "$victim" 2>/dev/null || true
+}
+# The whole job ends within seconds; `code` says how.
+ends_soon() {
+  local started=$SECONDS
+  wait $pid && code=0 || code=$?
+  ((SECONDS - started <= 10)) || fail "the job went on for $((SECONDS - started)) s"
+}
+# From the last checkpoint the run comes to the end of one without the accident.
+goes_on() {
+  expect 0 -- "${launch[@]}" "$program" "${few[@]}" --quiet --steps 600 --checkpoint c.h5 \
+    --checkpoint-every 30 --json end.json "$@"
+  [[ $(digest end.json) == $(digest whole.json) ]] || fail "another end than without the accident"
+  [[ ! -e c.h5.part ]] || fail "an unfinished file is left behind"
+}
+whole_run() {
+  expect 0 -- "${launch[@]}" "$program" "${few[@]}" --quiet --steps 600 --checkpoint whole.h5 \
+    --checkpoint-every 30 --json whole.json
+}
+
+# While a file is being written, for as many times as it takes to leave an unfinished one behind.
+killed_writing() {
+  local attempt n
+  whole_run
   for ((attempt = 1; attempt <= 40; ++attempt)); do
     rm -f c.h5 c.h5.part
-    "${launch[@]}" "$program" --quiet --steps 600 --checkpoint c.h5 --checkpoint-every 10 \
-      >out 2>&1 &
-    pid=$!
+    start --steps 600 --checkpoint-every 30
     wait_for c.h5
-    # A program whose parent (or its parent) is that mpirun.
-    victim=$(pgrep -P "$pid" -f -- "--checkpoint c.h5" | tail -n 1)
-    [[ -n $victim ]] || fail "no rank to kill"
-    for ((n = 0; n < 200000; ++n)); do
-      [[ -e c.h5.part ]] && break
-    done
-    kill -KILL "$victim" 2>/dev/null || true
-    local started=$SECONDS
-    wait "$pid" && code=0 || code=$?
-    ((SECONDS - started <= 10)) || fail "the job went on for $((SECONDS - started)) s"
+    kill_a_rank eval 'for ((n = 0; n < 200000; ++n)); do [[ -e c.h5.part ]] && break; done'
+    ends_soon
     [[ -e c.h5.part && $code != 0 ]] && break
   done
   [[ -e c.h5.part ]] || fail "no rank could be killed in time"
   echo "killed in attempt $attempt"
-  expect 0 -- "${launch[@]}" "$program" --quiet --steps 600 --restart c.h5 --checkpoint c.h5 \
-    --checkpoint-every 10 --json end.json
-  [[ $(digest end.json) == $(digest whole.json) ]] || fail "another end than without the accident"
-  [[ ! -e c.h5.part ]] || fail "an unfinished file is left behind"
+  goes_on --restart c.h5
+}
+
+# While the job starts and the scene is set up: at the first sight of a rank, and later and later
+# until there is a first step. Nothing was kept yet, so the run begins again.
+killed_setting_up() {
+  local wait
+  whole_run
+  for wait in 0 0.005 0.01 0.02 0.04 0.08 0.16; do
+    rm -f c.h5 t.csv
+    start --steps 1000000000 --csv t.csv --csv-every 1
+    kill_a_rank sleep $wait
+    [[ -e t.csv ]] && echo "after $wait s there are steps"
+    ends_soon
+    [[ $code != 0 ]] || fail "a job with a killed rank ends well"
+  done
+  goes_on
+}
+
+# In a step, and while pictures are being written after every step.
+killed_stepping() {
+  local output
+  whole_run
+  for output in "" "--frames pictures --every 1"; do
+    rm -rf c.h5 t.csv pictures
+    # shellcheck disable=SC2086  # two words or none
+    start --steps 1000000000 --checkpoint-every 30 --csv t.csv --csv-every 1 $output
+    wait_for t.csv
+    until [[ $(wc -l <t.csv) -gt 50 ]]; do sleep 0.01; done
+    if [[ -n $output ]]; then [[ $(ls pictures | wc -l) -gt 10 ]] || fail "no pictures"; fi
+    kill_a_rank
+    ends_soon
+    [[ $code != 0 ]] || fail "a job with a killed rank ends well"
+    rm -f c.h5.part
+    goes_on --restart c.h5
+  done
 }
 
 "$what"

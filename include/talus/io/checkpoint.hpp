@@ -21,6 +21,9 @@ namespace talus {
 
 namespace detail {
 
+/// More steps or iterations than any run makes; exact as a double.
+inline constexpr std::uint64_t most_counted = std::uint64_t{1} << 52;
+
 /// Names and rows of a scenario's tables, for both directions.
 template <class Scenario, class F>
 void each_table_of_bodies(world_state<Scenario>& s, const char* group, F&& f) {
@@ -128,6 +131,9 @@ template <class Scenario>
   const auto whole = [&](const char* path) { return in.integers(path, 1)[0]; };
   s.steps = whole("/run/steps");
   s.time = in.reals("/run/time", 1)[0];
+  if (!std::isfinite(s.time) || s.steps > most_counted)
+    fail<std::runtime_error>("is damaged: its step {} or its time {} makes no sense", s.steps,
+                             s.time);
   keeper.restarted_at = s.steps;
   access::seed(w) = whole("/run/seed");
   access::fills(w) = whole("/run/fills");
@@ -151,6 +157,9 @@ template <class Scenario>
       merge_parameters(s, get("/parameters/at_first"), get("/parameters/at_last"));
   if constexpr (!world_state<Scenario>::law::soft) {
     const auto c = in.reals("/run/convergence", 5);
+    for (const std::size_t k : {0, 1, 4})
+      if (!(c[k] >= 0 && c[k] <= static_cast<double>(most_counted)))
+        fail<std::runtime_error>("is damaged: its count of iterations, {}, makes no sense", c[k]);
     s.convergence = {static_cast<std::uint64_t>(c[0]), static_cast<std::uint64_t>(c[1]), c[2], c[3],
                      static_cast<std::uint64_t>(c[4])};
   }

@@ -1,9 +1,11 @@
 #pragma once
 // The surface of a convex polyhedron in the frame of its body: corners, flat faces, edges, and how
 // they hang together. Shared by all bodies of that form.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 
 #include "talus/core/bytes.hpp"
 #include "talus/core/math.hpp"
@@ -65,6 +67,42 @@ struct polyhedron_mesh {
     return best;
   }
 
+  /// Throws runtime_error if numbers of vertices, faces or edges point beyond them: bytes that were
+  /// read from a file may come from anywhere.
+  [[gnu::cold]] void require_sound() const {
+    const auto parts = [](const auto& begin, std::size_t lists, std::size_t entries) {
+      bool good = begin.size() == lists + 1 && begin[0] == 0 && begin[lists] == entries;
+      for (std::size_t k = 0; good && k < lists; ++k) good = begin[k] < begin[k + 1];
+      return good;
+    };
+    const auto below = [](const auto& numbers, std::size_t limit) {
+      bool good = true;
+      for (const std::uint32_t n : numbers) good = good && n < limit;
+      return good;
+    };
+    bool good = vertices.size() >= 4 && vertices.size() <= max_vertices && faces() >= 4 &&
+                offsets.size() == faces() && corner_edges.size() == corners.size() &&
+                parts(face_begin, faces(), corners.size()) &&
+                parts(around_begin, vertices.size(), around.size()) &&
+                below(corners, vertices.size()) && below(corner_edges, edges.size()) &&
+                below(around, faces());
+    for (std::size_t f = 0; good && f < faces(); ++f)
+      good = face(f).size() >= 3 && face(f).size() <= max_corners && detail::finite(normals[f]) &&
+             std::isfinite(offsets[f]);
+    for (const edge& e : edges)
+      good = good && e.from < vertices.size() && e.to < vertices.size() && e.left < faces() &&
+             e.right < faces();
+    for (const vec3& v : vertices) good = good && detail::finite(v);
+    const measures& m = measured;
+    good = good && m.volume > 0 && m.bounding_radius > 0 && m.half_width > 0 &&
+           m.inner_radius >= 0 && m.inertia.minCoeff() > 0 &&
+           detail::finite(vec3(m.volume, m.bounding_radius, m.half_width)) &&
+           std::isfinite(m.inner_radius) && detail::finite(m.inertia) &&
+           detail::finite(m.frame.position) &&
+           std::abs(m.frame.orientation.squaredNorm() - 1) < 1e-6;
+    if (!good) throw std::runtime_error("is damaged: a convex_polyhedron makes no sense");
+  }
+
   /// Into a message and out of it. (Templates here and in the shapes: compiled where bodies
   /// travel.)
   template <class Writer>
@@ -93,6 +131,7 @@ struct polyhedron_mesh {
     m.measured.frame.position = in.template get<vec3>();
     m.measured.frame.orientation = in.template get<quat>();
     m.id = in.template get<detail::content_id>();
+    m.require_sound();
     return m;
   }
 };

@@ -255,6 +255,24 @@ template <class Scenario, class Store>
   return f;
 }
 
+/// A body that is held for the last `lost` units of a step has a velocity with all of the step's
+/// acceleration, but no way on which that worked: it gets the speed that goes with its way, or
+/// under gravity its energy would grow with every hold. The direction is that which contacts have
+/// found.
+template <class Scenario, class Store>
+void end_flight(world_state<Scenario>& s, Store& store, std::size_t i, real lost) {
+  const vec3 v = store.velocity[i];
+  const real square = v.squaredNorm();
+  if (!(lost > 0) || square == 0) return;
+  const real gained = 2 * lost * acceleration_of(s, store, i).dot(v);
+  store.velocity[i] = std::sqrt(std::max<real>(0, 1 - gained / square)) * v;
+  if constexpr (watches<Scenario, energy_ledger>)
+    s.monitors.energy.running.scheme +=
+        (store.velocity[i].squaredNorm() - square) / (2 * store.inverse_mass[i]);
+  if constexpr (watches<Scenario, momentum_balance>)
+    s.monitors.momentum.gravity += (store.velocity[i] - v) / store.inverse_mass[i];
+}
+
 /// Ends the rest of the step of a body that struck something where it meets something else.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class flight_stopper {

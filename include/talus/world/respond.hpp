@@ -100,6 +100,7 @@ void integrate(world_state<Scenario>& s) {
           rate *= left / s.dt;
           if constexpr (watches<Scenario, energy_ledger>)
             book_stop(s, store, i, s.dt * (store.velocity[i] - rate));
+          end_flight(s, store, i, s.dt - s.impacts.found[b.first + i]);
         }
       if constexpr (world_state<Scenario>::law::correction)
         rate += in_scalar<real>(solver.shift[b.first + i].v);

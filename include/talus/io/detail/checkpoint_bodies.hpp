@@ -109,33 +109,56 @@ template <class Store>
   return t;
 }
 
-/// A form in the extras of a piece.
+/// The forms in the extras of a table: bodies of one form share it.
 template <class Shape>
 class form_reader {
  public:
-  [[nodiscard]] Shape get(std::array<std::uint64_t, 2> at, std::span<const std::byte> extra,
-                          shared_memory& memory) {
+  [[nodiscard]] Shape get(std::array<std::uint64_t, 2> at, std::span<const std::byte> extra) {
     if (at[0] > extra.size() || at[1] > extra.size() - at[0])
       throw std::runtime_error("is damaged: a body has the form of none");
-    const auto known = known_.find(at);
+    const auto bytes = extra.subspan(at[0], at[1]);
+    const content_id id = id_of_content(bytes);
+    const auto known = known_.find(id);
     if (known != known_.end()) return known->second;
-    byte_reader in(extra.subspan(at[0], at[1]), &memory);
-    return known_.emplace(at, Shape::unpack(in)).first->second;
+    byte_reader in(bytes);
+    return known_.emplace(id, Shape::unpack(in)).first->second;
   }
-  void next_piece() { known_.clear(); }
 
  private:
-  std::map<std::array<std::uint64_t, 2>, Shape> known_;
+  std::map<content_id, Shape> known_;
 };
+
+/// Whether all numbers of a value that is stored as reals are finite.
+template <class T>
+[[nodiscard]] bool all_finite(const T& value) {
+  if constexpr (std::is_same_v<T, float>) {
+    return std::isfinite(value);
+  } else if constexpr (!packs_itself<T>) {
+    const table_column c = column_of<T>("");
+    if (c.type != number_type::f64) return true;
+    const auto* at = reinterpret_cast<const std::byte*>(&value);
+    for (std::uint32_t k = 0; k < c.width; ++k, at += sizeof(double)) {
+      double x;
+      std::memcpy(&x, at, sizeof x);
+      if (!std::isfinite(x)) return false;
+    }
+  }
+  return true;
+}
 
 /// Throws runtime_error for a body that makes no sense: the bytes are as they were written, but
 /// whoever wrote them may have been no talus.
 template <class Store>
 void require_sane(const Store& s, std::size_t i, std::size_t materials) {
-  bool sane = finite(s.velocity[i]) && finite(s.angular_velocity[i]) &&
-              std::isfinite(s.inverse_mass[i]) && s.inverse_mass[i] >= 0 &&
+  constexpr std::uint8_t all_flags =
+      flag_fixed | flag_invisible | flag_asleep | flag_stirred | flag_released;
+  bool sane = s.id[i] != no_id && s.inverse_mass[i] >= 0 && (s.flags[i] & ~all_flags) == 0 &&
               static_cast<std::size_t>(s.material[i]) < materials;
-  if constexpr (Store::shape_type::finite) sane = sane && finite(s.position[i]);
+  s.each_column([&](const auto& c) {
+    using value = typename std::remove_cvref_t<decltype(c)>::value_type;
+    if constexpr (!std::is_same_v<value, typename Store::shape_type>)
+      sane = sane && all_finite(c[i]);
+  });
   if constexpr (Store::oriented)
     sane = sane && std::abs(s.orientation_of[i].squaredNorm() - 1) < 1e-6;
   if (!sane) fail<std::runtime_error>("is damaged: body {} makes no sense", s.id[i]);
@@ -159,7 +182,6 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
                  std::size_t materials, Takes&& takes) {
   using shape = typename Store::shape_type;
   constexpr std::size_t column_of_position = 1;
-  shared_memory memory;
   [[maybe_unused]] std::conditional_t<packs_itself<shape>, form_reader<shape>, no_column> forms;
   plain_vector<std::uint32_t> kept;
   const std::size_t room = store.size() + rows_within(table, bounds);
@@ -171,18 +193,13 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
     for (std::uint64_t i = 0; i < p.rows; ++i)
       if (takes(table.get<vec3>(column_of_position, i)))
         kept.push_back(static_cast<std::uint32_t>(i));
-    if constexpr (packs_itself<shape>) {
-      forms.next_piece();
-      memory.next_exchange();
-    }
     const std::size_t first = store.size();
     std::size_t k = 0;
     store.each_column([&](auto& c) {
       using value = typename std::remove_cvref_t<decltype(c)>::value_type;
       for (const std::uint32_t i : kept) {
         if constexpr (packs_itself<value>)
-          c.push_back(
-              forms.get(table.get<std::array<std::uint64_t, 2>>(k, i), table.extra(), memory));
+          c.push_back(forms.get(table.get<std::array<std::uint64_t, 2>>(k, i), table.extra()));
         else
           c.push_back(table.get<value>(k, i));
       }

@@ -133,8 +133,12 @@ template <class History>
       if (!own_a && !own.has(c.key.b)) continue;
       std::size_t k = 4;
       each_part_of_memory(c.memory, [&](const char*, auto& part) {
-        part = static_cast<std::remove_cvref_t<decltype(part)>>(
-            table.get<stored_part<decltype(part)>>(k++, i));
+        const auto stored = table.get<stored_part<decltype(part)>>(k++, i);
+        if (!all_finite(stored))
+          fail<std::runtime_error>(
+              "is damaged: what the contact of bodies {} and {} remembers makes no sense", c.key.a,
+              c.key.b);
+        part = static_cast<std::remove_cvref_t<decltype(part)>>(stored);
       });
       const bool by_owner_of_a = table.get<std::uint8_t>(3, i) == 0;
       (by_owner_of_a == own_a ? first : second).add(c.key, c.memory);

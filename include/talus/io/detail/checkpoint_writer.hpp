@@ -210,28 +210,52 @@ class checkpoint_writer {
 #endif
     return {H5Fopen(part_.c_str(), H5F_ACC_RDWR, access), H5Fclose, "written"};
   }
-  /// Through MPI-IO: where a write fails on one rank, it takes part in the others still.
+  /// The datasets of one table: its columns, and its extras.
+  using table_sets = std::vector<hdf5_handle>;
+
+  /// Through MPI-IO. All ranks have opened all datasets before the first writes to one: who failed
+  /// there alone would leave the others waiting in a write that is collective.
   void write_together(const std::vector<table_part>& tables,
                       const std::vector<table_place>& places) {
     const silent_hdf5 silent;
     std::optional<hdf5_handle> file;
+    std::vector<table_sets> sets;
     try {
       team_.together([&] { explain([&] { file.emplace(open_file()); }); });
+      team_.together([&] { explain([&] { sets = open_sets(*file, tables); }); });
     } catch (...) {
+      for (table_sets& of_table : sets)
+        for (hdf5_handle& set : of_table) set.leave_open();
       if (file) file->leave_open();
       throw;
     }
-    team_.together([&] { explain([&] { write_rows(*file, tables, places); }); });
+    team_.together([&] { explain([&] { write_rows(*file, sets, tables, places); }); });
   }
   void write_in_turn(const std::vector<table_part>& tables,
                      const std::vector<table_place>& places) {
     const std::lock_guard only(hdf5_mutex());
     const silent_hdf5 silent;
     hdf5_handle file = open_file();
-    write_rows(file, tables, places);
+    auto sets = open_sets(file, tables);
+    write_rows(file, sets, tables, places);
   }
-  /// The rows of this rank.
-  void write_rows(hdf5_handle& file, const std::vector<table_part>& tables,
+  [[nodiscard]] static std::vector<table_sets> open_sets(hid_t file,
+                                                         const std::vector<table_part>& tables) {
+    std::vector<table_sets> sets;
+    for (const table_part& t : tables) {
+      table_sets& of_table = sets.emplace_back();
+      const auto open = [&](const std::string& name) {
+        of_table.emplace_back(H5Dopen2(file, (t.path + "/" + name).c_str(), H5P_DEFAULT), H5Dclose,
+                              "written");
+      };
+      for (const table_column& c : t.columns) open(c.name);
+      if (t.extras) open("extra");
+    }
+    return sets;
+  }
+  /// The rows of this rank. Where a write fails, it takes part in the others still.
+  void write_rows(hdf5_handle& file, std::vector<table_sets>& sets,
+                  const std::vector<table_part>& tables,
                   const std::vector<table_place>& places) const {
     std::string problem;
     const auto attempt = [&](auto&& f) {
@@ -245,11 +269,10 @@ class checkpoint_writer {
 #ifdef H5_HAVE_PARALLEL
     if (parallel()) hdf5_ok(H5Pset_dxpl_mpio(how, H5FD_MPIO_COLLECTIVE), "written");
 #endif
-    const auto write = [&](const std::string& path, number_type type, std::uint32_t width,
-                           std::uint64_t first, std::uint64_t rows, const std::byte* data) {
+    const auto write = [&](hid_t set, number_type type, std::uint32_t width, std::uint64_t first,
+                           std::uint64_t rows, const std::byte* data) {
       static constexpr std::byte nothing{};
       attempt([&] {
-        const hdf5_handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "written");
         const row_selection part(set, first, rows, width);
         hdf5_ok(H5Dwrite(set, type_in_memory(type), part.memory(), part.file(), how,
                          rows > 0 ? data : &nothing),
@@ -258,12 +281,14 @@ class checkpoint_writer {
     };
     for (std::size_t k = 0; k < tables.size(); ++k) {
       const table_part& t = tables[k];
-      for (const table_column& c : t.columns)
-        write(t.path + "/" + c.name, c.type, c.width, places[k].row, t.rows, c.rows);
+      for (std::size_t j = 0; j < t.columns.size(); ++j) {
+        const table_column& c = t.columns[j];
+        write(sets[k][j], c.type, c.width, places[k].row, t.rows, c.rows);
+      }
       if (t.extras)
-        write(t.path + "/extra", number_type::u8, 1, places[k].extra, t.extra.size(),
-              t.extra.data());
+        write(sets[k].back(), number_type::u8, 1, places[k].extra, t.extra.size(), t.extra.data());
     }
+    sets.clear();
     attempt([&] { file.close("written"); });
     const system_file written(part_, O_RDWR);  // what this machine holds of it goes to the disk
     if (!written.good() || ::fsync(written.id()) != 0)

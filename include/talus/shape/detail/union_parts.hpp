@@ -2,8 +2,10 @@
 // The parts of a union in the frame of its body, with what is computed from them. Shared by all
 // bodies of that form.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -113,20 +115,33 @@ struct union_parts {
   }
   static union_parts unpack(byte_reader& in) {
     union_parts u;
-    for (auto n = in.get<std::size_t>(); n > 0; --n) {
+    const auto parts = in.get<std::size_t>();
+    for (std::size_t n = 0; n < parts; ++n) {
       const auto kind = in.get<std::uint32_t>();
+      if (kind >= sizeof...(Shapes)) refuse();
       u.unpack_part(kind, in, std::index_sequence_for<Shapes...>{});
     }
+    if (parts == 0) refuse();
     u.sort();
     u.volume = in.get<real>();
     u.inertia = in.get<vec3>();
     u.frame.position = in.get<vec3>();
     u.frame.orientation = in.get<quat>();
     u.id = in.get<content_id>();
+    if (!(u.volume > 0 && std::isfinite(u.volume) && std::isfinite(u.bounding_radius) &&
+          finite(u.inertia) && u.inertia.minCoeff() > 0 && sound(u.frame)))
+      refuse();
     return u;
   }
 
  private:
+  /// Bytes that were read from a file may come from anywhere.
+  [[noreturn, gnu::cold]] static void refuse() {
+    throw std::runtime_error("is damaged: a union_of makes no sense");
+  }
+  [[nodiscard]] static bool sound(const pose& at) {
+    return finite(at.position) && std::abs(at.orientation.squaredNorm() - 1) < 1e-6;
+  }
   template <class F, std::size_t... Kinds>
   void visit_kind(std::size_t n, F&& f, std::index_sequence<Kinds...>) const {
     const entry& e = entries[n];
@@ -139,7 +154,10 @@ struct union_parts {
       auto shape = in.get<Shape>();
       const auto position = in.get<vec3>();
       const auto orientation = in.get<quat>();
-      add(shape, pose{position, orientation}, in.get<real>());
+      const auto density = in.get<real>();
+      shape.validate();
+      if (!sound({position, orientation}) || !(density >= 0) || !std::isfinite(density)) refuse();
+      add(shape, pose{position, orientation}, density);
     };
     ((kind == Kinds ? read(std::get<Kinds>(of_kind)) : void()), ...);
   }
