@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -101,6 +102,16 @@ void povray_form(detail::povray_text& out, const Shape& s) {
   out << "intersection{";
   for (std::size_t f = 0; f < mesh.faces(); ++f)
     out << "plane{" << mesh.normals[f] << "," << mesh.offsets[f] << "}";
+}
+/// A surface of triangles.
+template <class Shape>
+requires requires(const Shape& s) { s.tree().triangles; }
+void povray_form(detail::povray_text& out, const Shape& s) {
+  const auto& tree = s.tree();
+  out << "mesh{";
+  for (std::uint32_t t = 0; t < tree.triangles.size(); ++t)
+    out << "triangle{" << tree.corner(t, 0) << "," << tree.corner(t, 1) << "," << tree.corner(t, 2)
+        << "}";
 }
 /// Anything made of parts.
 template <class Shape>

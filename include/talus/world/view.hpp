@@ -110,6 +110,9 @@ class body_view {
   /// Makes a fixed body movable again. A global body stays fixed: logic_error.
   void release() requires(Shape::finite) {
     prepare_change("fixation", vec3(0, 0, 0));
+    if constexpr (requires { Shape::immovable; })
+      detail::fail<std::logic_error>("body {} is a {}, which has no mass and stays fixed", id(),
+                                     Shape::name);
     if (global_)
       detail::fail<std::logic_error>(
           "global body {} cannot be made movable: global bodies are fixed and never local; add it "

@@ -385,6 +385,15 @@ class world {
               Shape::name, moments[k]);
     }
   }
+  template <class Shape>
+  void require_movable(const body<Shape>& b) const {
+    if constexpr (requires { Shape::immovable; })
+      if (!b.fixed)
+        detail::fail<std::logic_error>(
+            "a {} has no mass, so nothing can move it, but rank {} added one to the bodies that "
+            "move: add it in world.global(...), or with .fixed = true",
+            Shape::name, rank());
+  }
   void require_two_sided_connections();
   void note_destroyed(system_id id) {
     state_.owned.remove(id);

@@ -57,8 +57,9 @@ class convex_view {
     half_ = {s.radius, s.radius, s.length / 2};
     inner_ = smallest_ = half_.minCoeff();
   }
-  convex_view(const convex_polyhedron& s, const pose& at) : convex_view(kind::mesh, at) {
-    mesh_ = &s.mesh();
+  convex_view(const convex_polyhedron& s, const pose& at) : convex_view(s.mesh(), at) {}
+  convex_view(const polyhedron_mesh& mesh, const pose& at) : convex_view(kind::mesh, at) {
+    mesh_ = &mesh;
     smallest_ = mesh_->measured.half_width;
     inner_ = mesh_->measured.inner_radius;
   }

@@ -73,6 +73,7 @@ void world<Scenario>::write(detail::body_store<Shape, typename Scenario::feature
 template <class Scenario>
 template <class Shape>
 system_id world<Scenario>::insert(const body<Shape>& b, system_id id) {
+  require_movable(b);
   if constexpr (!link_type::alone) detail::require_reached(state_, id, b.shape, b.position);
   auto& store = state_.template of<Shape>().movable;
   write(store, store.insert_local(), b, id, b.fixed);

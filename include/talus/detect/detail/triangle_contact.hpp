@@ -1,0 +1,103 @@
+#pragma once
+// A triangle of a surface and what touches it: the nearest point, and which directions of contact
+// at an edge or a corner belong to the surface. A direction in which a neighbouring triangle comes
+// nearer is a corner of this triangle, but none of the surface: a body that slides over it must not
+// feel it (internal edges; van den Bergen 2003, Collision Detection in Interactive 3D Environments,
+// 6.3: normals outside of the Voronoi region of their feature are no contacts).
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "talus/core/math.hpp"
+#include "talus/shape/detail/triangle_tree.hpp"
+
+namespace talus::detail {
+
+/// A point of a triangle: inside, on the edge from corner k to the next (edge = k), or at a corner.
+struct triangle_point {
+  vec3 at;
+  int edge = -1, corner = -1;
+};
+
+/// The point nearest to `p` (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+[[nodiscard]] inline triangle_point nearest_on_triangle(const vec3& p, const vec3& a, const vec3& b,
+                                                        const vec3& c) {
+  const vec3 ab = b - a, ac = c - a, ap = p - a;
+  const real d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return {a, -1, 0};
+  const vec3 bp = p - b;
+  const real d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return {b, -1, 1};
+  const real vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {a + d1 / (d1 - d3) * ab, 0, -1};
+  const vec3 cp = p - c;
+  const real d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return {c, -1, 2};
+  const real vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {a + d2 / (d2 - d6) * ac, 2, -1};
+  const real va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6)
+    return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), 1, -1};
+  const real sum = va + vb + vc;
+  return {a + vb / sum * ab + vc / sum * ac, -1, -1};
+}
+
+/// Within the plane of triangle t, that has the edge from a to b: from the edge inwards, unit
+/// length.
+[[nodiscard]] inline vec3 inwards(const triangle_tree& m, std::uint32_t t, std::uint32_t a,
+                                  std::uint32_t b) {
+  std::uint32_t tip = a;
+  for (const std::uint32_t v : m.triangles[t])
+    if (v != a && v != b) tip = v;
+  const vec3 along = (m.vertices[b] - m.vertices[a]).normalized();
+  const vec3 across = m.vertices[tip] - m.vertices[a];
+  return (across - along.dot(across) * along).normalized();
+}
+
+inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as none
+
+/// Whether nothing of the surface that meets at this point comes nearer in the direction (unit)
+/// than the point itself.
+[[nodiscard]] inline bool nearest_of_surface(const triangle_tree& m, std::uint32_t t,
+                                             const triangle_point& q, const vec3& direction) {
+  if (q.edge >= 0) {
+    const auto k = static_cast<std::size_t>(q.edge);
+    const std::uint32_t a = m.triangles[t][k], b = m.triangles[t][(k + 1) % 3];
+    const std::uint32_t beyond = m.neighbours[t][k];
+    const vec3 along = m.vertices[b] - m.vertices[a];
+    return std::abs(direction.dot(along)) <= level_enough * along.norm() &&
+           direction.dot(inwards(m, t, a, b)) <= level_enough &&
+           (beyond == triangle_tree::none ||
+            direction.dot(inwards(m, beyond, a, b)) <= level_enough);
+  }
+  if (q.corner >= 0) {
+    const std::uint32_t v = m.triangles[t][static_cast<std::size_t>(q.corner)];
+    for (std::uint32_t n = m.around_begin[v]; n < m.around_begin[v + 1]; ++n) {
+      const vec3 way = m.vertices[m.around[n]] - m.vertices[v];
+      if (direction.dot(way) > level_enough * way.norm()) return false;
+    }
+  }
+  return true;
+}
+
+/// Points of edges and corners that have made a contact, so that the next triangle that has them
+/// makes none.
+class felt_points {
+ public:
+  explicit felt_points(real apart) : square_(apart * apart) {}
+  /// False if there was one at this place.
+  bool add(const vec3& p) {
+    for (std::size_t k = 0; k < size_; ++k)
+      if ((points_[k] - p).squaredNorm() <= square_) return false;
+    if (size_ < points_.size()) points_[size_++] = p;
+    return true;
+  }
+
+ private:
+  std::array<vec3, 32> points_;
+  std::size_t size_ = 0;
+  real square_;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,155 @@
+#pragma once
+// A surface of triangles and a body: the contacts of the triangles near it.
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+#include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/detail/triangle_contact.hpp"
+#include "talus/detect/pairs/convex_convex.hpp"
+#include "talus/shape/frame.hpp"
+#include "talus/shape/plane.hpp"
+#include "talus/shape/sphere.hpp"
+#include "talus/shape/triangle_mesh.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// The number of a triangle beside the parts that meet: 12 bits of it above the four that its own
+/// corners, edges and sides need, the rest in bits 48 to 63.
+[[nodiscard]] inline std::uint64_t feature_of(std::uint32_t triangle, std::uint64_t parts) {
+  return parts | (std::uint64_t{triangle} & 0xfff) << 4 | std::uint64_t{triangle >> 12} << 48;
+}
+
+/// One triangle as a polyhedron without thickness.
+class flat_polyhedron {
+ public:
+  flat_polyhedron() {
+    mesh_.vertices.resize(3), mesh_.normals.resize(2), mesh_.offsets.resize(2);
+    const auto fill = [](auto& to, std::initializer_list<std::uint32_t> numbers) {
+      for (const std::uint32_t n : numbers) to.push_back(n);
+    };
+    fill(mesh_.face_begin, {0, 3, 6}), fill(mesh_.corners, {0, 1, 2, 0, 2, 1});
+    fill(mesh_.corner_edges, {0, 1, 2, 2, 1, 0});
+    mesh_.edges.push_back({0, 1, 0, 1});
+    mesh_.edges.push_back({1, 2, 0, 1});
+    mesh_.edges.push_back({2, 0, 0, 1});
+    fill(mesh_.around_begin, {0, 2, 4, 6}), fill(mesh_.around, {0, 1, 0, 1, 0, 1});
+  }
+  /// Becomes triangle t, about its centroid, which is returned.
+  vec3 become(const triangle_tree& m, std::uint32_t t) {
+    const vec3 &a = m.corner(t, 0), &b = m.corner(t, 1), &c = m.corner(t, 2);
+    const vec3 centre = (a + b + c) / 3;
+    mesh_.vertices[0] = a - centre, mesh_.vertices[1] = b - centre, mesh_.vertices[2] = c - centre;
+    mesh_.normals[0] = m.normals[t], mesh_.normals[1] = -m.normals[t];
+    mesh_.offsets[0] = mesh_.offsets[1] = 0;
+    // What tolerances are measured by: the radius of the circle inside.
+    mesh_.measured.half_width = triangle_tree::twice_area(a, b, c).norm() /
+                                ((b - a).norm() + (c - b).norm() + (a - c).norm());
+    return centre;
+  }
+  [[nodiscard]] const polyhedron_mesh& mesh() const { return mesh_; }
+
+ private:
+  polyhedron_mesh mesh_;
+};
+
+/// The point of a triangle at `p`, with the edge or the corner on which it lies within `near`.
+[[nodiscard]] inline triangle_point place_on_triangle(const triangle_tree& m, std::uint32_t t,
+                                                      const vec3& p, real near) {
+  triangle_point q = nearest_on_triangle(p, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
+  for (int k = 0; k < 3 && q.corner < 0; ++k)
+    if ((m.corner(t, static_cast<std::size_t>(k)) - q.at).norm() <= near) q.corner = k, q.edge = -1;
+  for (int k = 0; k < 3 && q.corner < 0 && q.edge < 0; ++k) {
+    const vec3 &a = m.corner(t, static_cast<std::size_t>(k)),
+               &b = m.corner(t, static_cast<std::size_t>((k + 1) % 3));
+    const vec3 along = (b - a).normalized(), x = q.at - a;
+    if ((x - along.dot(x) * along).norm() <= near) q.edge = k;
+  }
+  return q;
+}
+
+}  // namespace detail
+
+/// Calls `sink(contact_geometry)` for each face, edge and corner of the surface whose point nearest
+/// to the centre has a gap of at most `margin`. Reads no orientation of the sphere.
+template <class Sink>
+void collide(const triangle_mesh& a, const pose& pa, const sphere& b, const pose& pb, real margin,
+             Sink&& sink) {
+  const detail::triangle_tree& m = a.tree();
+  const vec3 centre = pa.to_body(pb.position);
+  const real reach = b.radius + margin;
+  const vec3 around(reach, reach, reach);
+  detail::felt_points felt(real(1e-9) * b.radius);
+  m.each_within(centre - around, centre + around, [&](std::uint32_t t) {
+    const auto q =
+        detail::nearest_on_triangle(centre, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
+    const vec3 away = centre - q.at;
+    const real distance = away.norm();
+    if (!(distance <= reach)) return;
+    const vec3 normal = distance > real(1e-12) * b.radius ? vec3(away / distance) : m.normals[t];
+    const bool inside = q.edge < 0 && q.corner < 0;
+    if (!(inside || detail::nearest_of_surface(m, t, q, normal)) || !felt.add(q.at)) return;
+    const real gap = distance - b.radius;
+    const vec3 up = rotated(pa.orientation, normal);
+    sink(contact_geometry{-up, pb.position - up * (b.radius + real(0.5) * gap), gap,
+                          detail::feature_of(t, 0)});
+  });
+}
+
+/// Calls `sink(contact_geometry)` for the points of each triangle with a gap of at most `margin`,
+/// up to four each. Inner edges over which the surface goes on flat, or bends towards the body, are
+/// felt as the plane of their triangle.
+template <class B, class Sink>
+requires(detail::convex_rank<B> > 0) void collide(const triangle_mesh& a, const pose& pa,
+                                                  const B& b, const pose& pb, real margin,
+                                                  Sink&& sink) {
+  const detail::triangle_tree& m = a.tree();
+  const pose back = detail::inverse(pa);
+  const pose there = detail::combined(back, pb);
+  const real size = b.bounding_radius();
+  const vec3 reach = b.half_extents(there) + vec3(margin, margin, margin);
+  detail::flat_polyhedron flat;
+  detail::felt_points felt(real(1e-6) * size);
+  m.each_within(there.position - reach, there.position + reach, [&](std::uint32_t t) {
+    const vec3 middle = pa.to_world(flat.become(m, t));
+    const detail::convex_view<real> view_a(flat.mesh(), pose{vec3(0, 0, 0), pa.orientation}),
+        view_b(b, pose{pb.position - middle, pb.orientation});
+    detail::convex_contact<real> contact(view_a, view_b, middle, margin);
+    for (const contact_geometry& c : contact.find()) {
+      const vec3 up = rotated(back.orientation, -c.normal);  // from the surface to the body
+      const real straight = m.normals[t].dot(up);
+      const vec3 at = back.to_world(c.point) - real(0.5) * c.gap * up;
+      const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
+      const bool inside = q.edge < 0 && q.corner < 0;
+      if (std::abs(straight) > 1 - real(1e-8)) {
+        sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
+      } else if (!inside && detail::nearest_of_surface(m, t, q, up)) {
+        if (felt.add(q.at))
+          sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
+      } else {
+        // No direction of the surface. What counts is the body's lowest point, if it is over this
+        // triangle.
+        const bool under = m.normals[t].dot(there.position - m.corner(t, 0)) < 0;
+        const vec3 above = rotated(pa.orientation, under ? vec3(-m.normals[t]) : m.normals[t]);
+        const vec3 lowest = view_b.support(-above) - view_b.rounding() * above;
+        const real gap = above.dot(lowest);
+        const vec3 below = back.to_world(middle + lowest);
+        const auto foot =
+            detail::nearest_on_triangle(below, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
+        if (gap <= margin && foot.edge < 0 && foot.corner < 0 && felt.add(foot.at))
+          sink(contact_geometry{-above, middle + lowest - real(0.5) * gap * above, gap,
+                                detail::feature_of(t, 0xf)});
+      }
+    }
+  });
+}
+
+/// What cannot move makes no contacts with its like.
+template <class Sink>
+void collide(const triangle_mesh&, const pose&, const triangle_mesh&, const pose&, real, Sink&&) {}
+template <class Sink>
+void collide(const triangle_mesh&, const pose&, const plane&, const pose&, real, Sink&&) {}
+
+}  // namespace talus

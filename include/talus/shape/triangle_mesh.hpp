@@ -1,0 +1,144 @@
+#pragma once
+// A surface of triangles: the walls of a machine, a landscape. It has no inside and no mass: its
+// bodies are global, or fixed.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+#include "talus/shape/detail/triangle_tree.hpp"
+
+namespace talus {
+
+/// Made from triangles in any frame. The frame of the body has its origin in the centre of the box
+/// around them, and their axes: `placed(mesh, pose)` of shape/frame.hpp gives the pose of a body
+/// whose triangles shall lie where they were given. Both sides of a triangle hold bodies off;
+/// where a surface goes on flat, or bends inwards, its inner edges are not felt.
+class triangle_mesh {
+ public:
+  static constexpr bool finite = true;
+  static constexpr bool round = false;
+  static constexpr bool immovable = true;  ///< bodies of it are global or fixed
+  static constexpr const char* name = "triangle_mesh";
+  static constexpr std::size_t max_triangles = std::size_t{1} << 28;
+
+  using triangle = std::array<vec3, 3>;
+
+  /// No mesh yet: to be assigned to.
+  triangle_mesh() = default;
+  /// Corners at the same place are one, and triangles without an area are left out. Throws
+  /// invalid_argument, with its number, for a triangle whose corners are not finite, and if none
+  /// is left.
+  explicit triangle_mesh(const std::vector<triangle>& triangles)
+      : data_(std::make_shared<const detail::triangle_tree>(build(triangles))),
+        frame_{centre_of(triangles), {1, 0, 0, 0}} {}
+
+  /// Throws invalid_argument if there are no triangles.
+  void validate() const {
+    if (data_ == nullptr)
+      detail::fail<std::invalid_argument>(
+          "a triangle_mesh without triangles is no body: make it from a list, or by read_stl");
+  }
+
+  [[nodiscard]] const detail::triangle_tree& tree() const { return *data_; }
+  [[nodiscard]] std::size_t triangles() const { return data_->triangles.size(); }
+  /// The frame of the body in the coordinates of the triangles.
+  [[nodiscard]] const pose& frame() const { return frame_; }
+  [[nodiscard]] real bounding_radius() const { return data_->bounding_radius; }
+  /// Area of the surface: what a density would be per.
+  [[nodiscard]] real volume() const { return data_->area; }
+  /// A bound of that of a shell, about each axis: nothing turns by it.
+  [[nodiscard]] vec3 inertia() const {
+    const real square = data_->bounding_radius * data_->bounding_radius;
+    return {square, square, square};
+  }
+  /// Vertex furthest along `direction`; of equals, the first.
+  [[nodiscard]] vec3 support(const vec3& direction) const {
+    const vec3* best = &data_->vertices[0];
+    for (const vec3& v : data_->vertices)
+      if (direction.dot(v) > direction.dot(*best)) best = &v;
+    return *best;
+  }
+  /// Distance of the furthest point from the point p.
+  [[nodiscard]] real reach_from(const vec3& p) const {
+    real square = 0;
+    for (const vec3& v : data_->vertices) square = std::max(square, (v - p).squaredNorm());
+    return std::sqrt(square);
+  }
+  [[nodiscard]] vec3 half_extents(const pose& at) const {
+    vec3 half(0, 0, 0);
+    for (const vec3& v : data_->vertices)
+      half = half.cwiseMax(rotated(at.orientation, v).cwiseAbs());
+    return half;
+  }
+
+  void pack(detail::byte_writer& out) const {
+    out.put(frame_.position);
+    detail::put_shared(out, data_);
+  }
+  static triangle_mesh unpack(detail::byte_reader& in) {
+    triangle_mesh m;
+    m.frame_.position = in.get<vec3>();
+    m.data_ = detail::get_shared<detail::triangle_tree>(in);
+    return m;
+  }
+
+  /// Equal in every triangle.
+  friend bool operator==(const triangle_mesh& a, const triangle_mesh& b) {
+    return a.data_ == b.data_ || (a.data_ && b.data_ && a.data_->id == b.data_->id);
+  }
+
+ private:
+  [[nodiscard]] static vec3 centre_of(const std::vector<triangle>& triangles) {
+    constexpr real infinity = std::numeric_limits<real>::infinity();
+    vec3 lower(infinity, infinity, infinity), upper = -lower;
+    for (const triangle& t : triangles)
+      if (detail::triangle_tree::twice_area(t[0], t[1], t[2]).norm() > 0)
+        for (const vec3& v : t) lower = lower.cwiseMin(v), upper = upper.cwiseMax(v);
+    if (!(lower[0] <= upper[0])) return {0, 0, 0};
+    return lower + real(0.5) * (upper - lower);
+  }
+  [[nodiscard]] static detail::triangle_tree build(const std::vector<triangle>& triangles) {
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (const vec3& v : triangles[t])
+        if (!detail::finite(v))
+          detail::fail<std::invalid_argument>(
+              "triangle {} of a triangle_mesh has a corner at {}: all must be finite", t,
+              detail::text(v));
+    const vec3 centre = centre_of(triangles);
+    detail::plain_vector<vec3> points;
+    detail::plain_vector<detail::triangle_tree::corners> faces;
+    std::map<std::tuple<real, real, real>, std::uint32_t> known;
+    for (const triangle& t : triangles) {
+      const vec3 corners[] = {t[0] - centre, t[1] - centre, t[2] - centre};
+      if (!(detail::triangle_tree::twice_area(corners[0], corners[1], corners[2]).norm() > 0))
+        continue;
+      detail::triangle_tree::corners face{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const vec3& v = corners[k];
+        const auto [at, isnew] = known.try_emplace(std::tuple{v[0], v[1], v[2]},
+                                                   static_cast<std::uint32_t>(points.size()));
+        if (isnew) points.push_back(v);
+        face[k] = at->second;
+      }
+      faces.push_back(face);
+    }
+    if (faces.empty() || faces.size() > max_triangles)
+      detail::fail<std::invalid_argument>(
+          "a triangle_mesh has from 1 to {} triangles with an area, but {} of {} have one",
+          max_triangles, faces.size(), triangles.size());
+    return detail::triangle_tree::build(std::move(points), std::move(faces));
+  }
+
+  std::shared_ptr<const detail::triangle_tree> data_;
+  pose frame_;
+};
+
+}  // namespace talus

@@ -1,0 +1,246 @@
+// Surfaces of triangles: what they are made of, their contacts against those of planes and boxes,
+// and that inner edges are not felt.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <random>
+#include <talus/detect/narrow.hpp>
+#include <talus/mesh.hpp>
+#include <vector>
+
+using namespace talus;
+
+namespace {
+
+using triangle = triangle_mesh::triangle;
+
+/// A square of n by n cells from -size/2 to size/2 at the height f(x, y), two triangles each.
+template <class F>
+std::vector<triangle> landscape(int n, real size, F&& f) {
+  std::vector<triangle> all;
+  const auto at = [&](int i, int j) {
+    const real x = size * (real(i) / n - 0.5), y = size * (real(j) / n - 0.5);
+    return vec3(x, y, f(x, y));
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      all.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      all.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return all;
+}
+std::vector<triangle> flat(int n, real size) {
+  return landscape(n, size, [](real, real) { return 0; });
+}
+/// The twelve triangles of a box.
+std::vector<triangle> sides(const vec3& half) {
+  std::vector<triangle> all;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const real sign : {-1., 1.}) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      const auto at = [&](real a, real b) {
+        vec3 p;
+        p[axis] = sign * half[axis], p[u] = sign * a * half[u], p[v] = b * half[v];
+        return p;
+      };
+      all.push_back({at(-1, -1), at(1, -1), at(1, 1)});
+      all.push_back({at(-1, -1), at(1, 1), at(-1, 1)});
+    }
+  return all;
+}
+template <class Shape>
+std::vector<contact_geometry> contacts(const triangle_mesh& m, const pose& at, const Shape& s,
+                                       const pose& there, real margin) {
+  std::vector<contact_geometry> found;
+  collide_pair(s, there, m, at, margin, [&](const contact_geometry& c) { found.push_back(c); });
+  return found;
+}
+real smallest(const std::vector<contact_geometry>& all) {
+  real least = 1e9;
+  for (const auto& c : all) least = std::min(least, c.gap);
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a mesh keeps its corners once, leaves out what has no area, and lies where it was given") {
+  auto list = sides({1, 2, 3});
+  for (auto& t : list)
+    for (vec3& v : t) v += vec3(10, 0, -5);
+  list.push_back({vec3(1, 1, 1), vec3(1, 1, 1), vec3(2, 2, 2)});
+  const triangle_mesh m(list);
+  CHECK(m.triangles() == 12);
+  CHECK(m.tree().vertices.size() == 8);
+  CHECK((placed(m).position - vec3(10, 0, -5)).norm() == 0);
+  CHECK(m.bounding_radius() == doctest::Approx(std::sqrt(14.0)));
+  CHECK(m.volume() == doctest::Approx(8 * (1 * 2 + 2 * 3 + 3 * 1)));
+  CHECK((m.half_extents({}) - vec3(1, 2, 3)).norm() < 1e-14);
+  for (const auto& around : m.tree().neighbours)
+    for (const auto n : around) CHECK(n != detail::triangle_tree::none);
+  detail::byte_buffer bytes;
+  detail::byte_writer out(bytes);
+  m.pack(out);
+  detail::byte_reader in(bytes);
+  CHECK(triangle_mesh::unpack(in) == m);
+
+  CHECK_THROWS_WITH(triangle_mesh(std::vector<triangle>{}),
+                    "a triangle_mesh has from 1 to 268435456 triangles with an area, but 0 of 0 "
+                    "have one");
+  list[3][1][2] = std::nan("");
+  CHECK_THROWS_WITH(triangle_mesh{list}, doctest::Contains("triangle 3 of a triangle_mesh has a "
+                                                           "corner at"));
+}
+
+TEST_CASE("every triangle within a box is found by the tree, and no other") {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<real> in(-5, 5);
+  const triangle_mesh m(
+      landscape(30, 10, [](real x, real y) { return std::sin(x) * std::cos(y); }));
+  for (int k = 0; k < 200; ++k) {
+    const vec3 centre(in(random), in(random), 0.3 * in(random)), half(0.4, 0.3, 0.5);
+    std::vector<bool> found(m.triangles());
+    m.tree().each_within(centre - half, centre + half, [&](std::uint32_t t) {
+      CHECK(!found[t]);
+      found[t] = true;
+    });
+    for (std::uint32_t t = 0; t < m.triangles(); ++t) {
+      vec3 lower = m.tree().corner(t, 0), upper = lower;
+      for (std::size_t c = 1; c < 3; ++c)
+        lower = lower.cwiseMin(m.tree().corner(t, c)),
+        upper = upper.cwiseMax(m.tree().corner(t, c));
+      const bool overlaps = (lower.array() <= (centre + half).array()).all() &&
+                            (upper.array() >= (centre - half).array()).all();
+      CHECK(found[t] == overlaps);
+    }
+  }
+}
+
+TEST_CASE("a sphere on a flat surface has one contact, straight up, wherever it is") {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<real> in(-4, 4);
+  const pose at{{1, 2, 3}, quat(Eigen::AngleAxisd(0.7, vec3(1, 2, 2).normalized()))};
+  const triangle_mesh m(flat(8, 10));
+  const vec3 up = rotated(at.orientation, vec3(0, 0, 1));
+  for (int k = 0; k < 2000; ++k) {
+    // Some over edges and corners to the bit.
+    vec3 place(in(random), in(random), 0);
+    if (k % 3 == 1) place[0] = 1.25;
+    if (k % 3 == 2) place[0] = place[1] = -2.5;
+    const real height = 0.5 + 0.05 * in(random);
+    const bool below = k % 2;
+    place[2] = below ? -height : height;
+    const auto found = contacts(m, at, sphere{0.5}, {at.to_world(place), {1, 0, 0, 0}}, 0.3);
+    CAPTURE(k);
+    REQUIRE(found.size() == 1);
+    CHECK((found[0].normal - (below ? vec3(-up) : up)).norm() < 1e-9);
+    CHECK(found[0].gap == doctest::Approx(height - 0.5).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("a sphere beside a box of triangles has the contact that it has with the box") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<real> in(-2.2, 2.2);
+  const vec3 half(1, 0.7, 1.3);
+  const triangle_mesh m(sides(half));
+  int compared = 0;
+  for (int k = 0; k < 5000; ++k) {
+    const pose there{{in(random), in(random), in(random)}, {1, 0, 0, 0}};
+    if ((there.position.cwiseAbs().array() < half.array()).all()) continue;  // the mesh is hollow
+    std::vector<contact_geometry> wanted;
+    collide_pair(sphere{0.4}, there, box{2 * half}, pose{}, 0.2,
+                 [&](const contact_geometry& c) { wanted.push_back(c); });
+    const auto found = contacts(m, {}, sphere{0.4}, there, 0.2);
+    CAPTURE(k);
+    REQUIRE(found.size() == wanted.size());
+    if (wanted.empty() || wanted[0].gap < -0.4 + 1e-6) continue;
+    ++compared;
+    CHECK((found[0].normal - wanted[0].normal).norm() < 1e-9);
+    CHECK((found[0].point - wanted[0].point).norm() < 1e-9);
+    CHECK(found[0].gap == doctest::Approx(wanted[0].gap).epsilon(1e-9));
+  }
+  CHECK(compared > 500);
+}
+
+TEST_CASE_TEMPLATE("a solid on a flat surface is held as by a plane, without a push to a side",
+                   Shape, box, capsule, cylinder, convex_polyhedron) {
+  Shape s;
+  if constexpr (std::is_same_v<Shape, box>)
+    s = box{{1, 0.8, 0.6}};
+  else if constexpr (std::is_same_v<Shape, convex_polyhedron>)
+    s = convex_polyhedron(
+        std::vector<vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0.3}});
+  else
+    s = Shape{.radius = 0.4, .length = 0.9};
+  std::mt19937 random(4);
+  std::uniform_real_distribution<real> in(-3, 3);
+  std::normal_distribution<real> any;
+  for (const int cells : {1, 7, 40}) {
+    const triangle_mesh m(flat(cells, 12));
+    real worst = 0;
+    for (int k = 0; k < 300; ++k) {
+      pose there{{in(random), in(random), 0},
+                 quat(any(random), any(random), any(random), any(random))};
+      there.orientation.normalize();
+      if (k % 4 == 0) there.orientation = quat(std::cos(0.1 * k), 0, 0, std::sin(0.1 * k));
+      const vec3 down = rotated(quat(there.orientation.conjugate()), vec3(0, 0, -1));
+      const real deep = 0.02 * in(random) / 3;
+      there.position[2] = deep + (std::is_same_v<Shape, capsule> ? s.half_extents(there)[2]
+                                                                 : s.support(down).dot(down));
+      const auto found = contacts(m, {}, s, there, 0.05);
+      CAPTURE(cells);
+      CAPTURE(k);
+      REQUIRE(!found.empty());
+      CHECK(smallest(found) == doctest::Approx(deep).epsilon(2e-3).scale(1));
+      for (const auto& c : found) {
+        worst = std::max(worst, (c.normal - vec3(0, 0, 1)).norm());
+        CHECK(c.gap >= deep - 2e-3);
+      }
+    }
+    CHECK(worst < 1e-6);
+  }
+}
+
+TEST_CASE("STL files are read as text and in binary, and what is wrong with them is said") {
+  const std::string file = "/tmp/talus_stl_" + std::to_string(getpid()) + ".stl";
+  const auto write = [&](const std::string& bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+  };
+  const auto list = sides({1, 2, 3});
+  std::string text = "solid box\n", binary(80, ' ');
+  const auto count = static_cast<std::uint32_t>(list.size());
+  binary.append(reinterpret_cast<const char*>(&count), 4);
+  for (const triangle& t : list) {
+    text += " facet normal 0 0 0\n  outer loop\n";
+    binary.append(12, '\0');
+    for (const vec3& v : t) {
+      text += "   vertex " + std::to_string(v[0]) + " " + std::to_string(v[1]) + " " +
+              std::to_string(v[2]) + "\n";
+      for (int k = 0; k < 3; ++k) {
+        const auto x = static_cast<float>(v[k]);
+        binary.append(reinterpret_cast<const char*>(&x), 4);
+      }
+    }
+    text += "  endloop\n endfacet\n";
+    binary.append(2, '\0');
+  }
+  text += "endsolid box\n";
+  write(text);
+  CHECK(read_stl(file) == triangle_mesh(list));
+  write(binary);
+  CHECK(read_stl(file) == triangle_mesh(list));
+  CHECK(read_stl(file, 0.001).bounding_radius() == doctest::Approx(0.001 * std::sqrt(14.0)));
+
+  write(binary.substr(0, 300));
+  CHECK_THROWS_WITH(read_stl(file), doctest::Contains("is no STL file, or is cut off: it has 300 "
+                                                      "bytes, and says that it holds 12"));
+  write(text.substr(0, 200));
+  CHECK_THROWS_WITH(read_stl(file), doctest::Contains("ends without 'endsolid': it was cut off"));
+  write("solid a\nfacet\nvertex 1 2 x\n");
+  CHECK_THROWS_WITH(read_stl(file), doctest::Contains("line 3 of the STL file"));
+  std::remove(file.c_str());
+  CHECK_THROWS_WITH(read_stl(file), doctest::Contains("cannot be read: is the name right"));
+}
