@@ -42,18 +42,32 @@ TEST_CASE("the bits of one rank, whether cuts move or not, while bodies come and
   }
 }
 
-TEST_CASE("shares are told: before cuts moved for the first time, and now") {
-  corner_plan plan{.name = "", .steps = 30};
-  const corner_end never = on_threads(4, plan);
-  CHECK(never.shares.before.bodies == never.shares.after.bodies);
-  CHECK(never.shares.after.time >= 1);
-  plan.every = 10;
-  const corner_end often = on_threads(4, plan);
-  CHECK(often.shares.before.bodies > often.shares.after.bodies);
-  CHECK(often.shares.after.bodies >= 1);
-  CHECK(often.shares.before.bodies <= 4);
-  CHECK(often.shares.after.time <= 4);
-  CHECK(on_threads(1, plan).shares.moved == 0);
+TEST_CASE("shares are told: the worst for which cuts were moved, and now") {
+  threads::launch({.ranks = 4}, [&](threads::link& link) {
+    world<heap> w(link, {.lower = {-4, -4}, .upper = {4, 4}});
+    fill_corner(w, {.name = ""});
+    const auto run = [&](int steps) {
+      for (int k = 0; k < steps; ++k) w.step(1.0 / 240);
+      return measure_balance(w);
+    };
+    CHECK(std::isnan(measure_balance(w).after.time));
+    const load_balance crowded = run(150);
+    CHECK(crowded.moved == 0);
+    CHECK(crowded.before.bodies == crowded.after.bodies);
+    CHECK(crowded.after.bodies > 1.5);
+    CHECK(crowded.after.contacts > 1.5);
+    CHECK(crowded.after.time >= 1);
+    w.balance({.every = 10, .above = 1.1, .by = balance_by::count});
+    const load_balance even = run(20);
+    CHECK(even.moved >= 1);
+    CHECK(even.before.bodies >= crowded.after.bodies);
+    CHECK(even.before.contacts > 1.5);
+    CHECK(even.before.time >= 1);
+    CHECK(even.before.time <= 4);
+    CHECK(even.after.bodies < 1.25);
+    CHECK(even.after.contacts < crowded.after.contacts);
+    CHECK(even.after.time >= 1);
+  });
 }
 
 TEST_CASE("cuts stay where shares are even enough, or nobody asked") {

@@ -9,9 +9,8 @@ namespace talus {
 
 /// What moving the cuts has brought.
 struct load_balance {
-  imbalance
-      before;  ///< until cuts were moved for the first time, bodies and contacts as they were then
-  imbalance after;          ///< since they were moved last (from the beginning, if never)
+  imbalance before;         ///< the worst of those for which cuts were moved
+  imbalance after;          ///< now; time since cuts were moved last, or from the beginning
   std::uint64_t moved = 0;  ///< how often they were
 };
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
 
 #include "talus/core/error.hpp"
@@ -32,9 +31,8 @@ struct whole_load {
     const auto share = [&](double most, double all, double without) {
       return all > 0 ? most * ranks / all : without;
     };
-    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    return {share(max.bodies, sum.bodies, 1), share(max.contacts, sum.contacts, unknown),
-            share(max.seconds, sum.seconds, unknown)};
+    return {share(max.bodies, sum.bodies, 1), share(max.contacts, sum.contacts, unknown_share),
+            share(max.seconds, sum.seconds, unknown_share)};
   }
 };
 /// Collective.

@@ -1,6 +1,8 @@
 #pragma once
 // What a world keeps for features<balancing>; see world/balance.hpp.
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
@@ -29,6 +31,8 @@ struct imbalance {
 
 namespace detail {
 
+inline constexpr double unknown_share = std::numeric_limits<double>::quiet_NaN();
+
 /// How a world with this feature shares out space, and how even that is.
 template <class Decomposition>
 struct balance_state {
@@ -53,6 +57,12 @@ struct balance_state {
         fail<std::invalid_argument>(
             "world.balance is to move cuts, and the decomposition that was chosen cannot: choose "
             "bisection<dynamic>");
+  }
+  void note_move(const imbalance& found) {
+    before = {std::fmax(before.bodies, found.bodies), std::fmax(before.contacts, found.contacts),
+              std::fmax(before.time, found.time)};  // NaN yields to any number
+    since_move = 0;
+    ++moved;
   }
   [[nodiscard]] bool due(std::uint64_t step) const { return moves && step % settings.every == 0; }
 };

@@ -309,12 +309,7 @@ void world<Scenario>::look_at_balance() {
     if (!uneven && 2 * all.max.reach <= b.reach) return;
     synchronize();  // neighbours hear of what the user has changed as long as they are neighbours
     if (uneven) {
-      if (b.moved++ == 0) {
-        detail::rank_load until_now = mine;
-        until_now.seconds = b.since_move;
-        b.before = detail::reduce_load(*state_.link, until_now).uneven();
-      }
-      b.since_move = 0;
+      b.note_move(now);
       const auto places = detail::places_of_own(state_);
       b.divided = b.divided.shared_out(*state_.link, std::span<const vec3>(places),
                                        timed ? detail::weight_of_body(mine, all) : 1, ranks());
