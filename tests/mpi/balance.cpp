@@ -4,8 +4,10 @@
 #define DOCTEST_CONFIG_IMPLEMENT
 #include "../world/balanced_heap.hpp"
 
+#include <array>
 #include <talus/mpi.hpp>
 #include <talus/parallel/serial.hpp>
+#include <vector>
 
 int main(int argc, char** argv) {
   doctest::Context context(argc, argv);
@@ -14,9 +16,13 @@ int main(int argc, char** argv) {
 }
 
 TEST_CASE("processes between which cuts move end with the bits of one rank alone") {
-  std::vector<corner_plan> plans;
-  for (const corner_plan& course : courses())
-    for (const corner_plan& plan : moving(course)) plans.push_back(plan);
+  const std::array plans{corner_plan{.name = "by count", .steps = 110, .every = 5, .busy = true},
+                         corner_plan{.name = "by time, large bodies",
+                                     .steps = 110,
+                                     .every = 3,
+                                     .by = balance_by::time,
+                                     .busy = true,
+                                     .large = true}};
   std::vector<corner_end> of_processes;
   int rank = 0, ranks = 1;
   mpi::launch({}, [&](mpi::link& link) {
