@@ -21,7 +21,7 @@ struct well_options : options {
   void describe(auto& line) {
     options::describe(line);
     line.add("--spheres", spheres, "number of spheres", 0);
-    line.add("--decomposition", shares, "grid, slabs or hexagonal");
+    line.add("--decomposition", shares, "grid, slabs, bisection or hexagonal");
     line.add("--damping", kept, "part of the velocity that is kept per unit of time");
   }
 };

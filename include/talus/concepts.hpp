@@ -150,6 +150,21 @@ concept generating_decomposition = decomposition<Decomposition> &&
   { d.resolve(1) } -> partition;
 };
 
+/// A generating decomposition whose cuts can move while bodies do: features<balancing>.
+/// - `shared_out(link, places, weight, ranks)`: the same with cuts that give each rank its share of
+/// a
+///   load. Collective; alike on all ranks. Each brings the places of its bodies, and what one of
+///   them weighs
+/// - `positions()`: where the cuts are, as numbers; `placed(positions)`: the same with cuts there
+template <class Decomposition>
+concept movable_decomposition = generating_decomposition<Decomposition> &&
+    requires(const Decomposition& d, detail::anything& link, std::span<const vec3> places,
+             std::uint64_t weight, int ranks, std::span<const real> positions) {
+  { d.shared_out(link, places, weight, ranks) } -> std::same_as<Decomposition>;
+  { d.positions() } -> std::same_as<std::vector<real>>;
+  { d.placed(positions) } -> std::same_as<Decomposition>;
+};
+
 /// One rank's end of all its lines. Used by one thread at a time.
 /// - `alone`: there never is a second rank
 /// - `start(parcels)` posts one message per parcel and returns at once, `finish(parcels)` waits for

@@ -1,5 +1,6 @@
 #pragma once
 // The one include: everything but the transport over MPI, which is <talus/mpi.hpp>.
+#include "talus/observe/balance.hpp"
 #include "talus/observe/critical_dt.hpp"
 #include "talus/observe/digest.hpp"
 #include "talus/observe/energy.hpp"
@@ -15,6 +16,7 @@
 #include "talus/observe/summary.hpp"
 #include "talus/observe/time_series.hpp"
 #include "talus/parallel/any_decomposition.hpp"
+#include "talus/parallel/bisection.hpp"
 #include "talus/parallel/by_hand.hpp"
 #include "talus/parallel/cells.hpp"
 #include "talus/parallel/grid.hpp"

@@ -44,6 +44,12 @@ struct sleeping final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "sleeping";
 };
+/// The cuts between domains move during the run, so that all ranks have the same to do:
+/// world::balance, docs/balance.md.
+struct balancing final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "balancing";
+};
 /// Runs write their state to a file and go on from one: <talus/checkpoint.hpp>,
 /// docs/checkpoints.md.
 struct checkpoints final {
@@ -93,12 +99,13 @@ struct is_feature : std::bool_constant<is_part<Feature, roles::features>> {};
 
 template <class Feature>
 struct part_of_features {
-  static_assert(is_feature<Feature>::value,
-                "features<...> takes orientation, forces, user_ids, visibility, damping, "
-                "continuous_collision, sleeping, checkpoints and the monitors energy_ledger, "
-                "momentum_balance, "
-                "penetration_monitor and residual_monitor, and "
-                "this type is none of them: remove it");
+  static_assert(
+      is_feature<Feature>::value,
+      "features<...> takes orientation, forces, user_ids, visibility, damping, "
+      "continuous_collision, sleeping, balancing, checkpoints and the monitors energy_ledger, "
+      "momentum_balance, "
+      "penetration_monitor and residual_monitor, and "
+      "this type is none of them: remove it");
 };
 
 }  // namespace detail

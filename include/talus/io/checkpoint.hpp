@@ -86,6 +86,8 @@ template <class Scenario>
   std::string names;
   for (const char* name : parameter_names) names += std::string(name) + '\n';
   out.push_back(text_dataset("/parameters/names", names));
+  if constexpr (world_state<Scenario>::balances)
+    out.push_back(numbers_dataset<double>("/run/cuts", access::cuts(w)));
   if constexpr (!world_state<Scenario>::law::soft) {
     const talus::convergence& c = s.convergence;
     out.push_back(numbers_dataset<double>(
@@ -163,6 +165,11 @@ template <class Scenario>
     s.convergence = {static_cast<std::uint64_t>(c[0]), static_cast<std::uint64_t>(c[1]), c[2], c[3],
                      static_cast<std::uint64_t>(c[4])};
   }
+
+  // Elsewhere cuts that have moved would be of another number of ranks.
+  if constexpr (world_state<Scenario>::balances)
+    if (whole("/run/ranks") == ranks && in.has("/run/cuts"))
+      access::place_cuts(w, in.reals("/run/cuts"));
 
   auto bounds = s.own.bounds();
   for (int k = 0; k < 3; ++k) {  // round-off of the corners shall cost nobody

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/observe/balance.hpp"
 #include "talus/observe/critical_dt.hpp"
 #include "talus/observe/digest.hpp"
 #include "talus/observe/memory.hpp"
@@ -17,6 +18,7 @@
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
 #include "talus/observe/residual.hpp"
+#include "talus/world/contact_count.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -48,6 +50,8 @@ struct summary {
   std::uint64_t bytes_per_step_max = 0;
   double collectives_per_step = 0;
   double bytes_per_body = 0;
+  bool balancing = false;  ///< whether cuts between domains may move
+  load_balance balance;
   std::string digest;
   detail::plain_vector<measured> monitors;  ///< of the last step, or of all where the name says so
   results own;                              ///< of the scenario
@@ -126,15 +130,12 @@ template <class Scenario>
   }
   r.digest = state_digest(w);
   r.monitors = measure_monitors(w).values;
+  if constexpr (Scenario::template has_feature<talus::balancing>) {
+    r.balancing = true;
+    r.balance = measure_balance(w);
+  }
 
-  std::uint64_t contacts = 0;
-  s.each_contact_list([&](const auto& list) {
-    if constexpr (requires { list.counted(); })
-      contacts += list.counted();
-    else
-      list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
-  });
-  std::array<std::uint64_t, 2> sums{contacts, bytes_in_use(w)};
+  std::array<std::uint64_t, 2> sums{detail::count_contacts(s), bytes_in_use(w)};
   link.reduce(reduction::sum, sums);
   r.contacts = sums[0];
   r.bytes_per_body = static_cast<double>(sums[1]) /
@@ -225,6 +226,15 @@ template <class Scenario>
   o.add("bytes_per_step_max", r.bytes_per_step_max);
   o.add("collectives_per_step", r.collectives_per_step);
   o.add("bytes_per_body", r.bytes_per_body);
+  if (r.balancing) {
+    o.add("balance_moves", r.balance.moved);
+    o.add("imbalance_bodies_before", r.balance.before.bodies);
+    o.add("imbalance_bodies_after", r.balance.after.bodies);
+    o.add("imbalance_contacts_before", r.balance.before.contacts);
+    o.add("imbalance_contacts_after", r.balance.after.contacts);
+    o.add("imbalance_time_before", r.balance.before.time);
+    o.add("imbalance_time_after", r.balance.after.time);
+  }
   o.add("state_digest", r.digest);
   for (const measured& m : r.monitors) o.add(m.name, m.value);
   for (const auto& [name, value] : r.own) o.add(name, value);
@@ -265,6 +275,14 @@ template <class Scenario>
         r.dt, text(r.critical_dt, 4));
   const std::string asleep =
       r.sleeping ? detail::compose(", {} of them asleep", r.moving.asleep) : std::string();
+  if (r.balancing)
+    own = detail::compose(
+              "  balance  cuts moved {} times; largest share over the mean one before and after: "
+              "bodies {} and {}, contacts {} and {}, time {} and {}\n",
+              r.balance.moved, text(r.balance.before.bodies, 3), text(r.balance.after.bodies, 3),
+              text(r.balance.before.contacts, 3), text(r.balance.after.contacts, 3),
+              text(r.balance.before.time, 3), text(r.balance.after.time, 3)) +
+          own;
   const std::string solving =
       soft(r) ? detail::compose("           dt is {} of the critical time step {}\n",
                                 text(r.dt / r.critical_dt, 3), text(r.critical_dt, 3))

@@ -7,6 +7,7 @@
 
 #include "talus/concepts.hpp"
 #include "talus/geometry/any_geometry.hpp"
+#include "talus/parallel/bisection.hpp"
 
 namespace talus {
 
@@ -68,7 +69,7 @@ class any_partition {
 /// smaller.
 ///   scenario<..., decomposition<any_decomposition>>
 ///   world.decompose(hexagonal ? any_decomposition(hexagonal<dynamic>{...}) : grid<dynamic>{...});
-/// The default fits one rank only.
+/// The default fits one rank only. With features<balancing> the choice is to be bisection<dynamic>.
 class any_decomposition {
  public:
   any_decomposition() = default;
@@ -84,6 +85,34 @@ class any_decomposition {
       detail::fail<std::invalid_argument>(
           "no decomposition was chosen for {} ranks: give one to decompose", ranks);
     return made_of_->resolve(ranks);
+  }
+  /// The decomposition that was chosen if it is of this type, else null.
+  template <class Decomposition>
+  [[nodiscard]] const Decomposition* as() const {
+    const auto* chosen = dynamic_cast<const of<Decomposition>*>(made_of_.get());
+    return chosen != nullptr ? &chosen->decomposition : nullptr;
+  }
+
+  // With features<balancing>, for a bisection<dynamic> (templates, so that only programs that use
+  // them compile them).
+
+  /// Whether the cuts of the chosen one can move.
+  template <class Movable = bisection<dynamic>>
+  [[nodiscard]] bool movable() const {
+    return as<Movable>() != nullptr;
+  }
+  template <class Link, class Movable = bisection<dynamic>>
+  [[nodiscard]] any_decomposition shared_out(Link& link, std::span<const vec3> places,
+                                             std::uint64_t weight, int ranks) const {
+    return as<Movable>()->shared_out(link, places, weight, ranks);
+  }
+  template <class Movable = bisection<dynamic>>
+  [[nodiscard]] std::vector<real> positions() const {
+    return movable() ? as<Movable>()->positions() : std::vector<real>();
+  }
+  template <class Movable = bisection<dynamic>>
+  [[nodiscard]] any_decomposition placed(std::span<const real> positions) const {
+    return movable() ? any_decomposition(as<Movable>()->placed(positions)) : *this;
   }
 
  private:

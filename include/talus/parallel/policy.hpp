@@ -10,6 +10,8 @@ namespace detail {
 template <class Type>
 inline constexpr bool is_decomposition = concepts::decomposition<Type>;
 template <class Type>
+inline constexpr bool is_movable_decomposition = concepts::movable_decomposition<Type>;
+template <class Type>
 inline constexpr bool is_transport = concepts::transport<Type>;
 }  // namespace detail
 

@@ -6,6 +6,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/parallel/any_decomposition.hpp"
+#include "talus/parallel/bisection.hpp"
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/hexagonal.hpp"
 #include "talus/parallel/slabs.hpp"
@@ -13,9 +14,9 @@
 namespace talus {
 
 /// Shares out the rectangle between two corners (and all space above, below and around it) among
-/// the ranks there are, as "grid" (cells in x and y), "slabs" (along x) or "hexagonal" (1, 7, 19,
-/// 37, ... ranks). Throws invalid_argument for another name. (A template, so that only programs
-/// that call it compile all of them.)
+/// the ranks there are, as "grid" (cells in x and y), "slabs" (along x), "bisection" (cut across x
+/// and y) or "hexagonal" (1, 7, 19, 37, ... ranks). Throws invalid_argument for another name. (A
+/// template, so that only programs that call it compile all of them.)
 template <class Result = any_decomposition>
 [[nodiscard]] Result named_decomposition(const std::string& name, const vec3& lower,
                                          const vec3& upper) {
@@ -23,11 +24,15 @@ template <class Result = any_decomposition>
     return grid<dynamic, dynamic>{.lower = {.x = lower[0], .y = lower[1]},
                                   .upper = {.x = upper[0], .y = upper[1]}};
   if (name == "slabs") return slabs<dynamic>{.lower = lower[0], .upper = upper[0]};
+  if (name == "bisection")
+    return bisection<dynamic>{.lower = {.x = lower[0], .y = lower[1]},
+                              .upper = {.x = upper[0], .y = upper[1]}};
   if (name == "hexagonal")
     return hexagonal<dynamic>{.width = std::max(upper[0] - lower[0], upper[1] - lower[1]),
                               .centre = 0.5 * (lower + upper)};
   detail::fail<std::invalid_argument>(
-      "there is no decomposition '{}' for a rectangle: choose grid, slabs or hexagonal", name);
+      "there is no decomposition '{}' for a rectangle: choose grid, slabs, bisection or hexagonal",
+      name);
 }
 
 }  // namespace talus

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "talus/core/sort.hpp"
 #include "talus/world/state.hpp"
@@ -35,6 +36,23 @@ struct checkpoint_access {
   template <class World>
   [[nodiscard]] static std::uint64_t& added_here(World& w) {
     return w.added_here_;
+  }
+  /// How far ranks are connected, and where the cuts are, of a world that moves them.
+  template <class World>
+  [[nodiscard]] static std::vector<real> cuts(const World& w) {
+    const auto& balance = w.state_.balance;
+    std::vector<real> numbers = balance.divided.positions();
+    numbers.insert(numbers.begin(), balance.reach);
+    return numbers;
+  }
+  /// Divides space as those numbers say; it is not synchronized yet.
+  template <class World>
+  static void place_cuts(World& w, std::span<const real> numbers) {
+    auto& balance = w.state_.balance;
+    if (numbers.size() < 2) return;  // there were none
+    balance.divided = balance.divided.placed(numbers.subspan(1));
+    balance.reach = numbers[0];
+    w.state_.own = typename World::domain_type(balance.divided, w.rank(), w.ranks(), balance.reach);
   }
   template <class World>
   static void require_domain(const World& w) {

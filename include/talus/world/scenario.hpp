@@ -168,6 +168,10 @@ struct scenario final {
                 "scenario<...> names solver<reproducible> and a feature whose results depend on "
                 "the ranks: remove sleeping and continuous_collision, or use "
                 "solver<nonlinear_gauss_seidel>");
+  static_assert(!names<balancing> ||
+                    detail::is_movable_decomposition<typename decomposition_policy::type>,
+                "scenario<...> names balancing and a decomposition that cannot move its cuts: use "
+                "decomposition<bisection<dynamic>>, or remove balancing");
   static_assert(law_policy::soft || !verlet,
                 "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "
                 "are no forces that it could use: remove the integrator, or use "

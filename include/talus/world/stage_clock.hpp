@@ -1,19 +1,45 @@
 #pragma once
 // Wall-clock time of one stage of a step, added up over the steps.
+#include <type_traits>
+
 #include "talus/core/clock.hpp"
 
 namespace talus::detail {
 
+/// Wall time, and the processor's time of this thread beside it.
+struct both_times {
+  double wall = 0, processor = 0;
+  operator double() const { return wall; }  // NOLINT: a time as the others, with more to it
+};
+
+/// `Total` is a number, or both_times where the processor's time counts too.
+template <class Total>
 class stage_clock {
+  static constexpr bool both = std::is_same_v<Total, both_times>;
+
  public:
-  explicit stage_clock(double& total) : total_(total) {}
+  explicit stage_clock(Total& total) : total_(total) {}
   stage_clock(const stage_clock&) = delete;
   stage_clock& operator=(const stage_clock&) = delete;
-  ~stage_clock() { total_ += wall_seconds() - start_; }
+  ~stage_clock() {
+    if constexpr (both) {
+      total_.wall += wall_seconds() - start_.wall;
+      total_.processor += thread_seconds() - start_.processor;
+    } else {
+      total_ += wall_seconds() - start_;
+    }
+  }
 
  private:
-  double& total_;
-  double start_ = wall_seconds();
+  [[nodiscard]] static Total now() {
+    if constexpr (both)
+      return {wall_seconds(), thread_seconds()};
+    else
+      return wall_seconds();
+  }
+
+  Total& total_;
+  Total start_ = now();
 };
 
 }  // namespace talus::detail

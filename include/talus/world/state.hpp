@@ -17,6 +17,7 @@
 #include "talus/parallel/parcel.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
+#include "talus/world/balance_state.hpp"
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/body_count.hpp"
 #include "talus/world/found_pairs.hpp"
@@ -32,6 +33,16 @@ namespace talus {
 struct stage_seconds {
   double detect = 0, respond = 0, integrate = 0, exchange = 0;
 };
+
+namespace detail {
+
+/// The same where ranks balance their work, which is what they do between exchanges.
+struct balanced_seconds {
+  double detect = 0, respond = 0, integrate = 0;
+  both_times exchange;
+};
+
+}  // namespace detail
 
 /// What this rank sent in the steps so far.
 struct step_traffic {
@@ -147,6 +158,12 @@ struct world_state : response_state<Scenario> {
   static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
   [[no_unique_address]] std::conditional_t<sleeps, sleep_state<history_type>, no_sleep_state> sleep;
 
+  /// Whether cuts between domains move.
+  static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
+  [[no_unique_address]] std::conditional_t<
+      balances, balance_state<typename Scenario::decomposition>, no_balance>
+      balance;
+
   /// Whether contacts are solved colour by colour, so that nothing depends on the ranks.
   static constexpr bool by_colours = solves_by_colours<typename Scenario::solver>;
 
@@ -170,7 +187,7 @@ struct world_state : response_state<Scenario> {
                                            copy_choice<shape_count>>
       choice;
   found_pairs found;
-  stage_seconds seconds;
+  std::conditional_t<balances, balanced_seconds, stage_seconds> seconds;
   step_traffic sent;
   [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
 

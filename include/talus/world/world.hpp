@@ -13,6 +13,7 @@
 #include "talus/parallel/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/reach.hpp"
+#include "talus/world/balance.hpp"
 #include "talus/world/checkpoints.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/sections.hpp"
@@ -38,13 +39,16 @@ class world {
   /// A world on this rank, with the domain that `d` gives it, connected to all ranks within reach.
   /// Throws invalid_argument, with both numbers, if `d` is meant for another number of ranks.
   world(link_type& link, const decomposition_type& d, const reach& within = {})
-      : state_(link, domain_type(d, link.rank(), link.size(), within.distance)) {}
+      : state_(link, domain_type(d, link.rank(), link.size(), within.distance)) {
+    if constexpr (balances) state_.balance.divide(d, within.distance);
+  }
   /// The same with the decomposition's default values. Where it has none for this number of ranks,
   /// decompose() must give them first: what needs the domain throws invalid_argument until then. A
   /// decomposition for another number of ranks is refused at once.
   explicit world(link_type& link) : state_(link, domain_type::undivided(link.rank(), link.size())) {
     try {
       state_.own = domain_type(decomposition_type{}, rank(), ranks());
+      if constexpr (balances) state_.balance.divide({}, 0);
     } catch (const std::invalid_argument& e) {
       const int wanted = decomposition_type{}.size();
       if (wanted > 0 && ranks() > 1 && wanted != ranks()) throw;  // no values can cure that
@@ -65,17 +69,20 @@ class world {
   void decompose(const decomposition_type& d, const reach& within = {}) {
     sections_.require_all_ranks("decompose", rank());
     state_.own = domain_type(d, rank(), ranks(), within.distance);
+    if constexpr (balances) state_.balance.divide(d, within.distance);
     undivided_.clear();
     synchronized_ = false;
   }
   /// Connects this rank to another one, in one of the five forms of domain::connect.
   template <class... Args>
   void connect(int rank, Args&&... args) {
+    refuse_by_hand();
     state_.own.connect(rank, std::forward<Args>(args)...);
     rewired_ = true;
   }
   /// Removes the connection to a rank; both ranks do so before the next synchronize() or step.
   void disconnect(int rank) {
+    refuse_by_hand();
     state_.own.disconnect(rank);
     rewired_ = true;
   }
@@ -87,6 +94,29 @@ class world {
   [[nodiscard]] bool contains(const vec3& p) const {
     require_domain();
     return state_.own.contains(p);
+  }
+
+  /// From now on cuts move when the ranks' shares have become uneven: before the first step and
+  /// then before each that follows a multiple of `every`, if the largest share is more than `above`
+  /// times the mean one. Bodies go to their new owners with all that belongs to them; ranks are
+  /// connected as far as the bodies there are then reach (give decompose() the reach of larger ones
+  /// to come). All ranks call it alike; throws invalid_argument for settings that make no sense,
+  /// and where the decomposition chosen cannot move its cuts. Needs features<balancing>.
+  void balance(const balance_settings& how) {
+    if constexpr (detail::require_feature<Scenario, balancing>()) {
+      sections_.require_all_ranks("balance", rank());
+      detail::require_sane(how);
+      state_.balance.settings = how;
+      state_.balance.moves = true;
+      state_.balance.require_movable();
+    }
+  }
+  /// The decomposition as it is now, its cuts where they have been moved to.
+  [[nodiscard]] const decomposition_type& divided() const {
+    static_assert(balances,
+                  "world.divided() tells where cuts have been moved: add balancing to the "
+                  "features<...> of this scenario");
+    return state_.balance.divided;
   }
 
   // --- Sections ------------------------------------------------------------------------------
@@ -343,7 +373,15 @@ class world {
  private:
   friend struct detail::checkpoint_access;
   static constexpr bool keeps = Scenario::template has_feature<checkpoints>;
+  static constexpr bool balances = Scenario::template has_feature<balancing>;
 
+  static consteval void refuse_by_hand() {
+    static_assert(
+        !balances,
+        "this scenario moves the cuts between its domains (features<balancing>), which "
+        "would undo connections made by hand: give decompose() a reach instead, or remove "
+        "balancing");
+  }
   static void require_finite(const char* what, const vec3& v) {
     if (!detail::finite(v))
       detail::fail<std::invalid_argument>("{} must be finite, but is {}", what, detail::text(v));
@@ -395,6 +433,7 @@ class world {
             Shape::name, rank());
   }
   void require_two_sided_connections();
+  void look_at_balance();
   void note_destroyed(system_id id) {
     state_.owned.remove(id);
     state_.made.remove(id);

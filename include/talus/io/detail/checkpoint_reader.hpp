@@ -49,6 +49,10 @@ class checkpoint_reader {
     file_.emplace(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "read");
   }
 
+  /// Whether there is such a dataset.
+  [[nodiscard]] bool has(const std::string& path) const {
+    return H5Lexists(*file_, path.c_str(), H5P_DEFAULT) > 0;
+  }
   /// All numbers of a small dataset. `rows` is what it must have, or `any`.
   static constexpr std::uint64_t any = ~std::uint64_t{0};
   template <class T>

@@ -1,0 +1,31 @@
+#pragma once
+// How evenly the ranks share the work, with features<balancing>.
+#include <cstdint>
+
+#include "talus/world/balance.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// What moving the cuts has brought.
+struct load_balance {
+  imbalance before;         ///< the worst of those for which cuts were moved
+  imbalance after;          ///< now; time since cuts were moved last, or from the beginning
+  std::uint64_t moved = 0;  ///< how often they were
+};
+
+/// Collective. Where no cuts have moved, `before` is `after`.
+template <class Scenario>
+[[nodiscard, gnu::cold]] load_balance measure_balance(world<Scenario>& w) {
+  load_balance found;
+  if constexpr (detail::require_feature<Scenario, balancing>()) {
+    w.require_all_ranks("measure_balance");
+    const auto& s = w.state();
+    found.after = detail::reduce_load(w.link(), detail::load_of(s, s.balance.since_move)).uneven();
+    found.moved = s.balance.moved;
+    found.before = found.moved > 0 ? s.balance.before : found.after;
+  }
+  return found;
+}
+
+}  // namespace talus

@@ -1,0 +1,132 @@
+#pragma once
+// Recursive bisection: space is cut in two, each part again, until there is one for each rank. The
+// cuts can move during a run: features<balancing>.
+#include <array>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/parallel/bisection_cells.hpp"
+#include "talus/parallel/detail/bisect_load.hpp"
+#include "talus/parallel/detail/directions.hpp"
+#include "talus/parallel/dynamic.hpp"
+#include "talus/parallel/grid.hpp"
+
+namespace talus {
+
+/// N boxes made by recursive coordinate bisection (Berger and Bokhari, IEEE Transactions on
+/// Computers 36, 1987): a part for n ranks is cut across its longest axis, so that n/2 of them
+/// (rounded down, those of lower numbers) have their share of it below the cut; then each side
+/// likewise. Any number of ranks will do.
+///   bisection<7>{.lower = {-3, -3}, .upper = {3, 3}}        equal volumes, cut across x and y
+///   bisection<dynamic>{.lower = {...}, .upper = {...}}      as many as there are ranks
+///   bisection<3>{.cuts = {{0, -1.5}, {1, 2}}}               cuts where they are given
+/// Axes without bounds are never cut. Outermost domains extend to infinity. All ranks hold all
+/// cuts: 16 bytes for each rank there is.
+template <int N>
+struct bisection {
+  static_assert(N >= 1 || N == dynamic,
+                "bisection<N> takes the number of ranks, 1 or more, or bisection<dynamic>");
+  using bound = grid<1>::bound;
+
+  int count = 0;  ///< Of bisection<dynamic>; 0: as follows from the cuts, else from the ranks.
+  bound lower{};  ///< Where the space to be shared out begins (length), for the axes to be cut.
+  bound upper{};  ///< Where it ends (length), above `lower`.
+  std::vector<bisection_cut> cuts{};  ///< The first cut, then those below it, then those above.
+
+  /// The number of ranks, 0 while it is open.
+  [[nodiscard]] int size() const {
+    const int n = detail::chosen_size("bisection", "count", N, count, 0, 1);
+    return n == 0 && !cuts.empty() ? static_cast<int>(cuts.size()) + 1 : n;
+  }
+
+  /// Throws invalid_argument for another number of ranks, for bounds or cuts that make no sense,
+  /// and without any of both.
+  [[nodiscard, gnu::cold]] bisection_cells resolve(int ranks) const {
+    require(ranks);
+    if (!cuts.empty() || ranks == 1) return bisection_cells(cuts, ranks);
+    std::vector<bisection_cut> equal;
+    for (const detail::part_to_cut& p : detail::equal_parts(box(), ranks)) equal.push_back(p.cut);
+    return bisection_cells(equal, ranks);
+  }
+
+  /// The same with the cuts moved, so that each rank gets its share of a load: this rank brings
+  /// `places`, each of which weighs `weight`. Collective over `link`; the same cuts on all ranks,
+  /// and where all weigh the same, whoever brings which. Axes stay as they are until another one of
+  /// a part is longer by half. Throws invalid_argument where there are no bounds.
+  template <class Link>
+  [[nodiscard]] bisection shared_out(Link& link, std::span<const vec3> places, std::uint64_t weight,
+                                     int ranks) const {
+    const detail::cut_bounds bounds = box();
+    if (!bounds.open[0] && !bounds.open[1] && !bounds.open[2])
+      detail::fail<std::invalid_argument>(
+          "the cuts of a bisection are to move, but it has no bounds: give .lower and .upper for "
+          "the "
+          "axes that may be cut");
+    const std::vector<bisection_cut> before = resolve(ranks).cuts();
+    bisection moved = *this;
+    moved.cuts = detail::load_bisection<Link>(link, places, weight).cuts(bounds, before, ranks);
+    return moved;
+  }
+
+  /// Where the cuts are, as numbers, to be kept in a file.
+  [[nodiscard, gnu::cold]] std::vector<real> positions() const {
+    std::vector<real> numbers;
+    for (const bisection_cut& c : cuts) {
+      numbers.push_back(c.axis);
+      numbers.push_back(c.at);
+    }
+    return numbers;
+  }
+  /// The same with cuts at such positions. Throws runtime_error for numbers that are none.
+  [[nodiscard, gnu::cold]] bisection placed(std::span<const real> positions) const {
+    bisection moved = *this;
+    moved.cuts.clear();
+    for (std::size_t k = 0; k + 1 < positions.size(); k += 2) {
+      const real axis = positions[k];
+      if (axis != 0 && axis != 1 && axis != 2)
+        detail::fail<std::runtime_error>("a cut across axis {} makes no sense", axis);
+      moved.cuts.push_back({static_cast<int>(axis), positions[k + 1]});
+    }
+    return moved;
+  }
+
+ private:
+  [[gnu::cold]] void require(int ranks) const {
+    const int n = size() > 0 ? size() : ranks;
+    if (n != ranks)
+      detail::fail<std::invalid_argument>(
+          "a bisection for {} ranks needs exactly {} ranks, but there are {}: start the program "
+          "with "
+          "that many, or use bisection<dynamic>, which fits any number",
+          n, n, ranks);
+    if (cuts.empty() && ranks == 1) return;
+    if (cuts.empty() && !(box().open[0] || box().open[1] || box().open[2]))
+      detail::fail<std::invalid_argument>(
+          "a bisection for {} ranks has no bounds or cuts that say where to cut; give .lower and "
+          ".upper for the axes that may be cut, or .cuts",
+          ranks);
+    if (!cuts.empty() && static_cast<int>(cuts.size()) + 1 != ranks)
+      detail::fail<std::invalid_argument>(
+          "a bisection for {} ranks needs {} cut(s), but {} are given", ranks, ranks - 1,
+          cuts.size());
+  }
+  [[nodiscard, gnu::cold]] detail::cut_bounds box() const {
+    const std::array from{lower.x, lower.y, lower.z}, to{upper.x, upper.y, upper.z};
+    detail::cut_bounds result;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (from[k] != from[k] && to[k] != to[k]) continue;
+      if (!(from[k] < to[k]) || !std::isfinite(to[k] - from[k]))
+        detail::fail<std::invalid_argument>(
+            "a bisection needs finite bounds along {} with lower < upper, but they are {} and {}; "
+            "give .lower and .upper, or none of both for an axis that is not to be cut",
+            "xyz"[k], from[k], to[k]);
+      result.lower[k] = from[k], result.upper[k] = to[k], result.open[k] = true;
+    }
+    return result;
+  }
+};
+
+}  // namespace talus

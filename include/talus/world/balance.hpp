@@ -1,0 +1,97 @@
+#pragma once
+// features<balancing>: what a world knows of how its work is shared, and what becomes of that when
+// cuts move. How cuts are found is the decomposition's business (parallel/bisection.hpp); that all
+// bodies go to their new owners, with what their contacts remember, is synchronize()'s.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "talus/core/error.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/parallel/reduction.hpp"
+#include "talus/world/contact_count.hpp"
+#include "talus/world/shadow_copies.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// What one rank has to do, and how far its bodies reach.
+struct rank_load {
+  double bodies = 0, contacts = 0, seconds = 0;
+  real reach = 0;
+};
+/// The same of all ranks.
+struct whole_load {
+  rank_load sum, max;
+  int ranks = 1;
+
+  [[nodiscard]] imbalance uneven() const {
+    const auto share = [&](double most, double all, double without) {
+      return all > 0 ? most * ranks / all : without;
+    };
+    return {share(max.bodies, sum.bodies, 1), share(max.contacts, sum.contacts, unknown_share),
+            share(max.seconds, sum.seconds, unknown_share)};
+  }
+};
+/// Collective.
+template <class Link>
+[[nodiscard]] whole_load reduce_load(Link& link, const rank_load& mine) {
+  std::array<double, 3> sums{mine.bodies, mine.contacts, mine.seconds};
+  std::array<double, 4> most{mine.bodies, mine.contacts, mine.seconds, mine.reach};
+  link.reduce(reduction::sum, std::span<double>(sums));
+  link.reduce(reduction::max, std::span<double>(most));
+  return {{sums[0], sums[1], sums[2], 0}, {most[0], most[1], most[2], most[3]}, link.size()};
+}
+
+/// What a body weighs in whole numbers: 4096 for one that takes as long as the mean of all. A time
+/// that the clock hardly saw is not taken for more than it is.
+inline constexpr double mean_weight = 4096, most_uneven_weight = 32;
+[[nodiscard]] inline std::uint64_t weight_of_body(const rank_load& mine, const whole_load& all) {
+  if (!(mine.bodies > 0) || !(all.sum.seconds > 0)) return 1;
+  const double relative = mine.seconds / mine.bodies / (all.sum.seconds / all.sum.bodies);
+  return static_cast<std::uint64_t>(
+      mean_weight * std::clamp(relative, 1 / most_uneven_weight, most_uneven_weight));
+}
+
+/// Copies are needed as far as two bodies reach that touch; with room for what becomes faster until
+/// cuts move again.
+inline constexpr real room_for_reach = 1.25;
+[[nodiscard]] inline real reach_of_connections(real largest_reach, real asked) {
+  return std::max(asked, 2 * room_for_reach * largest_reach);
+}
+
+/// Throws invalid_argument for settings that make no sense.
+[[gnu::cold]] inline void require_sane(const balance_settings& how) {
+  if (how.every < 1 || !(how.above >= 1) || !std::isfinite(how.above))
+    fail<std::invalid_argument>(
+        "cuts are looked at every so many steps, 1 or more, and move above a largest share over "
+        "the "
+        "mean one of 1 or more, but these are {} and {}",
+        how.every, how.above);
+}
+
+/// What this rank has to do: its bodies, the contacts of its last step, and what it took.
+template <class Scenario>
+[[nodiscard]] rank_load load_of(const world_state<Scenario>& s, double seconds) {
+  rank_load mine{.contacts = static_cast<double>(count_contacts(s)), .seconds = seconds};
+  s.each_finite_shape([&](const auto& b) {
+    mine.bodies += static_cast<double>(b.movable.locals);
+    for (std::size_t i = 0; i < b.movable.locals; ++i)
+      mine.reach = std::max(mine.reach, shadow_reach(s, b.movable, i));
+  });
+  return mine;
+}
+
+/// Where the bodies owned here are.
+template <class Scenario>
+[[nodiscard]] plain_vector<vec3> places_of_own(const world_state<Scenario>& s) {
+  plain_vector<vec3> places;
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i) places.push_back(b.movable.position[i]);
+  });
+  return places;
+}
+
+}  // namespace talus::detail

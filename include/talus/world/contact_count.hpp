@@ -1,0 +1,22 @@
+#pragma once
+// How many contacts the last step looked at.
+#include <cstdint>
+
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Those that count on this rank: each on one of all ranks.
+template <class Scenario>
+[[nodiscard]] std::uint64_t count_contacts(const world_state<Scenario>& s) {
+  std::uint64_t contacts = 0;
+  s.each_contact_list([&](const auto& list) {
+    if constexpr (requires { list.counted(); })
+      contacts += list.counted();
+    else
+      list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
+  });
+  return contacts;
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,14 @@
+// expects: scenario<...> names balancing and a decomposition that cannot move its cuts
+#include "talus/parallel/bisection.hpp"
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using scene = scenario<decomposition<bisection<dynamic>>, features<balancing>>;
+#else
+using scene = scenario<decomposition<grid<dynamic>>, features<balancing>>;
+#endif
+
+const scene checked;
+
+int main() {}
