@@ -115,6 +115,9 @@ void book_response(world_state<Scenario>& s) {
                    0.5 * (b.movable.angular_velocity[i] + solved_spin(s, b.movable, i, k))};
     }
   });
+  if constexpr (world_state<Scenario>::drives)
+    for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k)
+      r.mean[k] = {v_of(solver.bodies[k]), w_of(solver.bodies[k])};
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
     using store_type = std::remove_cvref_t<decltype(store)>;
     const real mass = 1 / store.inverse_mass[i];
