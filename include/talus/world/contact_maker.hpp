@@ -248,9 +248,16 @@ class contact_maker {
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else
-      list_.add(c, key, x.moves_a, x.moves_b, x.last, at_rim(i, j));
+      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_rim(i, j));
   }
 
+  /// Whether the other end of a contact is a part of a servo.
+  [[nodiscard]] bool moves_too(std::int32_t b) const {
+    if constexpr (driven)
+      return s_.solver.bodies[static_cast<std::size_t>(b)].inverse_mass != 0;
+    else
+      return (void)b, false;
+  }
   /// Sets the other end of a contact with a global body that may move. Round bodies meet its
   /// surface as if that did not turn.
   void meet_global(contact_type& c, pair_at_hand& x, const vec3& normal, const vec3& v_b,
@@ -263,7 +270,8 @@ class contact_maker {
     } else if (!(normal == x.met.normal)) {
       x.met = {-1, normal};
     }
-    c.b = x.met.number = number_of_global<ShapeB>(s_, x.j, v, w, x.met.number);
+    c.b = x.met.number =
+        number_of_global<ShapeB>(s_, x.j, v, w, x.met.number, a_.inverse_mass[x.i]);
   }
 
   /// Whether the velocity of one of them is sent to other ranks.

@@ -191,20 +191,31 @@ void number_driven(world_state<Scenario>& s) {
   return e - normal.dot(e) * normal;
 }
 
+/// A servo is some times as heavy as what it touches: enough to move it, and not so heavy that
+/// sweeps no longer converge.
+inline constexpr real servo_ratio = 10;
+
 /// Number in the solver's arrays of global body j of a shape as one contact, or those of one
 /// normal, see it: moving with v and turning with w about its position. `last` is what was found
-/// before for the same two bodies and the same normal, or -1.
+/// before for the same two bodies and the same normal, or -1; `inverse_mass` that of the other
+/// body.
 template <class Shape, class Scenario>
-[[nodiscard]] std::int32_t number_of_global(world_state<Scenario>& s, std::size_t j, const vec3& v,
-                                            const vec3& w, std::int32_t last) {
+[[nodiscard]] std::int32_t number_of_global(world_state<Scenario>& s, std::size_t j, vec3 v,
+                                            const vec3& w, std::int32_t last, real inverse_mass) {
   auto& d = s.driving;
   const std::int32_t n = d.numbers[index_of<typename Scenario::shapes, Shape>][j];
   if (n < 0) return static_cast<std::int32_t>(d.first);
-  const driven_step& step = d.all[static_cast<std::size_t>(n)]->next;
-  if (v == step.v && w == step.w) return static_cast<std::int32_t>(d.first) + 1 + n;
   if (last >= 0) return last;
+  const driven_body& one = *d.all[static_cast<std::size_t>(n)];
+  if (!one.is_servo) {
+    if (v == one.next.v && w == one.next.w) return static_cast<std::int32_t>(d.first) + 1 + n;
+    inverse_mass = 0;
+  } else if (one.state.mass > 0) {
+    v += (s.dt * one.holds.force / one.state.mass) * one.holds.axis;
+  }
   using number = solved_scalar<Scenario>;
-  s.solver.bodies.push_back({in_scalar<number>(v), 0, in_scalar<number>(w), 0});
+  s.solver.bodies.push_back({in_scalar<number>(v), static_cast<number>(inverse_mass / servo_ratio),
+                             in_scalar<number>(w), 0});
   d.owners.push_back(n);
   return static_cast<std::int32_t>(s.solver.bodies.size() - 1);
 }

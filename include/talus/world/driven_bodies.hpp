@@ -45,9 +45,9 @@ struct driven_state {
   rigid_place at;
   vec3 v{0, 0, 0}, w{0, 0, 0};  ///< in the last step
   real force = 0;               ///< of a servo: of its contacts in the last step
-  real speed = 0;               ///< likewise: what it would move at without any force
-  real last_error = 0;
-  bool begun = false;  ///< a step has been taken
+  real speed = 0;               ///< likewise: along its axis
+  real mass = 0;                ///< likewise: of what it pressed with
+  bool begun = false;           ///< a step has been taken
 };
 
 /// A step of a driven body: where it ends, and the velocity that contacts see.
@@ -56,13 +56,32 @@ struct driven_step {
   vec3 v{0, 0, 0}, w{0, 0, 0};
 };
 
+/// A sum of numbers of either sign, exact in its parts.
+struct signed_sum {
+  exact_sum plus, minus;
+
+  signed_sum& operator+=(real x) {
+    if (x < 0)
+      minus += -x;
+    else
+      plus += x;
+    return *this;
+  }
+  [[nodiscard]] real value() const { return plus.value() - minus.value(); }
+};
+/// Of what a servo presses with: its parts, and the forces of their contacts.
+struct servo_sums {
+  signed_sum force, momentum, shift;
+  exact_sum mass;
+};
+
 struct driven_body {
   system_id id = no_id;
   driven_state state;
   std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< none: it stays
   servo holds;  ///< with an axis of length one
   bool is_servo = false;
-  exact_sum with_axis, against;   ///< forces of contacts in the step under way
+  servo_sums sums;                ///< of the step under way
   driven_step next;               ///< the step under way
   vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< what the velocity has changed by since the last one
   std::size_t index = 0;          ///< among the global bodies of its shape

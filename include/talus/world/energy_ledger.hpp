@@ -89,7 +89,7 @@ void book_contacts(world_state<Scenario>& s) {
           const auto& m = r.mean[b];
           const vec3 ub = velocity_on_b(c, m.v, m.w);
           u -= ub;
-          if (solver.bodies[b].inverse_mass == 0)
+          if (solver.bodies[b].inverse_mass == 0 || b >= solver.first_global)
             r.running.work += (p.normal + p.tangential).dot(ub);
         }
       const real normal = p.normal.dot(u), tangential = p.tangential.dot(u);

@@ -30,7 +30,8 @@ void gather_velocities(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::drives)
     for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k) {
       solver.tensors[k - solver.first_tensor].setZero();
-      if constexpr (world_state<Scenario>::law::correction) solver.shift[k] = {{0, 0, 0}, 0};
+      if constexpr (world_state<Scenario>::law::correction)
+        solver.shift[k] = {{0, 0, 0}, solver.bodies[k].inverse_mass};
     }
 
   s.each_finite_shape([&](auto& b) {

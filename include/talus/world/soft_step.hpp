@@ -135,7 +135,7 @@ class force_adder {
       if constexpr (law::friction || !ShapeB::round) B->torque -= arm_b.cross(f.force);
       if constexpr (law::rolling) B->torque -= f.moment;
     }
-    if constexpr (state_type::drives && !paired) weigh_soft<ShapeB>(s_, j, f.force);
+    if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
     if constexpr (booked) book(i, j, t, parts, arm_a, arm_b, counts);
     if constexpr (balanced) {
       vec3& ground = s_.monitors.momentum.ground_force;

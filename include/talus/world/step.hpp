@@ -47,7 +47,7 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (world_state<Scenario>::sleeps)  // islands that something comes near wake
       detect_stage([&] { rouse(s, [&] { detect(s); }); });
     respond_stage([&] { respond(s); });  // velocities that fulfil the contact law
-    if constexpr (drives) weigh_driven(s);
+    if constexpr (drives) settle_servos(s);
     if constexpr (watches<Scenario, energy_ledger>) book_response(s);
     if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
     if constexpr (world_state<Scenario>::continuous)
@@ -70,7 +70,7 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (booked) book_migration(s, 1);
     detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });
-    if constexpr (drives) agree_on_forces(s);
+    if constexpr (drives) push_servos(s);
     integrate_stage([&] { kick(s, dt / 2), end_forces(s); });
     if constexpr (watched) close_soft(s);
     if constexpr (booked) close_springs_as_measured(s);
@@ -78,7 +78,7 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (watched) open_soft(s);
     detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });  // of all overlaps with a body owned here
-    if constexpr (drives) agree_on_forces(s);
+    if constexpr (drives) push_servos(s);
     if constexpr (booked) open_springs_as_measured(s);
     integrate_stage([&] { kick(s, dt), end_forces(s), drift(s, dt); });
     if constexpr (drives) move_driven(s);

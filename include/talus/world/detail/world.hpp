@@ -269,7 +269,6 @@ void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
     body.holds = {how.force, how.max_speed, axis};
     body.is_servo = true;
     body.state.speed = how.max_speed;
-    body.state.last_error = 1;
     body.plan = [axis](const detail::driven_state& s, real, real dt) {
       return detail::step_of_servo(s, axis, dt);
     };
