@@ -33,7 +33,7 @@ struct inflow {
 
 /// What has come in so far; alike on all ranks.
 struct inserted {
-  std::uint64_t bodies = 0;
+  std::uint64_t count = 0;  ///< of bodies
   real mass = 0;
 };
 
@@ -80,16 +80,16 @@ class inserter {
     std::vector<candidate> all;
     inserted then = count_;
     random_stream places(w_->seed(), w_->steps(), purpose_of(how_.name, true));
-    while (then.bodies < how_.most) {
-      candidate first = candidate_at(somewhere(places), then.bodies);
+    while (then.count < how_.most) {
+      candidate first = candidate_at(somewhere(places), then.count);
       const real mass = mass_of(first);
-      if (how_.bodies > 0 ? static_cast<real>(then.bodies) + 1 > how_.bodies * time
+      if (how_.bodies > 0 ? static_cast<real>(then.count) + 1 > how_.bodies * time
                           : then.mass + mass > how_.mass * time)
         break;
       all.push_back(std::move(first));
       for (int k = 1; k < how_.tries; ++k)
-        all.push_back(candidate_at(somewhere(places), then.bodies));
-      ++then.bodies, then.mass += mass;
+        all.push_back(candidate_at(somewhere(places), then.count));
+      ++then.count, then.mass += mass;
       if (all.size() >= most_at_once) break;
     }
     if (!all.empty()) place(all);
@@ -150,15 +150,15 @@ class inserter {
     std::vector<const candidate*> placed;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const candidate& c = all[k];
-      if (c.number < count_.bodies) continue;  // it has found a place
-      if (c.number > count_.bodies) break;     // the one before has not
+      if (c.number < count_.count) continue;  // it has found a place
+      if (c.number > count_.count) break;     // the one before has not
       if (taken[k] != 0) continue;
       bool free = true;
       for (const candidate* other : placed) free = free && !overlap(c, *other);
       if (!free) continue;
       placed.push_back(&c);
       with(c.what, [&](const auto& b) { (void)w_->add_if_local(b); });
-      ++count_.bodies, count_.mass += mass_of(c);
+      ++count_.count, count_.mass += mass_of(c);
     }
   }
 

@@ -46,7 +46,7 @@ struct driven_state {
   vec3 v{0, 0, 0}, w{0, 0, 0};  ///< in the last step
   real force = 0;               ///< of a servo: of its contacts in the last step
   real speed = 0;               ///< likewise: along its axis
-  real mass = 0;                ///< likewise: of what it pressed with
+  real mass = 0;                ///< likewise: of what it pressed with when it last did
   bool begun = false;           ///< a step has been taken
 };
 

@@ -34,7 +34,7 @@ void forget_forces(world_state<Scenario>& s) {
 }
 
 /// Over all ranks, exactly, so that the bits do not depend on them: one reduction a step for each
-/// servo. Then calls f(servo).
+/// servo. Then calls f(servo, mass of its parts).
 template <class Scenario, class F>
 void agree_on_servos(world_state<Scenario>& s, F&& f) {
   constexpr std::size_t size = exact_sum::digits + 1;
@@ -51,11 +51,12 @@ void agree_on_servos(world_state<Scenario>& s, F&& f) {
     for (std::size_t k = 0; k < sums.size(); ++k) sums[k]->write(digits(k));
     s.link->reduce(reduction::sum, all);
     for (std::size_t k = 0; k < sums.size(); ++k) sums[k]->read(digits(k));
-    one->state.force = mine.force.value();
-    one->state.mass = mine.mass.value();
     const real most = one->holds.max_speed;
-    f(*one);
-    one->state.speed = one->state.mass > 0 ? std::clamp(one->state.speed, -most, most) : most;
+    driven_state& state = one->state;
+    state.force = mine.force.value();
+    f(*one, mine.mass.value());
+    // A servo that has met nothing yet has no mass.
+    state.speed = state.mass > 0 ? std::clamp(state.speed, -most, most) : most;
   }
 }
 
@@ -97,13 +98,19 @@ void settle_servos(world_state<Scenario>& s) {
       shift += s.solver.drift[k].v.dot(one.holds.axis);
     one.sums.shift += mass * shift;
   }
-  agree_on_servos(s, [&](driven_body& one) {
-    const real mass = one.state.mass;
-    one.state.speed = mass > 0 ? one.sums.momentum.value() / mass : one.holds.max_speed;
-    const real way = one.state.speed + (mass > 0 ? one.sums.shift.value() / mass : 0);
-    one.next.end.point =
-        one.state.at.point +
-        (s.dt * std::clamp(way, -one.holds.max_speed, one.holds.max_speed)) * one.holds.axis;
+  agree_on_servos(s, [&](driven_body& one, real mass) {
+    driven_state& state = one.state;
+    const servo& how = one.holds;
+    real shift = 0;
+    if (mass > 0) {
+      state.mass = mass;
+      state.speed = one.sums.momentum.value() / mass;
+      shift = one.sums.shift.value() / mass;
+    } else {
+      state.speed = state.mass > 0 ? state.speed + s.dt * how.force / state.mass : how.max_speed;
+    }
+    const real way = std::clamp(state.speed + shift, -how.max_speed, how.max_speed);
+    one.next.end.point = state.at.point + (s.dt * way) * how.axis;
   });
 }
 
@@ -117,11 +124,13 @@ void press(world_state<Scenario>& s, std::size_t j, const vec3& force, real inve
   one.sums.force += force.dot(one.holds.axis);
   one.sums.mass += servo_ratio / inverse_mass;
 }
-/// After the forces of soft contacts: the same piston, moved by all of them together.
+/// After the forces of soft contacts: the same piston, moved by all of them together. It gets no
+/// lighter where contacts open.
 template <class Scenario>
 void push_servos(world_state<Scenario>& s) {
   if (!any_servo(s)) return;
-  agree_on_servos(s, [&](driven_body& one) {
+  agree_on_servos(s, [&](driven_body& one, real mass) {
+    one.state.mass = std::max(one.state.mass, mass);
     if (one.state.mass > 0)
       one.state.speed += s.dt * (one.holds.force - one.state.force) / one.state.mass;
   });
