@@ -53,8 +53,8 @@ std::vector<std::string> digests(int ranks, bool boxes) {
                            .velocity = push};
              return body{.shape = box{random.uniform(vec3(0.4, 0.4, 0.4), vec3(0.6, 0.6, 0.6))},
                          .position = at.position,
-                         .orientation = random.rotation(),
-                         .velocity = push};
+                         .velocity = push,
+                         .orientation = random.rotation()};
            });
     for (int part = 0; part < 3; ++part) {
       for (int k = 0; k < 1000; ++k) w.step(Scenario::contact_law::soft ? 1.0 / 2000 : 1.0 / 240);

@@ -57,6 +57,13 @@ struct checkpoints final {
   static constexpr const char* name = "checkpoints";
 };
 
+/// Global bodies can be moved, as functions of time or so that contacts press on them with a given
+/// force: world::drive, world::hold_force, docs/building_blocks.md.
+struct driven final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "driven";
+};
+
 // Monitors: they watch every step, and change no trajectory by a bit.
 
 /// Books where energy comes from and goes to, entry by entry: observe/energy.hpp.
@@ -102,7 +109,8 @@ struct part_of_features {
   static_assert(
       is_feature<Feature>::value,
       "features<...> takes orientation, forces, user_ids, visibility, damping, "
-      "continuous_collision, sleeping, balancing, checkpoints and the monitors energy_ledger, "
+      "continuous_collision, sleeping, balancing, checkpoints, driven and the monitors "
+      "energy_ledger, "
       "momentum_balance, "
       "penetration_monitor and residual_monitor, and "
       "this type is none of them: remove it");

@@ -110,7 +110,8 @@ class shared_islands {
       if (t.owner == own) t.of_owner = static_cast<std::int32_t>(t.contacts);
     // Who holds a body that is fixed is not told, so what touches one takes no part.
     each_contact(lists, [&](const contact_ends& c, member) {
-      if (c.b < 0 || moves(s, c.a) == moves(s, c.b)) return;
+      if (c.b < 0 || static_cast<std::size_t>(c.b) >= s.first_global) return;
+      if (moves(s, c.a) == moves(s, c.b)) return;
       body_ties& t = ties_[static_cast<std::size_t>(moves(s, c.a) ? c.a : c.b)];
       if (t.owner == own) t.of_owner = -1;
     });

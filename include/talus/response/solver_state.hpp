@@ -74,6 +74,7 @@ struct solver_state_of {
   plain_vector<body_turn> turn;  ///< likewise the rotation, of bodies from first_tensor
   plain_vector<mat3> tensors;    ///< inverse inertia, world frame, of bodies from first_tensor
   std::size_t first_tensor = 0;
+  std::size_t first_global = ~std::size_t{0};  ///< from there on bodies are global and immovable
   /// Number of bodies on other ranks that a body touches; only where there are ranks.
   plain_vector<std::uint32_t> boundary_contacts;
   real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step

@@ -126,6 +126,8 @@ template <class Scenario>
     for (std::size_t i = 0; i < b.movable.size(); ++i) b.reach[i] = reach_in_step(s, b.movable, i);
   });
   if (!hold) return false;
+  if constexpr (world_state<Scenario>::drives)
+    if (!driven_within_skin(s)) return false;
   if (all_within_skin(s)) return true;
   if constexpr (world_state<Scenario>::link_type::alone)
     return false;  // bodies come and go by the user's hand alone
@@ -143,10 +145,14 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
     for (std::size_t i = 0; i < b.movable.size(); ++i) sum += b.movable.shape[i].bounding_radius();
   });
   const real mean = sum / static_cast<real>(std::max<std::size_t>(bodies, 1));
-  prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t) {
-    return reach_in_step(s, store, i) +
-           skin_of(store.shape[i].bounding_radius(), mean, store.velocity[i].norm(), s.dt);
-  });
+  if constexpr (world_state<Scenario>::drives) give_skins(s, mean);
+  prepare_detection(
+      s,
+      [&](const auto& store, std::size_t i, std::size_t) {
+        return reach_in_step(s, store, i) +
+               skin_of(store.shape[i].bounding_radius(), mean, store.velocity[i].norm(), s.dt);
+      },
+      true);
 
   found_pairs& found = s.found;
   found.known = false;
@@ -166,7 +172,11 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
         const auto& a = s.template of<A>();
         const auto& b = s.template of<B>().global;
         bool near = false;
-        collide_pair(sphere{a.reach[i]}, a.movable.pose(i), b.shape[j], b.pose(j), 0,
+        real reach = a.reach[i];
+        if constexpr (world_state<Scenario>::drives)
+          if (const driven_body* one = driven_at<B>(s, j))
+            reach = one->skin < 0 ? never : reach + one->skin;
+        collide_pair(sphere{reach}, a.movable.pose(i), b.shape[j], b.pose(j), 0,
                      [&](const contact_geometry&) { near = true; });
         if (!near) return;
       }
@@ -185,6 +195,7 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
       b.reach[i] = reach_in_step(s, b.movable, i);
     }
   });
+  if constexpr (world_state<Scenario>::drives) (void)driven_within_skin(s);  // measures them again
   s.each_shape([](auto& b) { b.globals_changed = false; });
   found.known = true;
 }

@@ -25,7 +25,12 @@ using anchored_contact =
     std::conditional_t<A::round, round_contact<Law, partner::immovable, Real>,
                        general_contact<Law, side_of<A>, contact_side::immovable, Real>>;
 
-template <class Law, class Real, template <class> class List, class A>
+/// The same where global bodies may have velocities, which stand in the solver's arrays then. It is
+/// one of the kinds of contacts among bodies that can move.
+template <class Law, class A, class Real = real>
+using driven_contact = moving_contact<Law, A, A, Real>;
+
+template <class Law, class Real, template <class> class List, bool Driven, class A>
 struct contacts_of_one {
   template <class B>
   static auto pair_with() {
@@ -35,7 +40,7 @@ struct contacts_of_one {
       return type_list<>{};
   }
   static auto anchored() {
-    if constexpr (A::finite)
+    if constexpr (A::finite && !Driven)
       return type_list<List<anchored_contact<Law, A, Real>>>{};
     else
       return type_list<>{};
@@ -55,14 +60,14 @@ struct join_lists<type_list<Ts...>, type_list<Us...>, Rest...> {
   using type = typename join_lists<type_list<Ts..., Us...>, Rest...>::type;
 };
 
-template <class Shapes, class Law, class Real, template <class> class List>
+template <class Shapes, class Law, class Real, template <class> class List, bool Driven>
 struct contact_lists_for;
-template <class... Shapes, class Law, class Real, template <class> class List>
-struct contact_lists_for<type_list<Shapes...>, Law, Real, List> {
+template <class... Shapes, class Law, class Real, template <class> class List, bool Driven>
+struct contact_lists_for<type_list<Shapes...>, Law, Real, List, Driven> {
   template <class A>
   using of_one = typename join_lists<
-      decltype(contacts_of_one<Law, Real, List, A>::template pair_with<Shapes>())...,
-      decltype(contacts_of_one<Law, Real, List, A>::anchored())>::type;
+      decltype(contacts_of_one<Law, Real, List, Driven, A>::template pair_with<Shapes>())...,
+      decltype(contacts_of_one<Law, Real, List, Driven, A>::anchored())>::type;
   using all = unique_types<typename join_lists<of_one<Shapes>...>::type>;
 };
 
@@ -75,8 +80,9 @@ struct as_tuple<type_list<Ts...>> {
 
 /// std::tuple of the contact lists that the shapes of a scenario need, each kind once. `Real` is
 /// the scalar in which they are solved, `List` keeps the contacts of one kind.
-template <class Shapes, class Law, class Real = real, template <class> class List = contact_list>
+template <class Shapes, class Law, class Real = real, template <class> class List = contact_list,
+          bool Driven = false>
 using contact_lists_of =
-    typename as_tuple<typename contact_lists_for<Shapes, Law, Real, List>::all>::type;
+    typename as_tuple<typename contact_lists_for<Shapes, Law, Real, List, Driven>::all>::type;
 
 }  // namespace talus::detail

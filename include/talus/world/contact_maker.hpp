@@ -10,6 +10,7 @@
 #include "talus/detect/narrow.hpp"
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/continuous.hpp"
+#include "talus/world/driven.hpp"
 #include "talus/world/hand_over.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
@@ -48,12 +49,15 @@ class contact_maker {
   using law = typename state_type::law;
   using number = solved_scalar<Scenario>;
   static constexpr bool paired = Partner == partner::moving;
+  static constexpr bool driven = !paired && state_type::drives;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
   template <class A, class B>
   static auto kind() {
     if constexpr (paired)
       return moving_contact<law, A, B, number>{};
+    else if constexpr (driven)
+      return driven_contact<law, A, number>{};
     else
       return anchored_contact<law, A, number>{};
   }
@@ -103,6 +107,12 @@ class contact_maker {
   }
 
  private:
+  /// Of a global body: what a contact of this normal meets, in the solver's arrays.
+  struct met_body {
+    std::int32_t number = -1;
+    vec3 normal{0, 0, 0};
+  };
+  struct nothing_met {};
   struct pair_at_hand {
     std::size_t i = 0, j = 0;
     real margin = 0;
@@ -112,6 +122,7 @@ class contact_maker {
     const pair_material* material = nullptr;
     bool own_a = false, boundary = false, foreign = false, moves_a = false, moves_b = false;
     bool made = false;  ///< a contact that may get an impulse
+    [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
   };
   struct waiting_pairs {
     plain_vector<box_place<real>>* places = nullptr;  ///< of all boxes
@@ -162,6 +173,8 @@ class contact_maker {
       const real excess = contact_slack * std::abs(x.radius - other);
       x.slack += contact_slack * other - excess;
       x.margin -= excess;
+    } else if constexpr (driven) {
+      x.margin += way_of_plane(b_, j, a_.position[i], s_.dt);
     }
     if constexpr (batched) {
       const unsigned lane = waiting_.count++;
@@ -187,11 +200,16 @@ class contact_maker {
     // Only where both bodies move must the forces on them share a line; something immovable is met
     // with the surface itself.
     if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
-    vec3 arm_b{0, 0, 0};
+    vec3 arm_b{0, 0, 0}, v_b{0, 0, 0};
     vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
     if constexpr (paired) {
       arm_b = g.point - b_.position[j];
       u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
+    } else if constexpr (driven) {
+      arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
+      v_b = b_.velocity[j] +
+            along_chord(b_.angular_velocity[j], a_.position[i] - b_.position[j], g.normal, s_.dt);
+      u -= v_b + b_.angular_velocity[j].cross(arm_b);
     }
     if constexpr (state_type::continuous) {
       if (not_met(i, j, g.gap, *x.material)) return;
@@ -203,10 +221,16 @@ class contact_maker {
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
     c.a = static_cast<std::int32_t>(first_a_ + i);
-    if constexpr (paired) c.b = static_cast<std::int32_t>(first_b_ + j);
+    real pulled = pull(i, j);
+    if constexpr (paired) {
+      c.b = static_cast<std::int32_t>(first_b_ + j);
+    } else if constexpr (driven) {
+      pulled += change_of_global<ShapeB>(s_, j, arm_b).norm() / s_.dt;
+      meet_global(c, x, g.normal, v_b, arm_b);
+    }
     place(c, g, arm_a, arm_b);
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
-        *x.material, g.normal, u, g.gap, s_.dt, pull(i, j), [&] { return fall(i, j, g.normal); },
+        *x.material, g.normal, u, g.gap, s_.dt, pulled, [&] { return fall(i, j, g.normal); },
         creep(x.radius), s_.settings.correction);
     real target = want.target;
     if constexpr (state_type::continuous) {
@@ -224,7 +248,30 @@ class contact_maker {
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else
-      list_.add(c, key, x.moves_a, x.moves_b, x.last, at_rim(i, j));
+      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_rim(i, j));
+  }
+
+  /// Whether the other end of a contact is a part of a servo.
+  [[nodiscard]] bool moves_too(std::int32_t b) const {
+    if constexpr (driven)
+      return s_.solver.bodies[static_cast<std::size_t>(b)].inverse_mass != 0;
+    else
+      return (void)b, false;
+  }
+  /// Sets the other end of a contact with a global body that may move. Round bodies meet its
+  /// surface as if that did not turn.
+  void meet_global(contact_type& c, pair_at_hand& x, const vec3& normal, const vec3& v_b,
+                   vec3& arm_b) {
+    vec3 v = v_b, w = b_.angular_velocity[x.j];
+    if constexpr (ShapeA::round) {
+      v += w.cross(arm_b);
+      w = arm_b = {0, 0, 0};
+      x.met.number = -1;
+    } else if (!(normal == x.met.normal)) {
+      x.met = {-1, normal};
+    }
+    c.b = x.met.number =
+        number_of_global<ShapeB>(s_, x.j, v, w, x.met.number, a_.inverse_mass[x.i]);
   }
 
   /// Whether the velocity of one of them is sent to other ranks.
@@ -241,6 +288,7 @@ class contact_maker {
     real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
     if constexpr (store_a::tensor) closing -= turning(a_, p.i);
     if constexpr (paired && store_b::tensor) closing -= turning(b_, p.j);
+    if constexpr (driven) closing -= b_.angular_velocity[p.j].norm() * p.radius * s_.dt;
     return g.gap + closing > p.slack;
   }
   [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }

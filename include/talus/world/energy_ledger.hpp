@@ -89,7 +89,7 @@ void book_contacts(world_state<Scenario>& s) {
           const auto& m = r.mean[b];
           const vec3 ub = velocity_on_b(c, m.v, m.w);
           u -= ub;
-          if (solver.bodies[b].inverse_mass == 0)
+          if (solver.bodies[b].inverse_mass == 0 || b >= solver.first_global)
             r.running.work += (p.normal + p.tangential).dot(ub);
         }
       const real normal = p.normal.dot(u), tangential = p.tangential.dot(u);
@@ -115,6 +115,9 @@ void book_response(world_state<Scenario>& s) {
                    0.5 * (b.movable.angular_velocity[i] + solved_spin(s, b.movable, i, k))};
     }
   });
+  if constexpr (world_state<Scenario>::drives)
+    for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k)
+      r.mean[k] = {v_of(solver.bodies[k]), w_of(solver.bodies[k])};
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
     using store_type = std::remove_cvref_t<decltype(store)>;
     const real mass = 1 / store.inverse_mass[i];

@@ -35,7 +35,8 @@ void book_momentum(world_state<Scenario>& s) {
         r.ground += vec3(sign * (p.normal + p.tangential));
       };
       if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
-        if (solver.bodies[static_cast<std::size_t>(c.b)].inverse_mass == 0)
+        const auto b = static_cast<std::size_t>(c.b);
+        if (solver.bodies[b].inverse_mass == 0 || b >= solver.first_global)
           give(1);
         else if (solver.bodies[static_cast<std::size_t>(c.a)].inverse_mass == 0)
           give(-1);

@@ -27,6 +27,12 @@ void gather_velocities(world_state<Scenario>& s) {
     solver.boundary_contacts.assign(solver.bodies.size(), 0);
   constexpr bool divided = divides_the_step<typename Scenario::solver>;
   if constexpr (divided) solver.gain.assign(solver.bodies.size(), {});
+  if constexpr (world_state<Scenario>::drives)
+    for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k) {
+      solver.tensors[k - solver.first_tensor].setZero();
+      if constexpr (world_state<Scenario>::law::correction)
+        solver.shift[k] = {{0, 0, 0}, solver.bodies[k].inverse_mass};
+    }
 
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;

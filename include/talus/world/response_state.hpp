@@ -78,11 +78,11 @@ struct shared_colours {
 };
 struct no_colours {};
 
-template <class Shapes, class Law, class Solver, class Real>
+template <class Shapes, class Law, class Solver, class Real, bool Driven>
 struct hard_response {
   template <class Contact>
   using list_of = typename lists_for<Solver>::template list<Contact>;
-  using lists_type = contact_lists_of<Shapes, Law, Real, list_of>;
+  using lists_type = contact_lists_of<Shapes, Law, Real, list_of, Driven>;
   using history_type = history_of<typename Law::memory>;
 
   solver_settings settings;
@@ -109,12 +109,13 @@ struct soft_response {
   soft_state<Law> soft;
 };
 
-template <class Shapes, class Law, class Solver, class Real>
+/// `Driven`: global bodies may have velocities.
+template <class Shapes, class Law, class Solver, class Real, bool Driven>
 struct response_of {
-  using type = hard_response<Shapes, Law, Solver, Real>;
+  using type = hard_response<Shapes, Law, Solver, Real, Driven>;
 };
-template <class Shapes, class Law, class Solver, class Real>
-requires(Law::soft) struct response_of<Shapes, Law, Solver, Real> {
+template <class Shapes, class Law, class Solver, class Real, bool Driven>
+requires(Law::soft) struct response_of<Shapes, Law, Solver, Real, Driven> {
   using type = soft_response<Law>;
 };
 

@@ -146,6 +146,9 @@ struct scenario final {
                 "scenario<...> names sleeping and continuous_collision, but bodies that are "
                 "followed on their way cannot wake what they strike within the step: keep one of "
                 "them");
+  static_assert(!names<driven> || !names<continuous_collision>,
+                "scenario<...> names driven and continuous_collision, but bodies are followed on "
+                "their way only to what stands still: keep one of them, or use a smaller dt");
   using kept_features =
       std::conditional_t<verlet,
                          detail::list_with<typename features_policy::list, detail::contact_forces>,

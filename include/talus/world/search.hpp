@@ -5,6 +5,7 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/world/contact_maker.hpp"
+#include "talus/world/driven.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -30,6 +31,7 @@ void count_bodies(world_state<Scenario>& s) {
   } else {
     s.solver.first_tensor = count.scalar;
     s.solver.bodies.resize(count.all);
+    if constexpr (world_state<Scenario>::drives) number_driven(s);
   }
 }
 
@@ -43,17 +45,29 @@ template <class Scenario, class Store>
     return reach_of(store, i, steps_ahead(s) * s.dt);
 }
 
+/// How far a global body reaches; with its skin if it is driven and pairs are to be kept.
+template <class Shape, class Scenario, class Store>
+[[nodiscard]] real reach_of_global(const world_state<Scenario>& s, const Store& store,
+                                   std::size_t i, bool with_skin) {
+  if constexpr (world_state<Scenario>::drives)
+    if (const driven_body* one = with_skin ? driven_at<Shape>(s, i) : nullptr) return one->skin;
+  return (void)with_skin, reach_of(store, i, s.dt);
+}
+
 /// Sorts the bodies of each shape into its grid; reach(store, i, index in the solver's arrays) says
 /// how far a movable body reaches.
 template <class Scenario, class Reach>
-void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable) {
+void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable, bool with_skin = false) {
   count_bodies(s);
+  if constexpr (world_state<Scenario>::drives)
+    each_driven(s, [](auto& b, std::size_t, const driven_body&) { b.globals_changed = true; });
   s.each_finite_shape([&](auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
     const auto sort = [&](auto& store, plain_vector<real>& reach, hash_grid& grid) {
       reach.resize(store.size());
       for (std::size_t i = 0; i < store.size(); ++i)
         reach[i] = &store == &b.movable ? reach_of_movable(store, i, b.first + i)
-                                        : reach_of(store, i, s.dt);
+                                        : reach_of_global<shape>(s, store, i, with_skin);
       try {
         grid.build(store.position, reach);
       } catch (const unplaceable& e) {

@@ -12,6 +12,7 @@
 #include "talus/world/close_pairs.hpp"
 #include "talus/world/detect.hpp"
 #include "talus/world/finite_motion.hpp"
+#include "talus/world/servo.hpp"
 #include "talus/world/soft_ledger.hpp"
 #include "talus/world/state.hpp"
 
@@ -98,8 +99,14 @@ class force_adder {
       inverse_mass += B->inverse_mass;
       curvature += 1 / B->radius;
       rolling += B->inverse_mass / (B->radius * B->radius);
-    } else if constexpr (ShapeB::finite) {
-      curvature += 1 / sphere_radius(b_.shape[j]);
+    } else {
+      if constexpr (ShapeB::finite) curvature += 1 / sphere_radius(b_.shape[j]);
+      if constexpr (state_type::drives) {
+        arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
+        t.u -= surface_velocity_of(j, arm_b);
+        t.spin -= b_.angular_velocity[j];
+        t.mean_spin += 0.5 * g.normal.dot(b_.angular_velocity[j]);
+      }
     }
     t.mass = 1 / inverse_mass;
     t.radius = 1 / curvature;
@@ -128,6 +135,7 @@ class force_adder {
       if constexpr (law::friction || !ShapeB::round) B->torque -= arm_b.cross(f.force);
       if constexpr (law::rolling) B->torque -= f.moment;
     }
+    if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
     if constexpr (booked) book(i, j, t, parts, arm_a, arm_b, counts);
     if constexpr (balanced) {
       vec3& ground = s_.monitors.momentum.ground_force;
@@ -154,8 +162,14 @@ class force_adder {
         add_power(r, 1, parts, t.normal, B.v + B.w.cross(arm_b), B.w);
       else if (A.inverse_mass == 0)
         add_power(r, -1, parts, t.normal, A.v + A.w.cross(arm_a), A.w);
+    } else if constexpr (state_type::drives) {
+      add_power(r, 1, parts, t.normal, surface_velocity_of(j, arm_b), b_.angular_velocity[j]);
     }
     (void)j, (void)arm_b;
+  }
+
+  [[nodiscard]] vec3 surface_velocity_of(std::size_t j, const vec3& arm) const {
+    return b_.velocity[j] + b_.angular_velocity[j].cross(arm);
   }
 
   state_type& s_;
@@ -219,6 +233,7 @@ void measure_forces(world_state<Scenario>& s) {
   gather_motion(s);
   auto& count = std::get<soft_contacts>(s.contacts);
   if constexpr (law::remembers) s.recorded.reset(count.size());
+  if constexpr (world_state<Scenario>::drives) forget_forces(s);
   count = {};
   if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   if constexpr (watches<Scenario, energy_ledger>) {

@@ -20,6 +20,7 @@
 #include "talus/world/balance_state.hpp"
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/body_count.hpp"
+#include "talus/world/driven_bodies.hpp"
 #include "talus/world/found_pairs.hpp"
 #include "talus/world/monitors.hpp"
 #include "talus/world/response_state.hpp"
@@ -116,7 +117,8 @@ struct shares_data : std::bool_constant<packs_itself<Shape>> {};
 template <class Scenario>
 using response_state =
     typename response_of<typename Scenario::shapes, typename Scenario::contact_law,
-                         typename Scenario::solver, solved_scalar<Scenario>>::type;
+                         typename Scenario::solver, solved_scalar<Scenario>,
+                         contains_type<typename Scenario::features, driven>>::type;
 
 /// The contacts and what finds their impulses or forces are in the base.
 template <class Scenario>
@@ -163,6 +165,11 @@ struct world_state : response_state<Scenario> {
   [[no_unique_address]] std::conditional_t<
       balances, balance_state<typename Scenario::decomposition>, no_balance>
       balance;
+  /// Whether global bodies may be moved.
+  static constexpr bool drives = contains_type<typename Scenario::features, driven>;
+  [[no_unique_address]] std::conditional_t<drives, driven_bodies<Scenario::shapes::size>,
+                                           no_driven_bodies>
+      driving;
 
   /// Whether contacts are solved colour by colour, so that nothing depends on the ranks.
   static constexpr bool by_colours = solves_by_colours<typename Scenario::solver>;

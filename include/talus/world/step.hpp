@@ -3,11 +3,13 @@
 #include <type_traits>
 
 #include "talus/world/detect.hpp"
+#include "talus/world/driven.hpp"
 #include "talus/world/energy_ledger.hpp"
 #include "talus/world/hand_over.hpp"
 #include "talus/world/last_residual.hpp"
 #include "talus/world/momentum_balance.hpp"
 #include "talus/world/respond.hpp"
+#include "talus/world/servo.hpp"
 #include "talus/world/sleep.hpp"
 #include "talus/world/soft_step.hpp"
 #include "talus/world/sort_bodies.hpp"
@@ -37,12 +39,15 @@ void step(world_state<Scenario>& s, real dt) {
   s.dt = dt;
   if (s.steps % steps_between_sorts == 0) sort_bodies(s);
   announce_changes(s);
+  constexpr bool drives = world_state<Scenario>::drives;
+  if constexpr (drives) aim_driven(s);
   if constexpr (!Scenario::contact_law::soft) {
     if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
     detect_stage([&] { detect(s); });  // contacts of local bodies with each other, copies, globals
     if constexpr (world_state<Scenario>::sleeps)  // islands that something comes near wake
       detect_stage([&] { rouse(s, [&] { detect(s); }); });
     respond_stage([&] { respond(s); });  // velocities that fulfil the contact law
+    if constexpr (drives) settle_servos(s);
     if constexpr (watches<Scenario, energy_ledger>) book_response(s);
     if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
     if constexpr (world_state<Scenario>::continuous)
@@ -50,6 +55,7 @@ void step(world_state<Scenario>& s, real dt) {
         limit_flights(s, [&] { each_close_pair<flight_stopper>(s); });
       });
     integrate_stage([&] { integrate(s); });  // positions of the bodies owned here
+    if constexpr (drives) move_driven(s);
     if constexpr (watches<Scenario, energy_ledger>) book_motion(s);
     if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
     if constexpr (world_state<Scenario>::sleeps) integrate_stage([&] { rest(s); });
@@ -58,11 +64,13 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (watched) open_soft(s);
     if constexpr (booked) survey_at_start(s);
     integrate_stage([&] { kick(s, dt / 2), drift(s, dt); });
+    if constexpr (drives) move_driven(s);
     if constexpr (booked) book_migration(s, -1);
     hand_over(s);
     if constexpr (booked) book_migration(s, 1);
     detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });
+    if constexpr (drives) push_servos(s);
     integrate_stage([&] { kick(s, dt / 2), end_forces(s); });
     if constexpr (watched) close_soft(s);
     if constexpr (booked) close_springs_as_measured(s);
@@ -70,8 +78,10 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (watched) open_soft(s);
     detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });  // of all overlaps with a body owned here
+    if constexpr (drives) push_servos(s);
     if constexpr (booked) open_springs_as_measured(s);
     integrate_stage([&] { kick(s, dt), end_forces(s), drift(s, dt); });
+    if constexpr (drives) move_driven(s);
     if constexpr (watched) close_soft(s);
   }
   ++s.steps;

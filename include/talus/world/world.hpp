@@ -213,6 +213,7 @@ class world {
   }
   /// Seed of all random numbers that fill() hands out. Set alike on all ranks.
   void seed(std::uint64_t seed) { seed_ = seed; }
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
 
   // --- Bodies --------------------------------------------------------------------------------
 
@@ -266,6 +267,26 @@ class world {
   /// ranks call it alike; returns the number of bodies made here.
   template <class Sites, class F>
   std::size_t fill(const Sites& sites, F&& f);
+
+  /// Moves a global body along, from now on: `motion` is a function of the time of the world that
+  /// returns a rigid_displacement, a rigid_velocity or a surface_velocity (body/motion.hpp), such
+  /// as oscillation, turning, gliding and belt. Displacements count from where the body is now; one
+  /// that is not zero now puts it there at once. It replaces the motion, or the servo, that the
+  /// body had. All ranks call it alike, with motions that give the same bits; a restart calls it
+  /// again. Throws invalid_argument for a body that is not known or not global, and runtime_error
+  /// in an exclusive section; a step throws runtime_error where the motion is not finite. Needs
+  /// features<driven>.
+  template <class Shape, class Motion>
+  void drive(handle<Shape> h, Motion motion);
+  /// Moves a global body along an axis so that its contacts exert a force against it: a plane
+  /// presses on a packing. Until it meets something it goes at its greatest speed. It costs one
+  /// reduction over all ranks in each step. All ranks call it alike; throws as drive(), and
+  /// invalid_argument for a force or a speed that is not positive, or where there is no axis.
+  template <class Shape>
+  void hold_force(handle<Shape> h, const servo& how);
+  /// A driven body stays where it is, from now on. Likewise for all ranks.
+  template <class Shape>
+  void halt(handle<Shape> h);
 
   /// Removes a body that this rank owns, or a global one (on all ranks alike). Throws
   /// invalid_argument where it is not known and logic_error where it is a shadow copy.
@@ -451,6 +472,8 @@ class world {
   system_id insert(const body<Shape>& b, system_id id);
   template <class Shape>
   handle<Shape> add_global(const body<Shape>& b);
+  template <class Shape>
+  detail::driven_body& driven_body_of(handle<Shape> h, const char* what);
   template <class Bodies, class Store, class F>
   void visit(Bodies&, Store& store, std::size_t from, std::size_t to, bool global, F&& f) {
     using shape = typename Store::shape_type;

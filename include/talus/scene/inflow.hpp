@@ -1,0 +1,194 @@
+#pragma once
+// Bodies that come in while a run goes on: so many, or so much mass, per unit of time, at random
+// places of a region where there is room.
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "talus/body/body.hpp"
+#include "talus/core/error.hpp"
+#include "talus/core/random.hpp"
+#include "talus/detect/narrow.hpp"
+#include "talus/parallel/reduction.hpp"
+#include "talus/scene/region.hpp"
+#include "talus/scene/site.hpp"
+
+namespace talus {
+
+/// What insert_by_rate is asked for. One of `bodies` and `mass` is positive, the other zero.
+struct inflow {
+  real bodies = 0;                                                 ///< per unit of time
+  real mass = 0;                                                   ///< likewise
+  real from = 0;                                                   ///< time at which it begins
+  std::uint64_t most = std::numeric_limits<std::uint64_t>::max();  ///< bodies, in all
+  int tries = 20;               ///< places that are tried for a body in one step
+  std::string name = "inflow";  ///< of its random numbers and in checkpoints: one for each inflow
+};
+
+/// What has come in so far; alike on all ranks.
+struct inserted {
+  std::uint64_t count = 0;  ///< of bodies
+  real mass = 0;
+};
+
+namespace detail {
+
+/// A number of a name for random_stream, unlike those of others (FNV-1a; 0 is that of fill).
+[[nodiscard, gnu::cold]] inline std::uint32_t purpose_of(const std::string& name, bool second) {
+  std::uint32_t h = 2166136261u;
+  for (const char c : name) h = (h ^ static_cast<unsigned char>(c)) * 16777619u;
+  return h << 2 | 2u | second;
+}
+
+template <class World, class Region, class Make>
+class inserter {
+  using made = std::invoke_result_t<Make&, const site&, random_stream&>;
+
+ public:
+  inserter(World& w, const inflow& how, Region region, Make make)
+      : w_(&w), how_(how), region_(std::move(region)), make_(std::move(make)) {
+    if (!((how.bodies > 0) != (how.mass > 0)) || !(how.bodies >= 0 && how.mass >= 0) ||
+        !std::isfinite(how.bodies + how.mass))
+      fail<std::invalid_argument>(
+          "an inflow has so many bodies or so much mass per unit of time, one of them positive, "
+          "but "
+          "'{}' has {} and {}",
+          how.name, how.bodies, how.mass);
+    if (how.tries < 1)
+      fail<std::invalid_argument>("an inflow tries at least one place for a body, but '{}' {}",
+                                  how.name, how.tries);
+    const region_extent extent = extent_of(region_);
+    lower_ = extent.lower, upper_ = extent.upper;
+    for (int k = 0; k < 3; ++k)
+      if (!std::isfinite(lower_[k]) || !std::isfinite(upper_[k]) || !(lower_[k] <= upper_[k]))
+        fail<std::invalid_argument>(
+            "the region of the inflow '{}' must have bounds and lie between them, but goes from {} "
+            "to {}: intersect it with a box_region",
+            how.name, lower_, upper_);
+  }
+  [[nodiscard]] inserted& count() { return count_; }
+
+  /// What is due by now. Collective where anything is.
+  void insert() {
+    const real time = w_->time() - how_.from;
+    std::vector<candidate> all;
+    inserted then = count_;
+    random_stream places(w_->seed(), w_->steps(), purpose_of(how_.name, true));
+    while (then.count < how_.most) {
+      candidate first = candidate_at(somewhere(places), then.count);
+      const real mass = mass_of(first);
+      if (how_.bodies > 0 ? static_cast<real>(then.count) + 1 > how_.bodies * time
+                          : then.mass + mass > how_.mass * time)
+        break;
+      all.push_back(std::move(first));
+      for (int k = 1; k < how_.tries; ++k)
+        all.push_back(candidate_at(somewhere(places), then.count));
+      ++then.count, then.mass += mass;
+      if (all.size() >= most_at_once) break;
+    }
+    if (!all.empty()) place(all);
+  }
+
+ private:
+  static constexpr std::size_t most_at_once = 20000;
+  struct candidate {
+    made what;
+    std::uint64_t number;
+  };
+
+  candidate candidate_at(const vec3& p, std::uint64_t number) {
+    const site place{.position = p, .index = number};
+    random_stream random(w_->seed(), number, purpose_of(how_.name, false));
+    return {make_(place, random), number};
+  }
+  vec3 somewhere(random_stream& random) const {
+    for (int k = 0; k < 100000; ++k)
+      if (const vec3 p = random.uniform(lower_, upper_); region_.contains(p)) return p;
+    fail<std::runtime_error>(
+        "the region of the inflow '{}' is empty, or hardly fills its bounds from {} to {}",
+        how_.name, lower_, upper_);
+  }
+  template <class What, class F>
+  static void with(const What& what, F&& f) {
+    if constexpr (requires { what.valueless_by_exception(); })
+      std::visit(f, what);
+    else
+      f(what);
+  }
+  real mass_of(const candidate& c) const {
+    real mass = 0;
+    with(c.what,
+         [&](const auto& b) { mass = w_->materials()[b.material].density * b.shape.volume(); });
+    return mass;
+  }
+  static bool overlap(const candidate& x, const candidate& y) {
+    bool found = false;
+    with(x.what, [&](const auto& a) {
+      with(y.what, [&](const auto& b) {
+        collide_pair(a.shape, pose{a.position, a.orientation}, b.shape,
+                     pose{b.position, b.orientation}, 0,
+                     [&](const contact_geometry& g) { found = found || g.gap < 0; });
+      });
+    });
+    return found;
+  }
+  /// Each body at the first of its places that is free, in the order of their numbers. One that
+  /// finds none waits, and so do those behind it, or sizes that fit would be preferred.
+  void place(const std::vector<candidate>& all) {
+    std::vector<std::uint64_t> taken;
+    for (const candidate& c : all)
+      with(c.what, [&](const auto& b) {
+        taken.push_back(w_->overlaps(b.shape, b.position, b.orientation));
+      });
+    w_->link().reduce(reduction::max, std::span(taken));
+    std::vector<const candidate*> placed;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const candidate& c = all[k];
+      if (c.number < count_.count) continue;  // it has found a place
+      if (c.number > count_.count) break;     // the one before has not
+      if (taken[k] != 0) continue;
+      bool free = true;
+      for (const candidate* other : placed) free = free && !overlap(c, *other);
+      if (!free) continue;
+      placed.push_back(&c);
+      with(c.what, [&](const auto& b) { (void)w_->add_if_local(b); });
+      ++count_.count, count_.mass += mass_of(c);
+    }
+  }
+
+  World* w_;
+  inflow how_;
+  Region region_;
+  Make make_;
+  vec3 lower_, upper_;
+  inserted count_;
+};
+
+}  // namespace detail
+
+/// Bodies come into a region after the steps of simulate() until as many, or as much mass, are in
+/// as the rate says. f(site, random) makes one with its centre at site.position, or a std::variant
+/// of bodies of several shapes, as in world.fill; it is tried at several random places, with the
+/// same random numbers at each, and added at the first that overlaps nothing. While there is no
+/// room the flow waits, and what is missing comes in later. The bodies, their ids, sizes and places
+/// depend on the seed and the state alone, not on the ranks: where bodies are due the ranks agree
+/// by one reduction. Returns what came in so far. All ranks call it alike. Throws invalid_argument
+/// for rates that make no sense and a region without bounds.
+template <class World, class Region, class F>
+std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, const Region& region,
+                                               F f) {
+  w.require_all_ranks("insert_by_rate");
+  auto one = std::make_shared<detail::inserter<World, Region, F>>(w, how, region, std::move(f));
+  if constexpr (World::scenario_type::template has_feature<checkpoints>)
+    w.keep("inflow " + how.name, one->count());
+  w.after_each_step([one] { one->insert(); });
+  return {one, &one->count()};
+}
+
+}  // namespace talus

@@ -1,0 +1,62 @@
+#pragma once
+// Bodies that leave: those whose centre is in a region after a step are removed and counted.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "talus/body/features.hpp"
+#include "talus/core/math.hpp"
+#include "talus/parallel/reduction.hpp"
+
+namespace talus {
+
+/// What has gone out.
+struct removed {
+  std::uint64_t count = 0;  ///< of bodies
+  real mass = 0;
+};
+
+/// What one region has removed; made by remove_in().
+class outflow {
+ public:
+  explicit outflow(std::shared_ptr<const removed> count) : count_(std::move(count)) {}
+  /// By this rank. (After a restart the numbers of all ranks are on rank 0.)
+  [[nodiscard]] const removed& here() const { return *count_; }
+  /// Collective: by all ranks. The last bits of the mass depend on the number of ranks.
+  template <class World>
+  [[nodiscard]] removed total(World& w) const {
+    w.require_all_ranks("outflow::total");
+    std::array<double, 2> sums{static_cast<double>(count_->count), count_->mass};
+    w.link().reduce(reduction::sum, std::span(sums));
+    return {static_cast<std::uint64_t>(sums[0]), sums[1]};
+  }
+
+ private:
+  std::shared_ptr<const removed> count_;
+};
+
+/// Removes the bodies whose centre is in a region (anything with contains(point), such as
+/// box_region or half_space) after each step of simulate(); fixed ones stay. `name` is that of its
+/// counts in checkpoints, one for each. All ranks call it alike.
+template <class World, class Region>
+outflow remove_in(World& w, const Region& region, const std::string& name = "outflow") {
+  w.require_all_ranks("remove_in");
+  const auto count = std::make_shared<removed>();
+  if constexpr (World::scenario_type::template has_feature<checkpoints>) {
+    w.keep_sum(name + " bodies", count->count);
+    w.keep_sum(name + " mass", count->mass);
+  }
+  w.after_each_step([&w, region, count] {
+    w.destroy_if([&](const auto& b) {
+      if (b.is_fixed() || !region.contains(b.position())) return false;
+      ++count->count, count->mass += b.mass();
+      return true;
+    });
+  });
+  return outflow(count);
+}
+
+}  // namespace talus

@@ -1,0 +1,290 @@
+#pragma once
+// features<driven>: global bodies that move. In a step such a body goes from its pose at the start
+// to its pose at the end, and contacts see the constant velocity that leads from the one to the
+// other. So what sticks to it is carried along with it, and there is no drift between what moves
+// and what contacts see, however long the steps are.
+//
+// Every rank knows the motion and the body, so nothing travels. For the solver a driven body is
+// what a fixed one is: no inverse mass, and a velocity. Where it turns, contacts meet bodies of
+// their own, one for each pair and normal: round bodies have no lever arm on the other side.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "talus/core/error.hpp"
+#include "talus/shape/frame.hpp"
+#include "talus/world/bodies_of_shape.hpp"
+#include "talus/world/found_pairs.hpp"
+#include "talus/world/sleeping_islands.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// The product of two rotations.
+[[nodiscard]] inline quat after(const quat& second, const quat& first) {
+  return combined({{0, 0, 0}, second}, {{0, 0, 0}, first}).orientation;
+}
+
+/// The constant angular velocity that turns `from` into `to` within `dt`, by less than half a turn.
+[[nodiscard]] inline vec3 angular_velocity_between(const quat& from, const quat& to, real dt) {
+  const quat by = after(to, inverse({{0, 0, 0}, from}).orientation);
+  const vec3 axis = by.w() < 0 ? vec3(-by.x(), -by.y(), -by.z()) : vec3(by.x(), by.y(), by.z());
+  const real sine = axis.norm();
+  if (sine == 0) return {0, 0, 0};
+  return (2 * std::atan2(sine, std::abs(by.w())) / (sine * dt)) * axis;
+}
+
+/// The place of a reference point that starts at `origin`.
+[[nodiscard]] inline rigid_place place_of(const vec3& origin, const rigid_displacement& d) {
+  return {d.about + rotated(d.turn, vec3(origin - d.about)) + d.shift, d.turn};
+}
+
+// The three kinds of motion, for one step.
+
+[[nodiscard]] inline driven_step step_to(const driven_state& s, const rigid_displacement& end,
+                                         real dt) {
+  driven_step step{.end = place_of(s.origin, end)};
+  step.v = (step.end.point - s.at.point) / dt;
+  step.w = angular_velocity_between(s.at.turn, step.end.turn, dt);
+  return step;
+}
+[[nodiscard]] inline driven_step step_at(const driven_state& s, const rigid_velocity& u, real dt) {
+  driven_step step{.end = s.at, .w = u.angular_velocity};
+  const real speed = step.w.norm();
+  const quat by = speed > 0 ? rotation(step.w, speed * dt) : quat(1, 0, 0, 0);
+  step.end.point = u.about + rotated(by, vec3(s.at.point - u.about)) + dt * u.velocity;
+  if (speed > 0) step.end.turn = after(by, s.at.turn).normalized();
+  step.v = (step.end.point - s.at.point) / dt;
+  return step;
+}
+[[nodiscard]] inline driven_step step_at(const driven_state& s, const surface_velocity& u, real) {
+  return {.end = s.at,
+          .v = u.velocity + u.angular_velocity.cross(vec3(s.at.point - u.about)),
+          .w = u.angular_velocity};
+}
+
+template <class T>
+concept value_of_motion = std::same_as<T, rigid_displacement> || std::same_as<T, rigid_velocity> ||
+    std::same_as<T, surface_velocity>;
+template <class Motion>
+struct motion_of_body {
+  static constexpr bool value = requires(const Motion& m, real t) {
+    requires value_of_motion<decltype(m(t))>;
+  };
+  static_assert(value,
+                "world.drive takes a motion: a function of the time that returns a "
+                "rigid_displacement, a rigid_velocity or a surface_velocity, such as oscillation, "
+                "turning, gliding and belt, and this type is none");
+};
+
+/// Calls f(bodies of a shape, index among them, driven body) for those that are there.
+template <class Scenario, class F>
+void each_driven(world_state<Scenario>& s, F&& f) {
+  std::size_t k = 0;
+  s.each_shape([&](auto& b) {
+    const auto& numbers = s.driving.numbers[k++];
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      if (numbers[i] >= 0) f(b, i, *s.driving.all[static_cast<std::size_t>(numbers[i])]);
+  });
+}
+
+/// Finds the driven bodies among the global ones: these may have come or gone.
+template <class Scenario>
+void find_driven(world_state<Scenario>& s) {
+  auto& d = s.driving;
+  std::size_t k = 0;
+  s.each_shape([&](const auto& b) {
+    auto& numbers = d.numbers[k++];
+    const auto& ids = b.global.id;
+    numbers.assign(ids.size(), -1);
+    for (std::size_t n = 0; n < d.all.size(); ++n) {
+      std::size_t& i = d.all[n]->index;
+      if (i >= ids.size() || ids[i] != d.all[n]->id) {
+        const auto at = std::find(ids.begin(), ids.end(), d.all[n]->id);
+        if (at == ids.end()) continue;
+        i = static_cast<std::size_t>(at - ids.begin());
+      }
+      numbers[i] = static_cast<std::int32_t>(n);
+    }
+  });
+}
+
+template <class Bodies>
+void put_driven(Bodies& b, std::size_t i, const driven_state& state) {
+  auto& store = b.global;
+  store.position[i] = state.at.point;
+  if constexpr (std::remove_cvref_t<decltype(store)>::oriented)
+    store.orientation_of[i] = after(state.at.turn, state.orientation);
+  if constexpr (!Bodies::shape_type::finite) {
+    auto& plane = store.shape[i];
+    const vec3 surface = state.offset * state.normal;  // a point of it
+    plane.normal = rotated(state.at.turn, state.normal);
+    plane.offset =
+        plane.normal.dot(rotated(state.at.turn, vec3(surface - state.origin)) + state.at.point);
+  }
+}
+
+/// At the start of a step: where all driven bodies will go in it.
+template <class Scenario>
+void aim_driven(world_state<Scenario>& s) {
+  find_driven(s);
+  each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
+    driven_state& state = one.state;
+    one.next = one.plan ? one.plan(state, s.time, s.dt) : driven_step{.end = state.at};
+    const driven_step& next = one.next;
+    if (!finite(next.v) || !finite(next.w) || !finite(next.end.point))
+      fail<std::runtime_error>(
+          "the motion of driven body {} makes no sense at time {}: it would go from {} to {} "
+          "within dt = {}",
+          one.id, s.time, state.at.point, next.end.point, s.dt);
+    one.dv = state.begun ? vec3(next.v - state.v) : vec3(0, 0, 0);
+    one.dw = state.begun ? vec3(next.w - state.w) : vec3(0, 0, 0);
+    state.begun = true;
+    state.v = b.global.velocity[i] = next.v;
+    state.w = b.global.angular_velocity[i] = next.w;
+    if constexpr (world_state<Scenario>::sleeps)
+      if (next.v != vec3(0, 0, 0) || next.w != vec3(0, 0, 0)) disturb(s, b.global, i);
+  });
+}
+
+/// And then, with all other bodies, they go there.
+template <class Scenario>
+void move_driven(world_state<Scenario>& s) {
+  each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
+    if (one.next.end == one.state.at) return;
+    one.state.at = one.next.end;
+    put_driven(b, i, one.state);
+  });
+}
+
+// For contacts.
+
+/// Makes room for what does not move behind all bodies that may.
+template <class Scenario>
+void number_driven(world_state<Scenario>& s) {
+  using body = solver_body_of<solved_scalar<Scenario>>;
+  auto& d = s.driving;
+  auto& bodies = s.solver.bodies;
+  d.first = s.solver.first_global = bodies.size();
+  d.owners.clear();
+  const auto add = [&](const vec3& v, const vec3& w, std::int32_t owner) {
+    bodies.push_back(
+        body{in_scalar<solved_scalar<Scenario>>(v), 0, in_scalar<solved_scalar<Scenario>>(w), 0});
+    d.owners.push_back(owner);
+  };
+  add({0, 0, 0}, {0, 0, 0}, -1);
+  for (std::size_t n = 0; n < d.all.size(); ++n)
+    add(d.all[n]->next.v, d.all[n]->next.w, static_cast<std::int32_t>(n));
+}
+
+/// What sticks to something that turns goes along a chord of its circle, and the velocity at the
+/// start of the step leads off it. The difference, for a centre at `r` from the reference point, as
+/// far as it is along the surface: along the normal the surface itself is met.
+[[nodiscard]] inline vec3 along_chord(const vec3& w, const vec3& r, const vec3& normal, real dt) {
+  const real angle = w.norm() * dt;
+  if (angle == 0) return {0, 0, 0};
+  const real half = std::sin(angle / 2) / angle;  // 1 - cos x = 2 sin^2(x/2)
+  const vec3 around = w.cross(r);
+  const vec3 e = (std::sin(angle) / angle - 1) * around + (2 * half * half * dt) * w.cross(around);
+  return e - normal.dot(e) * normal;
+}
+
+/// A servo is some times as heavy as what it touches: enough to move it, and not so heavy that
+/// sweeps no longer converge.
+inline constexpr real servo_ratio = 10;
+
+/// Number in the solver's arrays of global body j of a shape as one contact, or those of one
+/// normal, see it: moving with v and turning with w about its position. `last` is what was found
+/// before for the same two bodies and the same normal, or -1; `inverse_mass` that of the other
+/// body.
+template <class Shape, class Scenario>
+[[nodiscard]] std::int32_t number_of_global(world_state<Scenario>& s, std::size_t j, vec3 v,
+                                            const vec3& w, std::int32_t last, real inverse_mass) {
+  auto& d = s.driving;
+  const std::int32_t n = d.numbers[index_of<typename Scenario::shapes, Shape>][j];
+  if (n < 0) return static_cast<std::int32_t>(d.first);
+  if (last >= 0) return last;
+  const driven_body& one = *d.all[static_cast<std::size_t>(n)];
+  if (!one.is_servo) {
+    if (v == one.next.v && w == one.next.w) return static_cast<std::int32_t>(d.first) + 1 + n;
+    inverse_mass = 0;
+  } else if (one.state.mass > 0) {
+    v += (s.dt * one.holds.force / one.state.mass) * one.holds.axis;
+  }
+  using number = solved_scalar<Scenario>;
+  s.solver.bodies.push_back({in_scalar<number>(v), static_cast<number>(inverse_mass / servo_ratio),
+                             in_scalar<number>(w), 0});
+  d.owners.push_back(n);
+  return static_cast<std::int32_t>(s.solver.bodies.size() - 1);
+}
+
+/// The driven body that global body i of a shape is, or null.
+template <class Shape, class Scenario>
+[[nodiscard]] const driven_body* driven_at(const world_state<Scenario>& s, std::size_t i) {
+  const auto& numbers = s.driving.numbers[index_of<typename Scenario::shapes, Shape>];
+  if (i >= numbers.size() || numbers[i] < 0) return nullptr;
+  return s.driving.all[static_cast<std::size_t>(numbers[i])].get();
+}
+
+/// What `arm` of global body j has changed its velocity by since the last step.
+template <class Shape, class Scenario>
+[[nodiscard]] vec3 change_of_global(const world_state<Scenario>& s, std::size_t j,
+                                    const vec3& arm) {
+  const driven_body* one = driven_at<Shape>(s, j);
+  return one == nullptr ? vec3(0, 0, 0) : vec3(one->dv + one->dw.cross(arm));
+}
+
+// For pairs that are kept.
+
+/// How far the surface of an infinite body comes in this step to a body at `p`.
+template <class Store>
+[[nodiscard]] real way_of_plane(const Store& store, std::size_t j, const vec3& p, real dt) {
+  return dt * std::abs(store.shape[j].unit_normal().dot(
+                  store.velocity[j] + store.angular_velocity[j].cross(p - store.position[j])));
+}
+
+/// Notes where driven bodies are when pairs are looked for, and how far around they are looked for:
+/// for a plane that turns everywhere, which its skin says by being negative.
+template <class Scenario>
+void give_skins(world_state<Scenario>& s, real mean) {
+  each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
+    const auto& store = b.global;
+    one.looked = one.state.at.point;
+    const real speed = store.velocity[i].norm();
+    const bool turns = store.angular_velocity[i] != vec3(0, 0, 0);
+    if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) {
+      one.skin = reach_of(store, i, s.dt);
+      if (speed > 0 || turns)
+        one.skin += skin_of(store.shape[i].bounding_radius(), mean, speed, s.dt);
+    } else {
+      const real way = way_of_plane(store, i, store.position[i], s.dt);
+      one.skin = turns ? -1 : speed > 0 ? skin_part * mean + (1 + skin_steps) * way : 0;
+    }
+  });
+}
+/// Whether the pairs of driven bodies that were found are all that can touch now; measures their
+/// reach.
+template <class Scenario>
+[[nodiscard]] bool driven_within_skin(world_state<Scenario>& s) {
+  bool hold = true;
+  each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
+    const auto& store = b.global;
+    const vec3 way = one.state.at.point - one.looked;
+    if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) {
+      b.global_reach[i] = reach_of(store, i, s.dt);
+      const real left = one.skin - b.global_reach[i];
+      hold = hold && left >= 0 && way.squaredNorm() <= left * left;
+    } else if (one.skin >= 0) {
+      const bool turns = store.angular_velocity[i] != vec3(0, 0, 0);
+      hold = hold && !turns &&
+             std::abs(store.shape[i].unit_normal().dot(way)) +
+                     way_of_plane(store, i, store.position[i], s.dt) <=
+                 one.skin;
+    }
+  });
+  return hold;
+}
+
+}  // namespace talus::detail

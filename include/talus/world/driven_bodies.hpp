@@ -1,0 +1,107 @@
+#pragma once
+// What a world keeps for features<driven>; see world/driven.hpp.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "talus/body/motion.hpp"
+#include "talus/core/exact_sum.hpp"
+#include "talus/core/id.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+
+namespace talus {
+
+/// How a global body is moved so that contacts press on it with a given force; see
+/// world::hold_force.
+struct servo {
+  real force = 0;      ///< that contacts shall exert against `axis`: mass times length over time^2
+  real max_speed = 0;  ///< at most, either way: length over time
+  /// Direction in which the body presses; any length. Zero, the default: the normal of a plane.
+  vec3 axis{0, 0, 0};
+};
+
+namespace detail {
+
+/// Where the reference point of a driven body is, and how it has turned since it was driven.
+struct rigid_place {
+  vec3 point{0, 0, 0};
+  quat turn{1, 0, 0, 0};
+
+  friend bool operator==(const rigid_place& a, const rigid_place& b) {
+    return a.point == b.point && a.turn.coeffs() == b.turn.coeffs();
+  }
+};
+
+/// What follows from no function of time; checkpoints hold it.
+struct driven_state {
+  vec3 origin{0, 0, 0};  ///< the position of the body when it was driven, and its orientation
+  quat orientation{1, 0, 0, 0};
+  vec3 normal{0, 0, 1};  ///< likewise, of a plane
+  real offset = 0;
+  rigid_place at;
+  vec3 v{0, 0, 0}, w{0, 0, 0};  ///< in the last step
+  real force = 0;               ///< of a servo: of its contacts in the last step
+  real speed = 0;               ///< likewise: along its axis
+  real mass = 0;                ///< likewise: of what it pressed with when it last did
+  bool begun = false;           ///< a step has been taken
+};
+
+/// A step of a driven body: where it ends, and the velocity that contacts see.
+struct driven_step {
+  rigid_place end;
+  vec3 v{0, 0, 0}, w{0, 0, 0};
+};
+
+/// A sum of numbers of either sign, exact in its parts.
+struct signed_sum {
+  exact_sum plus, minus;
+
+  signed_sum& operator+=(real x) {
+    if (x < 0)
+      minus += -x;
+    else
+      plus += x;
+    return *this;
+  }
+  [[nodiscard]] real value() const { return plus.value() - minus.value(); }
+};
+/// Of what a servo presses with: its parts, and the forces of their contacts.
+struct servo_sums {
+  signed_sum force, momentum, shift;
+  exact_sum mass;
+};
+
+struct driven_body {
+  system_id id = no_id;
+  driven_state state;
+  std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< none: it stays
+  servo holds;  ///< with an axis of length one
+  bool is_servo = false;
+  servo_sums sums;                ///< of the step under way
+  driven_step next;               ///< the step under way
+  vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< what the velocity has changed by since the last one
+  std::size_t index = 0;          ///< among the global bodies of its shape
+  // Since pairs were looked for:
+  vec3 looked{0, 0, 0};  ///< where it was
+  real skin = 0;         ///< and how far around; see give_skins()
+};
+
+/// `Shapes` is the number of shapes, planes included.
+template <std::size_t Shapes>
+struct driven_bodies {
+  std::vector<std::unique_ptr<driven_body>> all;
+  /// Number in `all` of each global body of a shape, or -1.
+  std::array<plain_vector<std::int32_t>, Shapes> numbers;
+  /// Immovable bodies come last in the solver's arrays: what rests, one for each of `all`, and what
+  /// contacts meet of those that turn.
+  std::size_t first = 0;
+  plain_vector<std::int32_t> owners;  ///< number in `all` of each of them, or -1
+};
+struct no_driven_bodies {};
+
+}  // namespace detail
+}  // namespace talus

@@ -1,0 +1,226 @@
+// Inflow, outflow, sizes, packings from files, and force fields.
+// plain
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <string>
+#include <talus/observe/digest.hpp>
+#include <talus/observe/penetration.hpp>
+#include <talus/parallel/grid.hpp>
+#include <talus/parallel/threads.hpp>
+#include <talus/response/coloured_gauss_seidel.hpp>
+#include <talus/scene/force_field.hpp>
+#include <talus/scene/inflow.hpp>
+#include <talus/scene/outflow.hpp>
+#include <talus/scene/packing.hpp>
+#include <talus/scene/region.hpp>
+#include <talus/scene/sizes.hpp>
+#include <talus/world/world.hpp>
+
+using namespace talus;
+
+namespace {
+
+using scene = scenario<bodies<sphere, plane>, solver<reproducible>, transport<threads>,
+                       decomposition<grid<dynamic, dynamic>>, features<forces>>;
+
+/// Runs program(world) on each of `ranks` ranks that divide the square from -4 to 4.
+template <class Program>
+void on(int ranks, Program&& program) {
+  threads::launch({.ranks = ranks}, [&](threads::link& link) {
+    world<scene> w(link, {.lower = {-4, -4}, .upper = {4, 4}});
+    w.material({.density = 2, .restitution = 0.3, .friction = 0.3});
+    program(w);
+  });
+}
+template <class World>
+double sum_of(World& w, double mine) {
+  w.link().reduce(reduction::sum, std::span(&mine, 1));
+  return mine;
+}
+
+struct scratch_file {
+  std::string name = "/tmp/talus_packing_" + std::to_string(getpid()) + ".csv";
+  explicit scratch_file(const std::string& text) { std::ofstream(name) << text; }
+  ~scratch_file() { unlink(name.c_str()); }
+};
+std::string refusal_of(const std::string& text) {
+  const scratch_file file(text);
+  try {
+    (void)read_packing(file.name);
+  } catch (const std::runtime_error& e) {
+    return std::string(e.what()).substr(file.name.size());
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("sizes have the moments of their distributions") {
+  random_stream random(7);
+  const int n = 100000;
+  real sum = 0, squares = 0;
+  const uniform_size flat{.lower = 1, .upper = 3};
+  for (int k = 0; k < n; ++k) {
+    const real x = flat(random);
+    sum += x, squares += x * x;
+  }
+  CHECK(sum / n == doctest::Approx(2).epsilon(0.005));
+  CHECK(squares / n == doctest::Approx(4 + 1.0 / 3).epsilon(0.005));
+
+  // Bounds two sigma away on either side: the variance of the logarithm is 0.7737 sigma^2.
+  const lognormal_size crushed{
+      .median = 2, .sigma = 0.3, .lower = 2 * std::exp(-0.6), .upper = 2 * std::exp(0.6)};
+  sum = squares = 0;
+  for (int k = 0; k < n; ++k) {
+    const real size = crushed(random), x = std::log(size / 2);
+    REQUIRE(size >= crushed.lower);
+    REQUIRE(size <= crushed.upper);
+    sum += x, squares += x * x;
+  }
+  CHECK(std::abs(sum / n) < 0.003);
+  CHECK(squares / n == doctest::Approx(0.7737 * 0.09).epsilon(0.01));
+
+  const sieve_curve sand(
+      {{.size = 1, .mass = 10}, {.size = 2, .mass = 60}, {.size = 4, .mass = 30}});
+  std::map<real, real> mass;
+  real all = 0;
+  for (int k = 0; k < n; ++k) {
+    const real x = sand(random);
+    mass[x] += x * x * x, all += x * x * x;
+  }
+  CHECK(mass[1] / all == doctest::Approx(0.1).epsilon(0.03));
+  CHECK(mass[2] / all == doctest::Approx(0.6).epsilon(0.03));
+  CHECK(mass[4] / all == doctest::Approx(0.3).epsilon(0.06));
+
+  CHECK_THROWS_AS((uniform_size{.lower = 2, .upper = 1}(random)), std::invalid_argument);
+  CHECK_THROWS_AS((lognormal_size{.median = 1, .sigma = 0.1, .lower = 50, .upper = 60}(random)),
+                  std::invalid_argument);
+  CHECK_THROWS_AS(sieve_curve({}), std::invalid_argument);
+  CHECK_THROWS_AS(sieve_curve({{.size = 1, .mass = 0}}), std::invalid_argument);
+}
+
+TEST_CASE("packings are read, and bad rows are refused by their number") {
+  const scratch_file file(
+      "# made elsewhere\nr, x, y,z, vz,colour\n0.5,1,2,3,-1,red\n\n1e-1,-1,0,0,0,\n");
+  const packing heap = read_packing(file.name);
+  REQUIRE(heap.size() == 2);
+  CHECK(heap[0].radius == 0.5);
+  CHECK(heap[0].velocity == vec3(0, 0, -1));
+  on(4, [&](auto& w) {
+    w.fill(heap, [&](const site& s) {
+      return body{.shape = sphere{heap[s.index].radius},
+                  .position = s.position,
+                  .velocity = heap[s.index].velocity};
+    });
+    CHECK(sum_of(w, static_cast<double>(w.local_bodies())) == 2);
+  });
+  CHECK(refusal_of("").find("is empty") != std::string::npos);
+  CHECK(refusal_of("x,y,z\n") ==
+        ", line 1: there is no column r: the first line names the columns, of which x, y, z and r "
+        "are needed");
+  CHECK(refusal_of("x,y,z,r,x\n") == ", line 1: the column x is there twice");
+  CHECK(refusal_of("x,y,z,r\n0,0,0,1\n0,0,0\n") ==
+        ", line 3: it has 3 fields, and the first line 4 columns");
+  CHECK(refusal_of("x,y,z,r\n0,1.5x,0,1\n") == ", line 2: y is '1.5x', which is no finite number");
+  CHECK(refusal_of("x,y,z,r\n0,,0,1\n") == ", line 2: y is '', which is no finite number");
+  CHECK(refusal_of("x,y,z,r\n0,0,0,nan\n") == ", line 2: r is 'nan', which is no finite number");
+  CHECK(refusal_of("x,y,z,r\n\n0,0,0,0\n") == ", line 3: the radius r is 0, and must be positive");
+  CHECK_THROWS_AS(read_packing("/tmp/no such file"), std::runtime_error);
+}
+
+TEST_CASE("bodies come in at their rate, without overlap, and go, alike on any ranks") {
+  std::string digest;
+  removed out;
+  for (const int ranks : {1, 4})
+    on(ranks, [&](auto& w) {
+      w.seed(3);
+      w.gravity({0, 0, -10});
+      w.global([&](auto& s) { s.add(plane{.normal = {0, 0.6, 0.8}, .offset = -1}, {}); });
+      const lognormal_size sizes{.median = 0.25, .sigma = 0.4, .lower = 0.1, .upper = 0.6};
+      const auto in =
+          insert_by_rate(w, {.bodies = 60.5, .from = 0.1}, box_region{{-3, -3, 3}, {2, 3, 6}},
+                         [&](const site& place, random_stream& random) {
+                           return body{.shape = sphere{sizes(random)}, .position = place.position};
+                         });
+      const auto heavy = insert_by_rate(
+          w, {.mass = 2, .most = 3, .name = "heavy"}, ball_region{.radius = 1, .centre = {3, 3, 3}},
+          [&](const site& place, random_stream&) {
+            return body{.shape = sphere{0.4}, .position = place.position};
+          });
+      const auto gone = remove_in(w, box_region{{-9, -9, -9}, {9, 9, 1}});
+      double overlap = 0;
+      w.after_each_step([&] { overlap = std::max(overlap, measure_penetration(w).max); });
+      w.simulate({.steps = 220, .dt = 0.005});
+      CHECK(in->count == 60);
+      CHECK(heavy->count == 3);  // of mass 0.536 each; four would be due
+      CHECK(heavy->mass == doctest::Approx(3 * 2 * 0.064 * 4 / 3 * pi));
+      CHECK(overlap < 0.02);
+      const removed all = gone.total(w);
+      CHECK(all.count > 10);
+      CHECK(sum_of(w, static_cast<double>(w.local_bodies())) + static_cast<double>(all.count) ==
+            63);
+      CHECK(all.mass < in->mass + heavy->mass);
+      const std::string mine = state_digest(w);
+      if (w.rank() != 0) return;
+      if (ranks == 1) digest = mine, out = all;
+      CHECK(mine == digest);
+      CHECK(all.count == out.count);
+      CHECK(all.mass == doctest::Approx(out.mass));
+    });
+}
+
+TEST_CASE("where there is no room the flow waits, and sizes keep their distribution") {
+  on(1, [](auto& w) {
+    const sieve_curve two({{.size = 0.2, .mass = 1}, {.size = 0.4, .mass = 8}});
+    const auto in =
+        insert_by_rate(w, {.bodies = 1000}, box_region{{-1, -1, -1}, {1, 1, 1}},
+                       [&](const site& place, random_stream& random) {
+                         return body{.shape = sphere{two(random)}, .position = place.position};
+                       });
+    w.simulate({.steps = 60, .dt = 0.005});
+    CHECK(in->count > 20);
+    CHECK(in->count < 60);
+    std::uint64_t large = 0;
+    w.for_each_local([&](const auto& b) { large += b.shape().radius == 0.4; });
+    CHECK(large > in->count / 3);
+    CHECK(large < in->count * 2 / 3);
+    CHECK(measure_penetration(w).max == 0);
+    CHECK_THROWS_AS(
+        insert_by_rate(w, {}, box_region{},
+                       [](const site&, random_stream&) { return body{.shape = sphere{1}}; }),
+        std::invalid_argument);
+    CHECK_THROWS_AS(
+        insert_by_rate(w, {.bodies = 1}, vertical_cylinder{},
+                       [](const site&, random_stream&) { return body{.shape = sphere{1}}; }),
+        std::invalid_argument);
+  });
+}
+
+TEST_CASE("bodies go round a centre that attracts them, across ranks") {
+  std::string digest;
+  for (const int ranks : {1, 4})
+    on(ranks, [&](auto& w) {
+      (void)w.add_if_local(
+          body{.shape = sphere{0.1}, .position = {2, 0, 0}, .velocity = {0, 1, 0}});
+      (void)w.add_if_local(
+          body{.shape = sphere{0.1}, .position = {0, 3, 0}, .velocity = {0, 0, 0.9}});
+      add_force_field(w, [](const vec3& x, real) {
+        const real r = x.norm();
+        return (-2 / (r * r * r)) * x;
+      });
+      w.simulate({.steps = 500, .dt = 2 * pi / 1000});
+      w.simulate({.steps = 500, .dt = 2 * pi / 1000});
+      w.for_each_local([&](const auto& b) {  // half of the orbit of 2 * 2 pi
+        if (std::abs(b.position()[2]) > 0) return;
+        CHECK((b.position() - vec3(-2, 0, 0)).norm() < 0.02);
+        CHECK(b.velocity().norm() == doctest::Approx(1).epsilon(0.005));
+      });
+      const std::string mine = state_digest(w);
+      if (ranks == 1) digest = mine;
+      if (w.rank() == 0) CHECK(mine == digest);
+    });
+}
