@@ -50,6 +50,11 @@ struct checkpoints final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "checkpoints";
 };
+/// Runs write bodies and contacts for ParaView and Python: <talus/vtk.hpp>, docs/output.md.
+struct vtk_output final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "vtk_output";
+};
 
 // Monitors: they watch every step, and change no trajectory by a bit.
 
@@ -95,9 +100,8 @@ template <class Feature>
 struct part_of_features {
   static_assert(is_feature<Feature>::value,
                 "features<...> takes orientation, forces, user_ids, visibility, damping, "
-                "continuous_collision, sleeping, checkpoints and the monitors energy_ledger, "
-                "momentum_balance, "
-                "penetration_monitor and residual_monitor, and "
+                "continuous_collision, sleeping, checkpoints, vtk_output and the monitors "
+                "energy_ledger, momentum_balance, penetration_monitor and residual_monitor, and "
                 "this type is none of them: remove it");
 };
 
