@@ -1,6 +1,7 @@
 """Draws an output with VTK: python3 output_picture.py NAME_0000001000.hdf PICTURE.png"""
 import sys
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401, makes windows
+from vtkmodules.vtkCommonCore import vtkLookupTable
 from vtkmodules.vtkCommonDataModel import vtkDataObject
 from vtkmodules.vtkFiltersCore import vtkCellDataToPointData, vtkThreshold, vtkTubeFilter
 from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
@@ -38,8 +39,11 @@ def show(mapper, colour, high):
     mapper.SetScalarModeToUsePointFieldData()
     mapper.SelectColorArray(colour)
     mapper.SetScalarRange(0, high)
-    mapper.GetLookupTable().SetHueRange(0.62, 0.0)
-    mapper.GetLookupTable().SetVectorModeToMagnitude()
+    colours = vtkLookupTable()
+    colours.SetHueRange(0.62, 0.0)
+    colours.SetVectorModeToMagnitude()
+    mapper.SetLookupTable(colours)
+    mapper.UseLookupTableScalarRangeOff()
     actor = vtkActor()
     actor.SetMapper(mapper)
     renderer.AddActor(actor)
@@ -51,9 +55,11 @@ ball.SetThetaResolution(24)
 ball.SetPhiResolution(16)
 for fixed in (0, 1):
     for number, form in ((0, ball), (1, cube)):
+        file = read(bodies)
+        of_shape = only(file, "shape", number, number)
+        shown = only(of_shape, "fixed", fixed, fixed)
         glyphs = vtkGlyph3DMapper()
-        glyphs.SetInputConnection(
-            only(only(read(bodies), "shape", number, number), "fixed", fixed, fixed).GetOutputPort())
+        glyphs.SetInputConnection(shown.GetOutputPort())
         glyphs.SetSourceConnection(form.GetOutputPort())
         glyphs.SetScaleArray("size")
         glyphs.SetScaleModeToScaleByVectorComponents()
@@ -66,7 +72,8 @@ for fixed in (0, 1):
             actor.GetProperty().SetColor(0.6, 0.6, 0.6)
 
 lines, points, tubes = vtkGeometryFilter(), vtkCellDataToPointData(), vtkTubeFilter()
-lines.SetInputConnection(read(f"{base}_contacts_{step}").GetOutputPort())
+network_file = read(f"{base}_contacts_{step}")
+lines.SetInputConnection(network_file.GetOutputPort())
 points.SetInputConnection(lines.GetOutputPort())
 tubes.SetInputConnection(points.GetOutputPort())
 tubes.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, "normal_force")
@@ -83,13 +90,13 @@ show(network, "normal_force", 0.5 * highest)
 window = vtkRenderWindow()
 window.SetOffScreenRendering(1)
 window.SetMultiSamples(8)
-window.SetSize(900, 900)
+window.SetSize(900, 800)
 window.AddRenderer(renderer)
 camera = renderer.GetActiveCamera()
 camera.SetViewUp(0, 0, 1)
-camera.SetFocalPoint(0, 2, 8)
-camera.SetPosition(4, -42, 14)
-camera.SetViewAngle(30)
+camera.SetFocalPoint(0, 2, 7.3)
+camera.SetPosition(4, -42, 13)
+camera.SetViewAngle(24)
 renderer.ResetCameraClippingRange()
 window.Render()
 image, png = vtkWindowToImageFilter(), vtkPNGWriter()

@@ -253,15 +253,16 @@ TEST_CASE("contacts are lines between the bodies, each once, and their forces be
     std::map<std::uint64_t, vec3> centres;
     const auto ids = b.ids("PointData/id");
     const auto places = b.reals("Points", 3);
-    const auto shapes = b.get<std::uint32_t>("PointData/user_id", detail::number_type::u32, 1);
+    const auto users = b.get<std::uint32_t>("PointData/user_id", detail::number_type::u32, 1);
     for (std::size_t i = 0; i < ids.size(); ++i)
-      if (shapes[i] != 8) centres[ids[i]] = {places[3 * i], places[3 * i + 1], places[3 * i + 2]};
+      if (users[i] == 7) centres[ids[i]] = {places[3 * i], places[3 * i + 1], places[3 * i + 2]};
     const auto points = c.reals("Points", 3), touch = c.reals("CellData/point", 3),
                force = c.reals("CellData/force", 3), normal = c.reals("CellData/normal", 3),
                along = c.reals("CellData/normal_force"),
                across = c.reals("CellData/tangential_force");
     vec3 sum{0, 0, 0};
-    std::size_t looked_at = 0;
+    const std::uint64_t pedestal = *std::max_element(ids.begin(), ids.end());  // global
+    std::size_t looked_at = 0, on_pedestal = 0;
     std::map<std::vector<double>, int> seen;
     for (std::size_t k = 0; k < of_a.size(); ++k) {
       const auto at = [&](const auto& all, std::size_t row) {
@@ -279,12 +280,16 @@ TEST_CASE("contacts are lines between the bodies, each once, and their forces be
       } else if (const auto end = centres.find(of_b[k]); end != centres.end()) {
         CHECK(at(points, 2 * k + 1) == end->second);
         ++looked_at;
+      } else if (of_b[k] == pedestal) {
+        CHECK(at(points, 2 * k + 1) == at(touch, k));
+        ++on_pedestal;
       }
       if (const auto end = centres.find(of_a[k]); end != centres.end())
         CHECK(at(points, 2 * k) == end->second);
     }
     CHECK(seen.size() == of_a.size());
     CHECK(looked_at > 5);
+    CHECK(on_pedestal > 0);
     CHECK(sum[2] == doctest::Approx(pressed[2]).epsilon(1e-9));
     CHECK(-sum[2] > 0);
   }

@@ -1,5 +1,6 @@
 #pragma once
-// Contacts as rows of an output: a line for each, from centre to centre.
+// Contacts as rows of an output: a line for each, from centre to centre, or to the point where
+// something immovable is touched.
 #include <cstdint>
 
 #include "talus/io/detail/row_table.hpp"
@@ -33,7 +34,7 @@ class vtk_contacts {
  private:
   [[gnu::cold]] void add(const loaded_contact& c, std::uint32_t rank) {
     const row_table::key key{value_of(c.a), value_of(c.b), c.feature};
-    for (const vec3& end : {c.centre_a, c.centre_b}) {
+    for (const vec3& end : {c.moves_a ? c.centre_a : c.point, c.moves_b ? c.centre_b : c.point}) {
       points.begin_row(key);
       points.put(end);
     }
