@@ -3,7 +3,7 @@
 #   <!-- examples/well/well.cpp -->
 #   ```cpp
 #   ...
-# So is a block of text, a message for instance, that has such a line before it.
+# So is a block of text (a message, for instance) or of Python that has such a line before it.
 # A block may leave out whole parts with a line "// ..."; each part must be lines of the file, in the
 # same order, apart from indentation.
 #   quotes.sh ROOT [FILE.md ...]
@@ -20,7 +20,7 @@ for page in "$@"; do
   while IFS= read -r line || [[ -n $line ]]; do
     number=$((number + 1))
     if [[ $inside == no ]]; then
-      if [[ $line == '```cpp'* || ($line == '```text' && -n $source) ]]; then
+      if [[ $line == '```cpp'* || ($line =~ ^'```'(text|python)$ && -n $source) ]]; then
         inside=yes start=$number block=()
         [[ -n $source ]] || complain "$page" "$number" "a C++ block without the file it is from"
       elif [[ $line =~ ^'<!-- '([^ ]+)' -->'$ ]]; then

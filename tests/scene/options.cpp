@@ -77,6 +77,10 @@ TEST_CASE("every option is read") {
                                             "7",
                                             "--restart",
                                             "in.h5",
+                                            "--output",
+                                            "out",
+                                            "--output-every",
+                                            "8",
                                             "--spheres",
                                             "0",
                                             "--damping",
@@ -93,6 +97,8 @@ TEST_CASE("every option is read") {
   CHECK(o.checkpoint == "out.h5");
   CHECK(o.checkpoint_every == 7);
   CHECK(o.restart == "in.h5");
+  CHECK(o.output == "out");
+  CHECK(o.output_every == 8);
   CHECK(o.spheres == 0);
   CHECK(o.damping == 1);
   CHECK(!o.flat);
@@ -200,6 +206,8 @@ TEST_CASE("values that make no sense are refused") {
   CHECK(refusal({"--json", "--quiet"}) == "--json needs a value, but --quiet follows; see --help");
   CHECK(refusal({"--checkpoint-every", "5"}) ==
         "--checkpoint-every needs --checkpoint FILE; see --help");
+  CHECK(refusal({"--output-every", "0"}) ==
+        "--output-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--csv-every", "0"}) == "--csv-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");
   CHECK(refusal({"--steps="}) ==

@@ -56,6 +56,11 @@ struct checkpoints final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "checkpoints";
 };
+/// Runs write bodies and contacts for ParaView and Python: <talus/vtk.hpp>, docs/output.md.
+struct vtk_output final {
+  using talus_part_of = roles::features;
+  static constexpr const char* name = "vtk_output";
+};
 
 /// Global bodies can be moved, as functions of time or so that contacts press on them with a given
 /// force: world::drive, world::hold_force, docs/building_blocks.md.
@@ -109,11 +114,9 @@ struct part_of_features {
   static_assert(
       is_feature<Feature>::value,
       "features<...> takes orientation, forces, user_ids, visibility, damping, "
-      "continuous_collision, sleeping, balancing, checkpoints, driven and the monitors "
-      "energy_ledger, "
-      "momentum_balance, "
-      "penetration_monitor and residual_monitor, and "
-      "this type is none of them: remove it");
+      "continuous_collision, sleeping, balancing, checkpoints, vtk_output, driven and the monitors "
+      "energy_ledger, momentum_balance, penetration_monitor and residual_monitor, and this type is "
+      "none of them: remove it");
 };
 
 }  // namespace detail

@@ -227,7 +227,8 @@ template <class Scenario>
     const auto wakes = detail::measure_pending_wakes(w.state());
     auto tables = detail::tables_of(w.state());
     const auto facts = detail::facts_of(w, team, wakes);
-    detail::checkpoint_writer(team, file).write(tables, facts);
+    detail::checkpoint_kind kind;
+    detail::team_writer(team, kind, file).write(tables, facts);
     tables.clear();
     detail::begin_afresh(w, wakes);
   }

@@ -51,7 +51,8 @@ class checkpoint_files final : public checkpoint_hooks {
       }
     });
     if (plan_.to.empty()) return;
-    checkpoint_writer(team, plan_.to).require_writable();
+    checkpoint_kind kind;
+    team_writer(team, kind, plan_.to).require_writable();
     if (w.rank() == 0 || team.of_processes()) listening_.emplace();
     heard_write_ = heard_signals().write;
     heard_end_ = heard_signals().end;

@@ -39,6 +39,8 @@ struct options {
   std::string checkpoint;            ///< file for the state of the run; empty: none
   std::size_t checkpoint_every = 0;  ///< steps between its versions; 0: on signals and at the end
   std::string restart;               ///< checkpoint to go on from; empty: from the beginning
+  std::string output;                ///< files for ParaView begin with it; empty: none
+  std::size_t output_every = 100;    ///< steps between them
 
   [[gnu::cold]] void describe(command_line& cli) {
     cli.add("--steps", steps, "time steps");
@@ -63,6 +65,8 @@ struct options {
             "keep the state of the run in this file; SIGUSR1 and SIGTERM write it too");
     cli.add("--checkpoint-every", checkpoint_every, "steps from one version of it to the next", 1);
     cli.add("--restart", restart, "go on from this checkpoint");
+    cli.add("--output", output, "write bodies and contacts for ParaView: NAME.hdf.series");
+    cli.add("--output-every", output_every, "steps from one output to the next", 1);
     cli.check([this] {
       if (checkpoint.empty() && checkpoint_every > 0)
         throw usage_error("--checkpoint-every needs --checkpoint FILE; see --help");

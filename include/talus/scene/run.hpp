@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -18,6 +19,10 @@
 #include "talus/world/world.hpp"
 
 namespace talus {
+
+/// The output of a run; defined by <talus/vtk.hpp>.
+template <class Scenario>
+class vtk_series;
 
 namespace detail {
 
@@ -42,6 +47,14 @@ namespace detail {
     throw usage_error(
         "this program keeps no checkpoints: name features<checkpoints> in its scenario, #include "
         "<talus/checkpoint.hpp>, and link talus::hdf5");
+}
+
+/// The same for output.
+[[gnu::cold]] inline void refuse_output(const options& options) {
+  if (!options.output.empty())
+    throw usage_error(
+        "this program has no --output: name features<vtk_output> in its scenario, #include "
+        "<talus/vtk.hpp>, and link talus::hdf5");
 }
 
 /// Steps from one reading of the monitors for the progress line to the next: all ranks take part.
@@ -75,6 +88,26 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, progress_lin
   }
 }
 
+/// The output that the options ask for. Collective.
+template <class Scenario, class Options>
+void attach_output(world<Scenario>& w, const Options& options) {
+  if constexpr (Scenario::template has_feature<vtk_output>) {
+    static_assert(complete<vtk_series<Scenario>>,
+                  "run needs what writes the output of its scenario, which names "
+                  "features<vtk_output>: write #include <talus/vtk.hpp>");
+    if constexpr (complete<vtk_series<Scenario>>) {
+      if (options.output.empty()) return;
+      const auto series =
+          std::make_shared<vtk_series<Scenario>>(w, options.output, !options.restart.empty());
+      const auto write = [&w, series, every = options.output_every] {
+        if (w.steps() % every == 0) series->write();
+      };
+      w.before_simulating(write);
+      w.after_each_step(write);
+    }
+  }
+}
+
 /// One rank of the program: set-up, steps with progress, figures. Returns the exit code.
 template <class Scenario, class Options, class SetUp>
 int run_rank(typename Scenario::transport::link& link, const Options& options,
@@ -101,6 +134,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     if (w.steps() % options.csv_every == 0) table.sample(w);
   });
   attach_checkpoints(w, options, progress, table);
+  attach_output(w, options);
   const double cpu = thread_seconds();
   const double start = wall_seconds();
   results own;
@@ -190,6 +224,7 @@ int run(int argc, char** argv, SetUp&& set_up) {
     settings.default_ranks = typename Scenario::decomposition{}.size();
     settings.report = complain;
     if constexpr (!Scenario::template has_feature<checkpoints>) detail::refuse_checkpoints(chosen);
+    if constexpr (!Scenario::template has_feature<vtk_output>) detail::refuse_output(chosen);
     int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
       const int of_rank = detail::run_rank_with_solver<Scenario>(link, chosen, name, set_up);

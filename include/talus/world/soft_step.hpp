@@ -28,6 +28,11 @@ class force_adder {
   static constexpr bool observed = !std::is_null_pointer_v<Observer>;
   /// An observer of energies only.
   static constexpr bool surveyed = std::is_same_v<Observer, spring_energies>;
+  /// One that is told where the surfaces touch.
+  static constexpr bool watches_geometry =
+      requires(Observer & o, const contact_key& k, const contact_geometry& g, const vec3& f) {
+    o(k, g, f, true);
+  };
   static constexpr bool booked = !observed && watches<Scenario, energy_ledger>;
   static constexpr bool balanced = !observed && watches<Scenario, momentum_balance>;
   using store_a = body_store<ShapeA, typename Scenario::features>;
@@ -63,6 +68,8 @@ class force_adder {
                    const bool counts = own_a || !boundary;
                    const soft_force f = add(i, j, g, key, counts);
                    if constexpr (surveyed) {
+                   } else if constexpr (watches_geometry) {
+                     observer_(key, g, f.force, counts);
                    } else if constexpr (observed) {
                      observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
                    } else {
@@ -202,7 +209,8 @@ void gather_motion(world_state<Scenario>& s) {
 }
 
 /// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
-/// over all ranks each acts on each of its bodies once. Changes nothing that a step depends on.
+/// over all ranks each acts on each of its bodies once; or observer(key, geometry, force on a,
+/// counts_here), where each counts on one rank. Changes nothing that a step depends on.
 template <class Scenario, class Observer>
 void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   std::vector<bool> changed;  // is for the next step to know

@@ -23,6 +23,11 @@
 
 namespace talus {
 
+/// How often something is done, in steps.
+struct every {
+  std::uint64_t steps = 1;
+};
+
 /// One rank's part of a simulation of the given scenario. All ranks run the same program (SPMD):
 /// functions marked *collective* are called by all of them, and throw runtime_error inside an
 /// exclusive section.
@@ -367,6 +372,18 @@ class world {
   }
   /// Calls f() after each step of simulate().
   void after_each_step(std::function<void()> f) { observers_.push_back(std::move(f)); }
+  /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
+  /// all ranks: `world.observe(every{100}, [](auto& world) { ... })`. What f asks of the world may
+  /// be collective. Throws invalid_argument for a multiple of 0.
+  template <class F>
+  void observe(every when, F f) {
+    if (when.steps == 0)
+      detail::fail<std::invalid_argument>(
+          "world.observe was told to do something every 0 steps: give 1 or more");
+    after_each_step([this, when, f = std::move(f)]() mutable {
+      if (state_.steps % when.steps == 0) f(*this);
+    });
+  }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
 

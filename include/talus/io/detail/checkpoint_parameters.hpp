@@ -102,25 +102,6 @@ template <class Scenario>
           {"features", "features<" + named + ">"}};
 }
 
-[[nodiscard, gnu::cold]] inline byte_buffer bytes_of_text(const std::string& text) {
-  const auto* at = reinterpret_cast<const std::byte*>(text.data());
-  return {at, at + text.size()};
-}
-[[nodiscard, gnu::cold]] inline small_dataset text_dataset(std::string path,
-                                                           const std::string& text) {
-  return {std::move(path), number_type::u8, text.size(), 1, bytes_of_text(text)};
-}
-template <class T>
-[[nodiscard, gnu::cold]] small_dataset numbers_dataset(std::string path, std::span<const T> values,
-                                                       std::uint32_t width = 1) {
-  const auto bytes = std::as_bytes(values);
-  return {std::move(path),
-          std::is_same_v<T, double> ? number_type::f64 : number_type::u64,
-          values.size() / width,
-          width,
-          {bytes.begin(), bytes.end()}};
-}
-
 /// Numbers of a material, as they are stored.
 [[nodiscard, gnu::cold]] inline std::array<double, 8> numbers_of(const material& m) {
   return {m.density,   m.restitution,    m.friction,      m.sliding_friction(),

@@ -1,5 +1,5 @@
 #pragma once
-// What ranks say to each other while they write or read a checkpoint, whatever connects them. What
+// What ranks say to each other while they write or read a file, whatever connects them. What
 // uses it does not depend on the transport.
 #include <hdf5.h>
 

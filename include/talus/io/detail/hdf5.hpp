@@ -1,6 +1,6 @@
 #pragma once
-// The little of HDF5 that checkpoints use (C API), with errors in our words and handles that close
-// themselves. Compiled for size: nothing here depends on the scenario.
+// The little of HDF5 that checkpoints and outputs use (C API), with errors in our words and handles
+// that close themselves. Compiled for size: nothing here depends on the scenario.
 #include <hdf5.h>
 
 #include <cstddef>
@@ -86,20 +86,20 @@ class hdf5_handle {
 };
 
 /// What the rows of a dataset consist of. In the file all numbers are little-endian.
-enum class number_type : std::uint8_t { f64, f32, u64, u32, u16, u8 };
+enum class number_type : std::uint8_t { f64, f32, u64, u32, u16, u8, i64 };
 
 [[nodiscard]] inline std::size_t bytes_of(number_type t) {
-  constexpr std::size_t bytes[] = {8, 4, 8, 4, 2, 1};
+  constexpr std::size_t bytes[] = {8, 4, 8, 4, 2, 1, 8};
   return bytes[static_cast<int>(t)];
 }
 [[nodiscard, gnu::cold]] inline hid_t type_in_file(number_type t) {
-  const hid_t types[] = {H5T_IEEE_F64LE, H5T_IEEE_F32LE, H5T_STD_U64LE,
-                         H5T_STD_U32LE,  H5T_STD_U16LE,  H5T_STD_U8LE};
+  const hid_t types[] = {H5T_IEEE_F64LE, H5T_IEEE_F32LE, H5T_STD_U64LE, H5T_STD_U32LE,
+                         H5T_STD_U16LE,  H5T_STD_U8LE,   H5T_STD_I64LE};
   return types[static_cast<int>(t)];
 }
 [[nodiscard, gnu::cold]] inline hid_t type_in_memory(number_type t) {
-  const hid_t types[] = {H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT,  H5T_NATIVE_UINT64,
-                         H5T_NATIVE_UINT32, H5T_NATIVE_UINT16, H5T_NATIVE_UINT8};
+  const hid_t types[] = {H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT, H5T_NATIVE_UINT64, H5T_NATIVE_UINT32,
+                         H5T_NATIVE_UINT16, H5T_NATIVE_UINT8, H5T_NATIVE_INT64};
   return types[static_cast<int>(t)];
 }
 
@@ -138,6 +138,28 @@ struct dataset_shape {
                                       const void* data) {
   const hdf5_handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "written");
   hdf5_ok(H5Dwrite(set, type_in_memory(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "written");
+}
+
+/// An attribute of a group that is there: numbers.
+[[gnu::cold]] inline void write_attribute(hid_t file, const std::string& group, const char* name,
+                                          std::span<const std::int64_t> values) {
+  const hsize_t extent = values.size();
+  const hdf5_handle at(H5Oopen(file, group.c_str(), H5P_DEFAULT), H5Oclose, "written");
+  const hdf5_handle space(H5Screate_simple(1, &extent, nullptr), H5Sclose, "written");
+  const hdf5_handle set(H5Acreate2(at, name, H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT),
+                        H5Aclose, "written");
+  hdf5_ok(H5Awrite(set, H5T_NATIVE_INT64, values.data()), "written");
+}
+/// The same: a word, in as many bytes as it has letters.
+[[gnu::cold]] inline void write_attribute(hid_t file, const std::string& group, const char* name,
+                                          const std::string& word) {
+  const hdf5_handle at(H5Oopen(file, group.c_str(), H5P_DEFAULT), H5Oclose, "written");
+  const hdf5_handle type(H5Tcopy(H5T_C_S1), H5Tclose, "written");
+  hdf5_ok(H5Tset_size(type, word.size()), "written");
+  const hdf5_handle space(H5Screate(H5S_SCALAR), H5Sclose, "written");
+  const hdf5_handle set(H5Acreate2(at, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                        "written");
+  hdf5_ok(H5Awrite(set, type, word.data()), "written");
 }
 
 /// Rows [first, first + rows) of the space of a dataset, and as many in memory.

@@ -1,0 +1,106 @@
+"""Draws an output with VTK: python3 output_picture.py NAME_0000001000.hdf PICTURE.png"""
+import sys
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401, makes windows
+from vtkmodules.vtkCommonCore import vtkLookupTable
+from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkFiltersCore import vtkCellDataToPointData, vtkThreshold, vtkTubeFilter
+from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
+from vtkmodules.vtkFiltersSources import vtkCubeSource, vtkSphereSource
+from vtkmodules.vtkIOHDF import vtkHDFReader
+from vtkmodules.vtkIOImage import vtkPNGWriter
+from vtkmodules.vtkRenderingCore import (
+    vtkActor, vtkGlyph3DMapper, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
+    vtkWindowToImageFilter)
+
+bodies, picture = sys.argv[1:3]
+base, step = bodies.rsplit("_", 1)
+renderer = vtkRenderer()
+renderer.SetBackground(1, 1, 1)
+
+
+def read(file):
+    reader = vtkHDFReader()
+    reader.SetFileName(file)
+    return reader
+
+
+def only(source, array, low, high):
+    """The points whose array lies between two values."""
+    part = vtkThreshold()
+    part.SetInputConnection(source.GetOutputPort())
+    part.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, array)
+    part.SetThresholdFunction(vtkThreshold.THRESHOLD_BETWEEN)
+    part.SetLowerThreshold(low)
+    part.SetUpperThreshold(high)
+    return part
+
+
+def show(mapper, colour, high):
+    mapper.SetScalarModeToUsePointFieldData()
+    mapper.SelectColorArray(colour)
+    mapper.SetScalarRange(0, high)
+    colours = vtkLookupTable()
+    colours.SetHueRange(0.62, 0.0)
+    colours.SetVectorModeToMagnitude()
+    mapper.SetLookupTable(colours)
+    mapper.UseLookupTableScalarRangeOff()
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    renderer.AddActor(actor)
+    return actor
+
+
+ball, cube = vtkSphereSource(), vtkCubeSource()
+ball.SetThetaResolution(24)
+ball.SetPhiResolution(16)
+for fixed in (0, 1):
+    for number, form in ((0, ball), (1, cube)):
+        file = read(bodies)
+        of_shape = only(file, "shape", number, number)
+        shown = only(of_shape, "fixed", fixed, fixed)
+        glyphs = vtkGlyph3DMapper()
+        glyphs.SetInputConnection(shown.GetOutputPort())
+        glyphs.SetSourceConnection(form.GetOutputPort())
+        glyphs.SetScaleArray("size")
+        glyphs.SetScaleModeToScaleByVectorComponents()
+        glyphs.SetOrientationModeToQuaternion()
+        glyphs.SetOrientationArray("orientation")
+        actor = show(glyphs, "velocity", 8)
+        actor.GetProperty().SetOpacity(0.25)
+        if fixed:
+            glyphs.ScalarVisibilityOff()
+            actor.GetProperty().SetColor(0.6, 0.6, 0.6)
+
+lines, points, tubes = vtkGeometryFilter(), vtkCellDataToPointData(), vtkTubeFilter()
+network_file = read(f"{base}_contacts_{step}")
+lines.SetInputConnection(network_file.GetOutputPort())
+points.SetInputConnection(lines.GetOutputPort())
+tubes.SetInputConnection(points.GetOutputPort())
+tubes.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, "normal_force")
+tubes.SetVaryRadiusToVaryRadiusByAbsoluteScalar()
+tubes.Update()
+highest = points.GetOutput().GetPointData().GetArray("normal_force").GetRange()[1]
+tubes.SetVaryRadiusToVaryRadiusByScalar()
+tubes.SetRadius(0.02)
+tubes.SetRadiusFactor(10)
+network = vtkPolyDataMapper()
+network.SetInputConnection(tubes.GetOutputPort())
+show(network, "normal_force", 0.5 * highest)
+
+window = vtkRenderWindow()
+window.SetOffScreenRendering(1)
+window.SetMultiSamples(8)
+window.SetSize(900, 800)
+window.AddRenderer(renderer)
+camera = renderer.GetActiveCamera()
+camera.SetViewUp(0, 0, 1)
+camera.SetFocalPoint(0, 2, 7.3)
+camera.SetPosition(4, -42, 13)
+camera.SetViewAngle(24)
+renderer.ResetCameraClippingRange()
+window.Render()
+image, png = vtkWindowToImageFilter(), vtkPNGWriter()
+image.SetInput(window)
+png.SetInputConnection(image.GetOutputPort())
+png.SetFileName(picture)
+png.Write()

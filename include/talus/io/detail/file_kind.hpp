@@ -1,0 +1,82 @@
+#pragma once
+// What kinds of HDF5 files that all ranks write together have in common, and where they differ.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "talus/core/bytes.hpp"
+#include "talus/io/detail/checkpoint_places.hpp"
+#include "talus/io/detail/checkpoint_table.hpp"
+#include "talus/io/detail/hdf5.hpp"
+#include "talus/io/detail/system_file.hpp"
+
+namespace talus::detail {
+
+/// A dataset that rank 0 writes alone.
+struct small_dataset {
+  std::string path;
+  number_type type = number_type::f64;
+  std::uint64_t rows = 0;
+  std::uint32_t width = 1;
+  byte_buffer bytes;
+};
+
+[[nodiscard, gnu::cold]] inline byte_buffer bytes_of_text(const std::string& text) {
+  const auto* at = reinterpret_cast<const std::byte*>(text.data());
+  return {at, at + text.size()};
+}
+[[nodiscard, gnu::cold]] inline small_dataset text_dataset(std::string path,
+                                                           const std::string& text) {
+  return {std::move(path), number_type::u8, text.size(), 1, bytes_of_text(text)};
+}
+template <class T>
+[[nodiscard, gnu::cold]] small_dataset numbers_dataset(std::string path, std::span<const T> values,
+                                                       std::uint32_t width = 1) {
+  const auto bytes = std::as_bytes(values);
+  return {std::move(path),
+          std::is_same_v<T, double>         ? number_type::f64
+          : std::is_same_v<T, std::int64_t> ? number_type::i64
+                                            : number_type::u64,
+          values.size() / width,
+          width,
+          {bytes.begin(), bytes.end()}};
+}
+
+/// What one kind of file has beside its tables, said on rank 0 alone.
+class file_kind {
+ public:
+  file_kind() = default;
+  file_kind(const file_kind&) = delete;
+  file_kind& operator=(const file_kind&) = delete;
+  virtual ~file_kind() = default;
+
+  /// For messages, as in "the checkpoint".
+  [[nodiscard]] virtual const char* name() const = 0;
+  /// Whether it has to be on the disk before it gets its name.
+  [[nodiscard]] virtual bool durable() const = 0;
+  /// Bytes before the HDF5 file proper: 0, or 512 times a power of two.
+  [[nodiscard]] virtual std::uint32_t block_bytes(std::size_t /*columns*/) { return 0; }
+  /// Bytes that a rank adds beside its rows.
+  [[nodiscard]] virtual std::uint64_t more_bytes(const counted_part&) const { return 0; }
+  /// A dataset has its place in the file.
+  virtual void placed(std::uint64_t /*at*/, std::uint64_t /*bytes*/) {}
+  /// Adds to the file what belongs to table `k`.
+  virtual void describe(hid_t /*file*/, const table_part&, std::size_t /*k*/, const counted_rows&) {
+  }
+  /// Adds to the file what belongs to the whole.
+  virtual void describe_file(hid_t) {}
+  /// All rows are there: the last bytes before the file, which is as long as it was made, gets its
+  /// name.
+  virtual void seal(const system_file&, std::uint64_t /*bytes*/) {}
+};
+
+[[gnu::cold]] inline void write_small(hid_t file, const std::string& path, number_type type,
+                                      std::uint64_t rows, std::uint32_t width, const void* data) {
+  create_dataset(file, path, {type, rows, width});
+  if (rows > 0) write_whole(file, path, type, data);
+}
+
+}  // namespace talus::detail

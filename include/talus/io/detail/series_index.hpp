@@ -1,0 +1,110 @@
+#pragma once
+// The index of a series of files: which of them belong to it, and of what time they are, as
+// ParaView reads it (JSON, one file a line).
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "talus/core/bytes.hpp"
+#include "talus/core/error.hpp"
+#include "talus/io/detail/system_file.hpp"
+
+namespace talus::detail {
+
+/// On rank 0. The file is whole at any time: each line replaces the end of the file, together with
+/// a new end, by one write.
+class series_index {
+ public:
+  explicit series_index(std::string file) : file_(std::move(file)) {}
+
+  /// Throws runtime_error where no index can be made.
+  [[gnu::cold]] void require_writable() const {
+    const std::string part = file_ + ".part";
+    if (!system_file(part, O_RDWR | O_CREAT).good()) fail_to_write();
+    ::unlink(part.c_str());
+  }
+  /// A new index, which replaces one that is there.
+  [[gnu::cold]] void begin() { replace(""); }
+  /// The step of the last line before those of step `end`, if there is one.
+  [[nodiscard, gnu::cold]] std::optional<std::uint64_t> last_before(std::uint64_t end) const {
+    std::optional<std::uint64_t> last;
+    each_line_before(end, [&](const std::string&, std::uint64_t step) { last = step; });
+    return last;
+  }
+  /// Goes on with what is there, without the lines of step `end` and later ones.
+  [[gnu::cold]] void go_on(std::uint64_t end) {
+    std::string kept;
+    each_line_before(end, [&](const std::string& line, std::uint64_t) {
+      kept += (kept.empty() ? "" : ",\n") + line;
+    });
+    replace(kept);
+  }
+  /// Adds a file, which lies beside the index.
+  [[gnu::cold]] void add(const std::string& name, double time) {
+    std::string line = empty_ ? "" : ",\n";
+    line += "    {\"name\": \"" + name + "\", \"time\": " + text(time) + "}";
+    const system_file file(file_, O_RDWR);
+    const std::string bytes = line + std::string(foot);
+    if (!file.good() || !file.write(at_, std::as_bytes(std::span(bytes)))) fail_to_write();
+    at_ += line.size();
+    empty_ = false;
+  }
+
+ private:
+  static constexpr std::string_view head =
+      "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n";
+  static constexpr std::string_view foot = "\n  ]\n}\n";
+
+  /// The number before the last dot of the file that a line names.
+  [[nodiscard]] static std::optional<std::uint64_t> step_of(const std::string& line) {
+    const auto name = line.find("{\"name\": \"");
+    const auto quote = line.find("\", \"time\": ");
+    const auto dot = line.rfind('.', quote);
+    const auto digits = line.rfind('_', dot);
+    if (name == line.npos || quote == line.npos || dot == line.npos || digits == line.npos)
+      return std::nullopt;
+    return std::strtoull(line.c_str() + digits + 1, nullptr, 10);
+  }
+  /// Calls f(line without its comma, step).
+  template <class F>
+  void each_line_before(std::uint64_t end, F&& f) const {
+    std::string line;
+    for (std::ifstream there(file_); std::getline(there, line);) {
+      const std::optional<std::uint64_t> step = step_of(line);
+      if (!step || *step >= end) continue;
+      if (line.back() == ',') line.pop_back();
+      f(line, *step);
+    }
+  }
+  [[noreturn]] void fail_to_write() const {
+    fail<std::runtime_error>(
+        "the output {} cannot be written: {}; name a file in a folder that exists, is writable and "
+        "has room",
+        file_, system_words());
+  }
+  [[gnu::cold]] void replace(const std::string& lines) {
+    const std::string part = file_ + ".part", bytes = std::string(head) + lines + std::string(foot);
+    {
+      const system_file file(part, O_RDWR | O_CREAT | O_TRUNC);
+      if (!file.good() || !file.write(0, std::as_bytes(std::span(bytes)))) fail_to_write();
+    }
+    if (std::rename(part.c_str(), file_.c_str()) != 0) fail_to_write();
+    at_ = head.size() + lines.size();
+    empty_ = lines.empty();
+  }
+
+  std::string file_;
+  std::uint64_t at_ = 0;  ///< where the end begins
+  bool empty_ = true;
+};
+
+}  // namespace talus::detail

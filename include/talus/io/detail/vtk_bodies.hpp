@@ -1,0 +1,143 @@
+#pragma once
+// Bodies as rows of an output: one for each body, or for each part of a union.
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <type_traits>
+
+#include "talus/core/type_list.hpp"
+#include "talus/io/detail/row_table.hpp"
+#include "talus/shape/frame.hpp"
+#include "talus/shape/union_of.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus::detail {
+
+/// Shapes by number, as the column `shape` has them.
+inline constexpr std::string_view vtk_shape_names[] = {"sphere", "box", "capsule", "cylinder",
+                                                       "convex_polyhedron"};
+[[nodiscard, gnu::cold]] inline std::uint8_t vtk_shape_number(std::string_view name) {
+  std::uint8_t n = 0;
+  for (const std::string_view known : vtk_shape_names) {
+    if (known == name) return n;
+    ++n;
+  }
+  return n;
+}
+
+/// Lengths of a shape along the axes of its body: what a sphere, box or cylinder of size 1 is
+/// scaled by to look like it.
+template <class Shape>
+[[nodiscard]] vec3 size_of(const Shape& s) {
+  const vec3 half = s.half_extents(pose{});
+  return 2 * half;
+}
+template <class Shape>
+[[nodiscard]] real radius_of(const Shape& s) {
+  if constexpr (requires { s.radius; })
+    return s.radius;
+  else
+    return s.bounding_radius();
+}
+
+/// What of bodies an output of this scenario has: fewer columns where there is nothing to tell.
+template <class Scenario>
+struct vtk_columns {
+  template <class Shape>
+  struct of_shape {
+    using store = body_store<Shape, typename Scenario::features>;
+    static constexpr bool oriented = store::oriented;
+    static constexpr bool in_parts = is_union<Shape>;
+  };
+  template <class Shape>
+  struct is_oriented : std::bool_constant<of_shape<Shape>::oriented> {};
+  template <class Shape>
+  struct is_in_parts : std::bool_constant<of_shape<Shape>::in_parts> {};
+  using shapes = typename Scenario::shapes;
+
+  static constexpr bool oriented = filter_types<shapes, is_oriented>::size > 0;
+  static constexpr bool in_parts = filter_types<shapes, is_in_parts>::size > 0;
+  static constexpr bool numbered = Scenario::template has_feature<user_ids>;
+  static constexpr bool sleeps = Scenario::template has_feature<sleeping>;
+};
+
+/// The tables of points and of what they carry, with the same rows.
+template <class Scenario>
+class vtk_bodies {
+  using columns = vtk_columns<Scenario>;
+
+ public:
+  vtk_bodies() {
+    points.column("Points", number_type::f64, 3);
+    data.column("id", number_type::u64)
+        .column("rank", number_type::u32)
+        .column("shape", number_type::u8)
+        .column("fixed", number_type::u8)
+        .column("material", number_type::u16)
+        .column("mass", number_type::f64)
+        .column("radius", number_type::f64)
+        .column("size", number_type::f64, 3)
+        .column("velocity", number_type::f64, 3)
+        .column("angular_velocity", number_type::f64, 3);
+    if constexpr (columns::oriented) data.column("orientation", number_type::f64, 4);
+    if constexpr (columns::in_parts) data.column("part", number_type::u32);
+    if constexpr (columns::numbered) data.column("user_id", number_type::u32);
+    if constexpr (columns::sleeps) data.column("asleep", number_type::u8);
+  }
+
+  /// All bodies that this rank owns, and on rank 0 the global ones that have an end.
+  void add_all(world_state<Scenario>& s) {
+    s.each_finite_shape([&](auto& b) {
+      const auto rank = static_cast<std::uint32_t>(s.link->rank());
+      for (std::size_t i = 0; i < b.movable.locals; ++i) add(s, b.movable, i, rank);
+      if (rank == 0)
+        for (std::size_t i = 0; i < b.global.size(); ++i) add(s, b.global, i, rank);
+    });
+  }
+
+  row_table points{"/VTKHDF"}, data{"/VTKHDF/PointData"};
+
+ private:
+  template <class Store>
+  void add(const world_state<Scenario>& s, const Store& store, std::size_t i, std::uint32_t rank) {
+    const auto& shape = store.shape[i];
+    if constexpr (is_union<typename Store::shape_type>) {
+      std::uint32_t part = 0;
+      shape.each_part([&](const auto& one, const pose& at) {
+        add_one(s, store, i, rank, one, combined(store.pose(i), at), part++);
+      });
+    } else {
+      add_one(s, store, i, rank, shape, store.pose(i), 0);
+    }
+  }
+  template <class Store, class Shape>
+  void add_one(const world_state<Scenario>& s, const Store& store, std::size_t i,
+               std::uint32_t rank, const Shape& shape, const pose& at, std::uint32_t part) {
+    const row_table::key key{value_of(store.id[i]), part, 0};
+    const vec3 w = store.angular_velocity[i];
+    const vec3 v = store.velocity[i] + w.cross(at.position - store.position[i]);
+    points.begin_row(key);
+    points.put(at.position);
+    data.begin_row(key);
+    data.put(value_of(store.id[i]));
+    data.put(rank);
+    data.put(vtk_shape_number(Shape::name));
+    data.put(static_cast<std::uint8_t>(store.fixed(i)));
+    data.put(static_cast<std::uint16_t>(store.material[i]));
+    const double mass = s.materials[store.material[i]].density * store.shape[i].volume();
+    data.put(part == 0 ? mass : 0.0);
+    data.put(radius_of(shape));
+    data.put(size_of(shape));
+    data.put(v);
+    data.put(w);
+    if constexpr (columns::oriented) {
+      const quat& q = at.orientation;
+      data.put(q.w(), q.x(), q.y(), q.z());
+    }
+    if constexpr (columns::in_parts) data.put(part);
+    if constexpr (columns::numbered) data.put(store.user_id[i]);
+    if constexpr (columns::sleeps) data.put(static_cast<std::uint8_t>(store.asleep(i)));
+  }
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,228 @@
+#pragma once
+// From bodies to fields: density, velocity and stress on a grid.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "talus/core/error.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/world/each_contact.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// A box of space divided into equal cells.
+struct field_grid {
+  vec3 lower{0, 0, 0}, upper{1, 1, 1};  ///< corners, lengths
+  std::array<int, 3> cells{1, 1, 1};    ///< along x, y and z
+
+  /// Throws invalid_argument for a box without volume, and for fewer than one cell or more than a
+  /// billion.
+  void validate() const {
+    if (!detail::finite(lower) || !detail::finite(upper) || !(upper[0] > lower[0]) ||
+        !(upper[1] > lower[1]) || !(upper[2] > lower[2]))
+      detail::fail<std::invalid_argument>(
+          "a field_grid needs a lower and an upper corner with a volume between them, but has {} "
+          "and {}",
+          lower, upper);
+    double all = 1;
+    for (const int n : cells) all *= n > 0 ? n : 0;
+    if (!(all >= 1 && all <= 1e9))
+      detail::fail<std::invalid_argument>(
+          "a field_grid has from 1 to a billion cells, but was given {} times {} times {}",
+          cells[0], cells[1], cells[2]);
+  }
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
+           static_cast<std::size_t>(cells[2]);
+  }
+  [[nodiscard]] vec3 cell_size() const {
+    vec3 h = upper - lower;
+    for (int k = 0; k < 3; ++k) h[k] /= cells[static_cast<std::size_t>(k)];
+    return h;
+  }
+  /// Number of a cell; x is counted first.
+  [[nodiscard]] std::size_t index(int i, int j, int k) const {
+    return static_cast<std::size_t>(i) +
+           static_cast<std::size_t>(cells[0]) *
+               (static_cast<std::size_t>(j) +
+                static_cast<std::size_t>(cells[1]) * static_cast<std::size_t>(k));
+  }
+  /// Number of the cell in which a point lies, or size().
+  [[nodiscard]] std::size_t cell_of(const vec3& p) const {
+    const vec3 h = cell_size();
+    int at[3];
+    for (int k = 0; k < 3; ++k) {
+      const real x = std::floor((p[k] - lower[k]) / h[k]);
+      if (!(x >= 0 && x < cells[static_cast<std::size_t>(k)])) return size();
+      at[k] = static_cast<int>(x);
+    }
+    return index(at[0], at[1], at[2]);
+  }
+};
+
+/// Means over the cells of a grid: the coarse graining of Goldhirsch (Granular Matter 12, 239,
+/// 2010) with the cell itself as the coarse-graining function, so that integrals over cells are
+/// exact. A body counts in the cell where its centre is. Stress is positive in tension: in a heap
+/// at rest its zz component is minus the weight above a unit of area.
+class coarse_fields {
+ public:
+  /// All zero, to which states are added: of no sample, or of one that is still to be filled in.
+  /// Throws invalid_argument for a grid that makes no sense.
+  explicit coarse_fields(const field_grid& g, std::uint64_t samples = 0)
+      : grid_((g.validate(), g)), sums_(g.size() * width), samples_(samples) {}
+
+  [[nodiscard]] const field_grid& grid() const { return grid_; }
+  /// How many states the means are taken over.
+  [[nodiscard]] std::uint64_t samples() const { return samples_; }
+
+  // Of cell number `c`.
+
+  /// Bodies that can move, in the mean over the samples.
+  [[nodiscard]] double bodies(std::size_t c) const { return at(c)[count] / samples(1); }
+  [[nodiscard]] double mass(std::size_t c) const { return at(c)[masses] / samples(1); }
+  [[nodiscard]] double density(std::size_t c) const { return mass(c) / volume(); }
+  /// The part of space that bodies take up.
+  [[nodiscard]] double solid_fraction(std::size_t c) const {
+    return at(c)[volumes] / (samples(1) * volume());
+  }
+  /// Of the mass; zero where there is none.
+  [[nodiscard]] vec3 velocity(std::size_t c) const {
+    const double* s = at(c);
+    if (!(s[masses] > 0)) return {0, 0, 0};
+    return {s[momenta] / s[masses], s[momenta + 1] / s[masses], s[momenta + 2] / s[masses]};
+  }
+  /// Of motion against the mean velocity of the cell (over the samples, too).
+  [[nodiscard]] mat3 kinetic_stress(std::size_t c) const {
+    const double* s = at(c);
+    const vec3 v = velocity(c);
+    mat3 stress;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        stress(i, j) = -(s[flux + 3 * i + j] - s[masses] * v[i] * v[j]) / (samples(1) * volume());
+    return stress;
+  }
+  /// Of contact forces along the lines from centre to centre, or from a centre to where something
+  /// immovable is touched; each line counts with the part of it that lies in the cell.
+  [[nodiscard]] mat3 contact_stress(std::size_t c) const {
+    const double* s = at(c);
+    mat3 stress;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) stress(i, j) = -s[virial + 3 * i + j] / (samples(1) * volume());
+    return stress;
+  }
+  [[nodiscard]] mat3 stress(std::size_t c) const { return kinetic_stress(c) + contact_stress(c); }
+  /// A third of the trace of the stress, and positive in compression.
+  [[nodiscard]] double pressure(std::size_t c) const {
+    const mat3 s = stress(c);
+    return -(s(0, 0) + s(1, 1) + s(2, 2)) / 3;
+  }
+
+  /// The means over the samples of both. Throws invalid_argument for another grid.
+  coarse_fields& operator+=(const coarse_fields& other) {
+    if (grid_.lower != other.grid_.lower || grid_.upper != other.grid_.upper ||
+        grid_.cells != other.grid_.cells)
+      detail::fail<std::invalid_argument>(
+          "fields on two grids were added, that from {} to {} and that from {} to {}: means are "
+          "taken on one grid",
+          grid_.lower, grid_.upper, other.grid_.lower, other.grid_.upper);
+    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += other.sums_[i];
+    samples_ += other.samples_;
+    return *this;
+  }
+
+  // What measure_fields() does with one state.
+
+  void add_body(const vec3& centre, const vec3& v, double mass, double volume) {
+    const std::size_t c = grid_.cell_of(centre);
+    if (c == grid_.size()) return;
+    double* s = &sums_[c * width];
+    s[count] += 1, s[masses] += mass, s[volumes] += volume;
+    for (int i = 0; i < 3; ++i) {
+      s[momenta + i] += mass * v[i];
+      for (int j = 0; j < 3; ++j) s[flux + 3 * i + j] += mass * v[i] * v[j];
+    }
+  }
+  /// A force on a body at `head`, from what is at `tail`.
+  void add_force(const vec3& head, const vec3& tail, const vec3& force) {
+    const vec3 line = head - tail, h = grid_.cell_size();
+    cuts_.clear();
+    cuts_.push_back(0), cuts_.push_back(1);
+    for (int k = 0; k < 3; ++k) {
+      if (line[k] == 0) continue;
+      const int planes = grid_.cells[static_cast<std::size_t>(k)];
+      const auto number = [&](real x) {
+        return static_cast<int>(
+            std::clamp((x - grid_.lower[k]) / h[k], real(-1), real(planes) + 1));
+      };
+      const int a = number(tail[k]), b = number(head[k]);
+      for (int n = std::max(0, std::min(a, b)); n <= std::min(planes, std::max(a, b) + 1); ++n) {
+        const real s = (grid_.lower[k] + n * h[k] - tail[k]) / line[k];
+        if (s > 0 && s < 1) cuts_.push_back(s);
+      }
+    }
+    detail::sort_values(cuts_);
+    for (std::size_t n = 1; n < cuts_.size(); ++n) {
+      const real part = cuts_[n] - cuts_[n - 1];
+      const std::size_t c = grid_.cell_of(tail + 0.5 * (cuts_[n] + cuts_[n - 1]) * line);
+      if (!(part > 0) || c == grid_.size()) continue;
+      double* s = &sums_[c * width];
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) s[virial + 3 * i + j] += force[i] * line[j] * part;
+    }
+  }
+  /// All sums of this state, cell by cell: those of the ranks add up.
+  [[nodiscard]] std::span<double> sums() { return sums_; }
+
+ private:
+  enum column : std::size_t {
+    count,
+    masses,
+    volumes,
+    momenta,
+    flux = momenta + 3,
+    virial = flux + 9,
+    width = virial + 9
+  };
+  [[nodiscard]] const double* at(std::size_t c) const { return &sums_[c * width]; }
+  [[nodiscard]] double samples(std::uint64_t least) const {
+    return static_cast<double>(std::max(samples_, least));
+  }
+  [[nodiscard]] double volume() const {
+    const vec3 h = grid_.cell_size();
+    return h[0] * h[1] * h[2];
+  }
+
+  field_grid grid_;
+  detail::plain_vector<double> sums_;
+  detail::plain_vector<real> cuts_;
+  std::uint64_t samples_;
+};
+
+/// Collective: the fields of the present state, alike on all ranks. Fixed and global bodies have no
+/// part in them but by the forces that they exert. Sums 21 numbers for each cell over the ranks.
+/// Throws invalid_argument for a grid that makes no sense.
+template <class Scenario>
+[[nodiscard]] coarse_fields measure_fields(world<Scenario>& w, const field_grid& grid) {
+  w.require_all_ranks("measure_fields");
+  coarse_fields fields(grid, 1);
+  w.for_each_local([&](const auto& b) {
+    if (!b.is_fixed()) fields.add_body(b.position(), b.velocity(), b.mass(), b.shape().volume());
+  });
+  for_each_contact(w, [&](const loaded_contact& c) {
+    if (c.moves_a && c.moves_b)
+      fields.add_force(c.centre_a, c.centre_b, c.force);
+    else if (c.moves_a)
+      fields.add_force(c.centre_a, c.point, c.force);
+    else
+      fields.add_force(c.centre_b, c.point, -c.force);
+  });
+  w.link().reduce(reduction::sum, fields.sums());
+  return fields;
+}
+
+}  // namespace talus

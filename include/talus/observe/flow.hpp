@@ -1,0 +1,123 @@
+#pragma once
+// What flows through a plane: bodies counted one by one as their centres cross it.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/shape/plane.hpp"
+#include "talus/world/fresh_start.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// What has crossed a plane: `forward` along its normal. Masses by density and volume.
+struct flow {
+  double mass_forward = 0, mass_backward = 0;
+  std::uint64_t forward = 0, backward = 0;  ///< bodies; one that turns back counts both ways
+
+  [[nodiscard]] double mass() const { return mass_forward - mass_backward; }
+  [[nodiscard]] std::int64_t bodies() const {
+    return static_cast<std::int64_t>(forward) - static_cast<std::int64_t>(backward);
+  }
+};
+
+namespace detail {
+
+/// On which side of a plane each body was that this rank knew after the last step.
+template <class Scenario>
+class crossing_counter {
+ public:
+  crossing_counter(world_state<Scenario>& s, const plane& where) : s_(s), where_(where) {}
+
+  void note() {
+    before_.clear();
+    s_.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = 0; i < b.movable.size(); ++i)
+        before_.push_back({b.movable.id[i], ahead(b.movable.position[i])});
+    });
+    indexed_ = false;
+  }
+  void count() {
+    std::size_t n = 0;
+    s_.each_finite_shape([&](const auto& b) {
+      const auto& store = b.movable;
+      for (std::size_t i = 0; i < store.size(); ++i, ++n) {
+        if (i >= store.locals || store.fixed(i)) continue;
+        const side* last = find(n, store.id[i]);
+        if (last == nullptr || last->ahead == ahead(store.position[i])) continue;
+        const double mass = s_.materials[store.material[i]].density * store.shape[i].volume();
+        if (last->ahead)
+          ++sums_.backward, sums_.mass_backward += mass;
+        else
+          ++sums_.forward, sums_.mass_forward += mass;
+      }
+    });
+    note();
+  }
+  [[nodiscard]] const flow& sums() const { return sums_; }
+
+ private:
+  struct side {
+    system_id id = no_id;
+    bool ahead = false;
+  };
+  [[nodiscard]] bool ahead(const vec3& p) const { return where_.distance(p) >= 0; }
+  /// Mostly bodies are in the place where they were.
+  [[nodiscard]] const side* find(std::size_t guess, system_id id) {
+    if (guess < before_.size() && before_[guess].id == id) return &before_[guess];
+    if (!indexed_) {
+      places_.reset(before_.size());
+      for (const side& b : before_) places_.add(b.id);
+      indexed_ = true;
+    }
+    const std::uint32_t at = places_.find(id);
+    return at == id_table::unknown ? nullptr : &before_[at];
+  }
+
+  world_state<Scenario>& s_;
+  plane where_;
+  plain_vector<side> before_;
+  id_table places_;
+  bool indexed_ = false;
+  flow sums_;
+};
+
+}  // namespace detail
+
+/// Counts from now on, after each step of simulate(), the bodies whose centres cross a plane:
+/// `flow_meter outflow(world, plane{.normal = {0, 0, -1}, .offset = 2})`. Each crossing counts
+/// once, on the rank that owns the body after it: a rank knows its neighbours' bodies before they
+/// come. A body that it has not seen in the step before, as one that was just added, counts from
+/// then on. Nothing is sent until total() is called. Costs a look at each body that a rank knows in
+/// each step; a restart counts anew.
+template <class Scenario>
+class flow_meter {
+ public:
+  /// On all ranks alike. Throws invalid_argument for a plane that makes no sense. The world must
+  /// outlive the meter; it goes on counting when the meter is gone.
+  flow_meter(world<Scenario>& w, const plane& where) : w_(w) {
+    where.validate();
+    counter_ = std::make_shared<detail::crossing_counter<Scenario>>(w.state(), where);
+    w.before_simulating([counter = counter_] { counter->note(); });
+    w.after_each_step([counter = counter_] { counter->count(); });
+  }
+  /// Collective: of all ranks, since the meter was made.
+  [[nodiscard]] flow total() const {
+    w_.require_all_ranks("flow_meter::total");
+    flow all = counter_->sums();
+    std::array<double, 2> masses{all.mass_forward, all.mass_backward};
+    std::array<std::uint64_t, 2> numbers{all.forward, all.backward};
+    w_.link().reduce(reduction::sum, std::span<double>(masses));
+    w_.link().reduce(reduction::sum, std::span<std::uint64_t>(numbers));
+    return {masses[0], masses[1], numbers[0], numbers[1]};
+  }
+
+ private:
+  world<Scenario>& w_;
+  std::shared_ptr<detail::crossing_counter<Scenario>> counter_;
+};
+
+}  // namespace talus

@@ -1,0 +1,207 @@
+#pragma once
+// The contacts of the present state that carry a force, as outputs and observers see them: alike
+// for hard and soft ones, and each of them once, whatever ranks its bodies live on.
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/detect/narrow.hpp"
+#include "talus/world/fresh_start.hpp"
+#include "talus/world/sleeping_islands.hpp"
+#include "talus/world/soft_step.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// A contact that carries a force. Of a hard one the force is its impulse in the last step over the
+/// length of that step, and point and normal are where the surfaces are now, after the step; of a
+/// soft one all is of the present state.
+struct loaded_contact {
+  system_id a = no_id, b = no_id;         ///< the bodies; b may be global
+  std::uint64_t feature = 0;              ///< names the point within the pair
+  vec3 point{0, 0, 0};                    ///< midway between the surfaces, in the world
+  vec3 normal{0, 0, 1};                   ///< unit, from b towards a
+  vec3 force{0, 0, 0};                    ///< on a; on b its opposite
+  vec3 centre_a{0, 0, 0};                 ///< centre of mass of a
+  vec3 centre_b{0, 0, 0};                 ///< of b; the point itself where b is infinite
+  bool moves_a = true, moves_b = true;    ///< whether the body can move: neither fixed nor global
+  bool owned_a = false, owned_b = false;  ///< whether this rank owns the body; false if global
+
+  /// Positive where the bodies push each other apart.
+  [[nodiscard]] real normal_force() const { return normal.dot(force); }
+  [[nodiscard]] vec3 tangential_force() const { return force - normal_force() * normal; }
+};
+
+namespace detail {
+
+/// Where this rank keeps the bodies that it knows.
+template <class Scenario>
+class body_places {
+ public:
+  struct place {
+    std::uint32_t shape = 0, index = 0;
+    bool global = false;
+  };
+
+  explicit body_places(world_state<Scenario>& s) : s_(s) {
+    std::size_t all = 0;
+    s.each_shape([&](const auto& b) { all += b.movable.size() + b.global.size(); });
+    ids_.reset(all);
+    places_.reserve(all);
+    std::uint32_t shape = 0;
+    const auto add = [&](const auto& store, bool global) {
+      for (std::size_t i = 0; i < store.size(); ++i) {
+        ids_.add(store.id[i]);
+        places_.push_back({shape, static_cast<std::uint32_t>(i), global});
+      }
+    };
+    s.each_shape([&](const auto& b) { add(b.movable, false), add(b.global, true), ++shape; });
+  }
+
+  /// Calls f(store, index, is global) for the body; false where it is not known.
+  template <class F>
+  bool visit(system_id id, F&& f) const {
+    const std::uint32_t at = ids_.find(id);
+    if (at == id_table::unknown) return false;
+    const place p = places_[at];
+    std::uint32_t shape = 0;
+    s_.each_shape([&](const auto& b) {
+      if (shape++ == p.shape) f(p.global ? b.global : b.movable, std::size_t{p.index}, p.global);
+    });
+    return true;
+  }
+
+ private:
+  world_state<Scenario>& s_;
+  id_table ids_;
+  plain_vector<place> places_;
+};
+
+/// Fills in what a contact says of its bodies, and whether b has a centre; false where one of them
+/// is gone.
+template <class Scenario>
+[[nodiscard]] bool add_ends(const body_places<Scenario>& places, loaded_contact& c, bool& bounded) {
+  const auto add = [&](system_id id, vec3& centre, bool& moves, bool& owned) {
+    return places.visit(id, [&](const auto& store, std::size_t i, bool global) {
+      bounded = std::remove_cvref_t<decltype(store)>::shape_type::finite;
+      centre = store.position[i];
+      moves = !global && !store.fixed(i);
+      owned = !global && i < store.locals;
+    });
+  };
+  return add(c.a, c.centre_a, c.moves_a, c.owned_a) && add(c.b, c.centre_b, c.moves_b, c.owned_b);
+}
+
+/// How far the surfaces of a pair may have parted in the last step.
+template <class Store>
+[[nodiscard]] real way_of_surface(const Store& s, std::size_t i, real dt) {
+  if constexpr (!Store::shape_type::finite)
+    return 0;
+  else
+    return 2 * (reach_of(s, i, dt) - s.shape[i].bounding_radius());
+}
+
+/// The contact points of one pair after another, found anew where the bodies are now.
+template <class Scenario>
+class pair_points {
+ public:
+  pair_points(const world_state<Scenario>& s, const body_places<Scenario>& places)
+      : s_(s), places_(places) {}
+
+  /// Point and normal of a contact whose key and force are known. Where the surfaces have parted
+  /// or turned since, the nearest point of the pair; where there is none, the force through the
+  /// centre of a tells. Hard contacts never pull: where they would, the force tells the normal.
+  void place(loaded_contact& c) {
+    if (c.a != a_ || c.b != b_) find(c.a, c.b);
+    const contact_geometry* best = nullptr;
+    for (const contact_geometry& g : points_) {
+      if (g.feature == c.feature) {
+        best = &g;
+        break;
+      }
+      if (best == nullptr || g.gap < best->gap) best = &g;
+    }
+    c.normal = best != nullptr && best->normal.dot(c.force) > 0 ? best->normal : unit(c.force);
+    c.point = best != nullptr ? best->point : vec3(centre_ - radius_ * c.normal);
+  }
+
+ private:
+  void find(system_id a, system_id b) {
+    a_ = a, b_ = b;
+    points_.clear();
+    places_.visit(a, [&](const auto& one, std::size_t i, bool) {
+      using A = typename std::remove_cvref_t<decltype(one)>::shape_type;
+      if constexpr (A::finite) {
+        centre_ = one.position[i];
+        radius_ = one.shape[i].bounding_radius();
+        places_.visit(b, [&](const auto& other, std::size_t j, bool) {
+          using B = typename std::remove_cvref_t<decltype(other)>::shape_type;
+          if constexpr (collidable<A, B>)
+            collide_pair(one.shape[i], one.pose(i), other.shape[j], other.pose(j),
+                         way_of_surface(one, i, s_.dt) + way_of_surface(other, j, s_.dt),
+                         [&](const contact_geometry& g) { points_.push_back(g); });
+        });
+      }
+    });
+  }
+
+  const world_state<Scenario>& s_;
+  const body_places<Scenario>& places_;
+  system_id a_ = no_id, b_ = no_id;
+  vec3 centre_{0, 0, 0};
+  real radius_ = 0;
+  plain_vector<contact_geometry> points_;
+};
+
+/// Calls f(contact, counts_here) for the contacts that carry a force and have a body owned here:
+/// over all ranks each counts once.
+template <class Scenario, class F>
+void each_loaded_contact(world_state<Scenario>& s, F&& f) {
+  const body_places<Scenario> places(s);
+  if constexpr (Scenario::contact_law::soft) {
+    const auto tell = [&](const contact_key& key, const contact_geometry& g, const vec3& force,
+                          bool counts) {
+      if (force[0] == 0 && force[1] == 0 && force[2] == 0) return;
+      loaded_contact c{.a = key.a, .b = key.b, .feature = key.feature};
+      c.point = g.point, c.normal = g.normal, c.force = force;
+      bool bounded = true;
+      if (!add_ends(places, c, bounded)) return;
+      if (!bounded) c.centre_b = c.point;
+      f(std::as_const(c), counts);
+    };
+    observe_forces(s, tell);
+  } else {
+    if (!(s.dt > 0)) return;
+    pair_points<Scenario> points(s, places);
+    const auto tell = [&](const remembered_contact& r) {
+      if (r.memory[0] == 0 && r.memory[1] == 0 && r.memory[2] == 0) return;
+      loaded_contact c{.a = r.key.a, .b = r.key.b, .feature = r.key.feature};
+      c.force = r.memory / s.dt;
+      bool bounded = true;
+      if (!add_ends(places, c, bounded)) return;
+      // Both owners of a body that moves remember its contacts; other ranks may, too.
+      if (!(c.owned_a && c.moves_a) && !(c.owned_b && c.moves_b)) return;
+      points.place(c);
+      if (!bounded) c.centre_b = c.point;
+      f(std::as_const(c), c.moves_a ? c.owned_a : c.owned_b);
+    };
+    for (const remembered_contact& r : s.history.entries()) tell(r);
+    if constexpr (world_state<Scenario>::sleeps) each_frozen_contact(s, tell);
+  }
+}
+
+}  // namespace detail
+
+/// Calls f(contact) for the contacts of the present state that carry a force: over all ranks once
+/// for each, on the rank that owns its body a, or b where a cannot move. No rank waits for another.
+/// There are none before the first step.
+template <class Scenario, class F>
+void for_each_contact(world<Scenario>& w, F&& f) {
+  detail::each_loaded_contact(w.state(), [&](const loaded_contact& c, bool counts) {
+    if (counts) f(c);
+  });
+}
+
+}  // namespace talus

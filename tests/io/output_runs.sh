@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# What a real program writes with --output: as VTK and h5py read it, and after the run was killed.
+#   output_runs.sh PROGRAM FOLDER PYTHON SOURCE [MPIRUN...]
+# PROGRAM is the example hopper; MPIRUN... starts it on two ranks. Ends with 77 where VTK or h5py are
+# missing.
+set -euo pipefail
+program=$1 folder=$2 python=$3 source=$4
+shift 4
+launch=("$@")
+rm -rf "$folder"
+mkdir -p "$folder"
+cd "$folder"
+fail() { echo "FAILED: $*"; exit 1; }
+has_readers() { "$1" -c 'import h5py, vtkmodules.vtkIOHDF' 2>/dev/null; }
+has_readers "$python" || python=/usr/bin/python3  # Debian's packages belong to Debian's Python
+has_readers "$python" || { echo 'skipped: no VTK or h5py'; exit 77; }
+
+"${launch[@]}" "$program" --quiet --steps 600 --output two --output-every 100 --json two.json
+"$python" -B "$source/tests/io/read_output.py" two two.json
+"$program" --quiet --steps 600 --output one --output-every 100 --json one.json
+"$python" -B "$source/tests/io/read_output.py" one one.json
+
+# A run is killed: all that its series names is whole. Another one goes on from its checkpoint.
+kept=0
+for ((try = 0; try < 5; ++try)); do
+  rm -f killed*
+  "$program" --quiet --steps 100000 --bodies 400 --output killed --output-every 1 \
+    --checkpoint killed.h5 --checkpoint-every 20 &
+  child=$!
+  while [[ ! -e killed.h5 ]]; do sleep 0.02; done
+  sleep "1.$((try * 17))"
+  kill -KILL $child
+  wait $child || true
+  "$python" -B - <<'END' || fail 'the series of a killed run'
+import h5py, json
+for name in ("killed.hdf.series", "killed_contacts.hdf.series"):
+    files = json.load(open(name))["files"]
+    for n, entry in enumerate(files):
+        assert entry["name"].endswith(f"_{n:010}.hdf"), entry
+        with h5py.File(entry["name"]) as f:
+            assert f["VTKHDF/FieldData/step"][0] == n
+    print(len(files), "files of a killed run")
+END
+done
+"$program" --quiet --steps 400 --bodies 400 --output killed --output-every 1 --restart killed.h5
+"$program" --quiet --steps 400 --bodies 400 --output whole --output-every 1
+for what in '' _contacts; do
+  diff <(sed "s/killed/whole/" killed$what.hdf.series) whole$what.hdf.series ||
+    fail 'the series of a restarted run differs'
+done
