@@ -16,9 +16,10 @@ int main(int argc, char** argv) {
                [&](const site& place, random_stream& random) {
                  return body{.shape = sphere{random.uniform(0.3, 0.5)},
                              .position = place.position,
-                             .material = stone};
+                             .material = stone,
+                             .velocity = random.uniform(vec3(-2, -2, 0), vec3(2, 2, 0))};
                });
-    take_pictures(world, options, {.from = {14, -20, 9}, .at = {0, 0, 1}});
+    take_pictures(world, options, {.from = {16, -24, 12}, .at = {0, 0, 1}});
     world.simulate({.steps = options.steps, .dt = options.dt});
   });
 }

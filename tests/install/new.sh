@@ -33,7 +33,7 @@ bash -ec "${commands[2]} --steps 300 --json one.json" | tee said
 grep -q '^  error ' said || fail "no summary"
 "${launch[@]}" 2 ./build/shore --steps 300 --quiet --json two.json
 ./build/shore --ranks 4 --steps 300 --quiet --json four.json --frames pictures --every 300
-[[ $(number one.json bodies) == 512 && $(number two.json bodies) == 512 ]] || fail "bodies are missing"
+[[ $(number one.json bodies) == 729 && $(number two.json bodies) == 729 ]] || fail "bodies are missing"
 [[ $(number two.json ranks) == 2 && $(number four.json ranks) == 4 ]] || fail "not on these ranks"
 [[ -s pictures/frame_00001.pov ]] || fail "no pictures"
 
