@@ -3,14 +3,14 @@
 #   <!-- examples/well/well.cpp -->
 #   ```cpp
 #   ...
-# So is a block of text (a message, for instance) or of Python that has such a line before it.
+# So is any other block, a message or a script for instance, that has such a line before it.
 # A block may leave out whole parts with a line "// ..."; each part must be lines of the file, in the
 # same order, apart from indentation.
 #   quotes.sh ROOT [FILE.md ...]
 set -euo pipefail
 root=$1
 shift
-(($#)) || set -- "$root"/README.md "$root"/docs/*.md
+(($#)) || set -- "$root"/*.md "$root"/docs/*.md "$root"/docs/*/*.md
 failed=0 blocks=0
 
 complain() { echo "$1:$2: $3"; failed=1; }
@@ -20,15 +20,19 @@ for page in "$@"; do
   while IFS= read -r line || [[ -n $line ]]; do
     number=$((number + 1))
     if [[ $inside == no ]]; then
-      if [[ $line == '```cpp'* || ($line =~ ^'```'(text|python)$ && -n $source) ]]; then
+      if [[ $line == '```cpp'* || ($line == '```'* && -n $source) ]]; then
         inside=yes start=$number block=()
         [[ -n $source ]] || complain "$page" "$number" "a C++ block without the file it is from"
+      elif [[ $line == '```'* ]]; then
+        inside=skipped
       elif [[ $line =~ ^'<!-- '([^ ]+)' -->'$ ]]; then
         source=${BASH_REMATCH[1]}
         [[ -f $root/$source ]] || { complain "$page" "$number" "there is no $source"; source=''; }
       elif [[ -n $line ]]; then
         source=''
       fi
+    elif [[ $line == '```' && $inside == skipped ]]; then
+      inside=no
     elif [[ $line == '```' ]]; then
       inside=no blocks=$((blocks + 1))
       if [[ -n $source ]]; then

@@ -47,7 +47,13 @@ class checkpoint_files final : public checkpoint_hooks {
         require_same_scenario<Scenario>(in);
         waiting_ = in.integers("/run/steps", 1)[0];
       } catch (const std::exception& e) {
-        fail<std::runtime_error>("the checkpoint {} {}", plan_.from, e.what());
+        const std::string why = e.what();
+        fail<std::runtime_error>(
+            "the checkpoint {} {}{}", plan_.from, why,
+            why.starts_with("cannot be read:")
+                ? "; --restart takes a file that --checkpoint has written: look "
+                  "for it, or leave --restart out to begin at the beginning"
+                : "");
       }
     });
     if (plan_.to.empty()) return;

@@ -13,6 +13,7 @@
 #include "talus/observe/balance.hpp"
 #include "talus/observe/critical_dt.hpp"
 #include "talus/observe/digest.hpp"
+#include "talus/observe/doubts.hpp"
 #include "talus/observe/memory.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
@@ -38,6 +39,8 @@ struct summary {
   double critical_dt = 0;      ///< of soft contacts, at the end; 0: the contacts are hard
   std::uint64_t contacts = 0;  ///< considered in the last step
   bool sleeping = false;       ///< whether islands may go to sleep
+  bool followed = false;       ///< whether fast bodies are followed: continuous_collision
+  double gravity = 0;          ///< its size
   motion moving;
   penetration overlap;
   contact_residual residual;  ///< of the last step
@@ -121,6 +124,8 @@ template <class Scenario>
   r.dt = s.dt;
   if constexpr (Scenario::contact_law::soft) r.critical_dt = critical_dt(w);
   r.sleeping = Scenario::template has_feature<talus::sleeping>;
+  r.followed = Scenario::template has_feature<continuous_collision>;
+  r.gravity = w.gravity().norm();
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);
   if constexpr (!Scenario::contact_law::soft) {
@@ -273,6 +278,15 @@ template <class Scenario>
         "mean "
         "nothing; take a fifth of it or less\n",
         r.dt, text(r.critical_dt, 4));
+  warning += detail::doubts({.bodies = r.moving.bodies,
+                             .movable = r.moving.movable,
+                             .steps = r.steps,
+                             .dt = r.dt,
+                             .gravity = r.gravity,
+                             .radius = r.overlap.mean_radius,
+                             .fastest = r.moving.max_speed,
+                             .followed = r.followed,
+                             .soft = soft(r)});
   const std::string asleep =
       r.sleeping ? detail::compose(", {} of them asleep", r.moving.asleep) : std::string();
   if (r.balancing)

@@ -14,8 +14,9 @@ namespace talus {
 /// The partition of any decomposition. Asking it costs a virtual call.
 class any_partition {
  public:
-  template <concepts::partition Partition>
-  requires(!std::same_as<Partition, any_partition>) explicit any_partition(Partition cells)
+  template <class Partition>
+  requires(!std::same_as<Partition, any_partition> &&
+           concepts::partition<Partition>) explicit any_partition(Partition cells)
       : cells_(std::make_shared<const of<Partition>>(std::move(cells))) {}
 
   [[nodiscard]] int size() const { return cells_->size(); }
@@ -73,8 +74,9 @@ class any_partition {
 class any_decomposition {
  public:
   any_decomposition() = default;
-  template <concepts::generating_decomposition Decomposition>
-  requires(!std::same_as<Decomposition, any_decomposition>)
+  template <class Decomposition>
+  requires(!std::same_as<Decomposition, any_decomposition> &&
+           concepts::generating_decomposition<Decomposition>)
       any_decomposition(Decomposition d)  // NOLINT: every decomposition is one of any
       : made_of_(std::make_shared<const of<Decomposition>>(std::move(d))) {}
 

@@ -53,6 +53,9 @@ struct transport final {
   static_assert(!std::same_as<Transport, mpi> || detail::complete<Transport>,
                 "transport<mpi> needs MPI: write #include <talus/mpi.hpp>");
   static_assert(
+      !std::same_as<Transport, as_launched> || detail::complete<Transport>,
+      "transport<as_launched> needs MPI: write #include <talus/mpi.hpp>, or choose threads");
+  static_assert(
       !detail::complete<Transport> || detail::is_transport<Transport>,
       "transport<...> takes serial, threads, mpi or as_launched, and this type is none of "
       "them: see talus::concepts::transport");

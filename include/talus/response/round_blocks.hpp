@@ -298,7 +298,8 @@ class round_blocks {
 
   // The same as round_contact::relax and apply. Returns the squares of the changes of velocity.
   static wide relax(block& x, state& s) {
-    const auto va = v(s, x.a), vb = v(s, x.b), wa = w(s, x.a), wb = w(s, x.b);
+    const auto va = v(s, x.a), vb = v(s, x.b);
+    const auto wa = w(s, x.a), wb = w(s, x.b);
     rows v_a = gather<number>(va), v_b;
     wide ux = v_a.x, uy = v_a.y, uz = v_a.z;
     if constexpr (paired) {
@@ -360,10 +361,9 @@ class round_blocks {
       rate -= x.nx * b.x + x.ny * b.y + x.nz * b.z;
     }
     const wide free = p.pushed - (rate - p.push) * x.inverse_wn;
-    const wide next = ((x.target == every_lane(number(0))) & (x.rn > every_lane(number(0)))) |
-                              (free > every_lane(number(0)))
-                          ? free
-                          : every_lane(number(0));
+    const auto open = ((x.target == every_lane(number(0))) & (x.rn > every_lane(number(0)))) |
+                      (free > every_lane(number(0)));
+    const wide next = open ? free : every_lane(number(0));
     const wide d = next - p.pushed;
     p.pushed = next;
     const wide da = d * a.w;

@@ -1,5 +1,8 @@
 #pragma once
 // run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
+#include <unistd.h>
+
+#include <concepts>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -55,6 +58,20 @@ namespace detail {
     throw usage_error(
         "this program has no --output: name features<vtk_output> in its scenario, #include "
         "<talus/vtk.hpp>, and link talus::hdf5");
+}
+/// Says what a set-up has probably forgotten, on standard error.
+[[gnu::cold]] inline void mention_forgotten(const std::string& name, bool stepped,
+                                            const options& options) {
+  const char* forgotten = nullptr;
+  if (!stepped && options.steps > 0)
+    forgotten =
+        "no step was made: call world.simulate({.steps = options.steps, .dt = options.dt}) at the "
+        "end of the set-up";
+  else if (!options.frames.empty() && ::access(options.frames.c_str(), F_OK) != 0)
+    forgotten =
+        "this program takes no pictures: call take_pictures(world, options) before "
+        "world.simulate(...), or leave out --frames";
+  if (forgotten != nullptr) std::fputs(compose("{}: {}\n", name, forgotten).c_str(), stderr);
 }
 
 /// Steps from one reading of the monitors for the progress line to the next: all ranks take part.
@@ -160,6 +177,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     set_up_and_simulate();
   }
   const double wall = wall_seconds() - start;
+  if (speaks && !options.quiet) mention_forgotten(name, w.steps() > 0, options);
 
   if (w.steps() == 0) w.synchronize();
   table.sample(w);
@@ -199,36 +217,48 @@ int run_rank_with_solver(typename Scenario::transport::link& link, const Options
   return run_rank<Scenario>(link, options, name, set_up);
 }
 
-}  // namespace detail
+template <class Type>
+inline constexpr bool is_scenario = requires {
+  typename Type::contact_law;
+  typename Type::transport;
+};
 
-/// Runs a scenario as the program was started: serially, with ranks inside the process (--ranks),
-/// or under mpirun, as its transport allows. `set_up(world, options)` fills the world and
-/// simulates; it runs on every rank, and may return `results` of its own to be reported. Reads the
-/// command line (see `options`), shows progress, and reports at the end. Returns the exit code for
-/// main(): errors are printed once, whichever rank they come from.
-template <class Scenario, class Options = options, class SetUp>
-int run(int argc, char** argv, SetUp&& set_up) {
-  const std::string name = detail::program_name(argc > 0 ? argv[0] : nullptr);
-  const bool speaks = detail::find_launcher().rank == 0;
+/// Refuses a transport whose header is missing, before a world stumbles over it.
+template <class Scenario, bool IsScenario>
+inline constexpr bool linked = false;
+template <class Scenario>
+inline constexpr bool linked<Scenario, true> = [] {
+  constexpr bool here = complete<typename Scenario::transport>;
+  static_assert(
+      here,
+      "run needs the transport of the scenario, which is threads unless it names another: "
+      "write #include <talus/talus.hpp>, or <talus/mpi.hpp> for mpi and as_launched");
+  return here;
+}();
+
+template <class Scenario, class Options, class SetUp>
+int run_checked(int argc, char** argv, SetUp& set_up) {
+  const std::string name = program_name(argc > 0 ? argv[0] : nullptr);
+  const bool speaks = find_launcher().rank == 0;
   const auto complain = [&](const std::string& message) {
     std::fputs((name + ": " + message + "\n").c_str(), stderr);
     std::fflush(stderr);
   };
   try {
     const Options chosen = parse<Options>(argc, argv);
-    detail::require_reproducible<Scenario>(chosen);
+    require_reproducible<Scenario>(chosen);
     launch_settings settings;
     settings.argc = &argc;
     settings.argv = &argv;
     settings.ranks = chosen.ranks;
     settings.default_ranks = typename Scenario::decomposition{}.size();
     settings.report = complain;
-    if constexpr (!Scenario::template has_feature<checkpoints>) detail::refuse_checkpoints(chosen);
-    if constexpr (!Scenario::template has_feature<vtk_output>) detail::refuse_output(chosen);
+    if constexpr (!Scenario::template has_feature<checkpoints>) refuse_checkpoints(chosen);
+    if constexpr (!Scenario::template has_feature<vtk_output>) refuse_output(chosen);
     int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
-      const int of_rank = detail::run_rank_with_solver<Scenario>(link, chosen, name, set_up);
-      if (link.rank() == 0 || detail::find_launcher().size > 1) code = of_rank;
+      const int of_rank = run_rank_with_solver<Scenario>(link, chosen, name, set_up);
+      if (link.rank() == 0 || find_launcher().size > 1) code = of_rank;
     });
     return code;
   } catch (const help_requested& help) {
@@ -243,6 +273,42 @@ int run(int argc, char** argv, SetUp&& set_up) {
     complain(error.what());
     return 1;
   }
+}
+
+}  // namespace detail
+
+/// Runs a scenario as the program was started: serially, with ranks inside the process (--ranks),
+/// or under mpirun, as its transport allows. `set_up(world, options)` fills the world and
+/// simulates; it runs on every rank, and may return `results` of its own to be reported. Reads the
+/// command line (see `options`), shows progress, and reports at the end. Returns the exit code for
+/// main(): errors are printed once, whichever rank they come from.
+template <class Scenario, class Options = options, class SetUp>
+int run(int argc, char** argv, SetUp&& set_up) {
+  constexpr bool scene = detail::is_scenario<Scenario>;
+  constexpr bool chosen = std::derived_from<Options, talus::options>;
+  static_assert(scene,
+                "run takes a scenario first: write using scene = scenario<...>, then "
+                "run<scene>(argc, argv, set_up)");
+  static_assert(chosen,
+                "run takes options that derive from talus::options: write struct my_options : "
+                "talus::options { ... }");
+  if constexpr (scene && chosen && detail::linked<Scenario, scene>) {
+    constexpr bool fits = requires(world<Scenario> & w, const Options& o) { set_up(w, o); };
+    static_assert(fits,
+                  "run takes a function of the world and the options: write [](auto& world, const "
+                  "auto& options) { ... }");
+    if constexpr (fits) return detail::run_checked<Scenario, Options>(argc, argv, set_up);
+  }
+  return 1;
+}
+
+/// Refuses a run of no scenario.
+template <class SetUp>
+int run(int, char**, SetUp&&) {
+  static_assert(sizeof(SetUp) == 0,
+                "run needs the scenario between angle brackets: write run<scene>(argc, argv, "
+                "set_up), where using scene = scenario<...>");
+  return 1;
 }
 
 }  // namespace talus

@@ -161,7 +161,7 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
   each_close_pair(s, [&]<class A, class B, partner P>() {
     const std::size_t kind = kinds++;
     if (found.lists.size() < kinds) found.lists.resize(kinds);
-    return [&s, &found, kind](std::size_t i, std::size_t j, real, real) {
+    return [&, kind](std::size_t i, std::size_t j, real, real) {
       if constexpr (world_state<Scenario>::sleeps) {
         auto& with = s.template of<B>();
         if (undisturbed(s.template of<A>().movable, i,

@@ -250,6 +250,19 @@ template <class Scenario, class Shape>
 consteval bool require_shape() {
   return body_of_scenario<Shape, Scenario>::value;
 }
+/// The same for what is added as a body, and is perhaps a bare shape.
+template <class Scenario, class Body>
+consteval bool require_body() {
+  constexpr bool described = requires(const Body& b) { b.shape, b.position; };
+  static_assert(
+      described,
+      "a body is added, and this type is none: write body{.shape = sphere{0.5}, .position "
+      "= place.position, .material = stone}");
+  if constexpr (described)
+    return require_shape<Scenario, decltype(Body::shape)>();
+  else
+    return false;
+}
 /// The same for a feature, such as user_ids.
 template <class Scenario, class Feature>
 consteval bool require_feature() {

@@ -120,13 +120,26 @@ using response_state =
                          typename Scenario::solver, solved_scalar<Scenario>,
                          contains_type<typename Scenario::features, driven>>::type;
 
+/// The link of a transport; of one that is refused, something that causes no further errors.
+struct no_link {
+  static constexpr bool alone = true;
+};
+template <class Transport, bool = complete<Transport>>
+struct link_of {
+  using type = no_link;
+};
+template <class Transport>
+struct link_of<Transport, true> {
+  using type = typename Transport::link;
+};
+
 /// The contacts and what finds their impulses or forces are in the base.
 template <class Scenario>
 struct world_state : response_state<Scenario> {
   static_assert(complete<typename Scenario::transport>,
                 "a world needs the transport of its scenario, which is threads unless it names "
                 "another: write #include <talus/parallel/threads.hpp>");
-  using link_type = typename Scenario::transport::link;
+  using link_type = typename link_of<typename Scenario::transport>::type;
   using domain_type =
       std::conditional_t<link_type::alone, lone_domain, domain<typename Scenario::decomposition>>;
   template <class Shape>

@@ -253,11 +253,22 @@ class world {
     return add(body<Shape>{
         .shape = shape, .position = position, .material = material, .orientation = orientation});
   }
+  /// Refuses the position before the material.
+  template <class Shape>
+  handle<Shape> add(const Shape&, const vec3&, material_id, const quat& = {1, 0, 0, 0}) {
+    static_assert(!sizeof(Shape*),
+                  "world.add takes the material before the position: write world.add(shape, "
+                  "material, position)");
+    return {};
+  }
   /// Adds the body on the rank that owns its centre and returns its handle there. All ranks call it
   /// alike, so its id is the same for every number of ranks.
   template <class Shape>
-  requires(Shape::finite) std::optional<handle<Shape>> add_if_local(const body<Shape>& b) {
-    if constexpr (detail::require_shape<Scenario, Shape>()) {
+  std::optional<handle<Shape>> add_if_local(const body<Shape>& b) {
+    static_assert(Shape::finite,
+                  "an infinite body, such as a plane, is known on all ranks: add it in "
+                  "world.global([&](auto& scope) { scope.add(plane{}, material); })");
+    if constexpr (detail::require_shape<Scenario, Shape>() && Shape::finite) {
       validate(b);
       sections_.require_all_ranks("add_if_local", rank());
       sections_.refuse_in_global("add_if_local", rank());

@@ -198,10 +198,11 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
     store.each_column([&](auto& c) {
       using value = typename std::remove_cvref_t<decltype(c)>::value_type;
       for (const std::uint32_t i : kept) {
-        if constexpr (packs_itself<value>)
-          c.push_back(forms.get(table.get<std::array<std::uint64_t, 2>>(k, i), table.extra()));
-        else
-          c.push_back(table.get<value>(k, i));
+        if constexpr (packs_itself<shape>) {  // without it there are no forms
+          if constexpr (packs_itself<value>)
+            c.push_back(forms.get(table.get<std::array<std::uint64_t, 2>>(k, i), table.extra()));
+        }
+        if constexpr (!packs_itself<value>) c.push_back(table.get<value>(k, i));
       }
       ++k;
     });

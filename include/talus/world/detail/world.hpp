@@ -108,8 +108,7 @@ std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
   const auto fill = fills_++;
   std::size_t made = 0;
   const auto [lower, upper] = state_.own.bounds();
-  sites.for_each_in(lower, upper, [&](const auto& site) {
-    if (!contains(site.position)) return;
+  const auto make = [&](const auto& site) {
     const auto id = detail::id_of_site(fill, site.index);
     auto made_body = [&] {
       if constexpr (std::is_invocable_v<F&, decltype(site), random_stream&>) {
@@ -120,8 +119,8 @@ std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
       }
     }();
     const auto add = [&](const auto& b) {
-      using shape = std::remove_cvref_t<decltype(b.shape)>;
-      if constexpr (detail::require_shape<Scenario, shape>()) {
+      if constexpr (detail::require_body<Scenario, std::remove_cvref_t<decltype(b)>>()) {
+        using shape = std::remove_cvref_t<decltype(b.shape)>;
         validate(b);
         if (!contains(b.position))
           detail::fail<std::invalid_argument>(
@@ -143,7 +142,22 @@ std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
     } else {
       take(made_body);
     }
-  });
+  };
+  constexpr bool known = concepts::site_set<Sites>;
+  static_assert(known,
+                "fill takes sites, and this type is none: a bare lattice has no end, so write "
+                "lattice & region, as in simple_cubic{.spacing = 2} & box_region{...}");
+  if constexpr (known)
+    sites.for_each_in(lower, upper, [&](const auto& site) {
+      using place = decltype(site);
+      constexpr bool fits =
+          std::is_invocable_v<F&, place, random_stream&> || std::is_invocable_v<F&, place>;
+      static_assert(fits,
+                    "fill takes a function of a site, or of a site and its random numbers: write "
+                    "[&](const site& place, random_stream& random) { return body{...}; }");
+      if constexpr (fits)
+        if (contains(site.position)) make(site);
+    });
   return made;
 }
 
