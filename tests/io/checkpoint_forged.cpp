@@ -103,7 +103,8 @@ TEST_CASE("whatever number of a checkpoint is another one, it is refused or the 
       for (table_part& t : tables) t.memory.reserve(t.memory.size() + 1);  // columns point into it
       auto facts = facts_of(whole, team, {});
       change(tables, facts, random);
-      checkpoint_writer(team, file.name).write(tables, facts);
+      checkpoint_kind kind;
+      team_writer(team, kind, file.name).write(tables, facts);
       with_world(false, [&](auto& w) {
         CAPTURE(k);
         try {

@@ -48,7 +48,8 @@ void write_vtk_contacts(world<Scenario>& w, checkpoint_team& team, const std::st
 /// which replace files of that name when they are whole. Bodies are points: those that ranks own,
 /// and the global ones that have an end, in the order of their ids within each rank; of a union
 /// each part. A contact that carries a force is a line from centre to centre, or to the point where
-/// something immovable is touched. All columns, and what reads them: docs/output.md. Throws runtime_error alike on all ranks if a file cannot be written.
+/// something immovable is touched. All columns, and what reads them: docs/output.md. Throws
+/// runtime_error alike on all ranks if a file cannot be written.
 template <class Scenario>
 [[gnu::cold]] void write_vtk(world<Scenario>& w, const std::string& name) {
   w.require_all_ranks("write_vtk");
