@@ -1,4 +1,4 @@
-# All that has left the hopper is below it, fields hold all of the mass, and the flow carries no more than
+# long: outputs, fields, flow. All that has left the hopper is below it, fields hold all of the mass, and the flow carries no more than
 # a heap of its height can press: on one rank and on four.
 set(flows "collectives_per_step EQUAL 0" "penetration_mean LESS 5e-3" "mass_out_error LESS 1e-12"
           "mass_in_cells_error LESS 1e-12" "bodies_out GREATER 100" "coordination GREATER 1"

@@ -1,4 +1,4 @@
-# Built and run in the long test run only.
+# long: heaps on one side of space, and cuts that follow them.
 set_target_properties(example_landslide PROPERTIES EXCLUDE_FROM_ALL TRUE)
 add_dependencies(talus_long_tests example_landslide)
 
