@@ -1,7 +1,4 @@
 # long: heaps on one side of space, and cuts that follow them.
-set_target_properties(example_landslide PROPERTIES EXCLUDE_FROM_ALL TRUE)
-add_dependencies(talus_long_tests example_landslide)
-
 # The heap in the corner is shared out evenly, and nothing is lost; without moving cuts it is not.
 set(slides ARGS --quiet --ranks 4)
 set(rests "bodies EQUAL 4000" "penetration_mean LESS 1e-3")
