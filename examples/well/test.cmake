@@ -31,3 +31,4 @@ add_example_test(slabs ARGS ${few} --ranks 5 --decomposition slabs
                  CHECK ${kept} "messages_per_step_max LESS 31")
 add_example_test(hexagonal ARGS ${few} --ranks 19 --decomposition hexagonal
                  CHECK ${kept} "messages_per_step_max LESS 91")
+add_example_test(bisection LONG ARGS ${few} --ranks 7 --decomposition bisection CHECK ${kept})
