@@ -36,3 +36,4 @@ add_example_test(hexagonal ARGS ${few} --ranks 19 --decomposition hexagonal
 # threads or processes.
 add_same_bits_test(twice LONG STEPS 6000 RUNS "--ranks 4" "--ranks 4" "mpi 4")
 add_same_bits_test(twice_alone LONG STEPS 6000 RUNS "--ranks 1" "--ranks 1")
+add_example_test(bisection LONG ARGS ${few} --ranks 7 --decomposition bisection CHECK ${kept})

@@ -10,7 +10,9 @@
 #include <talus/observe/momentum.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/observe/penetration.hpp>
+#include <talus/parallel/any_decomposition.hpp>
 #include <talus/parallel/bisection.hpp>
+#include <talus/parallel/grid.hpp>
 #include <talus/parallel/reach.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
@@ -243,4 +245,37 @@ TEST_CASE("bodies that are followed on their way go to their new ranks too") {
     });
   MESSAGE("mean overlaps " << overlap[0] << " and " << overlap[1]);
   CHECK(overlap[1] < 1.3 * overlap[0]);
+}
+
+TEST_CASE("a decomposition chosen at run time moves its cuts if it is a bisection") {
+  using scene = scenario<bodies<sphere, plane>, decomposition<any_decomposition>,
+                         transport<threads>, features<balancing>>;
+  const auto on_four = [](auto program) {
+    threads::launch({.ranks = 4}, [&](threads::link& link) {
+      world<scene> w(link, bisection<dynamic>{.lower = low, .upper = high});
+      w.gravity(tilted);
+      w.material({.restitution = 0.2, .friction = 0.2});
+      walls(w);
+      spheres(w, 100);
+      program(w);
+    });
+  };
+  on_four([](auto& w) {
+    w.balance({.every = 5, .above = 1.05, .by = balance_by::count});
+    for (int k = 0; k < 60; ++k) w.step(1.0 / 240);
+    CHECK(measure_balance(w).moved > 3);
+    CHECK(w.divided().template as<bisection<dynamic>>()->cuts.size() == 3);
+  });
+  const char* refused = "choose bisection<dynamic>";
+  CHECK_THROWS_WITH_AS(on_four([](auto& w) {
+                         w.decompose(grid<2, 2>{});
+                         w.step(1.0 / 240);
+                         w.balance({});
+                       }),
+                       doctest::Contains(refused), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(on_four([](auto& w) {
+                         w.balance({});
+                         w.decompose(grid<2, 2>{});
+                       }),
+                       doctest::Contains(refused), std::invalid_argument);
 }

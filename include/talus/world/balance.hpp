@@ -14,6 +14,7 @@
 #include "talus/world/contact_count.hpp"
 #include "talus/world/shadow_copies.hpp"
 #include "talus/world/state.hpp"
+#include "talus/world/step.hpp"
 
 namespace talus::detail {
 
@@ -45,14 +46,18 @@ template <class Link>
   return {{sums[0], sums[1], sums[2], 0}, {most[0], most[1], most[2], most[3]}, link.size()};
 }
 
-/// What a body weighs in whole numbers: 4096 for one that takes as long as the mean of all. A time
-/// that the clock hardly saw is not taken for more than it is.
-inline constexpr double mean_weight = 4096, most_uneven_weight = 32;
-[[nodiscard]] inline std::uint64_t weight_of_body(const rank_load& mine, const whole_load& all) {
-  if (!(mine.bodies > 0) || !(all.sum.seconds > 0)) return 1;
-  const double relative = mine.seconds / mine.bodies / (all.sum.seconds / all.sum.bodies);
-  return static_cast<std::uint64_t>(
-      mean_weight * std::clamp(relative, 1 / most_uneven_weight, most_uneven_weight));
+/// What a body here takes, 1 for the mean one of all ranks: half of what was found before and half
+/// of what is found now, as times scatter. A rank without bodies says nothing.
+inline constexpr double most_uneven_cost = 32;
+[[nodiscard]] inline double cost_of_body(double before, const rank_load& mine,
+                                         const whole_load& all) {
+  if (!(mine.bodies > 0) || !(all.sum.seconds > 0)) return before;
+  const double now = mine.seconds / mine.bodies / (all.sum.seconds / all.sum.bodies);
+  return 0.5 * (before + std::clamp(now, 1 / most_uneven_cost, most_uneven_cost));
+}
+/// Weights are whole numbers, so that their sums are the same whoever brings which.
+[[nodiscard]] inline std::uint64_t weight_of_cost(double cost) {
+  return static_cast<std::uint64_t>(4096 * cost);
 }
 
 /// Copies are needed as far as two bodies reach that touch; with room for what becomes faster until
@@ -92,6 +97,30 @@ template <class Scenario>
     for (std::size_t i = 0; i < b.movable.locals; ++i) places.push_back(b.movable.position[i]);
   });
   return places;
+}
+
+/// Books what is collective while it lives.
+template <class Scenario>
+class collectives_counted {
+ public:
+  explicit collectives_counted(world_state<Scenario>& s) : s_(s) {}
+  collectives_counted(const collectives_counted&) = delete;
+  collectives_counted& operator=(const collectives_counted&) = delete;
+  ~collectives_counted() { s_.sent.collectives += s_.link->counters().collectives - before_; }
+
+ private:
+  world_state<Scenario>& s_;
+  std::uint64_t before_ = s_.link->counters().collectives;
+};
+
+/// A step, and what this rank worked in it.
+template <class Scenario>
+void step_with_clock(world_state<Scenario>& s, real dt) {
+  const double began = thread_seconds(), exchanged = s.seconds.exchange.processor;
+  step(s, dt);
+  const double worked = thread_seconds() - began - (s.seconds.exchange.processor - exchanged);
+  s.balance.seconds += worked;
+  s.balance.since_move += worked;
 }
 
 }  // namespace talus::detail

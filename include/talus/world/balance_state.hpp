@@ -42,18 +42,19 @@ struct balance_state {
   real asked = 0;           ///< reach of the connections, as the user wants it
   real reach = 0;           ///< and as it is
   double seconds = 0;       ///< of work here since the last look
+  double cost = 1;          ///< time that a body here takes, over that of the mean one
   double since_move = 0;    ///< since cuts were moved last
   imbalance before;         ///< when cuts were to be moved for the first time
   std::uint64_t moved = 0;  ///< how often they were
 
   void divide(const Decomposition& d, real reach_asked) {
+    if (moves) require_movable(d);
     divided = d;
     asked = reach = reach_asked;
-    require_movable();
   }
-  void require_movable() const {
-    if constexpr (requires { divided.movable(); })
-      if (moves && !divided.movable())
+  static void require_movable(const Decomposition& d) {
+    if constexpr (requires { d.movable(); })
+      if (!d.movable())
         fail<std::invalid_argument>(
             "world.balance is to move cuts, and the decomposition that was chosen cannot: choose "
             "bisection<dynamic>");

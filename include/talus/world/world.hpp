@@ -73,8 +73,9 @@ class world {
   /// gone.
   void decompose(const decomposition_type& d, const reach& within = {}) {
     sections_.require_all_ranks("decompose", rank());
-    state_.own = domain_type(d, rank(), ranks(), within.distance);
+    domain_type own(d, rank(), ranks(), within.distance);
     if constexpr (balances) state_.balance.divide(d, within.distance);
+    state_.own = std::move(own);
     undivided_.clear();
     synchronized_ = false;
   }
@@ -111,9 +112,9 @@ class world {
     if constexpr (detail::require_feature<Scenario, balancing>()) {
       sections_.require_all_ranks("balance", rank());
       detail::require_sane(how);
+      if (undivided_.empty()) state_.balance.require_movable(state_.balance.divided);
       state_.balance.settings = how;
       state_.balance.moves = true;
-      state_.balance.require_movable();
     }
   }
   /// The decomposition as it is now, its cuts where they have been moved to.
@@ -482,7 +483,7 @@ class world {
             Shape::name, rank());
   }
   void require_two_sided_connections();
-  void look_at_balance();
+  void look_at_balance_if_due();
   void note_destroyed(system_id id) {
     state_.owned.remove(id);
     state_.made.remove(id);
@@ -527,4 +528,5 @@ class world {
 
 }  // namespace talus
 
+#include "talus/world/detail/balance.hpp"
 #include "talus/world/detail/world.hpp"

@@ -398,35 +398,6 @@ void world<Scenario>::synchronize() {
   synchronized_ = true;
 }
 
-/// Moves the cuts where shares have become uneven, and connects ranks anew where bodies have come
-/// to reach farther than ranks are connected. Collective.
-template <class Scenario>
-void world<Scenario>::look_at_balance() {
-  if constexpr (!link_type::alone) {
-    if (ranks() == 1) return;
-    auto& b = state_.balance;
-    const detail::rank_load mine = detail::load_of(state_, b.seconds);
-    const detail::whole_load all = detail::reduce_load(*state_.link, mine);
-    const imbalance now = all.uneven();
-    const bool timed = b.settings.by == balance_by::time && all.sum.seconds > 0;
-    const bool uneven = (timed ? now.time : now.bodies) > b.settings.above;
-    const real needed = detail::reach_of_connections(all.max.reach, b.asked);
-    b.seconds = 0;
-    if (!uneven && 2 * all.max.reach <= b.reach) return;
-    synchronize();  // neighbours hear of what the user has changed as long as they are neighbours
-    if (uneven) {
-      b.note_move(now);
-      const auto places = detail::places_of_own(state_);
-      b.divided = b.divided.shared_out(*state_.link, std::span<const vec3>(places),
-                                       timed ? detail::weight_of_body(mine, all) : 1, ranks());
-    }
-    b.reach = needed;
-    state_.own = domain_type(b.divided, rank(), ranks(), b.reach);
-    synchronize();
-    detail::sort_bodies(state_);
-  }
-}
-
 template <class Scenario>
 void world<Scenario>::step(real dt) {
   sections_.require_all_ranks("step", rank());
@@ -459,24 +430,12 @@ void world<Scenario>::step(real dt) {
         "rank {} changed its connections and then called step: call synchronize() on all ranks "
         "first",
         rank());
-  if constexpr (balances)
-    if (state_.balance.due(state_.steps)) {
-      const std::uint64_t collectives = state_.link->counters().collectives;
-      look_at_balance();
-      state_.sent.collectives += state_.link->counters().collectives - collectives;
-    }
+  if constexpr (balances) look_at_balance_if_due();
   const traffic before = state_.link->counters();
-  if constexpr (balances) {
-    const double began = detail::thread_seconds();
-    const double exchanged = state_.seconds.exchange.processor;
+  if constexpr (balances)
+    detail::step_with_clock(state_, dt);
+  else
     detail::step(state_, dt);
-    const double worked =
-        detail::thread_seconds() - began - (state_.seconds.exchange.processor - exchanged);
-    state_.balance.seconds += worked;
-    state_.balance.since_move += worked;
-  } else {
-    detail::step(state_, dt);
-  }
   const traffic sent = state_.link->counters() - before;
   state_.sent.messages_max = std::max(state_.sent.messages_max, sent.messages);
   state_.sent.bytes_max = std::max(state_.sent.bytes_max, sent.bytes);
