@@ -44,7 +44,7 @@ const clump& dumbbell() {
   return one;
 }
 
-/// A heap of 48 bodies over the middle of the domain, on the ground and beside a global sphere; of
+/// A heap of 27 bodies over the middle of the domain, on the ground and a global sphere; of
 /// four ranks in a row the outer two are empty.
 template <class World>
 handle<plane> set_up(World& w) {
@@ -54,9 +54,9 @@ handle<plane> set_up(World& w) {
   handle<plane> ground;
   w.global([&](auto& scope) {
     ground = scope.add(plane{}, stone);
-    scope.add(sphere{0.7}, stone, {3, 0, 0.5});
+    scope.add(sphere{0.7}, stone, {1, 0, -0.2});
   });
-  w.fill(simple_cubic{.spacing = 1} & box_region{{-2, -2, 0.4}, {2, 2, 3.3}},
+  w.fill(simple_cubic{.spacing = 1} & box_region{{-1, -1, 0.4}, {1, 1, 3.3}},
          [&](const site& place, random_stream& random) {
            std::variant<body<sphere>, body<clump>> made;
            if (random.uniform(0., 1.) < 0.5)
@@ -210,7 +210,7 @@ TEST_CASE("an output holds every body once, as it is, on any number of ranks") {
     CHECK(f.ids("PointData/id").size() == all.size());
     CHECK(f.whole("FieldData/step") == std::vector<std::int64_t>{0});
     if (ranks == 1) {
-      CHECK(expected.size() > 60);
+      CHECK(expected.size() > 35);
       CHECK(all.size() == expected.size() + 1);  // the global sphere; the plane cannot be drawn
       std::size_t alike = 0;
       for (const auto& [key, row] : expected) alike += all.at(key) == row;
@@ -222,7 +222,7 @@ TEST_CASE("an output holds every body once, as it is, on any number of ranks") {
       CHECK(all == alone);
       const auto rank = f.get<std::uint32_t>("PointData/rank", detail::number_type::u32, 1);
       CHECK(std::is_sorted(rank.begin(), rank.end()));
-      CHECK(std::count(rank.begin(), rank.end(), 1u) > 20);
+      CHECK(std::count(rank.begin(), rank.end(), 1u) > 8);
       CHECK(std::count(rank.begin(), rank.end(), 3u) == 0);
     }
     // No step was made, so there is no contact yet.
@@ -232,23 +232,23 @@ TEST_CASE("an output holds every body once, as it is, on any number of ranks") {
 
 TEST_CASE("contacts are lines between the bodies, each once, and their forces bear the weight") {
   const scratch files;
-  for (const int ranks : {1, 4}) {
+  for (const int ranks : {1, 2}) {
     const std::string name = files("heap" + std::to_string(ranks));
     vec3 pressed{0, 0, 0};
     system_id floor{};
     threads::launch({.ranks = ranks}, [&](auto& link) {
       world<pile> w(link);
       const handle<plane> ground = set_up(w);
-      w.simulate({.steps = 240, .dt = 0.005});
+      w.simulate({.steps = 40, .dt = 0.02});
       write_vtk(w, name);
       const vec3 f = contact_force(w, ground);
       if (w.rank() == 0) pressed = f, floor = ground.id;
     });
     const file_reader b(name + ".hdf"), c(name + "_contacts.hdf");
-    CHECK(b.reals("FieldData/time").at(0) == doctest::Approx(1.2));
+    CHECK(b.reals("FieldData/time").at(0) == doctest::Approx(0.8));
     const auto of_a = c.ids("CellData/id_a"), of_b = c.ids("CellData/id_b");
     check_cells(c, of_a.size(), 2, 3);
-    CHECK(of_a.size() > 30);
+    CHECK(of_a.size() > 20);
     // Of a union, whose parts are points of their own, the centre is not in the file.
     std::map<std::uint64_t, vec3> centres;
     const auto ids = b.ids("PointData/id");
@@ -288,7 +288,7 @@ TEST_CASE("contacts are lines between the bodies, each once, and their forces be
         CHECK(at(points, 2 * k) == end->second);
     }
     CHECK(seen.size() == of_a.size());
-    CHECK(looked_at > 5);
+    CHECK(looked_at > 1);
     CHECK(on_pedestal > 0);
     CHECK(sum[2] == doctest::Approx(pressed[2]).epsilon(1e-9));
     CHECK(-sum[2] > 0);
@@ -323,10 +323,12 @@ TEST_CASE("a series of a restarted run is the one of a run that was never interr
   CHECK(steps_in(index) == std::vector<int>{0, 10, 20, 30});
   REQUIRE(std::rename(files("b.h5").c_str(), files("a.h5").c_str()) == 0);  // of step 25
   const std::string before = text_of(files("a_contacts_0000000020.hdf"));
+  std::ofstream(files("a_0000000030.hdf")) << "of another future";
   REQUIRE(run_pile({"--steps", "40", "--output", index, "--restart", files("a.h5")}) == 0);
   CHECK(steps_in(index) == whole);
   CHECK(steps_in(contacts) == whole);
   CHECK(text_of(files("a_contacts_0000000020.hdf")) == before);
+  CHECK(bodies_in(file_reader(files("a_0000000030.hdf"))).size() > 35);
 
   // The same, had the run been killed between its two indices, and at a step that has an output.
   REQUIRE(run_pile({"--steps", "20", "--output", files("c"), "--checkpoint", files("c.h5")}) == 0);

@@ -2,6 +2,7 @@
 // Bodies and contacts for ParaView, VTK and Python: docs/output.md.
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -65,9 +66,8 @@ template <class Scenario>
 template <class Scenario>
 class vtk_series {
  public:
-  /// With `goes_on` the series of that name goes on where the run does: its files of later steps
-  /// leave it when the first one is written. Else it is replaced. Collective; throws runtime_error
-  /// alike on all ranks if it cannot be written.
+  /// With `goes_on` the series of that name goes on where the run does, see go_on(). Else it is
+  /// replaced. Collective; throws runtime_error alike on all ranks if it cannot be written.
   explicit vtk_series(world<Scenario>& w, const std::string& name, bool goes_on = false)
       : w_(w),
         name_(detail::output_name(name)),
@@ -86,12 +86,29 @@ class vtk_series {
     });
   }
 
+  /// Collective: of a series that goes on, the files of later steps than the present one leave it.
+  /// Does so once; write() does so by itself.
+  [[gnu::cold]] void go_on() {
+    if (!std::exchange(goes_on_, false)) return;
+    detail::team_over team(w_.link());
+    std::uint64_t has_now = 0;
+    team.together([&] {
+      if (w_.rank() != 0) return;
+      // Of the present step there are both files, or they are written again.
+      const std::uint64_t end = w_.steps() + 1;
+      has_now = bodies_.last_before(end) == w_.steps() && contacts_.last_before(end) == w_.steps();
+      for (detail::series_index* index : {&bodies_, &contacts_})
+        index->go_on(has_now != 0 ? end : w_.steps());
+    });
+    team.most(std::span(&has_now, 1));
+    if (has_now != 0) last_ = w_.steps();
+  }
   /// Collective: adds the present state, unless the series has this step already.
   [[gnu::cold]] void write() {
     w_.require_all_ranks("vtk_series::write");
-    detail::team_over team(w_.link());
-    if (std::exchange(goes_on_, false)) go_on(team);
+    go_on();
     if (last_ == w_.steps()) return;
+    detail::team_over team(w_.link());
     last_ = w_.steps();
     std::string digits = std::to_string(w_.steps());
     if (digits.size() < 10) digits.insert(0, 10 - digits.size(), '0');
@@ -110,20 +127,6 @@ class vtk_series {
   [[nodiscard]] static std::string without_folder(const std::string& file) {
     return file.substr(file.find_last_of('/') + 1);
   }
-  void go_on(detail::checkpoint_team& team) {
-    std::uint64_t has_now = 0;
-    team.together([&] {
-      if (w_.rank() != 0) return;
-      // Of the step of the restart there are both files, or they are written again.
-      const std::uint64_t end = w_.steps() + 1;
-      has_now = bodies_.last_before(end) == w_.steps() && contacts_.last_before(end) == w_.steps();
-      for (detail::series_index* index : {&bodies_, &contacts_})
-        index->go_on(has_now != 0 ? end : w_.steps());
-    });
-    team.most(std::span(&has_now, 1));
-    if (has_now != 0) last_ = w_.steps();
-  }
-
   world<Scenario>& w_;
   std::string name_;
   detail::series_index bodies_, contacts_;

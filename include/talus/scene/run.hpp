@@ -119,7 +119,7 @@ void attach_output(world<Scenario>& w, const Options& options) {
       const auto write = [&w, series, every = options.output_every] {
         if (w.steps() % every == 0) series->write();
       };
-      w.before_simulating(write);
+      w.before_simulating([series, write] { series->go_on(), write(); });
       w.after_each_step(write);
     }
   }

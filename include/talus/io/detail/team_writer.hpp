@@ -228,6 +228,8 @@ class team_writer {
                            std::uint64_t rows, const std::byte* data) {
       static constexpr std::byte nothing{};
       attempt([&] {
+        const hdf5_handle all(H5Dget_space(set), H5Sclose, "written");
+        if (H5Sget_simple_extent_npoints(all) == 0) return;  // it has no place in the file
         const row_selection part(set, first, rows, width);
         hdf5_ok(H5Dwrite(set, type_in_memory(type), part.memory(), part.file(), how,
                          rows > 0 ? data : &nothing),
