@@ -20,7 +20,6 @@ struct run_scales {
 };
 
 /// Parts of the mean radius by which gravity, and the fastest body, may move something in a step.
-/// (Scenes of ours: at most 6e-2 and 0.3.)
 inline constexpr double longest_fall = 0.1, longest_way = 1;
 /// Steps after which gravity should have moved a body from rest by a radius.
 inline constexpr std::uint64_t many_steps = 1000;

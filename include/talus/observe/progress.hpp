@@ -49,7 +49,7 @@ class progress_line {
 
  private:
   static std::string duration(double seconds) {
-    const auto s = static_cast<long>(seconds + 0.5);
+    const long s = std::lround(seconds);
     if (s < 60) return detail::compose("{} s", s);
     if (s < 3600) return detail::compose("{} min {} s", s / 60, s % 60);
     return detail::compose("{} h {} min", s / 3600, s / 60 % 60);
