@@ -124,15 +124,25 @@ void press(world_state<Scenario>& s, std::size_t j, const vec3& force, real inve
   one.sums.force += force.dot(one.holds.axis);
   one.sums.mass += servo_ratio / inverse_mass;
 }
-/// After the forces of soft contacts: the same piston, moved by all of them together. It gets no
-/// lighter where contacts open.
+/// After the forces of soft contacts, which a wall that goes slowly enough follows. Its speed is the
+/// error of the force, times a gain that grows while the force stays on one side of what is wanted,
+/// and is halved when it crosses, as the step of Rprop is (Riedmiller, Braun 1993).
 template <class Scenario>
 void push_servos(world_state<Scenario>& s) {
   if (!any_servo(s)) return;
+  constexpr real growth = 1.1, cut = 0.5, least = 1e-9;
   agree_on_servos(s, [&](driven_body& one, real mass) {
-    one.state.mass = std::max(one.state.mass, mass);
-    if (one.state.mass > 0)
-      one.state.speed += s.dt * (one.holds.force - one.state.force) / one.state.mass;
+    driven_state& state = one.state;
+    if (state.mass == 0) {
+      state.mass = mass;
+      return;  // it comes at its greatest speed
+    }
+    const real most = one.holds.max_speed;
+    const real error = std::clamp(1 - state.force / one.holds.force, real(-1), real(1));
+    state.gain *= error * state.error < 0 ? cut : growth;
+    state.gain = std::clamp(state.gain, least * most, most);
+    state.error = error;
+    state.speed = state.gain * error;
   });
 }
 

@@ -283,7 +283,7 @@ void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
           Shape::name, h.id);
     body.holds = {how.force, how.max_speed, axis};
     body.is_servo = true;
-    body.state.speed = how.max_speed;
+    body.state.speed = body.state.gain = how.max_speed;
     body.plan = [axis](const detail::driven_state& s, real, real dt) {
       return detail::step_of_servo(s, axis, dt);
     };
