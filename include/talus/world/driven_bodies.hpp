@@ -47,7 +47,7 @@ struct driven_state {
   real force = 0;               ///< of a servo: of its contacts in the last step
   real speed = 0;               ///< likewise: along its axis
   real mass = 0;                ///< likewise: of what it pressed with when it last did
-  real gain = 0, error = 1;  ///< likewise, of soft contacts: speed over error, and that
+  real gain = 0, error = 1;     ///< likewise, of soft contacts: speed over error, and that
   bool begun = false;           ///< a step has been taken
 };
 

@@ -124,9 +124,9 @@ void press(world_state<Scenario>& s, std::size_t j, const vec3& force, real inve
   one.sums.force += force.dot(one.holds.axis);
   one.sums.mass += servo_ratio / inverse_mass;
 }
-/// After the forces of soft contacts, which a wall that goes slowly enough follows. Its speed is the
-/// error of the force, times a gain that grows while the force stays on one side of what is wanted,
-/// and is halved when it crosses, as the step of Rprop is (Riedmiller, Braun 1993).
+/// After the forces of soft contacts, which a wall that goes slowly enough follows. Its speed is
+/// the error of the force, times a gain that grows while the force stays on one side of what is
+/// wanted, and is halved when it crosses, as the step of Rprop is (Riedmiller, Braun 1993).
 template <class Scenario>
 void push_servos(world_state<Scenario>& s) {
   if (!any_servo(s)) return;
