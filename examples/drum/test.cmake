@@ -1,3 +1,4 @@
+# long
 # The heap leans by the dynamic angle of repose, on one rank and on four.
 set(leans "inserted EQUAL 600" "bodies EQUAL 600" "angle_of_repose GREATER 20" "angle_of_repose LESS 45"
           "penetration_mean LESS 5e-3")

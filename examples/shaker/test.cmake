@@ -1,3 +1,4 @@
+# long
 # The large grain comes from the bottom to the top, on one rank and on four.
 set(rises "bodies EQUAL 501" "height_gained GREATER 4" "penetration_mean LESS 5e-3")
 add_example_test(alone LONG ARGS --quiet CHECK ${rises})

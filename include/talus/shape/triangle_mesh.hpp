@@ -13,7 +13,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
-#include "talus/shape/detail/triangle_tree.hpp"
+#include "talus/shape/triangle_tree.hpp"
 
 namespace talus {
 

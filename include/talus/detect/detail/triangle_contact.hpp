@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "talus/core/math.hpp"
-#include "talus/shape/detail/triangle_tree.hpp"
+#include "talus/shape/triangle_tree.hpp"
 
 namespace talus::detail {
 
