@@ -1,5 +1,5 @@
 // expects: world.add takes the material before the position: write world.add(shape, material,
-// position) long
+// long
 #include "talus/parallel/serial.hpp"
 #include "talus/scene/lattice.hpp"
 #include "talus/shape/plane.hpp"

@@ -1,5 +1,6 @@
 // Cuts that move, with whatever else a scenario may name: monitors, sleeping islands, soft
-// contacts, shapes that share data, bodies that are followed. long
+// contacts, shapes that share data, bodies that are followed.
+// long
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,5 +1,8 @@
 // Driven bodies with all solvers and both kinds of contacts: nothing passes a wall, and the books
-// close. long plain timeout: 900
+// close.
+// long
+// plain
+// timeout: 900
 #include <doctest/doctest.h>
 
 #include <algorithm>

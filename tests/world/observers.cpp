@@ -1,5 +1,6 @@
 // What observers say is what is there: fields add up to the bodies and to the weight above, flow to
 // what has passed, contacts to the forces, whatever the number of ranks.
+// long
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // Contacts solved in float: the laws that hold in double hold to the round-off of floats, and what
 // contacts do not touch moves as in double.
+// long
 #include <doctest/doctest.h>
 
 #include <cmath>

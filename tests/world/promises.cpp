@@ -1,5 +1,7 @@
 // What every solver promises: the same scene on as many ranks ends with the same bits, whatever
-// else the machine does. long
+// else the machine does.
+// long
+// timeout: 3600
 #include <doctest/doctest.h>
 
 #include <string>
