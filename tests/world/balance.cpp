@@ -1,4 +1,5 @@
 // Cuts that move: the bits stay those of one rank, and the shares become even.
+// timeout: 300
 #include "balanced_heap.hpp"
 
 #include <talus/parallel/threads.hpp>

@@ -264,7 +264,7 @@ TEST_CASE("a decomposition chosen at run time moves its cuts if it is a bisectio
   on_four([](auto& w) {
     w.balance({.every = 5, .above = 1.05, .by = balance_by::count});
     for (int k = 0; k < 60; ++k) w.step(1.0 / 240);
-    CHECK(measure_balance(w).moved > 3);
+    CHECK(measure_balance(w).moved >= 1);
     CHECK(w.divided().template as<bisection<dynamic>>()->cuts.size() == 3);
   });
   const char* refused = "choose bisection<dynamic>";

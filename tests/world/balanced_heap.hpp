@@ -23,7 +23,7 @@ using corner =
 
 struct corner_plan {
   const char* name;
-  int steps = 200;
+  int steps = 130;
   std::uint64_t every = 0;  ///< steps between looks; 0: cuts never move
   balance_by by = balance_by::count;
   bool busy = false;   ///< bodies come and go, are moved, fixed and released
@@ -92,7 +92,7 @@ corner_end run_corner(typename Scenario::transport::link& link, const corner_pla
 
 /// Each course of the user's, as it goes without moving cuts.
 inline std::vector<corner_plan> courses() {
-  return {{.name = "left alone", .steps = 240},
+  return {{.name = "left alone", .steps = 160},
           {.name = "bodies come and go", .busy = true},
           {.name = "large bodies", .busy = true, .large = true}};
 }

@@ -58,8 +58,9 @@ struct part_to_cut {
     if (!std::isfinite(last) || !std::isfinite(next)) return cut_volume(box, cut.axis);
     const auto k = static_cast<std::size_t>(cut.axis);
     const real least = narrowest * (box.upper[k] - box.lower[k]), middle = last + (next - last) / 2;
-    cut.at = std::clamp(last < middle ? middle : next, space.lower[k] + below() * least,
-                        space.upper[k] - (ranks - below()) * least);
+    const real least_above = space.upper[k] - (ranks - below()) * least;
+    cut.at = std::max(std::min(last < middle ? middle : next, least_above),
+                      space.lower[k] + below() * least);
   }
 };
 
