@@ -1,4 +1,4 @@
-// The scenario of the README: a block of spheres dropped onto a floor.
+// The first program of docs/tutorial.md: a block of spheres dropped onto a floor.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;

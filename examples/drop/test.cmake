@@ -1,4 +1,4 @@
-# 512 sites: corners of a cube of 8 by 8 by 8.
+# 729 sites: 9 by 9 by 9 of a lattice.
 set(rests "penetration_mean LESS 1e-3" "penetration_max LESS 0.05" "collectives_per_step EQUAL 0")
 add_example_test(alone ARGS --steps 600 --quiet CHECK ${rests} "transport STREQUAL serial")
 add_example_test(mpi RANKS 4 ARGS --steps 600 --quiet CHECK ${rests} "ranks EQUAL 4")

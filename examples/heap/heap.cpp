@@ -1,4 +1,4 @@
-// A block of spheres falls onto a floor and comes to rest as a heap.
+// A block of spheres falls onto a floor, as a heap that spreads.
 #include <talus/mpi.hpp>
 using namespace talus;
 
