@@ -26,13 +26,13 @@ void confine(int ranks, real force, real g, int steps, real dt) {
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
     world<scene<Law>> w(link, {.lower = {0, 0}, .upper = {5, 5}});
     w.gravity({0, 0, -g});
-    const auto grain = w.material({.density = 2, .friction = 0.3, .stiffness = 1e5});
-    const auto smooth = w.material({.density = 2, .stiffness = 1e5});
+    const auto grain = w.material({.density = 2, .friction = 0.3, .stiffness = 2e4});
+    const auto smooth = w.material({.density = 2, .stiffness = 2e4});
     w.material_pair(grain, smooth, {});
     handle<plane> lid, floor;
     w.global([&](auto& s) {
       floor = s.add(plane{}, smooth);
-      lid = s.add(plane{.normal = {0, 0, -1}, .offset = -9}, smooth);
+      lid = s.add(plane{.normal = {0, 0, -1}, .offset = -8}, smooth);
       s.add(plane{.normal = {1, 0, 0}, .offset = 0}, smooth);
       s.add(plane{.normal = {-1, 0, 0}, .offset = -5}, smooth);
       s.add(plane{.normal = {0, 1, 0}, .offset = 0}, smooth);
@@ -80,5 +80,5 @@ TEST_CASE("a lid presses on rigid grains as it is told") {
 }
 
 TEST_CASE("and on soft ones") {
-  confine<soft_contact<linear_spring_dashpot, coulomb_friction>>(2, 500, 10, 16000, 0.001);
+  confine<soft_contact<linear_spring_dashpot, coulomb_friction>>(1, 500, 10, 22000, 0.0005);
 }

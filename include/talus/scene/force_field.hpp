@@ -9,6 +9,7 @@
 #include "talus/body/features.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/world/scenario.hpp"
 
 namespace talus {
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "talus/body/body.hpp"
+#include "talus/body/features.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/random.hpp"
 #include "talus/detect/narrow.hpp"

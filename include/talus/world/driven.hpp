@@ -90,23 +90,36 @@ void each_driven(world_state<Scenario>& s, F&& f) {
   });
 }
 
-/// Finds the driven bodies among the global ones: these may have come or gone.
+/// Whether the driven bodies are where they were found among the global ones.
+template <class Scenario>
+[[nodiscard]] bool driven_are_found(const world_state<Scenario>& s) {
+  const auto& d = s.driving;
+  bool found = d.looked_for == d.all.size();
+  std::size_t k = 0;
+  s.each_shape([&](const auto& b) {
+    const auto& numbers = d.numbers[k++];
+    const auto& ids = b.global.id;
+    found = found && numbers.size() == ids.size();
+    for (std::size_t i = 0; found && i < ids.size(); ++i)
+      found = numbers[i] < 0 || d.all[static_cast<std::size_t>(numbers[i])]->id == ids[i];
+  });
+  return found;
+}
+/// Finds them: global bodies may have come or gone.
 template <class Scenario>
 void find_driven(world_state<Scenario>& s) {
+  if (driven_are_found(s)) return;
   auto& d = s.driving;
+  d.looked_for = d.all.size();
   std::size_t k = 0;
   s.each_shape([&](const auto& b) {
     auto& numbers = d.numbers[k++];
     const auto& ids = b.global.id;
     numbers.assign(ids.size(), -1);
     for (std::size_t n = 0; n < d.all.size(); ++n) {
-      std::size_t& i = d.all[n]->index;
-      if (i >= ids.size() || ids[i] != d.all[n]->id) {
-        const auto at = std::find(ids.begin(), ids.end(), d.all[n]->id);
-        if (at == ids.end()) continue;
-        i = static_cast<std::size_t>(at - ids.begin());
-      }
-      numbers[i] = static_cast<std::int32_t>(n);
+      const auto at = std::find(ids.begin(), ids.end(), d.all[n]->id);
+      if (at != ids.end())
+        numbers[static_cast<std::size_t>(at - ids.begin())] = static_cast<std::int32_t>(n);
     }
   });
 }

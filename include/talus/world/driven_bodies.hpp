@@ -85,7 +85,6 @@ struct driven_body {
   servo_sums sums;                ///< of the step under way
   driven_step next;               ///< the step under way
   vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< what the velocity has changed by since the last one
-  std::size_t index = 0;          ///< among the global bodies of its shape
   // Since pairs were looked for:
   vec3 looked{0, 0, 0};  ///< where it was
   real skin = 0;         ///< and how far around; see give_skins()
@@ -97,6 +96,7 @@ struct driven_bodies {
   std::vector<std::unique_ptr<driven_body>> all;
   /// Number in `all` of each global body of a shape, or -1.
   std::array<plain_vector<std::int32_t>, Shapes> numbers;
+  std::size_t looked_for = 0;  ///< how many of `all` these are of
   /// Immovable bodies come last in the solver's arrays: what rests, one for each of `all`, and what
   /// contacts meet of those that turn.
   std::size_t first = 0;

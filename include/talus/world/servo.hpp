@@ -9,6 +9,7 @@
 // plays no role, and at rest the contacts bear the force exactly.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 #include "talus/response/contact_work.hpp"
@@ -125,12 +126,12 @@ void press(world_state<Scenario>& s, std::size_t j, const vec3& force, real inve
   one.sums.mass += servo_ratio / inverse_mass;
 }
 /// After the forces of soft contacts, which a wall that goes slowly enough follows. Its speed is
-/// the error of the force, times a gain that grows while the force stays on one side of what is
-/// wanted, and is halved when it crosses, as the step of Rprop is (Riedmiller, Braun 1993).
+/// the error of the force, times a gain that grows while that is far from what is wanted, and is
+/// halved when it crosses it, as the step of Rprop is (Riedmiller, Braun 1993).
 template <class Scenario>
 void push_servos(world_state<Scenario>& s) {
   if (!any_servo(s)) return;
-  constexpr real growth = 1.1, cut = 0.5, least = 1e-9;
+  constexpr real growth = 1.1, cut = 0.5, far = 0.5, least = 1e-9;
   agree_on_servos(s, [&](driven_body& one, real mass) {
     driven_state& state = one.state;
     if (state.mass == 0) {
@@ -139,7 +140,7 @@ void push_servos(world_state<Scenario>& s) {
     }
     const real most = one.holds.max_speed;
     const real error = std::clamp(1 - state.force / one.holds.force, real(-1), real(1));
-    state.gain *= error * state.error < 0 ? cut : growth;
+    state.gain *= error * state.error < 0 ? cut : std::abs(error) > far ? growth : 1;
     state.gain = std::clamp(state.gain, least * most, most);
     state.error = error;
     state.speed = state.gain * error;

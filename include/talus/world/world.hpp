@@ -289,10 +289,10 @@ class world {
   /// returns a rigid_displacement, a rigid_velocity or a surface_velocity (body/motion.hpp), such
   /// as oscillation, turning, gliding and belt. Displacements count from where the body is now; one
   /// that is not zero now puts it there at once. It replaces the motion, or the servo, that the
-  /// body had. All ranks call it alike, with motions that give the same bits; a restart calls it
-  /// again. Throws invalid_argument for a body that is not known or not global, and runtime_error
-  /// in an exclusive section; a step throws runtime_error where the motion is not finite. Needs
-  /// features<driven>.
+  /// body had; translate() and rotate() are undone by it. All ranks call it alike, with motions
+  /// that give the same bits; a restart calls it again. Throws invalid_argument for a body that is
+  /// not known or not global, and runtime_error in an exclusive section; a step throws
+  /// runtime_error where the motion is not finite. Needs features<driven>.
   template <class Shape, class Motion>
   void drive(handle<Shape> h, Motion motion);
   /// Moves a global body along an axis so that its contacts exert a force against it: a plane
