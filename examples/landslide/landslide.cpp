@@ -12,7 +12,7 @@ using landslide =
 
 struct landslide_options : options {
   int spheres = 4000;
-  std::string balance = "time";
+  std::string balance = "count";
   std::size_t balance_every = 100;
   double balance_above = 1.1;
 
@@ -20,7 +20,7 @@ struct landslide_options : options {
   void describe(auto& line) {
     options::describe(line);
     line.add("--spheres", spheres, "number of spheres", 1);
-    line.add("--balance", balance, "share out anew by time or by count, or never");
+    line.add("--balance", balance, "share out anew by count or by time, or never");
     line.add("--balance-every", balance_every, "steps from one look to the next", 1);
     line.add("--balance-above", balance_above, "largest share over the mean one that is left", 1);
     line.check([this] {

@@ -11,7 +11,9 @@ namespace talus {
 
 /// What domains are to have in equal shares.
 enum class balance_by {
-  time,  ///< processor time of the steps, without exchanges; a body weighs what its rank's take
+  time,  ///< processor time of the steps, without exchanges; a body weighs what its rank's take.
+         ///< For thousands of bodies per rank: with few, what a step costs without bodies counts
+         ///< too
   count  ///< bodies: the same cuts in each run
 };
 
@@ -19,7 +21,7 @@ enum class balance_by {
 struct balance_settings {
   std::uint64_t every = 1000;  ///< steps from one look to the next, which is collective
   double above = 1.2;          ///< largest share over the mean one up to which cuts stay, >= 1
-  balance_by by = balance_by::time;
+  balance_by by = balance_by::count;
 };
 
 /// How evenly ranks share: the largest share over the mean one, 1 at best.
