@@ -19,6 +19,9 @@ has_readers "$python" || { echo 'skipped: no VTK or h5py'; exit 77; }
 "$python" -B "$source/tests/io/read_output.py" two two.json
 "$program" --quiet --steps 600 --output one --output-every 100 --json one.json
 "$python" -B "$source/tests/io/read_output.py" one one.json
+if command -v pvpython >/dev/null; then
+  env -u DISPLAY pvpython "$source/tests/io/read_output_paraview.py" two 7
+fi
 
 # A run is killed: all that its series names is whole. Another one goes on from its checkpoint.
 kept=0

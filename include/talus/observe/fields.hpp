@@ -204,7 +204,7 @@ class coarse_fields {
 };
 
 /// Collective: the fields of the present state, alike on all ranks. Fixed and global bodies have no
-/// part in them but by the forces that they exert. Sums 21 numbers for each cell over the ranks.
+/// part in them but by the forces that they exert. Sums 24 numbers for each cell over the ranks.
 /// Throws invalid_argument for a grid that makes no sense.
 template <class Scenario>
 [[nodiscard]] coarse_fields measure_fields(world<Scenario>& w, const field_grid& grid) {
