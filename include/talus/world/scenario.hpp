@@ -40,6 +40,30 @@ using policy_for = find_type<type_list<Policies...>, in_role<Role>::template pla
 template <class Role, class... Policies>
 inline constexpr bool at_most_one = (std::size_t{0} + ... + plays<Policies, Role>) <= 1;
 
+/// A policy of talus, known by its spelling: nothing of it is instantiated to find that out.
+template <class Type>
+inline constexpr bool spelled_as_policy = false;
+template <class... Parts>
+inline constexpr bool spelled_as_policy<bodies<Parts...>> = true;
+template <class... Parts>
+inline constexpr bool spelled_as_policy<hard_contact<Parts...>> = true;
+template <class... Parts>
+inline constexpr bool spelled_as_policy<soft_contact<Parts...>> = true;
+template <class... Parts>
+inline constexpr bool spelled_as_policy<features<Parts...>> = true;
+template <class Part, class OnRequest>
+inline constexpr bool spelled_as_policy<solver<Part, OnRequest>> = true;
+template <class Part>
+inline constexpr bool spelled_as_policy<broad_phase<Part>> = true;
+template <class Part>
+inline constexpr bool spelled_as_policy<integrator<Part>> = true;
+template <class Part>
+inline constexpr bool spelled_as_policy<decomposition<Part>> = true;
+template <class Part>
+inline constexpr bool spelled_as_policy<transport<Part>> = true;
+template <class Part>
+inline constexpr bool spelled_as_policy<precision<Part>> = true;
+
 /// Refuses what is not a policy, with the advice that fits.
 template <class Type>
 struct argument_of_scenario {
@@ -85,6 +109,14 @@ struct argument_of_scenario {
       "scenario<...> takes talus policies only, and this type is none: remove it, or use "
       "one of bodies, hard_contact, soft_contact, solver, broad_phase, integrator, decomposition, "
       "transport, precision, features");
+};
+
+/// A policy refuses by itself what is wrong in it; outside of concepts, in which compilers say
+/// more.
+template <class Type>
+requires spelled_as_policy<Type>
+struct argument_of_scenario<Type> {
+  static_assert(sizeof(Type) > 0);
 };
 
 }  // namespace detail
