@@ -188,6 +188,26 @@ TEST_CASE("what comes fast, from where nothing was in reach, is met") {
   CHECK(c.w[target].velocity()[2] == doctest::Approx(30));
 }
 
+TEST_CASE("what is held at a force exerts it, no more and no less") {
+  course c;
+  c.w.gravity({0, 0, -10});
+  const auto floor = c.global(plane{});
+  const auto lid = c.global(plane{.normal = {0, 0, -1}, .offset = -1.2});
+  const auto press = c.global(box{{2, 2, 0.5}}, {9, 0, 0.85});
+  c.w.hold_force(lid, {.force = 7, .max_speed = 0.2});
+  c.w.hold_force(press, {.force = 30, .max_speed = 0.2, .axis = {0, 0, -2}});
+  const auto ball = c.w.add(sphere{0.5}, c.rough, {0, 0, 0.5});
+  const auto crate = c.w.add(box{{1, 1, 0.4}}, c.rough, {9, 0, 0.2});
+  c.run(3, 0.005);
+  const vec3 up = contact_force(c.w, lid), aside = contact_force(c.w, press);
+  CHECK(up[2] == doctest::Approx(7).epsilon(1e-6));
+  CHECK(aside[2] == doctest::Approx(30).epsilon(1e-6));
+  CHECK(contact_force(c.w, floor)[2] ==
+        doctest::Approx(-37 - 10 * (c.w[ball].mass() + c.w[crate].mass())).epsilon(1e-6));
+  CHECK(c.w[lid].shape().offset == doctest::Approx(-1).epsilon(1e-4));
+  CHECK(c.w[press].position()[2] == doctest::Approx(0.65).epsilon(1e-4));
+}
+
 TEST_CASE("what cannot be driven is refused") {
   course c;
   const auto loose = c.w.add(sphere{1}, c.rough, {0, 0, 5});
