@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
     pull();
     world.after_each_step(pull);
     take_pictures(world, options,
-                  {.from = {0.5 * end, -1.1, 0.35}, .at = {0.5 * end, 0, 0}, .angle = 36});
+                  {.from = {0.5 * end, -1.1, 0.3}, .at = {0.5 * end, 0, 0}, .angle = 46});
 
     // How far a sphere swings follows from its place and velocity at any time (that of the scheme
     // is the true one half a step before). Least of the last ones, furthest of the others; energy.

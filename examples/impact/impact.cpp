@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
                             .velocity = {0, 0, -std::sqrt(2 * gravity * (options.fall - 0.5))}});
     world.synchronize();
     take_pictures(world, options,
-                  {.from = {0, -1.9 * W, 1.7 * W}, .at = {0, 0, 0.3 * W}, .angle = 38});
+                  {.from = {0, -36, 33}, .at = {0, 0, 9}, .angle = 42, .ground = false});
     simulate_until(options.steps * options.dt);
 
     const double top = bed[1];
