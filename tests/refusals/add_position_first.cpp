@@ -1,4 +1,4 @@
-// expects: world.add takes the material before the position: write world.add(shape, material,
+// expects: world.add takes the material before the position: write world.add(shape, material, position)
 // long
 #include "talus/parallel/serial.hpp"
 #include "talus/scene/lattice.hpp"
