@@ -65,9 +65,11 @@ int main(int argc, char** argv) {
                   .position = place.position,
                   .material = glass};
     });
-    take_pictures(
-        world, options,
-        {.from = {0, -80 * size, 20 * size}, .at = {0, 0, -3 * size}, .angle = 36, .ground = false});
+    take_pictures(world, options,
+                  {.from = {0, -80 * size, 20 * size},
+                   .at = {0, 0, -3 * size},
+                   .angle = 36,
+                   .ground = false});
 
     // Times when quarters of the spheres have run through, looked at every tenth step.
     std::array<double, 3> quarters{};
