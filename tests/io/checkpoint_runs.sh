@@ -161,7 +161,7 @@ kill_a_rank() {
   local victim=
   until [[ -n $victim ]]; do
     kill -0 $pid 2>/dev/null || fail "no rank to kill"
-    victim=$(pgrep -P "$pid" -f -- "--checkpoint c.h5" | tail -n 1)
+    victim=$(pgrep -P "$pid" -f -- "--checkpoint c.h5" | tail -n 1) || true
   done
   "$@"
   kill -KILL "$victim" 2>/dev/null || true

@@ -200,6 +200,7 @@ TEST_CASE("a step sends one handover and no iterations; a dt beyond the critical
     const auto figures_with = [&](real dt) {
       world<scene> w(link, cells{.lower = {-6, -6}, .upper = {6, 6}});
       w.material(stuff);
+      w.gravity({0, 0, -1});
       w.global([](auto& s) { s.add(plane{}, {}); });
       for (int k = 0; k < 4; ++k)
         w.add_if_local(body{.shape = sphere{0.5}, .position = {k - 1.5, k - 1.5, 0.5}});
