@@ -1,6 +1,7 @@
 // What engines choke on: bodies created in each other, coincident centres, parallel edges and
 // faces, coefficients at their limits, long steps, thin plates, great ratios of size. All must end
 // finite, bounded and right, on one rank and on four, at the default settings.
+// long
 #include <doctest/doctest.h>
 
 #include "../validation/record.hpp"
