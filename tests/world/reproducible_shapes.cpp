@@ -1,5 +1,6 @@
 // The same bits on any number of ranks, however they share space: shapes that turn.
 // timeout: 300
+// long
 #include "reproducible.hpp"
 
 #include <talus/scene/lattice.hpp>
