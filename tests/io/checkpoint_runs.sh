@@ -13,6 +13,7 @@ rm -rf "$folder"
 mkdir -p "$folder"
 cd "$folder"
 
+trap 'kill $(jobs -p) 2>/dev/null || true' EXIT  # what runs on after a failure
 fail() { echo "FAILED: $*"; exit 1; }
 digest() { sed -n 's/.*"state_digest": "\([0-9a-f]*\)".*/\1/p' "$1"; }
 
