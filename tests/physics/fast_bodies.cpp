@@ -341,3 +341,27 @@ TEST_CASE("a flight over domains that are not connected is refused, with the rea
                        std::runtime_error);
   fly({.distance = 60});
 }
+
+TEST_CASE("a sphere that falls while it strikes two walls in every step keeps its energy") {
+  const auto way = follow<fast>(1, 0.007, 200, [](auto& w) {
+    set_material(w, 1);
+    w.gravity({0, 0, -10});
+    w.global([](auto& s) {
+      s.add(plane{.normal = {1, 0, 0}, .offset = -0.52}, material_id{});
+      s.add(plane{.normal = {-1, 0, 0}, .offset = -0.52}, material_id{});
+    });
+    w.add_if_local(body{.shape = sphere{0.5}, .velocity = {60, 0, 0}});
+  })[0];
+  const auto energy = [](const moment& m) {
+    return 0.5 * m.velocity.squaredNorm() + 10 * m.position[2];
+  };
+  real most = 0, least = 1e9;
+  for (const moment& m : way) {
+    most = std::max(most, energy(m));
+    least = std::min(least, energy(m));
+  }
+  // Held at a wall it falls less far in a step than it would, and gets no faster than that.
+  CHECK(way.back().position[2] < -0.05);
+  CHECK(most < 1800 * (1 + 1e-3));
+  CHECK(least > 1800 * (1 - 1e-2));
+}
