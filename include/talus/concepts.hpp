@@ -143,6 +143,14 @@ concept closing_partition = partition<Partition> && requires(const Partition& ce
   { cells.closed(rank) } -> std::same_as<std::vector<int>>;
 };
 
+/// A partition of a box that repeats itself along some axes.
+/// - `box()`: its images; owner() is that of the image in the box, geometry() lies in it
+/// - `neighbours(rank, reach)` counts images of regions, those of `rank` itself included
+template <class Partition>
+concept periodic_partition = partition<Partition> && requires(const Partition& cells) {
+  cells.box().wrapped(vec3{});
+};
+
 /// A decomposition that knows the owner of every point and generates all connections.
 template <class Decomposition>
 concept generating_decomposition = decomposition<Decomposition> &&

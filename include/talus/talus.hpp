@@ -24,6 +24,7 @@
 #include "talus/parallel/by_hand.hpp"
 #include "talus/parallel/cells.hpp"
 #include "talus/parallel/grid.hpp"
+#include "talus/parallel/periodic.hpp"
 #include "talus/parallel/hexagonal.hpp"
 #include "talus/parallel/join.hpp"
 #include "talus/parallel/reach.hpp"

@@ -36,7 +36,7 @@ class crossing_counter {
     before_.clear();
     s_.each_finite_shape([&](const auto& b) {
       for (std::size_t i = 0; i < b.movable.size(); ++i)
-        before_.push_back({b.movable.id[i], ahead(b.movable.position[i])});
+        before_.push_back(side_of(b.movable.id[i], b.movable.position[i]));
     });
     indexed_ = false;
   }
@@ -47,7 +47,8 @@ class crossing_counter {
       for (std::size_t i = 0; i < store.size(); ++i, ++n) {
         if (i >= store.locals || store.fixed(i)) continue;
         const side* last = find(n, store.id[i]);
-        if (last == nullptr || last->ahead == ahead(store.position[i])) continue;
+        if (last == nullptr || last->ahead == ahead(as_seen_before(*last, store.position[i])))
+          continue;
         const double mass = s_.materials[store.material[i]].density * store.shape[i].volume();
         if (last->ahead)
           ++sums_.backward, sums_.mass_backward += mass;
@@ -60,10 +61,26 @@ class crossing_counter {
   [[nodiscard]] const flow& sums() const { return sums_; }
 
  private:
+  static constexpr bool periodic = world_state<Scenario>::periodic;
+  struct nowhere {};
   struct side {
     system_id id = no_id;
     bool ahead = false;
+    [[no_unique_address]] std::conditional_t<periodic, vec3, nowhere> position{};
   };
+  [[nodiscard]] side side_of(system_id id, const vec3& p) const {
+    if constexpr (periodic) {  // a copy may be an image
+      const vec3 home = s_.own.box().wrapped(p);
+      return {id, ahead(home), home};
+    }
+    return {id, ahead(p), {}};
+  }
+  /// The image that is nearest to where the body was: one that leaves on one side of a periodic box
+  /// and comes in on the other has not crossed what is in between.
+  [[nodiscard]] vec3 as_seen_before(const side& before, const vec3& now) const {
+    if constexpr (periodic) return s_.own.box().nearest(now, before.position);
+    return (void)before, now;
+  }
   [[nodiscard]] bool ahead(const vec3& p) const { return where_.distance(p) >= 0; }
   /// Mostly bodies are in the place where they were.
   [[nodiscard]] const side* find(std::size_t guess, system_id id) {

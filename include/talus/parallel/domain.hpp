@@ -34,13 +34,13 @@ class domain {
     if constexpr (concepts::generating_decomposition<Decomposition>) {
       // One rank alone takes all of space, but a wrong decomposition is wrong there too.
       auto cells = d.resolve(ranks == 1 && d.size() > 0 ? d.size() : ranks);
-      if (ranks == 1) return;
+      if (ranks == 1 && !periodic) return;
       cells_ = std::move(cells);
       own_ = cells_->geometry(rank);
       if constexpr (has_cell) cell_ = cells_->cell(rank);
       for (const half_space& h : own_.planes()) size_ = std::max(size_, std::abs(h.displacement()));
       for (const int other : cells_->neighbours(rank, reach))
-        connect(other, cells_->geometry(other));
+        add_connection(other, cells_->geometry(other), 0);
       if constexpr (closing)
         for (const int other : cells_->closed(rank))
           if (!find(other)) closed_.emplace_back(other, cells_->geometry(other));
@@ -89,6 +89,17 @@ class domain {
     const auto at = position(rank);
     return at != connections_.end() && at->rank == rank ? &*at : nullptr;
   }
+
+  /// Whether space repeats itself. Then a rank may be its own neighbour, and no connections are made
+  /// by hand.
+  static constexpr bool periodic = [] {
+    if constexpr (concepts::generating_decomposition<Decomposition>)
+      return concepts::periodic_partition<
+          decltype(std::declval<const Decomposition&>().resolve(1))>;
+    return false;
+  }();
+  /// The periodic box; to be asked once the decomposition is known.
+  [[nodiscard]] const auto& box() const requires(periodic) { return cells_->box(); }
 
   /// Whether there can be closed faces; only then are bodies tested against them.
   static constexpr bool closing = [] {
@@ -177,6 +188,17 @@ class domain {
     for (std::size_t i = 0; i < connections_.size(); ++i)
       if (connections_[i].distance(p) <= radius) f(i);
   }
+  /// The same for all images of the point: f(index into connections(), number of the image, place
+  /// of the image).
+  template <class F>
+  void for_each_image_within(const vec3& p, real radius, F&& f) const requires(periodic) {
+    if (interior_distance(p) > radius) return;
+    box().each_within(p, radius, [&](auto image, const vec3& q) {
+      for (std::size_t i = 0; i < connections_.size(); ++i)
+        if ((image != 0 || connections_[i].rank != rank_) && connections_[i].distance(q) <= radius)
+          f(i, image, q);
+    });
+  }
 
  private:
   domain(int rank, int ranks) : rank_(rank), ranks_(ranks) {}
@@ -208,6 +230,11 @@ class domain {
     using type = decltype(std::declval<const Cells&>().cell(0));
   };
 
+  void add_connection(int rank, any_geometry geometry, real dx) {
+    generated_ = false;
+    covered_ = -1;
+    connections_.insert(position(rank), {rank, std::move(geometry), dx});
+  }
   [[nodiscard]] real measure_covered() const {
     constexpr real infinity = std::numeric_limits<real>::infinity();
     if constexpr (concepts::generating_decomposition<Decomposition>) {
@@ -248,6 +275,11 @@ class domain {
 
 template <concepts::decomposition Decomposition>
 void domain<Decomposition>::connect(int rank, any_geometry geometry, real dx) {
+  if constexpr (periodic)
+    detail::fail<std::invalid_argument>(
+        "rank {} cannot connect to rank {} by hand: a periodic decomposition makes all connections, "
+        "with images too; give it a reach instead",
+        rank_, rank);
   if (rank < 0 || rank >= ranks_)
     detail::fail<std::invalid_argument>(
         "rank {} cannot connect to rank {}: this job has {} rank(s), numbered from 0; "
@@ -267,13 +299,15 @@ void domain<Decomposition>::connect(int rank, any_geometry geometry, real dx) {
         "rank {} is connected to rank {} already; a rank has one connection to another: "
         "call disconnect({}) first, or merge both regions into one geometry",
         rank_, rank, rank);
-  generated_ = false;
-  covered_ = -1;
-  connections_.insert(at, {rank, std::move(geometry), dx});
+  add_connection(rank, std::move(geometry), dx);
 }
 
 template <concepts::decomposition Decomposition>
 void domain<Decomposition>::disconnect(int rank) {
+  if constexpr (periodic)
+    detail::fail<std::invalid_argument>(
+        "rank {} cannot disconnect from rank {}: a periodic decomposition makes all connections",
+        rank_, rank);
   const connection* found = find(rank);
   if (!found)
     detail::fail<std::invalid_argument>(

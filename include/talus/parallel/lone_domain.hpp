@@ -13,6 +13,8 @@ namespace talus {
 /// What domain<...> is to a rank with neighbours, for a link that never has a second rank.
 class lone_domain {
  public:
+  static constexpr bool periodic = false;
+
   /// Checks the decomposition, which is to be right even where it is not needed.
   template <concepts::decomposition Decomposition>
   lone_domain(const Decomposition& d, int, int, real = 0) {

@@ -11,6 +11,9 @@ template <class Type>
 inline constexpr bool is_decomposition = concepts::decomposition<Type>;
 template <class Type>
 inline constexpr bool is_movable_decomposition = concepts::movable_decomposition<Type>;
+/// Whether it repeats space; see parallel/periodic.hpp.
+template <class Type>
+inline constexpr bool is_periodic = false;
 template <class Type>
 inline constexpr bool is_transport = concepts::transport<Type>;
 }  // namespace detail

@@ -129,8 +129,8 @@ template <class Scenario>
   if constexpr (world_state<Scenario>::drives)
     if (!driven_within_skin(s)) return false;
   if (all_within_skin(s)) return true;
-  if constexpr (world_state<Scenario>::link_type::alone)
-    return false;  // bodies come and go by the user's hand alone
+  if constexpr (world_state<Scenario>::link_type::alone || world_state<Scenario>::periodic)
+    return false;  // bodies come and go by the user's hand alone, or several have one id
   else
     return numbers_changed(s) && renumber_pairs(s) && all_within_skin(s);
 }

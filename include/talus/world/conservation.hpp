@@ -181,9 +181,17 @@ void require_one_owner(const world_state<Scenario>& s) {
   if (copies == 0) return;
   id_set ids(copies);
   system_id twice = no_id;
+  std::size_t shape = 0;
   s.each_finite_shape([&](const auto& b) {
-    for (std::size_t i = b.movable.locals; i < b.movable.size(); ++i)
-      if (!ids.insert(b.movable.id[i])) twice = b.movable.id[i];
+    std::size_t i = b.movable.locals;
+    for (const auto& n : s.neighbours)
+      for (std::size_t c = 0; c < n.copies[shape] && i < b.movable.size(); ++c, ++i) {
+        if constexpr (world_state<Scenario>::periodic)
+          if (s.copies.of[shape][i - b.movable.locals].image != 0)
+            continue;  // the body itself may well be here
+        if (!ids.insert(b.movable.id[i])) twice = b.movable.id[i];
+      }
+    ++shape;
   });
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.locals; ++i)

@@ -23,12 +23,17 @@ template <class Own, class Other, class Scenario>
 [[nodiscard]] bool copied_to_owner(const world_state<Scenario>& s, std::size_t own,
                                    std::size_t copy) {
   using shapes = typename world_state<Scenario>::finite_shapes;
+  constexpr std::size_t other = index_of<shapes, Other>;
   std::size_t last = s.template of<Other>().movable.locals;
   for (const auto& n : s.neighbours) {
-    last += n.copies[index_of<shapes, Other>];
+    last += n.copies[other];
     if (copy >= last) continue;
+    std::uint32_t image = 0;
+    if constexpr (world_state<Scenario>::periodic)
+      image = periodic_box::reverse(copy_of<Other>(s, copy)->image);
     const auto& there = n.shadowed[index_of<shapes, Own>];
-    return std::binary_search(there.begin(), there.end(), static_cast<std::uint32_t>(own));
+    return std::binary_search(there.begin(), there.end(),
+                              world_state<Scenario>::copy_code::of(own, image));
   }
   return false;
 }
@@ -50,6 +55,7 @@ class contact_maker {
   using number = solved_scalar<Scenario>;
   static constexpr bool paired = Partner == partner::moving;
   static constexpr bool driven = !paired && state_type::drives;
+  static constexpr bool imaged = paired && state_type::periodic;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
   template <class A, class B>
@@ -100,7 +106,7 @@ class contact_maker {
     for (unsigned k = 0; k < count; ++k) {
       pair_at_hand& x = waiting_.pairs[k];
       if (near >> k & 1u)
-        collide_boxes((*waiting_.places)[x.i], (*waiting_.places)[x.j], waiting_.tests, k, x.margin,
+        collide_boxes(place_a(x), place_b(x), waiting_.tests, k, x.margin,
                       [&](const contact_geometry& g) { add(x, g); });
       forget_unless_made(x);
     }
@@ -123,6 +129,7 @@ class contact_maker {
     bool own_a = false, boundary = false, foreign = false, moves_a = false, moves_b = false;
     bool made = false;  ///< a contact that may get an impulse
     [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
+    [[no_unique_address]] std::conditional_t<imaged, seen_pair, nothing_met> at{};
   };
   struct waiting_pairs {
     plain_vector<box_place<real>>* places = nullptr;  ///< of all boxes
@@ -144,7 +151,12 @@ class contact_maker {
       }
     pair_at_hand x{.i = i, .j = j, .last = last};
     x.own_a = i < a_.locals;
-    const bool own_b = !paired || j < b_.locals;
+    bool own_b = !paired || j < b_.locals;
+    if constexpr (imaged) {
+      x.at = see_pair<ShapeA, ShapeB>(s_, i, j);
+      if (!x.at.known) return forget_unless_made(x);
+      own_b = x.at.body_b < b_.locals;
+    }
     x.moves_a = a_.moves(i), x.moves_b = paired && b_.moves(j);
     if constexpr (store_a::sleeps)
       if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);
@@ -179,15 +191,15 @@ class contact_maker {
     if constexpr (batched) {
       const unsigned lane = waiting_.count++;
       waiting_.pairs[lane] = x;
-      waiting_.tests.set(lane, (*waiting_.places)[i], (*waiting_.places)[j], x.margin);
+      waiting_.tests.set(lane, place_a(x), place_b(x), x.margin);
       if (waiting_.count == waiting_.tests.capacity) finish();
       return;
     } else if constexpr (ShapeA::round && ShapeB::round) {  // a single point
       collide_pair(
-          a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j),
+          a_.shape[i], pose_a(x), b_.shape[j], pose_b(x),
           x.margin, [&](const contact_geometry& g) __attribute__((always_inline)) { add(x, g); });
     } else {
-      collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), x.margin,
+      collide_pair(a_.shape[i], pose_a(x), b_.shape[j], pose_b(x), x.margin,
                    [&](const contact_geometry& g) { add(x, g); });
     }
     forget_unless_made(x);
@@ -196,14 +208,14 @@ class contact_maker {
   /// One of their contact points.
   [[gnu::always_inline]] void add(pair_at_hand& x, const contact_geometry& g) {
     const std::size_t i = x.i, j = x.j;
-    vec3 arm_a = g.point - a_.position[i];
+    vec3 arm_a = g.point - position_a(x);
     // Only where both bodies move must the forces on them share a line; something immovable is met
     // with the surface itself.
     if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
     vec3 arm_b{0, 0, 0}, v_b{0, 0, 0};
     vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
     if constexpr (paired) {
-      arm_b = g.point - b_.position[j];
+      arm_b = g.point - position_b(x);
       u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
     } else if constexpr (driven) {
       arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
@@ -223,7 +235,7 @@ class contact_maker {
     c.a = static_cast<std::int32_t>(first_a_ + i);
     real pulled = pull(i, j);
     if constexpr (paired) {
-      c.b = static_cast<std::int32_t>(first_b_ + j);
+      c.b = static_cast<std::int32_t>(first_b_ + body_b(x));
     } else if constexpr (driven) {
       pulled += change_of_global<ShapeB>(s_, j, arm_b).norm() / s_.dt;
       meet_global(c, x, g.normal, v_b, arm_b);
@@ -248,9 +260,51 @@ class contact_maker {
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else
-      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_rim(i, j));
+      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_rim(i, body_b(x)));
   }
 
+  /// The second body itself, which may be an image of one that is owned here.
+  [[nodiscard]] std::size_t body_b(const pair_at_hand& x) const {
+    if constexpr (imaged)
+      return x.at.body_b;
+    else
+      return x.j;
+  }
+  /// Where the two bodies are, for this pair.
+  [[nodiscard]] const vec3& position_a(const pair_at_hand& x) const {
+    if constexpr (imaged)
+      return x.at.a;
+    else
+      return a_.position[x.i];
+  }
+  [[nodiscard]] const vec3& position_b(const pair_at_hand& x) const {
+    if constexpr (imaged)
+      return x.at.b;
+    else
+      return b_.position[x.j];
+  }
+  [[nodiscard]] pose pose_a(const pair_at_hand& x) const {
+    return {position_a(x), a_.pose(x.i).orientation};
+  }
+  [[nodiscard]] pose pose_b(const pair_at_hand& x) const {
+    return {position_b(x), b_.pose(x.j).orientation};
+  }
+  [[nodiscard]] decltype(auto) place_a(const pair_at_hand& x) const {
+    return place_at(x.i, position_a(x));
+  }
+  [[nodiscard]] decltype(auto) place_b(const pair_at_hand& x) const {
+    return place_at(x.j, position_b(x));
+  }
+  /// A box of the two, there.
+  [[nodiscard]] decltype(auto) place_at(std::size_t i, const vec3& there) const {
+    if constexpr (imaged) {
+      box_place<real> place = (*waiting_.places)[i];
+      place.position = there;
+      return place;
+    } else {
+      return (void)there, ((*waiting_.places)[i]);
+    }
+  }
   /// Whether the other end of a contact is a part of a servo.
   [[nodiscard]] bool moves_too(std::int32_t b) const {
     if constexpr (driven)

@@ -60,6 +60,7 @@ class body_places {
     s.each_shape([&](const auto& b) { add(b.movable, false), add(b.global, true), ++shape; });
   }
 
+  [[nodiscard]] const world_state<Scenario>& state() const { return s_; }
   /// Calls f(store, index, is global) for the body; false where it is not known.
   template <class F>
   bool visit(system_id id, F&& f) const {
@@ -79,19 +80,31 @@ class body_places {
   plain_vector<place> places_;
 };
 
+/// Where something is seen from another place: the nearest of its images, if it has any.
+template <class Scenario>
+[[nodiscard]] vec3 seen_from(const world_state<Scenario>& s, const vec3& place, const vec3& thing) {
+  if constexpr (world_state<Scenario>::periodic) return s.own.box().nearest(thing, place);
+  return (void)s, (void)place, thing;
+}
+
 /// Fills in what a contact says of its bodies, and whether b has a centre; false where one of them
 /// is gone.
 template <class Scenario>
 [[nodiscard]] bool add_ends(const body_places<Scenario>& places, loaded_contact& c, bool& bounded) {
+  bool images = false;
   const auto add = [&](system_id id, vec3& centre, bool& moves, bool& owned) {
     return places.visit(id, [&](const auto& store, std::size_t i, bool global) {
       bounded = std::remove_cvref_t<decltype(store)>::shape_type::finite;
+      images = !global;
       centre = store.position[i];
       moves = !global && !store.fixed(i);
       owned = !global && i < store.locals;
     });
   };
-  return add(c.a, c.centre_a, c.moves_a, c.owned_a) && add(c.b, c.centre_b, c.moves_b, c.owned_b);
+  if (!add(c.a, c.centre_a, c.moves_a, c.owned_a) || !add(c.b, c.centre_b, c.moves_b, c.owned_b))
+    return false;
+  if (images) c.centre_b = seen_from(places.state(), c.centre_a, c.centre_b);
+  return true;
 }
 
 /// How far the surfaces of a pair may have parted in the last step.
@@ -136,10 +149,13 @@ class pair_points {
       if constexpr (A::finite) {
         centre_ = one.position[i];
         radius_ = one.shape[i].bounding_radius();
-        places_.visit(b, [&](const auto& other, std::size_t j, bool) {
+        places_.visit(b, [&](const auto& other, std::size_t j, bool global) {
           using B = typename std::remove_cvref_t<decltype(other)>::shape_type;
           if constexpr (collidable<A, B>)
-            collide_pair(one.shape[i], one.pose(i), other.shape[j], other.pose(j),
+            collide_pair(one.shape[i], one.pose(i), other.shape[j],
+                         {global ? other.position[j]
+                                 : seen_from(s_, one.position[i], other.position[j]),
+                          other.pose(j).orientation},
                          way_of_surface(one, i, s_.dt) + way_of_surface(other, j, s_.dt),
                          [&](const contact_geometry& g) { points_.push_back(g); });
         });
@@ -168,6 +184,7 @@ void each_loaded_contact(world_state<Scenario>& s, F&& f) {
       c.point = g.point, c.normal = g.normal, c.force = force;
       bool bounded = true;
       if (!add_ends(places, c, bounded)) return;
+      c.point = seen_from(s, c.centre_a, c.point);
       if (!bounded) c.centre_b = c.point;
       f(std::as_const(c), counts);
     };

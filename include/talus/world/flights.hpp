@@ -14,7 +14,8 @@ template <class Scenario, class Store>
 [[gnu::cold]] void refuse_long_flight(const world_state<Scenario>& s, const Store& store,
                                       std::size_t i) {
   const vec3 &p = store.position[i], &v = store.velocity[i];
-  const vec3 before = p - s.dt * v;
+  vec3 before = p - s.dt * v;
+  if constexpr (world_state<Scenario>::periodic) before = s.own.box().wrapped(before);
   if (!s.own.contains(before)) return;
   std::string where = "a domain";
   if constexpr (requires { s.own.partition()->owner(p); })

@@ -39,6 +39,11 @@ void match_connections(world_state<Scenario>& s) {
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
     const auto copies = b.movable.take_shadows();
+    if constexpr (world_state<Scenario>::periodic) {
+      // Connections change on all ranks together there, with all copies.
+      for (auto& n : s.neighbours) n.copies = {};
+      return s.copies.of[k++].clear();
+    }
     std::size_t first = 0;
     for (const auto& n : before) {
       const std::size_t last = first + n.copies[k];
@@ -64,7 +69,9 @@ template <class Scenario>
   std::size_t best = 0;
   for (std::size_t n = 0; n < connections.size(); ++n) {
     if (connections[n].rank == owner) return {n, true};
-    if (connections[n].distance(p) < connections[best].distance(p)) best = n;
+    if (connections[best].rank == s.own.rank() ||
+        connections[n].distance(p) < connections[best].distance(p))
+      best = n;
   }
   return {best, false};
 }
@@ -130,6 +137,10 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
       const vec3& p = store.position[i];
       if (!finite(p)) fail_lost(s, store.id[i], p);
       if (s.own.contains(p)) continue;
+      if constexpr (world_state<Scenario>::periodic) {
+        if (!s.own.box().contains(p)) store.position[i] = s.own.box().wrapped(p);
+        if (s.own.contains(p)) continue;
+      }
       if (s.parcels.empty()) fail_lost(s, store.id[i], p);
       const auto [n, ends_there] = way_to(s, p);
       if (!ends_there && after_step) refuse_long_flight(s, store, i);

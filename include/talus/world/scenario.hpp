@@ -207,6 +207,14 @@ struct scenario final {
                     detail::is_movable_decomposition<typename decomposition_policy::type>,
                 "scenario<...> names balancing and a decomposition that cannot move its cuts: use "
                 "decomposition<bisection<dynamic>>, or remove balancing");
+  static constexpr bool alone = std::is_same_v<typename transport_policy::type, serial>;
+  static constexpr bool periodic = detail::is_periodic<typename decomposition_policy::type>;
+  static_assert(!periodic || !alone,
+                "scenario<...> names a periodic decomposition and transport<serial>, but a rank "
+                "beside its own image talks to itself: use transport<threads>, on one rank too");
+  static_assert(!periodic || !(names<sleeping> || names<continuous_collision>),
+                "scenario<...> names a periodic decomposition and a feature that does not look "
+                "across its sides: remove sleeping and continuous_collision");
   static_assert(law_policy::soft || !verlet,
                 "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "
                 "are no forces that it could use: remove the integrator, or use "

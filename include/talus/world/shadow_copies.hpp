@@ -50,8 +50,13 @@ void list_travelling_velocities(world_state<Scenario>& s) {
   s.each_finite_shape([&](auto& b) {
     std::size_t copy = b.movable.locals;
     for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
-      for (const auto i : s.neighbours[n].shadowed[k])
-        if (b.movable.moves(i)) {
+      if constexpr (world_state<Scenario>::periodic)
+        if (s.neighbours[n].rank == s.own.rank()) {  // these are here
+          copy += s.neighbours[n].copies[k];
+          continue;
+        }
+      for (const auto code : s.neighbours[n].shadowed[k])
+        if (const auto i = world_state<Scenario>::copy_code::body(code); b.movable.moves(i)) {
           s.travelling[n].sent.push_back(static_cast<std::uint32_t>(b.first + i));
           s.at_rim[b.first + i] = true;
         }
@@ -78,6 +83,13 @@ template <class Scenario, class Store>
     return reach_of(store, i, world_state<Scenario>::law::soft ? 0 : s.dt);
 }
 
+/// Moves a copy that has come from where it is for its owner to where this rank sees it.
+template <class Scenario>
+void put_image(const world_state<Scenario>& s, vec3& position, image_copy& copy) {
+  copy.home = position;
+  if (copy.image != 0) position += s.own.box().shift(copy.image);
+}
+
 /// Takes up the motion of the copies of neighbour n from `in[n]`, unless that is null.
 template <class Scenario>
 void move_shadow_copies(world_state<Scenario>& s, const std::vector<byte_reader*>& in) {
@@ -86,7 +98,11 @@ void move_shadow_copies(world_state<Scenario>& s, const std::vector<byte_reader*
     std::size_t i = b.movable.locals;
     for (std::size_t n = 0; n < in.size(); ++n)
       for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++i)
-        if (in[n] != nullptr) b.movable.unpack_motion(i, *in[n]);
+        if (in[n] != nullptr) {
+          b.movable.unpack_motion(i, *in[n]);
+          if constexpr (world_state<Scenario>::periodic)
+            put_image(s, b.movable.position[i], s.copies.of[k][i - b.movable.locals]);
+        }
     ++k;
   });
 }
@@ -104,14 +120,26 @@ void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>&
       old = b.movable.take_shadows();
     else
       b.movable.drop_shadows();
+    plain_vector<image_copy> old_images;
+    if constexpr (world_state<Scenario>::periodic) old_images.swap(s.copies.of[k]);
     std::size_t first = 0;
     for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
       if (in[n] == nullptr) {
         b.movable.append_from(old, first, first + before[n][k]);
+        if constexpr (world_state<Scenario>::periodic)
+          for (std::size_t c = first; c < first + before[n][k]; ++c)
+            s.copies.of[k].push_back(old_images[c]);
       } else {
         const auto copies = in[n]->template get<std::uint64_t>();
         for (std::uint64_t c = 0; c < copies; ++c) {
           b.movable.unpack(*in[n]);
+          if constexpr (world_state<Scenario>::periodic) {
+            image_copy& copy = s.copies.of[k].emplace_back();
+            copy.image = in[n]->template get<std::uint8_t>();
+            if (s.neighbours[n].rank == s.own.rank())
+              copy.own = world_state<Scenario>::copy_code::body(s.neighbours[n].shadowed[k][c]);
+            put_image(s, b.movable.position.back(), copy);
+          }
           if (b.movable.flags.back() & flag_released) forget_contacts(s, b.movable.id.back());
         }
         s.neighbours[n].copies[k] = copies;
@@ -151,12 +179,27 @@ template <class Scenario>
   return hold;
 }
 
+/// Throws runtime_error for a body that might meet another one in two images, or itself.
+template <class Scenario, class Store>
+void require_room_for_images(const world_state<Scenario>& s, const Store& store, std::size_t i,
+                             real reach) {
+  const real room = s.own.box().shortest();
+  if (4 * reach <= room) return;
+  fail<std::runtime_error>(
+      "the {} {} at {} on rank {} reaches {} far in step {}, by its radius {} and velocity {}, and "
+      "the periodic box is only {} long: bodies reach at most a quarter of it, so that two meet in "
+      "one image only; make the box larger, or dt smaller",
+      Store::shape_type::name, store.id[i], text(store.position[i]), s.link->rank(), text(reach, 4),
+      s.steps, text(store.shape[i].bounding_radius(), 4), store.velocity[i], room);
+}
+
 /// Chooses for every neighbour the copies it needs: of each body here that may touch one of its
 /// bodies, that is, whose distance from its domain is within the sum of its own reach and the
 /// largest reach there. (So both owners of a pair that touches hold a copy of the other, wherever
 /// the contact point lies.) What has been said of bodies that are within their skin stays.
 template <class Scenario>
 void choose_copies(world_state<Scenario>& s) {
+  using code = typename world_state<Scenario>::copy_code;
   const bool some_stay = reach_still_holds(s);
   real furthest = 0;
   s.choice.reach.clear();
@@ -183,7 +226,8 @@ void choose_copies(world_state<Scenario>& s) {
       auto& list = n.shadowed[k];
       std::size_t kept = 0;
       for (const std::uint32_t old : list)
-        if (const auto i = some_stay ? now[old] : nobody; i != nobody && stays(i)) list[kept++] = i;
+        if (const auto i = some_stay ? now[code::body(old)] : nobody; i != nobody && stays(i))
+          list[kept++] = code::of(i, code::image(old));
       list.resize(kept);
     }
     for (std::size_t i = 0; i < store.locals; ++i) {
@@ -198,13 +242,19 @@ void choose_copies(world_state<Scenario>& s) {
         reach += skin_of(radius, radius, store.velocity[i].norm(), s.dt);
         noted[i] = {store.id[i], p, reach};
       }
-      s.own.for_each_within(p, reach + furthest, [&](std::size_t n) {
+      const auto copy = [&](std::size_t n, std::uint32_t image, const vec3& place) {
         auto& other = s.neighbours[n];
         // A force that is missing for a step is an error: a large body may just have gone there.
         const real there = world_state<Scenario>::law::soft ? furthest : other.reach;
-        if (s.own.connections()[n].distance(p) <= reach + there)
-          other.shadowed[k].push_back(static_cast<std::uint32_t>(i));
-      });
+        if (s.own.connections()[n].distance(place) <= reach + there)
+          other.shadowed[k].push_back(code::of(i, image));
+      };
+      if constexpr (world_state<Scenario>::periodic) {
+        require_room_for_images(s, store, i, b.reach[i]);
+        s.own.for_each_image_within(p, reach + furthest, copy);
+      } else {
+        s.own.for_each_within(p, reach + furthest, [&](std::size_t n) { copy(n, 0, p); });
+      }
     }
     for (auto& n : s.neighbours) sort_values(n.shadowed[k]);
     ++k;
@@ -236,6 +286,7 @@ void measure_reach(world_state<Scenario>& s) {
 /// What neighbour `n` is told of the bodies of which it holds copies.
 template <class Scenario>
 void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
+  using code = typename world_state<Scenario>::copy_code;
   open_letter(s, n);
   byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
   out.put(s.choice.announced);
@@ -244,7 +295,7 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
   copies_told told;
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
-    for (const auto i : s.neighbours[n].shadowed[k]) told.add(b.movable.id[i]);
+    for (const auto copy : s.neighbours[n].shadowed[k]) told.add(b.movable.id[code::body(copy)]);
     ++k;
   });
   out.put(told);
@@ -253,9 +304,13 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
     const auto& shadowed = s.neighbours[n].shadowed[k++];
     if (kind == copy_message::all) {
       out.put(static_cast<std::uint64_t>(shadowed.size()));
-      for (const auto i : shadowed) b.movable.pack(i, out);
+      for (const auto copy : shadowed) {
+        b.movable.pack(code::body(copy), out);
+        if constexpr (world_state<Scenario>::periodic)
+          out.put(static_cast<std::uint8_t>(code::image(copy)));
+      }
     } else if (kind == copy_message::motion) {
-      for (const auto i : shadowed) b.movable.pack_motion(i, out);
+      for (const auto copy : shadowed) b.movable.pack_motion(code::body(copy), out);
     }
   });
   seal_letter(s, n, false);

@@ -51,13 +51,21 @@ class force_adder {
   void operator()(std::size_t i, std::size_t j, real, real) {
     if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
       if (b_.id[j] < a_.id[i]) std::swap(i, j);
-    const bool own_a = i < a_.locals, own_b = !paired || j < b_.locals;
+    const bool own_a = i < a_.locals;
+    bool own_b = !paired || j < b_.locals;
+    at_ = {a_.position[i], b_.position[j], j};
+    if constexpr (paired && state_type::periodic) {
+      at_ = see_pair<ShapeA, ShapeB>(s_, i, j);
+      if (!at_.known) return;
+      own_b = at_.body_b < b_.locals;
+    }
     const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
     if (!((own_a && moves_a) || (own_b && moves_b))) return;
     const bool boundary = paired && own_a != own_b && moves_a && moves_b;
-    collide_pair(a_.shape[i], a_.pose(i), b_.shape[j], b_.pose(j), 0,
+    collide_pair(a_.shape[i], {at_.a, a_.pose(i).orientation}, b_.shape[j],
+                 {at_.b, b_.pose(j).orientation}, 0,
                  [&](const contact_geometry& g) {
                    if (!(g.gap < 0)) return;
                    if constexpr (paired)
@@ -88,7 +96,7 @@ class force_adder {
     soft_touch t;
     t.normal = g.normal;
     t.overlap = -g.gap;
-    vec3 arm_a = g.point - a_.position[i], arm_b{0, 0, 0};
+    vec3 arm_a = g.point - at_.a, arm_b{0, 0, 0};
     // As for hard contacts: something immovable is met with the surface itself.
     if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
     t.u = A.v + A.w.cross(arm_a);
@@ -98,8 +106,8 @@ class force_adder {
     real rolling = A.inverse_mass * curvature * curvature;
     soft_body* B = nullptr;
     if constexpr (paired) {
-      B = &s_.soft.bodies[first_b_ + j];
-      arm_b = g.point - b_.position[j];
+      B = &s_.soft.bodies[first_b_ + at_.body_b];
+      arm_b = g.point - at_.b;
       t.u -= B->v + B->w.cross(arm_b);
       t.spin -= B->w;
       t.mean_spin += 0.5 * g.normal.dot(B->w);
@@ -143,7 +151,7 @@ class force_adder {
       if constexpr (law::rolling) B->torque -= f.moment;
     }
     if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
-    if constexpr (booked) book(i, j, t, parts, arm_a, arm_b, counts);
+    if constexpr (booked) book(i, at_.body_b, t, parts, arm_a, arm_b, counts);
     if constexpr (balanced) {
       vec3& ground = s_.monitors.momentum.ground_force;
       if (B == nullptr || B->inverse_mass == 0)
@@ -184,6 +192,7 @@ class force_adder {
   store_a& a_;
   store_b& b_;
   std::size_t first_a_, first_b_;
+  seen_pair at_;  ///< the pair at hand
 };
 
 /// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.

@@ -22,6 +22,7 @@
 #include "talus/world/body_count.hpp"
 #include "talus/world/driven_bodies.hpp"
 #include "talus/world/found_pairs.hpp"
+#include "talus/world/image_copies.hpp"
 #include "talus/world/monitors.hpp"
 #include "talus/world/response_state.hpp"
 #include "talus/world/scenario.hpp"
@@ -74,7 +75,7 @@ struct neighbour {
   plain_vector<int> connected;  ///< the ranks it is connected to
   real reach = 0;               ///< largest reach of the bodies there
   std::array<plain_vector<std::uint32_t>, Shapes>
-      shadowed;                              ///< own bodies with a copy there, by shape
+      shadowed;  ///< own bodies with a copy there, by shape, as copy_code says it
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
   correspondence mail;
   [[no_unique_address]] Memory memory;  ///< of the shared data of shapes
@@ -188,14 +189,21 @@ struct world_state : response_state<Scenario> {
   static constexpr bool by_colours = solves_by_colours<typename Scenario::solver>;
 
   /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
-  /// what a rank finds among bodies of others is not what they find.)
+  /// what a rank finds among bodies of others is not what they find. Nor where space repeats itself:
+  /// the same body may be in an island twice.)
   static constexpr bool islands_across_ranks = !link_type::alone && !law::soft && !continuous &&
+                                               !domain_type::periodic &&
                                                solves_shared_islands<typename Scenario::solver>;
 
   using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
   static constexpr std::size_t shape_count = finite_shapes::size;
   using memory_type = std::conditional_t<(filter_types<finite_shapes, shares_data>::size > 0),
                                          shared_memory, no_shared_memory>;
+  /// Whether space repeats itself: then some shadow copies are images, and have been moved.
+  static constexpr bool periodic = domain_type::periodic;
+  using copy_code = detail::copy_code<periodic>;
+  [[no_unique_address]] std::conditional_t<periodic, image_copies<shape_count>, no_image_copies>
+      copies;
   std::vector<neighbour<shape_count, memory_type>>
       neighbours;               ///< one for each connection, in the same order
   std::vector<parcel> parcels;  ///< likewise: handovers

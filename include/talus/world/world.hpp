@@ -237,6 +237,7 @@ class world {
             "global section: add it in world.global(...)",
             Shape::name, rank());
       } else {
+        require_in_box(Shape::name, b.position);
         if (!contains(b.position))
           detail::fail<std::invalid_argument>(
               "rank {} cannot add a {} at {}, which is in the domain of {}: ask "
@@ -273,6 +274,7 @@ class world {
       validate(b);
       sections_.require_all_ranks("add_if_local", rank());
       sections_.refuse_in_global("add_if_local", rank());
+      require_in_box(Shape::name, b.position);
       const auto id = detail::id_of_attempt(attempts_++);
       if (contains(b.position)) return handle<Shape>{insert(b, id)};
     }
@@ -438,6 +440,18 @@ class world {
   }
   void require_domain() const {
     if (!undivided_.empty()) throw std::invalid_argument(undivided_);
+  }
+  void require_in_box(const char* what, const vec3& p) const {
+    if constexpr (domain_type::periodic) {
+      require_domain();
+      const auto& box = state_.own.box();
+      if (!box.contains(p))
+        detail::fail<std::invalid_argument>(
+            "a {} was added at {}, outside of the periodic box, which goes from {} to {} along its "
+            "periodic axes, the upper side excluded: add its image in there, at {}",
+            what, detail::text(p), detail::text(box.lower()), detail::text(box.upper()),
+            detail::text(box.wrapped(p)));
+    }
   }
   [[nodiscard]] std::string owner_text(const vec3& p) const {
     const int owner = state_.own.owner(p);

@@ -9,7 +9,9 @@ namespace talus {
 template <class Scenario>
 void world<Scenario>::check_connections() {
   sections_.require_all_ranks("check_connections", rank());
-  if constexpr (!link_type::alone) {
+  if constexpr (domain_type::periodic) {
+    require_two_sided_connections();  // none were made by hand, so there is nothing else to ask
+  } else if constexpr (!link_type::alone) {
     require_two_sided_connections();
     talus::check_connections(
         state_.own, [&](const detail::byte_buffer& mine) { return state_.link->gather_all(mine); });

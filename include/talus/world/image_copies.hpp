@@ -1,0 +1,71 @@
+#pragma once
+// Shadow copies that are images of a periodic box: their owner knows them elsewhere, perhaps here.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/type_list.hpp"
+#include "talus/parallel/periodic_box.hpp"
+
+namespace talus::detail {
+
+/// Shadow copies as their owner lists them: which body, and which image of it. In the order of the
+/// bodies; where space does not repeat itself, the number of the body.
+template <bool Periodic>
+struct copy_code {
+  static constexpr std::uint32_t images = Periodic ? 32 : 1;
+
+  [[nodiscard]] static constexpr std::uint32_t of(std::size_t body, std::uint32_t image) {
+    return static_cast<std::uint32_t>(body) * images + image;
+  }
+  [[nodiscard]] static constexpr std::uint32_t body(std::uint32_t code) { return code / images; }
+  [[nodiscard]] static constexpr std::uint32_t image(std::uint32_t code) { return code % images; }
+};
+
+/// What is known of a shadow copy besides its place.
+struct image_copy {
+  vec3 home{0, 0, 0};  ///< where the body is for its owner
+  periodic_box::number image = 0;
+  std::uint32_t own = not_own;  ///< the body itself, if it is owned here
+
+  static constexpr std::uint32_t not_own = 0xffffffffu;
+};
+/// Of all shadow copies, by shape, in their order.
+template <std::size_t Shapes>
+struct image_copies {
+  std::array<plain_vector<image_copy>, Shapes> of;
+};
+struct no_image_copies {};
+
+/// What is known of a body as a shadow copy, or null.
+template <class Shape, class State>
+[[nodiscard]] const image_copy* copy_of(const State& s, std::size_t i) {
+  const std::size_t locals = s.template of<Shape>().movable.locals;
+  return i < locals ? nullptr : &s.copies.of[index_of<typename State::finite_shapes, Shape>][i - locals];
+}
+
+/// A pair of bodies as all see it, to the bit, on whichever side of the box they are themselves:
+/// where the first one is at home, and where the second one is seen from there.
+struct seen_pair {
+  vec3 a{0, 0, 0}, b{0, 0, 0};
+  std::size_t body_b = 0;  ///< the number of the second one; of the body itself, not of its image here
+  bool known = true;       ///< false: with an image of a body that is owned here; the pair is seen
+                           ///< from the body itself, too
+};
+template <class A, class B, class State>
+[[nodiscard]] seen_pair see_pair(const State& s, std::size_t i, std::size_t j) {
+  seen_pair pair{s.template of<A>().movable.position[i], s.template of<B>().movable.position[j], j};
+  if (const image_copy* a = copy_of<A>(s, i); a != nullptr && a->image != 0) {
+    pair.a = a->home;
+    pair.b += s.own.box().shift(periodic_box::reverse(a->image));
+    pair.known = a->own == image_copy::not_own;
+  } else if (const image_copy* b = copy_of<B>(s, j); b != nullptr && b->own != image_copy::not_own) {
+    pair.body_b = b->own;
+    pair.known = i < s.template of<A>().movable.locals;
+  }
+  return pair;
+}
+
+}  // namespace talus::detail
