@@ -177,3 +177,13 @@ TEST_CASE("ids of fill never repeat: more fills than there are numbers for is an
   refused<std::runtime_error>(fill, "fill was called");
   CHECK(w.local_bodies() == 0);
 }
+
+TEST_CASE("the dynamic friction of a material, and of a pair, is the static one unless it is given") {
+  material_table table;
+  const auto a = table.add({.friction = 0.2}), b = table.add({.friction = 0.6});
+  CHECK(table.pair(a, b).dynamic_friction == doctest::Approx(0.4));
+  table.set_pair(a, b, {.friction = 0.7});
+  CHECK(table.pair(b, a).dynamic_friction == 0.7);
+  table.set_pair(a, b, {.friction = 0.7, .dynamic_friction = 0});
+  CHECK(table.pair(a, b).dynamic_friction == 0);
+}

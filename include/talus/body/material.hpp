@@ -43,8 +43,13 @@ inline constexpr material fir{.density = 0.5, .restitution = 0.5, .friction = 0.
 /// Contact properties of a pair of materials.
 struct pair_material {
   real restitution = 0;
-  real friction = 0;          ///< static
-  real dynamic_friction = 0;  ///< at most `friction`
+  real friction = 0;  ///< static, and dynamic unless given
+  /// At most `friction`; not a number means the same as that.
+  real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
+
+  [[nodiscard]] constexpr real sliding_friction() const {
+    return dynamic_friction == dynamic_friction ? dynamic_friction : friction;
+  }
 };
 
 /// The materials of a world. A pair takes the arithmetic mean of its two materials (the rule of
@@ -73,8 +78,9 @@ class material_table {
 
   /// Sets the properties of contacts between `a` and `b`, in either order.
   void set_pair(material_id a, material_id b, const pair_material& p) {
-    check(p.restitution, p.friction, p.dynamic_friction);
-    pairs_[at(a, b)] = pairs_[at(b, a)] = p;
+    const pair_material all{p.restitution, p.friction, p.sliding_friction()};
+    check(all.restitution, all.friction, all.dynamic_friction);
+    pairs_[at(a, b)] = pairs_[at(b, a)] = all;
     ++revision_;
   }
 
@@ -134,7 +140,7 @@ class material_table {
   }
 
   detail::plain_vector<material> materials_;
-  detail::plain_vector<pair_material> pairs_;
+  detail::plain_vector<pair_material> pairs_;  ///< nothing in them is left open
   std::uint64_t revision_ = 0;
 };
 
