@@ -1,5 +1,6 @@
-// A chute without end: spheres flow down a bumpy slope in a box that is periodic along the slope and
-// across it, until friction holds the balance to gravity: steadily at 25 degrees, not at all at 18.
+// A chute without end: spheres flow down a bumpy slope in a box that is periodic along the slope
+// and across it, until friction holds the balance to gravity: steadily at 25 degrees, not at all
+// at 18.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;

@@ -37,20 +37,20 @@ int main(int argc, char** argv) {
     });
     world.drive(lower, belt{{options.speed, 0, 0}});
     world.hold_force(upper, {.force = options.pressure * L * W, .max_speed = 0.5});
-    world.fill(simple_cubic{.spacing = 1, .origin = {0.5, 0.5, 0.5}} &
-                   box_region{{0, 0, 0}, {L, W, H}},
-               [&](const site& place, random_stream& random) {
-                 std::variant<body<sphere>, body<box>> made;
-                 const double r = random.uniform(0.38, 0.5);
-                 if (random.integer(2) == 0)
-                   made = body{.shape = sphere{r}, .position = place.position, .material = stone};
-                 else
-                   made = body{.shape = box{{1.1 * r, 1.1 * r, 1.1 * r}},
-                               .position = place.position,
-                               .material = stone,
-                               .orientation = random.rotation()};
-                 return made;
-               });
+    world.fill(
+        simple_cubic{.spacing = 1, .origin = {0.5, 0.5, 0.5}} & box_region{{0, 0, 0}, {L, W, H}},
+        [&](const site& place, random_stream& random) {
+          std::variant<body<sphere>, body<box>> made;
+          const double r = random.uniform(0.38, 0.5);
+          if (random.integer(2) == 0)
+            made = body{.shape = sphere{r}, .position = place.position, .material = stone};
+          else
+            made = body{.shape = box{{1.1 * r, 1.1 * r, 1.1 * r}},
+                        .position = place.position,
+                        .material = stone,
+                        .orientation = random.rotation()};
+          return made;
+        });
     take_pictures(world, options,
                   {.from = {0.5 * L, -20, 8}, .at = {0.5 * L, 0.5 * W, 3}, .angle = 38});
 

@@ -74,7 +74,9 @@ TEST_CASE("every point has one owner, the one whose cell holds its image, and ce
       // Right behind a side: the cell there is a neighbour, and may be this one.
       const auto own = cells.cell(r);
       vec3 beyond(own.upper[0] + 1e-6, 0.5 * (own.lower[1] + own.upper[1]), 0);
-      beyond[2] = z == 1 ? 0 : std::isfinite(own.lower[2]) ? own.lower[2] + 1e-6 : own.upper[2] - 1e-6;
+      beyond[2] = z == 1                        ? 0
+                  : std::isfinite(own.lower[2]) ? own.lower[2] + 1e-6
+                                                : own.upper[2] - 1e-6;
       CHECK(std::find(near.begin(), near.end(), cells.owner(beyond)) != near.end());
     }
   }

@@ -178,7 +178,8 @@ TEST_CASE("ids of fill never repeat: more fills than there are numbers for is an
   CHECK(w.local_bodies() == 0);
 }
 
-TEST_CASE("the dynamic friction of a material, and of a pair, is the static one unless it is given") {
+TEST_CASE(
+    "the dynamic friction of a material, and of a pair, is the static one unless it is given") {
   material_table table;
   const auto a = table.add({.friction = 0.2}), b = table.add({.friction = 0.6});
   CHECK(table.pair(a, b).dynamic_friction == doctest::Approx(0.4));

@@ -92,8 +92,7 @@ void gas(World& w, double restitution) {
   w.seed(4);
   w.fill(simple_cubic{.spacing = 1, .origin = {-3.5, -2.5, 0.5}} &
              box_region{.lower = {-4, -3, 0}, .upper = {4, 3, 3}},
-         [](const site& place, random_stream& random)
-             -> std::variant<body<sphere>, body<box>> {
+         [](const site& place, random_stream& random) -> std::variant<body<sphere>, body<box>> {
            const vec3 v = random.uniform(vec3(-3, -3, -3), vec3(3, 3, 3));
            if (place.index % 3 == 0)
              return body{.shape = box{{0.6, 0.5, 0.4}},
@@ -129,7 +128,8 @@ TEST_CASE("a gas in a periodic box has the same bits on any number of ranks") {
   CHECK(digests.size() == 1);
 }
 
-TEST_CASE("in a box that is periodic along all axes, momentum is conserved to round-off on any ranks") {
+TEST_CASE(
+    "in a box that is periodic along all axes, momentum is conserved to round-off on any ranks") {
   using everywhere =
       scenario<bodies<sphere, box>, solver<nonlinear_gauss_seidel>, transport<threads>,
                decomposition<periodic<grid<dynamic>, along::x, along::y, along::z>>>;

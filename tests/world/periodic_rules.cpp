@@ -98,9 +98,8 @@ TEST_CASE("hard spheres that press on each other across a side have one contact,
     on<sideways<>>(x, y, [&](auto& w) {
       w.material({.restitution = 0});
       for (const double side : {-1.0, 1.0})
-        w.add_if_local(body{.shape = sphere{0.5},
-                            .position = {side * 3.49, 0, 0},
-                            .velocity = {side, 0, 0}});
+        w.add_if_local(
+            body{.shape = sphere{0.5}, .position = {side * 3.49, 0, 0}, .velocity = {side, 0, 0}});
       for (int& count : contacts) {
         w.step(0.01);
         for_each_contact(w, [&](const loaded_contact& c) {
@@ -149,8 +148,7 @@ TEST_CASE("what is wrong in a periodic box is refused with its numbers") {
                          Contains(text), std::exception);
   };
   const auto add = [](auto& w, double radius, const vec3& place, double speed = 0) {
-    w.add_if_local(
-        body{.shape = sphere{radius}, .position = place, .velocity = {speed, 0, 0}});
+    w.add_if_local(body{.shape = sphere{radius}, .position = place, .velocity = {speed, 0, 0}});
   };
   refuses([&](auto& w) { add(w, 0.5, {4, 0, 0}); }, "outside of the periodic box");
   refuses([&](auto& w) { add(w, 0.5, {0, -7, 0}); }, "add its image in there, at (0, -1, 0)");
@@ -159,11 +157,10 @@ TEST_CASE("what is wrong in a periodic box is refused with its numbers") {
   refuses([&](auto& w) { w.connect(1 - w.rank(), vec3(1, 0, 0), 0.0); }, "makes all connections");
   refuses([&](auto& w) { w.disconnect(1 - w.rank()); }, "makes all connections");
   CHECK_THROWS_WITH_AS((periodic<grid<2>, along::x>{{.upper = {1}}}.resolve(2)),
-                       Contains("the sides of the box there are nan and 1"),
-                       std::invalid_argument);
-  CHECK_THROWS_WITH_AS((periodic<grid<dynamic>, along::z>{{.lower = {0, 0, 2}, .upper = {1, 1, 1}}}
-                            .resolve(1)),
-                       Contains("space is periodic along z"), std::invalid_argument);
+                       Contains("the sides of the box there are nan and 1"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      (periodic<grid<dynamic>, along::z>{{.lower = {0, 0, 2}, .upper = {1, 1, 1}}}.resolve(1)),
+      Contains("space is periodic along z"), std::invalid_argument);
 }
 
 TEST_CASE("a body that the user puts outside of the box comes in on the other side") {

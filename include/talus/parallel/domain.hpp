@@ -90,12 +90,12 @@ class domain {
     return at != connections_.end() && at->rank == rank ? &*at : nullptr;
   }
 
-  /// Whether space repeats itself. Then a rank may be its own neighbour, and no connections are made
-  /// by hand.
+  /// Whether space repeats itself. Then a rank may be its own neighbour, and no connections are
+  /// made by hand.
   static constexpr bool periodic = [] {
     if constexpr (concepts::generating_decomposition<Decomposition>)
-      return concepts::periodic_partition<
-          decltype(std::declval<const Decomposition&>().resolve(1))>;
+      return concepts::periodic_partition<decltype(std::declval<const Decomposition&>().resolve(
+          1))>;
     return false;
   }();
   /// The periodic box; to be asked once the decomposition is known.
@@ -277,7 +277,8 @@ template <concepts::decomposition Decomposition>
 void domain<Decomposition>::connect(int rank, any_geometry geometry, real dx) {
   if constexpr (periodic)
     detail::fail<std::invalid_argument>(
-        "rank {} cannot connect to rank {} by hand: a periodic decomposition makes all connections, "
+        "rank {} cannot connect to rank {} by hand: a periodic decomposition makes all "
+        "connections, "
         "with images too; give it a reach instead",
         rank_, rank);
   if (rank < 0 || rank >= ranks_)

@@ -69,8 +69,7 @@ class periodic_cells {
     for (int k = 0; k < 3; ++k) {
       const vec3 normal = vec3::Unit(k);
       if (std::isfinite(own.lower[k])) planes.push_back({normal, own.lower[k]});
-      if (std::isfinite(own.upper[k]))
-        planes.push_back(half_space(normal, own.upper[k]).flipped());
+      if (std::isfinite(own.upper[k])) planes.push_back(half_space(normal, own.upper[k]).flipped());
     }
     return any_geometry::cell(planes);
   }

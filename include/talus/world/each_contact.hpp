@@ -152,12 +152,12 @@ class pair_points {
         places_.visit(b, [&](const auto& other, std::size_t j, bool global) {
           using B = typename std::remove_cvref_t<decltype(other)>::shape_type;
           if constexpr (collidable<A, B>)
-            collide_pair(one.shape[i], one.pose(i), other.shape[j],
-                         {global ? other.position[j]
-                                 : seen_from(s_, one.position[i], other.position[j]),
-                          other.pose(j).orientation},
-                         way_of_surface(one, i, s_.dt) + way_of_surface(other, j, s_.dt),
-                         [&](const contact_geometry& g) { points_.push_back(g); });
+            collide_pair(
+                one.shape[i], one.pose(i), other.shape[j],
+                {global ? other.position[j] : seen_from(s_, one.position[i], other.position[j]),
+                 other.pose(j).orientation},
+                way_of_surface(one, i, s_.dt) + way_of_surface(other, j, s_.dt),
+                [&](const contact_geometry& g) { points_.push_back(g); });
         });
       }
     });

@@ -43,16 +43,18 @@ struct no_image_copies {};
 template <class Shape, class State>
 [[nodiscard]] const image_copy* copy_of(const State& s, std::size_t i) {
   const std::size_t locals = s.template of<Shape>().movable.locals;
-  return i < locals ? nullptr : &s.copies.of[index_of<typename State::finite_shapes, Shape>][i - locals];
+  return i < locals ? nullptr
+                    : &s.copies.of[index_of<typename State::finite_shapes, Shape>][i - locals];
 }
 
 /// A pair of bodies as all see it, to the bit, on whichever side of the box they are themselves:
 /// where the first one is at home, and where the second one is seen from there.
 struct seen_pair {
   vec3 a{0, 0, 0}, b{0, 0, 0};
-  std::size_t body_b = 0;  ///< the number of the second one; of the body itself, not of its image here
-  bool known = true;       ///< false: with an image of a body that is owned here; the pair is seen
-                           ///< from the body itself, too
+  std::size_t body_b =
+      0;              ///< the number of the second one; of the body itself, not of its image here
+  bool known = true;  ///< false: with an image of a body that is owned here; the pair is seen
+                      ///< from the body itself, too
 };
 template <class A, class B, class State>
 [[nodiscard]] seen_pair see_pair(const State& s, std::size_t i, std::size_t j) {
@@ -61,7 +63,8 @@ template <class A, class B, class State>
     pair.a = a->home;
     pair.b += s.own.box().shift(periodic_box::reverse(a->image));
     pair.known = a->own == image_copy::not_own;
-  } else if (const image_copy* b = copy_of<B>(s, j); b != nullptr && b->own != image_copy::not_own) {
+  } else if (const image_copy* b = copy_of<B>(s, j);
+             b != nullptr && b->own != image_copy::not_own) {
     pair.body_b = b->own;
     pair.known = i < s.template of<A>().movable.locals;
   }

@@ -65,8 +65,7 @@ class force_adder {
     if (!((own_a && moves_a) || (own_b && moves_b))) return;
     const bool boundary = paired && own_a != own_b && moves_a && moves_b;
     collide_pair(a_.shape[i], {at_.a, a_.pose(i).orientation}, b_.shape[j],
-                 {at_.b, b_.pose(j).orientation}, 0,
-                 [&](const contact_geometry& g) {
+                 {at_.b, b_.pose(j).orientation}, 0, [&](const contact_geometry& g) {
                    if (!(g.gap < 0)) return;
                    if constexpr (paired)
                      if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)

@@ -189,8 +189,8 @@ struct world_state : response_state<Scenario> {
   static constexpr bool by_colours = solves_by_colours<typename Scenario::solver>;
 
   /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
-  /// what a rank finds among bodies of others is not what they find. Nor where space repeats itself:
-  /// the same body may be in an island twice.)
+  /// what a rank finds among bodies of others is not what they find. Nor where space repeats
+  /// itself: the same body may be in an island twice.)
   static constexpr bool islands_across_ranks = !link_type::alone && !law::soft && !continuous &&
                                                !domain_type::periodic &&
                                                solves_shared_islands<typename Scenario::solver>;

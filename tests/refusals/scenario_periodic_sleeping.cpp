@@ -1,0 +1,17 @@
+// expects: scenario<...> names a periodic decomposition and a feature that does not look
+#include "talus/parallel/periodic.hpp"
+#include "talus/parallel/serial.hpp"
+#include "talus/parallel/threads.hpp"
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+using box = decomposition<periodic<grid<dynamic>, along::x>>;
+#ifdef TALUS_CONTROL
+using scene = scenario<box, transport<threads>>;
+#else
+using scene = scenario<box, transport<threads>, features<sleeping>>;
+#endif
+
+const scene checked;
+
+int main() {}
