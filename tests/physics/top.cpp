@@ -178,7 +178,7 @@ TEST_CASE("a symmetric top precesses exactly, however large the step") {
   const vec3 w0 = q0 * vec3((q0.conjugate() * vec3(0, 0, length)).cwiseQuotient(moments));
   const auto way = follow<tops>(1, dt, 200, [&](auto& world) {
     world.material({});
-    world.add_if_local(body{.shape = rod, .angular_velocity = w0, .orientation = q0});
+    world.add_if_local(body<box>{.shape = rod, .angular_velocity = w0, .orientation = q0});
   })[0];
   real worst = 0;
   for (std::size_t k = 0; k < way.size(); ++k) {

@@ -43,7 +43,7 @@ template <class Body>
 void add_mesh(world<scene>& w, const triangle_mesh& m, Body&& more) {
   w.global([&](auto& scope) {
     const pose at = placed(m);
-    scope.add(body{.shape = m, .position = at.position, .orientation = at.orientation});
+    scope.add(body<triangle_mesh>{.shape = m, .position = at.position, .orientation = at.orientation});
     more(scope);
   });
 }

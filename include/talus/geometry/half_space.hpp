@@ -1,6 +1,7 @@
 #pragma once
 // The half-space, from which all domain geometry is made.
 #include <compare>
+#include <cstdint>
 #include <string>
 #include <type_traits>
 
@@ -23,6 +24,19 @@ constexpr real rounded(real product) {
 }
 
 constexpr real magnitude(real x) { return x < 0 ? -x : x; }
+
+/// The square root of a number in [1, 4), with the same bits when compiling, where not all
+/// compilers know std::sqrt: there as that of a whole number of 106 bits.
+constexpr real root(real x) {
+  if (!std::is_constant_evaluated()) return __builtin_sqrt(x);
+  __extension__ using whole = unsigned __int128;
+  constexpr real units = 4503599627370496;  // 2^52 of them in 1
+  const whole square = static_cast<whole>(x * units) << 52;
+  whole r = whole{1} << 53;
+  for (whole next = r; (next = (r + square / r) / 2) < r;) r = next;
+  if (square - r * r > r) ++r;  // nearer to the next one
+  return static_cast<real>(static_cast<std::uint64_t>(r)) / units;
+}
 
 }  // namespace detail
 
@@ -89,7 +103,7 @@ class half_space {
     // A normal that is unit up to round-off keeps its bits: normalising twice changes nothing.
     if (detail::magnitude(square() - 1) > 1e-15) {
       scale(largest);  // first, so that multiples of one normal end up equal to the bit
-      scale(__builtin_sqrt(square()));
+      scale(detail::root(square()));
     }
     a_ += 0.0, b_ += 0.0, c_ += 0.0, d_ += 0.0;  // -0 becomes 0: equal planes have equal bits
   }

@@ -151,7 +151,7 @@ class inserter {
     std::vector<const candidate*> placed;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const candidate& c = all[k];
-      if (c.number < count_.count) continue;  // it has found a place
+      if (count_.count > c.number) continue;  // it has found a place
       if (c.number > count_.count) break;     // the one before has not
       if (taken[k] != 0) continue;
       bool free = true;
