@@ -11,27 +11,14 @@
 #include <talus/mesh.hpp>
 #include <vector>
 
+#include "../landscape.hpp"
+
 using namespace talus;
 
 namespace {
 
 using triangle = triangle_mesh::triangle;
 
-/// A square of n by n cells from -size/2 to size/2 at the height f(x, y), two triangles each.
-template <class F>
-std::vector<triangle> landscape(int n, real size, F&& f) {
-  std::vector<triangle> all;
-  const auto at = [&](int i, int j) {
-    const real x = size * (real(i) / n - 0.5), y = size * (real(j) / n - 0.5);
-    return vec3(x, y, f(x, y));
-  };
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      all.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      all.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return all;
-}
 std::vector<triangle> flat(int n, real size) {
   return landscape(n, size, [](real, real) { return 0; });
 }

@@ -16,34 +16,21 @@
 #include <talus/world/world.hpp>
 #include <vector>
 
+#include "../landscape.hpp"
+
 using namespace talus;
 
 namespace {
 
-using triangle = triangle_mesh::triangle;
 using scene = scenario<bodies<sphere, box, triangle_mesh, plane>, solver<reproducible>,
                        decomposition<grid<dynamic, dynamic>>, transport<threads>>;
 
-/// A surface over the square from -size/2 to size/2 at the height f(x, y), of n by n cells.
-template <class F>
-triangle_mesh landscape(int n, real size, F&& f) {
-  std::vector<triangle> all;
-  const auto at = [&](int i, int j) {
-    const real x = size * (real(i) / n - 0.5), y = size * (real(j) / n - 0.5);
-    return vec3(x, y, f(x, y));
-  };
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      all.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      all.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return triangle_mesh(all);
-}
 template <class Body>
 void add_mesh(world<scene>& w, const triangle_mesh& m, Body&& more) {
   w.global([&](auto& scope) {
     const pose at = placed(m);
-    scope.add(body<triangle_mesh>{.shape = m, .position = at.position, .orientation = at.orientation});
+    scope.add(
+        body<triangle_mesh>{.shape = m, .position = at.position, .orientation = at.orientation});
     more(scope);
   });
 }
@@ -59,7 +46,7 @@ end_state course(bool of_triangles) {
     w.gravity({0, 0, -10});
     w.material({.restitution = 0, .friction = 0.3});
     if (of_triangles)
-      add_mesh(w, landscape(37, 30, [](real, real) { return 0; }), [](auto&) {});
+      add_mesh(w, triangle_mesh(landscape(37, 30, [](real, real) { return 0; })), [](auto&) {});
     else
       w.global([&](auto& scope) { scope.add(plane{}, {}); });
     const auto ball =
@@ -91,7 +78,7 @@ TEST_CASE(
     "4 ranks") {
   const real size = 8;
   const auto height = [](real x, real y) { return 0.15 * (x * x + y * y); };
-  const triangle_mesh bowl = landscape(24, size, height);
+  const triangle_mesh bowl(landscape(24, size, height));
   std::vector<std::string> digests;
   for (const int ranks : {1, 4})
     threads::launch({.ranks = ranks}, [&](threads::link& link) {
@@ -131,7 +118,7 @@ TEST_CASE("a mesh that should move is refused, and one that is fixed is no body 
   threads::launch({}, [&](threads::link& link) {
     world<scene> w(link);
     w.material({});
-    const triangle_mesh m = landscape(1, 2, [](real, real) { return 0; });
+    const triangle_mesh m(landscape(1, 2, [](real, real) { return 0; }));
     CHECK_THROWS_WITH(
         w.add(body{.shape = m}),
         "a triangle_mesh has no mass, so nothing can move it, but rank 0 added one to "

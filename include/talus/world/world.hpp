@@ -14,6 +14,7 @@
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/reach.hpp"
 #include "talus/world/balance.hpp"
+#include "talus/world/body_checks.hpp"
 #include "talus/world/checkpoints.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/sections.hpp"
@@ -166,7 +167,7 @@ class world {
   /// Acceleration of all bodies.
   void gravity(const vec3& g) {
     sections_.require_all_ranks("gravity", rank());
-    require_finite("the gravity", g);
+    detail::require_finite("the gravity", g);
     if constexpr (detail::world_state<Scenario>::sleeps)
       state_.sleep.all = state_.sleep.all || g != state_.gravity;
     state_.gravity = g;
@@ -229,7 +230,7 @@ class world {
   template <class Shape>
   handle<Shape> add(const body<Shape>& b) {
     if constexpr (detail::require_shape<Scenario, Shape>()) {
-      validate(b);
+      detail::require_sane(b, state_.materials);
       if (sections_.global) return add_global(b);
       if constexpr (!Shape::finite) {
         detail::fail<std::logic_error>(
@@ -271,7 +272,7 @@ class world {
                   "an infinite body, such as a plane, is known on all ranks: add it in "
                   "world.global([&](auto& scope) { scope.add(plane{}, material); })");
     if constexpr (detail::require_shape<Scenario, Shape>() && Shape::finite) {
-      validate(b);
+      detail::require_sane(b, state_.materials);
       sections_.require_all_ranks("add_if_local", rank());
       sections_.refuse_in_global("add_if_local", rank());
       require_in_box(Shape::name, b.position);
@@ -434,10 +435,6 @@ class world {
         "would undo connections made by hand: give decompose() a reach instead, or remove "
         "balancing");
   }
-  static void require_finite(const char* what, const vec3& v) {
-    if (!detail::finite(v))
-      detail::fail<std::invalid_argument>("{} must be finite, but is {}", what, detail::text(v));
-  }
   void require_domain() const {
     if (!undivided_.empty()) throw std::invalid_argument(undivided_);
   }
@@ -456,45 +453,6 @@ class world {
   [[nodiscard]] std::string owner_text(const vec3& p) const {
     const int owner = state_.own.owner(p);
     return owner < 0 ? "a rank it is not connected to" : detail::compose("rank {}", owner);
-  }
-  template <class Shape>
-  void validate(const body<Shape>& b) const {
-    b.shape.validate();
-    require_finite("the position of a body", b.position);
-    require_finite("the velocity of a body", b.velocity);
-    require_finite("the angular velocity of a body", b.angular_velocity);
-    if (!(std::abs(b.orientation.norm() - 1) < 1e-6))
-      detail::fail<std::invalid_argument>(
-          "the orientation of a body must be a unit quaternion, but its norm is {}",
-          b.orientation.norm());
-    if (state_.materials.size() == 0)
-      detail::fail<std::invalid_argument>(
-          "the world has no material yet: make one with world.material(...) before adding bodies");
-    const real density = state_.materials[b.material].density;
-    if constexpr (Shape::finite) {
-      const real mass = density * b.shape.volume();
-      if (!std::isnormal(mass) || !std::isnormal(1 / mass))
-        detail::fail<std::invalid_argument>(
-            "the mass of a {}, density times volume, is {}, beyond what numbers can hold: choose "
-            "units in which it is nearer to 1",
-            Shape::name, mass);
-      const vec3 moments = mass * b.shape.inertia();
-      for (int k = 0; k < 3; ++k)
-        if (!std::isnormal(moments[k]) || !std::isnormal(1 / moments[k]))
-          detail::fail<std::invalid_argument>(
-              "a moment of inertia of a {} is {}, beyond what numbers can hold: choose units in "
-              "which its size is nearer to 1",
-              Shape::name, moments[k]);
-    }
-  }
-  template <class Shape>
-  void require_movable(const body<Shape>& b) const {
-    if constexpr (requires { Shape::immovable; })
-      if (!b.fixed)
-        detail::fail<std::logic_error>(
-            "a {} has no mass, so nothing can move it, but rank {} added one to the bodies that "
-            "move: add it in world.global(...), or with .fixed = true",
-            Shape::name, rank());
   }
   void require_two_sided_connections();
   void look_at_balance_if_due();
@@ -543,4 +501,7 @@ class world {
 }  // namespace talus
 
 #include "talus/world/detail/balance.hpp"
-#include "talus/world/detail/world.hpp"
+#include "talus/world/detail/bodies.hpp"
+#include "talus/world/detail/connections.hpp"
+#include "talus/world/detail/driving.hpp"
+#include "talus/world/detail/time.hpp"

@@ -1,0 +1,58 @@
+#pragma once
+// What a body must be like to be added.
+#include <cmath>
+
+#include "talus/body/body.hpp"
+#include "talus/body/material.hpp"
+#include "talus/core/error.hpp"
+
+namespace talus::detail {
+
+inline void require_finite(const char* what, const vec3& v) {
+  if (!finite(v)) fail<std::invalid_argument>("{} must be finite, but is {}", what, text(v));
+}
+
+/// Throws invalid_argument, with the value, for a body that makes no sense, or none in numbers.
+template <class Shape>
+void require_sane(const body<Shape>& b, const material_table& materials) {
+  b.shape.validate();
+  require_finite("the position of a body", b.position);
+  require_finite("the velocity of a body", b.velocity);
+  require_finite("the angular velocity of a body", b.angular_velocity);
+  if (!(std::abs(b.orientation.norm() - 1) < 1e-6))
+    fail<std::invalid_argument>(
+        "the orientation of a body must be a unit quaternion, but its norm is {}",
+        b.orientation.norm());
+  if (materials.size() == 0)
+    fail<std::invalid_argument>(
+        "the world has no material yet: make one with world.material(...) before adding bodies");
+  const real density = materials[b.material].density;
+  if constexpr (Shape::finite) {
+    const real mass = density * b.shape.volume();
+    if (!std::isnormal(mass) || !std::isnormal(1 / mass))
+      fail<std::invalid_argument>(
+          "the mass of a {}, density times volume, is {}, beyond what numbers can hold: choose "
+          "units in which it is nearer to 1",
+          Shape::name, mass);
+    const vec3 moments = mass * b.shape.inertia();
+    for (int k = 0; k < 3; ++k)
+      if (!std::isnormal(moments[k]) || !std::isnormal(1 / moments[k]))
+        fail<std::invalid_argument>(
+            "a moment of inertia of a {} is {}, beyond what numbers can hold: choose units in "
+            "which its size is nearer to 1",
+            Shape::name, moments[k]);
+  }
+}
+
+/// Throws logic_error for a body without mass that is to move.
+template <class Shape>
+void require_movable(const body<Shape>& b, int rank) {
+  if constexpr (requires { Shape::immovable; })
+    if (!b.fixed)
+      fail<std::logic_error>(
+          "a {} has no mass, so nothing can move it, but rank {} added one to the bodies that "
+          "move: add it in world.global(...), or with .fixed = true",
+          Shape::name, rank);
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,98 @@
+#pragma once
+// Global bodies that are moved. Member functions of world.
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// The record of a global body that is to be driven, from where it is now.
+template <class Scenario>
+template <class Shape>
+detail::driven_body& world<Scenario>::driven_body_of(handle<Shape> h, const char* what) {
+  sections_.require_all_ranks(what, rank());
+  const auto& store = state_.template of<Shape>().global;
+  const auto at = std::find(store.id.begin(), store.id.end(), h.id);
+  if (at == store.id.end())
+    detail::fail<std::invalid_argument>(
+        "{} takes a global body, and rank {} knows no global {} {}: add it in world.global(...)",
+        what, rank(), Shape::name, h.id);
+  auto& all = state_.driving.all;
+  auto one = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x->id == h.id; });
+  if (one == all.end()) {
+    all.push_back(std::make_unique<detail::driven_body>());
+    one = all.end() - 1;
+    (*one)->id = h.id;
+    if constexpr (keeps) keeper_.add("driven body " + detail::text(h.id), (*one)->state);
+  }
+  const auto i = static_cast<std::size_t>(at - store.id.begin());
+  detail::driven_body& body = **one;
+  body.state = {};
+  body.state.origin = body.state.at.point = store.position[i];
+  body.state.orientation = store.pose(i).orientation;
+  if constexpr (!Shape::finite) {
+    body.state.normal = store.shape[i].unit_normal();
+    body.state.offset = store.shape[i].offset;
+  }
+  body.is_servo = false;
+  body.plan = nullptr;
+  return body;
+}
+
+template <class Scenario>
+template <class Shape, class Motion>
+void world<Scenario>::drive(handle<Shape> h, Motion motion) {
+  if constexpr (detail::require_feature<Scenario, driven>() &&
+                detail::motion_of_body<Motion>::value) {
+    detail::driven_body& body = driven_body_of(h, "drive");
+    using value = decltype(motion(real{}));
+    if constexpr (std::is_same_v<value, rigid_displacement>) {
+      body.plan = [motion](const detail::driven_state& s, real t, real dt) {
+        return detail::step_to(s, motion(t + dt), dt);
+      };
+      auto& bodies = state_.template of<Shape>();
+      const auto now = detail::place_of(body.state.origin, motion(state_.time));
+      if (now == body.state.at) return;
+      body.state.at = now;
+      const auto& ids = bodies.global.id;
+      detail::put_driven(
+          bodies, static_cast<std::size_t>(std::find(ids.begin(), ids.end(), h.id) - ids.begin()),
+          body.state);
+      bodies.globals_changed = true;
+    } else {
+      body.plan = [motion](const detail::driven_state& s, real t, real dt) {
+        return detail::step_at(s, motion(t + dt / 2), dt);
+      };
+    }
+  }
+}
+
+template <class Scenario>
+template <class Shape>
+void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
+  if constexpr (detail::require_feature<Scenario, driven>()) {
+    detail::require_positive(how.force, "the force of a servo");
+    detail::require_positive(how.max_speed, "the greatest speed of a servo");
+    detail::require_finite("the axis of a servo", how.axis);
+    detail::driven_body& body = driven_body_of(h, "hold_force");
+    vec3 axis = unit(how.axis);
+    if constexpr (!Shape::finite)
+      if (axis == vec3(0, 0, 0)) axis = body.state.normal;
+    if (axis == vec3(0, 0, 0))
+      detail::fail<std::invalid_argument>(
+          "a servo moves the {} {} along an axis: give the direction in which it presses",
+          Shape::name, h.id);
+    body.holds = {how.force, how.max_speed, axis};
+    body.is_servo = true;
+    body.state.speed = body.state.gain = how.max_speed;
+    body.plan = [axis](const detail::driven_state& s, real, real dt) {
+      return detail::step_of_servo(s, axis, dt);
+    };
+  }
+}
+
+template <class Scenario>
+template <class Shape>
+void world<Scenario>::halt(handle<Shape> h) {
+  if constexpr (detail::require_feature<Scenario, driven>()) (void)driven_body_of(h, "halt");
+}
+
+}  // namespace talus

@@ -1,0 +1,133 @@
+#pragma once
+// How a world goes on. Member functions of world.
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+template <class Scenario>
+body_count world<Scenario>::audit() {
+  sections_.require_all_ranks("audit", rank());
+  const body_count here = detail::count_owned(state_);
+  std::array<std::uint64_t, 4> sums{here.bodies, here.ids, state_.made.bodies, state_.made.ids};
+  state_.link->reduce(reduction::sum, std::span(sums));
+  const body_count all{sums[0], sums[1]}, expected{sums[2], sums[3]};
+  if (all != expected) {
+    const detail::surplus difference(all, expected);
+    detail::fail<std::runtime_error>(
+        "{} {} after {} steps: all ranks together own {} bodies, but {} were created and not "
+        "destroyed{}",
+        difference.text(),
+        difference.bodies < 0   ? "is lost"
+        : difference.bodies > 0 ? "is there twice"
+                                : "is there",
+        state_.steps, all.bodies, expected.bodies,
+        detail::owners_text(state_, difference.single() ? difference.id : no_id));
+  }
+  return all;
+}
+
+template <class Scenario>
+void world<Scenario>::synchronize() {
+  sections_.require_all_ranks("synchronize", rank());
+  require_domain();
+  if constexpr (!link_type::alone) {
+    require_two_sided_connections();
+    detail::match_connections(state_);
+    detail::share_connections(state_);
+    for (int round = 0;; ++round) {
+      std::uint64_t passing = detail::migrate(state_, false);
+      state_.link->reduce(reduction::sum, std::span(&passing, 1));
+      if (passing == 0) break;
+      if (round > ranks())
+        detail::fail<std::runtime_error>(
+            "{} bodies do not find the way to the rank that owns their centre: check_connections() "
+            "says what is missing",
+            passing);
+    }
+    detail::refuse_closed_faces(state_, false);
+    state_.choice.reach.clear();  // domains may have changed
+    // The first round tells every neighbour how far bodies reach, the second one acts on it.
+    detail::share_shadow_copies(state_, true);
+    detail::share_shadow_copies(state_, true);
+  }
+  if constexpr (detail::world_state<Scenario>::sleeps) detail::note_sleepers(state_);
+  state_.changed = false;
+  rewired_ = false;
+  synchronized_ = true;
+}
+
+template <class Scenario>
+void world<Scenario>::step(real dt) {
+  sections_.require_all_ranks("step", rank());
+  if (sections_.global)
+    detail::fail<std::logic_error>(
+        "step was called inside a global section on rank {}: close the section first", rank());
+  detail::require_positive(dt, "the time step dt");
+  if constexpr (keeps)
+    if (keeper_.hooks != nullptr) keeper_.hooks->refuse_step_before_restart();
+  if constexpr (!Scenario::contact_law::soft) {
+    const solver_settings& how = state_.settings;
+    if (!(how.tolerance >= 0 && how.tolerance < 1) || how.max_iterations < 1)
+      detail::fail<std::invalid_argument>(
+          "the tolerance of the solver is a contact residual in (0, 1), or 0 for a fixed number of "
+          "iterations, and at least 1 iteration is allowed for it, but they are {} and {}",
+          how.tolerance, how.max_iterations);
+    if (how.iterations < 1 || how.correction_iterations < 0 ||
+        !(how.correction >= 0 && how.correction <= 1))
+      detail::fail<std::invalid_argument>(
+          "the solver needs at least 1 iteration, 0 of the correction, and a part of the overlap "
+          "in "
+          "[0, 1] to correct, but has {}, {} and {}",
+          how.iterations, how.correction_iterations, how.correction);
+    // How far bodies reach in a step is told to the neighbours before it.
+    if (dt > state_.dt) state_.dt = dt, state_.changed = true;
+  }
+  if (!synchronized_) synchronize();
+  if (rewired_)
+    detail::fail<std::runtime_error>(
+        "rank {} changed its connections and then called step: call synchronize() on all ranks "
+        "first",
+        rank());
+  if constexpr (balances) look_at_balance_if_due();
+  const traffic before = state_.link->counters();
+  if constexpr (balances)
+    detail::step_with_clock(state_, dt);
+  else
+    detail::step(state_, dt);
+  const traffic sent = state_.link->counters() - before;
+  state_.sent.messages_max = std::max(state_.sent.messages_max, sent.messages);
+  state_.sent.bytes_max = std::max(state_.sent.bytes_max, sent.bytes);
+  state_.sent.collectives += sent.collectives;
+}
+
+template <class Scenario>
+void world<Scenario>::simulate(const simulation& s) {
+  sections_.require_all_ranks("simulate", rank());
+  detail::require_positive(s.dt, "the time step dt");
+  state_.dt = s.dt;
+  std::size_t steps = s.steps;
+  detail::checkpoint_hooks* hooks = nullptr;
+  bool restarted = false;
+  if constexpr (keeps)
+    if (hooks = keeper_.hooks.get(); hooks != nullptr) {
+      const detail::restart_plan plan = hooks->begin(s);
+      if (plan.skips) return;
+      steps = plan.steps;
+      restarted = plan.restarts;
+    }
+  if (!restarted) synchronize();
+  for (const auto& start : starters_) start();
+  for (std::size_t k = 0; k < steps; ++k) {
+    if constexpr (keeps)
+      if (hooks != nullptr) hooks->before_step();
+    step(s.dt);
+    if constexpr (keeps)
+      if (hooks != nullptr) hooks->after_step();
+    for (const auto& observe : observers_) observe();
+    if constexpr (keeps)
+      if (hooks != nullptr) hooks->after_observers();
+  }
+  (void)audit();
+}
+
+}  // namespace talus
