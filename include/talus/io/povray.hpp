@@ -158,7 +158,7 @@ void write_povray(world<Scenario>& w, const std::string& file, const picture& lo
   detail::povray_scene<Scenario> scene(w, look);
   const std::string part = scene.part();
   detail::byte_buffer bytes(part.size());
-  std::memcpy(bytes.data(), part.data(), part.size());
+  if (!part.empty()) std::memcpy(bytes.data(), part.data(), part.size());
   const auto parts = w.link().gather(bytes);
   if (w.rank() != 0) return;
   std::ofstream out(file, std::ios::binary);
