@@ -30,6 +30,7 @@ class on_rank {
   using link_type = typename Scenario::transport::link;
   using random = random_stream;
   static constexpr bool soft = Scenario::contact_law::soft;
+  static constexpr bool around = world_type::domain_type::periodic;
   template <class Shape>
   static constexpr bool has = detail::contains_type<typename Scenario::shapes, Shape>;
   using pieces = union_of<sphere, box>;
@@ -71,7 +72,11 @@ class on_rank {
   }
 
   void set_up() {
-    w_.decompose(decomposition_of(p_), {.distance = p_.reach});
+    if constexpr (around)
+      w_.decompose({{.lower = {-p_.side, -p_.side}, .upper = {p_.side, p_.side}}},
+                   {.distance = p_.reach});
+    else
+      w_.decompose(decomposition_of(p_), {.distance = p_.reach});
     material m{.density = number(p_.density),
                .restitution = number(p_.restitution),
                .friction = number(p_.friction)};
@@ -95,7 +100,7 @@ class on_rank {
 
   void add_walls() {
     w_.global([&](auto& scope) {
-      for (int axis = 0; axis < 3; ++axis)
+      for (int axis = around ? 2 : 0; axis < 3; ++axis)
         for (const real side : {-1.0, 1.0})
           scope.add(plane{.normal = -side * vec3(vec3::Unit(axis)), .offset = -p_.side}, stuff_);
       if constexpr (has<box>) scope.add(box{{1, 1, 0.3}}, stuff_, vec3(0, 0, -p_.side));
@@ -218,7 +223,8 @@ class on_rank {
   void look() {
     // I1: every point has one owner, and every body is with the owner of its centre; no NaN.
     for (int k = 0; k < 4; ++k) {
-      const vec3 p = r_.uniform(vec3(-9, -9, -9), vec3(9, 9, 9));
+      vec3 p = r_.uniform(vec3(-9, -9, -9), vec3(9, 9, 9));
+      if constexpr (around) p = w_.state().own.box().wrapped(p);
       std::uint64_t owners = w_.contains(p);
       w_.link().reduce(reduction::sum, std::span(&owners, 1));
       if (owners != 1)
@@ -328,10 +334,23 @@ outcome run_family(const plan& p) {
     };
     if (result.refused.size() < 20) fail("a message that says too little: " + result.refused);
     const bool of_domains = says("closed face") || says("not connected") ||
-                            says("decompose with a reach") || says("no space of its own");
+                            says("decompose with a reach") || says("no space of its own") ||
+                            says("at most a quarter of it");
     if (p.what != subject::wild && !of_domains) fail("refused: " + result.refused);
   }
   return result;
+}
+
+/// The same for a solver that promises the bits of one rank.
+template <class Scenario>
+outcome run_on_one_too(const plan& p) {
+  const outcome many = run_family<Scenario>(p);
+  plan single = p;
+  single.ranks = 1;
+  const outcome one = run_family<Scenario>(single);
+  if (many.refused.empty() && one.refused.empty() && many.digest != one.digest)
+    fail("one rank ends with " + one.digest + ", these with " + many.digest);
+  return many;
 }
 
 }  // namespace fuzz

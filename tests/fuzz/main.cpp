@@ -28,11 +28,16 @@ struct family {
 #ifdef TALUS_FUZZ_ALL
 const family families[] = {{"spheres", fuzz::run_spheres}, {"solids", fuzz::run_solids},
                            {"jacobi", fuzz::run_jacobi},   {"springs", fuzz::run_springs},
-                           {"pursued", fuzz::run_pursued}, {"alike", fuzz::run_alike}};
+                           {"pursued", fuzz::run_pursued}, {"alike", fuzz::run_alike},
+                           {"around", fuzz::run_around}};
 #else
-const family families[] = {
-    {"spheres", fuzz::run_spheres}, {"solids", nullptr},  {"jacobi", nullptr},
-    {"springs", fuzz::run_springs}, {"pursued", nullptr}, {"alike", nullptr}};
+const family families[] = {{"spheres", fuzz::run_spheres},
+                           {"solids", nullptr},
+                           {"jacobi", nullptr},
+                           {"springs", fuzz::run_springs},
+                           {"pursued", nullptr},
+                           {"alike", nullptr},
+                           {"around", nullptr}};
 #endif
 
 // Of the run under way, for those that speak when it cannot.
@@ -88,7 +93,8 @@ int main(int argc, char** argv) {
       verbose = true;
     else {
       std::fprintf(stderr,
-                   "usage: %s [--runs N] [--seed S] [--only spheres|solids|jacobi|springs|pursued] "
+                   "usage: %s [--runs N] [--seed S] [--only "
+                   "spheres|solids|jacobi|springs|pursued|alike|around] "
                    "[--seconds PER_RUN] [--verbose]\n",
                    argv[0]);
       return 2;

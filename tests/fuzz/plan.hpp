@@ -96,6 +96,7 @@ outcome run_solids(const plan& p);   ///< spheres, boxes, capsules and unions
 outcome run_jacobi(const plan& p);   ///< spheres, accelerated Jacobi, sleeping islands
 outcome run_springs(const plan& p);  ///< spheres with soft contacts
 outcome run_alike(const plan& p);    ///< spheres and boxes, the same bits as on one rank
+outcome run_around(const plan& p);   ///< the same in a periodic box, or the default solver there
 outcome run_pursued(const plan& p);  ///< spheres and boxes followed on their way
 
 }  // namespace fuzz
