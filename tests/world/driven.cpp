@@ -69,7 +69,7 @@ TEST_CASE("a velocity is added up, with an error of second order in the step") {
   for (int k = 0; k < 2; ++k) {
     course c;
     const auto bar = c.global(box{{1, 1, 1}}, {1, 0, 0});
-    const auto wall = c.global(plane{}, {});
+    const auto wall = c.global(plane{});
     c.w.drive(bar, [](real) { return rigid_velocity{.angular_velocity = {0, 0, 0.5}}; });
     c.w.drive(wall, [](real t) { return rigid_velocity{.velocity = {1, 0, std::cos(t)}}; });
     c.run(2, 0.04 / (1 + k));
