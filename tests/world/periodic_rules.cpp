@@ -1,6 +1,9 @@
 // What holds in a periodic box besides the motion: what is reported, counted and refused.
+// plain
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <mutex>
 #include <set>
 #include <string>
@@ -174,5 +177,22 @@ TEST_CASE("a body that the user puts outside of the box comes in on the other si
       CHECK(w.audit().bodies == 1);
       w.for_each_local(
           [&](const auto& b) { CHECK((b.position() - vec3(-3, -2.5, 1)).norm() < 1e-12); });
+    });
+}
+
+TEST_CASE("what is in the way is seen across the sides, of the box and of the ranks") {
+  for (const auto& [x, y] : shares)
+    on<sideways<>>(x, y, [&](auto& w) {
+      w.material({});
+      w.add_if_local(body{.shape = sphere{0.3}, .position = {-3.6, -2.6, 0}});
+      w.synchronize();
+      std::array<double, 3> found{
+          double(w.overlaps(sphere{0.5}, {3.9, 2.9, 0})),  // 0.71 away from there
+          double(w.overlaps(sphere{0.4}, {3.9, 2.9, 0})),
+          double(w.overlaps(sphere{0.5}, {0, 0, 0}))};
+      w.link().reduce(reduction::max, std::span<double>(found));
+      CHECK(found[0] == 1);
+      CHECK(found[1] == 0);
+      CHECK(found[2] == 0);
     });
 }

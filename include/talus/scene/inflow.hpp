@@ -128,12 +128,12 @@ class inserter {
          [&](const auto& b) { mass = w_->materials()[b.material].density * b.shape.volume(); });
     return mass;
   }
-  static bool overlap(const candidate& x, const candidate& y) {
+  bool overlap(const candidate& x, const candidate& y) const {
     bool found = false;
     with(x.what, [&](const auto& a) {
       with(y.what, [&](const auto& b) {
         collide_pair(a.shape, pose{a.position, a.orientation}, b.shape,
-                     pose{b.position, b.orientation}, 0,
+                     pose{detail::seen_from(w_->state(), a.position, b.position), b.orientation}, 0,
                      [&](const contact_geometry& g) { found = found || g.gap < 0; });
       });
     });

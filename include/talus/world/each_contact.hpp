@@ -80,13 +80,6 @@ class body_places {
   plain_vector<place> places_;
 };
 
-/// Where something is seen from another place: the nearest of its images, if it has any.
-template <class Scenario>
-[[nodiscard]] vec3 seen_from(const world_state<Scenario>& s, const vec3& place, const vec3& thing) {
-  if constexpr (world_state<Scenario>::periodic) return s.own.box().nearest(thing, place);
-  return (void)s, (void)place, thing;
-}
-
 /// Fills in what a contact says of its bodies, and whether b has a centre; false where one of them
 /// is gone.
 template <class Scenario>

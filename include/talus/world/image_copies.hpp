@@ -39,6 +39,13 @@ struct image_copies {
 };
 struct no_image_copies {};
 
+/// Where something is seen from another place: the nearest of its images, if it has any.
+template <class State>
+[[nodiscard]] vec3 seen_from(const State& s, const vec3& place, const vec3& thing) {
+  if constexpr (State::periodic) return s.own.box().nearest(thing, place);
+  return (void)s, (void)place, thing;
+}
+
 /// What is known of a body as a shadow copy, or null.
 template <class Shape, class State>
 [[nodiscard]] const image_copy* copy_of(const State& s, std::size_t i) {

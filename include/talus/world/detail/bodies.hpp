@@ -199,22 +199,24 @@ bool world<Scenario>::overlaps(const Shape& shape, const vec3& position, const q
   detail::require_finite("the position of an overlap query", position);
   bool found = false;
   const talus::pose place{position, orientation};
-  const auto against = [&](const auto& store) {
+  const auto against = [&](const auto& store, bool global) {
     using other = typename std::remove_cvref_t<decltype(store)>::shape_type;
     if constexpr (collidable<Shape, other>)
       for (std::size_t i = 0; i < store.size() && !found; ++i) {
         if (store.id[i] == except) continue;
+        talus::pose there = store.pose(i);
+        if (!global) there.position = detail::seen_from(state_, position, there.position);
         if constexpr (Shape::finite && other::finite) {
           const real reach = shape.bounding_radius() + store.shape[i].bounding_radius();
-          if ((store.position[i] - position).squaredNorm() > reach * reach) continue;
+          if ((there.position - position).squaredNorm() > reach * reach) continue;
         }
-        collide_pair(shape, place, store.shape[i], store.pose(i), 0,
+        collide_pair(shape, place, store.shape[i], there, 0,
                      [&](const contact_geometry& g) { found = found || g.gap < 0; });
       }
   };
   state_.each_shape([&](const auto& b) {
-    against(b.movable);
-    against(b.global);
+    against(b.movable, false);
+    against(b.global, true);
   });
   return found;
 }
