@@ -5,11 +5,11 @@
 #include "talus/world/scenario.hpp"
 using namespace talus;
 
-using box = decomposition<periodic<grid<dynamic>, along::x>>;
+using sides = decomposition<periodic<grid<dynamic>, along::x>>;
 #ifdef TALUS_CONTROL
-using scene = scenario<box, transport<threads>>;
+using scene = scenario<sides, transport<threads>>;
 #else
-using scene = scenario<box, transport<threads>, features<sleeping>>;
+using scene = scenario<sides, transport<threads>, features<sleeping>>;
 #endif
 
 const scene checked;
