@@ -51,8 +51,9 @@ int main(int argc, char** argv) {
                         .orientation = random.rotation()};
           return made;
         });
-    take_pictures(world, options,
-                  {.from = {0.5 * L, -20, 8}, .at = {0.5 * L, 0.5 * W, 3}, .angle = 38});
+    take_pictures(
+        world, options,
+        {.from = {0.5 * L, -20, 6}, .at = {0.5 * L, 0.5 * W, 2}, .angle = 36, .ground = false});
 
     vec3 on_lower{0, 0, 0}, on_upper{0, 0, 0};  // forces, in the mean over the second half
     double looks = 0;
