@@ -59,6 +59,7 @@ TEST_CASE("a picture shows each visible body once, whichever rank owns it") {
   CHECK(count(text, "camera{") == 1);
   CHECK(text.find("box{<-0.5,-1,-1.5>,<0.5,1,1.5>") != text.npos);
   CHECK(count(draw(file, {.ground = false}), "plane{") == 0);
+  CHECK(count(draw(file, {.from = {5, -9, -1.1}}), "plane{") == 0);  // it would hide the others
   std::filesystem::remove(file);
 }
 

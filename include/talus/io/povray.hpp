@@ -24,7 +24,7 @@ struct picture {
   real fastest = 0;      ///< the speed that is red; 0: that of the fastest body
   bool copies = false;   ///< show shadow copies, as thin shells, in the colour of their holder
   bool domains = false;  ///< show what each rank owns, as glass
-  bool ground = true;    ///< show planes
+  bool ground = true;    ///< show planes, those that face the camera
 };
 
 namespace detail {
@@ -48,6 +48,14 @@ class povray_scene {
  public:
   povray_scene(world<Scenario>& w, const picture& look) : world_(w), look_(look) { measure(); }
 
+  /// Of planes, those behind which the camera is would hide everything.
+  template <class Shape>
+  [[nodiscard]] bool shows(const Shape& shape) const {
+    if constexpr (requires { shape.distance(look_.from); })
+      return look_.ground && shape.distance(look_.from) > 0;
+    else
+      return look_.ground;
+  }
   /// What this rank adds to the picture.
   [[nodiscard]] std::string part() {
     const bool first = world_.rank() == 0;
@@ -56,7 +64,7 @@ class povray_scene {
       if (!b.is_visible()) return;
       if (b.is_global()) {
         constexpr bool finite = std::remove_cvref_t<decltype(b)>::shape_type::finite;
-        if (first && (look_.ground || finite))
+        if (first && (finite || shows(b.shape())))
           add(b, finite ? vec3(0.66, 0.61, 0.54) : vec3(0.93, 0.92, 0.9), false);
       } else if (!b.is_remote()) {
         add(b, look_.colour == picture::colouring::rank ? own : of_speed(b), false);
