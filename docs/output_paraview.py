@@ -8,21 +8,20 @@ view = CreateRenderView(ViewSize=[900, 800], OrientationAxesVisibility=0)
 view.ViewTime = time
 
 bodies = OpenDataFile(series)
-for number, form in ((0, "Sphere"), (1, "Box")):
-    only = Threshold(bodies, Scalars=["POINTS", "shape"], LowerThreshold=number,
-                     UpperThreshold=number)
-    glyphs = Show(only, view)
-    glyphs.SetRepresentationType("3D Glyphs")
-    glyphs.GlyphType = form
-    glyphs.Scaling = 1
-    glyphs.ScaleMode = "Vector Components"
-    glyphs.SelectScaleArray = "size"
-    glyphs.ScaleFactor = 1
-    glyphs.Orient = 1
-    glyphs.OrientationMode = "Quaternion"
-    glyphs.SelectOrientationVectors = "orientation"
-    ColorBy(glyphs, ("POINTS", "velocity", "Magnitude"))
-    glyphs.Opacity = 0.25
+spheres = Threshold(bodies, Scalars=["POINTS", "shape"], LowerThreshold=0, UpperThreshold=0)
+glyphs = Show(spheres, view)
+glyphs.SetRepresentationType("3D Glyphs")
+glyphs.GlyphType = "Sphere"
+glyphs.Scaling = 1
+glyphs.ScaleMode = "Vector Components"
+glyphs.SelectScaleArray = "size"
+glyphs.ScaleFactor = 1
+ColorBy(glyphs, ("POINTS", "velocity", "Magnitude"))
+glyphs.Opacity = 0.25
+
+faces = Show(OpenDataFile(series.replace(".hdf.series", "_surfaces.hdf.series")), view)
+ColorBy(faces, ("CELLS", "velocity", "Magnitude"))
+faces.Opacity = 0.25
 
 contacts = OpenDataFile(series.replace(".hdf.series", "_contacts.hdf.series"))
 tubes = Tube(ExtractSurface(CellDatatoPointData(contacts)), Scalars=["POINTS", "normal_force"],

@@ -1,11 +1,13 @@
-"""Draws an output with VTK: python3 output_picture.py NAME_0000001000.hdf PICTURE.png"""
+"""Draws an output with VTK: python3 output_picture.py NAME_0000001000.hdf PICTURE.png
+Spheres; all else if the run was given --output-surfaces."""
+import os
 import sys
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401, makes windows
 from vtkmodules.vtkCommonCore import vtkLookupTable
 from vtkmodules.vtkCommonDataModel import vtkDataObject
 from vtkmodules.vtkFiltersCore import vtkCellDataToPointData, vtkThreshold, vtkTubeFilter
 from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
-from vtkmodules.vtkFiltersSources import vtkCubeSource, vtkSphereSource
+from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOHDF import vtkHDFReader
 from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkRenderingCore import (
@@ -24,19 +26,18 @@ def read(file):
     return reader
 
 
-def only(source, array, low, high):
-    """The points whose array lies between two values."""
+def only(source, array, value, of=vtkDataObject.FIELD_ASSOCIATION_POINTS):
+    """The points, or cells, whose array has this value."""
     part = vtkThreshold()
     part.SetInputConnection(source.GetOutputPort())
-    part.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, array)
+    part.SetInputArrayToProcess(0, 0, 0, of, array)
     part.SetThresholdFunction(vtkThreshold.THRESHOLD_BETWEEN)
-    part.SetLowerThreshold(low)
-    part.SetUpperThreshold(high)
+    part.SetLowerThreshold(value)
+    part.SetUpperThreshold(value)
     return part
 
 
 def show(mapper, colour, high):
-    mapper.SetScalarModeToUsePointFieldData()
     mapper.SelectColorArray(colour)
     mapper.SetScalarRange(0, high)
     colours = vtkLookupTable()
@@ -50,26 +51,40 @@ def show(mapper, colour, high):
     return actor
 
 
-ball, cube = vtkSphereSource(), vtkCubeSource()
+def show_bodies(mapper, fixed):
+    actor = show(mapper, "velocity", fastest)
+    actor.GetProperty().SetOpacity(0.25)
+    if fixed:
+        mapper.ScalarVisibilityOff()
+        actor.GetProperty().SetColor(0.6, 0.6, 0.6)
+
+
+everything = read(bodies)
+everything.Update()
+speeds = everything.GetOutput().GetPointData().GetArray("velocity").GetRange(-1)
+fastest = max(speeds[1], 1e-12)
+ball = vtkSphereSource()
 ball.SetThetaResolution(24)
 ball.SetPhiResolution(16)
+surfaces = f"{base}_surfaces_{step}"
 for fixed in (0, 1):
-    for number, form in ((0, ball), (1, cube)):
-        file = read(bodies)
-        of_shape = only(file, "shape", number, number)
-        shown = only(of_shape, "fixed", fixed, fixed)
-        glyphs = vtkGlyph3DMapper()
-        glyphs.SetInputConnection(shown.GetOutputPort())
-        glyphs.SetSourceConnection(form.GetOutputPort())
-        glyphs.SetScaleArray("size")
-        glyphs.SetScaleModeToScaleByVectorComponents()
-        glyphs.SetOrientationModeToQuaternion()
-        glyphs.SetOrientationArray("orientation")
-        actor = show(glyphs, "velocity", 8)
-        actor.GetProperty().SetOpacity(0.25)
-        if fixed:
-            glyphs.ScalarVisibilityOff()
-            actor.GetProperty().SetColor(0.6, 0.6, 0.6)
+    spheres = only(everything, "shape", 0)
+    shown = only(spheres, "fixed", fixed)
+    glyphs = vtkGlyph3DMapper()
+    glyphs.SetInputConnection(shown.GetOutputPort())
+    glyphs.SetSourceConnection(ball.GetOutputPort())
+    glyphs.SetScaleArray("size")
+    glyphs.SetScaleModeToScaleByVectorComponents()
+    glyphs.SetScalarModeToUsePointFieldData()
+    show_bodies(glyphs, fixed)
+    if os.path.exists(surfaces):
+        file = read(surfaces)
+        some = only(file, "fixed", fixed, vtkDataObject.FIELD_ASSOCIATION_CELLS)
+        skin, faces = vtkGeometryFilter(), vtkPolyDataMapper()
+        skin.SetInputConnection(some.GetOutputPort())
+        faces.SetInputConnection(skin.GetOutputPort())
+        faces.SetScalarModeToUseCellFieldData()
+        show_bodies(faces, fixed)
 
 lines, points, tubes = vtkGeometryFilter(), vtkCellDataToPointData(), vtkTubeFilter()
 network_file = read(f"{base}_contacts_{step}")
@@ -85,6 +100,7 @@ tubes.SetRadius(0.02)
 tubes.SetRadiusFactor(10)
 network = vtkPolyDataMapper()
 network.SetInputConnection(tubes.GetOutputPort())
+network.SetScalarModeToUsePointFieldData()
 show(network, "normal_force", 0.5 * highest)
 
 window = vtkRenderWindow()

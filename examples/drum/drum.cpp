@@ -2,13 +2,14 @@
 // angle of their heap against the horizontal is the dynamic angle of repose.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
+#include <talus/vtk.hpp>
 #include <variant>
 using namespace talus;
 
 using drum =
     scenario<bodies<sphere, capsule, box, plane>, hard_contact<coulomb_friction>,
              solver<nonlinear_gauss_seidel, reproducible>, decomposition<grid<dynamic, dynamic>>,
-             transport<as_launched>, features<driven, checkpoints>>;
+             transport<as_launched>, features<driven, checkpoints, vtk_output>>;
 
 struct drum_options : options {
   int bodies = 600;

@@ -15,7 +15,8 @@ has_readers() { "$1" -c 'import h5py, vtkmodules.vtkIOHDF' 2>/dev/null; }
 has_readers "$python" || python=/usr/bin/python3  # Debian's packages belong to Debian's Python
 has_readers "$python" || { echo 'skipped: no VTK or h5py'; exit 77; }
 
-"${launch[@]}" "$program" --quiet --steps 600 --output two --output-every 100 --json two.json
+"${launch[@]}" "$program" --quiet --steps 600 --output two --output-every 100 --output-surfaces \
+  --json two.json
 "$python" -B "$source/tests/io/read_output.py" two two.json
 "$program" --quiet --steps 600 --output one --output-every 100 --json one.json
 "$python" -B "$source/tests/io/read_output.py" one one.json

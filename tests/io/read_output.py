@@ -9,7 +9,7 @@ try:
     import h5py
     import numpy as np
     from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_VERTEX
+    from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_POLYGON, VTK_VERTEX
     from vtkmodules.vtkIOHDF import vtkHDFReader
 except ImportError as missing:
     print("skipped:", missing)
@@ -18,6 +18,7 @@ except ImportError as missing:
 name, said = sys.argv[1], json.load(open(sys.argv[2]))
 bodies_columns = {"id", "rank", "shape", "fixed", "material", "mass", "radius", "size", "velocity",
                   "angular_velocity", "orientation"}
+surface_columns = {"id", "rank", "shape", "fixed", "material", "velocity"}
 contact_columns = {"id_a", "id_b", "rank", "normal_force", "tangential_force", "force", "normal",
                    "point"}
 
@@ -85,6 +86,17 @@ for entry in index:
                 check(f"line {k} ends in body {who}", (ends[k][end] == there).all())
         check("forces push", (c["normal_force"] > -1e-9 * c["normal_force"].max()).all())
     lines += len(c["id_a"])
+    surfaces = f"{base}_surfaces_{step}"
+    if os.path.exists(surfaces):
+        f = read(surfaces, VTK_POLYGON, "CellData", surface_columns)
+        check("step", f["step"] == b["step"])
+        boxes = b["id"][b["shape"] == 1]
+        check("boxes have six faces", sorted(f["id"]) == sorted(np.repeat(boxes, 6)))
+        owner = dict(zip(b["id"], b["rank"]))
+        check("owners", all(owner[i] == r for i, r in zip(f["id"], f["rank"])))
+        middle = f["Points"].reshape(-1, 8, 3).mean(axis=1)  # in the order of ids within a rank
+        check("boxes lie where they are", np.allclose(
+            middle, b["Points"][b["shape"] == 1], rtol=0, atol=1e-9))
 check("the heap has contacts", lines > 1000)
 check("below the outlet", ((b["Points"][:, 2] <= 8) & free).sum() == said["bodies_out"])
 

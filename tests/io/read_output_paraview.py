@@ -3,7 +3,8 @@ import sys
 from paraview.simple import OpenDataFile
 
 name, outputs = sys.argv[1], int(sys.argv[2])
-for kind, arrays, some in (("", "PointData", "velocity"), ("_contacts", "CellData", "normal_force")):
+for kind, arrays, some in (("", "PointData", "velocity"), ("_contacts", "CellData", "normal_force"),
+                           ("_surfaces", "CellData", "velocity")):
     reader = OpenDataFile(f"{name}{kind}.hdf.series")
     times = list(reader.TimestepValues)
     assert len(times) == outputs and times == sorted(set(times)), times

@@ -81,6 +81,7 @@ TEST_CASE("every option is read") {
                                             "out",
                                             "--output-every",
                                             "8",
+                                            "--output-surfaces",
                                             "--spheres",
                                             "0",
                                             "--damping",
@@ -99,6 +100,7 @@ TEST_CASE("every option is read") {
   CHECK(o.restart == "in.h5");
   CHECK(o.output == "out");
   CHECK(o.output_every == 8);
+  CHECK(o.output_surfaces);
   CHECK(o.spheres == 0);
   CHECK(o.damping == 1);
   CHECK(!o.flat);
@@ -208,6 +210,7 @@ TEST_CASE("values that make no sense are refused") {
         "--checkpoint-every needs --checkpoint FILE; see --help");
   CHECK(refusal({"--output-every", "0"}) ==
         "--output-every must be at least 1, but is 0; see --help");
+  CHECK(refusal({"--output-surfaces"}) == "--output-surfaces needs --output NAME; see --help");
   CHECK(refusal({"--csv-every", "0"}) == "--csv-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");
   CHECK(refusal({"--steps="}) ==

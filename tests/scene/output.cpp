@@ -295,6 +295,80 @@ TEST_CASE("contacts are lines between the bodies, each once, and their forces be
   }
 }
 
+TEST_CASE(
+    "an output of surfaces has the faces of every box, at its place, on any number of ranks") {
+  const scratch files;
+  std::map<std::uint64_t, vec3> alone;
+  for (const int ranks : {1, 4}) {
+    const std::string name = files("faces" + std::to_string(ranks));
+    std::map<std::uint64_t, vec3> expected;
+    threads::launch({.ranks = ranks}, [&](auto& link) {
+      world<pile> w(link);
+      set_up(w);
+      write_vtk(w, name, {.surfaces = true});
+      if (ranks == 1)
+        w.for_each_local([&](const auto& b) {
+          if constexpr (requires { b.shape().parts(); })
+            b.shape().each_part([&](const auto& shape, const pose& at) {
+              if constexpr (requires { shape.size; })
+                expected[value_of(b.id())] = detail::combined(b.pose(), at).position;
+            });
+        });
+    });
+    const file_reader f(name + "_surfaces.hdf");
+    const auto ids = f.ids("CellData/id");
+    const auto ends = f.whole("Offsets"), corners = f.whole("Connectivity");
+    const auto points = f.reals("Points", 3);
+    const auto types = f.get<std::uint8_t>("Types", detail::number_type::u8, 1);
+    CHECK(types == std::vector<std::uint8_t>(ids.size(), 7));
+    CHECK(f.whole("NumberOfCells").at(0) == static_cast<std::int64_t>(ids.size()));
+    CHECK(f.whole("NumberOfConnectivityIds").at(0) == static_cast<std::int64_t>(corners.size()));
+    CHECK(f.whole("NumberOfPoints").at(0) * 3 == static_cast<std::int64_t>(points.size()));
+    REQUIRE(ends.size() == ids.size() + 1);
+    // Six times the volume of each body, from tetrahedra on its faces, and the middle of its
+    // corners.
+    std::map<std::uint64_t, double> volume;
+    std::map<std::uint64_t, vec3> middle;
+    std::map<std::uint64_t, int> faces;
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      const auto corner = [&](std::int64_t c) {
+        const auto at = static_cast<std::size_t>(3 * corners.at(static_cast<std::size_t>(c)));
+        return vec3(points.at(at), points.at(at + 1), points.at(at + 2));
+      };
+      REQUIRE(ends[k + 1] - ends[k] == 4);
+      const vec3 a = corner(ends[k]);
+      for (std::int64_t c = ends[k]; c < ends[k + 1]; ++c) {
+        auto& sum = middle.try_emplace(ids[k], vec3(0, 0, 0)).first->second;
+        sum += corner(c) / 24;
+        if (c > ends[k] + 1) volume[ids[k]] += a.cross(corner(c - 1)).dot(corner(c));
+      }
+      ++faces[ids[k]];
+    }
+    if (ranks == 1) {
+      CHECK(expected.size() > 5);
+      CHECK(middle.size() == expected.size());
+      for (const auto& [id, place] : expected) CHECK((middle.at(id) - place).norm() < 1e-12);
+      alone = middle;
+    }
+    REQUIRE(middle.size() == alone.size());
+    for (const auto& [id, place] : middle) {
+      CHECK((alone.at(id) - place).norm() < 1e-14);
+      CHECK(faces[id] == 6);
+      CHECK(volume[id] / 6 == doctest::Approx(0.4 * 0.3 * 0.5));
+    }
+  }
+}
+
+TEST_CASE("surfaces of spheres alone are refused with what to do instead") {
+  using balls = scenario<bodies<sphere, plane>, transport<threads>>;
+  threads::launch({.ranks = 2}, [&](auto& link) {
+    world<balls> w(link);
+    CHECK_THROWS_WITH(write_vtk(w, "/tmp/none", {.surfaces = true}),
+                      "an output has no surfaces where all bodies are spheres or planes: leave "
+                      "surfaces out, and draw the points of the output as spheres of their radius");
+  });
+}
+
 namespace {
 
 int run_pile(std::vector<std::string> words, int ranks = 2) {
@@ -331,14 +405,17 @@ TEST_CASE("a series of a restarted run is the one of a run that was never interr
   CHECK(bodies_in(file_reader(files("a_0000000030.hdf"))).size() > 35);
 
   // The same, had the run been killed between its two indices, and at a step that has an output.
-  REQUIRE(run_pile({"--steps", "20", "--output", files("c"), "--checkpoint", files("c.h5")}) == 0);
+  REQUIRE(run_pile({"--steps", "20", "--output", files("c"), "--output-surfaces", "--checkpoint",
+                    files("c.h5")}) == 0);
   const std::string all = text_of(files("c_contacts.hdf.series"));
   REQUIRE(steps_in(files("c_contacts.hdf.series")) == std::vector<int>{0, 10, 20});
   const auto last = all.find(",\n    {\"name\": \"c_contacts_0000000020");
   REQUIRE(last != all.npos);
   std::ofstream(files("c_contacts.hdf.series")) << all.substr(0, last) << "\n  ]\n}\n";
-  REQUIRE(run_pile({"--steps", "40", "--output", files("c"), "--restart", files("c.h5")}) == 0);
+  REQUIRE(run_pile({"--steps", "40", "--output", files("c"), "--output-surfaces", "--restart",
+                    files("c.h5")}) == 0);
   CHECK(steps_in(files("c.hdf.series")) == whole);
+  CHECK(steps_in(files("c_surfaces.hdf.series")) == whole);
   CHECK(steps_in(files("c_contacts.hdf.series")) == whole);
 
   CHECK(text_of(files("c.hdf.series"))

@@ -1,20 +1,29 @@
 #pragma once
 // Bodies and contacts for ParaView, VTK and Python: docs/output.md.
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "talus/io/detail/series_index.hpp"
 #include "talus/io/detail/vtk_bodies.hpp"
 #include "talus/io/detail/vtk_contacts.hpp"
 #include "talus/io/detail/vtk_file.hpp"
+#include "talus/io/detail/vtk_surfaces.hpp"
 #include "talus/world/each_contact.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
+
+/// What an output has beside bodies and contacts.
+struct vtk_content {
+  bool surfaces = false;  ///< faces of all bodies but spheres and planes, NAME_surfaces.hdf
+};
 
 namespace detail {
 
@@ -24,15 +33,42 @@ template <class Scenario>
 void write_vtk_bodies(world<Scenario>& w, checkpoint_team& team, const std::string& file) {
   vtk_bodies<Scenario> rows;
   rows.add_all(w.state());
-  write_vtk_file(team, file, vtk_cell::vertex, std::move(rows.points), std::move(rows.data),
-                 w.steps(), w.time());
+  write_vtk_file(team, file, vtk_cells::in_a_row(vtk_cell::vertex, rows.points.rows(), 1),
+                 std::move(rows.points), std::move(rows.data), w.steps(), w.time());
 }
 template <class Scenario>
 void write_vtk_contacts(world<Scenario>& w, checkpoint_team& team, const std::string& file) {
   vtk_contacts rows;
   rows.add_all(w);
-  write_vtk_file(team, file, vtk_cell::line, std::move(rows.points), std::move(rows.data),
-                 w.steps(), w.time());
+  write_vtk_file(team, file, vtk_cells::in_a_row(vtk_cell::line, rows.points.rows(), 2),
+                 std::move(rows.points), std::move(rows.data), w.steps(), w.time());
+}
+template <class Scenario>
+void write_vtk_surfaces(world<Scenario>& w, checkpoint_team& team, const std::string& file) {
+  vtk_surfaces<Scenario> rows;
+  rows.add_all(w.state());
+  write_vtk_file(team, file, rows.cells(), std::move(rows.points), std::move(rows.data), w.steps(),
+                 w.time());
+}
+
+/// One of the files of an output.
+template <class Scenario>
+struct vtk_block {
+  const char* end_of_name;
+  void (*write)(world<Scenario>&, checkpoint_team&, const std::string&);
+};
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::vector<vtk_block<Scenario>> vtk_blocks(const vtk_content& content) {
+  std::vector<vtk_block<Scenario>> all{{"", write_vtk_bodies<Scenario>},
+                                       {"_contacts", write_vtk_contacts<Scenario>}};
+  if constexpr (has_surfaces<Scenario>) {
+    if (content.surfaces) all.push_back({"_surfaces", write_vtk_surfaces<Scenario>});
+  } else if (content.surfaces) {
+    throw std::invalid_argument(
+        "an output has no surfaces where all bodies are spheres or planes: leave surfaces out, and "
+        "draw the points of the output as spheres of their radius");
+  }
+  return all;
 }
 
 /// The name without what says that it is an output.
@@ -50,14 +86,16 @@ void write_vtk_contacts(world<Scenario>& w, checkpoint_team& team, const std::st
 /// and the global ones that have an end, in the order of their ids within each rank; of a union
 /// each part. A contact that carries a force is a line from centre to centre, or to the point where
 /// something immovable is touched. All columns, and what reads them: docs/output.md. Throws
-/// runtime_error alike on all ranks if a file cannot be written.
+/// runtime_error alike on all ranks if a file cannot be written, and invalid_argument for surfaces
+/// where no shape has any.
 template <class Scenario>
-[[gnu::cold]] void write_vtk(world<Scenario>& w, const std::string& name) {
+[[gnu::cold]] void write_vtk(world<Scenario>& w, const std::string& name,
+                             const vtk_content& content = {}) {
   w.require_all_ranks("write_vtk");
   detail::team_over team(w.link());
   const std::string base = detail::output_name(name);
-  detail::write_vtk_bodies(w, team, base + detail::vtk_extension);
-  detail::write_vtk_contacts(w, team, base + "_contacts" + detail::vtk_extension);
+  for (const auto& block : detail::vtk_blocks<Scenario>(content))
+    block.write(w, team, base + block.end_of_name + detail::vtk_extension);
 }
 
 /// A series of such files, NAME_0000001200.hdf after step 1,200 and so on, with
@@ -66,23 +104,26 @@ template <class Scenario>
 template <class Scenario>
 class vtk_series {
  public:
+  using content = vtk_content;
+
   /// With `goes_on` the series of that name goes on where the run does, see go_on(). Else it is
-  /// replaced. Collective; throws runtime_error alike on all ranks if it cannot be written.
-  explicit vtk_series(world<Scenario>& w, const std::string& name, bool goes_on = false)
-      : w_(w),
-        name_(detail::output_name(name)),
-        bodies_(name_ + detail::vtk_extension + ".series"),
-        contacts_(name_ + "_contacts" + detail::vtk_extension + ".series"),
-        goes_on_(goes_on) {
+  /// replaced. Collective; throws as write_vtk does.
+  explicit vtk_series(world<Scenario>& w, const std::string& name, bool goes_on = false,
+                      const content& what = {})
+      : w_(w), name_(detail::output_name(name)), goes_on_(goes_on) {
     w.require_all_ranks("vtk_series");
+    for (const auto& block : detail::vtk_blocks<Scenario>(what))
+      parts_.push_back({block, detail::series_index(name_ + block.end_of_name +
+                                                    detail::vtk_extension + ".series")});
     detail::team_over team(w.link());
     team.together([&] {
       if (w.rank() != 0) return;
       if (name_.empty() || name_.back() == '/')
         detail::fail<std::runtime_error>(
             "the output {} has no name: give the beginning of the names of its files", name);
-      bodies_.require_writable(), contacts_.require_writable();
-      if (!goes_on) bodies_.begin(), contacts_.begin();
+      for (const part& p : parts_) p.index.require_writable();
+      if (!goes_on)
+        for (part& p : parts_) p.index.begin();
     });
   }
 
@@ -94,11 +135,11 @@ class vtk_series {
     std::uint64_t has_now = 0;
     team.together([&] {
       if (w_.rank() != 0) return;
-      // Of the present step there are both files, or they are written again.
+      // Of the present step there are all files, or they are written again.
       const std::uint64_t end = w_.steps() + 1;
-      has_now = bodies_.last_before(end) == w_.steps() && contacts_.last_before(end) == w_.steps();
-      for (detail::series_index* index : {&bodies_, &contacts_})
-        index->go_on(has_now != 0 ? end : w_.steps());
+      has_now = std::all_of(parts_.begin(), parts_.end(),
+                            [&](const part& p) { return p.index.last_before(end) == w_.steps(); });
+      for (part& p : parts_) p.index.go_on(has_now != 0 ? end : w_.steps());
     });
     team.most(std::span(&has_now, 1));
     if (has_now != 0) last_ = w_.steps();
@@ -112,24 +153,27 @@ class vtk_series {
     last_ = w_.steps();
     std::string digits = std::to_string(w_.steps());
     if (digits.size() < 10) digits.insert(0, 10 - digits.size(), '0');
-    const std::string bodies = name_ + "_" + digits + detail::vtk_extension,
-                      contacts = name_ + "_contacts_" + digits + detail::vtk_extension;
-    detail::write_vtk_bodies(w_, team, bodies);
-    detail::write_vtk_contacts(w_, team, contacts);
+    const auto file = [&](const part& p) {
+      return name_ + p.block.end_of_name + "_" + digits + detail::vtk_extension;
+    };
+    for (const part& p : parts_) p.block.write(w_, team, file(p));
     team.together([&] {
       if (w_.rank() != 0) return;
-      bodies_.add(without_folder(bodies), w_.time());
-      contacts_.add(without_folder(contacts), w_.time());
+      for (part& p : parts_) p.index.add(without_folder(file(p)), w_.time());
     });
   }
 
  private:
+  struct part {
+    detail::vtk_block<Scenario> block;
+    detail::series_index index;
+  };
   [[nodiscard]] static std::string without_folder(const std::string& file) {
     return file.substr(file.find_last_of('/') + 1);
   }
   world<Scenario>& w_;
   std::string name_;
-  detail::series_index bodies_, contacts_;
+  std::vector<part> parts_;
   bool goes_on_;
   std::optional<std::uint64_t> last_;
 };

@@ -41,6 +41,7 @@ struct options {
   std::string restart;               ///< checkpoint to go on from; empty: from the beginning
   std::string output;                ///< files for ParaView begin with it; empty: none
   std::size_t output_every = 100;    ///< steps between them
+  bool output_surfaces = false;      ///< with the faces of bodies that are no spheres
 
   [[gnu::cold]] void describe(command_line& cli) {
     cli.add("--steps", steps, "time steps");
@@ -67,9 +68,14 @@ struct options {
     cli.add("--restart", restart, "go on from this checkpoint");
     cli.add("--output", output, "write bodies and contacts for ParaView: NAME.hdf.series");
     cli.add("--output-every", output_every, "steps from one output to the next", 1);
+    cli.add(
+        "--output-surfaces", output_surfaces,
+        "with the faces of boxes, capsules and all that are no spheres: NAME_surfaces.hdf.series");
     cli.check([this] {
       if (checkpoint.empty() && checkpoint_every > 0)
         throw usage_error("--checkpoint-every needs --checkpoint FILE; see --help");
+      if (output.empty() && output_surfaces)
+        throw usage_error("--output-surfaces needs --output NAME; see --help");
       if (!colour.empty() && colour != "rank" && colour != "speed")
         throw usage_error("--colour must be rank or speed, but is '" + colour + "'; see --help");
     });

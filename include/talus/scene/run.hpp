@@ -114,8 +114,9 @@ void attach_output(world<Scenario>& w, const Options& options) {
                   "features<vtk_output>: write #include <talus/vtk.hpp>");
     if constexpr (complete<vtk_series<Scenario>>) {
       if (options.output.empty()) return;
-      const auto series =
-          std::make_shared<vtk_series<Scenario>>(w, options.output, !options.restart.empty());
+      const auto series = std::make_shared<vtk_series<Scenario>>(
+          w, options.output, !options.restart.empty(),
+          typename vtk_series<Scenario>::content{.surfaces = options.output_surfaces});
       const auto write = [&w, series, every = options.output_every] {
         if (w.steps() % every == 0) series->write();
       };

@@ -14,8 +14,8 @@
 namespace talus::detail {
 
 /// Shapes by number, as the column `shape` has them.
-inline constexpr std::string_view vtk_shape_names[] = {"sphere", "box", "capsule", "cylinder",
-                                                       "convex_polyhedron"};
+inline constexpr std::string_view vtk_shape_names[] = {
+    "sphere", "box", "capsule", "cylinder", "convex_polyhedron", "triangle_mesh"};
 [[nodiscard, gnu::cold]] inline std::uint8_t vtk_shape_number(std::string_view name) {
   std::uint8_t n = 0;
   for (const std::string_view known : vtk_shape_names) {

@@ -1,6 +1,7 @@
 #pragma once
 // The layout of VTKHDF files (VTK file formats, "VTKHDF", version 1.0: UnstructuredGrid), which VTK
 // reads from 9.1 on: points and cells of all ranks in one piece, and what they carry.
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -26,60 +27,85 @@ class vtk_kind final : public file_kind {
 };
 
 /// Kinds of cells, as VTK numbers them.
-enum class vtk_cell : std::uint8_t { vertex = 1, line = 3 };
+enum class vtk_cell : std::uint8_t { vertex = 1, line = 3, polygon = 7 };
 
-/// Cells of this rank: each takes the next points, one of a vertex, two of a line.
+/// Cells of one rank: the points of each, one cell after the other, counted from the rank's first;
+/// and where among them each cell ends.
 struct vtk_cells {
-  /// `first` cells are those of the ranks before; the first rank adds the place where all begin.
-  [[gnu::cold]] vtk_cells(vtk_cell kind, std::uint64_t first, std::uint64_t cells,
-                          bool first_rank) {
-    const auto corners = kind == vtk_cell::vertex ? 1u : 2u;
-    const auto add = [&](const char* name, number_type type, std::uint64_t rows, auto&& value) {
-      table_part& t = tables.emplace_back();
-      t.path = "/VTKHDF";
-      t.rows = rows;
-      byte_buffer bytes;
-      bytes.reserve(t.rows * bytes_of(type));
-      byte_writer out(bytes);
-      for (std::uint64_t i = 0; i < t.rows; ++i) out.put(value(i));
-      t.memory.push_back(std::move(bytes));
-      t.columns.push_back({name, type, 1, t.memory.back().data()});
-    };
-    add("Connectivity", number_type::i64, cells * corners,
-        [&](std::uint64_t i) { return static_cast<std::int64_t>(first * corners + i); });
-    add("Types", number_type::u8, cells, [&](std::uint64_t) { return kind; });
-    add("Offsets", number_type::i64, cells + first_rank, [&](std::uint64_t i) {
-      return static_cast<std::int64_t>((first + i + !first_rank) * corners);
-    });
+  vtk_cell kind;
+  std::vector<std::int64_t> points, ends;
+
+  /// Each takes the next points, so many of them.
+  [[nodiscard, gnu::cold]] static vtk_cells in_a_row(vtk_cell kind, std::size_t points,
+                                                     std::size_t of_each) {
+    vtk_cells all{kind, std::vector<std::int64_t>(points), {}};
+    for (std::size_t k = 0; k < points; ++k) all.points[k] = static_cast<std::int64_t>(k);
+    for (std::size_t end = of_each; end <= points; end += of_each)
+      all.ends.push_back(static_cast<std::int64_t>(end));
+    return all;
   }
-  std::vector<table_part> tables;
 };
 
-/// Collective: writes points, in the order of their cells, and data, of points or of cells.
+/// Numbers of points, of cells, and of points of all cells.
+struct vtk_counts {
+  std::int64_t points = 0, cells = 0, corners = 0;
+};
+
+/// What cells are in the file; `before` counts what the ranks before have. The first rank adds the
+/// place where all begin.
+[[nodiscard, gnu::cold]] inline std::vector<table_part> tables_of(const vtk_cells& cells,
+                                                                  const vtk_counts& before,
+                                                                  bool first_rank) {
+  std::vector<table_part> tables;
+  const auto add = [&](const char* name, number_type type, std::size_t rows, auto&& value) {
+    table_part& t = tables.emplace_back();
+    t.path = "/VTKHDF";
+    t.rows = rows;
+    byte_buffer bytes;
+    bytes.reserve(t.rows * bytes_of(type));
+    byte_writer out(bytes);
+    for (std::size_t i = 0; i < rows; ++i) out.put(value(i));
+    t.memory.push_back(std::move(bytes));
+    t.columns.push_back({name, type, 1, t.memory.back().data()});
+  };
+  add("Connectivity", number_type::i64, cells.points.size(),
+      [&](std::size_t i) { return before.points + cells.points[i]; });
+  add("Types", number_type::u8, cells.ends.size(), [&](std::size_t) { return cells.kind; });
+  const std::size_t begin = first_rank ? 1 : 0;
+  add("Offsets", number_type::i64, cells.ends.size() + begin, [&](std::size_t i) {
+    return before.corners + (i < begin ? std::int64_t{0} : cells.ends[i - begin]);
+  });
+  return tables;
+}
+
+/// Collective: writes cells, their points, and data, of points or of cells.
 [[gnu::cold]] inline void write_vtk_file(checkpoint_team& team, const std::string& file,
-                                         vtk_cell kind, row_table&& points, row_table&& data,
-                                         std::uint64_t step, double time) {
-  const std::uint64_t own = kind == vtk_cell::vertex ? points.rows() : points.rows() / 2;
+                                         const vtk_cells& cells, row_table&& points,
+                                         row_table&& data, std::uint64_t step, double time) {
   byte_buffer mine;
-  byte_writer(mine).put(own);
-  std::uint64_t first = 0, all = 0;
+  byte_writer(mine).put(vtk_counts{static_cast<std::int64_t>(points.rows()),
+                                   static_cast<std::int64_t>(cells.ends.size()),
+                                   static_cast<std::int64_t>(cells.points.size())});
+  vtk_counts before, all;
   int rank = 0;
+  const auto add = [](vtk_counts& sum, const vtk_counts& n) {
+    sum.points += n.points, sum.cells += n.cells, sum.corners += n.corners;
+  };
   for (const byte_buffer& each : team.gather_all(mine)) {
-    const auto cells = byte_reader(each).get<std::uint64_t>();
-    if (rank++ < team.rank()) first += cells;
-    all += cells;
+    const auto n = byte_reader(each).get<vtk_counts>();
+    if (rank++ < team.rank()) add(before, n);
+    add(all, n);
   }
-  std::vector<table_part> tables = std::move(vtk_cells(kind, first, own, team.rank() == 0).tables);
+  std::vector<table_part> tables = tables_of(cells, before, team.rank() == 0);
   tables.push_back(points.take());
   tables.push_back(data.take());
-  const auto corners = kind == vtk_cell::vertex ? 1u : 2u;
-  const auto whole = [](const char* name, std::uint64_t n) {
-    const auto value = static_cast<std::int64_t>(n);
+  const auto whole = [](const char* name, std::int64_t value) {
     return numbers_dataset<std::int64_t>(std::string("/VTKHDF/") + name, std::span(&value, 1));
   };
   const std::vector<small_dataset> small{
-      whole("NumberOfPoints", all * corners), whole("NumberOfCells", all),
-      whole("NumberOfConnectivityIds", all * corners), whole("FieldData/step", step),
+      whole("NumberOfPoints", all.points), whole("NumberOfCells", all.cells),
+      whole("NumberOfConnectivityIds", all.corners),
+      whole("FieldData/step", static_cast<std::int64_t>(step)),
       numbers_dataset<double>("/VTKHDF/FieldData/time", std::span(&time, 1))};
   vtk_kind how;
   team_writer(team, how, file).write(tables, small);
