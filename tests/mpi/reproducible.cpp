@@ -1,5 +1,5 @@
 // The same bits from processes that a user has connected by hand as from one rank.
-// ranks: 1 2 4 7
+// ranks: 1 2 4 7 9 19
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
