@@ -56,19 +56,7 @@ int main(int argc, char** argv) {
     });
 
     // Spheres are counted and removed when they have fallen well below the outlet.
-    double out = 0;
-    std::uint64_t left = 0;
-    world.after_each_step([&] {
-      left += world.destroy_if([&](const auto& b) {
-        if (b.position()[2] > -floor - 4) return false;
-        out += b.mass();
-        return true;
-      });
-    });
-    const auto on_all_ranks = [&](double mine) {
-      world.link().reduce(reduction::sum, std::span(&mine, 1));
-      return mine;
-    };
+    const outflow fallen = remove_in(world, half_space(0, 0, -1, floor + 4));
     take_pictures(world, options,
                   {.from = {0.5 * W, -2.4 * H, 0.9 * H},
                    .at = {0.5 * W, 0, 0.4 * H},
@@ -79,24 +67,29 @@ int main(int argc, char** argv) {
       const auto last = std::min<std::uint64_t>(std::llround(time / options.dt), options.steps);
       if (last > world.steps()) world.simulate({.steps = last - world.steps(), .dt = options.dt});
     };
+    double bulk = 0, before = 0, from = 0;  // measured on the way, and kept by checkpoints
+    world.keep("bulk", bulk);
+    world.keep("before", before);
+    world.keep("from", from);
     simulate_until(time_open);
     double mass = 0;  // of what lies in a slice above the outlet
     world.for_each_local([&](const auto& b) {
       const double z = b.position()[2];
       if (!b.is_fixed() && z > 2 * d && z < 8 * scale) mass += b.mass();
     });
-    const double bulk = on_all_ranks(mass) / (W * D * (8 * scale - 2 * d));
+    world.link().reduce(reduction::sum, std::span(&mass, 1));
+    bulk = mass / (W * D * (8 * scale - 2 * d));
     world.destroy(gate);
-    const double start = time_open + 1.5 * std::sqrt(scale);  // until the flow is steady
-    simulate_until(start);
-    const double before = on_all_ranks(out), from = world.time();
+    simulate_until(time_open + 1.5 * std::sqrt(scale));  // until the flow is steady
+    before = fallen.total(world).mass, from = world.time();
     simulate_until(options.steps * options.dt);
-    const double flow = (on_all_ranks(out) - before) / std::max(world.time() - from, options.dt);
+    const auto [left, out] = fallen.total(world);
+    const double flow = (out - before) / std::max(world.time() - from, options.dt);
     // Beverloo, Leniger, van de Velde 1961; constants for slots: Al-Din and Gunn 1984.
     const double law = 1.03 * bulk * std::sqrt(gravity) * D * std::pow(slot - 1.4 * d, 1.5);
     return results{{"mass_flow_rate", flow},
                    {"mass_flow_rate_beverloo", law},
                    {"bulk_density", bulk},
-                   {"spheres_left", on_all_ranks(static_cast<double>(left))}};
+                   {"spheres_left", static_cast<double>(left)}};
   });
 }

@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
       return body{
           .shape = sphere{random.uniform(0.4, 0.5)}, .position = place.position, .material = grain};
     });
-    take_pictures(world, options, {.from = {0.5 * W, -22, 8}, .at = {0.5 * W, 0, 5}, .angle = 40});
+    take_pictures(world, options, {.from = {0.5 * W, -14, 24}, .at = {0.5 * W, 2, 5}, .angle = 36});
 
     world.simulate({.steps = options.steps, .dt = options.dt});
 
