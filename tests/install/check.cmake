@@ -1,4 +1,5 @@
-# Installs BUILD into an empty prefix, then configures, builds and runs the CONSUMER against it.
+# Installs BUILD into an empty prefix, then configures, builds and runs the CONSUMER against it, with
+# ARGUMENTS.
 set(work ${BUILD}/tests/install_${CONSUMER})
 file(REMOVE_RECURSE ${work})
 function(run)
@@ -14,4 +15,5 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${work}/build -G ${GENERATO
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${work}/prefix -DCONSUMER=${CONSUMER}
     -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
 run(${CMAKE_COMMAND} --build ${work}/build)
-run(${work}/build/consumer)
+separate_arguments(ARGUMENTS)
+run(${work}/build/consumer ${ARGUMENTS})
