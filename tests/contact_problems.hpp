@@ -122,7 +122,7 @@ inline contact_scene random_cluster(int bodies, int contacts, real decades, real
   contact_scene s;
   for (int i = 0; i < bodies; ++i) {
     const real m = std::pow(10., random(0, decades));
-    s.bodies.push_back({m, m * vec3(random(0.05, 1), random(0.05, 1), random(0.05, 1)),
+    s.bodies.push_back({m, m * vec3{random(0.05, 1), random(0.05, 1), random(0.05, 1)},
                         random.point(0.5 * std::cbrt(bodies)), random.point(1), random.point(1)});
     s.bodies.back().velocity[2] -= 1;
   }

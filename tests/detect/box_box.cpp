@@ -227,7 +227,7 @@ TEST_CASE("random boxes: right gaps, sound points, no pair missed") {
     INFO("seed " << seed);
     generator random{std::mt19937_64(seed)};
     const real flat = seed % 4 == 0 ? 0.05 : 0.3;
-    const auto size = [&] { return vec3(random(flat, 2), random(flat, 2), random(flat, 2)); };
+    const auto size = [&] { return vec3{random(flat, 2), random(flat, 2), random(flat, 2)}; };
     posed a{box{size()}, {random.point(4), random.turn()}};
     posed b{box{size()}, {random.point(4), random.turn()}};
     if (seed % 3 == 0) b.at.orientation = a.at.orientation * rotation(random.direction(), 0.05);
@@ -288,7 +288,7 @@ TEST_CASE("gaps grow by h when a moves by h along the normal; moving both change
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
     INFO("seed " << seed);
     generator random{std::mt19937_64(seed)};
-    const auto size = [&] { return vec3(random(0.3, 2), random(0.3, 2), random(0.3, 2)); };
+    const auto size = [&] { return vec3{random(0.3, 2), random(0.3, 2), random(0.3, 2)}; };
     posed a{box{size()}, {random.point(1), random.turn()}};
     posed b{box{size()}, {random.point(1), random.turn()}};
     const real margin = 0.2;
@@ -403,7 +403,8 @@ TEST_CASE("of a patch with many corners the deepest and a large area are kept") 
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     INFO("seed " << seed);
     generator random{std::mt19937_64(seed)};
-    const quat tilt = rotation(vec3(random(-1, 1), random(-1, 1), 0), random(0, 0.02));
+    const vec3 axis{random(-1, 1), random(-1, 1), 0};
+    const quat tilt = rotation(axis, random(0, 0.02));
     const posed above = unit_box({random(-0.1, 0.1), random(-0.1, 0.1), 1},
                                  tilt * rotation({0, 0, 1}, random(0.5, 1)));
     const contacts c = find(unit_box({0, 0, 0}), above, 0.1);

@@ -245,12 +245,14 @@ TEST_CASE("degenerate places give finite contacts with unit normals") {
   CHECK(touching > 20000);
 }
 
+// (Both leave a corner where it is that lies outside of a side by less than a thousandth of the
+// smallest extent: where the two see such a corner differently, it is a little off.)
 TEST_CASE("a box given as a polyhedron meets a box as a box does") {
-  int faces = 0;
+  int faces = 0, points = 0, off = 0;
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
     INFO("seed " << seed);
     generator random{std::mt19937_64(seed)};
-    const auto size = [&] { return vec3(random(0.3, 2), random(0.3, 2), random(0.3, 2)); };
+    const auto size = [&] { return vec3{random(0.3, 2), random(0.3, 2), random(0.3, 2)}; };
     const box one{size()}, other{size()};
     const pose pa{random.point(1), random.turn()};
     pose pb{random.point(1), random.turn()};
@@ -269,9 +271,13 @@ TEST_CASE("a box given as a polyhedron meets a box as a box does") {
       real nearest = 1e9;
       for (const contact_geometry& e : exact)
         nearest = std::min(nearest, (c.point - e.point).norm());
-      if (exact.size() < 4) CHECK(nearest < 1e-6);
+      if (exact.size() == 4) continue;
+      CHECK(nearest < 1e-2 * smallest);
+      ++points, off += nearest > 1e-6;
     }
   }
+  CHECK(points > 500);
+  CHECK(off <= points / 500);
   MESSAGE(faces, " patches of four points with the same normal");
   CHECK(faces > 200);
 }

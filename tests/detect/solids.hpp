@@ -156,12 +156,12 @@ inline any_shape random_shape(std::size_t kind, generator& random) {
       for (const real z : {0., height})
         points.push_back({std::cos(2 * pi * k / corners), std::sin(2 * pi * k / corners), z});
   } else if (kinds < 2) {  // a block
-    const vec3 size(random(flat, 2), random(flat, 2), random(flat, 2));
+    const vec3 size{random(flat, 2), random(flat, 2), random(flat, 2)};
     for (unsigned c = 0; c < 8; ++c)
       points.push_back(size.cwiseProduct(vec3(c & 1u, c >> 1 & 1u, c >> 2)));
   } else {  // a grain
     const int corners = 4 + static_cast<int>(random(0, 20));
-    const vec3 size(random(0.4, 1), random(0.4, 1), random(0.4, 1));
+    const vec3 size{random(0.4, 1), random(0.4, 1), random(0.4, 1)};
     for (int k = 0; k < corners; ++k) points.push_back(size.cwiseProduct(random.direction()));
     try {
       const convex_polyhedron p(points);
