@@ -45,14 +45,18 @@ struct problem {
       for (int j = 0; j < 3; ++j) state.tensors[i](j, j) += 1;
     }
   }
-  /// Some contacts of a on b with one normal.
+  /// Some contacts of a on b with one normal. A level one has zeros of both signs.
   template <class Row>
-  void add(Row& row, std::int32_t a, std::int32_t b, int contacts) {
+  void add(Row& row, std::int32_t a, std::int32_t b, int contacts, bool level = false) {
     using contact = std::remove_cvref_t<decltype(row[0])>;
-    const vec3 normal = random.vector(1).normalized(), offset = random.vector(1);
+    vec3 normal = random.vector(1);
+    if (level) normal[2] = 0;
+    normal.normalize();
+    const vec3 offset = random.vector(1);
     for (int k = 0; k < contacts; ++k) {
       contact c;
       c.a = a, c.b = b, c.normal = normal;
+      if (level) c.normal[2] = random.between(0, 1) < 0.5 ? 0. : -0.;
       c.arm_a = random.vector(1);
       if constexpr (contact::paired) c.arm_b = c.arm_a + offset;
       c.friction = random.between(0, 1) < 0.2 ? 0 : random.between(0.1, 1);
@@ -121,6 +125,14 @@ TEST_CASE_TEMPLATE("patches apart are solved in blocks as one by one", Paired, s
   for (std::int32_t k = 0; k < patches; ++k)
     p.add(row, 2 * k, Paired::value ? 2 * k + 1 : -1, 1 + k % 7);
   check<Paired::value>(p, row);
+}
+
+TEST_CASE("normals that differ in the sign of a zero alone are one") {
+  constexpr std::int32_t patches = 100;
+  problem p(2 * patches);
+  patched_row<contact_of<true>> row;
+  for (std::int32_t k = 0; k < patches; ++k) p.add(row, 2 * k, 2 * k + 1, 1 + k % 7, true);
+  check<true>(p, row);
 }
 
 TEST_CASE("what all patches share and cannot move is left as it is") {

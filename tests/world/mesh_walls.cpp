@@ -6,8 +6,10 @@
 #include <cmath>
 #include <talus/mesh.hpp>
 #include <talus/observe/digest.hpp>
+#include <talus/observe/energy.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/parallel/grid.hpp>
+#include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/scene/lattice.hpp>
@@ -112,6 +114,38 @@ TEST_CASE(
       digests.push_back(digest);
     });
   CHECK(digests[0] == digests[1]);
+}
+
+TEST_CASE("the energy ledger closes for boxes thrown against upright walls of triangles") {
+  using watched = scenario<bodies<box, triangle_mesh, plane>,
+                           hard_contact<coulomb_friction, newton_restitution>, transport<serial>,
+                           features<energy_ledger>>;
+  std::vector<triangle_mesh::triangle> walls;
+  const auto corner = [](int k) { return vec3(std::cos(pi * k / 12), std::sin(pi * k / 12), 0); };
+  for (int k = 0; k < 24; ++k) {
+    const vec3 a = 2 * corner(k), b = 2 * corner(k + 1), up(0, 0, 3);
+    walls.push_back({a, b, vec3(b + up)}), walls.push_back({a, vec3(b + up), vec3(a + up)});
+  }
+  const triangle_mesh vessel(walls);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    serial::link link;
+    world<watched> w(link);
+    w.gravity({0, 0, -9.81});
+    w.material({.restitution = 0.3, .friction = 0.4});
+    w.global([&](auto& scope) {
+      const pose at = placed(vessel);
+      scope.add(plane{}, {});
+      scope.add(vessel, {}, at.position, at.orientation);
+    });
+    random_stream random(seed, 0);
+    for (int k = 0; k < 4; ++k)
+      w.add(body{.shape = box{{0.14, 0.16, 0.18}},
+                 .position = {0.6 * k - 0.9, 0, 0.9},
+                 .velocity = random.uniform(vec3(-60, -60, -12), vec3(60, 60, 12))});
+    w.simulate({.steps = 120, .dt = 0.002});
+    CHECK(measure_energy(w).worst < 1e-12);
+  }
 }
 
 TEST_CASE("a mesh that should move is refused, and one that is fixed is no body that moves") {

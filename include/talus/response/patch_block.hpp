@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include "talus/core/math.hpp"
 #include "talus/core/octet_vector.hpp"
@@ -20,13 +19,7 @@ namespace talus::detail {
 
 /// frame_around() of eight normals, to the bit.
 [[nodiscard]] [[gnu::always_inline]] inline octet_matrix frames_around(const octet_vector& n) {
-  octet_mask bits;
-  const octet one = eight(1);
-  octet_mask of_one;
-  std::memcpy(&bits, &n.z, sizeof bits), std::memcpy(&of_one, &one, sizeof of_one);
-  bits = (bits & std::int64_t{1} << 63) | of_one;
-  octet sign;
-  std::memcpy(&sign, &bits, sizeof sign);
+  const octet sign = n.z < eight(0) ? eight(-1) : eight(1);
   const octet p = -1 / (sign + n.z), q = n.x * n.y * p;
   return {n, {1 + sign * n.x * n.x * p, sign * q, -sign * n.x}, {q, sign + n.y * n.y * p, -n.y}};
 }
