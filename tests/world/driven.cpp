@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <talus/observe/doubts.hpp>
 #include <talus/observe/energy.hpp>
 #include <talus/observe/force.hpp>
 #include <talus/observe/momentum.hpp>
@@ -226,4 +227,54 @@ TEST_CASE("what cannot be driven is refused") {
                        std::runtime_error);
   c.w.destroy(floor);
   c.w.step(0.01);
+}
+
+TEST_CASE(
+    "a motion that leaps from where the body is, or spins faster than steps show, is refused") {
+  course c;
+  const auto lid = c.global(plane{.normal = {0, 0, -1}, .offset = -2});
+  const auto blade = c.global(box{{3, 1, 1}}, {0, 0, 9});
+  real shift = 0;
+  c.w.drive(lid, [&shift](real t) { return rigid_displacement{.shift = {0, 0, shift + 0.1 * t}}; });
+  c.w.drive(blade, turning{.axis = {0, 0, 1}, .speed = 300});
+  c.run(0.1, 0.01);  // less than half a turn in a step
+  shift = 0.5;
+  CHECK_THROWS_WITH_AS(c.w.step(0.01), doctest::Contains("but its motion has it elsewhere"),
+                       std::runtime_error);
+  shift = 0;
+  c.w.step(0.01);
+  for (const real dt : {0.011, 0.02, 0.03, 0.1})
+    CHECK_THROWS_WITH_AS(c.w.step(dt), doctest::Contains("turns by half a turn or more"),
+                         std::runtime_error);
+  c.w.drive(blade, [](real) { return rigid_velocity{.angular_velocity = {0, 0, 400}}; });
+  CHECK_THROWS_WITH_AS(c.w.step(0.01), doctest::Contains("turns by half a turn or more"),
+                       std::runtime_error);
+}
+
+TEST_CASE("a step in which contacts make a body far faster than anything was is noted, and said") {
+  course c;
+  c.w.gravity({0, 0, -10});
+  const auto lid = c.global(plane{.normal = {0, 0, -1}, .offset = -9});
+  c.w.drive(lid, gliding{{0, 0, -2}});
+  c.w.add(body{.shape = sphere{1}, .position = {0, 0, 3}, .material = c.rough});
+  c.run(0.1, 0.01);
+  CHECK(c.w.state().driving.leap.step == 0);
+  auto& s = c.w.state();
+  s.solver.bodies[0].v = {0, 0, 29};  // ten times 2 + 1 + 10 * 0.01 would be a leap
+  detail::watch_leaps(s);
+  CHECK(s.driving.leap.step == 0);
+  s.solver.bodies[0].v = {0, 0, 40};
+  detail::watch_leaps(s);
+  const detail::speed_leap leap = s.driving.leap;
+  CHECK(leap.step == 11);
+  CHECK(leap.after == 40);
+  CHECK(leap.before == doctest::Approx(3.1).epsilon(0.01));
+  const std::string said = detail::doubts({.bodies = 1,
+                                           .movable = 1,
+                                           .steps = 11,
+                                           .dt = 0.01,
+                                           .gravity = 10,
+                                           .radius = 1,
+                                           .leap = leap});
+  CHECK(said.find("in step 11 contacts made a body as fast as 40") != said.npos);
 }

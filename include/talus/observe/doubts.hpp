@@ -5,6 +5,7 @@
 #include <string>
 
 #include "talus/core/error.hpp"
+#include "talus/world/driven_bodies.hpp"
 
 namespace talus::detail {
 
@@ -12,11 +13,13 @@ namespace talus::detail {
 struct run_scales {
   std::uint64_t bodies = 0, movable = 0, steps = 0;
   double dt = 0;
-  double gravity = 0;     ///< its size
-  double radius = 0;      ///< mean bounding radius of the movable bodies
-  double fastest = 0;     ///< speed at the end
-  bool followed = false;  ///< fast bodies are followed on their way: continuous_collision
-  bool soft = false;      ///< the step follows from stiffness
+  double gravity = 0;       ///< its size
+  double radius = 0;        ///< mean bounding radius of the movable bodies
+  double fastest = 0;       ///< speed at the end
+  bool followed = false;    ///< fast bodies are followed on their way: continuous_collision
+  bool may_follow = false;  ///< or could be, with all else that the scenario names
+  bool soft = false;        ///< the step follows from stiffness
+  speed_leap leap;          ///< the largest of all ranks; a step of 0: none
 };
 
 /// Parts of the mean radius by which gravity, and the fastest body, may move something in a step.
@@ -45,13 +48,21 @@ inline constexpr std::uint64_t many_steps = 1000;
   else if (way > longest_way && !r.followed)
     all += compose(
         "  warning  in one step of {} the fastest body moves by {} of the mean radius {}: take a "
-        "smaller dt, or name features<continuous_collision>\n",
-        r.dt, text(way, 2), text(r.radius, 3));
+        "smaller dt{}\n",
+        r.dt, text(way, 2), text(r.radius, 3),
+        r.may_follow ? ", or name features<continuous_collision>" : "");
   if (r.gravity > 0 && whole < 1 && r.steps >= many_steps && !r.soft)
     all += compose(
         "  warning  in all {} steps of {} gravity moves a body by no more than {} of the mean "
         "radius {}: see whether lengths, gravity and dt have units that fit together\n",
         r.steps, r.dt, text(whole, 2), text(r.radius, 3));
+  if (r.leap.step > 0)
+    all += compose(
+        "  warning  in step {} contacts made a body as fast as {}, where nothing was faster than "
+        "{}: "
+        "something was caught between a driven body and what stands still, and came free; leave it "
+        "room (twice the largest body), or press with world.hold_force\n",
+        r.leap.step, text(r.leap.after, 3), text(r.leap.before, 3));
   return all;
 }
 

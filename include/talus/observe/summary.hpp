@@ -40,6 +40,8 @@ struct summary {
   std::uint64_t contacts = 0;  ///< considered in the last step
   bool sleeping = false;       ///< whether islands may go to sleep
   bool followed = false;       ///< whether fast bodies are followed: continuous_collision
+  bool may_follow = false;     ///< whether the scenario could name that
+  detail::speed_leap leap;     ///< where contacts made a body much faster than anything was
   double gravity = 0;          ///< its size
   motion moving;
   penetration overlap;
@@ -106,6 +108,19 @@ class json_object {
   std::string text_;
 };
 
+/// Collective: of all ranks, and of several as large the first.
+template <class Scenario>
+[[nodiscard, gnu::cold]] speed_leap largest_leap_of(world<Scenario>& w) {
+  const speed_leap& mine = w.state().driving.leap;
+  std::array<double, 1> ratio{mine.ratio()};
+  w.link().reduce(reduction::max, std::span(ratio));
+  const bool largest = mine.step > 0 && mine.ratio() == ratio[0];
+  std::array<double, 3> found{largest ? static_cast<double>(mine.step) : 0,
+                              largest ? mine.before : 0, largest ? mine.after : 0};
+  w.link().reduce(reduction::max, std::span(found));
+  return {static_cast<std::uint64_t>(found[0]), found[1], found[2]};
+}
+
 }  // namespace detail
 
 /// Collective: the figures of the world as it is now. `cpu_seconds` are those of this rank.
@@ -125,6 +140,10 @@ template <class Scenario>
   if constexpr (Scenario::contact_law::soft) r.critical_dt = critical_dt(w);
   r.sleeping = Scenario::template has_feature<talus::sleeping>;
   r.followed = Scenario::template has_feature<continuous_collision>;
+  r.may_follow =
+      !Scenario::contact_law::soft && !r.sleeping && !detail::world_state<Scenario>::drives &&
+      !detail::world_state<Scenario>::periodic && !detail::world_state<Scenario>::by_colours;
+  if constexpr (detail::world_state<Scenario>::drives) r.leap = detail::largest_leap_of(w);
   r.gravity = w.gravity().norm();
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);
@@ -286,7 +305,9 @@ template <class Scenario>
                              .radius = r.overlap.mean_radius,
                              .fastest = r.moving.max_speed,
                              .followed = r.followed,
-                             .soft = soft(r)});
+                             .may_follow = r.may_follow,
+                             .soft = soft(r),
+                             .leap = r.leap});
   const std::string asleep =
       r.sleeping ? detail::compose(", {} of them asleep", r.moving.asleep) : std::string();
   if (r.balancing)

@@ -84,6 +84,11 @@ class command_line {
   /// What is left when the options are read, `name` ("FILES") in the help. Without it nothing may
   /// be.
   void add_rest(std::string_view name, std::vector<std::string>& values, std::string_view meaning);
+  /// Whether the command line has the option; for conditions.
+  [[nodiscard]] bool given(std::string_view name) {
+    const option* o = find(name);
+    return o != nullptr && o->given;
+  }
   /// A condition on all values together: a function that throws usage_error.
   void check(std::function<void()> condition) { conditions_.push_back(std::move(condition)); }
 

@@ -3,10 +3,12 @@
 // places of a region where there is room.
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "talus/parallel/reduction.hpp"
 #include "talus/scene/region.hpp"
 #include "talus/scene/site.hpp"
+#include "talus/world/image_copies.hpp"
 
 namespace talus {
 
@@ -46,6 +49,35 @@ namespace detail {
   for (const char c : name) h = (h ^ static_cast<unsigned char>(c)) * 16777619u;
   return h << 2 | 2u | second;
 }
+
+/// A body, or a variant of bodies.
+template <class T>
+inline constexpr bool is_made_body = false;
+template <class Shape>
+inline constexpr bool is_made_body<body<Shape>> = true;
+template <class... Bodies>
+inline constexpr bool is_made_body<std::variant<Bodies...>> = (is_made_body<Bodies> && ...);
+
+/// What insert_by_rate is given makes bodies.
+template <class Make>
+struct makes_bodies {
+  static constexpr bool takes_both = std::is_invocable_v<Make&, const site&, random_stream&>;
+  static_assert(takes_both,
+                "insert_by_rate takes a function of a site and its random numbers: write [&](const "
+                "site& place, random_stream& random) { return body{...}; }");
+  static consteval bool gives_bodies() {
+    if constexpr (takes_both)
+      return is_made_body<std::invoke_result_t<Make&, const site&, random_stream&>>;
+    else
+      return true;
+  }
+  static_assert(
+      gives_bodies(),
+      "insert_by_rate takes a function that returns a body, or a std::variant of bodies of "
+      "several shapes, and this one returns something else: write return body{.shape = "
+      "sphere{random.uniform(0.3, 0.5)}, .position = place.position};");
+  static constexpr bool value = takes_both && gives_bodies();
+};
 
 template <class World, class Region, class Make>
 class inserter {
@@ -98,6 +130,7 @@ class inserter {
 
  private:
   static constexpr std::size_t most_at_once = 20000;
+  static constexpr std::uint64_t patience = 1000;  ///< steps without room before it is said
   struct candidate {
     made what;
     std::uint64_t number;
@@ -106,7 +139,15 @@ class inserter {
   candidate candidate_at(const vec3& p, std::uint64_t number) {
     const site place{.position = p, .index = number};
     random_stream random(w_->seed(), number, purpose_of(how_.name, false));
-    return {make_(place, random), number};
+    candidate made{make_(place, random), number};
+    with(made.what, [&](const auto& b) {
+      if (!region_.contains(b.position))
+        fail<std::invalid_argument>(
+            "body {} of the inflow '{}' is made at {}, outside of its region: give it .position = "
+            "site.position, which was {}",
+            number, how_.name, b.position, p);
+    });
+    return made;
   }
   vec3 somewhere(random_stream& random) const {
     for (int k = 0; k < 100000; ++k)
@@ -148,6 +189,7 @@ class inserter {
         taken.push_back(w_->overlaps(b.shape, b.position, b.orientation));
       });
     w_->link().reduce(reduction::max, std::span(taken));
+    const std::uint64_t then = count_.count;
     std::vector<const candidate*> placed;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const candidate& c = all[k];
@@ -161,6 +203,15 @@ class inserter {
       with(c.what, [&](const auto& b) { (void)w_->add_if_local(b); });
       ++count_.count, count_.mass += mass_of(c);
     }
+    waits_ = count_.count > then ? 0 : waits_ + 1;
+    if (waits_ == patience && w_->rank() == 0)
+      std::fputs(
+          compose("the inflow '{}' has found no room for its body {} in {} steps, and waits: "
+                  "let its region be free of walls and of what came before, larger than the "
+                  "bodies, or its rate be lower\n",
+                  how_.name, count_.count, patience)
+              .c_str(),
+          stderr);
   }
 
   World* w_;
@@ -169,6 +220,7 @@ class inserter {
   Make make_;
   vec3 lower_, upper_;
   inserted count_;
+  std::uint64_t waits_ = 0;  ///< steps in a row in which a body was due and found no room
 };
 
 }  // namespace detail
@@ -179,17 +231,22 @@ class inserter {
 /// same random numbers at each, and added at the first that overlaps nothing. While there is no
 /// room the flow waits, and what is missing comes in later. The bodies, their ids, sizes and places
 /// depend on the seed and the state alone, not on the ranks: where bodies are due the ranks agree
-/// by one reduction. Returns what came in so far. All ranks call it alike. Throws invalid_argument
-/// for rates that make no sense and a region without bounds.
+/// by one reduction; where it finds no room for long, rank 0 says so on standard error. Returns
+/// what came in so far. All ranks call it alike. Throws invalid_argument for rates that make no
+/// sense, a region without bounds, and a body whose centre is outside of it.
 template <class World, class Region, class F>
 std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, const Region& region,
                                                F f) {
-  w.require_all_ranks("insert_by_rate");
-  auto one = std::make_shared<detail::inserter<World, Region, F>>(w, how, region, std::move(f));
-  if constexpr (World::scenario_type::template has_feature<checkpoints>)
-    w.keep("inflow " + how.name, one->count());
-  w.after_each_step([one] { one->insert(); });
-  return {one, &one->count()};
+  if constexpr (detail::makes_bodies<F>::value) {
+    w.require_all_ranks("insert_by_rate");
+    auto one = std::make_shared<detail::inserter<World, Region, F>>(w, how, region, std::move(f));
+    if constexpr (World::scenario_type::template has_feature<checkpoints>)
+      w.keep("inflow " + how.name, one->count());
+    w.after_each_step([one] { one->insert(); });
+    return {one, &one->count()};
+  } else {
+    return nullptr;
+  }
 }
 
 }  // namespace talus

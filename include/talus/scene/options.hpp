@@ -71,11 +71,17 @@ struct options {
     cli.add(
         "--output-surfaces", output_surfaces,
         "with the faces of boxes, capsules and all that are no spheres: NAME_surfaces.hdf.series");
-    cli.check([this] {
+    cli.check([this, &cli] {
       if (checkpoint.empty() && checkpoint_every > 0)
         throw usage_error("--checkpoint-every needs --checkpoint FILE; see --help");
-      if (output.empty() && output_surfaces)
-        throw usage_error("--output-surfaces needs --output NAME; see --help");
+      const auto needs = [&cli](const std::string& file, const char* name, const char* other) {
+        if (file.empty() && cli.given(name))
+          throw usage_error(std::string(name) + " needs " + other + "; see --help");
+      };
+      needs(csv, "--csv-every", "--csv FILE");
+      needs(frames, "--every", "--frames DIR");
+      needs(output, "--output-every", "--output NAME");
+      needs(output, "--output-surfaces", "--output NAME");
       if (!colour.empty() && colour != "rank" && colour != "speed")
         throw usage_error("--colour must be rank or speed, but is '" + colour + "'; see --help");
     });

@@ -18,6 +18,7 @@
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/found_pairs.hpp"
 #include "talus/world/sleeping_islands.hpp"
+#include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -43,11 +44,22 @@ namespace talus::detail {
 
 // The three kinds of motion, for one step.
 
-[[nodiscard]] inline driven_step step_to(const driven_state& s, const rigid_displacement& end,
-                                         real dt) {
+/// By a function of the time: from now on, half way, and to the end.
+[[nodiscard]] inline driven_step step_to(const driven_state& s, const rigid_displacement& now,
+                                         const rigid_displacement& half,
+                                         const rigid_displacement& end, real dt) {
   driven_step step{.end = place_of(s.origin, end)};
   step.v = (step.end.point - s.at.point) / dt;
   step.w = angular_velocity_between(s.at.turn, step.end.turn, dt);
+  const rigid_place from = place_of(s.origin, now);
+  const vec3 off = from.point - s.at.point;
+  const real way = (from.point - s.origin).norm() + (s.at.point - s.origin).norm();
+  step.goes_on = off.norm() <= real(1e-6) * way + real(1e-9) * s.origin.norm() &&
+                 angular_velocity_between(s.at.turn, from.turn, 1).norm() <= real(1e-6);
+  // Of a turn by more than half a turn no more is seen than what it leaves over: the first half of
+  // it seems to go another way than the whole.
+  const vec3 first = angular_velocity_between(from.turn, place_of(s.origin, half).turn, dt / 2);
+  step.too_fast = (first - angular_velocity_between(from.turn, step.end.turn, dt)).norm() * dt > pi;
   return step;
 }
 [[nodiscard]] inline driven_step step_at(const driven_state& s, const rigid_velocity& u, real dt) {
@@ -57,6 +69,7 @@ namespace talus::detail {
   step.end.point = u.about + rotated(by, vec3(s.at.point - u.about)) + dt * u.velocity;
   if (speed > 0) step.end.turn = after(by, s.at.turn).normalized();
   step.v = (step.end.point - s.at.point) / dt;
+  step.too_fast = speed * dt > pi;
   return step;
 }
 [[nodiscard]] inline driven_step step_at(const driven_state& s, const surface_velocity& u, real) {
@@ -143,6 +156,7 @@ void put_driven(Bodies& b, std::size_t i, const driven_state& state) {
 template <class Scenario>
 void aim_driven(world_state<Scenario>& s) {
   find_driven(s);
+  s.driving.fastest = 0;
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     driven_state& state = one.state;
     one.next = one.plan ? one.plan(state, s.time, s.dt) : driven_step{.end = state.at};
@@ -150,8 +164,24 @@ void aim_driven(world_state<Scenario>& s) {
     if (!finite(next.v) || !finite(next.w) || !finite(next.end.point))
       fail<std::runtime_error>(
           "the motion of driven body {} makes no sense at time {}: it would go from {} to {} "
-          "within dt = {}",
+          "within dt = {}; let its function return finite places and velocities, and give it an "
+          "axis that is not zero",
           one.id, s.time, state.at.point, next.end.point, s.dt);
+    if (!next.goes_on)
+      fail<std::runtime_error>(
+          "driven body {} is at {} at time {}, but its motion has it elsewhere, and it would leap: "
+          "let a motion go on from where the body is (after a restart: from where the first run "
+          "had brought it, as with the same --options)",
+          one.id, state.at.point, s.time);
+    if (next.too_fast)
+      fail<std::runtime_error>(
+          "driven body {} turns by half a turn or more within dt = {} at time {}, which contacts "
+          "cannot follow: take a smaller dt, or turn it more slowly",
+          one.id, s.dt, s.time);
+    real reach = 0;
+    if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite)
+      reach = b.global.shape[i].bounding_radius();
+    s.driving.fastest = std::max(s.driving.fastest, next.v.norm() + reach * next.w.norm());
     one.dv = state.begun ? vec3(next.v - state.v) : vec3(0, 0, 0);
     one.dw = state.begun ? vec3(next.w - state.w) : vec3(0, 0, 0);
     state.begun = true;
@@ -160,6 +190,29 @@ void aim_driven(world_state<Scenario>& s) {
     if constexpr (world_state<Scenario>::sleeps)
       if (next.v != vec3(0, 0, 0) || next.w != vec3(0, 0, 0)) disturb(s, b.global, i);
   });
+}
+
+/// How many times as fast as anything was contacts may make a body: collisions of bodies of unlike
+/// masses do so by 2, in a row of a few by more.
+inline constexpr real largest_leap = 10;
+
+/// Notes if contacts have made a body of this rank faster than anything could make it: what is
+/// caught between a driven body and a wall holds impulses without bound, and lets them loose.
+template <class Scenario>
+void watch_leaps(world_state<Scenario>& s) {
+  real before = 0, after = 0;
+  s.each_finite_shape([&](const auto& b) {
+    const auto& store = b.movable;
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      before = std::max(before, store.velocity[i].squaredNorm());
+      if (i < store.locals && store.moves(i))
+        after = std::max(after, solved_velocity(s, store, i, b.first + i).squaredNorm());
+    }
+  });
+  speed_leap& worst = s.driving.leap;
+  const speed_leap now{s.steps + 1, std::sqrt(before) + s.driving.fastest + s.dt * s.gravity.norm(),
+                       std::sqrt(after)};
+  if (now.ratio() > largest_leap && now.ratio() > worst.ratio()) worst = now;
 }
 
 /// And then, with all other bodies, they go there.

@@ -55,6 +55,16 @@ struct driven_state {
 struct driven_step {
   rigid_place end;
   vec3 v{0, 0, 0}, w{0, 0, 0};
+  bool goes_on = true;    ///< it begins where the body is
+  bool too_fast = false;  ///< it turns by half a turn or more
+};
+
+/// A step in which contacts made a body much faster than anything was before.
+struct speed_leap {
+  std::uint64_t step = 0;
+  real before = 0, after = 0;
+
+  [[nodiscard]] real ratio() const { return before > 0 ? after / before : 0; }
 };
 
 /// A sum of numbers of either sign, exact in its parts.
@@ -101,6 +111,8 @@ struct driven_bodies {
   /// contacts meet of those that turn.
   std::size_t first = 0;
   plain_vector<std::int32_t> owners;  ///< number in `all` of each of them, or -1
+  real fastest = 0;                   ///< of what is driven, in the step under way
+  speed_leap leap;                    ///< the largest of bodies of this rank
 };
 struct no_driven_bodies {};
 

@@ -47,7 +47,7 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (world_state<Scenario>::sleeps)  // islands that something comes near wake
       detect_stage([&] { rouse(s, [&] { detect(s); }); });
     respond_stage([&] { respond(s); });  // velocities that fulfil the contact law
-    if constexpr (drives) settle_servos(s);
+    if constexpr (drives) settle_servos(s), watch_leaps(s);
     if constexpr (watches<Scenario, energy_ledger>) book_response(s);
     if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
     if constexpr (world_state<Scenario>::continuous)

@@ -46,7 +46,7 @@ void world<Scenario>::drive(handle<Shape> h, Motion motion) {
     using value = decltype(motion(real{}));
     if constexpr (std::is_same_v<value, rigid_displacement>) {
       body.plan = [motion](const detail::driven_state& s, real t, real dt) {
-        return detail::step_to(s, motion(t + dt), dt);
+        return detail::step_to(s, motion(t), motion(t + dt / 2), motion(t + dt), dt);
       };
       auto& bodies = state_.template of<Shape>();
       const auto now = detail::place_of(body.state.origin, motion(state_.time));
