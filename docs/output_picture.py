@@ -113,7 +113,6 @@ camera.SetViewUp(0, 0, 1)
 camera.SetFocalPoint(0, 0, 0)
 camera.SetPosition(4, -44, 6)  # from this direction, as far away as it takes to see all
 renderer.ResetCamera()
-camera.Zoom(1.4)
 window.Render()
 image, png = vtkWindowToImageFilter(), vtkPNGWriter()
 image.SetInput(window)

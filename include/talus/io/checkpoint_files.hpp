@@ -53,6 +53,8 @@ class checkpoint_files final : public checkpoint_hooks {
             why.starts_with("cannot be read:")
                 ? "; --restart takes a file that --checkpoint has written: look "
                   "for it, or leave --restart out to begin at the beginning"
+            : why.starts_with("is damaged:")
+                ? "; copy it again from where it was written, or take an older one"
                 : "");
       }
     });
