@@ -189,6 +189,13 @@ TEST_CASE("where there is no room the flow waits, and sizes keep their distribut
     CHECK(large > in->count / 3);
     CHECK(large < in->count * 2 / 3);
     CHECK(measure_penetration(w).max == 0);
+    insert_by_rate(w, {.bodies = 1000, .name = "elsewhere"}, box_region{{3, 3, 3}, {5, 5, 5}},
+                   [](const site&, random_stream&) { return body{.shape = sphere{0.1}}; });
+    CHECK_THROWS_WITH_AS(
+        w.simulate({.steps = 1, .dt = 0.005}),
+        doctest::Contains("body 0 of the inflow 'elsewhere' is made at (0, 0, 0), outside of its "
+                          "region: give it .position = site.position, which was"),
+        std::invalid_argument);
     CHECK_THROWS_AS(
         insert_by_rate(w, {}, box_region{},
                        [](const site&, random_stream&) { return body{.shape = sphere{1}}; }),

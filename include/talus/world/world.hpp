@@ -390,14 +390,20 @@ class world {
   /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
   /// all ranks: `world.observe(every{100}, [](auto& world) { ... })`. What f asks of the world may
   /// be collective. Throws invalid_argument for a multiple of 0.
-  template <class F>
-  void observe(every when, F f) {
-    if (when.steps == 0)
-      detail::fail<std::invalid_argument>(
-          "world.observe was told to do something every 0 steps: give 1 or more");
-    after_each_step([this, when, f = std::move(f)]() mutable {
-      if (state_.steps % when.steps == 0) f(*this);
-    });
+  template <class When = every, class F>
+  void observe(When when, F f) {
+    constexpr bool well = std::is_same_v<When, every> && std::is_invocable_v<F&, world&>;
+    static_assert(well,
+                  "world.observe takes how often, and a function of the world: write "
+                  "world.observe(every{100}, [&](auto& world) { ... })");
+    if constexpr (well) {
+      if (when.steps == 0)
+        detail::fail<std::invalid_argument>(
+            "world.observe was told to do something every 0 steps: give 1 or more");
+      after_each_step([this, when, f = std::move(f)]() mutable {
+        if (state_.steps % when.steps == 0) f(*this);
+      });
+    }
   }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
