@@ -1,5 +1,6 @@
 """What docs/output.md does by hand, for ParaView's own Python:
 xvfb-run pvpython output_paraview.py NAME.hdf.series TIME PICTURE.png"""
+import os
 import sys
 from paraview.simple import *
 
@@ -19,9 +20,11 @@ glyphs.ScaleFactor = 1
 ColorBy(glyphs, ("POINTS", "velocity", "Magnitude"))
 glyphs.Opacity = 0.25
 
-faces = Show(OpenDataFile(series.replace(".hdf.series", "_surfaces.hdf.series")), view)
-ColorBy(faces, ("CELLS", "velocity", "Magnitude"))
-faces.Opacity = 0.25
+surfaces = series.replace(".hdf.series", "_surfaces.hdf.series")
+if os.path.exists(surfaces):  # of --output-surfaces
+    faces = Show(OpenDataFile(surfaces), view)
+    ColorBy(faces, ("CELLS", "velocity", "Magnitude"))
+    faces.Opacity = 0.25
 
 contacts = OpenDataFile(series.replace(".hdf.series", "_contacts.hdf.series"))
 tubes = Tube(ExtractSurface(CellDatatoPointData(contacts)), Scalars=["POINTS", "normal_force"],

@@ -229,26 +229,35 @@ TEST_CASE("what cannot be driven is refused") {
   c.w.step(0.01);
 }
 
-TEST_CASE(
-    "a motion that leaps from where the body is, or spins faster than steps show, is refused") {
+TEST_CASE("a motion that spins faster than steps can show is refused") {
   course c;
-  const auto lid = c.global(plane{.normal = {0, 0, -1}, .offset = -2});
   const auto blade = c.global(box{{3, 1, 1}}, {0, 0, 9});
-  real shift = 0;
-  c.w.drive(lid, [&shift](real t) { return rigid_displacement{.shift = {0, 0, shift + 0.1 * t}}; });
   c.w.drive(blade, turning{.axis = {0, 0, 1}, .speed = 300});
   c.run(0.1, 0.01);  // less than half a turn in a step
-  shift = 0.5;
-  CHECK_THROWS_WITH_AS(c.w.step(0.01), doctest::Contains("but its motion has it elsewhere"),
-                       std::runtime_error);
-  shift = 0;
-  c.w.step(0.01);
-  for (const real dt : {0.011, 0.02, 0.03, 0.1})
+  for (const real dt : {0.011, 0.02, 0.03, 0.04, 0.05, 0.084, 0.1, 1.})
     CHECK_THROWS_WITH_AS(c.w.step(dt), doctest::Contains("turns by half a turn or more"),
                          std::runtime_error);
   c.w.drive(blade, [](real) { return rigid_velocity{.angular_velocity = {0, 0, 400}}; });
   CHECK_THROWS_WITH_AS(c.w.step(0.01), doctest::Contains("turns by half a turn or more"),
                        std::runtime_error);
+}
+
+TEST_CASE("a motion of a checkpoint that is another one is told from roundings of the time") {
+  const oscillation shake{.amplitude = {0, 0, 0.3}, .frequency = 2};
+  const turning spin{.axis = {0, 0, 1}, .speed = 40};
+  const real dt = 0.005, lag = 1e-9;
+  for (int k = 0; k < 400; ++k) {
+    const real t = k * dt;
+    const auto goes_on = [&](const auto& motion, real late) {
+      detail::driven_state s;
+      s.at = detail::place_of(s.origin, motion(t - late));
+      return detail::step_to(s, motion(t), motion(t + detail::instant * dt), motion(t + dt), dt)
+          .goes_on;
+    };
+    CHECK(goes_on(shake, lag));
+    CHECK(goes_on(spin, lag));
+    CHECK(!goes_on(spin, 0.03));
+  }
 }
 
 TEST_CASE("a step in which contacts make a body far faster than anything was is noted, and said") {
@@ -260,7 +269,7 @@ TEST_CASE("a step in which contacts make a body far faster than anything was is 
   c.run(0.1, 0.01);
   CHECK(c.w.state().driving.leap.step == 0);
   auto& s = c.w.state();
-  s.solver.bodies[0].v = {0, 0, 29};  // ten times 2 + 1 + 10 * 0.01 would be a leap
+  s.solver.bodies[0].v = {0, 0, 19};  // the lid goes at 2, the sphere at 1.1
   detail::watch_leaps(s);
   CHECK(s.driving.leap.step == 0);
   s.solver.bodies[0].v = {0, 0, 40};
@@ -268,7 +277,7 @@ TEST_CASE("a step in which contacts make a body far faster than anything was is 
   const detail::speed_leap leap = s.driving.leap;
   CHECK(leap.step == 11);
   CHECK(leap.after == 40);
-  CHECK(leap.before == doctest::Approx(3.1).epsilon(0.01));
+  CHECK(leap.before == doctest::Approx(2));
   const std::string said = detail::doubts({.bodies = 1,
                                            .movable = 1,
                                            .steps = 11,

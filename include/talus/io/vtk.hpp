@@ -2,6 +2,7 @@
 // Bodies and contacts for ParaView, VTK and Python: docs/output.md.
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -122,6 +123,9 @@ class vtk_series {
         detail::fail<std::runtime_error>(
             "the output {} has no name: give the beginning of the names of its files", name);
       for (const part& p : parts_) p.index.require_writable();
+      // One that is not gone on with would name files of another run, or beyond the present step.
+      if (!what.surfaces)
+        std::remove((name_ + "_surfaces" + detail::vtk_extension + ".series").c_str());
       if (!goes_on)
         for (part& p : parts_) p.index.begin();
     });

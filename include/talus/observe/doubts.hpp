@@ -58,10 +58,11 @@ inline constexpr std::uint64_t many_steps = 1000;
         r.steps, r.dt, text(whole, 2), text(r.radius, 3));
   if (r.leap.step > 0)
     all += compose(
-        "  warning  in step {} contacts made a body as fast as {}, where nothing was faster than "
-        "{}: "
-        "something was caught between a driven body and what stands still, and came free; leave it "
-        "room (twice the largest body), or press with world.hold_force\n",
+        "  warning  in step {} contacts made a body as fast as {}, where nothing near was faster "
+        "than "
+        "{}: perhaps something was caught between a driven body and what stands still, and came "
+        "free; "
+        "leave it room (twice the largest body), or press with world.hold_force\n",
         r.leap.step, text(r.leap.after, 3), text(r.leap.before, 3));
   return all;
 }

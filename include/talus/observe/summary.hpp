@@ -4,6 +4,8 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -112,13 +114,18 @@ class json_object {
 template <class Scenario>
 [[nodiscard, gnu::cold]] speed_leap largest_leap_of(world<Scenario>& w) {
   const speed_leap& mine = w.state().driving.leap;
-  std::array<double, 1> ratio{mine.ratio()};
-  w.link().reduce(reduction::max, std::span(ratio));
-  const bool largest = mine.step > 0 && mine.ratio() == ratio[0];
-  std::array<double, 3> found{largest ? static_cast<double>(mine.step) : 0,
-                              largest ? mine.before : 0, largest ? mine.after : 0};
-  w.link().reduce(reduction::max, std::span(found));
-  return {static_cast<std::uint64_t>(found[0]), found[1], found[2]};
+  const auto largest = [&](double value) {
+    w.link().reduce(reduction::max, std::span(&value, 1));
+    return value;
+  };
+  constexpr double none = -std::numeric_limits<double>::max();
+  const double ratio = largest(mine.ratio());
+  if (ratio == 0) return {};
+  const bool as_large = mine.ratio() == ratio;
+  const double first = -largest(as_large ? -static_cast<double>(mine.step) : none);
+  const bool it = as_large && static_cast<double>(mine.step) == first;
+  return {static_cast<std::uint64_t>(first), largest(it ? mine.before : 0),
+          largest(it ? mine.after : 0)};
 }
 
 }  // namespace detail

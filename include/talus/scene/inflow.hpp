@@ -58,26 +58,16 @@ inline constexpr bool is_made_body<body<Shape>> = true;
 template <class... Bodies>
 inline constexpr bool is_made_body<std::variant<Bodies...>> = (is_made_body<Bodies> && ...);
 
-/// What insert_by_rate is given makes bodies.
+/// What insert_by_rate is given: a function of a site and random numbers, and what it returns.
 template <class Make>
-struct makes_bodies {
-  static constexpr bool takes_both = std::is_invocable_v<Make&, const site&, random_stream&>;
-  static_assert(takes_both,
-                "insert_by_rate takes a function of a site and its random numbers: write [&](const "
-                "site& place, random_stream& random) { return body{...}; }");
-  static consteval bool gives_bodies() {
-    if constexpr (takes_both)
-      return is_made_body<std::invoke_result_t<Make&, const site&, random_stream&>>;
-    else
-      return true;
-  }
-  static_assert(
-      gives_bodies(),
-      "insert_by_rate takes a function that returns a body, or a std::variant of bodies of "
-      "several shapes, and this one returns something else: write return body{.shape = "
-      "sphere{random.uniform(0.3, 0.5)}, .position = place.position};");
-  static constexpr bool value = takes_both && gives_bodies();
-};
+inline constexpr bool takes_site = std::is_invocable_v<Make&, const site&, random_stream&>;
+template <class Make>
+consteval bool makes_bodies() {
+  if constexpr (takes_site<Make>)
+    return is_made_body<std::invoke_result_t<Make&, const site&, random_stream&>>;
+  else
+    return false;
+}
 
 template <class World, class Region, class Make>
 class inserter {
@@ -141,10 +131,10 @@ class inserter {
     random_stream random(w_->seed(), number, purpose_of(how_.name, false));
     candidate made{make_(place, random), number};
     with(made.what, [&](const auto& b) {
-      if (!region_.contains(b.position))
+      if (!((b.position - p).norm() <= b.shape.bounding_radius()))
         fail<std::invalid_argument>(
-            "body {} of the inflow '{}' is made at {}, outside of its region: give it .position = "
-            "site.position, which was {}",
+            "body {} of the inflow '{}' is made at {}, away from its site at {}: give it .position "
+            "= site.position",
             number, how_.name, b.position, p);
     });
     return made;
@@ -203,8 +193,9 @@ class inserter {
       with(c.what, [&](const auto& b) { (void)w_->add_if_local(b); });
       ++count_.count, count_.mass += mass_of(c);
     }
-    waits_ = count_.count > then ? 0 : waits_ + 1;
-    if (waits_ == patience && w_->rank() == 0)
+    if (count_.count > then) waits_ = 0, since_ = w_->time();
+    const bool long_since = how_.bodies == 0 || (w_->time() - since_) * how_.bodies > 10;
+    if (++waits_ > patience && long_since && !std::exchange(said_, true) && w_->rank() == 0)
       std::fputs(
           compose("the inflow '{}' has found no room for its body {} in {} steps, and waits: "
                   "let its region be free of walls and of what came before, larger than the "
@@ -221,6 +212,8 @@ class inserter {
   vec3 lower_, upper_;
   inserted count_;
   std::uint64_t waits_ = 0;  ///< steps in a row in which a body was due and found no room
+  real since_ = 0;           ///< when one last did
+  bool said_ = false;
 };
 
 }  // namespace detail
@@ -233,11 +226,20 @@ class inserter {
 /// depend on the seed and the state alone, not on the ranks: where bodies are due the ranks agree
 /// by one reduction; where it finds no room for long, rank 0 says so on standard error. Returns
 /// what came in so far. All ranks call it alike. Throws invalid_argument for rates that make no
-/// sense, a region without bounds, and a body whose centre is outside of it.
+/// sense, a region without bounds, and a body further from its site than its
+/// own radius.
 template <class World, class Region, class F>
 std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, const Region& region,
                                                F f) {
-  if constexpr (detail::makes_bodies<F>::value) {
+  static_assert(detail::takes_site<F>,
+                "insert_by_rate takes a function of a site and its random numbers: write [&](const "
+                "site& place, random_stream& random) { return body{...}; }");
+  static_assert(
+      !detail::takes_site<F> || detail::makes_bodies<F>(),
+      "insert_by_rate takes a function that returns a body, or a std::variant of bodies of "
+      "several shapes, and this one returns something else: write return body{.shape = "
+      "sphere{random.uniform(0.3, 0.5)}, .position = place.position};");
+  if constexpr (detail::makes_bodies<F>()) {
     w.require_all_ranks("insert_by_rate");
     auto one = std::make_shared<detail::inserter<World, Region, F>>(w, how, region, std::move(f));
     if constexpr (World::scenario_type::template has_feature<checkpoints>)

@@ -81,7 +81,8 @@ struct options {
       needs(csv, "--csv-every", "--csv FILE");
       needs(frames, "--every", "--frames DIR");
       needs(output, "--output-every", "--output NAME");
-      needs(output, "--output-surfaces", "--output NAME");
+      if (output.empty() && output_surfaces)
+        throw usage_error("--output-surfaces needs --output NAME; see --help");
       if (!colour.empty() && colour != "rank" && colour != "speed")
         throw usage_error("--colour must be rank or speed, but is '" + colour + "'; see --help");
     });

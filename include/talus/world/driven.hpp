@@ -44,22 +44,27 @@ namespace talus::detail {
 
 // The three kinds of motion, for one step.
 
-/// By a function of the time: from now on, half way, and to the end.
+/// By a function of the time: now, a small part of the step later, and at its end.
+inline constexpr real instant = 1. / 1024;
 [[nodiscard]] inline driven_step step_to(const driven_state& s, const rigid_displacement& now,
-                                         const rigid_displacement& half,
+                                         const rigid_displacement& next,
                                          const rigid_displacement& end, real dt) {
   driven_step step{.end = place_of(s.origin, end)};
   step.v = (step.end.point - s.at.point) / dt;
   step.w = angular_velocity_between(s.at.turn, step.end.turn, dt);
+  // A first run adds its time up, one that is restarted may not: they differ by roundings, and so
+  // do the places at it, by parts of the way of a step.
   const rigid_place from = place_of(s.origin, now);
-  const vec3 off = from.point - s.at.point;
-  const real way = (from.point - s.origin).norm() + (s.at.point - s.origin).norm();
-  step.goes_on = off.norm() <= real(1e-6) * way + real(1e-9) * s.origin.norm() &&
-                 angular_velocity_between(s.at.turn, from.turn, 1).norm() <= real(1e-6);
-  // Of a turn by more than half a turn no more is seen than what it leaves over: the first half of
-  // it seems to go another way than the whole.
-  const vec3 first = angular_velocity_between(from.turn, place_of(s.origin, half).turn, dt / 2);
-  step.too_fast = (first - angular_velocity_between(from.turn, step.end.turn, dt)).norm() * dt > pi;
+  const real off = (from.point - s.at.point).norm(), way = (step.end.point - from.point).norm();
+  const real far = (from.point - s.origin).norm() + (s.at.point - s.origin).norm();
+  const real turned = angular_velocity_between(s.at.turn, from.turn, 1).norm();
+  const real turns = angular_velocity_between(from.turn, step.end.turn, 1).norm();
+  step.goes_on = off <= real(0.01) * way + real(1e-6) * far + real(1e-9) * s.origin.norm() &&
+                 turned <= real(0.01) * turns + real(1e-6);
+  // Of more than half a turn the end shows no more than what is left over.
+  const vec3 rate =
+      angular_velocity_between(from.turn, place_of(s.origin, next).turn, instant * dt);
+  step.too_fast = rate.norm() * dt > pi;
   return step;
 }
 [[nodiscard]] inline driven_step step_at(const driven_state& s, const rigid_velocity& u, real dt) {
@@ -82,15 +87,16 @@ template <class T>
 concept value_of_motion = std::same_as<T, rigid_displacement> || std::same_as<T, rigid_velocity> ||
     std::same_as<T, surface_velocity>;
 template <class Motion>
-struct motion_of_body {
-  static constexpr bool value = requires(const Motion& m, real t) {
-    requires value_of_motion<decltype(m(t))>;
-  };
-  static_assert(value,
+inline constexpr bool is_motion = requires(const Motion& m, real t) {
+  requires value_of_motion<decltype(m(t))>;
+};
+template <class Motion>
+void motion_of_body() {
+  static_assert(is_motion<Motion>,
                 "world.drive takes a motion: a function of the time that returns a "
                 "rigid_displacement, a rigid_velocity or a surface_velocity, such as oscillation, "
                 "turning, gliding and belt, and this type is none");
-};
+}
 
 /// Calls f(bodies of a shape, index among them, driven body) for those that are there.
 template <class Scenario, class F>
@@ -167,21 +173,21 @@ void aim_driven(world_state<Scenario>& s) {
           "within dt = {}; let its function return finite places and velocities, and give it an "
           "axis that is not zero",
           one.id, s.time, state.at.point, next.end.point, s.dt);
-    if (!next.goes_on)
+    if (state.begun && !std::exchange(one.followed, true) && !next.goes_on)
       fail<std::runtime_error>(
-          "driven body {} is at {} at time {}, but its motion has it elsewhere, and it would leap: "
-          "let a motion go on from where the body is (after a restart: from where the first run "
-          "had brought it, as with the same --options)",
+          "the checkpoint has driven body {} at {} at time {}, but its motion has it elsewhere, "
+          "and "
+          "it would leap: give it the motion of the first run (the same --options), or one that "
+          "goes on from there",
           one.id, state.at.point, s.time);
     if (next.too_fast)
       fail<std::runtime_error>(
           "driven body {} turns by half a turn or more within dt = {} at time {}, which contacts "
           "cannot follow: take a smaller dt, or turn it more slowly",
           one.id, s.dt, s.time);
-    real reach = 0;
     if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite)
-      reach = b.global.shape[i].bounding_radius();
-    s.driving.fastest = std::max(s.driving.fastest, next.v.norm() + reach * next.w.norm());
+      s.driving.fastest = std::max(
+          s.driving.fastest, next.v.norm() + b.global.shape[i].bounding_radius() * next.w.norm());
     one.dv = state.begun ? vec3(next.v - state.v) : vec3(0, 0, 0);
     one.dw = state.begun ? vec3(next.w - state.w) : vec3(0, 0, 0);
     state.begun = true;
@@ -196,22 +202,38 @@ void aim_driven(world_state<Scenario>& s) {
 /// masses do so by 2, in a row of a few by more.
 inline constexpr real largest_leap = 10;
 
-/// Notes if contacts have made a body of this rank faster than anything could make it: what is
-/// caught between a driven body and a wall holds impulses without bound, and lets them loose.
+/// Notes if contacts have made a body of this rank faster than anything that it knows could make
+/// it: what is caught between a driven body and a wall holds impulses without bound, and lets them
+/// loose.
 template <class Scenario>
 void watch_leaps(world_state<Scenario>& s) {
-  real before = 0, after = 0;
-  s.each_finite_shape([&](const auto& b) {
-    const auto& store = b.movable;
-    for (std::size_t i = 0; i < store.size(); ++i) {
-      before = std::max(before, store.velocity[i].squaredNorm());
-      if (i < store.locals && store.moves(i))
-        after = std::max(after, solved_velocity(s, store, i, b.first + i).squaredNorm());
+  real before = s.driving.fastest, after = 0;
+  s.each_shape([&](const auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    if constexpr (shape::finite) {
+      const auto& store = b.movable;
+      for (std::size_t i = 0; i < store.size(); ++i) {
+        const std::size_t k = b.first + i;
+        before = std::max(before,
+                          free_velocity(s, store, i).norm() +
+                              store.shape[i].bounding_radius() * store.angular_velocity[i].norm());
+        if (i < store.locals && store.moves(i))
+          after = std::max(after, solved_velocity(s, store, i, k).norm());
+      }
+    } else {
+      for (std::size_t j = 0; j < b.global.size(); ++j) {
+        const vec3 v = b.global.velocity[j], w = b.global.angular_velocity[j];
+        before = std::max(before, v.norm());
+        if (w == vec3(0, 0, 0)) continue;
+        s.each_finite_shape([&](const auto& other) {  // a plane meets them wherever they are
+          for (const vec3& p : other.movable.position)
+            before = std::max(before, (v + w.cross(p - b.global.position[j])).norm());
+        });
+      }
     }
   });
   speed_leap& worst = s.driving.leap;
-  const speed_leap now{s.steps + 1, std::sqrt(before) + s.driving.fastest + s.dt * s.gravity.norm(),
-                       std::sqrt(after)};
+  const speed_leap now{s.steps + 1, before, after};
   if (now.ratio() > largest_leap && now.ratio() > worst.ratio()) worst = now;
 }
 

@@ -55,7 +55,7 @@ struct driven_state {
 struct driven_step {
   rigid_place end;
   vec3 v{0, 0, 0}, w{0, 0, 0};
-  bool goes_on = true;    ///< it begins where the body is
+  bool goes_on = true;    ///< it begins where the body is, or nearly so
   bool too_fast = false;  ///< it turns by half a turn or more
 };
 
@@ -92,6 +92,7 @@ struct driven_body {
   std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< none: it stays
   servo holds;  ///< with an axis of length one
   bool is_servo = false;
+  bool followed = false;          ///< this run has taken a step with it
   servo_sums sums;                ///< of the step under way
   driven_step next;               ///< the step under way
   vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< what the velocity has changed by since the last one

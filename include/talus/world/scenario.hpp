@@ -272,33 +272,42 @@ std::string describe() {
 
 namespace detail {
 
+// The sentences of refusals, by themselves: where they fail within what is to be constant, clang
+// goes on to say that it is not.
 template <class Shape, class Scenario>
-struct body_of_scenario {
-  static constexpr bool value = Scenario::template has_shape<Shape>;
-  static_assert(value,
+void body_of_scenario() {
+  static_assert(Scenario::template has_shape<Shape>,
                 "this scenario has no bodies of this shape: add the shape to its bodies<...>");
-};
+}
 template <class Feature, class Scenario>
-struct feature_of_scenario {
-  static constexpr bool value = Scenario::template has_feature<Feature>;
-  static_assert(value, "this scenario does not have this feature: add it to its features<...>");
+void feature_of_scenario() {
+  static_assert(Scenario::template has_feature<Feature>,
+                "this scenario does not have this feature: add it to its features<...>");
+}
+template <class Body>
+inline constexpr bool is_described = requires(const Body& b) {
+  b.shape, b.position;
 };
+template <class Body>
+void body_that_is_added() {
+  static_assert(
+      is_described<Body>,
+      "a body is added, and this type is none: write body{.shape = sphere{0.5}, .position "
+      "= place.position, .material = stone}");
+}
 
 /// Refuses a shape that the scenario does not name, in one sentence. False after a refusal, so
 /// that `if constexpr (require_shape<Scenario, Shape>())` keeps further errors away.
 template <class Scenario, class Shape>
 consteval bool require_shape() {
-  return body_of_scenario<Shape, Scenario>::value;
+  if (false) body_of_scenario<Shape, Scenario>();  // compiled, not called
+  return Scenario::template has_shape<Shape>;
 }
 /// The same for what is added as a body, and is perhaps a bare shape.
 template <class Scenario, class Body>
 consteval bool require_body() {
-  constexpr bool described = requires(const Body& b) { b.shape, b.position; };
-  static_assert(
-      described,
-      "a body is added, and this type is none: write body{.shape = sphere{0.5}, .position "
-      "= place.position, .material = stone}");
-  if constexpr (described)
+  if (false) body_that_is_added<Body>();
+  if constexpr (is_described<Body>)
     return require_shape<Scenario, decltype(Body::shape)>();
   else
     return false;
@@ -306,7 +315,8 @@ consteval bool require_body() {
 /// The same for a feature, such as user_ids.
 template <class Scenario, class Feature>
 consteval bool require_feature() {
-  return feature_of_scenario<Feature, Scenario>::value;
+  if (false) feature_of_scenario<Feature, Scenario>();
+  return Scenario::template has_feature<Feature>;
 }
 
 }  // namespace detail

@@ -40,13 +40,13 @@ detail::driven_body& world<Scenario>::driven_body_of(handle<Shape> h, const char
 template <class Scenario>
 template <class Shape, class Motion>
 void world<Scenario>::drive(handle<Shape> h, Motion motion) {
-  if constexpr (detail::require_feature<Scenario, driven>() &&
-                detail::motion_of_body<Motion>::value) {
+  detail::motion_of_body<Motion>();
+  if constexpr (detail::require_feature<Scenario, driven>() && detail::is_motion<Motion>) {
     detail::driven_body& body = driven_body_of(h, "drive");
     using value = decltype(motion(real{}));
     if constexpr (std::is_same_v<value, rigid_displacement>) {
       body.plan = [motion](const detail::driven_state& s, real t, real dt) {
-        return detail::step_to(s, motion(t), motion(t + dt / 2), motion(t + dt), dt);
+        return detail::step_to(s, motion(t), motion(t + detail::instant * dt), motion(t + dt), dt);
       };
       auto& bodies = state_.template of<Shape>();
       const auto now = detail::place_of(body.state.origin, motion(state_.time));
