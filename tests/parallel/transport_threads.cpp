@@ -4,10 +4,12 @@
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <set>
 #include <thread>
+#include <vector>
 
 #include "talus/parallel/threads.hpp"
 #include "transport_laws.hpp"
@@ -223,4 +225,23 @@ TEST_CASE("threads refuse to be several processes of one job") {
                        std::runtime_error);
   unsetenv("PMI_SIZE");
   unsetenv("PMI_RANK");
+}
+
+TEST_CASE("threads: ranks that end at the same time end well") {
+  constexpr int rounds = 20000;
+  std::vector<std::unique_ptr<detail::thread_team>> teams;
+  for (int k = 0; k < rounds; ++k) teams.push_back(std::make_unique<detail::thread_team>(2));
+  std::atomic<int> here = 0;
+  const auto leave_all = [&](int rank) {
+    for (int k = 0; k < rounds; ++k) {
+      ++here;
+      for (int spins = 0; here < 2 * (k + 1);)  // both at once
+        if (++spins > 1000) std::this_thread::yield();
+      teams[static_cast<std::size_t>(k)]->leave(rank);
+    }
+  };
+  std::jthread other(leave_all, 1);
+  leave_all(0);
+  other.join();
+  for (const auto& team : teams) CHECK_NOTHROW(team->rethrow());
 }

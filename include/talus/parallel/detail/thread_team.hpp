@@ -147,8 +147,8 @@ class thread_team {
   /// `rank` has returned from its main.
   void leave(int rank) noexcept {
     doing_[static_cast<std::size_t>(rank)] = ended;
-    const bool last = ++left_ == size();
-    if (--running_ > 0 || last || failed_) return;
+    ++left_;  // before the other: of ranks that end together the last to say so knows of all
+    if (--running_ > 0 || left_ == size() || failed_) return;
     end_with(std::make_exception_ptr(std::logic_error(everyone_waits())));
   }
 
