@@ -61,6 +61,19 @@ struct vtk_columns {
   static constexpr bool sleeps = Scenario::template has_feature<sleeping>;
 };
 
+/// Calls f(shape, pose, number) for the shape of body i, or for each part of a union.
+template <class Store, class F>
+void each_part_of(const Store& store, std::size_t i, F&& f) {
+  const auto& shape = store.shape[i];
+  if constexpr (is_union<typename Store::shape_type>) {
+    std::uint32_t part = 0;
+    shape.each_part(
+        [&](const auto& one, const pose& at) { f(one, combined(store.pose(i), at), part++); });
+  } else {
+    f(shape, store.pose(i), std::uint32_t{0});
+  }
+}
+
 /// The tables of points and of what they carry, with the same rows.
 template <class Scenario>
 class vtk_bodies {
@@ -100,15 +113,9 @@ class vtk_bodies {
  private:
   template <class Store>
   void add(const world_state<Scenario>& s, const Store& store, std::size_t i, std::uint32_t rank) {
-    const auto& shape = store.shape[i];
-    if constexpr (is_union<typename Store::shape_type>) {
-      std::uint32_t part = 0;
-      shape.each_part([&](const auto& one, const pose& at) {
-        add_one(s, store, i, rank, one, combined(store.pose(i), at), part++);
-      });
-    } else {
-      add_one(s, store, i, rank, shape, store.pose(i), 0);
-    }
+    each_part_of(store, i, [&](const auto& shape, const pose& at, std::uint32_t part) {
+      add_one(s, store, i, rank, shape, at, part);
+    });
   }
   template <class Store, class Shape>
   void add_one(const world_state<Scenario>& s, const Store& store, std::size_t i,

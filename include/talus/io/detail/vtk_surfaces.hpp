@@ -83,15 +83,9 @@ class vtk_surfaces {
 
   template <class Store>
   void add(const Store& store, std::size_t i, std::uint32_t rank) {
-    const auto& shape = store.shape[i];
-    if constexpr (is_union<typename Store::shape_type>) {
-      std::uint32_t part = 0;
-      shape.each_part([&](const auto& one, const pose& at) {
-        add_one(store, i, rank, one, combined(store.pose(i), at), part++);
-      });
-    } else {
-      add_one(store, i, rank, shape, store.pose(i), 0);
-    }
+    each_part_of(store, i, [&](const auto& shape, const pose& at, std::uint32_t part) {
+      add_one(store, i, rank, shape, at, part);
+    });
   }
   template <class Store, class Shape>
   void add_one(const Store& store, std::size_t i, std::uint32_t rank, const Shape& shape,
