@@ -242,6 +242,18 @@ TEST_CASE("a motion that spins faster than steps can show is refused") {
                        std::runtime_error);
 }
 
+TEST_CASE("a motion may depend on what was measured on the way") {
+  course c;
+  const auto lid = c.global(plane{.normal = {0, 0, -1}, .offset = -2});
+  real height = 0;
+  c.w.drive(lid, [&](real) { return rigid_displacement{.shift = {0, 0, height}}; });
+  for (int k = 1; k <= 5; ++k) {
+    height = -0.01 * k;
+    c.w.step(0.01);
+    CHECK(c.w[lid].position()[2] == height);
+  }
+}
+
 TEST_CASE("a motion of a checkpoint that is another one is told from roundings of the time") {
   const oscillation shake{.amplitude = {0, 0, 0.3}, .frequency = 2};
   const turning spin{.axis = {0, 0, 1}, .speed = 40};
