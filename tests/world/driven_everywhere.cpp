@@ -36,6 +36,33 @@ TEST_CASE("the same bits on any ranks, and over a restart") {
   unlink(file.c_str());
 }
 
+TEST_CASE("a checkpoint is gone on with by the motion of its run, and by no other") {
+  using scene = mixer<features<driven, checkpoints>, solver<reproducible>>;
+  const std::string file = "/tmp/talus_motion_" + std::to_string(getpid()) + ".h5";
+  bool written = false;
+  for (const real speed : {3., 3., 5.}) {
+    on<scene>(2, [&](auto& w) {
+      handle<plane> floor;
+      w.global([&](auto& s) { floor = s.add(plane{}, w.material({})); });
+      w.drive(floor, turning{.axis = {0, 1, 0}, .speed = speed});
+      w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {0, 1.1, 0.5}});
+      if (!written) {
+        w.simulate({.steps = 60, .dt = 0.005});
+        write_checkpoint(w, file);
+      } else {
+        read_checkpoint(w, file);
+        if (speed == 3)
+          w.simulate({.steps = 9, .dt = 0.005});
+        else
+          CHECK_THROWS_WITH_AS(w.step(0.005), doctest::Contains("its motion has it elsewhere"),
+                               std::runtime_error);
+      }
+    });
+    written = true;
+  }
+  unlink(file.c_str());
+}
+
 TEST_CASE("what a wall moves into wakes, on any ranks, and what it does not move into sleeps") {
   using scene = mixer<features<driven, sleeping>>;
   for (const int ranks : {1, 4})
