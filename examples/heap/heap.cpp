@@ -3,8 +3,9 @@
 using namespace talus;
 
 using scene = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
-                       decomposition<grid<dynamic, dynamic>>,  // as many ranks as there are
-                       transport<as_launched>>;                // serial, --ranks N, or mpirun
+                       solver<nonlinear_gauss_seidel, reproducible>,  // the second: --reproducible
+                       decomposition<grid<dynamic, dynamic>>,         // as many ranks as there are
+                       transport<as_launched>>;  // serial, --ranks N, or mpirun
 
 int main(int argc, char** argv) {
   return run<scene>(argc, argv, [](auto& world, const auto& options) {

@@ -5,6 +5,7 @@
 using namespace talus;
 
 using hexheap = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
+                         solver<nonlinear_gauss_seidel, reproducible>,
                          decomposition<hexagonal<dynamic>>,  // 1, 7, 19, 37, 61, 91 ranks ...
                          transport<as_launched>, features<energy_ledger, checkpoints>>;
 

@@ -6,9 +6,10 @@
 #include <talus/vtk.hpp>
 using namespace talus;
 
-using hopper = scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction>,
-                        decomposition<grid<dynamic, 1, dynamic>>, transport<as_launched>,
-                        features<checkpoints, vtk_output>>;  // --output NAME
+using hopper =
+    scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction>,
+             solver<nonlinear_gauss_seidel, reproducible>, decomposition<grid<dynamic, 1, dynamic>>,
+             transport<as_launched>, features<checkpoints, vtk_output>>;  // --output NAME
 
 struct hopper_options : options {
   int bodies = 1200;
