@@ -2,7 +2,8 @@
 #include <talus/talus.hpp>
 using namespace talus;
 
-using bounce = scenario<bodies<sphere, plane>, transport<serial>>;
+using bounce = scenario<bodies<sphere, plane>, solver<nonlinear_gauss_seidel, reproducible>,
+                        transport<serial>>;
 
 int main(int argc, char** argv) {
   return run<bounce>(argc, argv, [](auto& world, const auto& options) {
