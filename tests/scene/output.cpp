@@ -423,6 +423,7 @@ TEST_CASE("a series of a restarted run is the one of a run that was never interr
                          "    {\"name\": \"c_0000000000.hdf\", \"time\": 0},\n"
                          "    {\"name\": \"c_0000000010.hdf\", \"time\": "));
   CHECK(run_pile({"--steps", "10", "--output", files("c")}) == 0);  // a new one replaces the old
+  CHECK(steps_in(files("c_surfaces.hdf.series")).empty());  // and names no faces of another run
   CHECK(steps_in(files("c.hdf.series")) == std::vector<int>{0, 10});
   CHECK(std::system(("ls " + files.folder + " | grep -q part").c_str()) != 0);
 }

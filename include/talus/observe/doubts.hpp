@@ -5,7 +5,7 @@
 #include <string>
 
 #include "talus/core/error.hpp"
-#include "talus/world/driven_bodies.hpp"
+#include "talus/world/speed_leap.hpp"
 
 namespace talus::detail {
 
@@ -59,10 +59,8 @@ inline constexpr std::uint64_t many_steps = 1000;
   if (r.leap.step > 0)
     all += compose(
         "  warning  in step {} contacts made a body as fast as {}, where nothing near was faster "
-        "than "
-        "{}: perhaps something was caught between a driven body and what stands still, and came "
-        "free; "
-        "leave it room (twice the largest body), or press with world.hold_force\n",
+        "than {}: perhaps something was caught between a driven body and what stands still, and "
+        "came free; leave it room (twice the largest body), or press with world.hold_force\n",
         r.leap.step, text(r.leap.after, 3), text(r.leap.before, 3));
   return all;
 }

@@ -18,7 +18,6 @@
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/found_pairs.hpp"
 #include "talus/world/sleeping_islands.hpp"
-#include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -177,9 +176,8 @@ void aim_driven(world_state<Scenario>& s) {
     if (first && state.begun && !next.goes_on)  // begun by the run that wrote the checkpoint
       fail<std::runtime_error>(
           "the checkpoint has driven body {} at {} at time {}, but its motion has it elsewhere, "
-          "and "
-          "it would leap: give it the motion of the first run (the same --options), or one that "
-          "goes on from there",
+          "and it would leap: give it the motion of the first run (the same --options), or one "
+          "that goes on from there",
           one.id, state.at.point, s.time);
     if (next.too_fast)
       fail<std::runtime_error>(
@@ -197,45 +195,6 @@ void aim_driven(world_state<Scenario>& s) {
     if constexpr (world_state<Scenario>::sleeps)
       if (next.v != vec3(0, 0, 0) || next.w != vec3(0, 0, 0)) disturb(s, b.global, i);
   });
-}
-
-/// How many times as fast as anything was contacts may make a body: collisions of bodies of unlike
-/// masses do so by 2, in a row of a few by more.
-inline constexpr real largest_leap = 10;
-
-/// Notes if contacts have made a body of this rank faster than anything that it knows could make
-/// it: what is caught between a driven body and a wall holds impulses without bound, and lets them
-/// loose.
-template <class Scenario>
-void watch_leaps(world_state<Scenario>& s) {
-  real before = s.driving.fastest, after = 0;
-  s.each_shape([&](const auto& b) {
-    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
-    if constexpr (shape::finite) {
-      const auto& store = b.movable;
-      for (std::size_t i = 0; i < store.size(); ++i) {
-        const std::size_t k = b.first + i;
-        before = std::max(before,
-                          free_velocity(s, store, i).norm() +
-                              store.shape[i].bounding_radius() * store.angular_velocity[i].norm());
-        if (i < store.locals && store.moves(i))
-          after = std::max(after, solved_velocity(s, store, i, k).norm());
-      }
-    } else {
-      for (std::size_t j = 0; j < b.global.size(); ++j) {
-        const vec3 v = b.global.velocity[j], w = b.global.angular_velocity[j];
-        before = std::max(before, v.norm());
-        if (w == vec3(0, 0, 0)) continue;
-        s.each_finite_shape([&](const auto& other) {  // a plane meets them wherever they are
-          for (const vec3& p : other.movable.position)
-            before = std::max(before, (v + w.cross(p - b.global.position[j])).norm());
-        });
-      }
-    }
-  });
-  speed_leap& worst = s.driving.leap;
-  const speed_leap now{s.steps + 1, before, after};
-  if (now.ratio() > largest_leap && now.ratio() > worst.ratio()) worst = now;
 }
 
 /// And then, with all other bodies, they go there.

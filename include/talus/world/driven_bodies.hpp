@@ -12,6 +12,7 @@
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/world/speed_leap.hpp"
 
 namespace talus {
 
@@ -57,14 +58,6 @@ struct driven_step {
   vec3 v{0, 0, 0}, w{0, 0, 0};
   bool goes_on = true;    ///< it begins where the body is, or nearly so
   bool too_fast = false;  ///< it turns by half a turn or more
-};
-
-/// A step in which contacts made a body much faster than anything was before.
-struct speed_leap {
-  std::uint64_t step = 0;
-  real before = 0, after = 0;
-
-  [[nodiscard]] real ratio() const { return before > 0 ? after / before : 0; }
 };
 
 /// A sum of numbers of either sign, exact in its parts.

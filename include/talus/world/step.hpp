@@ -14,6 +14,7 @@
 #include "talus/world/soft_step.hpp"
 #include "talus/world/sort_bodies.hpp"
 #include "talus/world/state.hpp"
+#include "talus/world/watch_leaps.hpp"
 
 namespace talus::detail {
 

@@ -1,0 +1,52 @@
+#pragma once
+// With features<driven>: notes in each step what contacts make far too fast; see speed_leap.hpp.
+#include <algorithm>
+#include <cstddef>
+#include <type_traits>
+
+#include "talus/world/driven_bodies.hpp"
+#include "talus/world/solved_velocity.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// How many times as fast as anything was contacts may make a body: collisions of bodies of unlike
+/// masses do so by 2, in a row of a few by more.
+inline constexpr real largest_leap = 10;
+
+/// Notes if contacts have made a body of this rank faster than anything that it knows could make
+/// it: what is caught between a driven body and a wall holds impulses without bound, and lets them
+/// loose.
+template <class Scenario>
+void watch_leaps(world_state<Scenario>& s) {
+  real before = s.driving.fastest, after = 0;
+  s.each_shape([&](const auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    if constexpr (shape::finite) {
+      const auto& store = b.movable;
+      for (std::size_t i = 0; i < store.size(); ++i) {
+        const std::size_t k = b.first + i;
+        before = std::max(before,
+                          free_velocity(s, store, i).norm() +
+                              store.shape[i].bounding_radius() * store.angular_velocity[i].norm());
+        if (i < store.locals && store.moves(i))
+          after = std::max(after, solved_velocity(s, store, i, k).norm());
+      }
+    } else {
+      for (std::size_t j = 0; j < b.global.size(); ++j) {
+        const vec3 v = b.global.velocity[j], w = b.global.angular_velocity[j];
+        before = std::max(before, v.norm());
+        if (w == vec3(0, 0, 0)) continue;
+        s.each_finite_shape([&](const auto& other) {  // a plane meets them wherever they are
+          for (const vec3& p : other.movable.position)
+            before = std::max(before, (v + w.cross(p - b.global.position[j])).norm());
+        });
+      }
+    }
+  });
+  speed_leap& worst = s.driving.leap;
+  const speed_leap now{s.steps + 1, before, after};
+  if (now.ratio() > largest_leap && now.ratio() > worst.ratio()) worst = now;
+}
+
+}  // namespace talus::detail
