@@ -1,0 +1,87 @@
+// A screw conveyor: a screw from an STL file turns in a trough, and takes gravel along that falls
+// in at one end and off at the other. Where so little lies in it that nothing comes over the shaft
+// into the next turn, it goes by one pitch in each turn.
+#include <talus/checkpoint.hpp>
+#include <talus/mesh.hpp>
+#include <talus/mpi.hpp>
+#include <talus/observe.hpp>
+using namespace talus;
+
+using screw = scenario<bodies<sphere, box, triangle_mesh, plane>, hard_contact<coulomb_friction>,
+                       solver<nonlinear_gauss_seidel, reproducible>, decomposition<grid<dynamic>>,
+                       transport<as_launched>, features<driven, checkpoints>>;
+
+struct screw_options : options {
+  std::string stl;
+  double speed = 2, rate = 20;
+
+  screw_options() { steps = 6000; }
+  void describe(auto& line) {
+    options::describe(line);
+    line.add("--stl", stl, "the screw, along x from 0; without it that of the example");
+    line.add_positive("--speed", speed, "of the screw, radians per unit of time");
+    line.add_positive("--rate", rate, "bodies that fall in per unit of time");
+  }
+};
+
+int main(int argc, char** argv) {
+  const std::string program = argv[0];
+  return run<screw, screw_options>(argc, argv, [&](auto& world, const screw_options& options) {
+    const double L = 24, pitch = 4,
+                 R = 2.95;  // trough, screw; the flight runs in the trough's wall
+    world.decompose({.lower = {0}, .upper = {L}});
+    world.gravity({0, 0, -9.81});
+    const auto gravel = world.material({.density = 2.5, .friction = 0.4});
+    const auto steel = world.material({.density = 7.8, .friction = 0.2});
+    world.material_pair(gravel, steel, {.friction = 0.2});
+
+    const triangle_mesh shape =
+        read_stl(options.stl.empty() ? program.substr(0, program.rfind('/') + 1) + "screw.stl"
+                                     : options.stl);
+    const pose at = placed(shape);
+    world.global([&](auto& scope) {
+      const auto turns = scope.add(shape, steel, at.position, at.orientation);
+      world.drive(turns, turning{.axis = {1, 0, 0}, .speed = options.speed});
+      scope.add(plane{.normal = {1, 0, 0}, .offset = 0}, steel);
+      scope.add(plane{.normal = {0, 1, 0}, .offset = -R}, steel);
+      scope.add(plane{.normal = {0, -1, 0}, .offset = -R}, steel);
+      const int planks = 12;
+      for (int k = 0; k < planks; ++k) {  // the lower half of a tube
+        const quat q = rotation({1, 0, 0}, pi * (k + 0.5) / planks - pi);
+        const box plank{{L, 0.5, 2 * (R + 0.5) * std::tan(0.5 * pi / planks)}};
+        scope.add(plank, steel, rotated(q, {0.5 * L, R + 0.25, 0}), q);
+      }
+    });
+    const sieve_curve sizes(
+        {{.size = 0.3, .mass = 30}, {.size = 0.4, .mass = 50}, {.size = 0.5, .mass = 20}});
+    const auto in = insert_by_rate(
+        world, {.bodies = options.rate}, box_region{{0.6, -1.5, 3.6}, {3.4, 1.5, 6}},
+        [&](const site& place, random_stream& random) {
+          std::variant<body<sphere>, body<box>> made;
+          const double r = sizes(random);
+          if (random.integer(2) == 0)
+            made = body{.shape = sphere{r}, .position = place.position, .material = gravel};
+          else
+            made = body{.shape = box{{1.6 * r, 1.6 * r, 1.6 * r}},
+                        .position = place.position,
+                        .material = gravel,
+                        .orientation = random.rotation()};
+          return made;
+        });
+    const outflow out = remove_in(world, half_space(0, 0, -1, 8));
+    take_pictures(
+        world, options,
+        {.from = {0.6 * L, -28, 20}, .at = {0.5 * L, 0, -0.5}, .angle = 44, .ground = false});
+
+    // Speed along the screw, where it has found its pace, over the second half of the run.
+    coarse_fields mean({.lower = {2 * pitch, -R, -R}, .upper = {L - pitch, R, R}});
+    world.observe(every{20}, [&](auto& w) {
+      if (2 * w.steps() >= options.steps) mean += measure_fields(w, mean.grid());
+    });
+    world.simulate({.steps = options.steps, .dt = options.dt});
+    const auto left = out.total(world);
+    return results{{"inserted", static_cast<double>(in->count)},
+                   {"fell_off", static_cast<double>(left.count)},
+                   {"pitches_per_turn", mean.velocity(0)[0] * 2 * pi / options.speed / pitch}};
+  });
+}
