@@ -155,6 +155,29 @@ TEST_CASE("a set-up that never simulates is told so") {
   CHECK(!has(program({"--steps", "0"}, ball(0.5)).err, "no step was made"));
 }
 
+TEST_CASE("bodies that begin inside each other are told, on any rank, and where they are") {
+  const auto at = [](vec3 first, vec3 second) {
+    return program({"--steps", "1"}, [=](world<scene>& world, const options& options) {
+      world.gravity({0, 0, -1});
+      const auto stone = world.material({});
+      world.global([&](auto& scope) { scope.add(plane{}, stone); });
+      world.add_if_local(body{.shape = sphere{1}, .position = first});
+      world.add_if_local(body{.shape = sphere{0.5}, .position = second});
+      world.simulate({.steps = options.steps, .dt = options.dt});
+    });
+  };
+  const said sunk = at({-3, -3, 1}, {3, 3, 0.25});
+  CHECK(has(sunk.err, "program: warning: the sphere "));
+  CHECK(has(sunk.err,
+            " at (3, 3, 0.25) begins 0.25 deep in the plane 0x4000000000000000, 0.5 of the radius "
+            "of the smaller one: contacts will push them apart, perhaps fast; leave room between "
+            "bodies at the start\n"));
+  const said across = at({-0.5, 2, 3}, {0.5, 2, 3});  // of two ranks: said once
+  CHECK(has(across.err, "begins 0.5 deep in the sphere "));
+  CHECK(across.err.find("warning") == across.err.rfind("warning"));
+  CHECK(!has(at({-3, -3, 1}, {3, 3, 0.46}).err, "warning"));  // by less than a tenth
+}
+
 TEST_CASE("without gravity, where nothing moves, the summary says so") {
   const said s = program({"--steps", "10"}, ball(0.5, 0));
   CHECK(has(s.out,

@@ -24,9 +24,19 @@ struct penetration {
 
 namespace detail {
 
+/// The pair whose bodies are most inside each other, for their size.
+struct deepest_pair {
+  double part = 0;   ///< depth over the smaller bounding radius
+  double depth = 0;  ///< a length
+  vec3 at{0, 0, 0};  ///< centre of the first
+  system_id a = no_id, b = no_id;
+  const char *shape_a = "", *shape_b = "";
+};
+
 /// Sums over the contact points of one rank; each point is counted on one rank only.
 struct gap_sums {
   double overlap = 0, overlapping = 0, deepest = 0, loaded_gap = 0, loaded = 0, touching = 0;
+  deepest_pair worst;
 
   void add(real gap, real radius, bool carries) {
     if (gap < 0) overlap -= gap, ++overlapping;
@@ -53,7 +63,12 @@ template <class Store, class Others, class History>
     if (others_move && same_shape) forward = own.id[i] < others.id[j];
     if (others_move && !(forward ? own_i : own_j)) return;
     if (own.fixed(i) && (!others_move || others.fixed(j))) return;
+    real size = own.shape[i].bounding_radius();
+    if constexpr (other::finite) size = std::min(size, others.shape[j].bounding_radius());
     const auto count = [&](const contact_geometry& g, const contact_key& key) {
+      if (-g.gap > sums.worst.part * size)
+        sums.worst = {-g.gap / size, -g.gap,      own.position[i], own.id[i],
+                      others.id[j],  shape::name, other::name};
       if constexpr (soft) {
         sums.add(g.gap, radius, g.gap < 0);
       } else {
@@ -91,7 +106,36 @@ template <class Store, class Others, class History>
     for (std::size_t i = 0; i < own.locals; ++i)
       for (std::size_t j = 0; j < others.size(); ++j) pair(i, j);
   }
-  (void)shape::finite;
+}
+
+/// Of the bodies that this rank knows; `radius` is a length, the mean bounding radius.
+template <class Scenario>
+[[nodiscard, gnu::cold]] gap_sums measure_gaps(const world_state<Scenario>& s, real radius) {
+  gap_sums sums;
+  s.each_finite_shape([&](const auto& a) {
+    using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
+    s.each_shape([&](const auto& b) {
+      using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      using shapes = typename Scenario::shapes;
+      constexpr bool same = std::is_same_v<A, B>;
+      constexpr bool first = index_of<shapes, A> <= index_of<shapes, B>;
+      if constexpr (B::finite && first)
+        add_gaps(sums, a.movable, b.movable, true, same, s.history, radius);
+      if (b.global.size() > 0) add_gaps(sums, a.movable, b.global, false, same, s.history, radius);
+    });
+  });
+  return sums;
+}
+
+/// Collective: the mean bounding radius of the bodies that can move, a length; 1 if there is none.
+template <class Scenario>
+[[nodiscard, gnu::cold]] real mean_radius(world<Scenario>& w) {
+  std::array<double, 2> radii{};
+  w.for_each_local([&](const auto& b) {
+    if (!b.is_fixed()) radii[0] += b.shape().bounding_radius(), ++radii[1];
+  });
+  w.link().reduce(reduction::sum, radii);
+  return radii[1] > 0 ? radii[0] / radii[1] : 1;
 }
 
 }  // namespace detail
@@ -101,28 +145,8 @@ template <class Store, class Others, class History>
 template <class Scenario>
 [[nodiscard, gnu::cold]] penetration measure_penetration(world<Scenario>& w) {
   w.require_all_ranks("measure_penetration");
-  const auto& s = w.state();
-  std::array<double, 2> radii{};
-  w.for_each_local([&](const auto& b) {
-    if (!b.is_fixed()) radii[0] += b.shape().bounding_radius(), ++radii[1];
-  });
-  w.link().reduce(reduction::sum, radii);
-  const real radius = radii[1] > 0 ? radii[0] / radii[1] : 1;
-
-  detail::gap_sums sums;
-  s.each_finite_shape([&](const auto& a) {
-    using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
-    s.each_shape([&](const auto& b) {
-      using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
-      using shapes = typename Scenario::shapes;
-      constexpr bool same = std::is_same_v<A, B>;
-      constexpr bool first = detail::index_of<shapes, A> <= detail::index_of<shapes, B>;
-      if constexpr (B::finite && first)
-        detail::add_gaps(sums, a.movable, b.movable, true, same, s.history, radius);
-      if (b.global.size() > 0)
-        detail::add_gaps(sums, a.movable, b.global, false, same, s.history, radius);
-    });
-  });
+  const real radius = detail::mean_radius(w);
+  detail::gap_sums sums = detail::measure_gaps(w.state(), radius);
   std::array<double, 5> total{sums.overlap, sums.overlapping, sums.loaded_gap, sums.loaded,
                               sums.touching};
   w.link().reduce(reduction::sum, total);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "talus/core/clock.hpp"
+#include "talus/observe/initial_overlap.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/progress.hpp"
 #include "talus/observe/summary.hpp"
@@ -72,6 +73,14 @@ namespace detail {
         "this program takes no pictures: call take_pictures(world, options) before "
         "world.simulate(...), or leave out --frames";
   if (forgotten != nullptr) std::fputs(compose("{}: {}\n", name, forgotten).c_str(), stderr);
+}
+
+/// Says where bodies begin inside each other, on standard error. Collective.
+template <class Scenario>
+[[gnu::cold]] void mention_overlap(const std::string& name, world<Scenario>& w) {
+  if (w.steps() > 0) return;
+  const std::string words = initial_overlap(w);
+  if (!words.empty()) std::fputs(compose("{}: warning: {}\n", name, words).c_str(), stderr);
 }
 
 /// Steps from one reading of the monitors for the progress line to the next: all ranks take part.
@@ -143,6 +152,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   progress_line progress(speaks && !options.quiet ? stderr : nullptr);
   time_series table(options.csv, speaks, !options.restart.empty());
   w.before_simulating([&] { table.sample(w); });
+  if (!options.quiet) w.before_simulating([&] { mention_overlap(name, w); });
   std::string note;
   w.after_each_step([&] {
     if constexpr (has_monitors<Scenario>)

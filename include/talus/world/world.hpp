@@ -264,6 +264,14 @@ class world {
                   "material, position)");
     return {};
   }
+  /// Refuses a shape without its material.
+  template <concepts::shape Shape>
+  handle<Shape> add(const Shape&, const vec3& = {0, 0, 0}, const quat& = {1, 0, 0, 0}) {
+    static_assert(!sizeof(Shape*),
+                  "world.add takes a shape with its material: write world.add(shape, material, "
+                  "position), or world.add(body{.shape = shape, .position = position})");
+    return {};
+  }
   /// Adds the body on the rank that owns its centre and returns its handle there. All ranks call it
   /// alike, so its id is the same for every number of ranks.
   template <class Shape>

@@ -1,0 +1,34 @@
+#pragma once
+// Bodies that begin inside each other, or inside a wall: what a scenario gets wrong most easily.
+#include <array>
+#include <span>
+#include <string>
+
+#include "talus/core/error.hpp"
+#include "talus/observe/penetration.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus::detail {
+
+/// The part of the smaller body by which a pair may begin overlapped, unsaid.
+inline constexpr double deepest_start = 0.1;
+
+/// Collective: what to say of the pair that is most overlapped now, on one of the ranks that know
+/// it, and nothing on all others. Needs up-to-date shadow copies.
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::string initial_overlap(world<Scenario>& w) {
+  const deepest_pair worst = measure_gaps(w.state(), mean_radius(w)).worst;
+  double most = worst.part;
+  w.link().reduce(reduction::max, std::span(&most, 1));
+  if (!(most > deepest_start)) return {};
+  double first = worst.part == most ? -w.rank() : -w.ranks();
+  w.link().reduce(reduction::max, std::span(&first, 1));
+  if (first != -w.rank()) return {};
+  return compose(
+      "the {} {} at {} begins {} deep in the {} {}, {} of the radius of the smaller one: contacts "
+      "will push them apart, perhaps fast; leave room between bodies at the start",
+      worst.shape_a, worst.a, worst.at, text(worst.depth, 3), worst.shape_b, worst.b,
+      text(worst.part, 2));
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""What the documentation tells people to type is typed: in a copy of the project, by a bash of its own.
+
+Of every *.md that is part of the project: each line of a block that has no language or `sh`, in the order
+of the page, from the folder where the lines before have gone; then each command within the text. Two
+things are changed, and said: programs make fewer steps, and what measures, draws or tests for long is
+told to do a part of it (INSTEAD). A block that is quoted from a file is left to the test of that file.
+  commands.py ROOT SCRATCH people|measures|habits|all [--list] [FILE.md ...]
+`people`: running, drawing, projects; `measures`: benchmarks and reports; `habits`: what contributors do.
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+STEPS = 40
+PROGRAMS = r"(\./dev run \w|\./build/heap\b|srun )"
+COMMAND = re.compile(r"(TALUS_\w+=\S+ )?(\./dev|~/|\./build/|cd |cmake |ctest |mpirun -|srun |python3 |git )\S*")
+
+# What would take too long, or is a pattern with names to be filled in, and what is typed instead.
+INSTEAD = {
+    "./dev test": None, "./dev test --long": None,  # .ci/run is the one, and this is part of the other
+    "./dev test [--long]": None,
+    "./dev new NAME": "./dev new shore",
+    "./dev run NAME [-n RANKS] [OPTIONS]": "./dev run drop -n 2 --seed 3",
+    "./dev run NAME -n RANKS": "./dev run drop -n 3",
+    "./dev render DIR": "./dev render ~/heap/pictures",
+    "./dev gallery": "./dev gallery cards",
+    "./dev bench": "./dev bench --quick",
+    "./dev bench --only ranks": "./dev bench --quick --only ranks",
+    "./dev bench --only shapes": "./dev bench --quick --only shapes",
+    "./dev bench --only precision": "./dev bench --quick --only precision",
+    r"./dev bench [--only PART,...] [--full] [--keep\|--draw]": "./dev bench --quick --only sizes",
+    "./dev bench NAME [--rivals bullet,ode] [--json FILE]":
+        "./dev bench pile --bodies 300 --rivals bullet,ode --json ~/pile.json",
+    "./dev bench fc3d [--siconos] [--tol T] FILES": "./dev bench fc3d --tol 1e-4 {problem}",
+    "./dev bench fc3d FILES": "./dev bench fc3d {problem}",
+    "./dev bench pile --solver NAME": "./dev bench pile --solver accelerated_jacobi",
+    "./dev bench pile --bodies 8000 --iterations N --precision mixed":
+        "./dev bench pile --bodies 800 --iterations 2 --precision mixed",
+    "./dev bench pile_soft --bodies 1000 --iterations N": "./dev bench pile_soft --bodies 300",
+    "./dev report": "./dev report roll",
+    "./dev sanitize": "./dev sanitize thread -R test_world_momentum",
+    "./dev sanitize thread": "./dev sanitize thread -R test_world_momentum",
+    "./dev sanitize address --all": "./dev sanitize address -R test_world_momentum",
+    "cmake --preset release && cmake --install build/release --prefix FOLDER":
+        "cmake --preset release && cmake --install build/release --prefix ~/folder",
+    "mpirun --map-by core --bind-to core ./build/heap ...":
+        "cd ~/heap && mpirun -n 2 --map-by core --bind-to core ./build/heap",
+    "./dev compile-cost --compare OLD.o NEW.o":
+        "./dev compile-cost --compare $(find build/release/tests -name hello.cpp.o -o -name drop.cpp.o)",
+    "mpirun -n N": None, "./dev": None, "./dev new": None,  # named, not typed
+}
+# What no page but the help tells.
+BESIDE = ["./dev fuzz scenarios --runs 2", "./dev fuzz options 5", "./dev fuzz checkpoint 5", "./dev help"]
+HABITS = r"(TALUS_PRESET=\S+ )?\./dev (sanitize|tidy|docs|format|fuzz|build|test)\b|ctest |git "
+MEASURES = r"\./dev (bench|report|compile-cost)\b|.*/benchmarks/"
+
+
+def group(command):
+    if re.match(MEASURES, command):
+        return "measures"
+    return "habits" if re.match(HABITS, command) else "people"
+
+
+def shortened(command):
+    """The same with fewer steps, and what happens every so many steps as often as before, or more."""
+    if not re.search(PROGRAMS, command) or "--help" in command:
+        return command
+    few = lambda option, most: lambda m: f"{option} {max(1, min(int(m[1]) // 10, most))}"
+    for option in ("--checkpoint-every", "--output-every", "--every"):
+        command = re.sub(rf"(?<!\S){option} (\d+)", few(option, 20), command)
+    if "--steps " in command:
+        return re.sub(r"--steps (\d+)", few("--steps", 2 * STEPS), command)
+    return f"{command} --steps {STEPS}"
+
+
+def commands_of(page, name):
+    """(where, the page's words) of the blocks, and of the text; faults are blocks of unknown kind."""
+    blocks, text, faults = [], [], []
+    language, quoted, before, left = None, False, "", ""
+    for number, line in enumerate(page.read_text().splitlines(), 1):
+        where = f"{name}:{number}"
+        if line.startswith("```"):
+            if language is None:
+                language, quoted = line[3:].strip(), before.startswith("<!-- ")
+            else:
+                language = None
+        elif language is None:
+            for span in re.findall(r"`([^`]+)`", left + line):
+                if COMMAND.match(span) and not re.match(r"(~/|\./build/)\w*/?$", span):
+                    text.append((where, span))
+            # A command may go on in the next line.
+            left = (left + line).rpartition("`")[2] + " " if (left + line).count("`") % 2 else ""
+            left = "`" + left if left else ""
+        elif language in ("", "sh") and not quoted:
+            command = re.sub(r"\s+#.*", "", line).strip()
+            if COMMAND.match(command):
+                blocks.append((where, command))
+            elif command and not command.startswith("#"):
+                faults.append(f"{where}: is '{command}' a command? Output is a block of 'text'")
+        before = line
+    return blocks, text, faults
+
+
+def copy(root, to):
+    """The project as it would be checked out; what has not changed stays, with what was built of it."""
+    listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard"],
+                            capture_output=True, text=True)
+    if listed.returncode == 0:
+        names = [n for n in listed.stdout.splitlines() if (root / n).is_file()]
+    else:
+        names = [str(p.relative_to(root)) for p in root.rglob("*")
+                 if p.is_file() and not {"build", ".git"} & set(p.relative_to(root).parts)]
+    for name in names:
+        one, other = root / name, to / name
+        if other.is_file() and other.read_bytes() == one.read_bytes():
+            continue
+        other.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(one, other)
+        os.utime(other)
+
+
+def main():
+    root, scratch = (pathlib.Path(p).resolve() for p in sys.argv[1:3])
+    wanted, only_list = sys.argv[3], "--list" in sys.argv
+    given = [pathlib.Path(p).resolve() for p in sys.argv[4:] if p.endswith(".md")]
+    pages = given or sorted(root.glob("*.md")) + sorted((root / "docs").rglob("*.md"))
+    blocks, text, faults = [], [], []
+    for page in pages:
+        name = page.relative_to(root)
+        if str(name) == "CHANGELOG.md":
+            continue
+        b, t, f = commands_of(page, name)
+        blocks += [(where, page, c) for where, c in b]
+        text += [(where, None, c) for where, c in t]
+        faults += f
+    if not given:
+        text += [("the help", None, c) for c in BESIDE]
+
+    todo, seen, used = [], set(), set()
+    problem = next(iter(sorted((root.parent / "shared" / "fc3d").rglob("*.hdf5"))), None)
+    for where, page, command in blocks + text:
+        if page is None and command in seen:
+            continue
+        seen.add(command)
+        typed = INSTEAD.get(command, command)
+        if command in INSTEAD:
+            used.add(command)
+        if typed is None:
+            continue
+        if "{problem}" in typed:
+            if problem is None:
+                continue
+            typed = typed.replace("{problem}", str(problem))
+        if re.search(r"\b[A-Z]{3,}\b|\bN\b|\[|\.\.\.", typed.replace("TALUS_PRESET", "")) and "$(" not in typed:
+            faults.append(f"{where}: '{command}' has names to fill in: say in INSTEAD what is to be typed")
+        todo.append((where, page, shortened(typed)))
+    if given:
+        used = set(INSTEAD)
+    faults += [f"INSTEAD has '{c}', which no page says" for c in INSTEAD if c not in used]
+    helped = subprocess.run(["bash", root / "dev", "help"], capture_output=True, text=True).stdout
+    for verb in set(re.findall(r"^  ([a-z][a-z-]*)", helped, re.M)) - {"test"}:
+        if not given and not any(re.search(rf"\bdev {verb}\b", c) for _, _, c in todo):
+            faults.append(f"no page says ./dev {verb}: add it to BESIDE")
+    todo = [(w, p, c) for w, p, c in todo if wanted in (group(c), "all")]
+    print("\n".join(faults))
+    if only_list:
+        print("\n".join(f"{w}: {c}" for w, _, c in todo))
+        print(f"{len(todo)} commands, {len(faults)} faults")
+        sys.exit(1 if faults or not todo else 0)
+
+    home = scratch / "talus"
+    # A cluster's srun, as far as pages need it: two processes.
+    bin = scratch / "bin"
+    bin.mkdir(parents=True, exist_ok=True)
+    (bin / "srun").write_text('#!/bin/bash\nwhile [[ $1 == -* ]]; do shift; done\nexec mpirun -q -n 2 "$@"\n')
+    (bin / "srun").chmod(0o755)
+    for old in ("heap", "talus/heap", "talus/shore", "talus/pictures", "folder"):
+        shutil.rmtree(scratch / old, ignore_errors=True)
+    copy(root, home)
+    environment = {**os.environ, "HOME": str(scratch), "PATH": f"{bin}:{os.environ['PATH']}",
+                   "CCACHE_DIR": os.environ.get("CCACHE_DIR", os.path.expanduser("~/.cache/ccache"))}
+    for name in ("CXX", "CXXFLAGS", "TALUS_PRESET"):
+        environment.pop(name, None)
+    folders = {}
+    for number, (where, page, command) in enumerate(todo, 1):
+        folder = folders.get(page, home) if page else home
+        if command.startswith("srun ./well"):
+            folder = home / "build/release/examples/well"
+        if command.startswith("git "):
+            folder = root
+        began = time.monotonic()
+        run = subprocess.run(["bash", "-c", f"{command}\ncode=$?\npwd >'{scratch}/where'\nexit $code"],
+                             cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
+                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        folders[page] = pathlib.Path((scratch / "where").read_text().strip())
+        print(f"{number}/{len(todo)} {time.monotonic() - began:5.0f} s  {where}: {command}", flush=True)
+        if run.returncode != 0:
+            faults.append(f"{where}: '{command}' ended with {run.returncode}:\n" +
+                          "\n".join("    " + line for line in run.stdout.splitlines()[-30:]))
+            print(faults[-1], flush=True)
+    print(f"{len(todo)} commands, {len(faults)} faults")
+    print("\n".join(faults))
+    sys.exit(1 if faults or not todo else 0)
+
+
+if __name__ == "__main__":
+    main()
