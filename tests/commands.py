@@ -18,7 +18,7 @@ import time
 
 STEPS = 40
 PROGRAMS = r"(\./dev run \w|\./build/heap\b|srun )"
-COMMAND = re.compile(r"(TALUS_\w+=\S+ )?(\./dev|~/|\./build/|cd |cmake |ctest |mpirun -|srun |python3 |git )\S*")
+COMMAND = re.compile(r"(TALUS_\w+=\S+ )?(\./dev|~/|\./build/|cd |cmake |ctest |mpirun -|srun |(/usr/bin/)?python3 |git )\S*")
 
 # What would take too long, or is a pattern with names to be filled in, and what is typed instead.
 INSTEAD = {
