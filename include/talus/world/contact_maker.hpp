@@ -9,9 +9,9 @@
 #include "talus/detect/box_batch.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/world/contact_conditions.hpp"
-#include "talus/world/continuous.hpp"
 #include "talus/world/driven.hpp"
 #include "talus/world/hand_over.hpp"
+#include "talus/world/pair_motion.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
@@ -80,7 +80,7 @@ class contact_maker {
         first_a_(s.template of<ShapeA>().first),
         first_b_(paired ? s.template of<ShapeB>().first : 0),
         list_(std::get<list_type>(s.contacts)),
-        gravity_(s.gravity.norm()) {
+        motion_(s, a_, b_) {
     if constexpr (batched) {
       waiting_.places = &s.template of<ShapeA>().places;
       waiting_.places->resize(a_.size());
@@ -177,7 +177,7 @@ class contact_maker {
     x.slack = contact_slack * x.radius;
     x.margin = margin_a + margin_b;
     if constexpr (store_a::sleeps)  // ranks look ahead as they know sleepers, but agree on contacts
-      x.margin = margin_in_step(a_, i) + margin_in_step(b_, j);
+      x.margin = motion_.margin_in_step(i, j);
     if constexpr (ShapeB::finite) {
       // The slack of a large body that is none of a small one beside it: both have that of the
       // small.
@@ -224,16 +224,15 @@ class contact_maker {
       u -= v_b + b_.angular_velocity[j].cross(arm_b);
     }
     if constexpr (state_type::continuous) {
-      if (not_met(i, j, g.gap, *x.material)) return;
-      u += flown(a_, i, first_a_);
-      if constexpr (paired) u -= flown(b_, j, first_b_);
+      if (motion_.not_met(i, j, g.gap, *x.material)) return;
+      motion_.add_flight(u, i, j);
     }
-    if (parts_before_touching(x, g, u)) return;
+    if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
     if constexpr (watches<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
     c.a = static_cast<std::int32_t>(first_a_ + i);
-    real pulled = pull(i, j);
+    real pulled = motion_.pull(i, j);
     if constexpr (paired) {
       c.b = static_cast<std::int32_t>(first_b_ + body_b(x));
     } else if constexpr (driven) {
@@ -242,14 +241,10 @@ class contact_maker {
     }
     place(c, g, arm_a, arm_b);
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
-        *x.material, g.normal, u, g.gap, s_.dt, pulled, [&] { return fall(i, j, g.normal); },
-        creep(x.radius), s_.settings.correction);
+        *x.material, g.normal, u, g.gap, s_.dt, pulled,
+        [&] { return motion_.fall(i, j, g.normal); }, creep(x.radius), s_.settings.correction);
     real target = want.target;
-    if constexpr (state_type::continuous) {
-      const bool rebounds = target > 0;
-      target += g.normal.dot(to_fly(a_, i, first_a_, rebounds));
-      if constexpr (paired) target -= g.normal.dot(to_fly(b_, j, first_b_, rebounds));
-    }
+    if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
     c.target = static_cast<decltype(c.target)>(target);
     c.push = static_cast<decltype(c.push)>(want.push);
     if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
@@ -335,85 +330,9 @@ class contact_maker {
     else
       return !s_.at_rim.empty() && (s_.at_rim[first_a_ + i] || (paired && s_.at_rim[first_b_ + j]));
   }
-  /// A contact that is farther than the slack and does not close within the step is no contact.
-  bool parts_before_touching(const pair_at_hand& p, const contact_geometry& g,
-                             const vec3& u) const {
-    if (g.gap <= p.slack) return false;
-    real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
-    if constexpr (store_a::tensor) closing -= turning(a_, p.i);
-    if constexpr (paired && store_b::tensor) closing -= turning(b_, p.j);
-    if constexpr (driven) closing -= b_.angular_velocity[p.j].norm() * p.radius * s_.dt;
-    return g.gap + closing > p.slack;
-  }
-  [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }
-  /// Bodies apart that were followed on their way and do not meet in this step. (Where one of them
-  /// struck something its way is another one from then on: as without following, it is kept from
-  /// entering the other, unless that would be a rebound at a distance.)
-  bool not_met(std::size_t i, std::size_t j, real gap, const pair_material& pair) const {
-    const real zone = contact_zone(a_.shape[i], b_.shape[j]);
-    if (gap <= zone) return false;
-    real way = way_of(s_, a_, i);
-    bool struck = impact_time(first_a_ + i) != never;
-    if constexpr (paired) {
-      way += way_of(s_, b_, j);
-      struck = struck || impact_time(first_b_ + j) != never;
-    }
-    return way > slow_way(s_, zone) && !(struck && !(law::restitution && pair.restitution > 0));
-  }
-  /// What the true velocity of a body at its impact is above the stored one.
-  template <class Store>
-  vec3 flown(const Store& store, std::size_t i, std::size_t first) const {
-    const real t = impact_time(first + i);
-    if (t == never) return {0, 0, 0};
-    return (real(0.5) * s_.dt + t) * acceleration_of(s_, store, i);
-  }
-  /// The same at the end of the step above what the velocity is after the impact: of a body that
-  /// rebounds and flies on, or else of one that stays.
-  template <class Store>
-  vec3 to_fly(const Store& store, std::size_t i, std::size_t first, bool rebounds) const {
-    const real t = impact_time(first + i);
-    if (t == never) return {0, 0, 0};
-    return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
-  }
-  template <class Store>
-  real margin_in_step(const Store& store, std::size_t i) const {
-    if constexpr (Store::shape_type::finite)
-      return reach_of(store, i, s_.dt) - store.shape[i].bounding_radius();
-    else
-      return (void)store, (void)i, 0;
-  }
-  /// Acceleration of the surfaces by gravity and by the forces and torques on the two bodies.
-  real pull(std::size_t i, std::size_t j) const {
-    real sum = gravity_;
-    if constexpr (store_a::forced) sum += pull_on(a_, i);
-    if constexpr (paired && store_b::forced) sum += pull_on(b_, j);
-    return sum;
-  }
-  /// The part of it by which they approach; none for bodies at their impact, whose velocities are
-  /// true.
-  real fall(std::size_t i, std::size_t j, const vec3& normal) const {
-    vec3 a = acceleration_of(s_, a_, i);
-    if constexpr (paired) a -= acceleration_of(s_, b_, j);
-    if constexpr (state_type::continuous) {
-      if (impact_time(first_a_ + i) != never) return 0;
-      if constexpr (paired)
-        if (impact_time(first_b_ + j) != never) return 0;
-    }
-    return (void)j, -normal.dot(a);
-  }
-  template <class Store>
-  static real pull_on(const Store& s, std::size_t i) {
-    const real arm = s.shape[i].bounding_radius() / s.shape[i].inertia().minCoeff();
-    return s.inverse_mass[i] * (s.force[i].norm() + arm * s.torque[i].norm());
-  }
   /// What iterations leave of the velocity of something that sticks: a millionth of its size in a
   /// step. (Where others press, the bodies themselves may feel neither gravity nor forces.)
   real creep(real radius) const { return 1e-6 * radius / s_.dt; }
-  /// How far the turning of a body can bring a point of its surface in a step.
-  template <class Store>
-  real turning(const Store& s, std::size_t i) const {
-    return s.angular_velocity[i].norm() * s.shape[i].bounding_radius() * s_.dt;
-  }
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {
     if constexpr (requires { c.r; }) {  // a general contact
@@ -434,7 +353,7 @@ class contact_maker {
   store_b& b_;
   std::size_t first_a_, first_b_;
   list_type& list_;
-  real gravity_;
+  pair_motion<Scenario, ShapeA, ShapeB, paired> motion_;
   [[no_unique_address]] std::conditional_t<batched, waiting_pairs, none_wait> waiting_;
 };
 
