@@ -1,8 +1,10 @@
 # All RUNS of PROGRAM end with the same bits after STEPS. Each run is a list of options, separated by
 # blanks; one that begins with "mpi N" is started under mpirun. ARGS, separated by |, are the same for
-# all. With RESTART each run also goes half way, and the next one goes on from its checkpoint.
+# all. With RESTART each run also goes half way, and the next one goes on from its checkpoint. RESULTS are
+# numbers of the --json file, separated by |, which may differ by a part of a billion.
 string(REPLACE "|" ";" ARGS "${ARGS}")
 string(REPLACE "|" ";" RUNS "${RUNS}")
+string(REPLACE "|" ";" RESULTS "${RESULTS}")
 function(start run)
   separate_arguments(options UNIX_COMMAND "${run}")
   set(launch)
@@ -39,6 +41,19 @@ foreach(run IN LISTS RUNS)
   elseif(NOT digest STREQUAL wanted)
     message(SEND_ERROR "'${run} ${from}' ends with other bits than the first run")
   endif()
+  foreach(key IN LISTS RESULTS)
+    string(JSON value GET "${content}" ${key})
+    if(NOT DEFINED first_${key})
+      set(first_${key} ${value})
+    endif()
+    execute_process(COMMAND awk -v a=${first_${key}} -v b=${value}
+                            "BEGIN { exit !(a != 0 && (a - b) ^ 2 <= 1e-18 * a ^ 2) }"
+                    RESULT_VARIABLE differs)
+    message("  ${key} ${value}")
+    if(differs)
+      message(SEND_ERROR "'${run} ${from}' ends with another ${key} than the first run")
+    endif()
+  endforeach()
   math(EXPR number "${number} + 1")
   if(RESTART AND number GREATER_EQUAL count)
     set(checkpoint ${JSON}.${number}.h5)

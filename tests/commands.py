@@ -2,9 +2,11 @@
 """What the documentation tells people to type is typed: in a copy of the project, by a bash of its own.
 
 Of every *.md that is part of the project: each line of a block that has no language or `sh`, in the order
-of the page, from the folder where the lines before have gone; then each command within the text. Two
-things are changed, and said: programs make fewer steps, and what measures, draws or tests for long is
-told to do a part of it (INSTEAD). A block that is quoted from a file is left to the test of that file.
+of the page, from the folder where the lines before have gone; then each command within the text, from
+where the blocks before it have led. What is not as at a user's: programs make fewer steps, what measures,
+draws or tests for long is told to do a part of it (INSTEAD), the home folder is SCRATCH, srun is a
+stand-in, and CTest lets mpirun be root and have more ranks than cores. A block that is quoted from a
+file is left to the test of that file.
   commands.py ROOT SCRATCH people|measures|habits|all [--list] [FILE.md ...]
 `people`: running, drawing, projects; `measures`: benchmarks and reports; `habits`: what contributors do.
 """
@@ -17,8 +19,14 @@ import sys
 import time
 
 STEPS = 40
-PROGRAMS = r"(\./dev run \w|\./build/heap\b|srun )"
-COMMAND = re.compile(r"(TALUS_\w+=\S+ )?(\./dev|~/|\./build/|cd |cmake |ctest |mpirun -|srun |(/usr/bin/)?python3 |git )\S*")
+PROGRAMS = r"(/dev run \w|\./build/heap\b|srun )"
+COMMAND = re.compile(
+    r"(TALUS_\w+=\S+ )?(\./dev|~/|(\./)?build/|cd |cmake |ctest |mpirun -|srun |xvfb-run |apt-get |"
+    r"(/usr/bin/)?python3 |git )\S*")
+# A file that is named, not typed.
+NAMED = re.compile(r"(~/|(\./)?build/)[\w/.]*$")
+LANGUAGES = {"": True, "sh": True, "cpp": False, "cmake": False, "python": False, "text": False}
+MINUTES = 30  # that a command may take
 
 # What would take too long, or is a pattern with names to be filled in, and what is typed instead.
 INSTEAD = {
@@ -43,6 +51,25 @@ INSTEAD = {
         "./dev bench pile --bodies 800 --iterations 2 --precision mixed",
     "./dev bench pile_soft --bodies 1000 --iterations N": "./dev bench pile_soft --bodies 300",
     "./dev report": "./dev report roll",
+    "./dev test --long -R 'promises|_twice'": None,
+    # The tests themselves are in the default run.
+    "ctest --test-dir build/release -R 'reproducible|same_bits' -LE long":
+        "ctest --test-dir build/release -R 'reproducible|same_bits' -LE long -N | grep -q 'Test *#'",
+    "ctest --test-dir build/release -R 'checkpoint'":
+        "ctest --test-dir build/release -R 'checkpoint' -N | grep -q 'Test *#'",
+    "ctest --test-dir build/release -R test_world_nothing_lost":
+        "./dev build test_world_nothing_lost && ctest --test-dir build/release -R test_world_nothing_lost",
+    "ctest --test-dir build/release -R 'test_world_bad_input|test_mpi_transport_failures'":
+        "ctest --test-dir build/release -R 'test_world_bad_input|test_mpi_transport_failures' -N | "
+        "grep -q 'Test *#'",
+    "./dev fuzz scenarios --runs 10000 --seed 1000000": "./dev fuzz scenarios --runs 10 --seed 1000000",
+    "./dev fuzz options 600": "./dev fuzz options 5",
+    "./dev fuzz checkpoint 600": "./dev fuzz checkpoint 5",
+    "build/release/tests/test_hard_load --steps 20000":
+        "./dev build test_hard_load && build/release/tests/test_hard_load --steps 200",
+    "xvfb-run -a /usr/bin/python3 docs/output_picture.py hopper_0000000700.hdf hopper.png":
+        "xvfb-run -a /usr/bin/python3 docs/output_picture.py hopper_0000000040.hdf hopper.png",
+    "./dev sanitize address": "./dev sanitize address -R test_core_bytes",
     "./dev sanitize": "./dev sanitize thread -R test_world_momentum",
     "./dev sanitize thread": "./dev sanitize thread -R test_world_momentum",
     "./dev sanitize address --all": "./dev sanitize address -R test_world_momentum",
@@ -55,7 +82,7 @@ INSTEAD = {
     "mpirun -n N": None, "./dev": None, "./dev new": None,  # named, not typed
 }
 # What no page but the help tells.
-BESIDE = ["./dev fuzz scenarios --runs 2", "./dev fuzz options 5", "./dev fuzz checkpoint 5", "./dev help"]
+BESIDE = ["./dev help"]
 HABITS = r"(TALUS_PRESET=\S+ )?\./dev (sanitize|tidy|docs|format|fuzz|build|test)\b|ctest |git "
 MEASURES = r"\./dev (bench|report|compile-cost)\b|.*/benchmarks/"
 
@@ -79,7 +106,8 @@ def shortened(command):
 
 
 def commands_of(page, name):
-    """(where, the page's words) of the blocks, and of the text; faults are blocks of unknown kind."""
+    """(where, the page's words) of the blocks; with the number of block lines before it, of the text;
+    faults are blocks of unknown kind."""
     blocks, text, faults = [], [], []
     language, quoted, before, left = None, False, "", ""
     for number, line in enumerate(page.read_text().splitlines(), 1):
@@ -87,16 +115,20 @@ def commands_of(page, name):
         if line.startswith("```"):
             if language is None:
                 language, quoted = line[3:].strip(), before.startswith("<!-- ")
+                if language not in LANGUAGES:
+                    faults.append(f"{where}: what are blocks of '{language}'? Commands are in blocks of 'sh'")
             else:
                 language = None
         elif language is None:
             for span in re.findall(r"`([^`]+)`", left + line):
-                if COMMAND.match(span) and not re.match(r"(~/|\./build/)\w*/?$", span):
-                    text.append((where, span))
+                if COMMAND.match(span) and not NAMED.match(span):
+                    text.append((where, span, len(blocks)))
+            if line.startswith("    ") and COMMAND.match(line.strip()):
+                faults.append(f"{where}: '{line.strip()}' is indented: put it into a block of 'sh'")
             # A command may go on in the next line.
             left = (left + line).rpartition("`")[2] + " " if (left + line).count("`") % 2 else ""
             left = "`" + left if left else ""
-        elif language in ("", "sh") and not quoted:
+        elif LANGUAGES.get(language) and not quoted:
             command = re.sub(r"\s+#.*", "", line).strip()
             if COMMAND.match(command):
                 blocks.append((where, command))
@@ -107,14 +139,23 @@ def commands_of(page, name):
 
 
 def copy(root, to):
-    """The project as it would be checked out; what has not changed stays, with what was built of it."""
+    """The project as it would be checked out, and what was built of it by an earlier run."""
     listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard"],
                             capture_output=True, text=True)
     if listed.returncode == 0:
-        names = [n for n in listed.stdout.splitlines() if (root / n).is_file()]
+        names = {pathlib.Path(n) for n in listed.stdout.splitlines() if (root / n).is_file()}
     else:
-        names = [str(p.relative_to(root)) for p in root.rglob("*")
-                 if p.is_file() and not {"build", ".git"} & set(p.relative_to(root).parts)]
+        names = {p.relative_to(root) for p in root.rglob("*") if p.is_file()}
+    built = {p.parent.relative_to(root) for p in root.glob("**/CMakeCache.txt")} | {
+        pathlib.Path("build"), pathlib.Path(".git")}
+    names = {n for n in names if not built & set(n.parents)}
+    for old in [p for p in to.rglob("*") if p.is_file()]:
+        name = old.relative_to(to)
+        if name not in names and (name.parts[0] != "build" or name.suffix in (".h5", ".csv")):
+            old.unlink()
+    for folder in sorted((p for p in to.rglob("*") if p.is_dir()), reverse=True):
+        if not any(folder.iterdir()):
+            folder.rmdir()
     for name in names:
         one, other = root / name, to / name
         if other.is_file() and other.read_bytes() == one.read_bytes():
@@ -122,6 +163,13 @@ def copy(root, to):
         other.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(one, other)
         os.utime(other)
+
+
+def can_show(root):
+    """Whether the history is there that pages refer to."""
+    told = subprocess.run(["git", "-C", root, "rev-parse", "--is-shallow-repository"],
+                          capture_output=True, text=True)
+    return told.stdout.strip() == "false"
 
 
 def main():
@@ -135,16 +183,17 @@ def main():
         if str(name) == "CHANGELOG.md":
             continue
         b, t, f = commands_of(page, name)
-        blocks += [(where, page, c) for where, c in b]
-        text += [(where, None, c) for where, c in t]
+        blocks += [(where, (page, n), c) for n, (where, c) in enumerate(b)]
+        text += [(where, (page, n), c) for where, c, n in t]
         faults += f
     if not given:
-        text += [("the help", None, c) for c in BESIDE]
+        text += [("the help", (None, 0), c) for c in BESIDE]
 
     todo, seen, used = [], set(), set()
+    in_blocks = set()
     problem = next(iter(sorted((root.parent / "shared" / "fc3d").rglob("*.hdf5"))), None)
-    for where, page, command in blocks + text:
-        if page is None and command in seen:
+    for where, place, command in blocks + text:
+        if (where, place, command) not in blocks and command in seen:
             continue
         seen.add(command)
         typed = INSTEAD.get(command, command)
@@ -156,9 +205,12 @@ def main():
             if problem is None:
                 continue
             typed = typed.replace("{problem}", str(problem))
-        if re.search(r"\b[A-Z]{3,}\b|\bN\b|\[|\.\.\.", typed.replace("TALUS_PRESET", "")) and "$(" not in typed:
+        if command not in INSTEAD and "$(" not in command and re.search(
+                r"\b[A-Z]{3,}\b|\bN\b|\[|\.\.\.", command.replace("TALUS_PRESET", "")):
             faults.append(f"{where}: '{command}' has names to fill in: say in INSTEAD what is to be typed")
-        todo.append((where, page, shortened(typed)))
+        todo.append((where, place, shortened(typed)))
+        if (where, place, command) in blocks:
+            in_blocks.add(todo[-1])
     if given:
         used = set(INSTEAD)
     faults += [f"INSTEAD has '{c}', which no page says" for c in INSTEAD if c not in used]
@@ -166,7 +218,10 @@ def main():
     for verb in set(re.findall(r"^  ([a-z][a-z-]*)", helped, re.M)) - {"test"}:
         if not given and not any(re.search(rf"\bdev {verb}\b", c) for _, _, c in todo):
             faults.append(f"no page says ./dev {verb}: add it to BESIDE")
-    todo = [(w, p, c) for w, p, c in todo if wanted in (group(c), "all")]
+    if wanted != "all":  # and the ways to them
+        pages = {place[0] for _, place, c in todo if group(c) == wanted and not c.startswith("cd ")}
+        todo = [(w, p, c) for w, p, c in todo
+                if (p[0] in pages if c.startswith("cd ") else group(c) == wanted)]
     print("\n".join(faults))
     if only_list:
         print("\n".join(f"{w}: {c}" for w, _, c in todo))
@@ -186,22 +241,31 @@ def main():
                    "CCACHE_DIR": os.environ.get("CCACHE_DIR", os.path.expanduser("~/.cache/ccache"))}
     for name in ("CXX", "CXXFLAGS", "TALUS_PRESET"):
         environment.pop(name, None)
-    folders = {}
-    for number, (where, page, command) in enumerate(todo, 1):
-        folder = folders.get(page, home) if page else home
+    folders = {}  # where the commands of a page have led, after so many of them
+    for number, (where, (page, before), command) in enumerate(todo, 1):
+        folder = next((folders[page, n] for n in range(before, 0, -1) if (page, n) in folders), home)
         if command.startswith("srun ./well"):
             folder = home / "build/release/examples/well"
-        if command.startswith("git "):
+        elif command.startswith("git show "):
+            if not can_show(root):
+                continue
             folder = root
+        elif command.startswith("git "):
+            raise SystemExit(f"{where}: '{command}' is not for the project's own repository")
         began = time.monotonic()
-        run = subprocess.run(["bash", "-c", f"{command}\ncode=$?\npwd >'{scratch}/where'\nexit $code"],
-                             cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
-                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        folders[page] = pathlib.Path((scratch / "where").read_text().strip())
+        try:
+            run = subprocess.run(["bash", "-c", f"{command}\ncode=$?\npwd >'{scratch}/where'\nexit $code"],
+                                 cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60 * MINUTES)
+            code, said = run.returncode, run.stdout
+        except subprocess.TimeoutExpired as late:
+            code, said = f"nothing after {MINUTES} minutes", (late.stdout or b"").decode()
+        if (where, (page, before), command) in in_blocks and folder != root and code == 0:
+            folders[page, before + 1] = pathlib.Path((scratch / "where").read_text().strip())
         print(f"{number}/{len(todo)} {time.monotonic() - began:5.0f} s  {where}: {command}", flush=True)
-        if run.returncode != 0:
-            faults.append(f"{where}: '{command}' ended with {run.returncode}:\n" +
-                          "\n".join("    " + line for line in run.stdout.splitlines()[-30:]))
+        if code != 0:
+            faults.append(f"{where}: '{command}' ended with {code}:\n" +
+                          "\n".join("    " + line for line in said.splitlines()[-30:]))
             print(faults[-1], flush=True)
     print(f"{len(todo)} commands, {len(faults)} faults")
     print("\n".join(faults))

@@ -18,7 +18,7 @@ struct screw_options : options {
   screw_options() { steps = 6000; }
   void describe(auto& line) {
     options::describe(line);
-    line.add("--stl", stl, "the screw, along x from 0; without it that of the example");
+    line.add("--stl", stl, "a screw of the same size; without it the one beside the program");
     line.add_positive("--speed", speed, "of the screw, radians per unit of time");
     line.add_positive("--rate", rate, "bodies that fall in per unit of time");
   }
@@ -27,8 +27,8 @@ struct screw_options : options {
 int main(int argc, char** argv) {
   const std::string program = argv[0];
   return run<screw, screw_options>(argc, argv, [&](auto& world, const screw_options& options) {
-    const double L = 24, pitch = 4,
-                 R = 2.95;  // trough, screw; the flight runs in the trough's wall
+    const double L = 24, R = 2.95;  // of the trough, in whose wall the flight runs
+    const double pitch = 4;
     world.decompose({.lower = {0}, .upper = {L}});
     world.gravity({0, 0, -9.81});
     const auto gravel = world.material({.density = 2.5, .friction = 0.4});
@@ -68,20 +68,30 @@ int main(int argc, char** argv) {
                         .orientation = random.rotation()};
           return made;
         });
-    const outflow out = remove_in(world, half_space(0, 0, -1, 8));
+    const outflow out = remove_in(world, box_region{{L - 0.5, -R, -20}, {L + 20, R, -8}});
     take_pictures(
         world, options,
         {.from = {0.6 * L, -28, 20}, .at = {0.5 * L, 0, -0.5}, .angle = 44, .ground = false});
 
-    // Speed along the screw, where it has found its pace, over the second half of the run.
-    coarse_fields mean({.lower = {2 * pitch, -R, -R}, .upper = {L - pitch, R, R}});
+    // Speed along the screw, where it has found its pace, since the first have come through.
+    const double through = L / pitch * 2 * pi / options.speed;
+    std::array<double, 2> pace{};  // momentum, mass
+    world.keep("pace", pace);
     world.observe(every{20}, [&](auto& w) {
-      if (2 * w.steps() >= options.steps) mean += measure_fields(w, mean.grid());
+      if (w.time() < through) return;
+      const coarse_fields now =
+          measure_fields(w, {.lower = {2 * pitch, -R, -R}, .upper = {L - pitch, R, R}});
+      pace[0] += now.mass(0) * now.velocity(0)[0], pace[1] += now.mass(0);
     });
     world.simulate({.steps = options.steps, .dt = options.dt});
-    const auto left = out.total(world);
+    double leaked = 0;
+    world.for_each_local(
+        [&](const auto& b) { leaked += b.position()[2] < -R - 0.5 && b.position()[0] < L - 0.5; });
+    world.link().reduce(reduction::sum, std::span(&leaked, 1));
+    const double speed = pace[0] / std::max(pace[1], 1e-300);
     return results{{"inserted", static_cast<double>(in->count)},
-                   {"fell_off", static_cast<double>(left.count)},
-                   {"pitches_per_turn", mean.velocity(0)[0] * 2 * pi / options.speed / pitch}};
+                   {"fell_off", static_cast<double>(out.total(world).count)},
+                   {"leaked", leaked},
+                   {"pitches_per_turn", speed * 2 * pi / options.speed / pitch}};
   });
 }

@@ -10,7 +10,7 @@
 
 namespace talus::detail {
 
-/// The part of the smaller body by which a pair may begin overlapped, unsaid.
+/// The part of half the thickness of the thinner body by which a pair may begin overlapped, unsaid.
 inline constexpr double deepest_start = 0.1;
 
 /// Collective: what to say of the pair that is most overlapped now, on one of the ranks that know
@@ -25,8 +25,8 @@ template <class Scenario>
   w.link().reduce(reduction::max, std::span(&first, 1));
   if (first != -w.rank()) return {};
   return compose(
-      "the {} {} at {} begins {} deep in the {} {}, {} of the radius of the smaller one: contacts "
-      "will push them apart, perhaps fast; leave room between bodies at the start",
+      "the {} {} at {} begins {} deep in the {} {}, {} of half the thickness of the thinner one: "
+      "contacts will push them apart, perhaps fast; leave room between bodies at the start",
       worst.shape_a, worst.a, worst.at, text(worst.depth, 3), worst.shape_b, worst.b,
       text(worst.part, 2));
 }

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/detect/detail/convex_view.hpp"
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/world/world.hpp"
@@ -24,11 +27,28 @@ struct penetration {
 
 namespace detail {
 
+/// Half the thickness of a body where it is thinnest, a length: what a depth is measured by.
+template <class Shape>
+[[nodiscard]] real half_thickness(const Shape& s) {
+  if constexpr (requires { convex_view<real>(s, pose{}); }) {
+    return convex_view<real>(s, pose{}).smallest();
+  } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
+    real least = s.bounding_radius();
+    s.each_part(
+        [&](const auto& part, const pose&) { least = std::min(least, half_thickness(part)); });
+    return least;
+  } else if constexpr (Shape::finite) {
+    return s.bounding_radius();
+  } else {
+    return std::numeric_limits<real>::infinity();
+  }
+}
+
 /// The pair whose bodies are most inside each other, for their size.
 struct deepest_pair {
-  double part = 0;   ///< depth over the smaller bounding radius
+  double part = 0;   ///< depth over half the thickness of the thinner one
   double depth = 0;  ///< a length
-  vec3 at{0, 0, 0};  ///< centre of the first
+  vec3 at{0, 0, 0};  ///< centre of the first, which this rank owns
   system_id a = no_id, b = no_id;
   const char *shape_a = "", *shape_b = "";
 };
@@ -63,12 +83,16 @@ template <class Store, class Others, class History>
     if (others_move && same_shape) forward = own.id[i] < others.id[j];
     if (others_move && !(forward ? own_i : own_j)) return;
     if (own.fixed(i) && (!others_move || others.fixed(j))) return;
-    real size = own.shape[i].bounding_radius();
-    if constexpr (other::finite) size = std::min(size, others.shape[j].bounding_radius());
+    const real size = std::min(half_thickness(own.shape[i]), half_thickness(others.shape[j]));
     const auto count = [&](const contact_geometry& g, const contact_key& key) {
-      if (-g.gap > sums.worst.part * size)
+      if (-g.gap > sums.worst.part * size) {
         sums.worst = {-g.gap / size, -g.gap,      own.position[i], own.id[i],
                       others.id[j],  shape::name, other::name};
+        if (!own_i) {
+          sums.worst.at = others.position[j];
+          std::swap(sums.worst.a, sums.worst.b), std::swap(sums.worst.shape_a, sums.worst.shape_b);
+        }
+      }
       if constexpr (soft) {
         sums.add(g.gap, radius, g.gap < 0);
       } else {
