@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 
 #include "talus/core/plain_vector.hpp"
-#include "talus/detect/detail/convex_view.hpp"
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/detect/thickness.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -26,23 +25,6 @@ struct penetration {
 };
 
 namespace detail {
-
-/// Half the thickness of a body where it is thinnest, a length: what a depth is measured by.
-template <class Shape>
-[[nodiscard]] real half_thickness(const Shape& s) {
-  if constexpr (requires { convex_view<real>(s, pose{}); }) {
-    return convex_view<real>(s, pose{}).smallest();
-  } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
-    real least = s.bounding_radius();
-    s.each_part(
-        [&](const auto& part, const pose&) { least = std::min(least, half_thickness(part)); });
-    return least;
-  } else if constexpr (Shape::finite) {
-    return s.bounding_radius();
-  } else {
-    return std::numeric_limits<real>::infinity();
-  }
-}
 
 /// The pair whose bodies are most inside each other, for their size.
 struct deepest_pair {
