@@ -25,6 +25,7 @@ COMMAND = re.compile(
     r"(/usr/bin/)?python3 |git )\S*")
 # A file that is named, not typed.
 NAMED = re.compile(r"(~/|(\./)?build/)[\w/.]*$")
+WAY = re.compile(r"cd \S+$")  # to where the next commands are
 LANGUAGES = {"": True, "sh": True, "cpp": False, "cmake": False, "python": False, "text": False}
 MINUTES = 30  # that a command may take
 
@@ -37,6 +38,7 @@ INSTEAD = {
     "./dev run NAME -n RANKS": "./dev run drop -n 3",
     "./dev render DIR": "./dev render ~/heap/pictures",
     "./dev gallery": "./dev gallery cards",
+    "./dev compile-cost": "./dev compile-cost --runs 1",
     "./dev bench": "./dev bench --quick",
     "./dev bench --only ranks": "./dev bench --quick --only ranks",
     "./dev bench --only shapes": "./dev bench --quick --only shapes",
@@ -219,9 +221,9 @@ def main():
         if not given and not any(re.search(rf"\bdev {verb}\b", c) for _, _, c in todo):
             faults.append(f"no page says ./dev {verb}: add it to BESIDE")
     if wanted != "all":  # and the ways to them
-        pages = {place[0] for _, place, c in todo if group(c) == wanted and not c.startswith("cd ")}
+        pages = {place[0] for _, place, c in todo if group(c) == wanted and not WAY.match(c)}
         todo = [(w, p, c) for w, p, c in todo
-                if (p[0] in pages if c.startswith("cd ") else group(c) == wanted)]
+                if (p[0] in pages if WAY.match(c) else group(c) == wanted)]
     print("\n".join(faults))
     if only_list:
         print("\n".join(f"{w}: {c}" for w, _, c in todo))
