@@ -14,6 +14,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -153,7 +154,7 @@ def copy(root, to):
     names = {n for n in names if not built & set(n.parents)}
     for old in [p for p in to.rglob("*") if p.is_file()]:
         name = old.relative_to(to)
-        if name not in names and (name.parts[0] != "build" or name.suffix in (".h5", ".csv")):
+        if name not in names and (name.parts[0] != "build" or name.suffix == ".h5"):
             old.unlink()
     for folder in sorted((p for p in to.rglob("*") if p.is_dir()), reverse=True):
         if not any(folder.iterdir()):
@@ -174,52 +175,81 @@ def can_show(root):
     return told.stdout.strip() == "false"
 
 
-def main():
-    root, scratch = (pathlib.Path(p).resolve() for p in sys.argv[1:3])
-    wanted, only_list = sys.argv[3], "--list" in sys.argv
-    given = [pathlib.Path(p).resolve() for p in sys.argv[4:] if p.endswith(".md")]
-    pages = given or sorted(root.glob("*.md")) + sorted((root / "docs").rglob("*.md"))
+def plan(root, pages, whole):
+    """What is to be typed, as (where, (page, block lines before it), command); those of it that are lines
+    of blocks; faults. `whole`: these are all pages there are."""
     blocks, text, faults = [], [], []
     for page in pages:
         name = page.relative_to(root)
-        if str(name) == "CHANGELOG.md":
-            continue
         b, t, f = commands_of(page, name)
         blocks += [(where, (page, n), c) for n, (where, c) in enumerate(b)]
         text += [(where, (page, n), c) for where, c, n in t]
         faults += f
-    if not given:
+    if whole:
         text += [("the help", (None, 0), c) for c in BESIDE]
 
-    todo, seen, used = [], set(), set()
-    in_blocks = set()
+    todo, seen, used, lines = [], set(), set(), set()
     problem = next(iter(sorted((root.parent / "shared" / "fc3d").rglob("*.hdf5"))), None)
-    for where, place, command in blocks + text:
-        if (where, place, command) not in blocks and command in seen:
+    for in_block, (where, place, command) in [(True, x) for x in blocks] + [(False, x) for x in text]:
+        if not in_block and command in seen:
             continue
         seen.add(command)
+        used |= {command} & set(INSTEAD)
         typed = INSTEAD.get(command, command)
-        if command in INSTEAD:
-            used.add(command)
-        if typed is None:
+        if typed is None or ("{problem}" in typed and problem is None):
             continue
-        if "{problem}" in typed:
-            if problem is None:
-                continue
-            typed = typed.replace("{problem}", str(problem))
         if command not in INSTEAD and "$(" not in command and re.search(
                 r"\b[A-Z]{3,}\b|\bN\b|\[|\.\.\.", command.replace("TALUS_PRESET", "")):
             faults.append(f"{where}: '{command}' has names to fill in: say in INSTEAD what is to be typed")
-        todo.append((where, place, shortened(typed)))
-        if (where, place, command) in blocks:
-            in_blocks.add(todo[-1])
-    if given:
-        used = set(INSTEAD)
-    faults += [f"INSTEAD has '{c}', which no page says" for c in INSTEAD if c not in used]
-    helped = subprocess.run(["bash", root / "dev", "help"], capture_output=True, text=True).stdout
-    for verb in set(re.findall(r"^  ([a-z][a-z-]*)", helped, re.M)) - {"test"}:
-        if not given and not any(re.search(rf"\bdev {verb}\b", c) for _, _, c in todo):
-            faults.append(f"no page says ./dev {verb}: add it to BESIDE")
+        todo.append((where, place, shortened(typed.replace("{problem}", str(problem)))))
+        if in_block:
+            lines.add(todo[-1])
+    if whole:
+        faults += [f"INSTEAD has '{c}', which no page says" for c in INSTEAD if c not in used]
+        helped = subprocess.run(["bash", root / "dev", "help"], capture_output=True, text=True).stdout
+        for verb in set(re.findall(r"^  ([a-z][a-z-]*)", helped, re.M)) - {"test"}:
+            if not any(re.search(rf"\bdev {verb}\b", c) for _, _, c in todo):
+                faults.append(f"no page says ./dev {verb}: add it to BESIDE")
+    return todo, lines, faults
+
+
+def prepare(root, scratch):
+    """The copy, and the environment of those who type in it."""
+    # A cluster's srun, as far as pages need it: two processes.
+    programs = scratch / "bin"
+    programs.mkdir(parents=True, exist_ok=True)
+    (programs / "srun").write_text('#!/bin/bash\nwhile [[ $1 == -* ]]; do shift; done\nexec mpirun -q -n 2 "$@"\n')
+    (programs / "srun").chmod(0o755)
+    for made in ("heap", "folder"):
+        shutil.rmtree(scratch / made, ignore_errors=True)
+    copy(root, scratch / "talus")
+    environment = {**os.environ, "HOME": str(scratch), "PATH": f"{programs}:{os.environ['PATH']}",
+                   "CCACHE_DIR": os.environ.get("CCACHE_DIR", os.path.expanduser("~/.cache/ccache"))}
+    for name in ("CXX", "CXXFLAGS", "TALUS_PRESET"):
+        environment.pop(name, None)
+    return environment
+
+
+def type_it(command, folder, environment, scratch):
+    """Its exit code, or why there is none; what it said; the folder in which one is then."""
+    bash = subprocess.Popen(["bash", "-c", f"{command}\ncode=$?\npwd >'{scratch}/where'\nexit $code"],
+                            cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+    try:
+        said, _ = bash.communicate(timeout=60 * MINUTES)
+        return bash.returncode, said, pathlib.Path((scratch / "where").read_text().strip())
+    except subprocess.TimeoutExpired:
+        os.killpg(bash.pid, signal.SIGKILL)
+        return f"nothing after {MINUTES} minutes", bash.communicate()[0], folder
+
+
+def main():
+    root, scratch = (pathlib.Path(p).resolve() for p in sys.argv[1:3])
+    wanted, only_list = sys.argv[3], "--list" in sys.argv
+    given = [pathlib.Path(p).resolve() for p in sys.argv[4:] if p.endswith(".md")]
+    pages = given or [p for p in sorted(root.glob("*.md")) + sorted((root / "docs").rglob("*.md"))
+                      if p.name != "CHANGELOG.md"]
+    todo, lines, faults = plan(root, pages, whole=not given)
     if wanted != "all":  # and the ways to them
         pages = {place[0] for _, place, c in todo if group(c) == wanted and not WAY.match(c)}
         todo = [(w, p, c) for w, p, c in todo
@@ -230,40 +260,23 @@ def main():
         print(f"{len(todo)} commands, {len(faults)} faults")
         sys.exit(1 if faults or not todo else 0)
 
-    home = scratch / "talus"
-    # A cluster's srun, as far as pages need it: two processes.
-    bin = scratch / "bin"
-    bin.mkdir(parents=True, exist_ok=True)
-    (bin / "srun").write_text('#!/bin/bash\nwhile [[ $1 == -* ]]; do shift; done\nexec mpirun -q -n 2 "$@"\n')
-    (bin / "srun").chmod(0o755)
-    for old in ("heap", "talus/heap", "talus/shore", "talus/pictures", "folder"):
-        shutil.rmtree(scratch / old, ignore_errors=True)
-    copy(root, home)
-    environment = {**os.environ, "HOME": str(scratch), "PATH": f"{bin}:{os.environ['PATH']}",
-                   "CCACHE_DIR": os.environ.get("CCACHE_DIR", os.path.expanduser("~/.cache/ccache"))}
-    for name in ("CXX", "CXXFLAGS", "TALUS_PRESET"):
-        environment.pop(name, None)
+    environment = prepare(root, scratch)
     folders = {}  # where the commands of a page have led, after so many of them
     for number, (where, (page, before), command) in enumerate(todo, 1):
-        folder = next((folders[page, n] for n in range(before, 0, -1) if (page, n) in folders), home)
+        folder = next((folders[page, n] for n in range(before, 0, -1) if (page, n) in folders),
+                      scratch / "talus")
         if command.startswith("srun ./well"):
-            folder = home / "build/release/examples/well"
+            folder = scratch / "talus/build/release/examples/well"
         elif command.startswith("git show "):
             if not can_show(root):
                 continue
             folder = root
         elif command.startswith("git "):
-            raise SystemExit(f"{where}: '{command}' is not for the project's own repository")
+            sys.exit(f"{where}: '{command}' is not for the project's own repository")
         began = time.monotonic()
-        try:
-            run = subprocess.run(["bash", "-c", f"{command}\ncode=$?\npwd >'{scratch}/where'\nexit $code"],
-                                 cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60 * MINUTES)
-            code, said = run.returncode, run.stdout
-        except subprocess.TimeoutExpired as late:
-            code, said = f"nothing after {MINUTES} minutes", (late.stdout or b"").decode()
-        if (where, (page, before), command) in in_blocks and folder != root and code == 0:
-            folders[page, before + 1] = pathlib.Path((scratch / "where").read_text().strip())
+        code, said, led = type_it(command, folder, environment, scratch)
+        if (where, (page, before), command) in lines:
+            folders[page, before + 1] = led
         print(f"{number}/{len(todo)} {time.monotonic() - began:5.0f} s  {where}: {command}", flush=True)
         if code != 0:
             faults.append(f"{where}: '{command}' ended with {code}:\n" +
