@@ -30,9 +30,8 @@ struct rubble_options : options {
 int main(int argc, char** argv) {
   const std::string program = argv[0];
   return run<rubble, rubble_options>(argc, argv, [&](auto& world, const rubble_options& options) {
-    const packing grains = read_packing(
-        options.grains.empty() ? program.substr(0, program.rfind('/') + 1) + "grains.csv"
-                               : options.grains);
+    const std::string beside = program.substr(0, program.rfind('/') + 1) + "grains.csv";
+    const packing grains = read_packing(options.grains.empty() ? beside : options.grains);
     real solid = 0;  // volume of the spheres, and the radius of the ball that they will make
     for (std::size_t i = 0; i < grains.size(); ++i) solid += sphere{grains[i].radius}.volume();
     const real R = std::cbrt(solid / (0.62 * 4 / 3 * pi));

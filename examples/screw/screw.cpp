@@ -35,9 +35,8 @@ int main(int argc, char** argv) {
     const auto steel = world.material({.density = 7.8, .friction = 0.2});
     world.material_pair(gravel, steel, {.friction = 0.2});
 
-    const triangle_mesh shape =
-        read_stl(options.stl.empty() ? program.substr(0, program.rfind('/') + 1) + "screw.stl"
-                                     : options.stl);
+    const std::string beside = program.substr(0, program.rfind('/') + 1) + "screw.stl";
+    const triangle_mesh shape = read_stl(options.stl.empty() ? beside : options.stl);
     const pose at = placed(shape);
     world.global([&](auto& scope) {
       const auto turns = scope.add(shape, steel, at.position, at.orientation);
