@@ -72,7 +72,7 @@ INSTEAD = {
         "./dev build test_hard_load && build/release/tests/test_hard_load --steps 200",
     "xvfb-run -a /usr/bin/python3 docs/output_picture.py hopper_0000000700.hdf hopper.png":
         "xvfb-run -a /usr/bin/python3 docs/output_picture.py hopper_0000000040.hdf hopper.png",
-    "./dev sanitize address": "./dev sanitize address -R test_core_bytes",
+    "./dev sanitize address": "./dev sanitize address -R test_scene_options_corpus",
     "./dev sanitize": "./dev sanitize thread -R test_world_momentum",
     "./dev sanitize thread": "./dev sanitize thread -R test_world_momentum",
     "./dev sanitize address --all": "./dev sanitize address -R test_world_momentum",
