@@ -68,6 +68,16 @@ TEST_CASE("cards and rods inside each other are told by their thickness") {
   CHECK(has(of_two(two, {4, 0, 0}, sphere{0.5}, {4, 0.9, 0}), "deep in the"));
 }
 
+TEST_CASE("of pairs on several ranks that are as deep one is told") {
+  const std::string words = told<scene>([](auto& w) {
+    for (const real x : {1, 5, 9})  // a rank for each
+      for (const real y : {0.0, 0.5})
+        w.add_if_local(body{.shape = sphere{0.5}, .position = {x, y, 0}});
+  });
+  CHECK(has(words, "begins 0.5 deep"));
+  CHECK(words.find("begins") == words.rfind("begins"));
+}
+
 TEST_CASE("a card under the floor is told, and one that lies on it is not") {
   const auto on_floor = [](real height) {
     return told<scene>([&](auto& w) {

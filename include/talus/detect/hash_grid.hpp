@@ -15,6 +15,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/detect/detail/grid_level.hpp"
 #include "talus/detect/detail/lanes.hpp"
 #include "talus/detect/detail/pair_batch.hpp"
 #include "talus/detect/detail/size_classes.hpp"
@@ -75,35 +76,7 @@ class hash_grid {
   }
 
  private:
-  struct span3 {
-    std::int64_t low[3], high[3];
-  };
-  // One cell size. Cell (x, y, z) is bucket (x + y*row + z*slab + shift) & mask. If the cells in
-  // use span a small box, that numbering is exact (mask all ones, one empty cell between rows, so
-  // that neighbours of border cells exist). Otherwise it is a hash whose 27 neighbour buckets are
-  // all different; what else falls into them is sorted out by the distance test.
-  struct level {
-    real cell = 0, inverse = 0;  // edge and its reciprocal
-    real largest = 0;            // reach, rounded up
-    real slack = 0;              // bound of the rounding in coordinates
-    vec3 low{0, 0, 0}, high{0, 0, 0};
-    span3 cells{};
-    std::uint32_t first = 0, last = 0;  // entries
-    std::uint32_t bucket = 0, buckets = 0;
-    std::uint32_t row = 0, slab = 0, shift = 0, mask = 0;
-
-    [[nodiscard]] std::int64_t cell_of(real v) const {
-      const real scaled = v * inverse;
-      const auto i = static_cast<std::int64_t>(scaled);
-      return i - (scaled < static_cast<real>(i));
-    }
-    [[nodiscard]] std::uint32_t bucket_of(std::int64_t x, std::int64_t y, std::int64_t z) const {
-      return (static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(y) * row +
-              static_cast<std::uint32_t>(z) * slab + shift) &
-             mask;
-    }
-    [[nodiscard]] bool exact() const { return mask == ~std::uint32_t{0}; }
-  };
+  using level = detail::grid_level;
 
   [[nodiscard]] detail::ball ball(std::uint32_t i) const {
     return {x_[i], y_[i], z_[i], reach_[i]};
@@ -150,7 +123,6 @@ class hash_grid {
   void probe(const level& l, const detail::ball& ball, const partners& of) const;
 
   void check(std::span<const vec3> centres, std::span<const real> reaches) const;
-  void lay_out(level& l);
 
   std::vector<level> levels_;  // coarsest first
   // Entries, sorted by level and bucket; a few more coordinates may be read but are not used.
@@ -295,50 +267,6 @@ inline void hash_grid::check(std::span<const vec3> centres, std::span<const real
   }
 }
 
-// Cell edge, bucket numbering and number of buckets, from the bodies' bounds and number.
-inline void hash_grid::lay_out(level& l) {
-  constexpr real epsilon = std::numeric_limits<real>::epsilon();
-  const real furthest = std::max(detail::max_norm(l.low), detail::max_norm(l.high));
-  l.slack = 8 * epsilon * furthest;
-  // Wide enough that a ball and all that touch it span at most three cells despite rounding.
-  l.cell = std::max(2 * l.largest * (1 + real(1e-6)) + 2 * l.slack, real(1e-300));
-  l.largest *= 1 + real(1e-9);
-  l.inverse = 1 / l.cell;
-  real extent[3];
-  for (int d = 0; d < 3; ++d) {
-    l.cells.low[d] = l.cell_of(l.low[d]);
-    l.cells.high[d] = l.cell_of(l.high[d]);
-    extent[d] = real(l.cells.high[d] - l.cells.low[d] + 2);
-  }
-  const std::uint32_t count = l.last - l.first;
-  if (extent[0] * extent[1] * extent[2] <= 8 * real(count) + 64) {
-    l.row = std::uint32_t(extent[0]);
-    l.slab = l.row * std::uint32_t(extent[1]);
-    l.mask = ~std::uint32_t{0};
-    l.shift = 0;
-    l.shift = 0 - l.bucket_of(l.cells.low[0], l.cells.low[1], l.cells.low[2]);
-    l.buckets = l.bucket_of(l.cells.high[0], l.cells.high[1], l.cells.high[2]) + l.row + l.slab + 2;
-    return;
-  }
-  l.buckets = 256;
-  while (l.buckets < 2 * real(count) && l.buckets < (std::uint32_t{1} << 31)) l.buckets *= 2;
-  l.mask = l.buckets - 1;
-  l.shift = 0;
-  // Rows and slabs a golden section apart spread lines and sheets of cells evenly; both odd.
-  l.row = std::uint32_t(real(0.6180339887498949) * l.buckets) | 1u;
-  l.slab = std::uint32_t(real(0.7548776662466927) * l.buckets) | 1u;
-  const auto rows_apart = [&] {
-    for (int y = 0; y <= 2; ++y)
-      for (int z = -2; z <= 2; ++z) {
-        if (y == 0 && z <= 0) continue;
-        const std::uint32_t d = (std::uint32_t(y) * l.row + std::uint32_t(z) * l.slab) & l.mask;
-        if (std::min(d, l.buckets - d) < 3) return false;
-      }
-    return true;
-  };
-  while (!rows_apart()) l.slab += 2;
-}
-
 inline void hash_grid::build(std::span<const vec3> centres, std::span<const real> reaches) {
   if (centres.size() != reaches.size() || centres.size() >= std::uint32_t(-1) / 8)
     detail::fail<std::invalid_argument>(
@@ -390,7 +318,7 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
   }
   std::uint32_t entry_count = 0, bucket_count = 0;
   for (level& l : levels_) {
-    lay_out(l);
+    l.lay_out();
     l.first = entry_count;
     l.last = entry_count += l.last;
     l.bucket = bucket_count;

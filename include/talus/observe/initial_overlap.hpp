@@ -1,6 +1,5 @@
 #pragma once
 // Bodies that begin inside each other, or inside a wall: what a scenario gets wrong most easily.
-#include <array>
 #include <span>
 #include <string>
 
