@@ -13,6 +13,10 @@ namespace talus {
 /// Names a material of one world.
 enum class material_id : std::uint16_t {};
 
+/// As the stiffness or Young's modulus of a material: bodies of it do not yield, and a soft contact
+/// has the stiffness of the other body alone. For fixed and global bodies, such as walls.
+inline constexpr real rigid = std::numeric_limits<real>::infinity();
+
 /// What bodies are made of.
 struct material {
   real density = 1;      ///< mass per volume; granite 2.8 in g/cm^3
@@ -21,8 +25,10 @@ struct material {
   /// Coefficient of dynamic friction; not a number means the same as `friction`.
   real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
   // Of soft contacts only; hard ones read none of these.
-  real stiffness = 0;         ///< force per overlap of two such bodies; linear_spring_dashpot
-  real youngs_modulus = 0;    ///< force per area; glass 7e10 Pa, often softened; hertz_mindlin
+  /// Force per overlap of two such bodies, or `rigid`; linear_spring_dashpot.
+  real stiffness = 0;
+  /// Force per area, or `rigid`; glass 7e10 Pa, often softened; hertz_mindlin.
+  real youngs_modulus = 0;
   real poisson_ratio = 0.25;  ///< in [0, 0.5]; hertz_mindlin
   real rolling_friction = 0;  ///< lever arm of the rolling moment over the radius; 0.01 to 0.5
 
@@ -127,8 +133,11 @@ class material_table {
         detail::fail<std::invalid_argument>("{} must be finite and not negative, but is {}", what,
                                             value);
     };
-    not_negative(m.stiffness, "the stiffness of a material");
-    not_negative(m.youngs_modulus, "Young's modulus of a material");
+    const auto stiffness = [&](real value, const char* what) {
+      if (value != rigid) not_negative(value, what);
+    };
+    stiffness(m.stiffness, "the stiffness of a material");
+    stiffness(m.youngs_modulus, "Young's modulus of a material");
     not_negative(m.rolling_friction, "the rolling friction of a material");
     if (!(m.poisson_ratio >= 0 && m.poisson_ratio <= 0.5))
       detail::fail<std::invalid_argument>(

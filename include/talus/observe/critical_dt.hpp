@@ -1,11 +1,14 @@
 #pragma once
 // The longest time step that soft contacts allow.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "talus/parallel/reduction.hpp"
+#include "talus/response/soft_duration.hpp"
 #include "talus/response/soft_pair.hpp"
 #include "talus/response/soft_state.hpp"
 #include "talus/world/world.hpp"
@@ -14,56 +17,170 @@ namespace talus {
 
 namespace detail {
 
-/// Longest stable step for two bodies of this mass: 2 (sqrt(1 + z^2) - z) / w with w^2 = 2 k / m
-/// and the damping ratio z, from the amplification of the semi-implicit Euler method with the
-/// dashpot's force at the beginning of the step; without damping also that of Verlet.
-[[nodiscard]] inline real longest_step_of_spring(real stiffness, real mass, real ratio) {
-  return 2 * (std::sqrt(1 + ratio * ratio) - ratio) / std::sqrt(2 * stiffness / mass);
+/// What the time step of soft contacts follows from: the same on all ranks.
+struct soft_scales {
+  std::vector<real> lightest;  ///< by material: the least mass of a body that moves; else infinite
+  std::vector<char> wall;      ///< by material: whether a body of it stays where it is
+  real rayleigh = std::numeric_limits<real>::infinity();  ///< the shortest Rayleigh time
+  real speed = 0;    ///< estimated, of the fastest impact: of present motion, and of a fall
+  real gravity = 0;  ///< its size
+
+  [[nodiscard]] bool moves(std::size_t m) const { return std::isfinite(lightest[m]); }
+};
+
+/// How far a body may fall onto a plane.
+template <class Scenario>
+[[nodiscard]] real fall_to_planes(const world<Scenario>& w, const vec3& from, const vec3& down) {
+  real furthest = 0;
+  w.state().each_shape([&](const auto& b) {
+    for (const auto& shape : b.global.shape)
+      if constexpr (requires { shape.unit_normal(); }) {
+        const real towards = -shape.unit_normal().dot(down);
+        if (towards > 0) furthest = std::max(furthest, shape.distance(from) / towards);
+      }
+  });
+  return furthest;
 }
 
-/// Time that a Rayleigh wave takes along a sphere: pi R sqrt(rho / G) / (0.1631 nu + 0.8766)
-/// (Thornton, Randall 1988).
-[[nodiscard]] inline real rayleigh_time(real radius, const material& m) {
-  const real shear = m.youngs_modulus / (2 * (1 + m.poisson_ratio));
-  return pi * radius * std::sqrt(m.density / shear) / (0.1631 * m.poisson_ratio + 0.8766);
+/// Collective.
+template <class Scenario>
+[[nodiscard, gnu::cold]] soft_scales measure_soft_scales(world<Scenario>& w) {
+  using law = typename Scenario::contact_law;
+  constexpr real never = std::numeric_limits<real>::infinity();
+  const material_table& materials = w.materials();
+  const std::size_t n = materials.size();
+  const real gravity = w.gravity().norm();
+  const vec3 down = gravity > 0 ? vec3(w.gravity() / gravity) : vec3(0, 0, 0);
+  // Of all ranks the least is taken: first of each material, then of the rest, some with a minus.
+  enum : std::size_t { rayleigh, minus_speed, minus_driven, minus_fall, minus_top, bottom, rest };
+  std::vector<real> least(2 * n + rest, never);
+  const auto lower = [&](std::size_t which, real value) {
+    least[which] = std::min(least[which], value);
+  };
+  lower(2 * n + minus_speed, 0), lower(2 * n + minus_driven, 0), lower(2 * n + minus_fall, 0);
+  real moving = 0;
+  w.for_each_known([&](const auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    if (b.is_remote()) return;
+    const auto m = static_cast<std::size_t>(b.material());
+    if constexpr (shape::finite) {
+      const vec3 half = b.shape().half_extents(b.pose());
+      const real height = -down.dot(b.position()), below = std::abs(down[0]) * half[0] +
+                                                           std::abs(down[1]) * half[1] +
+                                                           std::abs(down[2]) * half[2];
+      lower(2 * n + bottom, height - below);
+      if (!b.is_fixed()) {
+        ++moving;
+        lower(m, b.mass());
+        lower(2 * n + minus_speed, -b.velocity().norm());
+        lower(2 * n + minus_top, -(height - below));
+        lower(2 * n + minus_fall, -fall_to_planes(w, b.position() + below * down, down));
+        if constexpr (law::hertz)
+          lower(2 * n + rayleigh, rayleigh_time(sphere_radius(b.shape()), materials[b.material()]));
+        return;
+      }
+    }
+    lower(n + m, 0);
+    lower(2 * n + minus_driven, -b.velocity().norm());
+  });
+  w.link().reduce(reduction::min, std::span(least));
+  w.link().reduce(reduction::sum, std::span(&moving, 1));
+
+  soft_scales s;
+  s.lightest.assign(least.begin(), least.begin() + static_cast<std::ptrdiff_t>(n));
+  for (std::size_t m = 0; m < n; ++m) s.wall.push_back(least[n + m] == 0);
+  const auto rest_of = [&](std::size_t which) { return least[2 * n + which]; };
+  s.rayleigh = rest_of(rayleigh);
+  s.gravity = gravity;
+  const real closing = -(moving > 1 ? 2 : 1) * rest_of(minus_speed) - rest_of(minus_driven);
+  const real spread = moving > 0 ? -rest_of(minus_top) - rest_of(bottom) : 0;
+  const real fall = gravity > 0 ? std::max(spread, -rest_of(minus_fall)) : 0;
+  s.speed = std::sqrt(closing * closing + 2 * gravity * fall);
+  return s;
+}
+
+/// The shortest contact of the present bodies at this speed, infinite if there is none; only
+/// impacts, not what comes to rest, count.
+template <class Law>
+[[nodiscard]] real shortest_contact(const soft_scales& s, const material_table& materials,
+                                    real speed) {
+  real shortest = std::numeric_limits<real>::infinity();
+  if (!(speed > 0)) return shortest;
+  const auto radius_of = [&](std::size_t m) {
+    return std::cbrt(s.lightest[m] / materials[material_id(m)].density * (3 / (4 * pi)));
+  };
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (!s.moves(i)) continue;
+    for (std::size_t j = 0; j < materials.size(); ++j) {
+      if (!s.moves(j) && !s.wall[j]) continue;
+      const auto a = static_cast<material_id>(i), b = static_cast<material_id>(j);
+      const auto pair = soft_pair_of<Law>(materials[a], materials[b], materials.pair(a, b));
+      real of_mass = 1 / s.lightest[i], curvature = 1 / radius_of(i);
+      if (s.moves(j)) of_mass += 1 / s.lightest[j], curvature += 1 / radius_of(j);
+      const real time = contact_duration<Law>(pair, {1 / of_mass, 1 / curvature, speed});
+      if (is_impact(speed, time, s.gravity)) shortest = std::min(shortest, time);
+    }
+  }
+  return shortest;
+}
+
+/// Beyond it contacts gain energy (linear), or waves in the bodies are missed (Hertz).
+template <class Law>
+[[nodiscard]] real longest_stable_step(const soft_scales& s, const material_table& materials) {
+  if constexpr (Law::hertz) return s.rayleigh;
+  real least = std::numeric_limits<real>::infinity();
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (!s.moves(i)) continue;
+    for (std::size_t j = 0; j < materials.size(); ++j) {
+      if (!s.moves(j) && !s.wall[j]) continue;
+      const auto a = static_cast<material_id>(i), b = static_cast<material_id>(j);
+      const auto pair = soft_pair_of<Law>(materials[a], materials[b], materials.pair(a, b));
+      least = std::min(
+          least, longest_step_of_spring(pair.stiffness, std::min(s.lightest[i], s.lightest[j]),
+                                        pair.damping));
+    }
+  }
+  return least;
+}
+
+/// Of critical_dt(), from what was measured.
+template <class Law>
+[[nodiscard]] real critical_step(const soft_scales& s, const material_table& materials,
+                                 real speed) {
+  return std::min(longest_stable_step<Law>(s, materials),
+                  shortest_contact<Law>(s, materials, speed) / steps_in_critical);
 }
 
 }  // namespace detail
 
-/// Collective: the critical time step of a soft scenario, infinite where nothing moves. Linear
-/// springs: beyond it a contact of two bodies with the smallest mass, the largest stiffness and the
-/// strongest dashpot gains energy. Hertz: the shortest Rayleigh time of all bodies. Bodies with
-/// many contacts are stiffer, and accuracy asks for 20 to 50 steps per contact: a fifth of it is
-/// common.
+/// Collective: the critical time step of a soft scenario for impacts of the given relative speed,
+/// infinite where nothing moves. A fifth of it is common: at that step a contact takes 20 steps or
+/// more, and the motion is stable. It is the least of two. Stability: for linear springs the step
+/// beyond which a contact of two of the lightest bodies of their materials gains energy; for Hertz
+/// the shortest Rayleigh time of all bodies. Resolution: 5/21 of the shortest contact at that
+/// speed, where that is an impact: faster than gravity times the duration of the contact. So a
+/// speed of 0 asks for stability alone. Bodies with many contacts are stiffer. Throws
+/// invalid_argument for a speed that is negative or not finite.
+template <class Scenario>
+[[nodiscard]] real critical_dt(world<Scenario>& w,
+                               real impact_speed) requires(Scenario::contact_law::soft) {
+  w.require_all_ranks("critical_dt");
+  if (!(impact_speed >= 0) || !std::isfinite(impact_speed))
+    detail::fail<std::invalid_argument>(
+        "the impact speed of critical_dt must be finite and not negative, but is {}: give the "
+        "largest relative speed at which bodies meet",
+        impact_speed);
+  return detail::critical_step<typename Scenario::contact_law>(detail::measure_soft_scales(w),
+                                                               w.materials(), impact_speed);
+}
+/// The same for the impact speed that present motion and gravity make possible: twice the largest
+/// speed of a body, more by a fall from the highest body to the lowest point of any, or onto a
+/// plane. What moves faster later, or comes in later, needs the speed as an argument.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w) requires(Scenario::contact_law::soft) {
-  using law = typename Scenario::contact_law;
   w.require_all_ranks("critical_dt");
-  const material_table& materials = w.materials();
-  real least = std::numeric_limits<real>::infinity();
-  if constexpr (law::hertz) {
-    w.for_each_local([&](const auto& b) {
-      if (!b.is_fixed())
-        least = std::min(least, detail::rayleigh_time(detail::sphere_radius(b.shape()),
-                                                      materials[b.material()]));
-    });
-  } else {
-    real stiffest = 0, damping = 0;
-    for (std::size_t i = 0; i < materials.size(); ++i)
-      for (std::size_t j = 0; j < materials.size(); ++j) {
-        const auto a = static_cast<material_id>(i), b = static_cast<material_id>(j);
-        const auto pair =
-            detail::soft_pair_of<law>(materials[a], materials[b], materials.pair(a, b));
-        stiffest = std::max(stiffest, pair.stiffness);
-        damping = std::max(damping, pair.damping);
-      }
-    w.for_each_local([&](const auto& b) {
-      if (!b.is_fixed())
-        least = std::min(least, detail::longest_step_of_spring(stiffest, b.mass(), damping));
-    });
-  }
-  w.link().reduce(reduction::min, std::span(&least, 1));
-  return least;
+  const auto scales = detail::measure_soft_scales(w);
+  return detail::critical_step<typename Scenario::contact_law>(scales, w.materials(), scales.speed);
 }
 
 }  // namespace talus

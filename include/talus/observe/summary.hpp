@@ -38,13 +38,16 @@ struct summary {
   std::uint64_t steps = 0;         ///< from the beginning
   std::uint64_t restarted_at = 0;  ///< step of the checkpoint that this run went on from
   double dt = 0;
-  double critical_dt = 0;      ///< of soft contacts, at the end; 0: the contacts are hard
-  std::uint64_t contacts = 0;  ///< considered in the last step
-  bool sleeping = false;       ///< whether islands may go to sleep
-  bool followed = false;       ///< whether fast bodies are followed: continuous_collision
-  bool may_follow = false;     ///< whether the scenario could name that
-  detail::speed_leap leap;     ///< where contacts made a body much faster than anything was
-  double gravity = 0;          ///< its size
+  /// Of soft contacts, at the end: the step beyond which they are not stable; 0: they are hard.
+  double critical_dt = 0;
+  double impact_speed_max = 0;   ///< of soft contacts: the fastest approach in any step
+  double steps_per_contact = 0;  ///< at that speed, of the shortest contact; 0: no impacts
+  std::uint64_t contacts = 0;    ///< considered in the last step
+  bool sleeping = false;         ///< whether islands may go to sleep
+  bool followed = false;         ///< whether fast bodies are followed: continuous_collision
+  bool may_follow = false;       ///< whether the scenario could name that
+  detail::speed_leap leap;       ///< where contacts made a body much faster than anything was
+  double gravity = 0;            ///< its size
   motion moving;
   penetration overlap;
   contact_residual residual;  ///< of the last step
@@ -128,6 +131,20 @@ template <class Scenario>
           largest(it ? mine.after : 0)};
 }
 
+/// What the time step of a soft scenario means for its contacts.
+template <class Scenario>
+[[gnu::cold]] void report_soft_step(world<Scenario>& w, talus::summary& r) {
+  using law = typename Scenario::contact_law;
+  const auto& s = w.state();
+  const auto scales = measure_soft_scales(w);
+  real fastest = s.soft.fastest_approach;
+  w.link().reduce(reduction::max, std::span(&fastest, 1));
+  r.critical_dt = longest_stable_step<law>(scales, s.materials);
+  r.impact_speed_max = fastest;
+  const real shortest = shortest_contact<law>(scales, s.materials, fastest);
+  if (std::isfinite(shortest) && s.dt > 0) r.steps_per_contact = shortest / s.dt;
+}
+
 }  // namespace detail
 
 /// Collective: the figures of the world as it is now. `cpu_seconds` are those of this rank.
@@ -144,7 +161,7 @@ template <class Scenario>
   r.steps = w.steps();
   r.restarted_at = w.restarted_at();
   r.dt = s.dt;
-  if constexpr (Scenario::contact_law::soft) r.critical_dt = critical_dt(w);
+  if constexpr (Scenario::contact_law::soft) detail::report_soft_step(w, r);
   r.sleeping = Scenario::template has_feature<talus::sleeping>;
   r.followed = Scenario::template has_feature<continuous_collision>;
   r.may_follow =
@@ -206,6 +223,11 @@ template <class Scenario>
   return soft(r) && r.dt > r.critical_dt;
 }
 
+/// Whether the shortest soft contact of the run took fewer steps than accuracy asks for.
+[[nodiscard]] inline bool contacts_unresolved(const summary& r) {
+  return r.steps_per_contact > 0 && r.steps_per_contact < detail::steps_of_contact;
+}
+
 /// The figures as one flat JSON object.
 [[nodiscard, gnu::cold]] inline std::string to_json(const summary& r) {
   detail::json_object o;
@@ -219,6 +241,8 @@ template <class Scenario>
   if (soft(r)) {
     o.add("critical_dt", r.critical_dt);
     o.add("dt_above_critical", int{dt_above_critical(r)});
+    o.add("impact_speed_max", r.impact_speed_max);
+    if (r.steps_per_contact > 0) o.add("steps_per_contact", r.steps_per_contact);
   }
   o.add("bodies", r.moving.bodies);
   o.add("bodies_movable", r.moving.movable);
@@ -304,6 +328,12 @@ template <class Scenario>
         "mean "
         "nothing; take a fifth of it or less\n",
         r.dt, text(r.critical_dt, 4));
+  else if (contacts_unresolved(r))
+    warning += detail::compose(
+        "  warning  the shortest contact, at the impact speed {} that occurred, takes {} steps of "
+        "{}, and 20 to 50 are needed: take critical_dt(world, {}) / 5\n",
+        text(r.impact_speed_max, 3), text(r.steps_per_contact, 3), r.dt,
+        text(r.impact_speed_max, 3));
   warning += detail::doubts({.bodies = r.moving.bodies,
                              .movable = r.moving.movable,
                              .steps = r.steps,

@@ -158,7 +158,10 @@ template <class Law, class Parts>
     critical = 2.2360679774997896964;  // sqrt(5), see damping_of_restitution()
   }
   const real damping = critical * pair.damping * std::sqrt(t.mass * stiffness);
-  const real normal_force = std::max(real{0}, stiffness * t.overlap - damping * t.normal.dot(t.u));
+  // Repulsive, but for the part of the pull that makes the restitution less than exp(-2).
+  real normal_force = stiffness * t.overlap - damping * t.normal.dot(t.u);
+  const real pressing = std::max(real{0}, normal_force);
+  if (normal_force < 0) normal_force = pair.tension > 0 ? pair.tension * normal_force : real{0};
   soft_force f{normal_force * t.normal};
   if constexpr (!std::is_empty_v<Parts>) {
     parts.spring = stiffness * t.overlap;
@@ -166,9 +169,9 @@ template <class Law, class Parts>
     parts.stored = normal_energy<Law>(stiffness, t.overlap);
   }
   if constexpr (Law::friction)
-    f.force += tangential_force<Law>(t, pair, normal_force, contact_radius, dt, memory, parts);
+    f.force += tangential_force<Law>(t, pair, pressing, contact_radius, dt, memory, parts);
   if constexpr (Law::rolling)
-    f.moment = rolling_moment<Law>(t, pair, normal_force, stiffness, dt, memory, parts);
+    f.moment = rolling_moment<Law>(t, pair, pressing, stiffness, dt, memory, parts);
   return f;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What two materials make of a soft contact: stiffnesses and the damping ratio.
+// What two materials make of a soft contact: stiffnesses and damping.
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -19,8 +19,12 @@ struct soft_pair {
   real stiffness = 0;   ///< linear: k; Hertz: 4/3 E*
   real tangential = 0;  ///< linear: 2/7 k; Mindlin: 8 G*
   real damping = 0;     ///< damping ratio of the normal spring, in [0, 1]
+  real tension = 0;     ///< share of the dashpot's pull that acts, in [0, 1]; 0: never pulls
   real friction = 0, dynamic_friction = 0, rolling_friction = 0;
 };
+
+/// The least restitution of a spring and dashpot that never pulls and is not overdamped: exp(-2).
+inline constexpr real least_repulsive_restitution = 0.13533528323661269189;
 
 /// Restitution of a linear spring and dashpot of damping ratio z that never pulls: contact ends
 /// when the force is zero, after the time 2 acos(z) / (w0 sqrt(1 - z^2)), with e = exp(-2 z acos(z)
@@ -28,8 +32,18 @@ struct soft_pair {
 /// linear-dashpot model revisited", with w0 = sqrt(k/m).) Least value, at critical damping:
 /// exp(-2).
 [[nodiscard]] inline real restitution_of_damping(real ratio) {
-  if (ratio >= 1) return std::exp(real(-2));
+  if (ratio >= 1) return least_repulsive_restitution;
   return std::exp(-2 * ratio * std::acos(ratio) / std::sqrt(1 - ratio * ratio));
+}
+
+/// The root of a function that falls from low to high.
+template <class F>
+[[nodiscard]] real root_of_falling(real low, real high, F&& f) {
+  for (int k = 0; k < 60; ++k) {
+    const real middle = (low + high) / 2;
+    (f(middle) > 0 ? low : high) = middle;
+  }
+  return (low + high) / 2;
 }
 
 /// The damping ratio of a coefficient of restitution; 1, critical damping, for all e under exp(-2).
@@ -38,13 +52,46 @@ struct soft_pair {
 /// analytical solution for the damped Hertzian spring"), of damping ratio c / sqrt(5 k m).
 [[nodiscard]] inline real damping_of_restitution(real e) {
   if (e >= 1) return 0;
-  if (e <= std::exp(real(-2))) return 1;
-  real low = 0, high = 1;
-  for (int k = 0; k < 60; ++k) {
-    const real middle = (low + high) / 2;
-    (restitution_of_damping(middle) > e ? low : high) = middle;
-  }
-  return (low + high) / 2;
+  if (e <= least_repulsive_restitution) return 1;
+  return root_of_falling(0, 1, [&](real z) { return restitution_of_damping(z) - e; });
+}
+
+/// The share t of the dashpot's pull that gives a coefficient of restitution under exp(-2) at
+/// critical damping; 0 for all others. The force is zero at the overlap 2 v exp(-2) / w0 and the
+/// speed v exp(-2). From there it is t times that of the spring and dashpot, until the overlap is
+/// zero: with t = sin^2(phi/2) the linear equation of motion gives e = exp(-2 - phi tan(phi/2)).
+/// A restitution of 0 takes the whole pull, t = 1. The substitution of damping_of_restitution()
+/// carries it over to Hertz' spring.
+[[nodiscard]] inline real tension_of_restitution(real e) {
+  if (e >= least_repulsive_restitution) return 0;
+  if (e <= 0) return 1;
+  const real half = root_of_falling(
+      0, pi / 2, [&](real phi) { return std::exp(-2 - 2 * phi * std::tan(phi)) - e; });
+  return std::sin(half) * std::sin(half);
+}
+
+/// Springs in series; `k` is that of two equal bodies, and may be `rigid` for one of the two.
+[[nodiscard]] inline real series_stiffness(real a, real b) {
+  if (std::isinf(a)) return 2 * b;
+  if (std::isinf(b)) return 2 * a;
+  return 2 * a * b / (a + b);
+}
+
+/// Whether bodies of a material do not yield at all in contacts of this law.
+template <class Law>
+[[nodiscard]] bool is_rigid(const material& m) {
+  return (Law::hertz ? m.youngs_modulus : m.stiffness) == rigid;
+}
+
+/// Throws invalid_argument for a body that moves and does not yield: two of them would push each
+/// other with forces without bound.
+template <class Law, class Shape>
+void require_yielding(const material& m) {
+  if (is_rigid<Law>(m))
+    fail<std::invalid_argument>(
+        "a {} that moves cannot be of a rigid material: give that material a finite {}, or add "
+        "the body in world.global(...) or with .fixed = true",
+        Shape::name, Law::hertz ? ".youngs_modulus" : ".stiffness");
 }
 
 /// Throws invalid_argument if a material lacks what the springs need.
@@ -79,10 +126,11 @@ template <class Law>
     p.stiffness = 4.0 / 3 / (normal(a) + normal(b));
     p.tangential = 8 / (shear(a) + shear(b));
   } else {
-    p.stiffness = 2 * a.stiffness * b.stiffness / (a.stiffness + b.stiffness);  // in series
+    p.stiffness = series_stiffness(a.stiffness, b.stiffness);
     p.tangential = 2.0 / 7 * p.stiffness;  // the period of the normal spring, for solid spheres
   }
   p.damping = damping_of_restitution(both.restitution);
+  p.tension = tension_of_restitution(both.restitution);
   p.friction = both.friction;
   p.dynamic_friction = both.dynamic_friction;
   p.rolling_friction = 0.5 * (a.rolling_friction + b.rolling_friction);

@@ -36,6 +36,7 @@ template <class Law>
 struct soft_state {
   plain_vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
   soft_pairs<Law> pairs;
+  real fastest_approach = 0;  ///< along the normal of a contact, in all steps so far
 };
 
 /// The radius that a shape counts with where the theory knows spheres only.

@@ -3,6 +3,7 @@
 // from velocities. Each rank computes every contact of a body it owns, from the same data as the
 // other rank that sees it and in the same order of the two bodies: no forces travel, and momentum
 // is conserved to round-off.
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <vector>
@@ -139,6 +140,7 @@ class force_adder {
     const soft_force f = force_of<law>(t, pair, observed ? 0 : s_.dt, memory, parts);
     if constexpr (observed) return f;
     (void)counts;
+    s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.u));
     if constexpr (law::remembers) s_.recorded.add(key, memory);
 
     A.force += f.force;
