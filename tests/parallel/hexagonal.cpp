@@ -90,7 +90,14 @@ TEST_CASE("a wrong hexagonal decomposition is refused with its numbers") {
   };
   refuses([] { return hexagonal<2>{.spacing = 1}.resolve(7); },
           "18 hexagonal cell(s) in 2 ring(s) around one need exactly 19 ranks, but there are 7");
+  refuses([] { return hexagonal<2>{.spacing = 1}.resolve(7); },
+          "start the program with 19, or use hexagonal<dynamic>, which fits");
   refuses([] { return hexagonal<dynamic>{.spacing = 1}.resolve(8); }, "but there are 8");
+  // Who has hexagonal<dynamic> is not advised to use it.
+  refuses([] { return hexagonal<dynamic>{.spacing = 1}.resolve(8); },
+          "but there are 8 ranks: start the program with 7 or 19");
+  refuses([] { return hexagonal<dynamic>{.rings = 3, .spacing = 1}.resolve(8); },
+          "or leave .rings out, so that they follow from the ranks");
   refuses([] { return hexagonal<dynamic>{.rings = 3, .spacing = 1}.resolve(8); }, "exactly 37");
   refuses([] { return hexagonal<1>{}.resolve(7); }, ".spacing of the cells of hexagonal must be");
   refuses([] { return hexagonal<1>{.spacing = -1}.resolve(7); }, "but is -1");

@@ -316,8 +316,10 @@ TEST_CASE("what does not fit the checkpoint is refused with the difference, or t
   CHECK_THROWS_WITH(read_checkpoint(other, file.name),
                     doctest::Contains("that has bodies<sphere, plane>, and this program "
                                       "bodies<sphere, box, plane>"));
-  options asked;
-  asked.checkpoint = "a.h5";
-  CHECK_THROWS_WITH(detail::refuse_checkpoints(asked),
+  const auto without = [](std::vector<const char*> words) {
+    (void)parse<options>(static_cast<int>(words.size()), words.data(), {}, "",
+                         detail::withdraw_options<scenario<bodies<sphere>>>);
+  };
+  CHECK_THROWS_WITH(without({"program", "--checkpoint", "a.h5"}),
                     doctest::Contains("name features<checkpoints> in its scenario"));
 }

@@ -40,7 +40,8 @@ std::string caught(FILE* stream, const std::function<void()>& f) {
 }
 
 /// A program of that name with these words on its command line.
-said program(std::vector<std::string> words, const set_up& f) {
+template <class Scene = scene, class SetUp = set_up>
+said program(std::vector<std::string> words, const SetUp& f) {
   words.insert(words.begin(), "program");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -48,7 +49,7 @@ said program(std::vector<std::string> words, const set_up& f) {
   said s;
   s.err = caught(stderr, [&] {
     s.out = caught(stdout,
-                   [&] { s.code = run<scene>(static_cast<int>(words.size()), argv.data(), f); });
+                   [&] { s.code = run<Scene>(static_cast<int>(words.size()), argv.data(), f); });
   });
   return s;
 }
@@ -71,7 +72,7 @@ bool has(const std::string& text, const char* words) { return text.find(words) !
 TEST_CASE("a run in which nothing is wrong is told nothing") {
   const said s = program({"--steps", "300"}, ball(0.5));
   CHECK(s.code == 0);
-  CHECK(has(s.out, "on 4 rank(s), threads"));
+  CHECK(has(s.out, "on 4 ranks, threads, 300 steps of 0.005\n"));
   CHECK(!has(s.out, "warning"));
   CHECK(!has(s.err, ": "));
 }
@@ -111,9 +112,121 @@ TEST_CASE("options that this program has no use for are refused, with what to na
           "#include <talus/checkpoint.hpp>, and link talus::hdf5\n"));
   CHECK(has(program({"--reproducible"}, ball(0.5)).err,
             "name solver<nonlinear_gauss_seidel, reproducible> in its scenario"));
-  CHECK(has(program({"--frames", "no/such/folder", "--steps", "1"}, ball(0.5)).err,
-            "program: this program takes no pictures: call take_pictures(world, options) before "
-            "world.simulate(...), or leave out --frames\n"));
+  CHECK(has(program({"--max-iterations", "50"}, ball(0.5)).err,
+            "program: --max-iterations needs --tolerance; see --help\n"));
+  CHECK(has(program({"--show-domains"}, ball(0.5)).err,
+            "program: --show-domains needs --frames DIR; see --help\n"));
+  const std::string help = program({"--help"}, ball(0.5)).out;
+  for (const char* name : {"--restart", "--checkpoint", "--output", "--reproducible"})
+    CHECK(!has(help, name));
+  CHECK(has(help, "--tolerance"));
+}
+
+TEST_CASE("--frames in a program without pictures is refused before the first step, quiet or not") {
+  for (const char* how : {"--quiet", "--seed=1"}) {
+    std::uint64_t steps = 0;
+    // A folder that is there already does not make pictures either.
+    const said s = program({"--frames", "/tmp", how}, [&](world<scene>& world, const options& o) {
+      if (world.rank() == 0) world.after_each_step([&] { ++steps; });
+      ball(0.5)(world, o);
+    });
+    CHECK(s.code == 2);
+    CHECK(steps == 0);
+    CHECK(s.err ==
+          "program: this program takes no pictures: call take_pictures(world, options) before "
+          "world.simulate(...), or leave out --frames\n");
+  }
+}
+
+TEST_CASE("a program of soft contacts neither offers nor takes options of a solver") {
+  using soft = scenario<bodies<sphere, plane>, soft_contact<hertz_mindlin, coulomb_friction>,
+                        decomposition<grid<1, 1>>>;
+  const auto fall = [](auto& world, const options& options) {
+    world.gravity({0, 0, -9.81});
+    const auto stone = world.material({.density = 2.8, .youngs_modulus = 1e6});
+    world.global([&](auto& scope) { scope.add(plane{}, stone); });
+    world.add_if_local(body{.shape = sphere{0.5}, .position = {0, 0, 0.5}});
+    world.simulate({.steps = options.steps, .dt = 1.0 / 3000});
+  };
+  for (const char* name : {"--iterations", "--tolerance", "--max-iterations"}) {
+    const said s = program<soft>({name, "20"}, fall);
+    CHECK(s.code == 2);
+    CHECK(has(s.err, "program: this program has nothing to iterate: its contacts are soft"));
+    CHECK(!has(program<soft>({"--help"}, fall).out, name));
+  }
+  // One of each is one, not "1 bodies", and a length of a step has the digits that matter.
+  const std::string out = program<soft>({"--steps", "1"}, fall).out;
+  CHECK(has(out, "program: 1 body (1 movable) on 1 rank, threads, 1 step of 0.000333333\n"));
+  CHECK(!has(out, "1 contacts"));
+}
+
+TEST_CASE("progress counts what simulate was asked for, whatever --steps says") {
+  const auto steps = [](std::vector<std::size_t> parts) {
+    return program({"--steps", "20"},
+                   [=](world<scene>& world, const options& options) {
+                     world.gravity({0, 0, -1});
+                     world.material({});
+                     world.add_if_local(body{.shape = sphere{0.5}});
+                     for (const std::size_t n : parts)
+                       world.simulate({.steps = n, .dt = options.dt});
+                   })
+        .err;
+  };
+  CHECK(has(steps({60}), "step 60 of 60 (100 %)"));
+  CHECK(has(steps({12}), "step 12 of 12 (100 %)"));
+  CHECK(has(steps({10, 10}), "step 20 of 20 (100 %)"));
+  // Before its end a run says what the present call of simulate() was asked for, or --steps where
+  // the calls are parts of that.
+  threads::launch({.ranks = 1}, [](threads::link& link) {
+    world<scenario<bodies<sphere>>> w(link);
+    w.material({});
+    const options o;  // 1000 steps
+    std::vector<std::uint64_t> planned;
+    w.observe(every{100}, [&](auto& world) { planned.push_back(detail::planned_steps(world, o)); });
+    w.simulate({.steps = 100, .dt = 0.01});
+    w.simulate({.steps = 100, .dt = 0.01});
+    w.simulate({.steps = 1800, .dt = 0.01});
+    REQUIRE(planned.size() == 20);
+    CHECK(planned[0] == 100);
+    CHECK(planned[1] == 1000);
+    CHECK(planned[2] == 2000);
+  });
+}
+
+TEST_CASE("the time of a world is its number of steps times dt, without the round-off of a sum") {
+  threads::launch({.ranks = 1}, [](threads::link& link) {
+    world<scenario<bodies<sphere>>> w(link);
+    w.material({});
+    for (int k = 0; k < 3000; ++k) w.step(0.005);
+    CHECK(w.time() == 15);
+    w.simulate({.steps = 1000, .dt = 0.001});
+    CHECK(w.time() == 16);
+  });
+}
+
+TEST_CASE("the summary counts consistently, and its percentages are at most 100 together") {
+  summary r;
+  r.scenario = "pile";
+  r.ranks = 2;
+  r.transport = "threads";
+  r.steps = 1000;
+  r.dt = 1.0 / 240;
+  r.wall_seconds = 1;
+  r.seconds = {0.06, 0.5, 0.06, 0.95};
+  r.seconds_mean = {0.005, 0.485, 0, 0.51};
+  r.moving.bodies = r.moving.movable = 1;
+  r.overlap.touching = 116;
+  r.contacts = 115;
+  r.messages_per_step_max = 1;
+  r.digest = "0123456789abcdef";
+  const std::string text = to_text(r);
+  MESSAGE(text);
+  CHECK(has(text, "pile: 1 body (1 movable) on 2 ranks, threads, 1000 steps of 0.00416667\n"));
+  CHECK(has(text, "detect 1 %, respond 48 %, exchange 51 %"));
+  CHECK(!has(text, "116 of 115"));
+  CHECK(has(text, "116 contacts touch at the end, 115 contacts were considered in the last step"));
+  CHECK(has(text, "1 message and 0 bytes per step"));
+  CHECK(has(text, "\n  state    digest 0123456789abcdef\n"));
 }
 
 TEST_CASE("a radius of zero and a missing material are refused by name") {

@@ -341,7 +341,7 @@ TEST_CASE(
     const std::string note = measure_monitors(w).text;
     CHECK(note.find(", energy ") != std::string::npos);
     std::FILE* out = std::tmpfile();
-    progress_line(out).update(100, 100, note);
+    progress_line(out).finish(100, note);
     std::rewind(out);
     std::string line(200, '\0');
     line.resize(std::fread(line.data(), 1, line.size(), out));

@@ -79,6 +79,8 @@ template <class Scenario>
   whole("/run/ranks", static_cast<std::uint64_t>(w.ranks()));
   out.push_back(numbers_dataset<std::uint64_t>("/run/added_by_rank", added));
   out.push_back(numbers_dataset<double>("/run/time", std::span(&s.time, 1)));
+  out.push_back(numbers_dataset<double>(
+      "/run/clock", std::array{s.clock.origin, static_cast<double>(s.clock.first), s.clock.dt}));
   const parameters now = parameters_of(s);
   const parameters first = keeper.first_parameters.value_or(now);
   out.push_back(numbers_dataset<double>("/parameters/at_first", first));
@@ -136,6 +138,14 @@ template <class Scenario>
   if (!std::isfinite(s.time) || s.steps > most_counted)
     fail<std::runtime_error>("is damaged: its step {} or its time {} makes no sense", s.steps,
                              s.time);
+  s.clock = {};
+  if (in.has("/run/clock")) {  // files of the first versions have none
+    const auto c = in.reals("/run/clock", 3);
+    if (!std::isfinite(c[0]) || !(c[2] >= 0) || !(c[1] >= 0 && c[1] <= double(s.steps)))
+      fail<std::runtime_error>("is damaged: its clock of {}, {} and {} makes no sense", c[0], c[1],
+                               c[2]);
+    s.clock = {c[0], static_cast<std::uint64_t>(c[1]), c[2]};
+  }
   keeper.restarted_at = s.steps;
   access::seed(w) = whole("/run/seed");
   access::fills(w) = whole("/run/fills");

@@ -75,8 +75,8 @@ class checkpoint_files final : public checkpoint_hooks {
     }
     auto& state = w_.state();
     if (state.steps + s.steps < *waiting_) {
+      state.time = state.clock.after(state.time, state.steps, s.steps, s.dt);
       state.steps += s.steps;
-      state.time += static_cast<real>(s.steps) * s.dt;
       return {.skips = true};
     }
     const std::uint64_t last = state.steps + s.steps;

@@ -44,18 +44,18 @@ inline constexpr std::uint64_t many_steps = 1000;
     all += compose(
         "  warning  in one step of {} gravity moves a body by {} of the mean radius {}: take a "
         "smaller dt, or see whether lengths, gravity and dt have units that fit together\n",
-        r.dt, text(fall, 2), text(r.radius, 3));
+        text(r.dt, 6), text(fall, 2), text(r.radius, 3));
   else if (way > longest_way && !r.followed)
     all += compose(
         "  warning  in one step of {} the fastest body moves by {} of the mean radius {}: take a "
         "smaller dt{}\n",
-        r.dt, text(way, 2), text(r.radius, 3),
+        text(r.dt, 6), text(way, 2), text(r.radius, 3),
         r.may_follow ? ", or name features<continuous_collision>" : "");
   if (r.gravity > 0 && whole < 1 && r.steps >= many_steps && !r.soft)
     all += compose(
         "  warning  in all {} steps of {} gravity moves a body by no more than {} of the mean "
         "radius {}: see whether lengths, gravity and dt have units that fit together\n",
-        r.steps, r.dt, text(whole, 2), text(r.radius, 3));
+        r.steps, text(r.dt, 6), text(whole, 2), text(r.radius, 3));
   if (r.leap.step > 0)
     all += compose(
         "  warning  in step {} contacts made a body as fast as {}, where nothing near was faster "

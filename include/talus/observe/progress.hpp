@@ -26,28 +26,38 @@ class progress_line {
     start_ = detail::wall_seconds();
   }
 
-  /// Call after each step; a line appears every 0.2 s on a terminal, every 10 s elsewhere.
-  /// `note` is added to it, as in ", overlap 1e-5".
-  void update(std::uint64_t step, std::uint64_t steps, const std::string& note = {}) {
+  /// Call after each step; `last` is the step with which the run ends as far as is known. A line
+  /// appears every 0.2 s on a terminal, every 10 s elsewhere. `note` is added to it, as in
+  /// ", overlap 1e-5".
+  void update(std::uint64_t step, std::uint64_t last, const std::string& note = {}) {
     if (out_ == nullptr) return;
     const double now = detail::wall_seconds();
-    if (step != steps && now - shown_ < (terminal_ ? 0.2 : 10)) return;
+    if (now - shown_ < (terminal_ ? 0.2 : 10)) return;
     shown_ = now;
-    const double seconds = now - start_;
-    const double speed = seconds > 0 ? static_cast<double>(step - first_) / seconds : 0;
-    steps = std::max(steps, step);  // a scenario may take more steps than it was asked for
-    const double left = speed > 0 ? static_cast<double>(steps - step) / speed : 0;
-    const double part = static_cast<double>(step) / static_cast<double>(steps);
-    const std::string line =
-        detail::compose("{}step {} of {} ({} %), {} steps/s, {} left{}{}", terminal_ ? "\r" : "",
-                        step, steps, std::lround(100 * part), detail::text(speed, 4),
-                        duration(left), note, terminal_ ? "\x1b[K" : "\n");
-    std::fputs(line.c_str(), out_);
-    if (terminal_ && step == steps) std::fputs("\n", out_);
+    show(step, last, note);
+  }
+  /// Call at the end of the run, whatever it was asked for: the last line.
+  void finish(std::uint64_t step, const std::string& note = {}) {
+    if (out_ == nullptr || step == first_) return;
+    show(step, step, note);
+    if (terminal_) std::fputs("\n", out_);
     std::fflush(out_);
   }
 
  private:
+  void show(std::uint64_t step, std::uint64_t last, const std::string& note) {
+    const double seconds = detail::wall_seconds() - start_;
+    const double speed = seconds > 0 ? static_cast<double>(step - first_) / seconds : 0;
+    last = std::max(last, step);
+    const double left = speed > 0 ? static_cast<double>(last - step) / speed : 0;
+    const double part = static_cast<double>(step) / static_cast<double>(last);
+    const std::string line =
+        detail::compose("{}step {} of {} ({} %), {} steps/s, {} left{}{}", terminal_ ? "\r" : "",
+                        step, last, std::lround(100 * part), detail::text(speed, 4), duration(left),
+                        note, terminal_ ? "\x1b[K" : "\n");
+    std::fputs(line.c_str(), out_);
+    std::fflush(out_);
+  }
   static std::string duration(double seconds) {
     const long s = std::lround(seconds);
     if (s < 60) return detail::compose("{} s", s);

@@ -195,12 +195,19 @@ struct hexagonal {
     int n = chosen();
     if (n == dynamic)
       for (n = 0; hexagonal_cells::size_of(n) < ranks;) ++n;
+    if (hexagonal_cells::size_of(n) != ranks && chosen() == dynamic)
+      detail::fail<std::invalid_argument>(
+          "hexagonal cells in whole rings are 1, 7, 19, 37, 61, 91, ..., one for each rank, but "
+          "there are {} ranks: start the program with {} or {}",
+          ranks, hexagonal_cells::size_of(n - 1), hexagonal_cells::size_of(n));
     if (hexagonal_cells::size_of(n) != ranks)
       detail::fail<std::invalid_argument>(
           "{} hexagonal cell(s) in {} ring(s) around one need exactly {} ranks, but there are {}: "
-          "start the program with 1, 7, 19, 37, 61, 91, ... ranks, and use hexagonal<dynamic> to "
-          "fit any of them",
-          hexagonal_cells::size_of(n) - 1, n, hexagonal_cells::size_of(n), ranks);
+          "start the program with {}{}",
+          hexagonal_cells::size_of(n) - 1, n, hexagonal_cells::size_of(n), ranks,
+          hexagonal_cells::size_of(n),
+          Rings == dynamic ? ", or leave .rings out, so that they follow from the ranks"
+                           : ", or use hexagonal<dynamic>, which fits 1, 7, 19, 37, 61, 91, ...");
     const bool by_width = width == width;
     if (by_width && spacing == spacing)
       detail::fail<std::invalid_argument>(

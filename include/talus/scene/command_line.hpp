@@ -40,6 +40,7 @@ class command_line {
     std::string limits{};  ///< what is allowed, in words; empty: everything
     number lower{}, upper{};
     bool given = false;
+    std::string refusal{};  ///< why this program cannot use it; empty: it can
   };
 
  public:
@@ -89,6 +90,9 @@ class command_line {
     const option* o = find(name);
     return o != nullptr && o->given;
   }
+  /// Withdraws an option that does nothing in this program: the help leaves it out, and `refusal`
+  /// is what a user is told who gives it. Nothing happens unless it fills that variable.
+  void withdraw(std::string_view name, const void* target, std::string_view refusal);
   /// A condition on all values together: a function that throws usage_error.
   void check(std::function<void()> condition) { conditions_.push_back(std::move(condition)); }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "talus/scene/command_line.hpp"
 
@@ -79,7 +80,10 @@ struct options {
           throw usage_error(std::string(name) + " needs " + other + "; see --help");
       };
       needs(csv, "--csv-every", "--csv FILE");
-      needs(frames, "--every", "--frames DIR");
+      for (const char* name : {"--every", "--colour", "--show-copies", "--show-domains"})
+        needs(frames, name, "--frames DIR");
+      if (tolerance == 0 && cli.given("--max-iterations"))
+        throw usage_error("--max-iterations needs --tolerance; see --help");
       needs(output, "--output-every", "--output NAME");
       if (output.empty() && output_surfaces)
         throw usage_error("--output-surfaces needs --output NAME; see --help");
@@ -90,12 +94,15 @@ struct options {
 };
 
 /// Reads a command line; `defaults` holds the values of what it does not name. Throws
-/// help_requested and usage_error, and never ends the program.
-template <class Options = options>
-[[nodiscard]] Options parse(int argc, const char* const* argv, Options defaults = {},
-                            std::string_view description = "") {
+/// help_requested and usage_error, and never ends the program. `adapt(line, options)` may withdraw
+/// options that do nothing in this program.
+template <class Options = options, class Adapt = void (*)(command_line&, const Options&)>
+[[nodiscard]] Options parse(
+    int argc, const char* const* argv, Options defaults = {}, std::string_view description = "",
+    Adapt adapt = [](command_line&, const Options&) {}) {
   command_line cli(description);
   defaults.describe(cli);
+  adapt(cli, std::as_const(defaults));
   cli.parse(argc, argv);
   return defaults;
 }

@@ -36,6 +36,7 @@ namespace detail {
 /// made.
 template <class Scenario>
 void take_pictures(world<Scenario>& w, const options& options, picture look = {}) {
+  w.note_pictures();
   if (options.frames.empty()) return;
   if (!options.colour.empty())
     look.colour = options.colour == "rank" ? picture::colouring::rank : picture::colouring::speed;

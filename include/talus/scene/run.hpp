@@ -1,8 +1,8 @@
 #pragma once
 // run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
-#include <unistd.h>
-
+#include <algorithm>
 #include <concepts>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -19,6 +19,7 @@
 #include "talus/observe/time_series.hpp"
 #include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/launcher.hpp"
+#include "talus/scene/detail/options_in_use.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/world/world.hpp"
 
@@ -45,34 +46,24 @@ namespace detail {
         file);
 }
 
-/// Throws usage_error where checkpoints are asked for that the scenario does not name.
-[[gnu::cold]] inline void refuse_checkpoints(const options& options) {
-  if (!options.checkpoint.empty() || !options.restart.empty())
-    throw usage_error(
-        "this program keeps no checkpoints: name features<checkpoints> in its scenario, #include "
-        "<talus/checkpoint.hpp>, and link talus::hdf5");
-}
-
-/// The same for output.
-[[gnu::cold]] inline void refuse_output(const options& options) {
-  if (!options.output.empty())
-    throw usage_error(
-        "this program has no --output: name features<vtk_output> in its scenario, #include "
-        "<talus/vtk.hpp>, and link talus::hdf5");
-}
 /// Says what a set-up has probably forgotten, on standard error.
 [[gnu::cold]] inline void mention_forgotten(const std::string& name, bool stepped,
                                             const options& options) {
-  const char* forgotten = nullptr;
-  if (!stepped && options.steps > 0)
-    forgotten =
-        "no step was made: call world.simulate({.steps = options.steps, .dt = options.dt}) at the "
-        "end of the set-up";
-  else if (!options.frames.empty() && ::access(options.frames.c_str(), F_OK) != 0)
-    forgotten =
+  if (stepped || options.steps == 0) return;
+  std::fputs(
+      (name + ": no step was made: call world.simulate({.steps = options.steps, .dt = options.dt}) "
+              "at the end of the set-up\n")
+          .c_str(),
+      stderr);
+}
+
+/// Throws usage_error, alike on all ranks, where nothing takes the pictures that are asked for.
+template <class Scenario>
+[[gnu::cold]] void require_pictures(const world<Scenario>& w, const options& options) {
+  if (!options.frames.empty() && !w.takes_pictures())
+    throw usage_error(
         "this program takes no pictures: call take_pictures(world, options) before "
-        "world.simulate(...), or leave out --frames";
-  if (forgotten != nullptr) std::fputs(compose("{}: {}\n", name, forgotten).c_str(), stderr);
+        "world.simulate(...), or leave out --frames");
 }
 
 /// Says where bodies begin inside each other, on standard error. Collective.
@@ -85,6 +76,14 @@ template <class Scenario>
 
 /// Steps from one reading of the monitors for the progress line to the next: all ranks take part.
 inline constexpr std::uint64_t note_every = 50;
+
+/// The step with which the run ends, as far as is known: what simulate() was asked for. Where it is
+/// called for one part after another, --steps says more.
+template <class Scenario>
+[[nodiscard]] std::uint64_t planned_steps(const world<Scenario>& w, const options& options) {
+  return w.simulations() > 1 ? std::max<std::uint64_t>(w.last_step(), options.steps)
+                             : w.last_step();
+}
 
 /// Ended by SIGTERM, as the shell says it.
 inline constexpr int ended_by_sigterm = 128 + 15;
@@ -151,14 +150,15 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
 
   progress_line progress(speaks && !options.quiet ? stderr : nullptr);
   time_series table(options.csv, speaks, !options.restart.empty());
+  w.before_simulating([&] { require_pictures(w, options); });
   w.before_simulating([&] { table.sample(w); });
   if (!options.quiet) w.before_simulating([&] { mention_overlap(name, w); });
   std::string note;
   w.after_each_step([&] {
     if constexpr (has_monitors<Scenario>)
-      if (!options.quiet && (w.steps() % note_every == 0 || w.steps() == options.steps))
+      if (!options.quiet && (w.steps() % note_every == 0 || w.steps() == w.last_step()))
         note = measure_monitors(w).text;
-    progress.update(w.steps(), options.steps, note);
+    progress.update(w.steps(), planned_steps(w, options), note);
     if (w.steps() % options.csv_every == 0) table.sample(w);
   });
   attach_checkpoints(w, options, progress, table);
@@ -187,6 +187,8 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   } else {
     set_up_and_simulate();
   }
+  require_pictures(w, options);
+  progress.finish(w.steps(), note);
   const double wall = wall_seconds() - start;
   if (speaks && !options.quiet) mention_forgotten(name, w.steps() > 0, options);
 
@@ -206,17 +208,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   return 0;
 }
 
-/// Which of the solvers of a program is meant.
-template <class Scenario, class Options>
-void require_reproducible(const Options& options) {
-  if constexpr (!solves_by_colours<typename Scenario::solver> &&
-                std::is_void_v<typename Scenario::solver_on_request>)
-    if (options.reproducible)
-      throw usage_error(
-          "--reproducible needs a solver whose results do not depend on the ranks, and this "
-          "program has none: name solver<nonlinear_gauss_seidel, reproducible> in its scenario "
-          "(hard contacts only)");
-}
+/// With the solver of the program that is meant.
 template <class Scenario, class Options, class SetUp>
 int run_rank_with_solver(typename Scenario::transport::link& link, const Options& options,
                          const std::string& name, SetUp& set_up) {
@@ -256,16 +248,13 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
     std::fflush(stderr);
   };
   try {
-    const Options chosen = parse<Options>(argc, argv);
-    require_reproducible<Scenario>(chosen);
+    const Options chosen = parse<Options>(argc, argv, {}, "", withdraw_options<Scenario>);
     launch_settings settings;
     settings.argc = &argc;
     settings.argv = &argv;
     settings.ranks = chosen.ranks;
     settings.default_ranks = typename Scenario::decomposition{}.size();
     settings.report = complain;
-    if constexpr (!Scenario::template has_feature<checkpoints>) refuse_checkpoints(chosen);
-    if constexpr (!Scenario::template has_feature<vtk_output>) refuse_output(chosen);
     int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
       const int of_rank = run_rank_with_solver<Scenario>(link, chosen, name, set_up);

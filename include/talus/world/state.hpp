@@ -20,6 +20,7 @@
 #include "talus/world/balance_state.hpp"
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/body_count.hpp"
+#include "talus/world/counted_time.hpp"
 #include "talus/world/driven_bodies.hpp"
 #include "talus/world/found_pairs.hpp"
 #include "talus/world/image_copies.hpp"
@@ -162,8 +163,9 @@ struct world_state : response_state<Scenario> {
   real dt = 0;       ///< of the last step, or of the one under way
   std::uint64_t steps = 0;
   real time = 0;
-  body_count owned;  ///< the bodies that should be owned here; see world/conservation.hpp
-  body_count made;   ///< created by this rank, without those that it destroyed
+  counted_time clock;  ///< from which `time` follows
+  body_count owned;    ///< the bodies that should be owned here; see world/conservation.hpp
+  body_count made;     ///< created by this rank, without those that it destroyed
 
   /// Whether bodies are followed on their way through a step.
   static constexpr bool continuous =

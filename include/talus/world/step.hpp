@@ -85,8 +85,8 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (drives) move_driven(s);
     if constexpr (watched) close_soft(s);
   }
+  s.time = s.clock.after(s.time, s.steps, 1, dt);
   ++s.steps;
-  s.time += dt;
   if constexpr (!verlet)
     hand_over(s);  // bodies that left go to their new owner, shadow copies are refreshed
   if constexpr (Scenario::contact_law::soft && booked && !verlet) survey_at_end(s);

@@ -417,6 +417,14 @@ class world {
   void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
 
   [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
+  /// The step with which the present call of simulate() ends, or the last one ended.
+  [[nodiscard]] std::uint64_t last_step() const { return last_step_; }
+  /// Pictures are taken of this world, by take_pictures() or in another way: run() accepts
+  /// --frames then.
+  void note_pictures() { takes_pictures_ = true; }
+  [[nodiscard]] bool takes_pictures() const { return takes_pictures_; }
+  /// Calls of simulate() so far.
+  [[nodiscard]] std::uint64_t simulations() const { return simulations_; }
   /// Throws runtime_error where a checkpoint was to be read, and no simulate() has come to its
   /// step.
   void require_restarted() const {
@@ -502,11 +510,13 @@ class world {
   detail::open_sections sections_;
   std::string undivided_;  ///< why there is no domain yet; empty when there is one
   bool synchronized_ = false;
+  bool takes_pictures_ = false;
   bool rewired_ = false;  ///< connections were changed by hand since the last synchronize()
   std::uint64_t seed_ = 0;
   std::uint64_t fills_ = 0;
   std::uint64_t attempts_ = 0;
   std::uint64_t added_here_ = 0;
+  std::uint64_t last_step_ = 0, simulations_ = 0;
   std::vector<std::function<void()>> observers_, starters_;
   [[no_unique_address]] std::conditional_t<keeps, detail::checkpoint_keeper, detail::keeps_nothing>
       keeper_;

@@ -67,6 +67,11 @@ namespace talus {
   rest_meaning_ = meaning;
 }
 
+[[gnu::cold]] inline void command_line::withdraw(std::string_view name, const void* target,
+                                                 std::string_view refusal) {
+  if (option* const o = find(name); o != nullptr && o->target == target) o->refusal = refusal;
+}
+
 [[gnu::cold]] inline command_line::option* command_line::find(std::string_view name) {
   for (option& o : options_)
     if (o.name == name) return &o;
@@ -106,6 +111,7 @@ namespace talus {
 }
 
 [[gnu::cold]] inline std::string command_line::read(option& o, std::string_view value) {
+  if (!o.refusal.empty()) return o.refusal;
   if (std::exchange(o.given, true)) return detail::compose("{} is given twice; see --help", o.name);
   if (o.holds == kind::text) {
     *static_cast<std::string*>(o.target) = value;
@@ -165,7 +171,7 @@ namespace talus {
   const std::string_view name = word.substr(0, word.find('='));
   std::string_view closest = "--help";
   for (const option& o : options_)
-    if (edits(name, o.name) < edits(name, closest)) closest = o.name;
+    if (o.refusal.empty() && edits(name, o.name) < edits(name, closest)) closest = o.name;
   if (edits(name, closest) > std::max<std::size_t>(2, closest.size() / 3))
     return detail::compose("'{}' is not an option of this program; see --help", std::string(word));
   return detail::compose("'{}' is not an option of this program; did you mean {}? see --help",
@@ -190,6 +196,7 @@ namespace talus {
   if (rest_ != nullptr) line(rest_name_, rest_meaning_);
   line("--help", "show this help and stop");
   for (const option& o : options_) {
+    if (!o.refusal.empty()) continue;
     constexpr const char* types[] = {"", " TEXT", " UINT", " INT", " FLOAT"};
     std::string name = o.name + types[static_cast<int>(o.holds)];
     if (!o.initial.empty()) name += "=" + o.initial;

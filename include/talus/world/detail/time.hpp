@@ -105,6 +105,8 @@ void world<Scenario>::simulate(const simulation& s) {
   sections_.require_all_ranks("simulate", rank());
   detail::require_positive(s.dt, "the time step dt");
   state_.dt = s.dt;
+  ++simulations_;
+  last_step_ = state_.steps + s.steps;
   std::size_t steps = s.steps;
   detail::checkpoint_hooks* hooks = nullptr;
   bool restarted = false;

@@ -1,0 +1,96 @@
+#pragma once
+// What the summary of a run consists of, and what follows from its figures.
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/observe/balance.hpp"
+#include "talus/observe/monitors.hpp"
+#include "talus/observe/motion.hpp"
+#include "talus/observe/penetration.hpp"
+#include "talus/observe/residual.hpp"
+#include "talus/response/soft_duration.hpp"
+#include "talus/world/speed_leap.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// What a scenario measured by itself, by name; the same on all ranks.
+using results = std::vector<std::pair<std::string, double>>;
+
+/// What the last line of a run and its JSON file say. Lengths in radii where said so.
+struct summary {
+  std::string scenario;
+  std::string policies;
+  std::string transport;
+  int ranks = 1;
+  std::uint64_t steps = 0;         ///< from the beginning
+  std::uint64_t restarted_at = 0;  ///< step of the checkpoint that this run went on from
+  double dt = 0;
+  /// Of soft contacts, at the end: the step beyond which they are not stable; 0: they are hard.
+  double critical_dt = 0;
+  double impact_speed_max = 0;   ///< of soft contacts: the fastest approach in any step
+  double steps_per_contact = 0;  ///< at that speed, of the shortest contact; 0: no impacts
+  std::uint64_t contacts = 0;    ///< considered in the last step
+  bool sleeping = false;         ///< whether islands may go to sleep
+  bool followed = false;         ///< whether fast bodies are followed: continuous_collision
+  bool may_follow = false;       ///< whether the scenario could name that
+  detail::speed_leap leap;       ///< where contacts made a body much faster than anything was
+  double gravity = 0;            ///< its size
+  motion moving;
+  penetration overlap;
+  contact_residual residual;  ///< of the last step
+  talus::convergence solved;  ///< of all steps
+  solver_settings solver;     ///< as they are now
+  double cpu_seconds = 0;     ///< of all ranks together
+  double wall_seconds = 0;
+  stage_seconds seconds;                    ///< of each stage, on the slowest rank
+  stage_seconds seconds_mean;               ///< of each stage, the mean over the ranks
+  std::uint64_t messages_per_step_max = 0;  ///< sent by one rank in one step
+  std::uint64_t bytes_per_step_max = 0;
+  double collectives_per_step = 0;
+  double bytes_per_body = 0;
+  bool balancing = false;  ///< whether cuts between domains may move
+  load_balance balance;
+  std::string digest;
+  detail::plain_vector<measured> monitors;  ///< of the last step, or of all where the name says so
+  results own;                              ///< of the scenario
+};
+
+namespace detail {
+
+/// By this run, at least one.
+[[nodiscard]] inline double steps_taken(std::uint64_t steps, std::uint64_t restarted_at) {
+  return steps > restarted_at ? static_cast<double>(steps - restarted_at) : 1;
+}
+
+}  // namespace detail
+
+/// Iterations of the contact solver per step.
+[[nodiscard]] inline double mean_iterations(const summary& r) {
+  return static_cast<double>(r.solved.iterations) /
+         static_cast<double>(std::max<std::uint64_t>(1, r.steps));
+}
+
+/// Whether a run that was asked for a residual ended above it.
+[[nodiscard]] inline bool above_tolerance(const summary& r) {
+  return r.solver.tolerance > 0 && !(r.residual.value <= r.solver.tolerance);
+}
+
+/// Whether the contacts are soft: then there is a critical time step, and nothing to solve.
+[[nodiscard]] inline bool soft(const summary& r) { return r.critical_dt > 0; }
+
+/// Whether the run was too coarse for its soft contacts, so that they gained energy.
+[[nodiscard]] inline bool dt_above_critical(const summary& r) {
+  return soft(r) && r.dt > r.critical_dt;
+}
+
+/// Whether the shortest soft contact of the run took fewer steps than accuracy asks for.
+[[nodiscard]] inline bool contacts_unresolved(const summary& r) {
+  return r.steps_per_contact > 0 && r.steps_per_contact < detail::steps_of_contact;
+}
+
+}  // namespace talus
