@@ -65,6 +65,7 @@ INSTEAD = {
     "ctest --test-dir build/release -R 'test_world_bad_input|test_mpi_transport_failures'":
         "ctest --test-dir build/release -R 'test_world_bad_input|test_mpi_transport_failures' -N | "
         "grep -q 'Test *#'",
+    "./dev faults": "./dev faults --list",
     "./dev fuzz scenarios --runs 10000 --seed 1000000": "./dev fuzz scenarios --runs 10 --seed 1000000",
     "./dev fuzz options 600": "./dev fuzz options 5",
     "./dev fuzz checkpoint 600": "./dev fuzz checkpoint 5",
@@ -86,7 +87,7 @@ INSTEAD = {
 }
 # What no page but the help tells.
 BESIDE = ["./dev help"]
-HABITS = r"(TALUS_PRESET=\S+ )?\./dev (sanitize|tidy|docs|format|fuzz|build|test)\b|ctest |git "
+HABITS = r"(TALUS_PRESET=\S+ )?\./dev (sanitize|tidy|docs|format|fuzz|faults|build|test)\b|ctest |git "
 MEASURES = r"\./dev (bench|report|compile-cost)\b|.*/benchmarks/"
 
 

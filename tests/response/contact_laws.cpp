@@ -1,0 +1,210 @@
+// The law of a single contact, piece by piece: what two materials make, what a new contact is asked
+// for, the residual, and what a soft contact remembers.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <talus/body/material.hpp>
+#include <talus/contact/law.hpp>
+#include <talus/contact/soft_law.hpp>
+#include <talus/core/random.hpp>
+#include <talus/response/natural_map.hpp>
+#include <talus/response/rebound.hpp>
+#include <talus/response/recall.hpp>
+#include <talus/response/soft_force.hpp>
+#include <talus/response/soft_pair.hpp>
+#include <talus/world/contact_conditions.hpp>
+
+using namespace talus;
+using namespace talus::detail;
+
+namespace {
+
+constexpr real dt = 0.01, g = 10;
+const vec3 up{0, 0, 1};
+
+using law = hard_contact<coulomb_friction, newton_restitution, split_correction>;
+
+contact_conditions ask(const pair_material& pair, const vec3& u, real gap = 0) {
+  return conditions_of<law, false>(
+      pair, up, u, gap, dt, g, [] { return real(g); }, 1e-6, 0.2);
+}
+
+using hertz = soft_contact<hertz_mindlin, coulomb_friction>;
+using linear = soft_contact<linear_spring_dashpot, coulomb_friction, rolling_resistance>;
+
+soft_touch touch_at(real overlap, const vec3& u = {0, 0, 0}) {
+  return {.normal = up,
+          .overlap = overlap,
+          .u = u,
+          .spin = {0, 0, 0},
+          .mass = 1,
+          .radius = 1,
+          .rolling_inertia = 1};
+}
+template <class Law>
+soft_force force(const soft_touch& t, const soft_pair& pair, typename Law::memory& memory) {
+  no_soft_parts none;
+  return force_of<Law>(t, pair, dt, memory, none);
+}
+
+/// What warm starting needs to know of a contact of which a pair has several.
+struct point {
+  static constexpr bool patches = true;
+  vec3 start{0, 0, 0};
+  void warm(const vec3& impulse) { start = impulse; }
+};
+
+}  // namespace
+
+TEST_CASE("a pair of materials takes the mean of both, whichever comes first") {
+  const material a{.restitution = 0.9,
+                   .friction = 0.8,
+                   .dynamic_friction = 0.6,
+                   .stiffness = 1e4,
+                   .rolling_friction = 0.1};
+  const material b{.restitution = 0.3,
+                   .friction = 0.2,
+                   .dynamic_friction = 0.1,
+                   .stiffness = 3e4,
+                   .rolling_friction = 0.3};
+  for (const bool swapped : {false, true}) {
+    material_table table;
+    const auto first = table.add(swapped ? b : a), second = table.add(swapped ? a : b);
+    for (const auto& p : {table.pair(first, second), table.pair(second, first)}) {
+      CHECK(p.restitution == doctest::Approx(0.6));
+      CHECK(p.friction == doctest::Approx(0.5));
+      CHECK(p.dynamic_friction == doctest::Approx(0.35));
+      const auto soft = soft_pair_of<linear>(table[first], table[second], p);
+      CHECK(soft.rolling_friction == doctest::Approx(0.2));
+      CHECK(soft.stiffness == doctest::Approx(1.5e4));  // two springs of 2e4 and 6e4 in a row
+      CHECK(soft.damping == doctest::Approx(damping_of_restitution(0.6)));
+    }
+    CHECK(table.pair(first, first).restitution == doctest::Approx(swapped ? 0.3 : 0.9));
+  }
+}
+
+TEST_CASE("an impact rebounds from more than twice what gravity adds in a step") {
+  const pair_material bouncy{.restitution = 0.5, .friction = 0, .dynamic_friction = 0};
+  CHECK(ask(bouncy, {0, 0, -1.9 * g * dt}).target == 0);
+  CHECK(ask(bouncy, {0, 0, -3 * g * dt}).target > 0);
+  CHECK(ask({.restitution = 0, .friction = 0, .dynamic_friction = 0}, {0, 0, -3 * g * dt}).target ==
+        0);
+}
+
+TEST_CASE("a rebound has e^2 of the energy of the impact, less that of half a step of fall") {
+  // Stored velocities are those of half a step before: 3 in the store is 3.05 at the surface.
+  const real e = 0.7, stored = 3, at_surface = stored + g * dt / 2;
+  const real after = rebound(e, -stored, 0, dt, g), after_at_surface = after + g * dt / 2;
+  CHECK(after_at_surface * after_at_surface ==
+        doctest::Approx(e * e * at_surface * at_surface).epsilon(1e-12));
+  // Above the surface the fall goes on, and the rise begins lower.
+  CHECK(rebound(e, -stored, 0.01, dt, g) < after);
+  CHECK(rebound(e, -stored, 0, dt, 0) == e * stored);
+}
+
+TEST_CASE("what slides meets the dynamic coefficient, what sticks the static one") {
+  const pair_material rough{.restitution = 0, .friction = 0.5, .dynamic_friction = 0.3};
+  CHECK(ask(rough, {0.5 * g * dt, 0, 0}).friction == 0.5);
+  CHECK(ask(rough, {1.1 * g * dt, 0, 0}).friction == 0.3);
+  CHECK(ask(rough, {0, 0, -5}).friction == 0.5);  // the normal velocity does not slide
+}
+
+TEST_CASE("points that are new start from equal parts of what points bore that are gone") {
+  contact_history history;
+  const auto key = [](std::uint64_t feature) {
+    return contact_key{system_id{3}, system_id{8}, feature};
+  };
+  for (const std::uint64_t k : {1, 2, 3, 4}) history.add(key(k), vec3(0, 0, real(k)));
+  history.add({system_id{3}, system_id{9}, 7}, vec3(5, 5, 5));  // of another pair
+  plain_vector<contact_key> keys;
+  for (const std::uint64_t k : {3, 7, 4, 8}) keys.push_back(key(k));
+  plain_vector<history_place*> places(4, nullptr);
+  plain_vector<point> points(4);
+  recall(history, keys, places, points);
+  CHECK(points[0].start == vec3(0, 0, 3));
+  CHECK(points[1].start == vec3(0, 0, 1.5));
+  CHECK(points[2].start == vec3(0, 0, 4));
+  CHECK(points[3].start == vec3(0, 0, 1.5));
+}
+
+TEST_CASE("the natural map is zero exactly where Coulomb's law holds") {
+  const real mu = 0.4;
+  for (const real rho : {0.1, 1.0, 7.0}) {
+    // Sliding: the impulse at the edge of the cone against the slip, and no normal velocity.
+    const vec3 slides{-mu * 2, 0, 2}, slip{0.7, 0, 0};
+    CHECK(natural_map(slides, slip, up, mu, rho).norm() < 1e-14);
+    // Sticking, and apart.
+    CHECK(natural_map({0.1, 0.2, 2}, {0, 0, 0}, up, mu, rho).norm() < 1e-14);
+    CHECK(natural_map({0, 0, 0}, {0.3, -0.2, 0.1}, up, mu, rho).norm() < 1e-14);
+    // Slip with an impulse inside of the cone, an impulse outside of it, an impulse while parting.
+    CHECK(natural_map({-0.3, 0, 2}, slip, up, mu, rho).norm() > 1e-3);
+    CHECK(natural_map({-1.2, 0, 2}, {0, 0, 0}, up, mu, rho).norm() > 1e-3);
+    CHECK(natural_map({0, 0, 1}, {0, 0, 0.5}, up, mu, rho).norm() > 1e-3);
+  }
+}
+
+TEST_CASE("the nearest point of the cone is in it, and what is left is perpendicular to it") {
+  random_stream random(1, 1);
+  for (int k = 0; k < 1000; ++k) {
+    const real mu = random.uniform(0, 2);
+    const vec3 r = random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1));
+    const vec3 p = nearest_in_cone(r, up, mu), rest = r - p;
+    const real height = p[2], width = std::hypot(p[0], p[1]);
+    CHECK(width <= mu * height + 1e-14);
+    CHECK(std::abs(rest.dot(p)) < 1e-14);
+    // In the polar cone: no point of the cone is nearer.
+    CHECK(mu * std::hypot(rest[0], rest[1]) <= -rest[2] + 1e-14);
+  }
+}
+
+TEST_CASE("Mindlin's force is kept while the overlap grows, and shrinks with it") {
+  const soft_pair pair{
+      .stiffness = 1e4, .tangential = 1e4, .friction = 100, .dynamic_friction = 100};
+  hertz::memory memory;
+  const auto across = [&](const soft_touch& t) { return force<hertz>(t, pair, memory).force[0]; };
+  const real first = across(touch_at(0.01, {0.1, 0, 0}));
+  REQUIRE(first < 0);
+  CHECK(across(touch_at(0.01)) == doctest::Approx(first));
+  CHECK(across(touch_at(0.04)) == doctest::Approx(first));      // a circle of twice the radius
+  CHECK(across(touch_at(0.01)) == doctest::Approx(first / 2));  // and back
+  CHECK(across(touch_at(0.04)) == doctest::Approx(first / 2));
+}
+
+TEST_CASE("a soft contact that slides goes on sliding until the dynamic coefficient holds it") {
+  const soft_pair pair{
+      .stiffness = 1e3, .tangential = 1e3, .friction = 0.5, .dynamic_friction = 0.3};
+  linear::memory memory;
+  const real normal = 1e3 * 0.01;
+  const auto across = [&](real u) {
+    return force<linear>(touch_at(0.01, {u, 0, 0}), pair, memory).force[0];
+  };
+  CHECK(across(0.04) == doctest::Approx(-0.4));           // below both: sticks
+  CHECK(across(0.40) == doctest::Approx(-4.4));           // between both: sticks
+  CHECK(across(0.10) == doctest::Approx(-0.3 * normal));  // above both: slides
+  CHECK(memory.sliding);
+  CHECK(across(0.10) == doctest::Approx(-0.3 * normal));   // between both: goes on sliding
+  CHECK(across(-0.10) == doctest::Approx(-0.2 * normal));  // held again
+  CHECK_FALSE(memory.sliding);
+}
+
+TEST_CASE("springs of soft contacts turn with the bodies about the normal and keep their length") {
+  const vec3 old{0.3, 0, 0};
+  const vec3 now = carried_along(old, up, 0.01);
+  CHECK(now[1] == doctest::Approx(0.003).epsilon(1e-3));
+  CHECK(now.norm() == doctest::Approx(0.3).epsilon(1e-14));
+  const vec3 tilted = carried_along({0.3, 0, 0.4}, up, 0);
+  CHECK(tilted[2] == 0);
+  CHECK(tilted.norm() == doctest::Approx(0.5).epsilon(1e-14));
+}
+
+TEST_CASE("rolling resistance has a spring and a dashpot of 0.3 of critical damping") {
+  const soft_pair pair{.stiffness = 1e3, .tangential = 1e3, .rolling_friction = 0.2};
+  const real stiffness = 2.25 * 1e3 * 0.2 * 0.2;
+  linear::memory memory;
+  soft_touch t = touch_at(0.5);
+  t.spin = {0.01, 0, 0};
+  const real moment = force<linear>(t, pair, memory).moment[0];
+  CHECK(moment == doctest::Approx(-stiffness * 0.01 * dt - 0.6 * std::sqrt(stiffness) * 0.01));
+  t.spin = {100, 0, 0};  // yields
+  CHECK(force<linear>(t, pair, memory).moment[0] == doctest::Approx(-0.2 * 1e3 * 0.5));
+}
