@@ -19,6 +19,11 @@ class compensated_sum {
   }
   compensated_sum& operator-=(const Value& x) { return *this += -x; }
   [[nodiscard]] Value value() const { return sum_ + rest_; }
+  /// Calls f(part) for the two values of which the sum consists, to store and restore it.
+  template <class F>
+  void each_part(F&& f) {
+    f(sum_), f(rest_);
+  }
 
  private:
   static Value zero() {

@@ -10,6 +10,8 @@
 
 #include "talus/io/detail/checkpoint_bodies.hpp"
 #include "talus/io/detail/checkpoint_contacts.hpp"
+#include "talus/io/detail/checkpoint_course.hpp"
+#include "talus/io/detail/checkpoint_monitors.hpp"
 #include "talus/io/detail/checkpoint_parameters.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
@@ -103,6 +105,9 @@ template <class Scenario>
   out.push_back(numbers_dataset<double>("/materials/each", materials, 8));
   out.push_back(numbers_dataset<double>("/materials/pairs", pairs, 3));
   put_kept(team, keeper.values, out);
+  put_monitors(team, s, out);
+  put_course(keeper.course.parts(s.steps), out);
+  put_records(w.records(), out);
   return out;
 }
 
@@ -167,6 +172,8 @@ template <class Scenario>
   keeper.first_parameters = parameters_of(s);
   const std::string changes =
       merge_parameters(s, get("/parameters/at_first"), get("/parameters/at_last"));
+  get_monitors(in, s);
+  get_records(in, w.records());
   if constexpr (!world_state<Scenario>::law::soft) {
     const auto c = in.reals("/run/convergence", 5);
     for (const std::size_t k : {0, 1, 4})

@@ -46,6 +46,7 @@ class checkpoint_files final : public checkpoint_hooks {
         const checkpoint_reader in(plan_.from);
         require_same_scenario<Scenario>(in);
         waiting_ = in.integers("/run/steps", 1)[0];
+        past_ = get_course(in);
       } catch (const std::exception& e) {
         const std::string why = e.what();
         fail<std::runtime_error>(
@@ -74,12 +75,24 @@ class checkpoint_files final : public checkpoint_hooks {
       return {.steps = s.steps};
     }
     auto& state = w_.state();
-    if (state.steps + s.steps < *waiting_) {
-      state.time = state.clock.after(state.time, state.steps, s.steps, s.dt);
-      state.steps += s.steps;
-      return {.skips = true};
+    const std::uint64_t call = calls_++;
+    const course_part* const then = past_.find(call);
+    const bool came_to_its_end = then != nullptr && then->calls > 0;
+    const bool last_call = call + 1 >= past_.calls();
+    refuse_own_loop(call, s.steps, then);
+    if (came_to_its_end && !last_call && s.steps != then->asked)
+      fail<std::runtime_error>(
+          "the checkpoint {} is of a run whose call {} of simulate() was asked for {} steps, and "
+          "here it is asked for {}: the calls before the checkpoint must be the same; to end one "
+          "on a condition give it to world.stop_when(...) or .stop_when of simulate()",
+          plan_.from, call + 1, then->asked, s.steps);
+    const std::uint64_t taken = came_to_its_end && then->stopped ? then->taken : s.steps;
+    if ((came_to_its_end && !last_call) || state.steps + taken < *waiting_) {
+      state.time = state.clock.after(state.time, state.steps, taken, s.dt);
+      state.steps += taken;
+      return {.skips = true, .stopped = came_to_its_end && then->stopped};
     }
-    const std::uint64_t last = state.steps + s.steps;
+    const std::uint64_t last = state.steps + taken;
     const std::string changes = read_checkpoint(w_, plan_.from);
     waiting_.reset();
     if (w_.rank() == 0 && !changes.empty() && plan_.tell)
@@ -90,7 +103,14 @@ class checkpoint_files final : public checkpoint_hooks {
           "ends: another run has written it since this one began",
           plan_.from, w_.steps(), last);
     if (plan_.restarted) plan_.restarted(w_.steps());
-    return {.steps = static_cast<std::size_t>(last - w_.steps()), .restarts = true};
+    const bool stopped = came_to_its_end && then->stopped;
+    if (stopped && w_.rank() == 0 && plan_.tell)
+      plan_.tell(
+          compose("goes on from {}: its call {} of simulate() was ended in step {} by stop() or "
+                  "stop_when, and is not gone on with",
+                  plan_.from, call + 1, w_.steps()));
+    return {
+        .steps = static_cast<std::size_t>(last - w_.steps()), .restarts = true, .stopped = stopped};
   }
 
   /// A poll is a reduction that is under way while the step is computed.
@@ -117,10 +137,12 @@ class checkpoint_files final : public checkpoint_hooks {
     between_ = std::clamp(steps, 1.0, double{most_steps_between_polls});
     next_poll_ = w_.steps() + static_cast<std::uint64_t>(between_);
   }
-  void after_observers() override {
+  void after_observers(bool ends, bool stopped) override {
     if (plan_.to.empty()) return;
     const heard asked = std::exchange(asked_, nothing);
-    const bool due = (plan_.every > 0 && w_.steps() % plan_.every == 0) || w_.steps() == plan_.last;
+    const std::uint64_t now = w_.steps();
+    const bool due = (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last || stopped ||
+                     (ends && now > plan_.last);
     if (!due && asked == nothing) return;
     write_checkpoint(w_, plan_.to);
     heard_write_ = heard_signals().write;  // other ranks may have heard it a step later
@@ -134,14 +156,40 @@ class checkpoint_files final : public checkpoint_hooks {
           plan_.from);
   }
   void require_restarted() const override {
-    if (waiting_)
+    if (!waiting_) return;
+    if (calls_ < past_.calls())
       fail<std::runtime_error>(
-          "the checkpoint {} is of step {}, but this run ends with step {}: steps count from the "
-          "beginning; give --steps more",
-          plan_.from, *waiting_, w_.steps());
+          "the checkpoint {} is of step {}, in call {} of simulate(), but this run ends after {}: "
+          "give --steps more, or, where a loop ends on a condition, give that to "
+          "world.stop_when(...), which checkpoints keep (between calls that a restart leaves out "
+          "the bodies are those of the set-up)",
+          plan_.from, *waiting_, past_.calls(), counted_calls(calls_));
+    fail<std::runtime_error>(
+        "the checkpoint {} is of step {}, but this run ends with step {}: steps count from the "
+        "beginning; give --steps more",
+        plan_.from, *waiting_, w_.steps());
   }
 
  private:
+  [[nodiscard]] static std::string counted_calls(std::uint64_t calls) {
+    return compose("{} call{}", calls, calls == 1 ? "" : "s");
+  }
+  /// A program that looks at bodies between equal calls of simulate() decides by them whether to go
+  /// on; while a restart leaves steps out, they are not the bodies that were there in these steps.
+  void refuse_own_loop(std::uint64_t call, std::uint64_t asked, const course_part* then) {
+    const std::uint64_t before = std::exchange(asked_before_, asked);
+    if (call == 0 || !checkpoint_access::keeper(w_).read) return;
+    const course_part* const previous = past_.find(call - 1);
+    const bool loop = asked == before ||
+                      (then != nullptr && previous != nullptr && then->asked == previous->asked);
+    if (loop)
+      fail<std::runtime_error>(
+          "the run goes on from the checkpoint {} of step {}, and looks at bodies between calls of "
+          "simulate() that the restart leaves out, where they are those of the set-up: give a "
+          "condition that ends a loop to world.stop_when(...) or .stop_when of simulate(), and "
+          "measure in world.observe(...)",
+          plan_.from, *waiting_);
+  }
   [[nodiscard]] heard hear() {
     if (heard_signals().end != heard_end_) return end;
     const unsigned writes = heard_signals().write;
@@ -158,6 +206,9 @@ class checkpoint_files final : public checkpoint_hooks {
   world<Scenario>& w_;
   checkpoint_plan plan_;
   std::optional<std::uint64_t> waiting_;  ///< the step of the file that is to be read
+  past_course past_;                      ///< of the run that wrote that file
+  std::uint64_t calls_ = 0;               ///< of simulate(), until the file is read
+  std::uint64_t asked_before_ = 0;        ///< steps, by the call before
   unsigned heard_write_ = 0, heard_end_ = 0;
   std::array<double, 2> said_{};
   double polled_ = wall_seconds();

@@ -1,10 +1,14 @@
 #pragma once
 // A run as a table: one line of comma-separated values for every so many steps.
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "talus/core/error.hpp"
 #include "talus/observe/monitors.hpp"
@@ -37,10 +41,15 @@ class time_series {
     if (file_ != nullptr) std::fclose(file_);
   }
 
+  /// Collective: the line of the state in which the run begins, if there is none yet.
+  template <class Scenario>
+  [[gnu::cold]] void begin(world<Scenario>& w) {
+    if (!sampled_) sample(w);
+  }
   /// Collective: adds a line for the state as it is now, unless the last line is of the same step.
   template <class Scenario>
   [[gnu::cold]] void sample(world<Scenario>& w) {
-    if (name_.empty() || (sampled_ && last_ == w.steps())) return;
+    if (name_.empty() || last_ == w.steps()) return;
     sampled_ = true;
     last_ = w.steps();
     const motion m = measure_motion(w);
@@ -70,28 +79,51 @@ class time_series {
     };
     const auto more = measure_monitors(w).values;
     columns.append(more);
-    if (file_ != nullptr) write(columns);
+    if (file_ == nullptr) return;
+    write(columns, w.records().all());
   }
 
   /// On all ranks: the table goes on after a restart in this step. Lines of later steps, which the
   /// run before had still written, go, and so do those between two of `every` steps.
   [[gnu::cold]] void go_on_from(std::uint64_t step, std::uint64_t every) {
     if (name_.empty()) return;
-    sampled_ = true;  // by the run before, if it is the time for a line
-    last_ = step;
+    sampled_ = true;  // by the run before
+    if (step % every == 0) last_ = step;
     if (file_ == nullptr) return;
-    std::string kept, line;
-    std::rewind(file_);
-    for (int c; (c = std::fgetc(file_)) != EOF;) {
-      line += static_cast<char>(c);
-      if (c != '\n') continue;
+    rewrite([&](std::string& line, bool head) {
+      if (head) return head_ = line, true;
       char* end = nullptr;
       const unsigned long long of = std::strtoull(line.c_str(), &end, 10);
-      const bool values = end != line.c_str();
-      if (!values || (of <= step && of % every == 0)) kept += line;
-      headed_ = true;
+      return end != line.c_str() && of <= step && of % every == 0;
+    });
+  }
+
+ private:
+  using records = std::vector<detail::recorded_value>;
+
+  [[noreturn, gnu::cold]] void fail_to_write() const {
+    detail::fail<std::runtime_error>(
+        "the time series could not be written to {}: is the disk "
+        "full?",
+        name_);
+  }
+  /// Writes the lines for which keep(line, is the first) anew, as it leaves them.
+  template <class Keep>
+  [[gnu::cold]] void rewrite(Keep&& keep) {
+    std::string kept, line;
+    bool head = true;
+    std::fflush(file_);
+    std::FILE* const in = std::fopen(name_.c_str(), "r");
+    if (in == nullptr) fail_to_write();
+    for (int c; (c = std::fgetc(in)) != EOF;) {
+      if (c != '\n') {
+        line += static_cast<char>(c);
+        continue;
+      }
+      if (keep(line, std::exchange(head, false))) kept += line + '\n';
       line.clear();
     }
+    std::fclose(in);
     // Beside it, so that the table is whole at any time.
     const std::string beside = name_ + ".part";
     file_ = std::freopen(beside.c_str(), "w", file_);
@@ -99,36 +131,69 @@ class time_series {
         std::rename(beside.c_str(), name_.c_str()) != 0)
       fail_to_write();
   }
-
- private:
-  [[noreturn, gnu::cold]] void fail_to_write() const {
-    detail::fail<std::runtime_error>(
-        "the time series could not be written to {}: is the disk "
-        "full?",
-        name_);
+  [[nodiscard, gnu::cold]] static std::string head_of(std::string_view name,
+                                                      std::string_view dimension) {
+    std::string head(name);
+    if (!dimension.empty()) ((head += " [") += dimension) += "]";
+    return head;
   }
-  [[gnu::cold]] void write(const detail::plain_vector<measured>& columns) {
-    std::string lines;
-    const auto line = [&](auto&& text) {
-      const char* separator = "";
-      for (const measured& c : columns) {
-        (lines += separator) += text(c);
-        separator = ",";
-      }
-      lines += "\n";
+  /// The head of the table, with the user's own columns behind the others. The lines before the
+  /// first value of such a column have nothing there.
+  [[gnu::cold]] void write_head(const detail::plain_vector<measured>& columns, const records& own) {
+    std::string head;
+    for (const measured& c : columns)
+      (head += head.empty() ? "" : ",") += head_of(c.name, c.dimension);
+    const auto standard = std::count(head.begin(), head.end(), ',');
+    for (const detail::recorded_value& r : own) {
+      for (const measured& c : columns)
+        if (c.name == r.name)
+          detail::fail<std::invalid_argument>(
+              "world.record was given the name '{}', which is that of another column of the table "
+              "{}: take another name",
+              r.name, name_);
+      head += "," + head_of(r.name, r.dimension);
+    }
+    const auto commas_of = [](std::string_view text) {
+      return std::count(text.begin(), text.end(), ',');
     };
-    if (!std::exchange(headed_, true))
-      line([](const measured& c) {
-        return std::string(c.name) + " [" + std::string(c.dimension) + "]";
+    behind_.clear();
+    if (head == head_) return;
+    if (head_.empty()) {
+      if (std::fputs((head + "\n").c_str(), file_) < 0) fail_to_write();
+    } else if (head_.starts_with(head + ",")) {  // columns of the run before that are still to come
+      behind_.assign(static_cast<std::size_t>(commas_of(head_) - commas_of(head)), ',');
+      return;
+    } else if (head.starts_with(head_ + ",") && standard <= commas_of(head_)) {
+      const std::string missing(static_cast<std::size_t>(commas_of(head) - commas_of(head_)), ',');
+      rewrite([&](std::string& line, bool first) {
+        if (first)
+          line = head;
+        else
+          line += missing;
+        return true;
       });
-    line([](const measured& c) { return detail::text(c.value); });
-    if (std::fputs(lines.c_str(), file_) < 0 || std::fflush(file_) != 0) fail_to_write();
+    } else {
+      detail::fail<std::runtime_error>(
+          "the table {} has other columns than this run would add to it: give --csv another file",
+          name_);
+    }
+    head_ = std::move(head);
+  }
+  [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own) {
+    write_head(columns, own);
+    std::string line;
+    for (const measured& c : columns) (line += line.empty() ? "" : ",") += detail::text(c.value);
+    for (const detail::recorded_value& r : own) (line += ",") += detail::text(r.value);
+    line += behind_ + "\n";
+    if (std::fputs(line.c_str(), file_) < 0 || std::fflush(file_) != 0) fail_to_write();
   }
 
   std::string name_;
   std::FILE* file_ = nullptr;
-  bool headed_ = false, sampled_ = false;
-  std::uint64_t last_ = 0;
+  std::string behind_;  ///< commas of the columns for which this run has no value yet
+  std::string head_;    ///< the first line; empty: there is none yet
+  bool sampled_ = false;
+  std::uint64_t last_ = ~std::uint64_t{0};  ///< step of the last line
 };
 
 }  // namespace talus

@@ -151,10 +151,10 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   progress_line progress(speaks && !options.quiet ? stderr : nullptr);
   time_series table(options.csv, speaks, !options.restart.empty());
   w.before_simulating([&] { require_pictures(w, options); });
-  w.before_simulating([&] { table.sample(w); });
+  w.before_simulating([&] { table.begin(w); });
   if (!options.quiet) w.before_simulating([&] { mention_overlap(name, w); });
   std::string note;
-  w.after_each_step([&] {
+  w.after_observers([&] {
     if constexpr (has_monitors<Scenario>)
       if (!options.quiet && (w.steps() % note_every == 0 || w.steps() == w.last_step()))
         note = measure_monitors(w).text;

@@ -17,6 +17,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/world/course.hpp"
 
 namespace talus {
 
@@ -24,6 +25,10 @@ namespace talus {
 struct simulation {
   std::size_t steps = 0;  ///< number of time steps; with a restart those before it count
   real dt = 0;            ///< length of a step, in units of time
+  /// Ends this call early: asked on all ranks after each step, and ends it if it holds on any. A
+  /// checkpoint keeps that it did.
+  std::function<bool()> stop_when{};
+  std::uint64_t check_every = 1;  ///< steps of the world from one question to the next
 };
 
 namespace detail {
@@ -33,6 +38,7 @@ struct restart_plan {
   std::size_t steps = 0;  ///< to be taken
   bool skips = false;     ///< all of them were taken before the file was written
   bool restarts = false;  ///< the state is now that of the file
+  bool stopped = false;   ///< this call had been ended by stop() or by a condition
 };
 
 /// What simulate() calls where checkpoints are in use. All functions are collective.
@@ -44,7 +50,8 @@ struct checkpoint_hooks {
   virtual restart_plan begin(const simulation& s) = 0;
   virtual void before_step() = 0;
   virtual void after_step() = 0;
-  virtual void after_observers() = 0;
+  /// `ends`: this call of simulate() makes no further step; `stopped`: by a condition.
+  virtual void after_observers(bool ends, bool stopped) = 0;
   /// Throws runtime_error where simulate() has not come to the step of the file.
   virtual void require_restarted() const = 0;
   /// A step by hand has no place among those that a restart leaves out.
@@ -70,6 +77,8 @@ struct checkpoint_keeper {
   std::optional<std::array<double, 12>> first_parameters;  ///< as the set-up gave them
   std::uint64_t restarted_at = 0;                          ///< step of the file that was read
   std::unique_ptr<checkpoint_hooks> hooks;                 ///< null where no file is asked for
+  detail::course course;                                   ///< the calls of simulate()
+  mutable bool read = false;  ///< bodies have been looked at since simulate() was called last
 
   template <class T>
   void add(const std::string& name, T& value) {

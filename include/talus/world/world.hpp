@@ -16,6 +16,7 @@
 #include "talus/world/balance.hpp"
 #include "talus/world/body_checks.hpp"
 #include "talus/world/checkpoints.hpp"
+#include "talus/world/recorded_values.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/sections.hpp"
 #include "talus/world/state.hpp"
@@ -148,7 +149,10 @@ class world {
 
   /// Throws runtime_error in an exclusive section: for functions that talk over link() with all
   /// ranks, which `what` names.
-  void require_all_ranks(const char* what) const { sections_.require_all_ranks(what, rank()); }
+  void require_all_ranks(const char* what) const {
+    note_reading();
+    sections_.require_all_ranks(what, rank());
+  }
 
   // --- Parameters ----------------------------------------------------------------------------
 
@@ -327,6 +331,7 @@ class world {
   /// The same; throws invalid_argument where the body is not known.
   template <class Shape>
   [[nodiscard]] view<Shape> operator[](handle<Shape> h) {
+    note_reading();
     if (auto found = find(h)) return *found;
     detail::fail<std::invalid_argument>(
         "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)",
@@ -336,11 +341,13 @@ class world {
   /// Calls f(body) for every body this rank owns.
   template <class F>
   void for_each_local(F&& f) {
+    note_reading();
     state_.each_finite_shape([&](auto& b) { visit(b, b.movable, 0, b.movable.locals, false, f); });
   }
   /// Calls f(body) for every body this rank knows: its own, shadow copies and global ones.
   template <class F>
   void for_each_known(F&& f) {
+    note_reading();
     state_.each_shape([&](auto& b) {
       visit(b, b.movable, 0, b.movable.size(), false, f);
       visit(b, b.global, 0, b.global.size(), true, f);
@@ -376,8 +383,52 @@ class world {
   void synchronize();
   /// Collective: advances time by `dt`.
   void step(real dt);
-  /// Collective: many steps; the observers are called after each.
+  /// Collective: many steps; the observers are called after each. Ends early by stop(), or where a
+  /// condition holds. Throws invalid_argument for a dt that is not positive.
   void simulate(const simulation& s);
+  /// Ends the call of simulate() that is under way, after the present step; a later call goes on.
+  /// In a function given to observe() any rank may call it: the ranks agree after the function, by
+  /// one reduction where there are several. Elsewhere all ranks call it after the same step. A
+  /// checkpoint keeps that the call was ended. Throws logic_error outside of simulate().
+  void stop();
+  /// Ends each call of simulate() where `condition(world)`, or `condition()`, is true on any rank:
+  /// `world.stop_when(every{100}, [](auto& world) { return measure_motion(world).max_speed < 1e-3;
+  /// })`. It is asked on all ranks after the steps whose number is a multiple of `when.steps`, so
+  /// what it asks of the world may be collective; several ranks agree by one reduction. Throws
+  /// invalid_argument for a multiple of 0.
+  template <class F>
+  void stop_when(every when, F condition) {
+    constexpr bool of_world = std::is_invocable_r_v<bool, F&, world&>;
+    constexpr bool well = of_world || std::is_invocable_r_v<bool, F&>;
+    static_assert(well,
+                  "world.stop_when takes how often, and a condition of the world: write "
+                  "world.stop_when(every{100}, [&](auto& world) { return ...; })");
+    if constexpr (well)
+      observe(when, [condition = std::move(condition)](world& w) mutable {
+        if constexpr (of_world) {
+          if (condition(w)) w.stop();
+        } else if (condition()) {
+          w.stop();
+        }
+      });
+  }
+  /// The same after each step.
+  template <class F>
+  void stop_when(F condition) {
+    stop_when(every{1}, std::move(condition));
+  }
+  /// Whether the last call of simulate() was ended by stop() or by a condition, also where a
+  /// restart found it so.
+  [[nodiscard]] bool stopped() const { return stopped_; }
+  /// A number of the user's own, a column of the table of --csv: the last value that rank 0 has
+  /// given it stands in each line, empty before the first. A checkpoint keeps it. `dimension` is
+  /// what the head of the column says, as in "M L^2/T^2" (M mass, L length, T time). Throws
+  /// invalid_argument for a name that is empty or has a comma, a quote or a line feed.
+  void record(const std::string& name, double value, const std::string& dimension = "") {
+    records_.set(name, value, dimension);
+  }
+  [[nodiscard]] const detail::recorded_values& records() const { return records_; }
+  [[nodiscard]] detail::recorded_values& records() { return records_; }
   /// State of the user's own that checkpoints hold: a value of which all ranks have the same, or
   /// that rank 0 alone uses, such as a number or a random_stream; rank 0's is stored, and at a
   /// restart all ranks get it. The variable must outlive all calls of simulate(); all ranks name
@@ -409,10 +460,15 @@ class world {
         detail::fail<std::invalid_argument>(
             "world.observe was told to do something every 0 steps: give 1 or more");
       after_each_step([this, when, f = std::move(f)]() mutable {
-        if (state_.steps % when.steps == 0) f(*this);
+        if (state_.steps % when.steps != 0) return;
+        f(*this);
+        agree_ = true;
       });
     }
   }
+  /// Calls f() after each step of simulate(), when all functions of after_each_step() and observe()
+  /// have been called: for what writes down what these have found.
+  void after_observers(std::function<void()> f) { writers_.push_back(std::move(f)); }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
 
@@ -457,6 +513,10 @@ class world {
         "would undo connections made by hand: give decompose() a reach instead, or remove "
         "balancing");
   }
+  void note_reading() const {
+    if constexpr (keeps) keeper_.read = true;
+  }
+  [[nodiscard]] bool ends_now(const simulation& s);
   void require_domain() const {
     if (!undivided_.empty()) throw std::invalid_argument(undivided_);
   }
@@ -517,7 +577,11 @@ class world {
   std::uint64_t attempts_ = 0;
   std::uint64_t added_here_ = 0;
   std::uint64_t last_step_ = 0, simulations_ = 0;
-  std::vector<std::function<void()>> observers_, starters_;
+  bool simulating_ = false, stopped_ = false;
+  bool stop_asked_ = false;  ///< by this rank, in the present step
+  bool agree_ = false;       ///< a function of observe() was called in the present step
+  std::vector<std::function<void()>> observers_, writers_, starters_;
+  detail::recorded_values records_;
   [[no_unique_address]] std::conditional_t<keeps, detail::checkpoint_keeper, detail::keeps_nothing>
       keeper_;
 };

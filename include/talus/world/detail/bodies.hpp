@@ -131,6 +131,7 @@ std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
 template <class Scenario>
 template <class Shape>
 std::optional<body_view<Scenario, Shape>> world<Scenario>::find(handle<Shape> h) {
+  note_reading();
   auto& bodies = state_.template of<Shape>();
   const auto in = [&](auto& store, bool global) -> std::optional<view<Shape>> {
     const auto at = std::find(store.id.begin(), store.id.end(), h.id);

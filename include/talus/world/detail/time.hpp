@@ -101,23 +101,71 @@ void world<Scenario>::step(real dt) {
 }
 
 template <class Scenario>
+void world<Scenario>::stop() {
+  if (!simulating_)
+    detail::fail<std::logic_error>(
+        "stop was called on rank {} while no simulate() is under way: call it in a function given "
+        "to world.observe(...), or give the condition to world.stop_when(...)",
+        rank());
+  stop_asked_ = true;
+}
+
+/// Whether the call of simulate() ends with the present step, on all ranks alike.
+template <class Scenario>
+bool world<Scenario>::ends_now(const simulation& s) {
+  if (s.stop_when && state_.steps % s.check_every == 0) {
+    stop_asked_ = s.stop_when() || stop_asked_;
+    agree_ = true;
+  }
+  if (std::exchange(agree_, false) && ranks() > 1) {
+    double any = stop_asked_;
+    state_.link->reduce(reduction::max, std::span(&any, 1));
+    stop_asked_ = any != 0;
+  }
+  return std::exchange(stop_asked_, false);
+}
+
+template <class Scenario>
 void world<Scenario>::simulate(const simulation& s) {
   sections_.require_all_ranks("simulate", rank());
   detail::require_positive(s.dt, "the time step dt");
+  if (s.check_every == 0)
+    detail::fail<std::invalid_argument>(
+        "simulate was told to ask its condition every 0 steps: give .check_every = 1 or more");
+  if (simulating_)
+    detail::fail<std::logic_error>(
+        "simulate was called on rank {} while another call is under way: let that one end first",
+        rank());
   state_.dt = s.dt;
   ++simulations_;
   last_step_ = state_.steps + s.steps;
+  stopped_ = false;
   std::size_t steps = s.steps;
   detail::checkpoint_hooks* hooks = nullptr;
   bool restarted = false;
-  if constexpr (keeps)
+  if constexpr (keeps) {
+    keeper_.course.begin(s.steps, state_.steps);
     if (hooks = keeper_.hooks.get(); hooks != nullptr) {
       const detail::restart_plan plan = hooks->begin(s);
-      if (plan.skips) return;
+      stopped_ = plan.stopped;
+      if (stopped_) keeper_.course.stop(), last_step_ = state_.steps;
+      if (plan.skips) {
+        keeper_.course.end(state_.steps);
+        keeper_.read = false;
+        return;
+      }
       steps = plan.steps;
       restarted = plan.restarts;
     }
+  }
   if (!restarted) synchronize();
+  // It ends by an exception, too.
+  struct mark {
+    bool& set;
+    explicit mark(bool& b) : set(b) { set = true; }
+    ~mark() { set = false; }
+  } const under_way(simulating_);
+  stop_asked_ = agree_ = false;
   for (const auto& start : starters_) start();
   for (std::size_t k = 0; k < steps; ++k) {
     if constexpr (keeps)
@@ -126,9 +174,17 @@ void world<Scenario>::simulate(const simulation& s) {
     if constexpr (keeps)
       if (hooks != nullptr) hooks->after_step();
     for (const auto& observe : observers_) observe();
+    if (ends_now(s)) {
+      stopped_ = true;
+      last_step_ = state_.steps;
+      if constexpr (keeps) keeper_.course.stop();
+    }
+    for (const auto& write : writers_) write();
     if constexpr (keeps)
-      if (hooks != nullptr) hooks->after_observers();
+      if (hooks != nullptr) hooks->after_observers(stopped_ || k + 1 == steps, stopped_);
+    if (stopped_) break;
   }
+  if constexpr (keeps) keeper_.course.end(state_.steps);
   (void)audit();
 }
 

@@ -1,0 +1,84 @@
+#pragma once
+// The calls of simulate() of a run, one after the other: a restart finds its place among them.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace talus::detail {
+
+/// Calls of simulate() that were alike and followed each other.
+struct course_part {
+  std::uint64_t asked = 0;  ///< steps that each call was asked for
+  std::uint64_t taken = 0;  ///< steps that each took
+  std::uint64_t calls = 0;  ///< 0: one call, which had not come to its end
+  bool stopped = false;     ///< whether it was ended by stop() or by a condition
+
+  [[nodiscard]] bool alike(const course_part& x) const {
+    return asked == x.asked && taken == x.taken && stopped == x.stopped;
+  }
+};
+
+class course {
+ public:
+  void begin(std::uint64_t asked, std::uint64_t steps) {
+    now_ = course_part{.asked = asked};
+    from_ = steps;
+  }
+  /// The call under way ends with this step.
+  void stop() {
+    if (now_) now_->stopped = true;
+  }
+  void end(std::uint64_t steps) {
+    if (!now_) return;
+    now_->taken = steps - from_;
+    now_->calls = 1;
+    if (!past_.empty() && past_.back().alike(*now_))
+      ++past_.back().calls;
+    else
+      past_.push_back(*now_);
+    now_.reset();
+  }
+  /// All calls so far, with the one under way as it is after that step.
+  [[nodiscard]] std::vector<course_part> parts(std::uint64_t steps) const {
+    std::vector<course_part> all = past_;
+    if (now_) all.push_back({now_->asked, steps - from_, now_->stopped ? 1u : 0u, now_->stopped});
+    return all;
+  }
+
+ private:
+  std::vector<course_part> past_;
+  std::optional<course_part> now_;
+  std::uint64_t from_ = 0;  ///< the step in which the call under way began
+};
+
+/// The calls of the run that wrote a checkpoint, in their order.
+class past_course {
+ public:
+  past_course() = default;
+  explicit past_course(std::vector<course_part> parts) : parts_(std::move(parts)) {}
+
+  [[nodiscard]] bool known() const { return !parts_.empty(); }
+  /// The calls that it made, the last one included.
+  [[nodiscard]] std::uint64_t calls() const {
+    std::uint64_t n = 0;
+    for (const course_part& p : parts_) n += std::max<std::uint64_t>(p.calls, 1);
+    return n;
+  }
+  /// The call of that number, from 0; nothing beyond the last.
+  [[nodiscard]] const course_part* find(std::uint64_t call) const {
+    for (const course_part& p : parts_) {
+      const std::uint64_t n = std::max<std::uint64_t>(p.calls, 1);
+      if (call < n) return &p;
+      call -= n;
+    }
+    return nullptr;
+  }
+
+ private:
+  std::vector<course_part> parts_;
+};
+
+}  // namespace talus::detail
