@@ -31,6 +31,20 @@ struct no_correction final {
 
 namespace detail {
 
+/// A hard contact law whose contacts carry a velocity bias besides; see response/contact_bias.hpp.
+template <class Law>
+struct biased_law {
+  using memory = typename Law::memory;
+  static constexpr bool soft = false, biased = true;
+  static constexpr bool friction = Law::friction;
+  static constexpr bool restitution = Law::restitution;
+  static constexpr bool correction = Law::correction;
+};
+template <class Law>
+inline constexpr bool has_bias = requires {
+  requires Law::biased;
+};
+
 /// Parts that only soft_contact<...> takes; see contact/soft_law.hpp.
 template <class Part>
 inline constexpr bool is_soft_part = requires {

@@ -77,8 +77,14 @@ class contact_access {
       },
       [](void* l, contact_part p, std::size_t i) -> island_contact {
         const auto c = of<List>(l).contact(p, i);
-        return {c.a,    c.paired ? c.b : -1, c.axes(), c.lever_a(), c.lever_b(), c.target,
-                c.mu(), c.impulse()};
+        island_contact one{c.a,    c.paired ? c.b : -1, c.axes(), c.lever_a(), c.lever_b(), c.target,
+                           c.mu(), c.impulse()};
+        if constexpr (c.biased) {
+          const vec3 bias = one.axes * c.bias;
+          one.target += bias[0];
+          one.drive = {-bias[1], -bias[2]};
+        }
+        return one;
       },
       [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
         of<List>(l).edit(p, i, [&](auto& c) { c.warm(impulse); });

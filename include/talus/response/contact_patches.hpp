@@ -182,6 +182,7 @@ class contact_patches {
   static bool solve(Contact& c, patch_motion<paired>& motion) {
     const vec3 before = c.r;
     vec3 u = motion.at(c.arm);
+    if constexpr (Contact::biased) u -= c.bias_in_frame;
     u[0] -= c.target;
     c.r = c.block.solve(before, u, c.friction);
     const vec3 d = c.r - before;

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "talus/contact/law.hpp"
 #include "talus/core/math.hpp"
+#include "talus/response/contact_bias.hpp"
 #include "talus/response/contact_patch.hpp"
 #include "talus/response/coulomb_block.hpp"
 #include "talus/response/frame_around.hpp"
@@ -31,7 +33,7 @@ struct general_block<false> {
 /// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a
 /// relative to b, impulses act on a.
 template <class Law, contact_side A, contact_side B, class Real = real>
-struct general_contact : general_block<Law::friction> {
+struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law>> {
   using state = solver_state_of<Real>;  ///< velocities are Reals, all else is real
   static constexpr bool paired = B != contact_side::immovable;
   static constexpr bool patches = true;  ///< a pair of bodies has several such contacts
@@ -70,6 +72,7 @@ struct general_contact : general_block<Law::friction> {
   /// The same from a patch that it belongs to.
   void weigh(const contact_patch& p) requires(swept_in_patches) {
     this->arm = seen_in(p.frame, arm_a);
+    if constexpr (general_contact::biased) this->bias_in_frame = seen_in(p.frame, this->bias);
     const vec3& r = this->arm;
     // The motion that each component of an impulse at the arm makes, and the velocity there.
     const twist x3 = p.mobility(3), x4 = p.mobility(4), x5 = p.mobility(5),
@@ -143,6 +146,7 @@ struct general_contact : general_block<Law::friction> {
   change relax(const state& s) {
     vec3 u = v_of(s.bodies[a]) + w_of(s.bodies[a]).cross(arm_a);
     if constexpr (paired) u -= v_of(s.bodies[b]) + w_of(s.bodies[b]).cross(arm_b);
+    if constexpr (general_contact::biased) u -= this->bias;
     const change before = r;
     if constexpr (Law::friction) {
       u = seen(u);

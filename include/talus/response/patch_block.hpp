@@ -32,9 +32,16 @@ namespace talus::detail {
   return {{dot(f.x, x), xy, xz}, {xy, dot(f.y, y), yz}, {xz, yz, dot(f.z, z)}};
 }
 
+template <bool Biased>
+struct patch_layer_bias {
+  octet_vector bias;  ///< in the frame of the patch
+};
+template <>
+struct patch_layer_bias<false> {};
+
 /// One contact of each of eight patches.
 template <class Contact>
-struct patch_layer {
+struct patch_layer : patch_layer_bias<Contact::biased> {
   octet_vector arm;  ///< from the centre of a, in the frame of the patch
   octet friction;
   octet i_nn, i_n1, i_n2, i_11, i_12, i_22;  ///< as in coulomb_block
@@ -221,6 +228,10 @@ struct patch_block_work {
     const octet_vector r = c.arm = p.frame.times({arm.x, arm.y, arm.z});
     for (int i = 0; i < 8; ++i) c.friction[i] = c.at[i]->friction, c.push[i] = c.at[i]->push;
     c.pushed = zero;
+    if constexpr (Contact::biased) {
+      const octet_rows bias = gather([&](int i) -> const vec3& { return c.at[i]->bias; });
+      c.bias = p.frame.times({bias.x, bias.y, bias.z});
+    }
     // The motion that each component of an impulse at the arm makes, and the velocity there.
     octet_vector nw = r.z * p.ww.y - r.y * p.ww.z, xw = r.x * p.ww.z - r.z * p.ww.x,
                  yw = r.y * p.ww.x - r.x * p.ww.y;
@@ -256,6 +267,7 @@ struct patch_block_work {
     const octet zero = eight(0);
     octet_rows r = gather(impulse);  // and the target
     u.x -= r.w;
+    if constexpr (Contact::biased) u.x -= c.bias.x, u.y -= c.bias.y, u.z -= c.bias.z;
     const octet n = r.x - (c.i_nn * u.x + c.i_n1 * u.y + c.i_n2 * u.z),
                 x = r.y - (c.i_n1 * u.x + c.i_11 * u.y + c.i_12 * u.z),
                 y = r.z - (c.i_n2 * u.x + c.i_12 * u.y + c.i_22 * u.z);

@@ -23,6 +23,15 @@ struct velocity_verlet final {
   static constexpr const char* name = "velocity_verlet";
 };
 
+/// Half of the way with the old velocities, forces and contacts there, the other half with the new
+/// velocities (Moreau 1999, with the impulses of the middle). Contacts that last leave the velocity
+/// that belongs to the end of the step, not to its middle (see world/velocity_bias.hpp), so that
+/// rolling, spinning and precession are of second order in dt. For hard contacts.
+struct moreau_midpoint final {
+  using talus_part_of = roles::integrator;
+  static constexpr const char* name = "moreau_midpoint";
+};
+
 /// Policy: the solver of the contact problem. Default: solver<nonlinear_gauss_seidel>. A program
 /// run by run() is compiled with a second one besides if that is named, which its option
 /// --reproducible chooses: solver<nonlinear_gauss_seidel, reproducible>.
@@ -49,7 +58,7 @@ struct integrator final {
   static_assert(detail::is_part<Method, roles::integrator>,
                 "integrator<...> takes an integrator, and this type is none: write "
                 "integrator<semi_implicit_euler>, or integrator<velocity_verlet> for soft "
-                "contacts");
+                "contacts, or integrator<moreau_midpoint> for hard ones");
   using talus_role = roles::integrator;
   using type = Method;
   static std::string describe() { return detail::describe_list<Method>("integrator"); }

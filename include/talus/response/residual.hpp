@@ -34,7 +34,9 @@ void each_counted(const Lists& lists, F&& f) {
 /// The relative velocity, less the one that gap and restitution ask for.
 template <class Contact>
 [[nodiscard]] vec3 violation(const Contact& c, const typename Contact::state& s) {
-  return c.relative_velocity(s) - c.target * c.axis();
+  vec3 u = c.relative_velocity(s) - c.target * c.axis();
+  if constexpr (Contact::biased) u -= c.bias;
+  return u;
 }
 
 /// Of all contacts together, the parts of the residual that no iteration changes. Sums over ranks,

@@ -27,10 +27,18 @@ struct round_block_friction {
 template <class Wide>
 struct round_block_friction<false, Wide> {};
 
+template <bool Biased, class Wide>
+struct round_block_bias {
+  Wide bx, by, bz;
+};
+template <class Wide>
+struct round_block_bias<false, Wide> {};
+
 /// The contacts of a block. Lanes that are not filled repeat the bodies of the first and do
 /// nothing, since their normals are zero.
 template <class Contact>
-struct round_block : round_block_friction<(Contact::rows > 1), wide<typename Contact::number>> {
+struct round_block : round_block_friction<(Contact::rows > 1), wide<typename Contact::number>>,
+                     round_block_bias<Contact::biased, wide<typename Contact::number>> {
   static constexpr int lanes = lanes_in<typename Contact::number>;
 
   wide<typename Contact::number> nx, ny, nz, inverse_wn, target, rn;
@@ -184,6 +192,7 @@ class round_blocks {
     pushes_[at].push = pushes_[at].pushed = every_lane(number(0));
     if constexpr (friction)
       x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = every_lane(number(0));
+    if constexpr (Contact::biased) x.bx = x.by = x.bz = every_lane(number(0));
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
@@ -199,6 +208,11 @@ class round_blocks {
     pushes_[at].push[l] = c.push, pushes_[at].pushed[l] = c.pushed;
     x.a[l] = c.a, x.b[l] = c.b;
     put_impulse(x, l, c);
+    if constexpr (Contact::biased) {
+      x.bx[l] = static_cast<number>(c.bias[0]);
+      x.by[l] = static_cast<number>(c.bias[1]);
+      x.bz[l] = static_cast<number>(c.bias[2]);
+    }
     if constexpr (friction) {
       x.inverse_wt[l] = c.inverse_wt;
       x.arm_a[l] = c.arm_a, x.arm_b[l] = c.arm_b;
@@ -214,6 +228,7 @@ class round_blocks {
     c.push = pushes_[at].push[l], c.pushed = pushes_[at].pushed[l];
     c.a = x.a[l], c.b = x.b[l];
     c.rn = x.rn[l];
+    if constexpr (Contact::biased) c.bias = vec3(x.bx[l], x.by[l], x.bz[l]);
     if constexpr (friction) {
       c.rt = {x.tx[l], x.ty[l], x.tz[l]};
       c.inverse_wt = x.inverse_wt[l];
@@ -306,6 +321,7 @@ class round_blocks {
       v_b = gather<number>(vb);
       ux -= v_b.x, uy -= v_b.y, uz -= v_b.z;
     }
+    if constexpr (Contact::biased) ux -= x.bx, uy -= x.by, uz -= x.bz;
     const wide nx = x.nx, ny = x.ny, nz = x.nz;
     const wide un = nx * ux + ny * uy + nz * uz;
     const wide rn = larger(x.rn - (un - x.target) * x.inverse_wn, every_lane(number(0)));

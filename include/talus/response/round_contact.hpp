@@ -7,8 +7,10 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "talus/contact/law.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/quad.hpp"
+#include "talus/response/contact_bias.hpp"
 #include "talus/response/frame_around.hpp"
 #include "talus/response/round_blocks.hpp"
 #include "talus/response/solver_state.hpp"
@@ -65,7 +67,7 @@ struct round_change<false, Real> {
 /// Without friction nothing tangential is stored or computed. Vectors are worked on as quads, which
 /// is why a number follows each of them in memory. What others ask of a contact is told in reals.
 template <class Law, partner Partner, class Real = real>
-struct round_contact : round_friction<Law::friction, Real> {
+struct round_contact : round_friction<Law::friction, Real>, contact_bias<has_bias<Law>> {
   using number = Real;
   using state = solver_state_of<Real>;
   using quad = quad_of<Real>;
@@ -199,6 +201,7 @@ struct round_contact : round_friction<Law::friction, Real> {
     const quad n = normal_quad();
     quad u = load(A.v);
     if constexpr (paired) u -= load(s.bodies[b].v);
+    if constexpr (round_contact::biased) u -= bias_quad();
     const Real un = sum_of_products(n, u);
     const Real before = rn;
     rn = std::max(Real{0}, rn - (un - target) * inverse_wn);
@@ -251,6 +254,10 @@ struct round_contact : round_friction<Law::friction, Real> {
  private:
   using body = solver_body_of<Real>;
 
+  [[nodiscard]] quad bias_quad() const requires(round_contact::biased) {
+    const Real x = Real(this->bias[0]), y = Real(this->bias[1]), z = Real(this->bias[2]);
+    return quad{x, y, z, 0};
+  }
   [[nodiscard]] quad normal_quad() const { return without_fourth(load(normal)); }
   [[nodiscard]] quad tangent() const { return without_fourth(load(this->rt)); }
 

@@ -250,7 +250,7 @@ class shared_islands {
       enter(c.b, c.arm_b, -1);
       u = c.axes * u;
       c.target -= u[0];
-      c.drive = {u[1], u[2]};
+      c.drive = {c.drive[0] + u[1], c.drive[1] + u[2]};
       c.impulse = {0, 0, 0};
       contacts.push_back(c);
     }

@@ -14,6 +14,7 @@
 #include "talus/world/pair_motion.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
+#include "talus/world/velocity_bias.hpp"
 
 namespace talus::detail {
 
@@ -138,6 +139,11 @@ class contact_maker {
     unsigned count = 0;
   };
   struct none_wait {};
+  struct earlier_pair {
+    std::size_t i = ~std::size_t{0}, j = 0;
+    earlier_contacts points;
+  };
+  struct no_earlier_pair {};
 
   static void forget_unless_made(const pair_at_hand& x) {
     if (!x.made && x.last != nullptr) *x.last = history_place::none;
@@ -219,8 +225,9 @@ class contact_maker {
       u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
     } else if constexpr (driven) {
       arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
-      v_b = b_.velocity[j] +
-            along_chord(b_.angular_velocity[j], a_.position[i] - b_.position[j], g.normal, s_.dt);
+      v_b = b_.velocity[j];
+      if constexpr (!state_type::midpoint)
+        v_b += along_chord(b_.angular_velocity[j], a_.position[i] - b_.position[j], g.normal, s_.dt);
       u -= v_b + b_.angular_velocity[j].cross(arm_b);
     }
     if constexpr (state_type::continuous) {
@@ -240,11 +247,17 @@ class contact_maker {
       meet_global(c, x, g.normal, v_b, arm_b);
     }
     place(c, g, arm_a, arm_b);
+    if constexpr (state_type::midpoint) {
+      c.bias = bias_of(x, g, u, pulled);
+      u += g.normal.dot(c.bias) * g.normal;  // what is left of it may be an impact
+    }
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
         *x.material, g.normal, u, g.gap, s_.dt, pulled,
         [&] { return motion_.fall(i, j, g.normal); }, creep(x.radius), s_.settings.correction);
     real target = want.target;
     if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
+    if constexpr (state_type::midpoint)
+      if (target != 0) c.bias = {0, 0, 0};
     c.target = static_cast<decltype(c.target)>(target);
     c.push = static_cast<decltype(c.push)>(want.push);
     if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
@@ -256,6 +269,76 @@ class contact_maker {
       list_.add_boundary(c, key, x.own_a, x.last);
     else
       list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_rim(i, body_b(x)));
+  }
+
+  /// What a contact that lasts leaves at the end of the step; see velocity_bias.hpp.
+  vec3 bias_of(const pair_at_hand& x, const contact_geometry& g, const vec3& u, real pulled) {
+    const real held = std::max(pulled * s_.dt * s_.dt, x.slack);
+    if (g.gap > held || turns_slowly(x, pulled)) return {0, 0, 0};
+    if (earlier_.i != x.i || earlier_.j != x.j) find_earlier(x);
+    const contact_geometry* last = earlier_.points.find(g.feature);
+    if (last == nullptr || last->gap > held) return {0, 0, 0};
+    const auto& [position_a, v_a, w_a] = earlier_.points.a;
+    const auto& [position_b, v_b, w_b] = earlier_.points.b;
+    vec3 arm = last->point - position_a;
+    if constexpr (!paired) arm += (0.5 * last->gap) * last->normal;
+    vec3 before = v_a + w_a.cross(arm);
+    if constexpr (paired)
+      before -= v_b + w_b.cross(last->point - position_b);
+    else if constexpr (driven)
+      before -= v_b + w_b.cross(last->point - (0.5 * last->gap) * last->normal - position_b);
+    vec3 bias = midpoint_bias(g.normal, u, last->normal, before);
+    if constexpr (!law::friction) bias = g.normal.dot(bias) * g.normal;
+    return bias;
+  }
+  /// Whether the accelerations that a bias answers are below a millionth of what pulls at the
+  /// bodies.
+  [[nodiscard]] bool turns_slowly(const pair_at_hand& x, real pulled) const {
+    vec3 v = a_.velocity[x.i];
+    real speed = x.radius * a_.angular_velocity[x.i].norm(), radius = x.radius;
+    if constexpr (paired) {
+      const real other = b_.shape[x.j].bounding_radius();
+      v -= b_.velocity[x.j];
+      speed += other * b_.angular_velocity[x.j].norm();
+      radius = std::min(radius, other);
+    } else if constexpr (driven) {
+      if (driven_at<ShapeB>(s_, x.j) != nullptr) return false;
+    }
+    speed += v.norm();
+    return speed * speed < real(1e-6) * pulled * radius;
+  }
+  /// Finds the contact points in the middle of the last step.
+  void find_earlier(const pair_at_hand& x) {
+    earlier_.i = x.i, earlier_.j = x.j;
+    auto& points = earlier_.points;
+    points.clear();
+    const auto before = [&]<class Shape>(const auto& store, std::size_t i, const vec3& at,
+                                         earlier_contacts::side& side, const Shape&) {
+      side = {at - s_.dt * store.velocity[i], store.velocity[i], store.angular_velocity[i]};
+      pose p{side.position, store.pose(i).orientation};
+      if constexpr (std::remove_cvref_t<decltype(store)>::tensor) {
+        const earlier_turn& last =
+            s_.midpoints.earlier[index_of<typename state_type::finite_shapes, Shape>][i];
+        p.orientation = last.orientation, side.w = last.spin;
+      }
+      return p;
+    };
+    const auto add = [&](const contact_geometry& g) { points.add(g); };
+    const pose a = before(a_, x.i, position_a(x), points.a, a_.shape[x.i]);
+    if constexpr (paired) {
+      const pose b = before(b_, x.j, position_b(x), points.b, b_.shape[x.j]);
+      collide_pair(a_.shape[x.i], a, b_.shape[x.j], b, x.margin, add);
+    } else {
+      points.b = {b_.position[x.j], {0, 0, 0}, {0, 0, 0}};
+      if constexpr (driven)
+        if (const driven_body* one = driven_at<ShapeB>(s_, x.j); one != nullptr) {
+          const bool goes = !(one->next.end == one->state.at);
+          const auto& [shape, b] = global_before<ShapeB>(b_, x.j, goes ? s_.dt : real(0));
+          points.b = {b.position, b_.velocity[x.j] - one->dv, b_.angular_velocity[x.j] - one->dw};
+          return collide_pair(a_.shape[x.i], a, shape, b, x.margin, add);
+        }
+      collide_pair(a_.shape[x.i], a, b_.shape[x.j], b_.pose(x.j), x.margin, add);
+    }
   }
 
   /// The second body itself, which may be an image of one that is owned here.
@@ -355,6 +438,8 @@ class contact_maker {
   list_type& list_;
   pair_motion<Scenario, ShapeA, ShapeB, paired> motion_;
   [[no_unique_address]] std::conditional_t<batched, waiting_pairs, none_wait> waiting_;
+  [[no_unique_address]] std::conditional_t<state_type::midpoint, earlier_pair, no_earlier_pair>
+      earlier_;
 };
 
 }  // namespace talus::detail

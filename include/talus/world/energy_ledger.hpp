@@ -126,7 +126,10 @@ void book_response(world_state<Scenario>& s) {
     const vec3& w = solved_spin(s, store, i, k);
     const vec3 pull = (s.dt * mass) * s.gravity;
     // Gravity speeds up at the mean velocity and falls at the last one.
-    r.running.scheme += pull.dot(mean.v - kept * v);
+    if constexpr (world_state<Scenario>::midpoint)  // and falls at both, half of the time each
+      r.running.scheme += (real(0.5) * (1 - kept)) * pull.dot(v);
+    else
+      r.running.scheme += pull.dot(mean.v - kept * v);
     if constexpr (store_type::forced)
       r.running.work += s.dt * (store.force[i].dot(mean.v) + store.torque[i].dot(mean.w));
     if constexpr (world_state<Scenario>::law::correction)

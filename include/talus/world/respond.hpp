@@ -99,6 +99,7 @@ void integrate(world_state<Scenario>& s) {
       store.angular_velocity[i] = kept * solved_spin(s, store, i, b.first + i);
       vec3 rate = store.velocity[i];
       real left = s.dt;
+      if constexpr (world_state<Scenario>::midpoint) left *= real(0.5), rate *= real(0.5);
       if constexpr (world_state<Scenario>::continuous)
         if (const real t = s.impacts.time[b.first + i]; t != never) {
           rate += (real(0.5) * t) * acceleration_of(s, store, i);

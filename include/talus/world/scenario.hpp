@@ -215,6 +215,19 @@ struct scenario final {
   static_assert(!periodic || !(names<sleeping> || names<continuous_collision>),
                 "scenario<...> names a periodic decomposition and a feature that does not look "
                 "across its sides: remove sleeping and continuous_collision");
+  static constexpr bool midpoint =
+      std::is_same_v<typename integrator_policy::type, moreau_midpoint>;
+  static_assert(!midpoint || !law_policy::soft,
+                "scenario<...> names integrator<moreau_midpoint> and soft_contact<...>, whose "
+                "forces need no velocities at the end of the step: use "
+                "integrator<velocity_verlet>, or hard_contact<...>");
+  static_assert(!midpoint || !names<continuous_collision>,
+                "scenario<...> names integrator<moreau_midpoint> and continuous_collision, but one "
+                "finds contacts in the middle of the step and the other at the time of impact: "
+                "keep one of them");
+  static_assert(!midpoint || !detail::divides_the_step<typename solver_policy::type>,
+                "scenario<...> names integrator<moreau_midpoint> and solver<small_steps>, but both "
+                "divide the step: keep one of them");
   static_assert(law_policy::soft || !verlet,
                 "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "
                 "are no forces that it could use: remove the integrator, or use "

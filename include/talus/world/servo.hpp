@@ -110,7 +110,9 @@ void settle_servos(world_state<Scenario>& s) {
     } else {
       state.speed = state.mass > 0 ? state.speed + s.dt * how.force / state.mass : how.max_speed;
     }
-    const real way = std::clamp(state.speed + shift, -how.max_speed, how.max_speed);
+    // With the midpoint it has gone half of its way already.
+    const real left = world_state<Scenario>::midpoint ? real(0.5) : real(1);
+    const real way = std::clamp(left * state.speed + shift, -how.max_speed, how.max_speed);
     one.next.end.point = state.at.point + (s.dt * way) * how.axis;
   });
 }

@@ -24,6 +24,7 @@
 #include "talus/world/driven_bodies.hpp"
 #include "talus/world/found_pairs.hpp"
 #include "talus/world/image_copies.hpp"
+#include "talus/world/midpoint_state.hpp"
 #include "talus/world/monitors.hpp"
 #include "talus/world/response_state.hpp"
 #include "talus/world/scenario.hpp"
@@ -116,9 +117,19 @@ struct is_finite : std::bool_constant<Shape::finite> {};
 template <class Shape>
 struct shares_data : std::bool_constant<packs_itself<Shape>> {};
 
+/// Whether contacts are found and solved in the middle of a step.
+template <class Scenario>
+inline constexpr bool steps_by_midpoint =
+    std::is_same_v<typename Scenario::integrator, moreau_midpoint>;
+/// The contact law of a scenario, as its contacts are compiled.
+template <class Scenario>
+using law_of = std::conditional_t<steps_by_midpoint<Scenario>,
+                                  biased_law<typename Scenario::contact_law>,
+                                  typename Scenario::contact_law>;
+
 template <class Scenario>
 using response_state =
-    typename response_of<typename Scenario::shapes, typename Scenario::contact_law,
+    typename response_of<typename Scenario::shapes, law_of<Scenario>,
                          typename Scenario::solver, solved_scalar<Scenario>,
                          contains_type<typename Scenario::features, driven>>::type;
 
@@ -147,7 +158,7 @@ struct world_state : response_state<Scenario> {
   template <class Shape>
   using bodies_type = bodies_of_shape<Shape, typename Scenario::features>;
   using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;
-  using law = typename Scenario::contact_law;
+  using law = law_of<Scenario>;
   using lists_type = typename response_state<Scenario>::lists_type;
   using history_type = typename response_state<Scenario>::history_type;
 
@@ -187,6 +198,12 @@ struct world_state : response_state<Scenario> {
                                            no_driven_bodies>
       driving;
 
+  /// Whether contacts are found and solved in the middle of a step.
+  static constexpr bool midpoint = steps_by_midpoint<Scenario>;
+  /// Steps, or parts of them, for which a body moves until those contacts act that are found where
+  /// shadow copies are.
+  static constexpr real steps_of_reach = midpoint ? 1.5 : 1;
+
   /// Whether contacts are solved colour by colour, so that nothing depends on the ranks.
   static constexpr bool by_colours = solves_by_colours<typename Scenario::solver>;
 
@@ -203,6 +220,8 @@ struct world_state : response_state<Scenario> {
                                          shared_memory, no_shared_memory>;
   /// Whether space repeats itself: then some shadow copies are images, and have been moved.
   static constexpr bool periodic = domain_type::periodic;
+  [[no_unique_address]] std::conditional_t<midpoint, midpoint_state<shape_count>, no_midpoint_state>
+      midpoints;
   using copy_code = detail::copy_code<periodic>;
   [[no_unique_address]] std::conditional_t<periodic, image_copies<shape_count>, no_image_copies>
       copies;

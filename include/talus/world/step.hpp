@@ -7,6 +7,7 @@
 #include "talus/world/energy_ledger.hpp"
 #include "talus/world/hand_over.hpp"
 #include "talus/world/last_residual.hpp"
+#include "talus/world/midpoint.hpp"
 #include "talus/world/momentum_balance.hpp"
 #include "talus/world/respond.hpp"
 #include "talus/world/servo.hpp"
@@ -37,6 +38,7 @@ void step(world_state<Scenario>& s, real dt) {
   constexpr bool booked = watches<Scenario, energy_ledger>;
   constexpr bool watched = booked || watches<Scenario, momentum_balance>;
   constexpr bool verlet = std::is_same_v<typename Scenario::integrator, velocity_verlet>;
+  constexpr bool midpoint = world_state<Scenario>::midpoint;
   s.dt = dt;
   if (s.steps % steps_between_sorts == 0) sort_bodies(s);
   announce_changes(s);
@@ -44,9 +46,14 @@ void step(world_state<Scenario>& s, real dt) {
   if constexpr (drives) aim_driven(s);
   if constexpr (!Scenario::contact_law::soft) {
     if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
-    detect_stage([&] { detect(s); });  // contacts of local bodies with each other, copies, globals
+    if constexpr (midpoint) integrate_stage([&] { drift_to_midpoint(s); });
+    const auto find_contacts = [&] {
+      if constexpr (midpoint) note_earlier_turns(s);
+      detect(s);  // contacts of local bodies with each other, copies, globals
+    };
+    detect_stage(find_contacts);
     if constexpr (world_state<Scenario>::sleeps)  // islands that something comes near wake
-      detect_stage([&] { rouse(s, [&] { detect(s); }); });
+      detect_stage([&] { rouse(s, find_contacts); });
     respond_stage([&] { respond(s); });  // velocities that fulfil the contact law
     if constexpr (drives) settle_servos(s), watch_leaps(s);
     if constexpr (watches<Scenario, energy_ledger>) book_response(s);

@@ -1,0 +1,21 @@
+#pragma once
+// The velocity bias of a contact: the solver finds the relative velocity less this one.
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// Relative velocity of a against b, in the world, that a contact at rest leaves. Integrators ask
+/// for it; with others nothing is stored.
+template <bool Biased>
+struct contact_bias {
+  static constexpr bool biased = true;
+  vec3 bias{0, 0, 0};
+  real unused = 0;                 ///< vectors are read together with the number that follows them
+  vec3 bias_in_frame{0, 0, 0};     ///< of a patch
+};
+template <>
+struct contact_bias<false> {
+  static constexpr bool biased = false;
+};
+
+}  // namespace talus::detail

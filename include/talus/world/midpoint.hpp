@@ -1,0 +1,91 @@
+#pragma once
+// The first half of a step of integrator<moreau_midpoint>: all bodies go to the middle of the step,
+// where contacts are found and solved. Every rank moves its shadow copies as their owners do, with
+// the same bits.
+#include <cstddef>
+
+#include "talus/response/integrate.hpp"
+#include "talus/world/driven.hpp"
+#include "talus/world/energy_ledger.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// Moves body i of a shape by `dt`, with the velocity that it has.
+template <class Store>
+void drift_freely(Store& store, std::size_t i, real dt) {
+  store.position[i] += dt * store.velocity[i];
+  if constexpr (Store::tensor)
+    store.angular_velocity[i] = rotate_freely(store.orientation_of[i], store.angular_velocity[i],
+                                              store.shape[i].inertia(), dt);
+  else if constexpr (Store::oriented)
+    store.orientation_of[i] = turned<real>(store.orientation_of[i], dt * store.angular_velocity[i]);
+}
+
+/// Driven bodies go half of their way.
+template <class Scenario>
+void drift_driven(world_state<Scenario>& s) {
+  each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
+    if (one.next.end == one.state.at) return;
+    rigid_place& at = one.state.at;
+    at.point += (real(0.5) * s.dt) * one.next.v;
+    if (const real speed = one.next.w.norm(); speed > 0)
+      at.turn = after(rotation(one.next.w, real(0.5) * s.dt * speed), at.turn).normalized();
+    put_driven(b, i, one.state);
+  });
+}
+
+/// All bodies go to the middle of the step.
+template <class Scenario>
+void drift_to_midpoint(world_state<Scenario>& s) {
+  const real half = real(0.5) * s.dt;
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    using store_type = std::remove_reference_t<decltype(store)>;
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      if (!store.moves(i)) continue;
+      if constexpr (watches<Scenario, energy_ledger> && store_type::tensor) {
+        const auto spin_energy = [&] {
+          return 0.5 *
+                 twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]);
+        };
+        const real before = spin_energy();
+        drift_freely(store, i, half);
+        if (i < store.locals) s.monitors.energy.running.scheme += spin_energy() - before;
+      } else {
+        drift_freely(store, i, half);
+      }
+      if constexpr (world_state<Scenario>::periodic)
+        if (i >= store.locals) {  // an image is where its body is for its owner, and then moved
+          image_copy& copy = s.copies.of[k][i - store.locals];
+          copy.home += half * store.velocity[i];
+          store.position[i] = copy.home;
+          if (copy.image != 0) store.position[i] += s.own.box().shift(copy.image);
+        }
+    }
+    ++k;
+  });
+  if constexpr (world_state<Scenario>::drives) drift_driven(s);
+}
+
+/// Where all bodies with a tensor were turned in the middle of the last step.
+template <class Scenario>
+void note_earlier_turns(world_state<Scenario>& s) {
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    const auto& store = b.movable;
+    auto& earlier = s.midpoints.earlier[k++];
+    if constexpr (std::remove_cvref_t<decltype(store)>::tensor) {
+      earlier.resize(store.size());
+      for (std::size_t i = 0; i < store.size(); ++i) {
+        earlier_turn& last = earlier[i];
+        last = {store.orientation_of[i], store.angular_velocity[i]};
+        if (store.moves(i))
+          last.spin = rotate_freely(last.orientation, last.spin, store.shape[i].inertia(), -s.dt);
+      }
+    }
+  });
+}
+
+}  // namespace talus::detail

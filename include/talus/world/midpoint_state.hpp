@@ -1,0 +1,25 @@
+#pragma once
+// What a world keeps for integrator<moreau_midpoint>.
+#include <array>
+#include <cstddef>
+
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+
+namespace talus::detail {
+
+/// How a body with an inertia tensor was turned in the middle of the last step, with the spin that
+/// it had right after it.
+struct earlier_turn {
+  quat orientation{1, 0, 0, 0};
+  vec3 spin{0, 0, 0};
+};
+/// Of the bodies of each finite shape, in the order of their store; empty for round shapes. It
+/// lasts for a step.
+template <std::size_t Shapes>
+struct midpoint_state {
+  std::array<plain_vector<earlier_turn>, Shapes> earlier;
+};
+struct no_midpoint_state {};
+
+}  // namespace talus::detail
