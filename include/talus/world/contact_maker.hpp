@@ -291,7 +291,7 @@ class contact_maker {
     if constexpr (!law::friction) bias = g.normal.dot(bias) * g.normal;
     return bias;
   }
-  /// Whether the accelerations that a bias answers are below a millionth of what pulls at the
+  /// Whether the accelerations that a bias answers are below 1e-4 of what pulls at the
   /// bodies.
   [[nodiscard]] bool turns_slowly(const pair_at_hand& x, real pulled) const {
     vec3 v = a_.velocity[x.i];
@@ -305,7 +305,7 @@ class contact_maker {
       if (driven_at<ShapeB>(s_, x.j) != nullptr) return false;
     }
     speed += v.norm();
-    return speed * speed < real(1e-6) * pulled * radius;
+    return speed * speed < real(1e-4) * pulled * radius;
   }
   /// Finds the contact points in the middle of the last step.
   void find_earlier(const pair_at_hand& x) {
@@ -317,8 +317,9 @@ class contact_maker {
       side = {at - s_.dt * store.velocity[i], store.velocity[i], store.angular_velocity[i]};
       pose p{side.position, store.pose(i).orientation};
       if constexpr (std::remove_cvref_t<decltype(store)>::tensor) {
-        const earlier_turn& last =
+        earlier_turn& last =
             s_.midpoints.earlier[index_of<typename state_type::finite_shapes, Shape>][i];
+        if (!last.known) find_earlier_turn(last, store, i, s_.dt);
         p.orientation = last.orientation, side.w = last.spin;
       }
       return p;

@@ -69,22 +69,14 @@ void drift_to_midpoint(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::drives) drift_driven(s);
 }
 
-/// Where all bodies with a tensor were turned in the middle of the last step.
+/// Before contacts are looked for: how bodies were turned in the last step is found anew.
 template <class Scenario>
-void note_earlier_turns(world_state<Scenario>& s) {
+void forget_earlier_turns(world_state<Scenario>& s) {
   std::size_t k = 0;
-  s.each_finite_shape([&](auto& b) {
-    const auto& store = b.movable;
+  s.each_finite_shape([&](const auto& b) {
     auto& earlier = s.midpoints.earlier[k++];
-    if constexpr (std::remove_cvref_t<decltype(store)>::tensor) {
-      earlier.resize(store.size());
-      for (std::size_t i = 0; i < store.size(); ++i) {
-        earlier_turn& last = earlier[i];
-        last = {store.orientation_of[i], store.angular_velocity[i]};
-        if (store.moves(i))
-          last.spin = rotate_freely(last.orientation, last.spin, store.shape[i].inertia(), -s.dt);
-      }
-    }
+    if constexpr (std::remove_cvref_t<decltype(b.movable)>::tensor)
+      earlier.assign(b.movable.size(), {});
   });
 }
 

@@ -13,9 +13,10 @@ namespace talus::detail {
 struct earlier_turn {
   quat orientation{1, 0, 0, 0};
   vec3 spin{0, 0, 0};
+  bool known = false;  ///< it is found when a contact asks for it
 };
 /// Of the bodies of each finite shape, in the order of their store; empty for round shapes. It
-/// lasts for a step.
+/// lasts for one search for contacts.
 template <std::size_t Shapes>
 struct midpoint_state {
   std::array<plain_vector<earlier_turn>, Shapes> earlier;

@@ -48,7 +48,7 @@ void step(world_state<Scenario>& s, real dt) {
     if constexpr (watches<Scenario, energy_ledger>) open_energy(s);
     if constexpr (midpoint) integrate_stage([&] { drift_to_midpoint(s); });
     const auto find_contacts = [&] {
-      if constexpr (midpoint) note_earlier_turns(s);
+      if constexpr (midpoint) forget_earlier_turns(s);
       detect(s);  // contacts of local bodies with each other, copies, globals
     };
     detect_stage(find_contacts);

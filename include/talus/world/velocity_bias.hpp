@@ -61,6 +61,14 @@ class earlier_contacts {
   return bias - std::clamp(part, real(0), real(1)) * ut;
 }
 
+/// How body i was turned `dt` before, and its spin, if nothing acted on it since.
+template <class Store>
+void find_earlier_turn(earlier_turn& last, const Store& store, std::size_t i, real dt) {
+  last = {store.orientation_of[i], store.angular_velocity[i], true};
+  if (store.moves(i))
+    last.spin = rotate_freely(last.orientation, last.spin, store.shape[i].inertia(), -dt);
+}
+
 /// A global body where it was `dt` before, moving as it does now.
 template <class Shape, class Store>
 [[nodiscard]] std::pair<Shape, pose> global_before(const Store& store, std::size_t j, real dt) {
