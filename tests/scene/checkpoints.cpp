@@ -35,13 +35,19 @@ using soft_pile = scenario<bodies<sphere, plane>,
                            integrator<velocity_verlet>, decomposition<grid<dynamic, dynamic>>,
                            transport<threads>, features<checkpoints>>;
 
+/// With contacts in the middle of the step.
+using midpoint_pile =
+    scenario<bodies<sphere, box, plane>, solver<reproducible>, integrator<moreau_midpoint>,
+             decomposition<grid<dynamic, dynamic>>, transport<threads>, features<checkpoints>>;
+
 using balls = scenario<bodies<sphere, plane>, decomposition<grid<dynamic, dynamic>>,
                        transport<threads>, features<checkpoints>>;
 
 /// Whether trajectories do not depend on the number of ranks. Add scenarios whose solver promises
 /// that; the balls of run_course() touch nothing but the ground.
 template <class Scenario>
-inline constexpr bool independent_of_ranks = std::is_same_v<Scenario, balls>;
+inline constexpr bool independent_of_ranks =
+    std::is_same_v<Scenario, balls> || std::is_same_v<Scenario, midpoint_pile>;
 
 /// A file of this process, gone at the end.
 struct scratch_file {
@@ -80,6 +86,13 @@ auto a_body(const vec3& place, random_stream& random, material_id stone) {
       default:
         made = body{.shape = dumbbell, .position = place, .material = stone, .orientation = turn};
     }
+    return made;
+  } else if constexpr (std::is_same_v<Scenario, midpoint_pile>) {
+    const quat turn = random.rotation();
+    std::variant<body<sphere>, body<box>> made = body{
+        .shape = box{{0.5, 0.6, 0.5}}, .position = place, .material = stone, .orientation = turn};
+    if (random.integer(2) == 0)
+      made = body{.shape = sphere{0.4}, .position = place, .material = stone};
     return made;
   } else if constexpr (std::is_same_v<Scenario, balls>) {
     return body{.shape = sphere{random.uniform(0.3, 0.4)},
@@ -132,7 +145,7 @@ outcome run_course(const course& c, const std::string& file) {
       w.step(c.dt);
       counted += 1;
       drawn = random.uniform();
-      if (w.steps() % 60 == 10 && !std::is_same_v<Scenario, balls>)
+      if (w.steps() % 60 == 10 && !independent_of_ranks<Scenario>)
         (void)w.add_if_local(
             body{.shape = sphere{0.4}, .position = {drawn, 0.5, 8}, .material = stone});
       if (w.steps() == c.write_after) write_checkpoint(w, file);
@@ -182,6 +195,10 @@ TEST_CASE("a restarted pile of all shapes goes on to the bit, asleep and awake")
 
 TEST_CASE("a restarted heap of soft spheres goes on to the bit, its springs included") {
   check_restarts<soft_pile>(150, 0.002);
+}
+
+TEST_CASE("a restarted heap with the midpoint goes on to the bit, on other ranks too") {
+  check_restarts<midpoint_pile>(100, 0.01);
 }
 
 TEST_CASE("where trajectories do not depend on the ranks, a restart on others changes no bit") {
