@@ -3,9 +3,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <talus/observe/motion.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/monitors.hpp>
+#include <talus/observe/motion.hpp>
 #include <vector>
 
 #include "record.hpp"

@@ -77,8 +77,9 @@ class contact_access {
       },
       [](void* l, contact_part p, std::size_t i) -> island_contact {
         const auto c = of<List>(l).contact(p, i);
-        island_contact one{c.a,    c.paired ? c.b : -1, c.axes(), c.lever_a(), c.lever_b(), c.target,
-                           c.mu(), c.impulse()};
+        island_contact one{c.a,         c.paired ? c.b : -1, c.axes(),
+                           c.lever_a(), c.lever_b(),         c.target,
+                           c.mu(),      c.impulse()};
         if constexpr (c.biased) {
           const vec3 bias = one.axes * c.bias;
           one.target += bias[0];

@@ -227,7 +227,8 @@ class contact_maker {
       arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
       v_b = b_.velocity[j];
       if constexpr (!state_type::midpoint)
-        v_b += along_chord(b_.angular_velocity[j], a_.position[i] - b_.position[j], g.normal, s_.dt);
+        v_b +=
+            along_chord(b_.angular_velocity[j], a_.position[i] - b_.position[j], g.normal, s_.dt);
       u -= v_b + b_.angular_velocity[j].cross(arm_b);
     }
     if constexpr (state_type::continuous) {

@@ -41,10 +41,10 @@ void refuse_uncovered_flights(const world_state<Scenario>& s) {
       for (std::size_t i = 0; i < store.locals; ++i) {
         if (!store.moves(i)) continue;  // a belt has a speed, and stays
         const vec3 &p = store.position[i], &v = store.velocity[i];
-        const real radius = store.shape[i].bounding_radius(), way = world_state<Scenario>::steps_of_reach * s.dt * v.norm();
+        const real radius = store.shape[i].bounding_radius(),
+                   way = world_state<Scenario>::steps_of_reach * s.dt * v.norm();
         if (radius + way <= s.own.covered() || !s.own.contains(p)) continue;
-        const vec3 middle =
-            p + (real(0.5) * world_state<Scenario>::steps_of_reach * s.dt) * v;
+        const vec3 middle = p + (real(0.5) * world_state<Scenario>::steps_of_reach * s.dt) * v;
         for (const int other : s.own.partition()->neighbours(s.own.rank(), radius + way)) {
           if (other == s.own.rank() || s.own.find(other) != nullptr || s.own.closed_to(other))
             continue;

@@ -80,10 +80,9 @@ template <class Scenario, class Store>
   if constexpr (world_state<Scenario>::sleeps)  // a contact outlives the motion it was found in
     return reach_of(store, i, steps_of_warning * s.dt) + 4 * s.dt * s.sleep.settings.speed;
   else
-    return reach_of(store, i,
-                    world_state<Scenario>::law::soft
-                        ? 0
-                        : world_state<Scenario>::steps_of_reach * s.dt);
+    return reach_of(
+        store, i,
+        world_state<Scenario>::law::soft ? 0 : world_state<Scenario>::steps_of_reach * s.dt);
 }
 
 /// Moves a copy that has come from where it is for its owner to where this rank sees it.

@@ -123,14 +123,14 @@ inline constexpr bool steps_by_midpoint =
     std::is_same_v<typename Scenario::integrator, moreau_midpoint>;
 /// The contact law of a scenario, as its contacts are compiled.
 template <class Scenario>
-using law_of = std::conditional_t<steps_by_midpoint<Scenario>,
-                                  biased_law<typename Scenario::contact_law>,
-                                  typename Scenario::contact_law>;
+using law_of =
+    std::conditional_t<steps_by_midpoint<Scenario>, biased_law<typename Scenario::contact_law>,
+                       typename Scenario::contact_law>;
 
 template <class Scenario>
 using response_state =
-    typename response_of<typename Scenario::shapes, law_of<Scenario>,
-                         typename Scenario::solver, solved_scalar<Scenario>,
+    typename response_of<typename Scenario::shapes, law_of<Scenario>, typename Scenario::solver,
+                         solved_scalar<Scenario>,
                          contains_type<typename Scenario::features, driven>>::type;
 
 /// The link of a transport; of one that is refused, something that causes no further errors.
