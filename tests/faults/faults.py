@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Puts faults into a copy of the headers, and says which of them the tests notice.
 
-  faults.py BUILD [--list] [--jobs N] [--tests PATTERN] [NAME ...]
+  faults.py BUILD [--list] [--jobs N] [--tests PATTERN] [--folder DIR] [NAME ...]
 
 list.txt names the faults. Each has a title, a file of include/talus, a piece of that file in which
 <<right ==> wrong>> marks the fault, and the tests that should see it:
@@ -149,6 +149,7 @@ def main():
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--jobs", type=int, default=int(os.environ.get("TALUS_JOBS", "2")))
     parser.add_argument("--tests", default="", help="only tests whose names match it")
+    parser.add_argument("--folder", help="for headers and programs with faults; BUILD/faults")
     parser.add_argument("names", nargs="*")
     args = parser.parse_args()
     everything = read_list()
@@ -160,7 +161,7 @@ def main():
               if not args.names or any(w in f.title or w == str(n) for w in args.names)]
 
     build = pathlib.Path(args.build).resolve()
-    folder = build / "faults"
+    folder = pathlib.Path(args.folder).resolve() if args.folder else build / "faults"
     shutil.rmtree(folder / "include", ignore_errors=True)
     shutil.copytree(ROOT / "include", folder / "include")
     (folder / "switch.hpp").write_text(

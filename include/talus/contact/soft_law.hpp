@@ -11,9 +11,8 @@
 namespace talus {
 
 /// Force proportional to the overlap, and a dashpot that makes two spheres rebound with the
-/// coefficient of restitution of their materials at any speed (Schwager, Poeschel 2007). The force
-/// never pulls, unless the restitution is less than exp(-2) = 0.135: then a part of the dashpot's
-/// pull acts while the spheres overlap.
+/// coefficient of restitution of their materials at any speed (Schwager, Poeschel 2007); 0 stands
+/// for 0.005. The force never pulls.
 struct linear_spring_dashpot final {
   using talus_part_of = roles::contact_law;
   using talus_part_of_soft_contact = void;

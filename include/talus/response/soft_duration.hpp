@@ -1,5 +1,6 @@
 #pragma once
 // How long soft contacts last, and the time steps that they allow.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -13,7 +14,8 @@ namespace talus::detail {
 /// and the damping ratio z, from the amplification of the semi-implicit Euler method with the
 /// dashpot's force at the beginning of the step; without damping also that of Verlet.
 [[nodiscard]] inline real longest_step_of_spring(real stiffness, real mass, real ratio) {
-  return 2 * (std::sqrt(1 + ratio * ratio) - ratio) / std::sqrt(2 * stiffness / mass);
+  const real z = std::min(real{1}, ratio);  // the step itself bounds what is beyond
+  return 2 * (std::sqrt(1 + z * z) - z) / std::sqrt(2 * stiffness / mass);
 }
 
 /// Time that a Rayleigh wave takes along a sphere: pi R sqrt(rho / G) / (0.1631 nu + 0.8766)
@@ -28,14 +30,18 @@ struct soft_impact {
   real mass = 0, radius = 0, speed = 0;
 };
 
-/// The time from the first touch until the force is zero. Linear: 2 acos(z) / (w0 sqrt(1 - z^2)).
+/// The time from the first touch until the force is zero. Linear: 2 acos(z) / (w0 sqrt(1 - z^2)),
+/// or 2 acosh(z) / (w0 sqrt(z^2 - 1)) where it is overdamped.
 /// Hertz: 2.94 d / v with the largest overlap d = (15 m v^2 / (16 E* sqrt(R)))^(2/5) (Johnson,
 /// Contact Mechanics, 11.3), and times the part by which damping shortens a linear contact: Hertz'
 /// is shortened less, but for 0.5 % at a damping ratio of 0.1.
 template <class Law>
 [[nodiscard]] real contact_duration(const soft_pair& pair, const soft_impact& hit) {
   const real z = pair.damping;
-  const real part = z < 1 ? 2 * std::acos(z) / std::sqrt(1 - z * z) / pi : 2 / pi;
+  const real square = 1 - z * z;
+  const real angle = square > 0 ? std::acos(z) : std::acosh(std::max(real{1}, z));
+  const real part =
+      std::abs(square) < real(1e-12) ? 2 / pi : 2 * angle / std::sqrt(std::abs(square)) / pi;
   if constexpr (Law::hertz) {
     const real modulus = real(0.75) * pair.stiffness;
     const real deepest = std::pow(

@@ -20,7 +20,12 @@ struct soft_touch {
   real mass = 0;       ///< reduced: 1 / (1/m_a + 1/m_b)
   real radius = 0;     ///< effective: 1 / (1/R_a + 1/R_b)
   real rolling_inertia = 0;
+  real step = 0;  ///< of the time
 };
+
+/// Part of the approach that an overdamped dashpot takes away in a step at most: a step that does
+/// not resolve it stays stable. (At a fifth of the critical time step it is resolved.)
+inline constexpr real most_damping = 0.5;
 
 /// On body a; the opposite acts on b.
 struct soft_force {
@@ -97,7 +102,7 @@ template <class Law, class Parts>
   if constexpr (booked) parts.yielded += parts.across_before - real(0.5) * k * spring.squaredNorm();
   spring += dt * ut;
   const vec3 trial = spring;
-  const real damping = 2 * pair.damping * std::sqrt(2.0 / 7 * t.mass * k);
+  const real damping = 2 * std::min(real{1}, pair.damping) * std::sqrt(2.0 / 7 * t.mass * k);
   vec3 force = -k * spring - damping * ut;
   real limit = (memory.sliding ? pair.dynamic_friction : pair.friction) * normal_force;
   const real square = force.squaredNorm();
@@ -157,11 +162,9 @@ template <class Law, class Parts>
     stiffness *= contact_radius;
     critical = 2.2360679774997896964;  // sqrt(5), see damping_of_restitution()
   }
-  const real damping = critical * pair.damping * std::sqrt(t.mass * stiffness);
-  // Repulsive, but for the part of the pull that makes the restitution less than exp(-2).
-  real normal_force = stiffness * t.overlap - damping * t.normal.dot(t.u);
-  const real pressing = std::max(real{0}, normal_force);
-  if (normal_force < 0) normal_force = pair.tension > 0 ? pair.tension * normal_force : real{0};
+  real damping = critical * pair.damping * std::sqrt(t.mass * stiffness);
+  if (pair.damping > 1 && t.step > 0) damping = std::min(damping, most_damping * t.mass / t.step);
+  const real normal_force = std::max(real{0}, stiffness * t.overlap - damping * t.normal.dot(t.u));
   soft_force f{normal_force * t.normal};
   if constexpr (!std::is_empty_v<Parts>) {
     parts.spring = stiffness * t.overlap;
@@ -169,9 +172,9 @@ template <class Law, class Parts>
     parts.stored = normal_energy<Law>(stiffness, t.overlap);
   }
   if constexpr (Law::friction)
-    f.force += tangential_force<Law>(t, pair, pressing, contact_radius, dt, memory, parts);
+    f.force += tangential_force<Law>(t, pair, normal_force, contact_radius, dt, memory, parts);
   if constexpr (Law::rolling)
-    f.moment = rolling_moment<Law>(t, pair, pressing, stiffness, dt, memory, parts);
+    f.moment = rolling_moment<Law>(t, pair, normal_force, stiffness, dt, memory, parts);
   return f;
 }
 

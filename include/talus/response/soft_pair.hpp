@@ -18,56 +18,39 @@ namespace talus::detail {
 struct soft_pair {
   real stiffness = 0;   ///< linear: k; Hertz: 4/3 E*
   real tangential = 0;  ///< linear: 2/7 k; Mindlin: 8 G*
-  real damping = 0;     ///< damping ratio of the normal spring, in [0, 1]
-  real tension = 0;     ///< share of the dashpot's pull that acts, in [0, 1]; 0: never pulls
+  real damping = 0;     ///< damping ratio of the normal spring, >= 0
   real friction = 0, dynamic_friction = 0, rolling_friction = 0;
 };
 
-/// The least restitution of a spring and dashpot that never pulls and is not overdamped: exp(-2).
-inline constexpr real least_repulsive_restitution = 0.13533528323661269189;
+/// What a restitution of 0 stands for. A force that never pulls comes near to 0 and never there.
+inline constexpr real least_restitution = 0.005;
 
 /// Restitution of a linear spring and dashpot of damping ratio z that never pulls: contact ends
 /// when the force is zero, after the time 2 acos(z) / (w0 sqrt(1 - z^2)), with e = exp(-2 z acos(z)
 /// / sqrt(1 - z^2)). (The closed form of Schwager, Poeschel 2007, "Coefficient of restitution and
-/// linear-dashpot model revisited", with w0 = sqrt(k/m).) Least value, at critical damping:
-/// exp(-2).
+/// linear-dashpot model revisited", with w0 = sqrt(k/m).) Overdamped, z > 1, acosh(z) and
+/// sqrt(z^2 - 1) take their places; critical damping has exp(-2).
 [[nodiscard]] inline real restitution_of_damping(real ratio) {
-  if (ratio >= 1) return least_repulsive_restitution;
-  return std::exp(-2 * ratio * std::acos(ratio) / std::sqrt(1 - ratio * ratio));
+  const real square = 1 - ratio * ratio;
+  if (std::abs(square) < real(1e-12)) return std::exp(real(-2));
+  const real angle = square > 0 ? std::acos(ratio) : std::acosh(ratio);
+  return std::exp(-2 * ratio * angle / std::sqrt(std::abs(square)));
 }
 
-/// The root of a function that falls from low to high.
-template <class F>
-[[nodiscard]] real root_of_falling(real low, real high, F&& f) {
-  for (int k = 0; k < 60; ++k) {
-    const real middle = (low + high) / 2;
-    (f(middle) > 0 ? low : high) = middle;
-  }
-  return (low + high) / 2;
-}
-
-/// The damping ratio of a coefficient of restitution; 1, critical damping, for all e under exp(-2).
-/// It serves Hertz' spring as well if its dashpot is c d^(1/4): with y = d^(5/4) its motion becomes
-/// that of a linear one, v dv/dy = -(4/5 k y + 4/5 c v) / m (after Antypov, Elliott 2011, "On an
-/// analytical solution for the damped Hertzian spring"), of damping ratio c / sqrt(5 k m).
+/// The damping ratio of a coefficient of restitution; for 0 that of least_restitution. It serves
+/// Hertz' spring as well if its dashpot is c d^(1/4): with y = d^(5/4) its motion becomes that of a
+/// linear one, v dv/dy = -(4/5 k y + 4/5 c v) / m (after Antypov, Elliott 2011, "On an analytical
+/// solution for the damped Hertzian spring"), of damping ratio c / sqrt(5 k m).
 [[nodiscard]] inline real damping_of_restitution(real e) {
   if (e >= 1) return 0;
-  if (e <= least_repulsive_restitution) return 1;
-  return root_of_falling(0, 1, [&](real z) { return restitution_of_damping(z) - e; });
-}
-
-/// The share t of the dashpot's pull that gives a coefficient of restitution under exp(-2) at
-/// critical damping; 0 for all others. The force is zero at the overlap 2 v exp(-2) / w0 and the
-/// speed v exp(-2). From there it is t times that of the spring and dashpot, until the overlap is
-/// zero: with t = sin^2(phi/2) the linear equation of motion gives e = exp(-2 - phi tan(phi/2)).
-/// A restitution of 0 takes the whole pull, t = 1. The substitution of damping_of_restitution()
-/// carries it over to Hertz' spring.
-[[nodiscard]] inline real tension_of_restitution(real e) {
-  if (e >= least_repulsive_restitution) return 0;
-  if (e <= 0) return 1;
-  const real half = root_of_falling(
-      0, pi / 2, [&](real phi) { return std::exp(-2 - 2 * phi * std::tan(phi)) - e; });
-  return std::sin(half) * std::sin(half);
+  if (!(e > 0)) e = least_restitution;
+  real low = 0, high = 1;
+  while (restitution_of_damping(high) > e && high < real(1e9)) low = high, high *= 2;
+  for (int k = 0; k < 60; ++k) {
+    const real middle = (low + high) / 2;
+    (restitution_of_damping(middle) > e ? low : high) = middle;
+  }
+  return (low + high) / 2;
 }
 
 /// Springs in series; `k` is that of two equal bodies, and may be `rigid` for one of the two.
@@ -130,7 +113,6 @@ template <class Law>
     p.tangential = 2.0 / 7 * p.stiffness;  // the period of the normal spring, for solid spheres
   }
   p.damping = damping_of_restitution(both.restitution);
-  p.tension = tension_of_restitution(both.restitution);
   p.friction = both.friction;
   p.dynamic_friction = both.dynamic_friction;
   p.rolling_friction = 0.5 * (a.rolling_friction + b.rolling_friction);

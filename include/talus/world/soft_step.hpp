@@ -125,6 +125,7 @@ class force_adder {
     }
     t.mass = 1 / inverse_mass;
     t.radius = 1 / curvature;
+    t.step = s_.dt;
     t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
 
     typename law::memory memory;
