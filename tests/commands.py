@@ -38,6 +38,7 @@ INSTEAD = {
     "./dev run NAME [-n RANKS] [OPTIONS]": "./dev run drop -n 2 --seed 3",
     "./dev run NAME -n RANKS": "./dev run drop -n 3",
     "./dev render DIR": "./dev render ~/heap/pictures",
+    "./dev render DIR [--frame N] [--quality fast]": "./dev render ~/heap/pictures --frame last --quality fast",
     "./dev gallery": "./dev gallery cards",
     "./dev compile-cost": "./dev compile-cost --runs 1",
     "./dev bench": "./dev bench --quick",

@@ -22,23 +22,6 @@ struct hourglass_options : options {
   }
 };
 
-/// The surface that the line through points (radius, height) makes about the z axis, from one angle
-/// to another.
-triangle_mesh revolve(const std::vector<std::array<double, 2>>& line, double from, double to) {
-  const int n = 32;
-  std::vector<triangle_mesh::triangle> all;
-  const auto at = [&](std::size_t i, int k) {
-    const double angle = from + (to - from) * k / n;
-    return vec3(line[i][0] * std::cos(angle), line[i][0] * std::sin(angle), line[i][1]);
-  };
-  for (std::size_t i = 0; i + 1 < line.size(); ++i)
-    for (int k = 0; k < n; ++k) {
-      all.push_back({at(i, k), at(i, k + 1), at(i + 1, k + 1)});
-      all.push_back({at(i, k), at(i + 1, k + 1), at(i + 1, k)});
-    }
-  return triangle_mesh(all);
-}
-
 int main(int argc, char** argv) {
   return run<hourglass,
              hourglass_options>(argc, argv, [](auto& world, const hourglass_options& options) {
@@ -51,8 +34,9 @@ int main(int argc, char** argv) {
     world.global([&](auto& scope) {
       scope.add(plane{.offset = -top}, glass);
       for (const bool front : {false, true}) {  // without its front the glass shows what is in it
-        const auto half = revolve({{R, -top}, {R, -H}, {r, -0.5}, {r, 0.5}, {R, H}, {R, top + 20}},
-                                  front ? -pi : 0, front ? 0 : pi);
+        const auto half =
+            surface_of_revolution({{R, -top}, {R, -H}, {r, -0.5}, {r, 0.5}, {R, H}, {R, top + 20}},
+                                  {.sectors = 32, .from = front ? -pi : 0, .to = front ? 0 : pi});
         const pose at = placed(half);
         const auto wall = scope.add(half, glass, at.position, at.orientation);
         world[wall].set_visible(!front);

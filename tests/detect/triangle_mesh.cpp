@@ -3,12 +3,16 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <random>
+#include <stdexcept>
 #include <talus/detect/narrow.hpp>
 #include <talus/mesh.hpp>
+#include <utility>
 #include <vector>
 
 #include "../landscape.hpp"
@@ -230,4 +234,115 @@ TEST_CASE("STL files are read as text and in binary, and what is wrong with them
   CHECK_THROWS_WITH(read_stl(file), doctest::Contains("line 3 of the STL file"));
   std::remove(file.c_str());
   CHECK_THROWS_WITH(read_stl(file), doctest::Contains("cannot be read: is the name right"));
+}
+
+namespace {
+
+/// Volume within a surface, by the divergence theorem; positive where normals point outwards.
+real enclosed(const std::vector<triangle>& all) {
+  real sum = 0;
+  for (const triangle& t : all) sum += t[0].dot(t[1].cross(t[2])) / 6;
+  return sum;
+}
+/// Directed edges that no triangle passes the other way round: none in a watertight surface whose
+/// normals agree.
+int open_edges(const triangle_mesh& m) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> passes;
+  for (const auto& t : m.tree().triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      ++passes[{t[k], t[(k + 1) % 3]}], --passes[{t[(k + 1) % 3], t[k]}];
+  int open = 0;
+  for (const auto& [edge, n] : passes) open += n > 0 ? n : 0;
+  return open;
+}
+/// Area of the polygon that stands for a circle.
+real polygon(int n, real radius) { return 0.5 * n * std::sin(2 * pi / n) * radius * radius; }
+
+}  // namespace
+
+TEST_CASE(
+    "closed tubes and cones are watertight, with normals outwards and the volume of a prism") {
+  using line = std::vector<std::array<real, 2>>;
+  for (const int n : {3, 7, 64}) {
+    CAPTURE(n);
+    const revolution closed{.sectors = n, .closed = true}, open{.sectors = n};
+    const real r = 1.5, R = 2.5, h = 3;
+    CHECK(enclosed(triangles_of_revolution({{r, 0}, {r, h}}, closed)) ==
+          doctest::Approx(polygon(n, r) * h));
+    CHECK(enclosed(triangles_of_revolution({{R, 0}, {r, h}}, closed)) ==
+          doctest::Approx((polygon(n, r) + polygon(n, std::sqrt(r * R)) + polygon(n, R)) * h / 3));
+    CHECK(enclosed(triangles_of_revolution({{R, 0}, {0, h}}, closed)) ==
+          doctest::Approx(polygon(n, R) * h / 3));
+    CHECK(enclosed(triangles_of_revolution({{0, h}, {R, 0}}, closed)) ==
+          doctest::Approx(-polygon(n, R) * h / 3));  // from above: the normals point inwards
+    CHECK(open_edges(tube_surface({.radius = r, .height = h}, closed)) == 0);
+    CHECK(open_edges(tube_surface({.radius = r, .height = h}, open)) == 2 * n);
+    CHECK(open_edges(cone_surface({.lower = R, .upper = r, .height = h}, closed)) == 0);
+    CHECK(open_edges(cone_surface({.lower = R, .upper = r, .height = h}, open)) == 2 * n);
+    CHECK(open_edges(cone_surface({.lower = 0, .upper = R, .height = h}, closed)) == 0);
+    CHECK(open_edges(cone_surface({.lower = R, .height = h}, open)) == n);
+    // A hopper with its outlet; a tube with a thick wall, which is a ring.
+    const line hopper{{0.5, 0}, {R, h}, {R, 2 * h}};
+    CHECK(open_edges(surface_of_revolution(hopper, open)) == 2 * n);
+    CHECK(open_edges(surface_of_revolution(hopper, closed)) == 0);
+    const line wall{{r, h}, {r, 0}, {R, 0}, {R, h}, {r, h}};
+    CHECK(open_edges(surface_of_revolution(wall, open)) == 0);
+    CHECK(open_edges(surface_of_revolution(wall, closed)) == 0);
+    CHECK(enclosed(triangles_of_revolution(wall, closed)) ==
+          doctest::Approx((polygon(n, R) - polygon(n, r)) * h));
+  }
+  // With many sectors the volumes are those of the round bodies.
+  const revolution fine{.sectors = 2000, .closed = true};
+  CHECK(enclosed(triangles_of_revolution({{2, 0}, {2, 3}}, fine)) ==
+        doctest::Approx(12 * pi).epsilon(1e-5));
+  line half_circle;
+  for (int k = 0; k <= 400; ++k) {
+    const real a = pi * k / 400 - pi / 2;
+    half_circle.push_back({k % 400 == 0 ? 0 : std::cos(a), std::sin(a)});
+  }
+  CHECK(enclosed(triangles_of_revolution(half_circle, {.sectors = 400})) ==
+        doctest::Approx(4 * pi / 3).epsilon(1e-4));
+  CHECK(open_edges(surface_of_revolution(half_circle, {.sectors = 40})) == 0);
+}
+
+TEST_CASE("a tube stands on z = 0, holds bodies off from both sides, and may be a part of one") {
+  const triangle_mesh tube = tube_surface({.radius = 2, .height = 5}, {.sectors = 128});
+  CHECK((placed(tube).position - vec3(0, 0, 2.5)).norm() < 1e-12);
+  const auto inside = contacts(tube, placed(tube), sphere{0.5}, {vec3(1.6, 0, 2), {1, 0, 0, 0}}, 0);
+  REQUIRE(inside.size() > 0);
+  CHECK(smallest(inside) == doctest::Approx(-0.1).epsilon(0.05));
+  CHECK(inside[0].normal[0] < -0.99);
+  const auto beside = contacts(tube, placed(tube), sphere{0.5}, {vec3(2.4, 0, 2), {1, 0, 0, 0}}, 0);
+  REQUIRE(beside.size() > 0);
+  CHECK(beside[0].normal[0] > 0.99);
+  CHECK(contacts(tube, placed(tube), sphere{0.5}, {vec3(0, 0, 0), {1, 0, 0, 0}}, 0).empty());
+  const triangle_mesh trough =
+      tube_surface({.radius = 2, .height = 5}, {.sectors = 12, .from = -pi, .to = 0});
+  CHECK(trough.triangles() == 24);
+  CHECK(contacts(trough, placed(trough), sphere{0.5}, {vec3(0, 1.9, 2), {1, 0, 0, 0}}, 0).empty());
+  CHECK(
+      !contacts(trough, placed(trough), sphere{0.5}, {vec3(0, -1.9, 2), {1, 0, 0, 0}}, 0).empty());
+}
+
+TEST_CASE("a surface of revolution that makes no sense is refused with a sentence") {
+  CHECK_THROWS_WITH(
+      surface_of_revolution({{1, 0}}),
+      "a surface of revolution needs a line of at least 2 points of radius and height, "
+      "but got 1");
+  CHECK_THROWS_WITH(surface_of_revolution({{1, 0}, {-1, 1}}),
+                    "point 1 of a surface of revolution has the radius -1 and the height 1: the "
+                    "radius must not be negative, and both must be finite");
+  CHECK_THROWS_WITH(surface_of_revolution({{1, 0}, {1, 1}}, {.closed = true, .to = pi}),
+                    "a surface of revolution is closed only where it goes around by 2 * pi, but it "
+                    "goes from 0 to 3.141592653589793: leave out .closed, or .from and .to");
+  CHECK_THROWS_WITH(surface_of_revolution({{1, 0}, {1, 1}}, {.sectors = 2}),
+                    "a surface of revolution has from 3 to 1048576 sectors, but was given 2");
+  CHECK_THROWS_WITH(
+      surface_of_revolution({{1, 0}, {1, 1}}, {.from = 1, .to = 0.5}),
+      "a surface of revolution goes from an angle to a larger one, by at most 2 * pi, "
+      "but was given .from = 1 and .to = 0.5");
+  CHECK_THROWS_WITH(
+      tube_surface({.radius = 0}),
+      "the radius of a tube must be positive and finite, but is 0; give a positive value");
+  CHECK_THROWS_AS(cone_surface({.lower = 0, .upper = 0}), std::invalid_argument);
 }

@@ -15,9 +15,9 @@ number() { sed -n "s/^ *\"$2\": \([^,]*\),*$/\1/p" "$1"; }
 
 echo "== a project"
 "$root/dev" new shore
-[[ $(cd shore && find . -type f | sort | paste -sd ' ') == "./.gitignore ./CMakeLists.txt ./README.md ./main.cpp" ]] ||
+[[ $(cd shore && find . -type f | sort | paste -sd ' ') == "./.gitignore ./CMakeLists.txt ./README.md ./job.sh ./main.cpp" ]] ||
   fail "other files than announced: $(find shore -type f)"
-! grep -n '@' shore/CMakeLists.txt shore/README.md || fail "something was not filled in"
+! grep -n '@' shore/CMakeLists.txt shore/README.md <(sed 's/USR1@120//; s/\[@\]//' shore/job.sh) || fail "something was not filled in"
 for name in 3x shore test 'a b' ''; do
   ! "$root/dev" new "$name" 2>said || fail "'$name' was taken as a name"
   grep -Eq 'one name of letters|here already|meaning in CMake' said || fail "no reason for '$name': $(cat said)"
@@ -37,6 +37,19 @@ grep -q '^  error ' said || fail "no summary"
 [[ $(number two.json ranks) == 2 && $(number four.json ranks) == 4 ]] || fail "not on these ranks"
 [[ -s pictures/frame_00001.pov ]] || fail "no pictures"
 
+echo "== its job.sh, with a stand-in for srun; with checkpoints it goes on from there"
+bash -n job.sh && [[ -x job.sh ]] || fail "job.sh is no script"
+mkdir ../bin
+cat >../bin/srun <<END
+#!/usr/bin/env bash
+[[ \$1 == --cpu-bind=cores ]] || { echo "srun: \$1?"; exit 1; }
+shift
+exec "$3" "$4" 2 "\${@/#2000/\$STEPS}"
+END
+chmod +x ../bin/srun
+STEPS=20 PATH=$work/bin:$PATH ./job.sh
+[[ $(number shore.json ranks) == 2 && $(number shore.json steps) == 20 && -s shore.csv ]] || fail "the job did not run"
+
 echo "== with checkpoints, as its README says"
 sed -i 's/COMPONENTS mpi/COMPONENTS mpi hdf5/; s/PRIVATE talus::mpi/PRIVATE talus::mpi talus::hdf5/' CMakeLists.txt
 sed -i 's|^#include <talus/mpi.hpp>|#include <talus/checkpoint.hpp>\n&|; s/transport<as_launched>>/transport<as_launched>, features<checkpoints>>/' main.cpp
@@ -45,6 +58,9 @@ cmake -B build && cmake --build build
 ./build/shore --steps 20 --quiet --checkpoint half.h5
 ./build/shore --steps 40 --quiet --restart half.h5 --json rest.json
 [[ $(number rest.json restarted_at) == 20 && $(number rest.json steps) == 40 ]] || fail "no restart"
+sed -i 's/^# \(keep=\|\[\[\)/\1/; s/^##SBATCH/#SBATCH/' job.sh
+for steps in 20 40; do STEPS=$steps PATH=$work/bin:$PATH ./job.sh; done
+[[ $(number shore.json restarted_at) == 20 && $(number shore.json steps) == 40 ]] || fail "the job was not continued"
 
 echo "== an installed talus goes first"
 cmake --install "$root/build/$preset" --prefix "$work/prefix" >/dev/null

@@ -5,11 +5,13 @@
 #include <random>
 
 #include "../generator.hpp"
+#include "talus/body/body.hpp"
 #include "talus/concepts.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/convex_polyhedron.hpp"
 #include "talus/shape/cylinder.hpp"
+#include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
 
@@ -277,4 +279,20 @@ TEST_CASE("impossible shapes are refused by name") {
   check_refused(plane{{0, inf_, 1}, 0}, "normal of a plane");
   check_refused(plane{{0, 0, 1}, nan_}, "offset of a plane");
   CHECK_NOTHROW(plane{}.validate());
+}
+
+TEST_CASE(
+    "a convex polyhedron lies where its corners were given, at the pose that placed() returns") {
+  const convex_polyhedron wedge({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}});
+  const pose at = placed(wedge);  // of the body, when its corners lie as given
+  const body stone{.shape = wedge, .position = at.position, .orientation = at.orientation};
+  CHECK(stone.shape.volume() == doctest::Approx(1));
+  CHECK((stone.position - vec3(2. / 3, 0.5, 1. / 3)).norm() < 1e-12);
+  vec3 lower(9, 9, 9), upper(-9, -9, -9);
+  for (const vec3& v : stone.shape.vertices()) {
+    const vec3 p = stone.position + rotated(stone.orientation, v);
+    lower = lower.cwiseMin(p), upper = upper.cwiseMax(p);
+  }
+  CHECK((lower - vec3(0, 0, 0)).norm() < 1e-12);
+  CHECK((upper - vec3(2, 1, 1)).norm() < 1e-12);
 }

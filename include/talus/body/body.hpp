@@ -11,6 +11,7 @@ namespace talus {
 /// Description of a rigid body to be created: `body{.shape = sphere{0.5}, .position = {0, 0, 1}}`.
 template <class Shape>
 struct body {
+  /// form and size, such as sphere{0.5}
   Shape shape;
   vec3 position{0, 0, 0};          ///< of the centre of mass
   material_id material{};          ///< from world.material(...); the first one when not given
@@ -21,9 +22,14 @@ struct body {
   bool fixed = false;              ///< immovable, as if of infinite mass
 };
 
+/// The shape alone tells the type: a field that is not there is then what the compiler speaks of.
+template <class Shape>
+body(Shape, ...) -> body<Shape>;
+
 /// Refers to a body wherever it lives; stays valid when the body migrates to another rank.
 template <class Shape>
 struct handle {
+  /// the same on all ranks
   system_id id = no_id;
   friend bool operator==(handle, handle) = default;
 };

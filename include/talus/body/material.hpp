@@ -17,6 +17,10 @@ enum class material_id : std::uint16_t {};
 /// has the stiffness of the other body alone. For fixed and global bodies, such as walls.
 inline constexpr real rigid = std::numeric_limits<real>::infinity();
 
+// g++ spells the namespaces of a type where material{...} is given a field that it does not have,
+// and clang names the nearest field, so both tell what there is. Written by ./dev docs --sheet.
+inline namespace a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction {
+
 /// What bodies are made of.
 struct material {
   real density = 1;      ///< mass per volume; granite 2.8 in g/cm^3
@@ -32,10 +36,14 @@ struct material {
   real poisson_ratio = 0.25;  ///< in [0, 0.5]; hertz_mindlin
   real rolling_friction = 0;  ///< lever arm of the rolling moment over the radius; 0.01 to 0.5
 
+  /// Coefficient of dynamic friction, that of static friction unless given.
   [[nodiscard]] constexpr real sliding_friction() const {
     return dynamic_friction == dynamic_friction ? dynamic_friction : friction;
   }
 };
+
+}  // namespace
+   // a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction
 
 /// Ready materials of the pe tutorial, densities in g/cm^3.
 namespace materials {
@@ -48,11 +56,12 @@ inline constexpr material fir{.density = 0.5, .restitution = 0.5, .friction = 0.
 
 /// Contact properties of a pair of materials.
 struct pair_material {
-  real restitution = 0;
-  real friction = 0;  ///< static, and dynamic unless given
+  real restitution = 0;  ///< Newton's coefficient of restitution, in [0, 1]
+  real friction = 0;     ///< static, and dynamic unless given
   /// At most `friction`; not a number means the same as that.
   real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
 
+  /// Coefficient of dynamic friction, that of static friction unless given.
   [[nodiscard]] constexpr real sliding_friction() const {
     return dynamic_friction == dynamic_friction ? dynamic_friction : friction;
   }
@@ -90,13 +99,16 @@ class material_table {
     ++revision_;
   }
 
+  /// A material. Throws invalid_argument for one of another world.
   [[nodiscard]] const material& operator[](material_id m) const {
     require_known(m);
     return materials_[index(m)];
   }
+  /// Properties of contacts between two materials.
   [[nodiscard]] const pair_material& pair(material_id a, material_id b) const {
     return pairs_[index(a) * materials_.size() + index(b)];
   }
+  /// Number of materials.
   [[nodiscard]] std::size_t size() const { return materials_.size(); }
   /// Grows with every change, so that what is derived from the table can be kept.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }

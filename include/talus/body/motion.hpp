@@ -11,7 +11,7 @@ namespace talus {
 /// where it was when the body was driven. A motion that returns it has no drift at all: the pose
 /// follows from the time alone.
 struct rigid_displacement {
-  vec3 shift{0, 0, 0};
+  vec3 shift{0, 0, 0};    ///< length
   quat turn{1, 0, 0, 0};  ///< a unit quaternion
   vec3 about{0, 0, 0};    ///< the point that `turn` leaves where it is
 };
@@ -22,14 +22,14 @@ struct rigid_displacement {
 struct rigid_velocity {
   vec3 velocity{0, 0, 0};          ///< length over time
   vec3 angular_velocity{0, 0, 0};  ///< radians over time
-  vec3 about{0, 0, 0};
+  vec3 about{0, 0, 0};             ///< a point of the axis
 };
 
 /// The same of a surface that runs in itself while the body stays, as a conveyor belt does.
 struct surface_velocity {
-  vec3 velocity{0, 0, 0};
-  vec3 angular_velocity{0, 0, 0};
-  vec3 about{0, 0, 0};
+  vec3 velocity{0, 0, 0};          ///< length over time
+  vec3 angular_velocity{0, 0, 0};  ///< radians over time
+  vec3 about{0, 0, 0};             ///< a point of the axis
 };
 
 /// Motion of a shaker: to and fro by `amplitude` sin(2 pi frequency t + phase), less its value at
@@ -39,6 +39,7 @@ struct oscillation {
   real frequency = 1;       ///< cycles per unit of time
   real phase = 0;           ///< radians; pi/2 begins at the end of the stroke, without velocity
 
+  /// Where the body is at the time t.
   [[nodiscard]] rigid_displacement operator()(real t) const {
     const real now = std::sin(2 * pi * frequency * t + phase);
     return {.shift = (now - std::sin(phase)) * amplitude};
@@ -52,6 +53,7 @@ struct turning {
   vec3 axis{0, 0, 1};   ///< any length but zero
   real speed = 0;       ///< radians per unit of time
 
+  /// Where the body is at the time t.
   [[nodiscard]] rigid_displacement operator()(real t) const {
     return {.turn = rotation(axis, speed * t), .about = about};
   }
@@ -59,15 +61,17 @@ struct turning {
 
 /// Motion along a line, at constant velocity.
 struct gliding {
-  vec3 velocity{0, 0, 0};
+  vec3 velocity{0, 0, 0};  ///< length over time
 
+  /// Where the body is at the time t.
   [[nodiscard]] rigid_displacement operator()(real t) const { return {.shift = t * velocity}; }
 };
 
 /// A belt: the surface runs, and the body stays.
 struct belt {
-  vec3 velocity{0, 0, 0};
+  vec3 velocity{0, 0, 0};  ///< length over time
 
+  /// Its velocity at any time.
   [[nodiscard]] surface_velocity operator()(real) const { return {.velocity = velocity}; }
 };
 

@@ -6,6 +6,7 @@
 
 namespace talus {
 
+/// Where two bodies touch, or nearly do.
 struct contact_geometry {
   vec3 normal;   ///< unit, from body b towards body a
   vec3 point;    ///< midway between the two surfaces, in the world

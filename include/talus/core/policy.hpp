@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "talus/core/not_there.hpp"
+
 namespace talus {
 
 /// The parts of a scenario that policies decide. `scenario<...>` takes at most one policy of each.
@@ -47,6 +49,10 @@ inline constexpr bool is_part = part_for<Type, Role>;
 /// what it refuses in "In instantiation of 'struct talus::detail::...<TYPE>'".
 template <class Check>
 inline constexpr bool examined = sizeof(Check) > 0;
+/// What talus does not have is refused by its own sentence alone.
+template <template <class...> class Check, class Type>
+requires is_missing<Type>
+inline constexpr bool examined<Check<Type>> = sizeof(typename Type::template refusal<void>) > 0;
 
 /// The type in what compilers say of a function: "... [with Type = X; ...]", clang: "[Type = X]".
 [[nodiscard, gnu::cold]] inline std::string type_in(std::string_view text) {

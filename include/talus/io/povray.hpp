@@ -18,8 +18,10 @@ struct picture {
 
   vec3 from{10, -20, 10};  ///< where the camera is
   vec3 at{0, 0, 0};        ///< what it looks at
+  /// what is up in the picture
   vec3 up{0, 0, 1};
   real angle = 40;  ///< of view, horizontally
+  /// of bodies: by their rank, or by their speed
   colouring colour = colouring::rank;
   real fastest = 0;      ///< the speed that is red; 0: that of the fastest body
   bool copies = false;   ///< show shadow copies, as thin shells, in the colour of their holder

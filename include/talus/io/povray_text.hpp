@@ -94,14 +94,19 @@ inline void povray_form(detail::povray_text& out, const capsule& c) {
   out << "merge{cylinder{" << vec3(-end) << "," << end << "," << c.radius << "}sphere{"
       << vec3(-end) << "," << c.radius << "}sphere{" << end << "," << c.radius << "}";
 }
-/// Anything bounded by flat faces.
+/// Anything bounded by flat faces, as triangles: an intersection of planes has no bounds for
+/// POV-Ray, so every ray would meet every face.
 template <class Shape>
 requires requires(const Shape& s) { s.mesh().normals; }
 void povray_form(detail::povray_text& out, const Shape& s) {
   const auto& mesh = s.mesh();
-  out << "intersection{";
-  for (std::size_t f = 0; f < mesh.faces(); ++f)
-    out << "plane{" << mesh.normals[f] << "," << mesh.offsets[f] << "}";
+  out << "mesh{";
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    const auto corners = mesh.face(f);
+    for (std::size_t k = 1; k + 1 < corners.size(); ++k)
+      out << "triangle{" << mesh.vertices[corners[0]] << "," << mesh.vertices[corners[k]] << ","
+          << mesh.vertices[corners[k + 1]] << "}";
+  }
 }
 /// A surface of triangles.
 template <class Shape>

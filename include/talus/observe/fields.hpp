@@ -8,6 +8,7 @@
 #include <span>
 
 #include "talus/core/error.hpp"
+#include "talus/core/field_names.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/world/each_contact.hpp"
@@ -36,10 +37,12 @@ struct field_grid {
           "a field_grid has from 1 to a billion cells, but was given {} times {} times {}",
           cells[0], cells[1], cells[2]);
   }
+  /// Number of cells.
   [[nodiscard]] std::size_t size() const {
     return static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
            static_cast<std::size_t>(cells[2]);
   }
+  /// Edges of a cell, lengths.
   [[nodiscard]] vec3 cell_size() const {
     vec3 h = upper - lower;
     for (int k = 0; k < 3; ++k) h[k] /= cells[static_cast<std::size_t>(k)];
@@ -76,6 +79,7 @@ class coarse_fields {
   explicit coarse_fields(const field_grid& g, std::uint64_t samples = 0)
       : grid_((g.validate(), g)), sums_(g.size() * width), samples_(samples) {}
 
+  /// The grid that was given.
   [[nodiscard]] const field_grid& grid() const { return grid_; }
   /// How many states the means are taken over.
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
@@ -84,7 +88,9 @@ class coarse_fields {
 
   /// Bodies that can move, in the mean over the samples.
   [[nodiscard]] double bodies(std::size_t c) const { return at(c)[count] / samples(1); }
+  /// Mean mass in a cell.
   [[nodiscard]] double mass(std::size_t c) const { return at(c)[masses] / samples(1); }
+  /// Mean mass in a cell over its volume.
   [[nodiscard]] double density(std::size_t c) const { return mass(c) / volume(); }
   /// The part of space that bodies take up.
   [[nodiscard]] double solid_fraction(std::size_t c) const {
@@ -115,6 +121,7 @@ class coarse_fields {
       for (int j = 0; j < 3; ++j) stress(i, j) = -s[virial + 3 * i + j] / (samples(1) * volume());
     return stress;
   }
+  /// Stress, force per area, positive in tension.
   [[nodiscard]] mat3 stress(std::size_t c) const { return kinetic_stress(c) + contact_stress(c); }
   /// A third of the trace of the stress, and positive in compression.
   [[nodiscard]] double pressure(std::size_t c) const {
@@ -224,5 +231,9 @@ template <class Scenario>
   w.link().reduce(reduction::sum, fields.sums());
   return fields;
 }
+
+/// Refuses other fields.
+template <class Scenario, detail::sentence Fields = detail::fields::field_grid>
+detail::fields::no_field_grid<Fields> measure_fields(world<Scenario>&, ...) TALUS_REFUSED;
 
 }  // namespace talus

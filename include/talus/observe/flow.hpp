@@ -15,10 +15,13 @@ namespace talus {
 
 /// What has crossed a plane: `forward` along its normal. Masses by density and volume.
 struct flow {
+  /// mass that has passed along the normal, and against it
   double mass_forward = 0, mass_backward = 0;
   std::uint64_t forward = 0, backward = 0;  ///< bodies; one that turns back counts both ways
 
+  /// Mass that has passed, forward minus backward.
   [[nodiscard]] double mass() const { return mass_forward - mass_backward; }
+  /// Bodies that have passed, forward minus backward.
   [[nodiscard]] std::int64_t bodies() const {
     return static_cast<std::int64_t>(forward) - static_cast<std::int64_t>(backward);
   }

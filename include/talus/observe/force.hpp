@@ -5,6 +5,7 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
+#include "talus/world/each_contact.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -42,6 +43,25 @@ template <class Scenario, class Shape>
   return s.dt > 0 ? vec3(vec3(sum[0], sum[1], sum[2]) / s.dt) : vec3(0, 0, 0);
 }
 
+/// Force and torque of all contacts on one body, as this rank counts them.
+struct contact_load {
+  system_id body;
+  bool global;  ///< its torque is about `about`, that of any other body about its centre
+  vec3 about;
+  vec3 force{0, 0, 0}, torque{0, 0, 0};
+
+  /// A contact of a and b with a force and a moment on a; centres as seen from a.
+  void add(system_id a, system_id b, const vec3& point, const vec3& centre_a, const vec3& centre_b,
+           const vec3& on_a, const vec3& moment_on_a) {
+    if (a != body && b != body) return;
+    const real sign = a == body ? 1 : -1;
+    const vec3 f = sign * on_a;
+    const vec3 arm = point - (global ? about : a == body ? centre_a : centre_b);
+    force += f;
+    torque += arm.cross(f) + sign * moment_on_a;
+  }
+};
+
 }  // namespace detail
 
 /// Collective: the force of all contacts on the body: their impulse in the last step over its
@@ -64,6 +84,38 @@ template <class Scenario, class Shape>
   } else {
     return detail::force_of_impulses(w, h);
   }
+}
+
+/// Collective: the torque of all contacts on the body about the point `about` of the world, moments
+/// of rolling friction included. The forces are those of contact_force(); they act where the
+/// surfaces touch now. Every rank names the same body, which may be global or live on any rank. In
+/// a periodic box the body counts where its centre is. Zero before the first step.
+template <class Scenario, class Shape>
+[[nodiscard]] vec3 contact_torque(world<Scenario>& w, handle<Shape> h, const vec3& about) {
+  w.require_all_ranks("contact_torque");
+  auto& s = w.state();
+  const auto found = w.find(h);
+  detail::contact_load load{h.id, found && found->is_global(), about};
+  if constexpr (Scenario::contact_law::soft) {
+    detail::observe_forces(
+        s, [&](const detail::contact_key& key, const vec3& point, const vec3& centre_a,
+               const vec3& centre_b, const detail::soft_force& f, bool counts) {
+          if (counts) load.add(key.a, key.b, point, centre_a, centre_b, f.force, f.moment);
+        });
+  } else {
+    detail::each_loaded_contact(s, [&](const loaded_contact& c, bool counts) {
+      if (counts) load.add(c.a, c.b, c.point, c.centre_a, c.centre_b, c.force, {0, 0, 0});
+    });
+  }
+  // The owner knows where the centre is, whichever image of it other ranks see.
+  const bool owner = found && !load.global && !found->is_remote();
+  const vec3 arm = owner ? vec3(found->position() - about) : vec3(0, 0, 0);
+  std::array<double, 9> sum{load.force[0],  load.force[1],  load.force[2],
+                            load.torque[0], load.torque[1], load.torque[2],
+                            arm[0],         arm[1],         arm[2]};
+  w.link().reduce(reduction::sum, sum);
+  return vec3(sum[3], sum[4], sum[5]) +
+         vec3(sum[6], sum[7], sum[8]).cross(vec3(sum[0], sum[1], sum[2]));
 }
 
 }  // namespace talus

@@ -9,13 +9,17 @@ namespace talus {
 
 /// Motion of all bodies that are not global. Fixed bodies count, with no velocity.
 struct motion {
+  /// all of them, fixed ones included
   std::uint64_t bodies = 0;
+  /// those that can move
   std::uint64_t movable = 0;
   std::uint64_t asleep = 0;     ///< of the movable ones; see world::sleeping
   double mass = 0;              ///< of the movable ones
   double kinetic_energy = 0;    ///< of translation and rotation
   double potential_energy = 0;  ///< -m g . x, with respect to the origin
+  /// of the fastest centre of mass
   double max_speed = 0;
+  /// linear, of all movable bodies
   vec3 momentum{0, 0, 0};
   vec3 angular_momentum{0, 0, 0};  ///< about the origin
 };

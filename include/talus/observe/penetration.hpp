@@ -17,6 +17,7 @@ namespace talus {
 /// Overlaps of the present state; lengths are over the mean bounding radius of the movable bodies.
 struct penetration {
   double mean = 0;  ///< over the points of negative gap
+  /// the deepest overlap over the mean radius
   double max = 0;
   double gap_mean_loaded =
       0;  ///< mean |gap| over the points that carried an impulse (soft: overlap)

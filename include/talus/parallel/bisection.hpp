@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/field_names.hpp"
 #include "talus/parallel/bisection_cells.hpp"
 #include "talus/parallel/detail/bisect_load.hpp"
 #include "talus/parallel/detail/directions.hpp"
@@ -27,6 +28,7 @@ namespace talus {
 /// cuts: 16 bytes for each rank there is.
 template <int N>
 struct bisection {
+  using talus_fields = detail::fields::bisection_fields;
   static_assert(N >= 1 || N == dynamic,
                 "bisection<N> takes the number of ranks, 1 or more, or bisection<dynamic>");
   using bound = grid<1>::bound;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "talus/core/error.hpp"
+#include "talus/core/field_names.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/geometry/any_geometry.hpp"
 #include "talus/parallel/dynamic.hpp"
@@ -156,6 +157,7 @@ inline bool balance(std::array<int, 3>& cells, int ranks) {
 /// cut at 0.
 template <int X, int Y = detail::unsaid, int Z = detail::unsaid>
 struct grid {
+  using talus_fields = detail::fields::grid_fields;
   struct bound {
     static constexpr real unset = std::numeric_limits<real>::quiet_NaN();
     real x = unset, y = unset, z = unset;

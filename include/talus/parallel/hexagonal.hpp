@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "talus/core/field_names.hpp"
 #include "talus/parallel/detail/convex_pieces.hpp"
 #include "talus/parallel/detail/directions.hpp"
 #include "talus/parallel/dynamic.hpp"
@@ -173,14 +174,19 @@ class hexagonal_cells {
 ///   hexagonal<dynamic>{.width = 60}        rings as many as the ranks make
 template <int Rings>
 struct hexagonal {
+  using talus_fields = detail::fields::hexagonal_fields;
   static_assert(Rings >= 0 || Rings == dynamic,
                 "hexagonal<R> takes the number of rings around the central cell, 0 or more, or "
                 "hexagonal<dynamic>");
   static constexpr real unset = std::numeric_limits<real>::quiet_NaN();
 
-  int rings = dynamic;   ///< Of hexagonal<dynamic>; dynamic: as follows from the number of ranks.
-  real spacing = unset;  ///< Distance of the centres of neighbouring cells: their width (length).
-  real width = unset;    ///< Instead of it, that of all cells together along `start` (length).
+  int rings = dynamic;  ///< Of hexagonal<dynamic>; dynamic: as follows from the number of ranks.
+  /// Distance of the centres of neighbouring cells, which is the width of a cell from flat to flat
+  /// (length). From corner to corner a cell measures 2 / sqrt(3) of it.
+  real spacing = unset;
+  /// Instead of it, the width of all cells together along `start`, from flat to flat (length): that
+  /// of 2 rings + 1 cells.
+  real width = unset;
   vec3 centre{0, 0, 0};  ///< Of the central cell.
   vec3 axis{0, 0, 1};    ///< Of the prisms; any length but zero.
   vec3 start{1, 0, 0};   ///< Direction from rank 0 to rank 1, made perpendicular to the axis.

@@ -1,5 +1,6 @@
 #pragma once
 // Cells between given cuts: grid says it all, this is its name where only the cuts matter.
+#include "talus/core/field_names.hpp"
 #include "talus/parallel/grid.hpp"
 
 namespace talus {
@@ -10,6 +11,7 @@ namespace talus {
 ///   rectilinear<>{.x = {-1, 4}, .z = {0}}         as many as the cuts make
 template <int X = dynamic, int Y = X == dynamic ? dynamic : 1, int Z = X == dynamic ? dynamic : 1>
 struct rectilinear {
+  using talus_fields = detail::fields::rectilinear_fields;
   std::vector<real> x{};  ///< Positions of the cuts across x (length), strictly increasing.
   std::vector<real> y{};  ///< Likewise across y.
   std::vector<real> z{};  ///< Likewise across z.

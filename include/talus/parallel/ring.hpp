@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "talus/core/field_names.hpp"
 #include "talus/parallel/detail/convex_pieces.hpp"
 #include "talus/parallel/detail/directions.hpp"
 #include "talus/parallel/dynamic.hpp"
@@ -115,6 +116,7 @@ class ring_cells {
 ///   ring<dynamic>{.hub = 6}                                    as many sectors as there are ranks
 template <int N>
 struct ring {
+  using talus_fields = detail::fields::ring_fields;
   static_assert(N >= 1 || N == dynamic,
                 "ring<N> takes the number of sectors, 1 or more, or ring<dynamic>");
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "talus/core/field_names.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/parallel/detail/convex_pieces.hpp"
 #include "talus/parallel/detail/directions.hpp"
@@ -72,6 +73,7 @@ class slab_cells {
 /// Two slabs without bounds or cuts are cut at 0.
 template <int N>
 struct slabs {
+  using talus_fields = detail::fields::slabs_fields;
   static_assert(N >= 1 || N == dynamic,
                 "slabs<N> takes the number of slabs, 1 or more, or slabs<dynamic>");
   static constexpr real unset = std::numeric_limits<real>::quiet_NaN();

@@ -16,6 +16,7 @@
 #include "talus/body/body.hpp"
 #include "talus/body/features.hpp"
 #include "talus/core/error.hpp"
+#include "talus/core/field_names.hpp"
 #include "talus/core/random.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/parallel/reduction.hpp"
@@ -38,7 +39,7 @@ struct inflow {
 /// What has come in so far; alike on all ranks.
 struct inserted {
   std::uint64_t count = 0;  ///< of bodies
-  real mass = 0;
+  real mass = 0;            ///< of these
 };
 
 namespace detail {
@@ -250,5 +251,9 @@ std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, cons
     return nullptr;
   }
 }
+
+/// Refuses other fields.
+template <class World, detail::sentence Fields = detail::fields::inflow>
+detail::fields::no_inflow<Fields> insert_by_rate(World&, ...) TALUS_REFUSED;
 
 }  // namespace talus

@@ -16,6 +16,7 @@ namespace talus {
 /// What has gone out.
 struct removed {
   std::uint64_t count = 0;  ///< of bodies
+  /// of bodies
   real mass = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "talus/core/error.hpp"
+#include "talus/core/field_names.hpp"
 #include "talus/io/povray.hpp"
 #include "talus/scene/options.hpp"
 
@@ -54,5 +55,10 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
     if (w.steps() % every == 0) take(w.steps() / every);
   });
 }
+
+/// Refuses other fields.
+template <class Scenario, detail::sentence Fields = detail::fields::picture>
+detail::fields::no_picture<Fields> take_pictures(world<Scenario>&, const options&,
+                                                 ...) TALUS_REFUSED;
 
 }  // namespace talus

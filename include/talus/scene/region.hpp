@@ -21,27 +21,31 @@ struct region_extent {
 
 /// Between two corners, boundary included; a coordinate may be infinite.
 struct box_region {
-  vec3 lower;
-  vec3 upper;
+  vec3 lower;  ///< corner with the smallest coordinates
+  vec3 upper;  ///< corner with the largest
 
+  /// Depth of a point inside, negative outside.
   [[nodiscard]] real value(const vec3& p) const {
     return std::min(detail::least_of(vec3(p - lower)), detail::least_of(vec3(upper - p)));
   }
+  /// Whether a point is inside or on the boundary.
   [[nodiscard]] bool contains(const vec3& p) const { return detail::between(lower, p, upper); }
   [[nodiscard]] detail::region_extent extent() const { return {lower, upper, true}; }
 };
 
 /// Around an axis parallel to z, boundary included; without end unless `lower` and `upper` say.
 struct vertical_cylinder {
-  real radius = 1;
+  real radius = 1;                  ///< length
   vec3 centre{0, 0, 0};             ///< any point of the axis
   real lower = -detail::unlimited;  ///< lowest z
   real upper = detail::unlimited;   ///< highest z
 
+  /// Depth of a point inside, negative outside.
   [[nodiscard]] real value(const vec3& p) const {
     const real side = radius - std::hypot(p[0] - centre[0], p[1] - centre[1]);
     return std::min(side, std::min(p[2] - lower, upper - p[2]));
   }
+  /// Whether a point is inside or on the boundary.
   [[nodiscard]] bool contains(const vec3& p) const {
     const real x = p[0] - centre[0], y = p[1] - centre[1];
     return p[2] >= lower && p[2] <= upper && std::fma(x, x, y * y) <= radius * radius;
@@ -55,10 +59,12 @@ struct vertical_cylinder {
 
 /// Around a point, boundary included.
 struct ball_region {
-  real radius = 1;
-  vec3 centre{0, 0, 0};
+  real radius = 1;       ///< length
+  vec3 centre{0, 0, 0};  ///< of the ball
 
+  /// Depth of a point inside, negative outside.
   [[nodiscard]] real value(const vec3& p) const { return radius - (p - centre).norm(); }
+  /// Whether a point is inside or on the boundary.
   [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
   [[nodiscard]] detail::region_extent extent() const {
     return {centre - detail::thrice<real>(radius), centre + detail::thrice<real>(radius), false};

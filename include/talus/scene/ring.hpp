@@ -34,6 +34,7 @@ struct ring_of {
           detail::text(centre), turn);
   }
 
+  /// One of its sites.
   [[nodiscard]] site at(int level, int i) const {
     const real angle = 2 * pi * (i + (level % 2 == 0 ? turn : 0)) / count;
     const vec3 outwards{-std::sin(angle), std::cos(angle), 0};
@@ -57,6 +58,7 @@ struct ring_of {
         if (detail::between(lower, s.position, upper)) f(s);
       }
   }
+  /// Its first n sites.
   [[nodiscard]] auto first(std::uint64_t n) const { return first_sites<ring_of>(*this, n); }
 
  private:

@@ -13,7 +13,9 @@ namespace talus {
 
 /// A place for a body.
 struct site {
+  /// where a body may be made
   vec3 position{0, 0, 0};
+  /// how it may be turned
   quat orientation{1, 0, 0, 0};
   std::uint64_t index = 0;  ///< names the site within its set, whoever asks; below 2^48
 };

@@ -26,7 +26,7 @@ inline void require_sizes(real lower, real upper, const char* what) {
 /// All sizes between two are equally likely.
 struct uniform_size {
   real lower = 1;  ///< length
-  real upper = 1;
+  real upper = 1;  ///< length
 
   /// Throws invalid_argument unless 0 < lower <= upper, both finite.
   real operator()(random_stream& random) const {
@@ -41,8 +41,8 @@ struct uniform_size {
 struct lognormal_size {
   real median = 1;  ///< of all sizes, those outside of the bounds included (length)
   real sigma = 0;   ///< standard deviation of the natural logarithm; 0.1 to 0.5
-  real lower = 0;   ///< bounds (length)
-  real upper = 0;
+  real lower = 0;   ///< smallest size (length)
+  real upper = 0;   ///< largest size (length)
 
   /// Throws invalid_argument unless 0 < lower <= upper, the median is positive and sigma not
   /// negative, and where hardly any size lies between the bounds.

@@ -7,6 +7,7 @@
 
 namespace talus {
 
+/// A cuboid about its centre, with edges along the axes of its frame.
 struct box {
   vec3 size{1, 1, 1};  ///< full edge lengths, above zero
 
@@ -21,8 +22,11 @@ struct box {
     detail::require_positive(size[2], "the z edge of a box");
   }
 
+  /// Half its edges.
   [[nodiscard]] vec3 half() const { return {size[0] / 2, size[1] / 2, size[2] / 2}; }
+  /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return real(0.5) * size.norm(); }
+  /// Volume.
   [[nodiscard]] real volume() const { return size[0] * size[1] * size[2]; }
   /// Principal moments per unit mass: (b² + c²) / 12 about the axis of edge a, and so on.
   [[nodiscard]] vec3 inertia() const {

@@ -7,6 +7,7 @@
 
 namespace talus {
 
+/// A cylinder with half a ball on each end, about its centre.
 struct capsule {
   real radius = 1;  ///< length, above zero
   real length = 1;  ///< of the segment, without the caps; above zero
@@ -21,7 +22,9 @@ struct capsule {
     detail::require_positive(length, "the length of a capsule");
   }
 
+  /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return real(0.5) * length + radius; }
+  /// Volume.
   [[nodiscard]] real volume() const { return pi * radius * radius * (length + 4 * radius / 3); }
   /// Principal moments per unit mass, from those of the cylinder and of the two half balls, whose
   /// centres of mass lie 3/8 r off the ends of the segment.

@@ -46,7 +46,9 @@ class convex_polyhedron {
   /// Corners of the hull in the frame of the body.
   [[nodiscard]] std::span<const vec3> vertices() const { return mesh_->vertices; }
 
+  /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return mesh_->measured.bounding_radius; }
+  /// Volume.
   [[nodiscard]] real volume() const { return mesh_->measured.volume; }
   /// Principal moments per unit mass.
   [[nodiscard]] const vec3& inertia() const { return mesh_->measured.inertia; }

@@ -7,6 +7,7 @@
 
 namespace talus {
 
+/// A cylinder about its centre.
 struct cylinder {
   real radius = 1;  ///< length, above zero
   real length = 1;  ///< from one flat face to the other, above zero
@@ -21,7 +22,9 @@ struct cylinder {
     detail::require_positive(length, "the length of a cylinder");
   }
 
+  /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return std::hypot(radius, length / 2); }
+  /// Volume.
   [[nodiscard]] real volume() const { return pi * radius * radius * length; }
   /// Principal moments per unit mass: r²/4 + l²/12 across the axis, r²/2 about it.
   [[nodiscard]] vec3 inertia() const {

@@ -38,6 +38,7 @@ struct plane {
   /// Signed distance of a point from the surface, negative in the solid.
   [[nodiscard]] real distance(const vec3& point) const { return unit_normal().dot(point) - offset; }
 
+  /// Moves the plane.
   void translate(const vec3& by) { offset += unit_normal().dot(by); }
   /// Turns it by a unit quaternion about a point.
   void rotate(const quat& by, const vec3& about) {

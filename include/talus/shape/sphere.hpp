@@ -5,6 +5,7 @@
 
 namespace talus {
 
+/// A ball about its centre.
 struct sphere {
   real radius = 1;  ///< length, above zero
 
@@ -15,7 +16,9 @@ struct sphere {
   /// Throws invalid_argument unless the radius is positive and finite.
   void validate() const { detail::require_positive(radius, "the radius of a sphere"); }
 
+  /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return radius; }
+  /// Volume.
   [[nodiscard]] real volume() const { return 4 * pi / 3 * radius * radius * radius; }
   /// Principal moments per unit mass: 2/5 r² each.
   [[nodiscard]] vec3 inertia() const { return detail::thrice<real>(real(0.4) * radius * radius); }

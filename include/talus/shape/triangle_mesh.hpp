@@ -48,9 +48,11 @@ class triangle_mesh {
   }
 
   [[nodiscard]] const detail::triangle_tree& tree() const { return *data_; }
+  /// Number of triangles.
   [[nodiscard]] std::size_t triangles() const { return data_->triangles.size(); }
   /// The frame of the body in the coordinates of the triangles.
   [[nodiscard]] const pose& frame() const { return frame_; }
+  /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return data_->bounding_radius; }
   /// Area of the surface: what a density would be per.
   [[nodiscard]] real volume() const { return data_->area; }

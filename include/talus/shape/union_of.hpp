@@ -79,6 +79,7 @@ class union_of {
           "a union_of without parts is no body: make it from a list of parts");
   }
 
+  /// Number of its parts.
   [[nodiscard]] std::size_t parts() const { return data_->entries.size(); }
   /// Calls f(shape, pose in the frame of the body) for each part, in the order given.
   template <class F>
@@ -97,6 +98,7 @@ class union_of {
 
   /// The frame of the body in the coordinates of the parts.
   [[nodiscard]] const pose& frame() const { return data_->frame; }
+  /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return data_->bounding_radius; }
   /// Sum over the parts of relative density times volume: what the mass is counted by.
   [[nodiscard]] real volume() const { return data_->volume; }

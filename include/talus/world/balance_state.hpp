@@ -21,6 +21,7 @@ enum class balance_by {
 struct balance_settings {
   std::uint64_t every = 1000;  ///< steps from one look to the next, which is collective
   double above = 1.2;          ///< largest share over the mean one up to which cuts stay, >= 1
+  /// what a share is: of bodies, or of time
   balance_by by = balance_by::count;
 };
 

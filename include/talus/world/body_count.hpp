@@ -10,7 +10,9 @@
 
 namespace talus {
 
+/// How many bodies there are, and a check sum of which.
 struct body_count {
+  /// number of bodies
   std::uint64_t bodies = 0;
   std::uint64_t ids = 0;  ///< their sum, modulo 2^64
 

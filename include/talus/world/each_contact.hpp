@@ -31,6 +31,7 @@ struct loaded_contact {
 
   /// Positive where the bodies push each other apart.
   [[nodiscard]] real normal_force() const { return normal.dot(force); }
+  /// Force of friction on a.
   [[nodiscard]] vec3 tangential_force() const { return force - normal_force() * normal; }
 };
 

@@ -34,6 +34,11 @@ class force_adder {
       requires(Observer & o, const contact_key& k, const contact_geometry& g, const vec3& f) {
     o(k, g, f, true);
   };
+  /// One that is told the point where the force acts, and both centres as seen from body a.
+  static constexpr bool watches_loads =
+      requires(Observer & o, const contact_key& k, const vec3& p, const soft_force& f) {
+    o(k, p, p, p, f, true);
+  };
   static constexpr bool booked = !observed && watches<Scenario, energy_ledger>;
   static constexpr bool balanced = !observed && watches<Scenario, momentum_balance>;
   using store_a = body_store<ShapeA, typename Scenario::features>;
@@ -78,6 +83,10 @@ class force_adder {
                    if constexpr (surveyed) {
                    } else if constexpr (watches_geometry) {
                      observer_(key, g, f.force, counts);
+                   } else if constexpr (watches_loads) {
+                     // As in add(): what is immovable is met with the surface itself.
+                     const real inwards = paired ? 0 : real(0.5) * g.gap;
+                     observer_(key, vec3(g.point + inwards * g.normal), at_.a, at_.b, f, counts);
                    } else if constexpr (observed) {
                      observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
                    } else {
@@ -221,7 +230,8 @@ void gather_motion(world_state<Scenario>& s) {
 
 /// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
 /// over all ranks each acts on each of its bodies once; or observer(key, geometry, force on a,
-/// counts_here), where each counts on one rank. Changes nothing that a step depends on.
+/// counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
+/// force and moment on a, counts_here). Changes nothing that a step depends on.
 template <class Scenario, class Observer>
 void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   std::vector<bool> changed;  // is for the next step to know

@@ -13,6 +13,8 @@
 
 namespace talus {
 
+/// A body as for_each_local() and world[handle] give it: valid until bodies are added, removed or
+/// stepped.
 template <class Scenario, class Shape>
 class body_view {
   using state_type = detail::world_state<Scenario>;
@@ -25,13 +27,16 @@ class body_view {
             bool global)
       : s_(&s), open_(&open), store_(&store), i_(index), global_(global) {}
 
+  /// Number of the body, the same on all ranks.
   [[nodiscard]] system_id id() const { return store_->id[i_]; }
+  /// What refers to the body from step to step.
   [[nodiscard]] talus::handle<Shape> handle() const { return {id()}; }
   /// Whether this is a shadow copy of a body that another rank owns. False on exactly one rank for
   /// each body that is not global.
   [[nodiscard]] bool is_remote() const { return !global_ && i_ >= store_->locals; }
   /// Whether the body is known on all ranks.
   [[nodiscard]] bool is_global() const { return global_; }
+  /// Whether the body cannot move.
   [[nodiscard]] bool is_fixed() const { return store_->fixed(i_); }
   /// Whether the body sleeps: its island is at rest and left out of the steps. Known on every rank
   /// that knows the body.
@@ -40,13 +45,19 @@ class body_view {
     return false;
   }
 
+  /// Form and size.
   [[nodiscard]] const Shape& shape() const { return store_->shape[i_]; }
+  /// Position of the centre of mass, length.
   [[nodiscard]] const vec3& position() const { return store_->position[i_]; }
+  /// Velocity of the centre of mass, length per time.
   [[nodiscard]] const vec3& velocity() const { return store_->velocity[i_]; }
+  /// Angular velocity in the world frame, radians per time.
   [[nodiscard]] const vec3& angular_velocity() const { return store_->angular_velocity[i_]; }
   /// The identity where this shape stores no orientation (see features<orientation>).
   [[nodiscard]] quat orientation() const { return store_->pose(i_).orientation; }
+  /// Position and orientation.
   [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
+  /// What it is made of: see world.materials().
   [[nodiscard]] material_id material() const { return store_->material[i_]; }
   /// Mass by density and volume, also of a fixed body.
   [[nodiscard]] real mass() const requires(Shape::finite) {
@@ -54,6 +65,7 @@ class body_view {
   }
   /// Principal moments of inertia in the frame of the body, also of a fixed body.
   [[nodiscard]] vec3 inertia() const requires(Shape::finite) { return mass() * shape().inertia(); }
+  /// The number that the user gave it; features<user_ids>.
   [[nodiscard]] std::uint32_t user_id() const {
     if constexpr (detail::require_feature<Scenario, user_ids>()) return store_->user_id[i_];
     return 0;
@@ -70,6 +82,7 @@ class body_view {
     refuse_velocity();
     store_->velocity[i_] = v;
   }
+  /// Sets the angular velocity in the world frame, radians per time.
   void set_angular_velocity(const vec3& w) {
     prepare_change("angular velocity", w);
     refuse_velocity();
@@ -144,6 +157,7 @@ class body_view {
         store_->flags[i_] |= detail::flag_invisible;
     }
   }
+  /// Whether pictures show the body.
   [[nodiscard]] bool is_visible() const { return !(store_->flags[i_] & detail::flag_invisible); }
 
   /// Adds a force on the centre of mass for the next step.

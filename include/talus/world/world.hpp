@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "talus/body/body.hpp"
+#include "talus/core/field_names.hpp"
 #include "talus/core/random.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/parallel/check_connections.hpp"
@@ -27,6 +28,7 @@ namespace talus {
 
 /// How often something is done, in steps.
 struct every {
+  /// number of steps from one time to the next
   std::uint64_t steps = 1;
 };
 
@@ -65,7 +67,9 @@ class world {
   world(const world&) = delete;
   world& operator=(const world&) = delete;
 
+  /// Number of this rank, from 0.
   [[nodiscard]] int rank() const { return state_.link->rank(); }
+  /// Number of ranks.
   [[nodiscard]] int ranks() const { return state_.link->size(); }
 
   // --- Domain --------------------------------------------------------------------------------
@@ -81,6 +85,11 @@ class world {
     undivided_.clear();
     synchronized_ = false;
   }
+  /// Refuses other fields.
+  template <class D = decomposition_type,
+            detail::sentence Fields = detail::fields::of_decomposition<D>::type::says>
+  typename detail::fields::of_decomposition<D>::type::template refused<Fields> decompose(...)
+      TALUS_REFUSED;
   /// Connects this rank to another one, in one of the five forms of domain::connect.
   template <class... Args>
   void connect(int rank, Args&&... args) {
@@ -94,6 +103,7 @@ class world {
     state_.own.disconnect(rank);
     rewired_ = true;
   }
+  /// The ranks that this one is connected to, and where their domains are.
   [[nodiscard]] std::span<const connection> connections() const { return state_.own.connections(); }
   /// Collective: throws runtime_error, alike on all ranks, if connections are missing, one-sided,
   /// or if domains leave a gap or overlap; the message lists what was found.
@@ -119,6 +129,9 @@ class world {
       state_.balance.moves = true;
     }
   }
+  /// Refuses other fields.
+  template <detail::sentence Fields = detail::fields::balance_settings>
+  detail::fields::no_balance_settings<Fields> balance(...) TALUS_REFUSED;
   /// The decomposition as it is now, its cuts where they have been moved to.
   [[nodiscard]] const decomposition_type& divided() const {
     static_assert(balances,
@@ -156,17 +169,27 @@ class world {
 
   // --- Parameters ----------------------------------------------------------------------------
 
+  /// Makes a material, alike on all ranks; its fields are those of `material`. Throws
+  /// invalid_argument for a value out of its range, with the range.
   material_id material(const talus::material& m) {
     sections_.require_all_ranks("material", rank());
     if constexpr (Scenario::contact_law::soft)
       detail::require_springs<typename Scenario::contact_law>(m);
     return state_.materials.add(m);
   }
+  /// Refuses other fields.
+  template <detail::sentence Fields = detail::fields::material>
+  detail::fields::no_material<Fields> material(...) TALUS_REFUSED;
   /// Properties of contacts between two materials, instead of the mean of theirs.
   void material_pair(material_id a, material_id b, const pair_material& p) {
     state_.materials.set_pair(a, b, p);
     if constexpr (detail::world_state<Scenario>::sleeps) state_.sleep.all = true;
   }
+  /// Refuses other fields.
+  template <detail::sentence Fields = detail::fields::pair_material>
+  detail::fields::no_pair_material<Fields> material_pair(material_id, material_id,
+                                                         ...) TALUS_REFUSED;
+  /// The materials made so far, and the properties of their pairs.
   [[nodiscard]] const material_table& materials() const { return state_.materials; }
   /// Acceleration of all bodies.
   void gravity(const vec3& g) {
@@ -176,6 +199,7 @@ class world {
       state_.sleep.all = state_.sleep.all || g != state_.gravity;
     state_.gravity = g;
   }
+  /// The acceleration that was set; zero at the beginning.
   [[nodiscard]] const vec3& gravity() const { return state_.gravity; }
   /// Part of all velocities that is kept per unit of time, in (0, 1].
   void damping(real kept) {
@@ -203,6 +227,9 @@ class world {
       state_.sleep.settings = how;
     }
   }
+  /// Refuses other fields.
+  template <detail::sentence Fields = detail::fields::sleep_settings>
+  detail::fields::no_sleep_settings<Fields> sleeping(...) TALUS_REFUSED;
   /// Wakes all islands, in the next step. All ranks call it alike; for one island see
   /// body_view::wake.
   void wake() {
@@ -211,9 +238,11 @@ class world {
       state_.sleep.all = true;
     }
   }
+  /// Settings of the contact solver, to be changed alike on all ranks.
   [[nodiscard]] solver_settings& solver() requires(!Scenario::contact_law::soft) {
     return state_.settings;
   }
+  /// Settings of the contact solver.
   [[nodiscard]] const solver_settings& solver() const requires(!Scenario::contact_law::soft) {
     return state_.settings;
   }
@@ -224,6 +253,7 @@ class world {
   }
   /// Seed of all random numbers that fill() hands out. Set alike on all ranks.
   void seed(std::uint64_t seed) { seed_ = seed; }
+  /// The seed that was set.
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
 
   // --- Bodies --------------------------------------------------------------------------------
@@ -254,6 +284,7 @@ class world {
     }
     return {};
   }
+  /// The same for a body at rest.
   template <class Shape>
   handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
                     const quat& orientation = {1, 0, 0, 0}) {
@@ -316,6 +347,9 @@ class world {
   /// invalid_argument for a force or a speed that is not positive, or where there is no axis.
   template <class Shape>
   void hold_force(handle<Shape> h, const servo& how);
+  /// Refuses other fields.
+  template <class Shape, detail::sentence Fields = detail::fields::servo>
+  detail::fields::no_servo<Fields> hold_force(handle<Shape>, ...) TALUS_REFUSED;
   /// A driven body stays where it is, from now on. Likewise for all ranks.
   template <class Shape>
   void halt(handle<Shape> h);
@@ -386,6 +420,9 @@ class world {
   /// Collective: many steps; the observers are called after each. Ends early by stop(), or where a
   /// condition holds. Throws invalid_argument for a dt that is not positive.
   void simulate(const simulation& s);
+  /// Refuses other fields.
+  template <detail::sentence Fields = detail::fields::simulation>
+  detail::fields::no_simulation<Fields> simulate(...) TALUS_REFUSED;
   /// Ends the call of simulate() that is under way, after the present step; a later call goes on.
   /// In a function given to observe() any rank may call it: the ranks agree after the function, by
   /// one reduction where there are several. Elsewhere all ranks call it after the same step. A
@@ -427,7 +464,9 @@ class world {
   void record(const std::string& name, double value, const std::string& dimension = "") {
     records_.set(name, value, dimension);
   }
+  /// The numbers that record() was given.
   [[nodiscard]] const detail::recorded_values& records() const { return records_; }
+  /// The same, for checkpoints to fill in.
   [[nodiscard]] detail::recorded_values& records() { return records_; }
   /// State of the user's own that checkpoints hold: a value of which all ranks have the same, or
   /// that rank 0 alone uses, such as a number or a random_stream; rank 0's is stored, and at a
@@ -472,12 +511,14 @@ class world {
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
 
+  /// Time steps made so far, those before a restart included.
   [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
   /// The step with which the present call of simulate() ends, or the last one ended.
   [[nodiscard]] std::uint64_t last_step() const { return last_step_; }
   /// Pictures are taken of this world, by take_pictures() or in another way: run() accepts
   /// --frames then.
   void note_pictures() { takes_pictures_ = true; }
+  /// Whether note_pictures() was called.
   [[nodiscard]] bool takes_pictures() const { return takes_pictures_; }
   /// Calls of simulate() so far.
   [[nodiscard]] std::uint64_t simulations() const { return simulations_; }
@@ -494,11 +535,13 @@ class world {
     else
       return 0;
   }
+  /// Time that has passed, in units of time.
   [[nodiscard]] real time() const { return state_.time; }
 
   /// The parts of this world, for observers and outputs.
   [[nodiscard]] const detail::world_state<Scenario>& state() const { return state_; }
   [[nodiscard]] detail::world_state<Scenario>& state() { return state_; }
+  /// What sends messages between the ranks, for reductions of one's own.
   [[nodiscard]] link_type& link() { return *state_.link; }
 
  private:

@@ -1,0 +1,401 @@
+#!/usr/bin/env python3
+"""Writes docs/members.md, all members of what users hold in their hands, and
+include/talus/core/field_names.hpp, the sentences that list the fields of options where braces have a
+wrong one. Both follow from the headers; `./dev docs --sheet` runs this.
+  members.py ROOT [--check]      --check: only says what is out of date, or lacks a docstring
+"""
+import pathlib
+import re
+import sys
+
+root = pathlib.Path(sys.argv[1])
+include = root / "include" / "talus"
+
+# What is on the sheet: headings, and below them (header, class, how it is shown) or (header, [functions]).
+SHEET = [
+    ("Worlds", "`world` in a set-up; *collective* functions are called by all ranks.", [
+        ("world/world.hpp", "world", "world<Scenario>"),
+        ("world/world.hpp", "every", "every"),
+        ("world/checkpoints.hpp", "simulation", "simulation"),
+        ("world/body_count.hpp", "body_count", "body_count"),
+        ("world/response_state.hpp", "convergence", "convergence"),
+        ("response/solver_settings.hpp", "solver_settings", "solver_settings"),
+    ]),
+    ("Bodies", "What is added, what `for_each_local` and `world[handle]` give, and shapes.", [
+        ("body/body.hpp", "body", "body<Shape>"),
+        ("body/body.hpp", "handle", "handle<Shape>"),
+        ("world/view.hpp", "body_view", "body_view<Scenario, Shape>"),
+        ("shape/sphere.hpp", "sphere", "sphere"),
+        ("shape/box.hpp", "box", "box"),
+        ("shape/capsule.hpp", "capsule", "capsule"),
+        ("shape/cylinder.hpp", "cylinder", "cylinder"),
+        ("shape/plane.hpp", "plane", "plane"),
+        ("shape/convex_polyhedron.hpp", "convex_polyhedron", "convex_polyhedron"),
+        ("shape/union_of.hpp", "union_of", "union_of<Shapes...>"),
+        ("shape/triangle_mesh.hpp", "triangle_mesh", "triangle_mesh"),
+        ("body/motion.hpp", "*", ""),
+        ("world/driven_bodies.hpp", "servo", "servo"),
+        ("shape/surfaces.hpp", "*", ""),
+        ("shape/surfaces.hpp", ["triangles_of_revolution", "surface_of_revolution", "tube_surface", "cone_surface"]),
+        ("io/stl.hpp", ["read_stl"]),
+    ]),
+    ("Contacts", "What touches, and with which force.", [
+        ("world/each_contact.hpp", "loaded_contact", "loaded_contact"),
+        ("contact/contact_geometry.hpp", "contact_geometry", "contact_geometry"),
+        ("world/each_contact.hpp", ["for_each_contact"]),
+        ("observe/force.hpp", ["contact_force", "contact_torque"]),
+        ("observe/coordination.hpp", "*", ""),
+        ("observe/coordination.hpp", ["*"]),
+    ]),
+    ("Materials", "Units are those of the scene: see [units](policies/contact.md#units).", [
+        ("body/material.hpp", "material", "material"),
+        ("body/material.hpp", "pair_material", "pair_material"),
+        ("body/material.hpp", "material_table", "material_table"),
+    ]),
+    ("Options", "What `run` reads from the command line, and the settings of single functions.", [
+        ("scene/options.hpp", "options", "options"),
+        ("io/povray.hpp", "picture", "picture"),
+        ("scene/inflow.hpp", "inflow", "inflow"),
+        ("scene/inflow.hpp", "inserted", "inserted"),
+        ("scene/outflow.hpp", "removed", "removed"),
+        ("world/sleep_state.hpp", "sleep_settings", "sleep_settings"),
+        ("world/balance_state.hpp", "balance_settings", "balance_settings"),
+        ("observe/fields.hpp", "field_grid", "field_grid"),
+    ]),
+    ("Decompositions", "`world.decompose({...}, reach{d})`; chosen by `decomposition<...>`.", [
+        ("parallel/reach.hpp", "reach", "reach"),
+        ("parallel/grid.hpp", "grid", "grid<X, Y, Z>"),
+        ("parallel/rectilinear.hpp", "rectilinear", "rectilinear<X, Y, Z>"),
+        ("parallel/bisection.hpp", "bisection", "bisection<N>"),
+        ("parallel/slabs.hpp", "slabs", "slabs<N>"),
+        ("parallel/ring.hpp", "ring", "ring<N>"),
+        ("parallel/hexagonal.hpp", "hexagonal", "hexagonal<R>"),
+    ]),
+    ("Places and random numbers", "For `world.fill`.", [
+        ("scene/lattice.hpp", "*", ""),
+        ("scene/region.hpp", "box_region", "box_region"),
+        ("scene/region.hpp", "vertical_cylinder", "vertical_cylinder"),
+        ("scene/region.hpp", "ball_region", "ball_region"),
+        ("scene/ring.hpp", "ring_of", "ring_of"),
+        ("scene/site.hpp", "site", "site"),
+        ("scene/sizes.hpp", "uniform_size", "uniform_size"),
+        ("scene/sizes.hpp", "lognormal_size", "lognormal_size"),
+        ("core/random.hpp", "random_stream", "random_stream"),
+    ]),
+    ("Observers", "Functions of a world; `<talus/observe.hpp>` has those of fields and flow.", [
+        ("observe/motion.hpp", "*", ""), ("observe/motion.hpp", ["*"]),
+        ("observe/penetration.hpp", "*", ""), ("observe/penetration.hpp", ["*"]),
+        ("observe/residual.hpp", ["*"]),
+        ("observe/energy.hpp", ["*"]),
+        ("observe/momentum.hpp", ["*"]),
+        ("observe/overlaps.hpp", ["*"]),
+        ("observe/digest.hpp", ["*"]),
+        ("observe/critical_dt.hpp", ["*"]),
+        ("observe/fields.hpp", "coarse_fields", "coarse_fields"),
+        ("observe/fields.hpp", ["measure_fields"]),
+        ("observe/flow.hpp", "*", ""),
+        ("scene/inflow.hpp", ["insert_by_rate"]),
+        ("scene/outflow.hpp", ["*"]),
+        ("scene/pictures.hpp", ["take_pictures"]),
+        ("scene/force_field.hpp", ["*"]),
+    ]),
+]
+
+# Structs that are written as braces, {.field = ...}: name of the sentence, header, struct, and what is asked.
+FIELDS = [
+    ("material", "body/material.hpp", "material", "world.material({...})"),
+    ("pair_material", "body/material.hpp", "pair_material", "world.material_pair(a, b, {...})"),
+    ("simulation", "world/checkpoints.hpp", "simulation", "world.simulate({...})"),
+    ("balance_settings", "world/balance_state.hpp", "balance_settings", "world.balance({...})"),
+    ("sleep_settings", "world/sleep_state.hpp", "sleep_settings", "world.sleeping({...})"),
+    ("servo", "world/driven_bodies.hpp", "servo", "world.hold_force(body, {...})"),
+    ("inflow", "scene/inflow.hpp", "inflow", "insert_by_rate(world, {...}, region, make)"),
+    ("picture", "io/povray.hpp", "picture", "take_pictures(world, options, {...})"),
+    ("field_grid", "observe/fields.hpp", "field_grid", "measure_fields(world, {...})"),
+    ("grid", "parallel/grid.hpp", "grid", "world.decompose({...}) of a grid"),
+    ("rectilinear", "parallel/rectilinear.hpp", "rectilinear", "world.decompose({...}) of a rectilinear grid"),
+    ("bisection", "parallel/bisection.hpp", "bisection", "world.decompose({...}) of a bisection"),
+    ("slabs", "parallel/slabs.hpp", "slabs", "world.decompose({...}) of slabs"),
+    ("ring", "parallel/ring.hpp", "ring", "world.decompose({...}) of a ring"),
+    ("hexagonal", "parallel/hexagonal.hpp", "hexagonal", "world.decompose({...}) of hexagonal cells"),
+]
+
+# For those who extend the library, not for those who use what it has.
+INSIDE = {"pack", "resolve", "half_extents", "support", "describe", "for_each_in", "extent", "as_grid", "reach_from",
+          "mesh", "tree", "state", "frame", "operator=", "add_body", "decomposition_lower", "reach_of_axis"}
+INSIDE_OF = {"convergence": {"add", "add_residual"}, "body_count": {"add", "remove"},
+             "simple_cubic": {"step", "shift"}, "body_centred_cubic": {"step", "shift"},
+             "face_centred_cubic": {"step", "shift"}, "hexagonal_close_packed": {"step", "shift"}}
+
+OPEN, CLOSE = "([{", ")]}"
+
+
+def skip(text, i):
+    """Behind the string, character or comment that begins at i, or i."""
+    if text.startswith("//", i):
+        end = text.find("\n", i)
+        return len(text) if end < 0 else end
+    if text[i] in "\"'" and not (text[i] == "'" and text[i - 1].isalnum()):
+        quote, i = text[i], i + 1
+        while text[i] != quote:
+            i += 2 if text[i] == "\\" else 1
+        return i + 1
+    return i
+
+
+def closing(text, i):
+    """Behind the bracket that closes the one at i."""
+    depth = 0
+    while i < len(text):
+        j = skip(text, i)
+        if j > i:
+            i = j
+            continue
+        depth += (text[i] in OPEN) - (text[i] in CLOSE)
+        i += 1
+        if depth == 0:
+            return i
+    raise SystemExit("unbalanced brackets")
+
+
+def bare(declaration):
+    """Without template arguments, in which brackets and commas mean nothing here."""
+    declaration = declaration.replace("->", "  ").replace(">=", "  ")
+    while True:
+        less = re.sub(r"<[^<>()]*(\([^()]*\))?[^<>()]*>", lambda m: " " * len(m[0]), declaration)
+        if less == declaration:
+            return declaration
+        declaration = less
+
+
+def declarations(text):
+    """(docstring, declaration, body or None) of what stands directly in this text, with access."""
+    i, doc, public = 0, [], True
+    while i < len(text):
+        if text[i].isspace() or text[i] == ";":
+            i += 1
+        elif text.startswith("///", i):
+            end = skip(text, i)
+            doc.append(text[i + 3:end].strip())
+            i = end
+        elif text.startswith("//", i) or text[i] == "#":
+            end = text.find("\n", i)
+            while text[end - 1] == "\\":
+                end = text.find("\n", end + 1)
+            if text[i] == "/":
+                doc = []
+            i = end if end >= 0 else len(text)
+        elif found := re.compile(r"(public|private|protected):").match(text, i):
+            public, i, doc = found[1] == "public", found.end(), []
+        else:
+            begin, body, head_end = i, None, None
+            while i < len(text):
+                j = skip(text, i)
+                if j > i:
+                    i = j
+                elif text[i] == ";":
+                    head_end = i if head_end is None else head_end
+                    i += 1
+                    break
+                elif text[i] == "{":
+                    head = text[begin:i]
+                    end = closing(text, i)
+                    after = text[end:end + 40].lstrip()
+                    flat = bare(head)
+                    kind = re.match(r"\s*(template\s*)?(inline |constexpr )*(class|struct|union|enum|namespace)\b",
+                                    flat.strip())
+                    function = "(" in flat and "=" not in re.sub(r"operator\S+", "", re.sub(r"\([^()]*\)", "", flat))
+                    if re.search(r"(\brequires|=|&&|\|\||!|\()\s*requires\s*(\([^()]*\))?\s*$", head):
+                        i = end  # a requires-expression
+                    elif kind or (function and not after.startswith((",", "{"))):
+                        body, head_end, i = text[i + 1:end - 1], i, end
+                        break
+                    else:
+                        i = end
+                elif text[i] in "([":
+                    i = closing(text, i)
+                else:
+                    i += 1
+            declaration = text[begin:head_end]
+            while found := re.compile(r"[ \t]*\n?[ \t]*///<(.*)").match(text, i):
+                doc.append(found[1].strip())
+                i = found.end()
+            yield " ".join(doc).strip(), re.sub(r"//.*", "", declaration), body, public
+            doc = []
+
+
+def namespaces(text):
+    """What stands in namespace talus, details left out; inline namespaces are no border."""
+    for doc, declaration, body, _ in declarations(text):
+        head = declaration.strip()
+        if re.match(r"(inline )?namespace", head):
+            if not re.search(r"\bdetail\b", head):
+                yield from namespaces(body)
+        else:
+            yield doc, declaration, body
+
+
+def members(body, is_class):
+    """(docstring, declaration) of the public members."""
+    text = ("private:\n" if is_class else "") + body
+    for doc, declaration, inner, public in declarations(text):
+        head = " ".join(declaration.split())
+        flat = re.sub(r"^template <[^{};]*?> (?=[a-z\[])", "", head)
+        flat = re.sub(r"^requires [^;]*? (?=\[\[|void|[a-z_:]+ )", "", flat) if flat.startswith("requires") else flat
+        if not public or not head or re.match(
+                r"(static_assert|friend|using|typedef|enum|struct|class|explicit|static|~)", flat):
+            continue
+        yield doc, head
+
+
+def tidy(head):
+    """A declaration as a row of the sheet shows it."""
+    head = re.sub(r"\[\[[^\]]*\]\]\s*", "", head)
+    head = re.sub(r"^template <.*?>\s+(?=[a-z_])", "", head) if head.startswith("template") else head
+    head = re.sub(r"^template <.*>\s+(?=[a-z_]+ [a-z_]+\()", "", head)
+    head = re.sub(r"\brequires\b.*", "", head)
+    head = re.sub(r"\b(inline|constexpr|consteval|talus::|typename )", "", head)
+    return " ".join(head.replace("|", "\\|").split()).strip(" ,")
+
+
+def is_function(head):
+    text = re.sub(r"\{.*", "", bare(tidy(head)))
+    at = text.find(" = ")
+    return "(" in (text if at < 0 or "operator" in text[:at] else text[:at])
+
+
+def named(head):
+    """The name that is declared."""
+    if found := re.search(r"\boperator\s*(\(\)|[^\s(]+)", head):
+        return "operator" + found[1]
+    text = bare(tidy(head))
+    if is_function(head):
+        return re.search(r"(\w+)\s*\(", text)[1]
+    return re.split(r"[={]", text)[0].split(",")[0].split()[-1]
+
+
+def first_sentence(doc):
+    found = re.match(r"(.*?[^.]\.)(?= [A-Z`]|$)", doc)
+    text = (found[1] if found else doc).strip()
+    return text.replace("|", "\\|")
+
+
+def classes(header, wanted):
+    for doc, declaration, body in namespaces((include / header).read_text()):
+        head = " ".join(declaration.split())
+        found = re.search(r"\b(class|struct)\s+(?:\[\[[^\]]*\]\]\s*)?(\w+)(?![\w:]*\s*<)", re.sub(r"template <.*?>(?= (class|struct|requires))", "", head))
+        if body is not None and found and (wanted == "*" or found[2] == wanted):
+            yield found[2], doc, list(members(body, found[1] == "class"))
+
+
+def fields(header, struct):
+    """Names of the data members of an aggregate, in their order."""
+    names = []
+    for _, _, all_of in classes(header, struct):
+        for _, head in all_of:
+            if is_function(head) or "operator" in head:
+                continue
+            declarators = re.sub(r"\{[^{}]*(\{[^{}]*\}[^{}]*)*\}", "", bare(head))
+            first, *rest = declarators.split(",")
+            names.append(re.split(r"=", first)[0].split()[-1])
+            names += [re.split(r"=", r)[0].strip() for r in rest]
+    if not names:
+        raise SystemExit(f"members.py: {header} has no struct {struct} with fields")
+    return names
+
+
+def sheet():
+    lines = ["# Members", "",
+             "All members of what a scenario has in its hands, on one sheet, a sentence each; the headers say the rest,",
+             "with units and errors, and so does the reference of `./dev docs`.",
+             "Written by `./dev docs --sheet` from the headers; a test compares the two."]
+    faults = []
+
+    def row(where, name, head, doc):
+        if not doc:
+            faults.append(f"include/talus/{where}: '{tidy(head)}' has no docstring")
+        lines.append(f"| `{tidy(head)}` | {first_sentence(doc)} |")
+
+    for title, intro, entries in SHEET:
+        lines += ["", f"## {title}", "", intro]
+        for entry in entries:
+            header, what = entry[0], entry[1]
+            if isinstance(what, list):
+                found = [(d, " ".join(h.split())) for d, h, b in namespaces((include / header).read_text())
+                         if is_function(h) and not re.match(r"\s*(template <>|extern|using|static_assert)", h)]
+                found = [(d, h) for d, h in found if "operator" not in h and not d.startswith("Refuses") and
+                         (what == ["*"] or re.search(r"(\w+)\s*\(", bare(tidy(h)))[1] in what)]
+                if not found:
+                    faults.append(f"include/talus/{header}: no function {what}")
+                    continue
+                lines += ["", f"### Functions of {header}", "", "| | |", "|---|---|"]
+                for doc, head in found:
+                    row(header, "", head, doc)
+                continue
+            found = list(classes(header, what))
+            if not found:
+                faults.append(f"include/talus/{header}: no class {what}")
+            for name, doc, all_of in found:
+                all_of = [(d, h) for d, h in all_of
+                          if not re.match(rf"(template <.*> )?(explicit )?{name}\(", tidy(h)) and
+                          not d.startswith("Refuses") and named(h) not in INSIDE | INSIDE_OF.get(name, set()) and not named(h).endswith("_")]
+                if not all_of:
+                    continue
+                if not doc:
+                    faults.append(f"include/talus/{header}: '{name}' has no docstring")
+                lines += ["", f"### {entry[2] or name}", "", f"{first_sentence(doc)} [{header}](../include/talus/{header})",
+                          "", "| | |", "|---|---|"]
+                for d, h in all_of:
+                    row(header, name, h, d)
+    return "\n".join(lines) + "\n", faults
+
+
+def said(names):
+    return ", ".join(names[:-1]) + (" and " if len(names) > 1 else "") + names[-1]
+
+
+def sentences():
+    lines = ["#pragma once",
+             "// The fields of options, as messages list them. Written by ./dev docs --sheet from the structs.",
+             '#include "talus/core/refused_fields.hpp"', "", "namespace talus::detail::fields {", "",
+             "// clang-format off"]
+    words = {name: f"{call} takes {'the fields' if len(f) > 1 else 'the field'} {said(f)}, "
+                   f"{'in this order' if len(f) > 1 else 'with a value of its type'}"
+             for name, header, struct, call in FIELDS for f in [fields(header, struct)]}
+    words["decomposition"] = ("world.decompose({...}) takes the fields of its decomposition, which "
+                              "docs/policies/decomposition.md lists, in their order")
+    for name, text in words.items():
+        lines += [f'inline constexpr sentence {name} = "{text}";',
+                  f"template <sentence S> struct no_{name} {{",
+                  f'  static_assert(unrefused<S>, "{text}");', "};",
+                  f"struct {name}_fields {{",
+                  f"  static constexpr auto says = {name};",
+                  f"  template <sentence S> using refused = no_{name}<S>;", "};"]
+    lines += ["// clang-format on", "",
+              "/// Those of a decomposition: its own, or where it names none a sentence that says where they are.",
+              "template <class Decomposition>", "struct of_decomposition {", "  using type = decomposition_fields;",
+              "};", "template <class Decomposition>", "requires requires { typename Decomposition::talus_fields; }",
+              "struct of_decomposition<Decomposition> {", "  using type = typename Decomposition::talus_fields;",
+              "};", "", "}  // namespace talus::detail::fields"]
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    page, faults = sheet()
+    outputs = {root / "docs" / "members.md": page, include / "core" / "field_names.hpp": sentences()}
+    material = include / "body" / "material.hpp"
+    outputs[material] = re.sub(r"a_material_has_\w+", "a_material_has_" + "_".join(
+        fields("body/material.hpp", "material")[:-1] + ["and", fields("body/material.hpp", "material")[-1]]),
+        material.read_text())
+    for file, text in outputs.items():
+        if "--check" in sys.argv:
+            if not file.is_file() or file.read_text() != text:
+                faults.append(f"{file.relative_to(root)} is out of date: run ./dev docs --sheet")
+        elif not file.is_file() or file.read_text() != text:
+            file.write_text(text)
+    print("\n".join(faults))
+    print(f"{page.count(chr(10) + '| `')} members, {len(faults)} faults")
+    sys.exit(1 if faults else 0)
+
+
+main()

@@ -1,0 +1,98 @@
+#pragma once
+// Well-known things that talus does not have, by the names under which they are looked for: whoever
+// puts one into a scenario gets a sentence and the page docs/not_there.md, not an undeclared name.
+// A name goes from here when the thing comes.
+
+namespace talus {
+
+namespace detail {
+
+template <class>
+inline constexpr bool is_there = false;
+
+}  // namespace detail
+
+struct joints final {
+  template <class T>
+  struct refusal {
+    static_assert(detail::is_there<T>,
+                  "talus has no joints, hinges or limits: docs/not_there.md says which code has");
+  };
+};
+struct motors final {
+  template <class T>
+  struct refusal {
+    static_assert(detail::is_there<T>,
+                  "talus has no motors on joints: world.drive moves bodies, and docs/not_there.md "
+                  "says which code has joints");
+  };
+};
+struct cohesion final {
+  template <class T>
+  struct refusal {
+    static_assert(detail::is_there<T>,
+                  "talus has no cohesion: docs/not_there.md says which code has");
+  };
+};
+struct liquid_bridges final {
+  template <class T>
+  struct refusal {
+    static_assert(detail::is_there<T>,
+                  "talus has no liquid bridges: docs/not_there.md says which code has");
+  };
+};
+struct bonds final {
+  template <class T>
+  struct refusal {
+    static_assert(detail::is_there<T>,
+                  "talus has no bonds between bodies: docs/not_there.md says which code has");
+  };
+};
+struct ellipsoid final {
+  template <class T>
+  struct refusal {
+    static_assert(
+        detail::is_there<T>,
+        "talus has no ellipsoids: docs/not_there.md says what to take instead, and which code has");
+  };
+};
+struct superquadric final {
+  template <class T>
+  struct refusal {
+    static_assert(detail::is_there<T>,
+                  "talus has no superquadrics: docs/not_there.md says what to take instead, and "
+                  "which code has");
+  };
+};
+struct height_field final {
+  template <class T>
+  struct refusal {
+    static_assert(detail::is_there<T>,
+                  "talus has no height fields: take a triangle_mesh, see docs/not_there.md");
+  };
+};
+
+namespace detail {
+
+template <class>
+inline constexpr bool is_missing = false;
+template <>
+inline constexpr bool is_missing<joints> = true;
+template <>
+inline constexpr bool is_missing<motors> = true;
+template <>
+inline constexpr bool is_missing<cohesion> = true;
+template <>
+inline constexpr bool is_missing<liquid_bridges> = true;
+template <>
+inline constexpr bool is_missing<bonds> = true;
+template <>
+inline constexpr bool is_missing<ellipsoid> = true;
+template <>
+inline constexpr bool is_missing<superquadric> = true;
+template <>
+inline constexpr bool is_missing<height_field> = true;
+
+}  // namespace detail
+
+}  // namespace talus

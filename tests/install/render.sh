@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# ./dev render says how far it is, draws one picture where one is asked for, draws fast where that is
+# enough, and nothing twice; with a stand-in for POV-Ray.
+#   render.sh ROOT
+set -euo pipefail
+root=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+mkdir bin pictures
+cat >bin/povray <<'END'
+#!/usr/bin/env bash
+for word; do
+  case $word in +I*) scene=${word#+I} ;; +O*) out=${word#+O} ;; esac
+done
+grep -q wrong "$scene" && exit 1
+echo "$@" >"$out"
+END
+chmod +x bin/povray
+export PATH=$work/bin:$PATH TALUS_NO_APT=1 TALUS_JOBS=2
+fail() { echo "$*"; cat said; exit 1; }
+for k in 0 1 2 7; do echo "scene" >"pictures/frame_0000$k.pov"; done
+sleep 0.01
+
+"$root/dev" render pictures 2>said
+for k in 1 2 3 4; do grep -Eq "^dev: picture $k of 4, [0-9]+ s, [0-9]+ s left$" said || fail "no progress $k"; done
+grep -q '+A0.2 +W800 +H600' pictures/frame_00007.png || fail "not good: $(cat pictures/frame_00007.png)"
+"$root/dev" render pictures 2>said
+grep -qx 'dev: all 4 pictures are drawn already' said || fail "drawn twice"
+"$root/dev" render pictures --quality fast --frame 7 2>said
+grep -q 'drawing 1 of 1 pictures' said && grep -q 'picture 1 of 1' said || fail "not one"
+grep -q -- '-A +W400 +H300' pictures/frame_00007.png || fail "not fast: $(cat pictures/frame_00007.png)"
+grep -q '+W800' pictures/frame_00002.png || fail "others were drawn too"
+"$root/dev" render pictures --frame=last --width=100 2>said
+grep -q '+A0.2 +W100 +H75' pictures/frame_00007.png || fail "not so wide"
+echo "wrong" >pictures/frame_00001.pov
+! "$root/dev" render pictures 2>said || fail "no failure"
+grep -q 'frame_00001.pov cannot be drawn' said && grep -q '1 of 2 pictures could not be drawn' said || fail "no reason"
+refused() { ! "$root/dev" render "${@:2}" 2>said && grep -qF -- "$1" said || fail "not refused: ${*:2}"; }
+refused 'there is no picture 3 in pictures: they go from 0 to 7' pictures --frame 3
+refused "the quality is fast or good, not 'best'" pictures --quality best
+refused "--frame takes the number of a picture, or last, not 'x'" pictures --frame x
+refused "render has no option '--qualty'" pictures --qualty fast
+refused 'render which folder?' nowhere

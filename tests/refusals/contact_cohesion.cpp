@@ -1,0 +1,13 @@
+// expects: talus has no cohesion: docs/not_there.md says which code has
+#include "talus/world/scenario.hpp"
+using namespace talus;
+
+#ifdef TALUS_CONTROL
+using parts = soft_contact<linear_spring_dashpot>;
+#else
+using parts = soft_contact<linear_spring_dashpot, cohesion>;
+#endif
+
+const parts checked;
+
+int main() {}
