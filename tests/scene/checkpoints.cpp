@@ -12,6 +12,7 @@
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
+#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/scene/run.hpp>
