@@ -321,3 +321,67 @@ TEST_CASE("lengths in millimetres and gravity in metres are noticed, either way 
   CHECK(has(program({"--steps", "3"}, ball(0.5, -9810)).out,
             "warning  in one step of 0.005 gravity moves a body by 0.49 of the mean radius 0.5"));
 }
+
+TEST_CASE("whoever sinks into light bodies under a heavy one is warned, whatever the residual is") {
+  using table = scenario<bodies<sphere, box, plane>, decomposition<grid<1, 1>>>;
+  for (const int iterations : {1, 10}) {
+    real height = 0;
+    std::uint64_t stopped_in = 0;
+    // Of one layer of light spheres, loaded with 1e6 times their weight.
+    const said s = program<table>(
+        {"--steps", "40", "--iterations", std::to_string(iterations), "--dt", "0.01"},
+        [&](auto& world, const options& options) {
+          world.gravity({0, 0, -9.81});
+          const auto light = world.material({.density = 1}),
+                     heavy = world.material({.density = 1e5});
+          world.global([&](auto& scope) { scope.add(plane{}, light); });
+          for (int k = 0; k < 36; ++k)
+            world.add(sphere{0.5}, light, {k % 6 + 0.5, k / 6 + 0.5, 0.5});
+          const auto load = world.add(box{{6, 6, 1}}, heavy, {3, 3, 1.5});
+          world.simulate({.steps = options.steps, .dt = options.dt});
+          height = world[load].position()[2];
+          stopped_in = world.steps();
+        });
+    CAPTURE(s.out);
+    CHECK(stopped_in == 40);
+    CHECK(has(s.out, "what is fixed bears "));
+    CHECK(has(s.out, "largest overlap "));
+    CHECK(has(s.out, "warning  bodies overlap by up to ") == (height < 1.45));
+    if (height > 1.499) CHECK(!has(s.out, "warning"));
+  }
+}
+
+TEST_CASE("the summary and its JSON file have the momentum balance and the overlap, with bounds") {
+  summary r;
+  r.moving.bodies = r.moving.movable = 2;
+  r.steps = 600;
+  r.gravity = 9.81;
+  r.dt = 0.005;
+  r.overlap.mean_radius = r.moving.max_speed = 0.5;
+  r.overlap.deepest = 0.049;
+  r.balance_of_forces = {
+      .known = true, .borne = 1.44, .change = 0.44, .error = 1e-15, .unstopped = 0.9};
+  CHECK(!has(to_text(r), "warning"));
+  CHECK(
+      has(to_text(r),
+          "what is fixed bears 1.44 of the weight, momentum changes by 0.44 of it, contacts leave "
+          "0.9 of it unstopped (balance to 1e-15); largest overlap 0.049 of the radius of its "
+          "body\n"));
+  CHECK(has(to_json(r), "\"balance_borne_weight\": 1.44"));
+  CHECK(has(to_json(r), "\"balance_beyond_bound\": false"));
+  CHECK(has(to_json(r), "\"overlap_over_radius\": 0.049"));
+  r.overlap.deepest = 0.53;
+  r.balance_of_forces.unstopped = 34;
+  CHECK(has(to_text(r),
+            "warning  bodies overlap by up to 0.53 of their radius, more than 0.05, whatever the "
+            "residual says: allow more iterations (--iterations, or --tolerance), take a smaller "
+            "dt, or put less weight on light bodies\n"));
+  CHECK(has(to_text(r),
+            "warning  the momentum balance is wrong: bodies go on into those that they touch, with "
+            "34 times the impulse of the weight in a step (at most 1), while what is fixed bears "
+            "1.44 of the weight"));
+  CHECK(has(to_json(r), "\"balance_beyond_bound\": true"));
+  CHECK(has(to_json(r), "\"overlap_beyond_bound\": true"));
+  r.balance_of_forces = {.known = true, .error = 1e-3};
+  CHECK(has(to_text(r), "warning  the momentum balance does not close"));
+}

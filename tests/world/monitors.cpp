@@ -299,7 +299,12 @@ TEST_CASE("no passive scene gains energy; at rest the floor bears the weight abo
       }
       const momentum_account m = measure_momentum(w);
       const vec3 on_ground = contact_force(w, ground);  // all ranks ask alike
+      const force_balance balance = measure_force_balance(w);
       if (w.rank() != 0) return;
+      CHECK(balance.borne == doctest::Approx(m.borne_weight()).epsilon(1e-9));
+      CHECK(balance.change == doctest::Approx(balance.borne - 1).epsilon(1e-9));
+      CHECK(balance.error < 1e-11);
+      CHECK(balance.unstopped < 1e-3);
       MESSAGE(ranks, " rank(s): largest rise of the energy in a step, relative ", rise,
               "; by contacts ", gain, "; borne weight - 1 = ", m.borne_weight() - 1, "; scheme ",
               b.total.scheme, ", correction ", b.total.correction, ", impact ", b.total.impact,

@@ -23,6 +23,8 @@ struct penetration {
       0;  ///< mean |gap| over the points that carried an impulse (soft: overlap)
   std::uint64_t touching = 0;  ///< points with a gap of at most a thousandth of the mean radius
   double mean_radius = 0;      ///< a length
+  /// The largest overlap over the radius (half the thickness) of the thinner body of its pair.
+  double deepest = 0;
 };
 
 namespace detail {
@@ -158,6 +160,7 @@ template <class Scenario>
                               sums.touching};
   w.link().reduce(reduction::sum, total);
   w.link().reduce(reduction::max, std::span(&sums.deepest, 1));
+  w.link().reduce(reduction::max, std::span(&sums.worst.part, 1));
 
   penetration p;
   p.mean = total[1] > 0 ? total[0] / total[1] / radius : 0;
@@ -165,6 +168,7 @@ template <class Scenario>
   p.gap_mean_loaded = total[3] > 0 ? total[2] / total[3] / radius : 0;
   p.touching = static_cast<std::uint64_t>(total[4]);
   p.mean_radius = radius;
+  p.deepest = sums.worst.part;
   return p;
 }
 

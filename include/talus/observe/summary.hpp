@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "talus/observe/critical_dt.hpp"
 #include "talus/observe/digest.hpp"
@@ -85,6 +86,8 @@ template <class Scenario>
   r.gravity = w.gravity().norm();
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);
+  r.balance_of_forces = measure_force_balance(w);
+  r.mixed = !std::is_same_v<detail::solved_scalar<Scenario>, real>;
   if constexpr (!Scenario::contact_law::soft) {
     r.residual = measure_residual(w);
     r.solved = w.convergence();

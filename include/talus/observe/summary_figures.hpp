@@ -8,6 +8,7 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/observe/balance.hpp"
+#include "talus/observe/force_balance.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
@@ -42,6 +43,8 @@ struct summary {
   double gravity = 0;            ///< its size
   motion moving;
   penetration overlap;
+  force_balance balance_of_forces;
+  bool mixed = false;         ///< whether contacts are solved in float
   contact_residual residual;  ///< of the last step
   talus::convergence solved;  ///< of all steps
   solver_settings solver;     ///< as they are now
@@ -91,6 +94,27 @@ namespace detail {
 /// Whether the shortest soft contact of the run took fewer steps than accuracy asks for.
 [[nodiscard]] inline bool contacts_unresolved(const summary& r) {
   return r.steps_per_contact > 0 && r.steps_per_contact < detail::steps_of_contact;
+}
+
+/// Bounds beyond which the summary warns. Overlap over the radius of the thinner body, of hard and
+/// of soft contacts; momentum that contacts do not stop, over the impulse of the weight in a step;
+/// and what the balance of momentum leaves open, in double and with float contacts.
+inline constexpr double overlap_bound_hard = 0.05, overlap_bound_soft = 0.2;
+inline constexpr double unstopped_bound = 1;
+inline constexpr double balance_bound = 1e-8, balance_bound_mixed = 1e-4;
+
+[[nodiscard]] inline double overlap_bound(const summary& r) {
+  return soft(r) ? overlap_bound_soft : overlap_bound_hard;
+}
+/// Whether bodies overlap by more than the bound.
+[[nodiscard]] inline bool overlap_beyond_bound(const summary& r) {
+  return !(r.overlap.deepest <= overlap_bound(r));
+}
+/// Whether contacts leave more momentum than the bound, or do not balance.
+[[nodiscard]] inline bool balance_beyond_bound(const summary& r) {
+  const force_balance& b = r.balance_of_forces;
+  return b.known && (!(b.unstopped <= unstopped_bound) ||
+                     !(b.error <= (r.mixed ? balance_bound_mixed : balance_bound)));
 }
 
 }  // namespace talus

@@ -71,6 +71,17 @@ class json_object {
   o.add("penetration_max", r.overlap.max);
   o.add("gap_mean_loaded", r.overlap.gap_mean_loaded);
   o.add("mean_radius", r.overlap.mean_radius);
+  o.add("overlap_over_radius", r.overlap.deepest);
+  o.add("overlap_beyond_bound", overlap_beyond_bound(r));
+  if (r.balance_of_forces.known) {
+    o.add("balance_borne_weight", r.balance_of_forces.borne);
+    if (!soft(r)) {
+      o.add("balance_momentum_change", r.balance_of_forces.change);
+      o.add("balance_momentum_error", r.balance_of_forces.error);
+      o.add("balance_unstopped", r.balance_of_forces.unstopped);
+    }
+    o.add("balance_beyond_bound", balance_beyond_bound(r));
+  }
   if (!soft(r)) {
     o.add("residual", r.residual.value);
     o.add("residual_max", r.residual.max);

@@ -31,6 +31,49 @@ struct time_shares {
   }
 };
 
+/// The line on the balance of momentum and the largest overlap.
+[[nodiscard, gnu::cold]] inline std::string balance_text(const talus::summary& r) {
+  const force_balance& b = r.balance_of_forces;
+  std::string line = "           ";
+  if (b.known) {
+    line += compose("what is fixed bears {} of the weight", text(b.borne, 3));
+    if (!soft(r))
+      line += compose(
+          ", momentum changes by {} of it, contacts leave {} of it unstopped (balance to {})",
+          text(b.change, 3), text(b.unstopped, 2), text(b.error, 1));
+    line += "; ";
+  }
+  return line +
+         compose("largest overlap {} of the radius of its body\n", text(r.overlap.deepest, 2));
+}
+
+/// Warnings where the residual alone would comfort.
+[[nodiscard, gnu::cold]] inline std::string balance_warnings(const talus::summary& r) {
+  const force_balance& b = r.balance_of_forces;
+  const char* const cure = soft(r) ? "take stiffer contacts with a smaller dt"
+                                   : "allow more iterations (--iterations, or --tolerance), take a "
+                                     "smaller dt, or put less weight on light bodies";
+  std::string all;
+  if (overlap_beyond_bound(r))
+    all += compose(
+        "  warning  bodies overlap by up to {} of their radius, more than {}, whatever the "
+        "residual says: {}\n",
+        text(r.overlap.deepest, 2), text(overlap_bound(r), 2), cure);
+  if (!balance_beyond_bound(r)) return all;
+  if (!(b.unstopped <= unstopped_bound))
+    all += compose(
+        "  warning  the momentum balance is wrong: bodies go on into those that they touch, with "
+        "{} times the impulse of the weight in a step (at most {}), while what is fixed bears {} "
+        "of the weight, whatever the residual says: {}\n",
+        text(b.unstopped, 2), text(unstopped_bound, 2), text(b.borne, 3), cure);
+  else
+    all += compose(
+        "  warning  the momentum balance does not close: contacts gave the bodies {} of the weight "
+        "more or less than came from what is fixed: this is a fault of talus, please report it\n",
+        text(b.error, 2));
+  return all;
+}
+
 }  // namespace detail
 
 /// The figures as a person reads them.
@@ -68,6 +111,7 @@ struct time_shares {
         "{}, and 20 to 50 are needed: take critical_dt(world, {}) / 5\n",
         text(r.impact_speed_max, 3), text(r.steps_per_contact, 3), text(r.dt, 6),
         text(r.impact_speed_max, 3));
+  warning += detail::balance_warnings(r);
   warning += detail::doubts({.bodies = r.moving.bodies,
                              .movable = r.moving.movable,
                              .steps = r.steps,
@@ -105,7 +149,7 @@ struct time_shares {
       "respond {} %, exchange {} %\n"
       "  error    overlap {} of the radius on average, {} at most; {} at the end, {} in the last "
       "step\n"
-      "{}"
+      "{}{}"
       "  motion   kinetic energy {}, fastest {}, momentum {}\n"
       "  traffic  {} and {} per step and rank at most, {} collectives per step\n"
       "  memory   {} per body\n"
@@ -117,8 +161,8 @@ struct time_shares {
       text(r.overlap.mean, 2), text(r.overlap.max, 2),
       counted(r.overlap.touching, "contact touches", "contacts touch"),
       counted(r.contacts, "contact was considered", "contacts were considered"), solving,
-      text(r.moving.kinetic_energy, 3), text(r.moving.max_speed, 3), r.moving.momentum,
-      counted(r.messages_per_step_max, "message", "messages"),
+      detail::balance_text(r), text(r.moving.kinetic_energy, 3), text(r.moving.max_speed, 3),
+      r.moving.momentum, counted(r.messages_per_step_max, "message", "messages"),
       counted(r.bytes_per_step_max, "byte", "bytes"), text(r.collectives_per_step, 6),
       counted(static_cast<std::uint64_t>(std::lround(r.bytes_per_body)), "byte", "bytes"), r.digest,
       own, warning);

@@ -9,30 +9,17 @@
 
 namespace talus::detail {
 
-/// After the response, before positions move. Contacts between bodies that move give nothing in
-/// sum; if the two sides of a contact across ranks gave differently, the balance would show it.
+/// The impulse that global and fixed bodies gave in the last step to those of this rank.
 template <class Scenario>
-void book_momentum(world_state<Scenario>& s) {
-  momentum_record& r = s.monitors.momentum;
-  r = {};
+[[nodiscard]] vec3 impulse_of_ground(const world_state<Scenario>& s) {
   const auto& solver = s.solver;
-  const real lost = s.damping == 1 ? 0 : 1 - std::pow(s.damping, s.dt);
-  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
-    if (!store.moves(i)) return;
-    const real mass = 1 / store.inverse_mass[i];
-    r.before += vec3(mass * store.velocity[i]);
-    r.gravity += vec3((s.dt * mass) * s.gravity);
-    if constexpr (std::remove_cvref_t<decltype(store)>::forced)
-      r.forces += vec3(s.dt * store.force[i]);
-    if (lost != 0) r.damping += vec3((-lost * mass) * solved_velocity(s, store, i, k));
-    r.mass += mass;
-  });
+  compensated_sum<vec3> sum;
   s.each_contact_list([&](const auto& list) {
     list.each_acting([&](const auto& c, bool on_a, bool on_b) {
       if (!on_a || !on_b) return;  // both can move
       const auto give = [&](real sign) {
         const split_impulse p = impulse_in_parts(c);
-        r.ground += vec3(sign * (p.normal + p.tangential));
+        sum += vec3(sign * (p.normal + p.tangential));
       };
       if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
         const auto b = static_cast<std::size_t>(c.b);
@@ -45,6 +32,27 @@ void book_momentum(world_state<Scenario>& s) {
       }
     });
   });
+  return sum.value();
+}
+
+/// After the response, before positions move. Contacts between bodies that move give nothing in
+/// sum; if the two sides of a contact across ranks gave differently, the balance would show it.
+template <class Scenario>
+void book_momentum(world_state<Scenario>& s) {
+  momentum_record& r = s.monitors.momentum;
+  r = {};
+  const real lost = s.damping == 1 ? 0 : 1 - std::pow(s.damping, s.dt);
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
+    if (!store.moves(i)) return;
+    const real mass = 1 / store.inverse_mass[i];
+    r.before += vec3(mass * store.velocity[i]);
+    r.gravity += vec3((s.dt * mass) * s.gravity);
+    if constexpr (std::remove_cvref_t<decltype(store)>::forced)
+      r.forces += vec3(s.dt * store.force[i]);
+    if (lost != 0) r.damping += vec3((-lost * mass) * solved_velocity(s, store, i, k));
+    r.mass += mass;
+  });
+  r.ground += impulse_of_ground(s);
 }
 
 /// After positions have moved, before bodies are handed over.

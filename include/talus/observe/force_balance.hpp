@@ -1,0 +1,146 @@
+#pragma once
+// What the contact residual does not see: what bears the weight, and bodies that go on into those
+// that should hold them. Measured when asked for, from what the last step has left.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/response/contact_work.hpp"
+#include "talus/world/fresh_start.hpp"
+#include "talus/world/last_residual.hpp"
+#include "talus/world/momentum_balance.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// The balance of momentum of the last step, over the impulse of the weight of all bodies that can
+/// move in it; without gravity all is 0. Of soft contacts only `borne`, for the present state.
+struct force_balance {
+  bool known = false;    ///< a step was made, there is gravity, and no body sleeps
+  double borne = 0;      ///< given by what is fixed, against gravity: 1 at rest
+  double change = 0;     ///< momentum gained by gravity and contacts together, against gravity
+  double error = 0;      ///< what contacts gave to the bodies, less what came from what is fixed
+  double unstopped = 0;  ///< momentum with which bodies go on into bodies that they touch
+};
+
+namespace detail {
+
+/// Of one rank, per contact: the speed at which each body moves into what it touches, beyond what
+/// gap and restitution allow. What is due to the motion of the other one is not its own.
+template <class Contact, class State>
+void add_approach(const Contact& c, const State& after, plain_vector<real>& speeds) {
+  const vec3 n = c.axis();
+  const real beyond = -violation(c, after).dot(n);
+  if (!(beyond > 0)) return;
+  const auto at = [&](std::size_t k, real sign, bool is_a) {
+    const auto& body = after.bodies[k];
+    if (body.inverse_mass == 0) return;
+    const vec3 v = in_scalar<real>(body.v), w = in_scalar<real>(body.w);
+    const vec3 u = is_a ? velocity_on_a(c, v, w) : velocity_on_b(c, v, w);
+    speeds[k] = std::max(speeds[k], std::min(beyond, sign * u.dot(n)));
+  };
+  at(static_cast<std::size_t>(c.a), -1, true);
+  if constexpr (Contact::paired) at(static_cast<std::size_t>(c.b), 1, false);
+}
+
+/// Sums of one rank: mass, what contacts gave to the own bodies, what came from fixed ones, and the
+/// momentum that they did not stop.
+struct balance_sums {
+  double mass = 0, unstopped = 0;
+  vec3 given{0, 0, 0}, ground{0, 0, 0};
+};
+
+/// Collective, as neighbours exchange velocities. The contact lists and the solver's arrays are
+/// those of the last step.
+template <class Scenario>
+[[nodiscard, gnu::cold]] balance_sums hard_balance(world_state<Scenario>& s) {
+  auto after = s.solver, given = s.solver;
+  for (auto& body : given.bodies) body.v = body.w = {0, 0, 0};
+  s.each_contact_list([&](const auto& list) {
+    if constexpr (requires { list.apply_remembered(given); }) list.apply_remembered(given);
+  });
+  if constexpr (!world_state<Scenario>::link_type::alone) refresh_last_step(s, after, given);
+  plain_vector<real> speeds;
+  speeds.assign(after.bodies.size(), 0);
+  s.each_contact_list([&](const auto& list) {
+    list.each([&](const auto& c, bool) {
+      if constexpr (has_residual<std::remove_cvref_t<decltype(c)>>) add_approach(c, after, speeds);
+    });
+  });
+  balance_sums sums;
+  sums.ground = impulse_of_ground(s);
+  // The solver's arrays tell which bodies were owned here in that step: those no message brought.
+  plain_vector<char> foreign;
+  foreign.assign(after.bodies.size(), 0);
+  for (const auto& other : s.travelled)
+    for (const auto k : other.received) foreign[k] = 1;
+  const std::size_t end = std::min<std::size_t>(after.bodies.size(), after.first_global);
+  for (std::size_t k = 0; k < end; ++k) {
+    const real inverse = after.bodies[k].inverse_mass;
+    if (inverse == 0 || foreign[k] != 0) continue;
+    sums.mass += 1 / inverse;
+    sums.given += vec3(in_scalar<real>(given.bodies[k].v) / inverse);
+    sums.unstopped += speeds[k] / inverse;
+  }
+  return sums;
+}
+
+/// The force of contacts on all bodies that can move, in the present state: inside it cancels.
+template <class Scenario>
+[[nodiscard, gnu::cold]] balance_sums soft_balance(world<Scenario>& w) {
+  auto& s = w.state();
+  balance_sums sums;
+  id_table own;
+  std::size_t all = 0;
+  w.for_each_local([&](const auto&) { ++all; });
+  own.reset(all);
+  w.for_each_local([&](const auto& b) {
+    if (b.is_fixed()) return;
+    own.add(b.id());
+    sums.mass += b.mass();
+  });
+  observe_forces(s, [&](const contact_key& key, const vec3& force, bool on_a, bool on_b) {
+    if (on_a && own.has(key.a)) sums.ground += vec3(s.dt * force);
+    if (on_b && own.has(key.b)) sums.ground -= vec3(s.dt * force);
+  });
+  sums.given = sums.ground;
+  return sums;
+}
+
+}  // namespace detail
+
+/// Collective: the momentum balance of the last step. Costs about as much as measure_residual; no
+/// step pays for it.
+template <class Scenario>
+[[nodiscard, gnu::cold]] force_balance measure_force_balance(world<Scenario>& w) {
+  w.require_all_ranks("measure_force_balance");
+  auto& s = w.state();
+  force_balance b;
+  double asleep = 0;
+  if constexpr (detail::world_state<Scenario>::sleeps)
+    w.for_each_local([&](const auto& body) { asleep += body.is_asleep(); });
+  w.link().reduce(reduction::sum, std::span(&asleep, 1));
+  const double g = s.gravity.norm();
+  if (!(g > 0) || !(s.dt > 0) || w.steps() <= w.restarted_at() || asleep > 0) return b;
+  detail::balance_sums sums;
+  if constexpr (Scenario::contact_law::soft)
+    sums = detail::soft_balance(w);
+  else
+    sums = detail::hard_balance(s);
+  std::array<double, 8> all{sums.mass,     sums.unstopped, sums.given[0],  sums.given[1],
+                            sums.given[2], sums.ground[0], sums.ground[1], sums.ground[2]};
+  w.link().reduce(reduction::sum, all);
+  const double weight = all[0] * g * s.dt;
+  if (!(weight > 0)) return b;
+  const vec3 given(all[2], all[3], all[4]), ground(all[5], all[6], all[7]), up = -s.gravity / g;
+  b.known = true;
+  b.borne = ground.dot(up) / weight;
+  b.change = given.dot(up) / weight - 1;
+  b.error = (given - ground).norm() / weight;
+  b.unstopped = all[1] / weight;
+  return b;
+}
+
+}  // namespace talus
