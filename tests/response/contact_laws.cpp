@@ -7,9 +7,11 @@
 #include <talus/contact/law.hpp>
 #include <talus/contact/soft_law.hpp>
 #include <talus/core/random.hpp>
+#include <talus/response/contact_list.hpp>
 #include <talus/response/natural_map.hpp>
 #include <talus/response/rebound.hpp>
 #include <talus/response/recall.hpp>
+#include <talus/response/round_contact.hpp>
 #include <talus/response/soft_force.hpp>
 #include <talus/response/soft_pair.hpp>
 #include <talus/world/contact_conditions.hpp>
@@ -125,6 +127,34 @@ TEST_CASE("points that are new start from equal parts of what points bore that a
   CHECK(points[1].start == vec3(0, 0, 1.5));
   CHECK(points[2].start == vec3(0, 0, 4));
   CHECK(points[3].start == vec3(0, 0, 1.5));
+}
+
+TEST_CASE("contacts with bodies of other ranks share the mass of the body that they meet in") {
+  // A light body at rest that heavy ones of another rank strike from one side, all solved from one
+  // state: with undivided masses each would give it the whole speed.
+  using contact = round_contact<law, partner::moving>;
+  for (const int strikers : {1, 2, 5}) {
+    solver_state s;
+    s.bodies.push_back({{0, 0, 0}, 1000, {0, 0, 0}, 0});
+    contact_list<contact> list;
+    for (int k = 1; k <= strikers; ++k) {
+      s.bodies.push_back({{-1, 0, 0}, 1, {0, 0, 0}, 0});
+      contact c;
+      c.a = 0, c.b = k;
+      c.normal = {-1, 0, 0};
+      list.add_boundary(c, {system_id{0}, static_cast<system_id>(k), 0}, true, nullptr);
+    }
+    s.boundary_contacts.assign(s.bodies.size(), 0);
+    list.count_boundary(s);
+    CHECK(s.boundary_contacts[0] == static_cast<std::uint32_t>(strikers));
+    list.weigh_boundary(s);
+    list.relax_boundary(s);
+    list.apply_boundary(s);
+    CAPTURE(strikers);
+    CHECK(s.bodies[0].v[0] > -1.0);
+    CHECK(s.bodies[0].v[0] < -0.99);
+    CHECK(s.bodies[1].v[0] == -1);  // its own rank applies that
+  }
 }
 
 TEST_CASE("the natural map is zero exactly where Coulomb's law holds") {
