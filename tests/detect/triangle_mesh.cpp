@@ -228,6 +228,10 @@ TEST_CASE("STL files are read as text and in binary, and what is wrong with them
   write(binary.substr(0, 300));
   CHECK_THROWS_WITH(read_stl(file), doctest::Contains("is no STL file, or is cut off: it has 300 "
                                                       "bytes, and says that it holds 12"));
+  write("\xef\xbb\xbf" + text);
+  CHECK(read_stl(file) == triangle_mesh(list));
+  CHECK_THROWS_WITH(read_stl("/tmp"), "the STL file /tmp is a folder: name the file in it");
+
   write(text.substr(0, 200));
   CHECK_THROWS_WITH(read_stl(file), doctest::Contains("ends without 'endsolid': it was cut off"));
   write("solid a\nfacet\nvertex 1 2 x\n");

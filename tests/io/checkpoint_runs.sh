@@ -40,6 +40,66 @@ wait_for() {  # a file, for up to 20 s
   fail "$1 does not come"
 }
 
+# Nothing is left of a checkpoint that could not be written, and of its lock.
+nothing_beside() {
+  local left
+  left=$(find "$(dirname "$1")" -maxdepth 1 -name "$(basename "$1").*" | head -n 1)
+  [[ -z $left ]] || fail "$left is left behind"
+}
+# One line, and none of HDF5.
+quiet_failure() {
+  ! grep -qE '[.](part|lock)' out || fail "an unfinished file or a lock is left behind"
+  ! grep -qiE 'HDF5|H5F|Segmentation|core dumped' out || { cat out; fail "HDF5 says something"; }
+  [[ $(grep -vcx 'c.h5' out) == 1 ]] || { cat out; fail "more than one line"; }
+}
+
+# A disk that cannot reserve room and becomes full after so many bytes, as network disks do: by a
+# library between the program and the system.
+full_while_writing() {
+  cat >full.c <<'END'
+#define _GNU_SOURCE
+#include <errno.h>
+#include <stdlib.h>
+#include <sys/syscall.h>
+#include <sys/types.h>
+#include <unistd.h>
+static long left = -1;
+static int full(size_t bytes) {
+  if (left < 0) left = atol(getenv("DISK_BYTES"));
+  if ((long)bytes <= left) { left -= (long)bytes; return 0; }
+  errno = ENOSPC;
+  return 1;
+}
+int fallocate(int f, int mode, off_t at, off_t bytes) {
+  (void)f; (void)mode; (void)at; (void)bytes; errno = EOPNOTSUPP; return -1;
+}
+int fallocate64(int f, int mode, off_t at, off_t bytes) { return fallocate(f, mode, at, bytes); }
+ssize_t pwrite(int f, const void* from, size_t bytes, off_t at) {
+  return full(bytes) ? -1 : syscall(SYS_pwrite64, f, from, bytes, at);
+}
+ssize_t pwrite64(int f, const void* from, size_t bytes, off_t at) { return pwrite(f, from, bytes, at); }
+ssize_t write(int f, const void* from, size_t bytes) {
+  return f > 2 && full(bytes) ? -1 : syscall(SYS_write, f, from, bytes);
+}
+END
+  cc -shared -fPIC -o full.so full.c 2>out || { echo "no disk to pretend: $(cat out)"; return 0; }
+  local bytes ranks
+  for bytes in 0 20000 90000; do
+    for ranks in 1 2; do
+      expect 1 'the checkpoint c.h5 cannot be written: there is no room for' 'are missing' -- \
+        env LD_PRELOAD="$PWD/full.so" DISK_BYTES=$bytes \
+        "$program" --quiet --ranks "$ranks" --steps 20 --checkpoint c.h5 --checkpoint-every 20
+      quiet_failure
+      cmp c.h5 before.h5
+      nothing_beside c.h5
+    done
+  done
+  expect 1 'the checkpoint c.h5 cannot be written: there is no room for' 'are missing' -- \
+    env LD_PRELOAD="$PWD/full.so" DISK_BYTES=30000 \
+    "${launch[@]}" "$program" --quiet --steps 20 --checkpoint c.h5 --checkpoint-every 20
+  cmp c.h5 before.h5
+}
+
 damage() {
   run --steps 30 --checkpoint good.h5 --checkpoint-every 30
   run --steps 30 --restart good.h5
@@ -75,12 +135,12 @@ damage() {
 }
 
 unwritable() {
-  expect 1 'cannot be written: none/c.h5.part: No such file' -- \
+  expect 1 'the checkpoint none/c.h5 cannot be written: none/c.h5: No such file' -- \
     "$program" --quiet --checkpoint none/c.h5
   echo >file
-  expect 1 'cannot be written: file/c.h5.part: Not a directory' -- \
+  expect 1 'the checkpoint file/c.h5 cannot be written: file/c.h5: Not a directory' -- \
     "$program" --quiet --checkpoint file/c.h5
-  expect 1 'cannot be written: /sys/c.h5.part: ' -- "$program" --quiet --checkpoint /sys/c.h5
+  expect 1 'cannot be written: /sys/c.h5: ' -- "$program" --quiet --checkpoint /sys/c.h5
   # A disk that becomes full: the last version stays, and can be used.
   run --steps 20 --checkpoint c.h5 --checkpoint-every 20
   cp c.h5 before.h5
@@ -88,17 +148,19 @@ unwritable() {
   for ranks in 1 2; do
     (
       ulimit -f 60
-      expect 1 'the checkpoint c.h5 cannot be written: it needs some' 'ulimit -f' -- \
+      expect 1 'the checkpoint c.h5 cannot be written: it needs some' 'ulimit -f' 'are missing' -- \
         "$program" --quiet --ranks "$ranks" --steps 40 --checkpoint c.h5 --checkpoint-every 20
     )
     cmp c.h5 before.h5
-    [[ ! -e c.h5.part ]] || fail "an unfinished file is left behind"
+    nothing_beside c.h5
   done
+  full_while_writing
   # (Where this may mount a disk of its own.)
   mkdir disk
   cat >on_small_disk.sh <<'END'
 set -e
-mount -t tmpfs -o size=$(($(stat -c %s c.h5) * 3 / 2)) none disk
+kilobytes=$(($(stat -c %s c.h5) / 4096 * 4 + 4))
+mount -t tmpfs -o size=$((kilobytes + FREE))k none disk
 cp c.h5 disk
 "$@" || code=$?
 cmp c.h5 disk/c.h5
@@ -106,13 +168,19 @@ ls disk
 exit ${code:-0}
 END
   if unshare -rm mount -t tmpfs none disk 2>out; then
-    for ranks in 1 2; do
-      expect 1 'cannot be written: there is no room for ' -- unshare -rm bash on_small_disk.sh \
-        "$program" --quiet --ranks "$ranks" --steps 20 --checkpoint disk/c.h5 --checkpoint-every 20
-      ! grep -q part$ out || fail "an unfinished file is left behind"
+    # Next to nothing, some tens of kilobytes, and half of what it takes.
+    for FREE in 4 20 60 $(($(stat -c %s c.h5) / 2048)); do
+      export FREE
+      for ranks in 1 2; do
+        expect 1 'the checkpoint disk/c.h5 cannot be written: there is no room for ' 'are missing' -- \
+          unshare -rm bash on_small_disk.sh \
+          "$program" --quiet --ranks "$ranks" --steps 20 --checkpoint disk/c.h5 --checkpoint-every 20
+        quiet_failure
+      done
     done
-    expect 1 'cannot be written: there is no room for ' -- unshare -rm bash on_small_disk.sh \
+    expect 1 'cannot be written: there is no room for ' 'are missing' -- unshare -rm bash on_small_disk.sh \
       "${launch[@]}" "$program" --quiet --steps 20 --checkpoint disk/c.h5 --checkpoint-every 20
+    [[ $(grep -c 'no room for' out) == 1 ]] || fail "more than one rank complains"
   else
     echo "no disk to fill: $(cat out)"
   fi
@@ -195,7 +263,7 @@ goes_on() {
   expect 0 -- "${launch[@]}" "$program" "${few[@]}" --quiet --steps 600 --checkpoint c.h5 \
     --checkpoint-every 30 --json end.json "$@"
   [[ $(digest end.json) == $(digest whole.json) ]] || fail "another end than without the accident"
-  [[ ! -e c.h5.part ]] || fail "an unfinished file is left behind"
+  nothing_beside c.h5
 }
 whole_run() {
   expect 0 -- "${launch[@]}" "$program" "${few[@]}" --quiet --steps 600 --checkpoint whole.h5 \
@@ -207,14 +275,14 @@ killed_writing() {
   local attempt n
   whole_run
   for ((attempt = 1; attempt <= 40; ++attempt)); do
-    rm -f c.h5 c.h5.part
+    rm -f c.h5 c.h5.part-*
     start --steps 600 --checkpoint-every 30
     wait_for c.h5
-    kill_a_rank eval 'for ((n = 0; n < 200000; ++n)); do [[ ! -e c.h5.part ]] || break; done'
+    kill_a_rank eval 'for ((n = 0; n < 200000; ++n)); do ! compgen -G "c.h5.part-*" >/dev/null || break; done'
     ends_soon
-    [[ -e c.h5.part && $code != 0 ]] && break
+    compgen -G 'c.h5.part-*' >/dev/null && [[ $code != 0 ]] && break
   done
-  [[ -e c.h5.part ]] || fail "no rank could be killed in time"
+  compgen -G 'c.h5.part-*' >/dev/null || fail "no rank could be killed in time"
   echo "killed in attempt $attempt"
   goes_on --restart c.h5
 }
@@ -249,9 +317,141 @@ killed_stepping() {
     kill_a_rank
     ends_soon
     [[ $code != 0 ]] || fail "a job with a killed rank ends well"
-    rm -f c.h5.part
     goes_on --restart c.h5
   done
+}
+
+# Goes on from c.h5 and keeps it, without waiting for the end of the run.
+goes_on_for_a_while() {
+  rm -f t.csv
+  "$program" --steps 1000000000 --restart c.h5 --checkpoint c.h5 --csv t.csv --csv-every 1 "$@" \
+    >out 2>&1 &
+  local last=$! code=0
+  wait_for t.csv
+  until [[ $(wc -l <t.csv) -gt 2 ]]; do
+    kill -0 $last 2>/dev/null || { cat out; fail "the run does not go on"; }
+    sleep 0.01
+  done
+  kill -TERM $last
+  wait $last || code=$?
+  [[ $code == 143 ]] || { cat out; fail "exit code $code"; }
+}
+
+# Killed at any moment, most of them while a file is being written: what is there can be gone on
+# with, and what the dead left keeps nobody out.
+killed_anywhere() {
+  local ranks kills n pid step
+  for ranks in 1 2; do
+    rm -f c.h5*
+    run --ranks "$ranks" --steps 3 --checkpoint c.h5
+    for ((kills = 0; kills < 25; ++kills)); do
+      "$program" --quiet --ranks "$ranks" --steps 1000000 --checkpoint c.h5 --checkpoint-every 1 \
+        --restart c.h5 >out 2>&1 &
+      pid=$!
+      # The lock is taken when the run begins.
+      for ((n = 0; n < 1000; ++n)); do [[ ! -s c.h5.lock ]] || break; sleep 0.002; done
+      sleep "0.0$((RANDOM % 90 + 10))"
+      kill -KILL $pid || { cat out; fail "the run has ended by itself after $kills kills"; }
+      wait $pid 2>/dev/null || true
+    done
+    goes_on_for_a_while --ranks "$ranks"
+    step=$(sed -n 's/.*ended by SIGTERM in step \([0-9]*\);.*/\1/p' out)
+    ((${step:-0} > kills)) || { cat out; fail "hardly a step was kept"; }
+    echo "$kills kills, step $step"
+    nothing_beside c.h5
+  done
+}
+
+# A requeued job that overlaps its predecessor.
+two_runs() {
+  local how
+  for how in serial threads mpi; do
+    local start=("$program")
+    [[ $how == threads ]] && start+=(--ranks 2)
+    [[ $how == mpi ]] && start=("${launch[@]}" "${start[@]}")
+    rm -f c.h5* t.csv
+    run --steps 3 --csv t.csv --csv-every 1
+    cp t.csv before.csv
+    "${start[@]}" --quiet --steps 1000000000 --checkpoint c.h5 --checkpoint-every 5 >out1 2>&1 &
+    pid=$!
+    wait_for c.h5
+    # It is told who is there, and touches nothing.
+    expect 1 'the checkpoint c.h5 is being written by another run (process ' "on $(uname -n), since" \
+      'wait for its end or stop it, or name another file' -- \
+      "${start[@]}" --quiet --steps 10 --checkpoint c.h5 --csv t.csv
+    expect 1 'is being written by another run' -- \
+      "$program" --quiet --steps 10 --checkpoint ./c.h5 --restart c.h5
+    cmp t.csv before.csv || fail "the refused run has touched another file"
+    kill -0 $pid || fail "the first run has ended ($how)"
+    # From what it writes others can go on meanwhile.
+    run --steps 3 --checkpoint d.h5
+    expect 1 'is of step' 'but this run ends with step 1:' -- \
+      "$program" --quiet --steps 1 --restart c.h5 --checkpoint d.h5
+    if [[ $how == mpi ]]; then
+      kill -KILL "$(sed -n 's/^process //p' c.h5.lock)"  # the rank that writes; mpirun ends the others
+      wait $pid || true
+    else
+      kill -KILL $pid
+      wait $pid 2>/dev/null || true
+    fi
+    # The next one is not kept out by what is left of it, and cleans up.
+    [[ -e c.h5.lock ]] || fail "the lock of a killed run is gone"
+    : >c.h5.part-abc123
+    goes_on_for_a_while
+    nothing_beside c.h5
+  done
+}
+
+# An output replaces regular files of its own kind, and nothing else unless it is forced.
+foreign() {
+  local option what file
+  mkdir folder
+  echo 'a diary' >text
+  ln -s text link
+  ln -s nowhere dangling
+  printf '\211HDF\r\n\032\nsomething else' >other.hdf
+  mkfifo pipe
+  local all=(folder text link dangling other.hdf)
+  mknod node c 1 3 2>/dev/null && all+=(node)
+  for option in --checkpoint --json --csv; do
+    for what in "${all[@]}"; do
+      expect 1 "$what is " -- "$program" --quiet --steps 1000000000 $option $what
+      [[ $(wc -l <out) == 1 ]] || { cat out; fail "more than one line"; }
+    done
+  done
+  expect 1 'the checkpoint folder is a folder: name a file in it' -- "$program" --checkpoint folder
+  expect 1 'the checkpoint pipe is a device, a pipe or a socket' -- "$program" --checkpoint pipe
+  expect 1 'text is there already and is not a checkpoint of talus' 'add --force' -- "$program" --checkpoint text
+  expect 1 'link is a symbolic link to text: name the file itself' -- "$program" --checkpoint link
+  # Not by another name of the file beside it either.
+  ln -s text c.h5.part
+  ln -s text j.json.part
+  # One kind of output is foreign to the other.
+  run --steps 5 --checkpoint c.h5 --json j.json --csv t.csv
+  expect 1 'j.json is there already and is not a checkpoint' -- "$program" --quiet --checkpoint j.json
+  expect 1 'c.h5 is there already and is not the results' -- "$program" --quiet --json c.h5
+  expect 1 'j.json is there already and is not a time series' -- "$program" --quiet --csv j.json
+  expect 2 '--json and --csv name the same file' -- "$program" --quiet --json x --csv x
+  [[ $(cat text) == 'a diary' && -L link && -L dangling && ! -e nowhere && -d folder ]] ||
+    fail "something was replaced"
+  [[ ! -e node || -c node ]] || fail "a device was replaced"
+  # Files of its own are replaced, and it says so once, without --quiet; empty ones have no content.
+  : >empty.json
+  expect 0 'j.json replaces' 't.csv replaces' 'c.h5 replaces a checkpoint' -- \
+    "$program" --steps 5 --checkpoint c.h5 --json j.json --csv t.csv
+  run --steps 5 --json empty.json
+  [[ -s empty.json ]] || fail "an empty file is not written to"
+  # By force; folders and devices never.
+  cp text text2
+  run --steps 5 --json text2 --checkpoint link --csv dangling --force
+  [[ $(digest text2) != '' && $(cat text) == 'a diary' && -f link && ! -L link && ! -L dangling ]] ||
+    fail "--force does not replace what it should, or more"
+  expect 1 'folder is a folder' -- "$program" --quiet --force --json folder
+  [[ ! -e node ]] || expect 1 'node is a device' -- "$program" --quiet --force --checkpoint node
+  # What is not replaced but written to.
+  [[ $("$program" --quiet --steps 5 --json /dev/stdout | digest /dev/stdin) == "$(digest j.json)" ]] ||
+    fail "results do not go to a pipe"
+  expect 0 'step [1],time [T]' -- "$program" --quiet --steps 5 --csv /dev/stdout
 }
 
 "$what"

@@ -130,6 +130,21 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
   CHECK(refusal_of("x,y,z,r\n0,0,0,nan\n") == ", line 2: r is 'nan', which is no finite number");
   CHECK(refusal_of("x,y,z,r\n\n0,0,0,0\n") == ", line 3: the radius r is 0, and must be positive");
   CHECK_THROWS_AS(read_packing("/tmp/no such file"), std::runtime_error);
+  CHECK_THROWS_WITH(read_packing("/tmp"), "the packing /tmp is a folder: name the file in it");
+}
+
+TEST_CASE("packings from spreadsheets are read: a byte order mark, and lines that end with CR LF") {
+  for (const std::string end : {"\n", "\r\n"}) {
+    const scratch_file file("\xef\xbb\xbfx,y,z,r" + end + "1,2,3,0.5" + end + end + "4,5,6,0.25" +
+                            end);
+    const packing heap = read_packing(file.name);
+    REQUIRE(heap.size() == 2);
+    CHECK(heap[0].position == vec3(1, 2, 3));
+    CHECK(heap[1].radius == 0.25);
+    const scratch_file commented("\xef\xbb\xbf# from a table" + end + "r,x,y,z" + end + "1,2,3,4" +
+                                 end);
+    CHECK(read_packing(commented.name)[0].position == vec3(2, 3, 4));
+  }
 }
 
 TEST_CASE("bodies come in at their rate, without overlap, and go, alike on any ranks") {

@@ -327,7 +327,9 @@ TEST_CASE("what does not fit the checkpoint is refused with the difference, or t
   CHECK(has(said({.gravity = 7}, 0), "with other parameters: gravity_z is -7 and was -5"));
   CHECK(has(said({}, 0, {"--dt", "0.002"}), "dt is 0.002 and was 0.005"));
   CHECK(has(said({}, 0, {"--iterations", "20"}), "iterations is 20 and was 10"));
-  CHECK(has(said({}, 1, {"--checkpoint", "/tmp/none/a.h5"}), "none/a.h5.part: No such file"));
+  CHECK(has(said({}, 0, {"--seed", "9"}),
+            "with its seed 1, not with the seed 9 of this run: bodies are those of the file"));
+  CHECK(has(said({}, 1, {"--checkpoint", "/tmp/none/a.h5"}), "none/a.h5: No such file"));
 
   serial::link link;
   world<scenario<bodies<sphere, box, plane>, transport<serial>, features<checkpoints>>> other(link);

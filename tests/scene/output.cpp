@@ -14,6 +14,7 @@
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/scene/lattice.hpp>
+#include <talus/scene/pictures.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/scene/run.hpp>
 #include <talus/shape/box.hpp>
@@ -379,6 +380,7 @@ int run_pile(std::vector<std::string> words, int ranks = 2) {
   return run<pile>(static_cast<int>(argv.size()), argv.data(),
                    [](auto& world, const options& options) {
                      set_up(world);
+                     take_pictures(world, options);
                      world.simulate({.steps = options.steps, .dt = options.dt});
                    });
 }
@@ -447,4 +449,46 @@ TEST_CASE("an output that cannot be written is said before anything is computed"
   asked.output = "a";
   CHECK_THROWS_WITH(detail::refuse_output(asked),
                     doctest::Contains("name features<vtk_output> in its scenario"));
+}
+
+TEST_CASE("an output replaces outputs and pictures, and nothing else unless it is forced") {
+  const scratch files;
+  const auto diary = [&](const std::string& name) { std::ofstream(files(name)) << "a diary"; };
+  const auto run_with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"--steps", "10", "--every", "5", "--output", files("a"), "--frames",
+                               files("pictures")});
+    return run_pile(more);
+  };
+  REQUIRE(run_with({}) == 0);
+  CHECK(run_with({}) == 0);
+  const std::string index = text_of(files("a.hdf.series"));
+  const std::string picture = text_of(files("pictures/frame_00001.pov"));
+  // Each is found before the first step: a later file of the series, too.
+  for (const std::string name :
+       {"a.hdf.series", "a_contacts.hdf.series", "a_0000099990.hdf", "a_contacts_0000000010.hdf",
+        "pictures/frame_00001.pov", "pictures/frame_00077.pov"}) {
+    CAPTURE(name);
+    REQUIRE(std::system(("cp -r " + files.folder + " " + files.folder + "/kept").c_str()) == 0);
+    if (name.starts_with("a_")) std::remove(files("a.hdf.series").c_str());
+    if (name.starts_with("a_")) std::remove(files("a_contacts.hdf.series").c_str());
+    diary(name);
+    CHECK(run_with({}) == 1);
+    CHECK(text_of(files(name)) == "a diary");
+    CHECK(run_with({"--force"}) == 0);
+    if (name.find("77") == name.npos && name.find("9999") == name.npos)
+      CHECK(text_of(files(name)) != "a diary");
+    // A link is not followed.
+    diary("text");
+    std::remove(files(name).c_str());
+    REQUIRE(symlink(files("text").c_str(), files(name).c_str()) == 0);
+    CHECK(run_with({}) == 1);
+    CHECK(run_with({"--force"}) == 0);
+    CHECK(text_of(files("text")) == "a diary");
+    REQUIRE(std::system(("rm -r " + files("a*") + " " + files("pictures") + " && mv " +
+                         files("kept") + "/* " + files.folder + " && rmdir " + files("kept"))
+                            .c_str()) == 0);
+  }
+  CHECK(text_of(files("a.hdf.series")) == index);
+  CHECK(text_of(files("pictures/frame_00001.pov")) == picture);
+  CHECK(std::system(("ls -R " + files.folder + " | grep -q part").c_str()) != 0);
 }

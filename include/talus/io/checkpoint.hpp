@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "talus/io/detail/checkpoint_parameters.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
+#include "talus/io/detail/run_lock.hpp"
 #include "talus/world/conservation.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/world.hpp"
@@ -231,24 +233,43 @@ template <class Scenario>
 
 }  // namespace detail
 
-/// Collective: writes the state of the world to a file, which replaces the one of that name when it
-/// is whole and on the disk. The world begins afresh then, as one that reads the file does, so that
-/// both go on alike to the bit. Throws runtime_error alike on all ranks if the file cannot be
-/// written; the old one is as it was then.
+namespace detail {
+
+/// write_checkpoint(); with `force` it replaces a file that is no checkpoint too.
+template <class Scenario>
+[[gnu::cold]] void write_checkpoint_file(world<Scenario>& w, const std::string& file, bool force) {
+  w.require_all_ranks("write_checkpoint");
+  w.synchronize();
+  team_over team(w.link());
+  std::optional<run_lock> lock;
+  const auto& hooks = checkpoint_access::keeper(w).hooks;
+  team.together([&] {
+    if (w.rank() == 0 && !(hooks && hooks->writes(file))) try {
+        lock.emplace(file);
+      } catch (const std::exception& e) {
+        fail<std::runtime_error>("the checkpoint {} {}", file, e.what());
+      }
+  });
+  const auto wakes = measure_pending_wakes(w.state());
+  auto tables = tables_of(w.state());
+  const auto facts = facts_of(w, team, wakes);
+  checkpoint_kind kind;
+  team_writer(team, kind, file, force).write(tables, facts);
+  tables.clear();
+  begin_afresh(w, wakes);
+}
+
+}  // namespace detail
+
+/// Collective: writes the state of the world to a file, which replaces the checkpoint of that name
+/// when it is whole, on the disk, and read back. The world begins afresh then, as one that reads
+/// the file does, so that both go on alike to the bit. Throws runtime_error alike on all ranks if
+/// the file cannot be written, if what is there is no checkpoint, and while another run writes it;
+/// what was there is as it was then.
 template <class Scenario>
 [[gnu::cold]] void write_checkpoint(world<Scenario>& w, const std::string& file) {
-  if constexpr (detail::require_feature<Scenario, checkpoints>()) {
-    w.require_all_ranks("write_checkpoint");
-    w.synchronize();
-    detail::team_over team(w.link());
-    const auto wakes = detail::measure_pending_wakes(w.state());
-    auto tables = detail::tables_of(w.state());
-    const auto facts = detail::facts_of(w, team, wakes);
-    detail::checkpoint_kind kind;
-    detail::team_writer(team, kind, file).write(tables, facts);
-    tables.clear();
-    detail::begin_afresh(w, wakes);
-  }
+  if constexpr (detail::require_feature<Scenario, checkpoints>())
+    detail::write_checkpoint_file(w, file, false);
 }
 
 /// Collective: replaces all bodies, and whatever else the future depends on, by what a file holds.

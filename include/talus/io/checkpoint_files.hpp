@@ -17,6 +17,7 @@
 
 #include "talus/core/clock.hpp"
 #include "talus/io/checkpoint.hpp"
+#include "talus/io/detail/run_lock.hpp"
 #include "talus/io/detail/run_signals.hpp"
 #include "talus/world/checkpoints.hpp"
 #include "talus/world/world.hpp"
@@ -61,7 +62,10 @@ class checkpoint_files final : public checkpoint_hooks {
     });
     if (plan_.to.empty()) return;
     checkpoint_kind kind;
-    team_writer(team, kind, plan_.to).require_writable();
+    const bool replaces = team_writer(team, kind, plan_.to, plan_.force).require_writable();
+    team.together([&] {
+      if (w.rank() == 0) take_lock(replaces);
+    });
     if (w.rank() == 0 || team.of_processes()) listening_.emplace();
     heard_write_ = heard_signals().write;
     heard_end_ = heard_signals().end;
@@ -93,8 +97,10 @@ class checkpoint_files final : public checkpoint_hooks {
       return {.skips = true, .stopped = came_to_its_end && then->stopped};
     }
     const std::uint64_t last = state.steps + taken;
+    const std::uint64_t seed = checkpoint_access::seed(w_);
     const std::string changes = read_checkpoint(w_, plan_.from);
     waiting_.reset();
+    if (w_.rank() == 0 && plan_.tell) tell_of_seed(seed, checkpoint_access::seed(w_));
     if (w_.rank() == 0 && !changes.empty() && plan_.tell)
       plan_.tell(compose("goes on from {} with other parameters: {}", plan_.from, changes));
     if (w_.steps() > last)
@@ -144,9 +150,12 @@ class checkpoint_files final : public checkpoint_hooks {
     const bool due = (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last || stopped ||
                      (ends && now > plan_.last);
     if (!due && asked == nothing) return;
-    write_checkpoint(w_, plan_.to);
+    write_checkpoint_file(w_, plan_.to, plan_.force);
     heard_write_ = heard_signals().write;  // other ranks may have heard it a step later
     if (asked == end) throw ended_by_signal{w_.steps()};
+  }
+  [[nodiscard]] bool writes(const std::string& file) const override {
+    return lock_ && lock_->is_of(file);
   }
   void refuse_step_before_restart() const override {
     if (waiting_)
@@ -190,6 +199,23 @@ class checkpoint_files final : public checkpoint_hooks {
           "measure in world.observe(...)",
           plan_.from, *waiting_);
   }
+  [[gnu::cold]] void take_lock(bool replaces) {
+    try {
+      lock_.emplace(plan_.to);
+    } catch (const std::exception& e) {
+      fail<std::runtime_error>("the checkpoint {} {}", plan_.to, e.what());
+    }
+    if (replaces && plan_.from != plan_.to && plan_.tell && !plan_.quiet)
+      plan_.tell(compose("--checkpoint {} replaces a checkpoint of an earlier run", plan_.to));
+  }
+  [[gnu::cold]] void tell_of_seed(std::uint64_t given, std::uint64_t stored) const {
+    if (given == stored) return;
+    plan_.tell(
+        compose("goes on from {} with its seed {}, not with the seed {} of this run: bodies are "
+                "those of the file, and what world.fill and inflows draw from now on follows from "
+                "its seed; begin without --restart for another one",
+                plan_.from, stored, given));
+  }
   [[nodiscard]] heard hear() {
     if (heard_signals().end != heard_end_) return end;
     const unsigned writes = heard_signals().write;
@@ -205,6 +231,7 @@ class checkpoint_files final : public checkpoint_hooks {
 
   world<Scenario>& w_;
   checkpoint_plan plan_;
+  std::optional<run_lock> lock_;          ///< on rank 0
   std::optional<std::uint64_t> waiting_;  ///< the step of the file that is to be read
   past_course past_;                      ///< of the run that wrote that file
   std::uint64_t calls_ = 0;               ///< of simulate(), until the file is read

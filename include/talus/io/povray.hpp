@@ -2,11 +2,13 @@
 // Pictures: a world as a scene file for the ray tracer POV-Ray.
 #include <array>
 #include <cstring>
-#include <fstream>
+#include <exception>
 #include <limits>
 #include <string>
 #include <type_traits>
 
+#include "talus/core/output_file.hpp"
+#include "talus/io/output_kinds.hpp"
 #include "talus/io/povray_text.hpp"
 #include "talus/world/world.hpp"
 
@@ -27,6 +29,7 @@ struct picture {
   bool copies = false;   ///< show shadow copies, as thin shells, in the colour of their holder
   bool domains = false;  ///< show what each rank owns, as glass
   bool ground = true;    ///< show planes, those that face the camera
+  bool force = false;    ///< replace a file that is no picture of talus
 };
 
 namespace detail {
@@ -83,7 +86,7 @@ class povray_scene {
     povray_text out;
     const vec3 view = look_.at - look_.from, side = view.cross(look_.up);
     const vec3 over = look_.up.normalized() * view.norm();
-    out << "#version 3.7;\nglobal_settings{assumed_gamma 1.0 max_trace_level 12}\n"
+    out << picture_mark
         << "background{srgb<1,1,1>}\n"
         // Seen from a right-handed world: right is minus POV-Ray's.
         << "camera{location " << look_.from << " sky " << look_.up
@@ -161,7 +164,8 @@ class povray_scene {
 }  // namespace detail
 
 /// Collective: writes the present state to one scene file. Bodies are drawn by their owners, and
-/// grey if they are global. Throws runtime_error if the file cannot be written.
+/// grey if they are global. Throws runtime_error if the file cannot be written, or if what is there
+/// is no picture.
 template <class Scenario>
 void write_povray(world<Scenario>& w, const std::string& file, const picture& look) {
   w.require_all_ranks("write_povray");
@@ -171,14 +175,13 @@ void write_povray(world<Scenario>& w, const std::string& file, const picture& lo
   if (!part.empty()) std::memcpy(bytes.data(), part.data(), part.size());
   const auto parts = w.link().gather(bytes);
   if (w.rank() != 0) return;
-  std::ofstream out(file, std::ios::binary);
-  out << scene.head();
-  for (const auto& p : parts)
-    out.write(reinterpret_cast<const char*>(p.data()), static_cast<std::streamsize>(p.size()));
-  if (!out.flush())
-    detail::fail<std::runtime_error>(
-        "the picture of step {} cannot be written to {}: does the folder exist, is the disk full?",
-        w.steps(), file);
+  std::string text = scene.head();
+  for (const auto& p : parts) text.append(reinterpret_cast<const char*>(p.data()), p.size());
+  try {
+    detail::write_output(file, text, detail::picture_output, look.force);
+  } catch (const std::exception& e) {
+    detail::fail<std::runtime_error>("the picture {} of step {} {}", file, w.steps(), e.what());
+  }
 }
 
 }  // namespace talus

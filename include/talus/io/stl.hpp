@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/input_file.hpp"
 #include "talus/shape/triangle_mesh.hpp"
 
 namespace talus {
@@ -77,13 +78,16 @@ namespace detail {
 /// invalid_argument as triangle_mesh does.
 [[nodiscard]] inline triangle_mesh read_stl(const std::string& file, real scale = 1) {
   detail::require_positive(scale, "the scale of an STL file");
+  if (detail::is_folder(file))
+    detail::fail<std::runtime_error>("the STL file {} is a folder: name the file in it", file);
   std::ifstream in(file, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  std::string bytes(std::istreambuf_iterator<char>(in), {});
   if (!in.is_open() || in.bad())
     detail::fail<std::runtime_error>(
         "the STL file {} cannot be read: is the name right, seen from the folder in which the "
         "program runs?",
         file);
+  if (bytes.starts_with(detail::byte_order_mark)) bytes.erase(0, detail::byte_order_mark.size());
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
   // (Some binary files begin with the word by which text is known.)

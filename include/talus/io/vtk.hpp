@@ -16,6 +16,8 @@
 #include "talus/io/detail/vtk_contacts.hpp"
 #include "talus/io/detail/vtk_file.hpp"
 #include "talus/io/detail/vtk_surfaces.hpp"
+#include "talus/io/output_kinds.hpp"
+#include "talus/io/output_series.hpp"
 #include "talus/world/each_contact.hpp"
 #include "talus/world/world.hpp"
 
@@ -24,6 +26,7 @@ namespace talus {
 /// What an output has beside bodies and contacts.
 struct vtk_content {
   bool surfaces = false;  ///< faces of all bodies but spheres and planes, NAME_surfaces.hdf
+  bool force = false;     ///< replaces files of these names that talus did not write
 };
 
 namespace detail {
@@ -31,32 +34,35 @@ namespace detail {
 inline constexpr const char* vtk_extension = ".hdf";
 
 template <class Scenario>
-void write_vtk_bodies(world<Scenario>& w, checkpoint_team& team, const std::string& file) {
+void write_vtk_bodies(world<Scenario>& w, checkpoint_team& team, const std::string& file,
+                      bool force) {
   vtk_bodies<Scenario> rows;
   rows.add_all(w.state());
   write_vtk_file(team, file, vtk_cells::in_a_row(vtk_cell::vertex, rows.points.rows(), 1),
-                 std::move(rows.points), std::move(rows.data), w.steps(), w.time());
+                 std::move(rows.points), std::move(rows.data), w.steps(), w.time(), force);
 }
 template <class Scenario>
-void write_vtk_contacts(world<Scenario>& w, checkpoint_team& team, const std::string& file) {
+void write_vtk_contacts(world<Scenario>& w, checkpoint_team& team, const std::string& file,
+                        bool force) {
   vtk_contacts rows;
   rows.add_all(w);
   write_vtk_file(team, file, vtk_cells::in_a_row(vtk_cell::line, rows.points.rows(), 2),
-                 std::move(rows.points), std::move(rows.data), w.steps(), w.time());
+                 std::move(rows.points), std::move(rows.data), w.steps(), w.time(), force);
 }
 template <class Scenario>
-void write_vtk_surfaces(world<Scenario>& w, checkpoint_team& team, const std::string& file) {
+void write_vtk_surfaces(world<Scenario>& w, checkpoint_team& team, const std::string& file,
+                        bool force) {
   vtk_surfaces<Scenario> rows;
   rows.add_all(w.state());
   write_vtk_file(team, file, rows.cells(), std::move(rows.points), std::move(rows.data), w.steps(),
-                 w.time());
+                 w.time(), force);
 }
 
 /// One of the files of an output.
 template <class Scenario>
 struct vtk_block {
   const char* end_of_name;
-  void (*write)(world<Scenario>&, checkpoint_team&, const std::string&);
+  void (*write)(world<Scenario>&, checkpoint_team&, const std::string&, bool force);
 };
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::vector<vtk_block<Scenario>> vtk_blocks(const vtk_content& content) {
@@ -96,7 +102,7 @@ template <class Scenario>
   detail::team_over team(w.link());
   const std::string base = detail::output_name(name);
   for (const auto& block : detail::vtk_blocks<Scenario>(content))
-    block.write(w, team, base + block.end_of_name + detail::vtk_extension);
+    block.write(w, team, base + block.end_of_name + detail::vtk_extension, content.force);
 }
 
 /// A series of such files, NAME_0000001200.hdf after step 1,200 and so on, with
@@ -111,26 +117,36 @@ class vtk_series {
   /// replaced. Collective; throws as write_vtk does.
   explicit vtk_series(world<Scenario>& w, const std::string& name, bool goes_on = false,
                       const content& what = {})
-      : w_(w), name_(detail::output_name(name)), goes_on_(goes_on) {
+      : w_(w), name_(detail::output_name(name)), goes_on_(goes_on), force_(what.force) {
     w.require_all_ranks("vtk_series");
     for (const auto& block : detail::vtk_blocks<Scenario>(what))
-      parts_.push_back({block, detail::series_index(name_ + block.end_of_name +
-                                                    detail::vtk_extension + ".series")});
+      parts_.push_back(
+          {block, detail::series_index(
+                      name_ + block.end_of_name + detail::vtk_extension + ".series", force_)});
     detail::team_over team(w.link());
     team.together([&] {
       if (w.rank() != 0) return;
       if (name_.empty() || name_.back() == '/')
         detail::fail<std::runtime_error>(
             "the output {} has no name: give the beginning of the names of its files", name);
-      for (const part& p : parts_) p.index.require_writable();
+      for (const part& p : parts_) {
+        replaces_ |= p.index.require_writable();
+        p.index.each_name([&](const std::string& file) { listed_.push_back(file); });
+        (void)detail::inspect_series("the output", name_ + p.block.end_of_name + "_",
+                                     detail::vtk_extension, detail::vtk_output_file, force_,
+                                     [&](const std::string& file) { return lists(file); });
+      }
       // One that is not gone on with would name files of another run, or beyond the present step.
-      if (!what.surfaces)
-        std::remove((name_ + "_surfaces" + detail::vtk_extension + ".series").c_str());
+      const std::string surfaces = name_ + "_surfaces" + detail::vtk_extension + ".series";
+      if (!what.surfaces && detail::inspect_target(surfaces, detail::series_output, false).replaces)
+        std::remove(surfaces.c_str());
       if (!goes_on)
         for (part& p : parts_) p.index.begin();
     });
   }
 
+  /// Whether a series of this name was there. On rank 0 alone.
+  [[nodiscard]] bool replaces() const { return replaces_ && !goes_on_; }
   /// Collective: of a series that goes on, the files of later steps than the present one leave it.
   /// Does so once; write() does so by itself.
   [[gnu::cold]] void go_on() {
@@ -160,7 +176,8 @@ class vtk_series {
     const auto file = [&](const part& p) {
       return name_ + p.block.end_of_name + "_" + digits + detail::vtk_extension;
     };
-    for (const part& p : parts_) p.block.write(w_, team, file(p));
+    for (const part& p : parts_)
+      p.block.write(w_, team, file(p), force_ || lists(without_folder(file(p))));
     team.together([&] {
       if (w_.rank() != 0) return;
       for (part& p : parts_) p.index.add(without_folder(file(p)), w_.time());
@@ -175,10 +192,16 @@ class vtk_series {
   [[nodiscard]] static std::string without_folder(const std::string& file) {
     return file.substr(file.find_last_of('/') + 1);
   }
+  /// Whether the index that was there names a file: it is of an earlier run then, whatever is in
+  /// it.
+  [[nodiscard]] bool lists(const std::string& file) const {
+    return std::find(listed_.begin(), listed_.end(), file) != listed_.end();
+  }
   world<Scenario>& w_;
   std::string name_;
+  std::vector<std::string> listed_;  ///< on rank 0
   std::vector<part> parts_;
-  bool goes_on_;
+  bool goes_on_, force_, replaces_ = false;
   std::optional<std::uint64_t> last_;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 // A run as a table: one line of comma-separated values for every so many steps.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/output_file.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
@@ -23,13 +26,16 @@ namespace talus {
 /// keeps them.
 class time_series {
  public:
-  /// Opens the file, replacing one that is there; an empty name means no file, and costs nothing.
-  /// Throws runtime_error if it cannot be written. `speaks` is true on rank 0 alone.
+  /// Opens the file; the first line replaces what is there. An empty name means no file, and costs
+  /// nothing. Throws runtime_error if it cannot be written. `speaks` is true on rank 0 alone.
   /// With `goes_on` the file stays, and go_on_from() is called before the first line.
-  time_series(std::string file, bool speaks, bool goes_on = false) : name_(std::move(file)) {
-    if (name_.empty() || !speaks) return;
-    file_ = std::fopen(name_.c_str(), goes_on ? "a+" : "w");
-    if (file_ == nullptr)
+  time_series(std::string file, bool speaks, bool goes_on = false)
+      : name_(std::move(file)),
+        speaks_(speaks && !name_.empty()),
+        begins_(!goes_on && !detail::is_stream(name_)) {
+    if (!speaks_) return;
+    if (!begins_) file_ = std::fopen(name_.c_str(), goes_on ? "a+" : "a");
+    if (begins_ ? !detail::part_file(name_).good() : file_ == nullptr)
       detail::fail<std::runtime_error>(
           "the file {} cannot be written: give --csv a file in a folder that exists and is "
           "writable",
@@ -79,8 +85,7 @@ class time_series {
     };
     const auto more = measure_monitors(w).values;
     columns.append(more);
-    if (file_ == nullptr) return;
-    write(columns, w.records().all());
+    if (speaks_) write(columns, w.records().all());
   }
 
   /// On all ranks: the table goes on after a restart in this step. Lines of later steps, which the
@@ -89,7 +94,7 @@ class time_series {
     if (name_.empty()) return;
     sampled_ = true;  // by the run before
     if (step % every == 0) last_ = step;
-    if (file_ == nullptr) return;
+    if (!speaks_ || detail::is_stream(name_)) return;
     rewrite([&](std::string& line, bool head) {
       if (head) return head_ = line, true;
       char* end = nullptr;
@@ -125,11 +130,15 @@ class time_series {
     }
     std::fclose(in);
     // Beside it, so that the table is whole at any time.
-    const std::string beside = name_ + ".part";
-    file_ = std::freopen(beside.c_str(), "w", file_);
-    if (file_ == nullptr || std::fputs(kept.c_str(), file_) < 0 || std::fflush(file_) != 0 ||
-        std::rename(beside.c_str(), name_.c_str()) != 0)
-      fail_to_write();
+    std::fclose(std::exchange(file_, nullptr));
+    replace_by(kept);
+  }
+  /// Of the whole file; it stays open for more.
+  [[gnu::cold]] void replace_by(const std::string& text) {
+    detail::part_file beside(name_);
+    if (!beside.good() || !detail::write_text(beside.id(), text)) fail_to_write();
+    const int whole = beside.rename_and_keep(name_);
+    if (whole < 0 || (file_ = ::fdopen(whole, "a")) == nullptr) fail_to_write();
   }
   [[nodiscard, gnu::cold]] static std::string head_of(std::string_view name,
                                                       std::string_view dimension) {
@@ -163,7 +172,8 @@ class time_series {
     } else if (head_.starts_with(head + ",")) {  // columns of the run before that are still to come
       behind_.assign(static_cast<std::size_t>(commas_of(head_) - commas_of(head)), ',');
       return;
-    } else if (head.starts_with(head_ + ",") && standard <= commas_of(head_)) {
+    } else if (head.starts_with(head_ + ",") && standard <= commas_of(head_) &&
+               !detail::is_stream(name_)) {
       const std::string missing(static_cast<std::size_t>(commas_of(head) - commas_of(head_)), ',');
       rewrite([&](std::string& line, bool first) {
         if (first)
@@ -180,6 +190,7 @@ class time_series {
     head_ = std::move(head);
   }
   [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own) {
+    if (std::exchange(begins_, false)) replace_by("");
     write_head(columns, own);
     std::string line;
     for (const measured& c : columns) (line += line.empty() ? "" : ",") += detail::text(c.value);
@@ -190,8 +201,9 @@ class time_series {
 
   std::string name_;
   std::FILE* file_ = nullptr;
-  std::string behind_;  ///< commas of the columns for which this run has no value yet
-  std::string head_;    ///< the first line; empty: there is none yet
+  bool speaks_, begins_;  ///< on rank 0; the first line is still to come
+  std::string behind_;    ///< commas of the columns for which this run has no value yet
+  std::string head_;      ///< the first line; empty: there is none yet
   bool sampled_ = false;
   std::uint64_t last_ = ~std::uint64_t{0};  ///< step of the last line
 };

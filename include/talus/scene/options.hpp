@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "talus/scene/command_line.hpp"
+#include "talus/scene/run_outputs.hpp"
 
 namespace talus {
 
@@ -43,6 +44,7 @@ struct options {
   std::string output;                ///< files for ParaView begin with it; empty: none
   std::size_t output_every = 100;    ///< steps between them
   bool output_surfaces = false;      ///< with the faces of bodies that are no spheres
+  bool force = false;                ///< outputs replace files that talus did not write
 
   [[gnu::cold]] void describe(command_line& cli) {
     cli.add("--steps", steps, "time steps");
@@ -72,6 +74,7 @@ struct options {
     cli.add(
         "--output-surfaces", output_surfaces,
         "with the faces of boxes, capsules and all that are no spheres: NAME_surfaces.hdf.series");
+    cli.add("--force", force, "outputs replace files that talus did not write");
     cli.check([this, &cli] {
       if (checkpoint.empty() && checkpoint_every > 0)
         throw usage_error("--checkpoint-every needs --checkpoint FILE; see --help");
@@ -85,6 +88,8 @@ struct options {
       if (tolerance == 0 && cli.given("--max-iterations"))
         throw usage_error("--max-iterations needs --tolerance; see --help");
       needs(output, "--output-every", "--output NAME");
+      detail::refuse_shared_files({{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}});
+      detail::refuse_shared_files({{"--json", json}, {"--csv", csv}, {"--restart", restart}});
       if (output.empty() && output_surfaces)
         throw usage_error("--output-surfaces needs --output NAME; see --help");
       if (!colour.empty() && colour != "rank" && colour != "speed")

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/input_file.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/scene/site.hpp"
@@ -70,6 +71,9 @@ template <class String>
 /// finite number, or a radius that is not positive.
 template <class String = std::string>
 [[nodiscard, gnu::cold]] packing read_packing(const String& file) {
+  if (detail::is_folder(file))
+    detail::fail<std::runtime_error>("the packing {} is a folder: name the file in it",
+                                     std::string(file));
   std::ifstream in(file);
   if (!in) detail::fail<std::runtime_error>("the packing {} cannot be read", std::string(file));
   const auto refuse = [&](std::size_t line, const std::string& what) {
@@ -81,6 +85,8 @@ template <class String = std::string>
   detail::plain_vector<packed_sphere> spheres;
   std::string line;
   for (std::size_t number = 1; std::getline(in, line); ++number) {
+    if (number == 1 && line.starts_with(detail::byte_order_mark))
+      line.erase(0, detail::byte_order_mark.size());
     const auto fields = detail::fields_of(line);
     if ((fields.size() == 1 && fields[0].empty()) || line[0] == '#') continue;
     if (columns == 0) {

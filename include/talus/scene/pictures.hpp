@@ -3,11 +3,13 @@
 #include <sys/stat.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
 #include "talus/core/error.hpp"
 #include "talus/core/field_names.hpp"
+#include "talus/io/output_series.hpp"
 #include "talus/io/povray.hpp"
 #include "talus/scene/options.hpp"
 
@@ -43,7 +45,18 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
     look.colour = options.colour == "rank" ? picture::colouring::rank : picture::colouring::speed;
   look.copies |= options.copies;
   look.domains |= options.domains;
+  look.force |= options.force;
   detail::make_folder(options.frames);
+  if (w.rank() == 0) {
+    const std::size_t before = detail::inspect_series("the picture", options.frames + "/frame_",
+                                                      ".pov", detail::picture_output, look.force,
+                                                      [](const std::string&) { return false; });
+    if (before > 0 && !options.quiet && options.restart.empty())
+      std::fputs(
+          detail::compose("--frames {} replaces pictures of an earlier run\n", options.frames)
+              .c_str(),
+          stderr);
+  }
   const auto take = [&w, look, folder = options.frames](std::uint64_t number) {
     const std::string digits = std::to_string(number);
     const std::string zeros(digits.size() < 5 ? 5 - digits.size() : 0, '0');

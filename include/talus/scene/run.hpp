@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -21,6 +20,7 @@
 #include "talus/parallel/launcher.hpp"
 #include "talus/scene/detail/options_in_use.hpp"
 #include "talus/scene/options.hpp"
+#include "talus/scene/run_outputs.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -35,15 +35,6 @@ namespace detail {
 [[nodiscard, gnu::cold]] inline std::string program_name(const char* path) {
   const std::string name = path != nullptr ? path : "talus";
   return name.substr(name.find_last_of('/') + 1);
-}
-
-/// Throws runtime_error now rather than after hours if the file cannot be written.
-[[gnu::cold]] inline void require_writable(const std::string& file) {
-  if (file.empty()) return;
-  if (!std::ofstream(file, std::ios::app))
-    fail<std::runtime_error>(
-        "the file {} cannot be written: give --json a file in a folder that exists and is writable",
-        file);
 }
 
 /// Says what a set-up has probably forgotten, on standard error.
@@ -103,6 +94,8 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, progress_lin
       plan.every = options.checkpoint_every;
       plan.last = options.steps;
       plan.from = options.restart;
+      plan.force = options.force;
+      plan.quiet = options.quiet;
       plan.tell = [](const std::string& words) { std::fputs((words + "\n").c_str(), stderr); };
       plan.restarted = [&](std::uint64_t step) {
         progress.begin_at(step);
@@ -124,7 +117,12 @@ void attach_output(world<Scenario>& w, const Options& options) {
       if (options.output.empty()) return;
       const auto series = std::make_shared<vtk_series<Scenario>>(
           w, options.output, !options.restart.empty(),
-          typename vtk_series<Scenario>::content{.surfaces = options.output_surfaces});
+          typename vtk_series<Scenario>::content{.surfaces = options.output_surfaces,
+                                                 .force = options.force});
+      if (w.rank() == 0 && series->replaces() && !options.quiet)
+        std::fputs(
+            compose("--output {} replaces a series of an earlier run\n", options.output).c_str(),
+            stderr);
       const auto write = [&w, series, every = options.output_every] {
         if (w.steps() % every == 0) series->write();
       };
@@ -146,7 +144,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   }
   w.seed(options.seed);
   const bool speaks = link.rank() == 0;
-  if (speaks) require_writable(options.json);
+  const std::string replaced = speaks ? inspect_outputs(options) : "";
 
   progress_line progress(speaks && !options.quiet ? stderr : nullptr);
   time_series table(options.csv, speaks, !options.restart.empty());
@@ -163,6 +161,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   });
   attach_checkpoints(w, options, progress, table);
   attach_output(w, options);
+  if (!options.quiet) std::fputs(replaced.c_str(), stderr);
   const double cpu = thread_seconds();
   const double start = wall_seconds();
   results own;
@@ -200,11 +199,11 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   if (!speaks) return 0;
   if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
   if (options.json.empty()) return 0;
-  std::ofstream file(options.json);
-  file << to_json(figures);
-  if (!file.flush())
-    fail<std::runtime_error>("the results could not be written to {}: is the disk full?",
-                             options.json);
+  try {
+    write_output(options.json, to_json(figures), results_output, options.force);
+  } catch (const std::exception& e) {
+    fail<std::runtime_error>("the results {} (--json) {}", options.json, e.what());
+  }
   return 0;
 }
 

@@ -52,6 +52,8 @@ struct checkpoint_hooks {
   virtual void after_step() = 0;
   /// `ends`: this call of simulate() makes no further step; `stopped`: by a condition.
   virtual void after_observers(bool ends, bool stopped) = 0;
+  /// Whether the run keeps its state in that file. On rank 0 alone.
+  [[nodiscard]] virtual bool writes(const std::string& file) const = 0;
   /// Throws runtime_error where simulate() has not come to the step of the file.
   virtual void require_restarted() const = 0;
   /// A step by hand has no place among those that a restart leaves out.
@@ -128,6 +130,8 @@ struct checkpoint_plan {
   std::size_t every = 0;   ///< steps from one to the next; 0: on signals and at the end
   std::uint64_t last = 0;  ///< the step after which the run ends, if that is known
   std::string from;        ///< file to go on from; empty: none
+  bool force = false;      ///< replaces what is no checkpoint too
+  bool quiet = false;      ///< does not tell that it replaces a checkpoint
   std::function<void(const std::string&)> tell;    ///< takes a message for the user, on rank 0
   std::function<void(std::uint64_t)> restarted{};  ///< takes the step of the file, when it is read
 };

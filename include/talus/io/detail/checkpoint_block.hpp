@@ -13,6 +13,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/id.hpp"
+#include "talus/io/output_kinds.hpp"
 
 namespace talus::detail {
 
@@ -53,7 +54,6 @@ struct checkpoint_block {
   std::vector<byte_range> ranges;   ///< the rows of tables, from first to last
 };
 
-inline constexpr std::string_view checkpoint_mark = "talus checkpoint, HDF5 follows\n";
 inline constexpr std::size_t checkpoint_block_head = 56;
 
 [[nodiscard]] inline std::uint32_t block_bytes_for(std::size_t ranges) {

@@ -40,7 +40,7 @@ class checkpoint_reader {
       if (!file.read(0, head)) throw std::runtime_error("cannot be read to its end");
     }
     const checkpoint_block block = read_block(head, length);
-    if (checksum_of_rest(file, block) != block.rest_checksum)
+    if (checksum_of_rest(file.id(), block) != block.rest_checksum)
       throw std::runtime_error("is damaged: the checksum of what describes its tables is wrong");
     const hdf5_handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "read");
 #if H5_VERSION_GE(1, 10, 7)

@@ -1,8 +1,6 @@
 #pragma once
 // What ranks say to each other while they write or read a file, whatever connects them. What
 // uses it does not depend on the transport.
-#include <hdf5.h>
-
 #include <cstdint>
 #include <exception>
 #include <span>
@@ -33,10 +31,6 @@ class checkpoint_team {
   virtual void sum(std::span<std::uint64_t> values) = 0;
   /// Whether each rank is a process of its own.
   [[nodiscard]] virtual bool of_processes() const = 0;
-#ifdef H5_HAVE_PARALLEL
-  /// MPI_COMM_NULL where ranks are no processes.
-  [[nodiscard]] virtual MPI_Comm communicator() const = 0;
-#endif
 
   /// Calls f() on this rank; where it fails on any, throws runtime_error with the same words on
   /// all.
@@ -90,17 +84,6 @@ class team_over final : public checkpoint_team {
     else
       return requires { link_.communicator(); };
   }
-#ifdef H5_HAVE_PARALLEL
-  [[nodiscard]] MPI_Comm communicator() const override {
-    if constexpr (requires { *link_.communicator(); })
-      return link_.communicator() != nullptr ? static_cast<MPI_Comm>(*link_.communicator())
-                                             : MPI_COMM_NULL;
-    else if constexpr (requires { link_.communicator(); })
-      return link_.communicator();
-    else
-      return MPI_COMM_NULL;
-  }
-#endif
 
  private:
   Link& link_;

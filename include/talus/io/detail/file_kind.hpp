@@ -11,6 +11,7 @@
 #include "talus/io/detail/checkpoint_places.hpp"
 #include "talus/io/detail/checkpoint_table.hpp"
 #include "talus/io/detail/hdf5.hpp"
+#include "talus/io/detail/hdf5_image.hpp"
 #include "talus/io/detail/system_file.hpp"
 
 namespace talus::detail {
@@ -55,12 +56,12 @@ class file_kind {
 
   /// For messages, as in "the checkpoint".
   [[nodiscard]] virtual const char* name() const = 0;
-  /// Whether it has to be on the disk before it gets its name.
+  /// What files of this kind look like.
+  [[nodiscard]] virtual const output_kind& looks() const = 0;
+  /// Whether it has to be on the disk, and read back, before it gets its name.
   [[nodiscard]] virtual bool durable() const = 0;
   /// Bytes before the HDF5 file proper: 0, or 512 times a power of two.
   [[nodiscard]] virtual std::uint32_t block_bytes(std::size_t /*columns*/) { return 0; }
-  /// Bytes that a rank adds beside its rows.
-  [[nodiscard]] virtual std::uint64_t more_bytes(const counted_part&) const { return 0; }
   /// A dataset has its place in the file.
   virtual void placed(std::uint64_t /*at*/, std::uint64_t /*bytes*/) {}
   /// Adds to the file what belongs to table `k`.
@@ -68,9 +69,10 @@ class file_kind {
   }
   /// Adds to the file what belongs to the whole.
   virtual void describe_file(hid_t) {}
-  /// All rows are there: the last bytes before the file, which is as long as it was made, gets its
-  /// name.
-  virtual void seal(const system_file&, std::uint64_t /*bytes*/) {}
+  /// All rows are there: what is written before the file gets its name. `file` is open.
+  virtual void seal(int /*file*/, const sparse_bytes& /*but_rows*/, std::uint64_t /*bytes*/) {}
+  /// Throws runtime_error where what is not rows cannot be read back.
+  virtual void verify(int /*file*/) {}
 };
 
 [[gnu::cold]] inline void write_small(hid_t file, const std::string& path, number_type type,

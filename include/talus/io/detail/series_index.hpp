@@ -4,8 +4,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <optional>
@@ -16,7 +16,9 @@
 
 #include "talus/core/bytes.hpp"
 #include "talus/core/error.hpp"
+#include "talus/core/output_file.hpp"
 #include "talus/io/detail/system_file.hpp"
+#include "talus/io/output_kinds.hpp"
 
 namespace talus::detail {
 
@@ -24,13 +26,25 @@ namespace talus::detail {
 /// a new end, by one write.
 class series_index {
  public:
-  explicit series_index(std::string file) : file_(std::move(file)) {}
+  explicit series_index(std::string file, bool force = false)
+      : file_(std::move(file)), force_(force) {}
 
-  /// Throws runtime_error where no index can be made.
-  [[gnu::cold]] void require_writable() const {
-    const std::string part = file_ + ".part";
-    if (!system_file(part, O_RDWR | O_CREAT).good()) fail_to_write();
-    ::unlink(part.c_str());
+  /// Throws runtime_error where no index can be made. True where one is there.
+  [[gnu::cold]] bool require_writable() const {
+    const output_target target = inspect_target(file_, series_output, force_);
+    if (!target.objection.empty())
+      fail<std::runtime_error>("the output {} {}", file_, target.objection);
+    if (!part_file(file_).good()) fail_to_write();
+    return target.replaces;
+  }
+  /// Calls f(name) for the files that an index names which is there.
+  template <class F>
+  void each_name(F&& f) const {
+    each_line_before(~std::uint64_t{0}, [&](const std::string& line, std::uint64_t) {
+      const auto quote = line.find("\", \"time\": ");
+      const auto begin = line.find(name_mark) + name_mark.size();
+      f(line.substr(begin, quote - begin));
+    });
   }
   /// A new index, which replaces one that is there.
   [[gnu::cold]] void begin() { replace(""); }
@@ -52,9 +66,10 @@ class series_index {
   [[gnu::cold]] void add(const std::string& name, double time) {
     std::string line = empty_ ? "" : ",\n";
     line += "    {\"name\": \"" + name + "\", \"time\": " + text(time) + "}";
-    const system_file file(file_, O_RDWR);
+    const system_file file(file_, O_RDWR | O_NOFOLLOW);
     const std::string bytes = line + std::string(foot);
-    if (!file.good() || !file.write(at_, std::as_bytes(std::span(bytes)))) fail_to_write();
+    if (!file.good() || write_at(file.id(), at_, std::as_bytes(std::span(bytes))) != bytes.size())
+      fail_to_write(bytes.size());
     at_ += line.size();
     empty_ = false;
   }
@@ -62,11 +77,12 @@ class series_index {
  private:
   static constexpr std::string_view head =
       "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n";
+  static constexpr std::string_view name_mark = "{\"name\": \"";
   static constexpr std::string_view foot = "\n  ]\n}\n";
 
   /// The number before the last dot of the file that a line names.
   [[nodiscard]] static std::optional<std::uint64_t> step_of(const std::string& line) {
-    const auto name = line.find("{\"name\": \"");
+    const auto name = line.find(name_mark);
     const auto quote = line.find("\", \"time\": ");
     const auto dot = line.rfind('.', quote);
     const auto digits = line.rfind('_', dot);
@@ -85,24 +101,28 @@ class series_index {
       f(line, *step);
     }
   }
-  [[noreturn]] void fail_to_write() const {
+  [[noreturn, gnu::cold]] void fail_to_write(std::uint64_t bytes = 0) const {
+    const int error = errno;
+    if (bytes > 0 && no_room(error))
+      fail<std::runtime_error>("the output {} cannot be written: {}", file_,
+                               words_of_missing_room(file_, bytes, error));
     fail<std::runtime_error>(
         "the output {} cannot be written: {}; name a file in a folder that exists, is writable and "
         "has room",
-        file_, system_words());
+        file_, system_words(error));
   }
   [[gnu::cold]] void replace(const std::string& lines) {
-    const std::string part = file_ + ".part", bytes = std::string(head) + lines + std::string(foot);
-    {
-      const system_file file(part, O_RDWR | O_CREAT | O_TRUNC);
-      if (!file.good() || !file.write(0, std::as_bytes(std::span(bytes)))) fail_to_write();
+    try {
+      write_output(file_, std::string(head) + lines + std::string(foot), series_output, force_);
+    } catch (const std::exception& e) {
+      fail<std::runtime_error>("the output {} {}", file_, e.what());
     }
-    if (std::rename(part.c_str(), file_.c_str()) != 0) fail_to_write();
     at_ = head.size() + lines.size();
     empty_ = lines.empty();
   }
 
   std::string file_;
+  bool force_;
   std::uint64_t at_ = 0;  ///< where the end begins
   bool empty_ = true;
 };

@@ -9,19 +9,46 @@
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <stdexcept>
 #include <string>
 
 #include "talus/core/error.hpp"
+#include "talus/core/output_file.hpp"
 
 namespace talus::detail {
+
+/// Reads bytes of an open file. False at its end, and where reading fails.
+[[nodiscard]] inline bool read_at(int file, std::uint64_t at, std::span<std::byte> into) {
+  while (!into.empty()) {
+    const ssize_t n = ::pread(file, into.data(), into.size(), static_cast<off_t>(at));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    into = into.subspan(static_cast<std::size_t>(n));
+    at += static_cast<std::uint64_t>(n);
+  }
+  return true;
+}
+/// Writes bytes of an open file. Returns how many, and sets errno where these are not all.
+[[nodiscard]] inline std::size_t write_at(int file, std::uint64_t at,
+                                          std::span<const std::byte> from) {
+  std::size_t written = 0;
+  while (written < from.size()) {
+    const ssize_t n = ::pwrite(file, from.data() + written, from.size() - written,
+                               static_cast<off_t>(at + written));
+    if (n < 0 && errno == EINTR) continue;
+    if (n == 0) errno = ENOSPC;
+    if (n <= 0) break;
+    written += static_cast<std::size_t>(n);
+  }
+  return written;
+}
 
 /// An open file, by the system's own functions.
 class system_file {
  public:
-  system_file(const std::string& path, int flags) : id_(::open(path.c_str(), flags, 0666)) {}
+  system_file(const std::string& path, int flags)
+      : id_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
   system_file(const system_file&) = delete;
   system_file& operator=(const system_file&) = delete;
   ~system_file() {
@@ -29,35 +56,13 @@ class system_file {
   }
   [[nodiscard]] bool good() const { return id_ >= 0; }
   [[nodiscard]] int id() const { return id_; }
-  /// False at the end of the file, and where reading fails.
   [[nodiscard]] bool read(std::uint64_t at, std::span<std::byte> into) const {
-    while (!into.empty()) {
-      const ssize_t n = ::pread(id_, into.data(), into.size(), static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      into = into.subspan(static_cast<std::size_t>(n));
-      at += static_cast<std::uint64_t>(n);
-    }
-    return true;
-  }
-  [[nodiscard]] bool write(std::uint64_t at, std::span<const std::byte> from) const {
-    while (!from.empty()) {
-      const ssize_t n = ::pwrite(id_, from.data(), from.size(), static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      from = from.subspan(static_cast<std::size_t>(n));
-      at += static_cast<std::uint64_t>(n);
-    }
-    return true;
+    return read_at(id_, at, into);
   }
 
  private:
   int id_;
 };
-
-[[nodiscard, gnu::cold]] inline std::string system_words(int error = errno) {
-  return std::strerror(error);
-}
 
 /// A write beyond the limit of file sizes shall fail, not end the process.
 class no_size_signal {
@@ -79,28 +84,27 @@ class no_size_signal {
   if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
       bytes > limit.rlim_cur)
     fail<std::runtime_error>(
-        "cannot be written: it needs some {} bytes, and files may have {} (ulimit -f): raise "
-        "that limit",
-        bytes, static_cast<std::uint64_t>(limit.rlim_cur));
+        "cannot be written: it needs some {} bytes, and files may have {} (ulimit -f), {} bytes "
+        "are missing: raise that limit",
+        bytes, static_cast<std::uint64_t>(limit.rlim_cur),
+        bytes - static_cast<std::uint64_t>(limit.rlim_cur));
 }
 
-/// Asks for room on the disk for all of a file, so that a full one is found out here, where one
-/// rank fails alone. Returns the length of the file.
-[[gnu::cold]] inline std::uint64_t reserve_file(const std::string& path) {
-  const system_file file(path, O_RDWR);
-  struct stat found {};
-  if (!file.good() || ::fstat(file.id(), &found) != 0)
-    fail<std::runtime_error>("cannot be written: {}", system_words());
+/// Whether an error means that there is no room.
+[[nodiscard]] inline bool no_room(int error) {
+  return error == ENOSPC || error == EDQUOT || error == EFBIG;
+}
+
+/// Makes an empty file `bytes` long and asks for room on the disk for all of it, so that a full one
+/// is found out here, where one rank fails alone. Returns the error, or 0. (Where the file system
+/// cannot reserve room, a full disk is found out by the rank that writes there.)
+[[nodiscard, gnu::cold]] inline int reserve_file(int file, std::uint64_t bytes) {
+  if (::ftruncate(file, static_cast<off_t>(bytes)) != 0) return errno;
   int failed = 0;
   do {
-    failed = ::fallocate(file.id(), 0, 0, found.st_size) != 0 ? errno : 0;
+    failed = ::fallocate(file, 0, 0, static_cast<off_t>(bytes)) != 0 ? errno : 0;
   } while (failed == EINTR);
-  if (failed != 0 && failed != EOPNOTSUPP && failed != ENOSYS)
-    fail<std::runtime_error>(
-        "cannot be written: there is no room for {} bytes more ({}): make room, or name a file on "
-        "another disk",
-        static_cast<std::uint64_t>(found.st_size), system_words(failed));
-  return static_cast<std::uint64_t>(found.st_size);
+  return failed == EOPNOTSUPP || failed == ENOSYS ? 0 : failed;
 }
 
 }  // namespace talus::detail

@@ -17,6 +17,7 @@ namespace talus::detail {
 class vtk_kind final : public file_kind {
  public:
   [[nodiscard]] const char* name() const override { return "the output"; }
+  [[nodiscard]] const output_kind& looks() const override { return vtk_output_file; }
   /// A series survives that its run is killed, not that the power fails.
   [[nodiscard]] bool durable() const override { return false; }
   [[gnu::cold]] void describe_file(hid_t file) override {
@@ -81,7 +82,8 @@ struct vtk_counts {
 /// Collective: writes cells, their points, and data, of points or of cells.
 [[gnu::cold]] inline void write_vtk_file(checkpoint_team& team, const std::string& file,
                                          const vtk_cells& cells, row_table&& points,
-                                         row_table&& data, std::uint64_t step, double time) {
+                                         row_table&& data, std::uint64_t step, double time,
+                                         bool force) {
   byte_buffer mine;
   byte_writer(mine).put(vtk_counts{static_cast<std::int64_t>(points.rows()),
                                    static_cast<std::int64_t>(cells.ends.size()),
@@ -108,7 +110,7 @@ struct vtk_counts {
       whole("FieldData/step", static_cast<std::int64_t>(step)),
       numbers_dataset<double>("/VTKHDF/FieldData/time", std::span(&time, 1))};
   vtk_kind how;
-  team_writer(team, how, file).write(tables, small);
+  team_writer(team, how, file, force).write(tables, small);
 }
 
 }  // namespace talus::detail

@@ -1,0 +1,45 @@
+#pragma once
+// What lies where a series of numbered files is going to be written.
+#include <dirent.h>
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "talus/core/output_file.hpp"
+
+namespace talus::detail {
+
+/// Looks at all files BEGIN<digits>END; `begin` holds the folder. Throws runtime_error, with `what`
+/// before the file, where one must not be replaced. Returns how many there are that would be.
+/// Those that `known` is true for, by their names without the folder, may be replaced.
+template <class Known>
+[[nodiscard, gnu::cold]] std::size_t inspect_series(const char* what, const std::string& begin,
+                                                    std::string_view end, const output_kind& kind,
+                                                    bool force, Known&& known) {
+  const auto slash = begin.find_last_of('/');
+  const std::string folder = slash == begin.npos ? "" : begin.substr(0, slash + 1);
+  const std::string first = begin.substr(slash + 1);
+  DIR* const all = ::opendir(folder.empty() ? "." : folder.c_str());
+  std::size_t found = 0;
+  std::string objection;
+  while (const dirent* const one = all != nullptr ? ::readdir(all) : nullptr) {
+    const std::string_view name = one->d_name;
+    if (!name.starts_with(first) || !name.ends_with(end) ||
+        name.size() <= first.size() + end.size() ||
+        name.substr(first.size(), name.size() - first.size() - end.size())
+                .find_first_not_of("0123456789") != name.npos)
+      continue;
+    const std::string file = folder + std::string(name);
+    const output_target target = inspect_target(file, kind, force || known(std::string(name)));
+    if (!target.objection.empty() && objection.empty())
+      objection = std::string(what) + " " + file + " " + target.objection;
+    found += target.replaces;
+  }
+  if (all != nullptr) ::closedir(all);
+  if (!objection.empty()) throw std::runtime_error(objection);
+  return found;
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,55 @@
+#pragma once
+// What is looked at before a run writes its results, its time series, and all else.
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "talus/core/error.hpp"
+#include "talus/core/output_file.hpp"
+#include "talus/io/output_kinds.hpp"
+#include "talus/scene/command_line.hpp"
+
+namespace talus::detail {
+
+/// Throws usage_error where two options name one file.
+[[gnu::cold]] inline void refuse_shared_files(
+    std::initializer_list<std::pair<const char*, std::string_view>> files) {
+  for (const auto* a = files.begin(); a != files.end(); ++a)
+    for (const auto* b = a + 1; b != files.end(); ++b)
+      if (!a->second.empty() && a->second == b->second && !is_stream(std::string(a->second)))
+        throw usage_error(compose("{} and {} name the same file, {}: give each its own", a->first,
+                                  b->first, std::string(a->second)));
+}
+
+/// Of one option on rank 0: throws runtime_error where its file must not be replaced or cannot be
+/// written. True where one of its kind is there.
+[[gnu::cold]] inline bool inspect_output(const char* option, const std::string& file,
+                                         const output_kind& kind, bool force) {
+  if (file.empty() || is_stream(file)) return false;
+  const output_target target = inspect_target(file, kind, force);
+  if (!target.objection.empty())
+    fail<std::runtime_error>("{} {} {}", option, file, target.objection);
+  if (!part_file(file).good())
+    fail<std::runtime_error>(
+        "the file {} cannot be written: {}: give {} a file in a folder that exists and is writable",
+        file, system_words(), option);
+  return target.replaces;
+}
+
+/// Of --json and --csv, on rank 0 and before anything is written. Returns what will be replaced, in
+/// words.
+template <class Options>
+[[nodiscard, gnu::cold]] std::string inspect_outputs(const Options& options) {
+  std::string words;
+  const auto each = [&](const char* option, const std::string& file, const output_kind& kind,
+                        bool goes_on) {
+    if (inspect_output(option, file, kind, options.force) && !goes_on)
+      words += compose("{} {} replaces {}\n", option, file, kind.name);
+  };
+  each("--json", options.json, results_output, false);
+  each("--csv", options.csv, table_output, !options.restart.empty());
+  return words;
+}
+
+}  // namespace talus::detail
