@@ -445,9 +445,13 @@ TEST_CASE("an output that cannot be written is said before anything is computed"
     CHECK_THROWS_WITH(write_vtk(w, "/tmp/none/a"),
                       doctest::Contains("the output /tmp/none/a.hdf cannot be written"));
   });
+  using plain = scenario<bodies<sphere>, transport<threads>>;
   options asked;
-  asked.output = "a";
-  CHECK_THROWS_WITH(detail::refuse_output(asked),
+  command_line line("");
+  asked.describe(line);
+  detail::withdraw_options<plain>(line, asked);
+  const char* const words[] = {"pile", "--output", "a"};
+  CHECK_THROWS_WITH(line.parse(3, words),
                     doctest::Contains("name features<vtk_output> in its scenario"));
 }
 
