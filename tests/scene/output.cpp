@@ -2,6 +2,10 @@
 // goes on where a restarted run does.
 // plain
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -494,5 +498,78 @@ TEST_CASE("an output replaces outputs and pictures, and nothing else unless it i
   }
   CHECK(text_of(files("a.hdf.series")) == index);
   CHECK(text_of(files("pictures/frame_00001.pov")) == picture);
+  diary("text");
+  CHECK(run_pile({"--steps", "10", "--frames", files("text")}) == 1);
+  CHECK(text_of(files("text")) == "a diary");
   CHECK(std::system(("ls -R " + files.folder + " | grep -q part").c_str()) != 0);
+}
+
+namespace {
+
+/// What a run says on standard error; `code` is what it must end with.
+std::string said_by_pile(const std::vector<std::string>& words, int code, int ranks) {
+  const scratch log;
+  const std::string name = log.folder + "_said";
+  const int before = dup(2), file = open(name.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0600);
+  dup2(file, 2);
+  const int got = run_pile(words, ranks);
+  std::fflush(stderr);
+  dup2(before, 2);
+  close(before);
+  close(file);
+  std::string text = text_of(name);
+  std::remove(name.c_str());
+  CHECK(got == code);
+  return text;
+}
+
+}  // namespace
+
+// (What HDF5 cannot write makes it crash at the end of the program, and this test with it.)
+TEST_CASE("a full disk ends the run with the bytes that are missing, and old outputs are whole") {
+  const std::string folder = "/tmp/talus_disk_" + std::to_string(getpid());
+  REQUIRE(std::system(("mkdir -p " + folder).c_str()) == 0);
+  const auto write = [&](int ranks, const std::string& why) {
+    const std::string text = said_by_pile({"--steps", "10", "--output", folder + "/a"}, 1, ranks);
+    CAPTURE(text);
+    CHECK(text.find("the output " + folder + "/a") != text.npos);
+    CHECK(text.find(why) != text.npos);
+    CHECK(text.find("bytes are missing") != text.npos);
+    CHECK(std::count(text.begin(), text.end(), '\n') == 1);
+  };
+  const auto compare_old = [&](const std::string& old) {
+    CHECK(text_of(folder + "/a_0000000000.hdf") == old);
+    CHECK(std::system(("ls " + folder + " | grep -q part").c_str()) != 0);
+  };
+  REQUIRE(run_pile({"--steps", "10", "--output", folder + "/a"}) == 0);
+  rlimit before{};
+  REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const std::string old = text_of(folder + "/a_0000000000.hdf");
+  for (const int ranks : {1, 2}) {
+    const rlimit small{old.size() / 2, before.rlim_max};
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+    write(ranks, "it needs some");
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
+    compare_old(old);
+  }
+  // A disk of its own, where this may mount one.
+  if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+      mount("none", folder.c_str(), "tmpfs", 0, "size=400k") != 0) {
+    MESSAGE("no disk to fill");
+  } else {
+    for (const int free : {0, 4, 8, 12, 16}) {
+      for (const int ranks : {1, 2}) {
+        REQUIRE(run_pile({"--steps", "10", "--output", folder + "/a"}) == 0);
+        const std::string here = text_of(folder + "/a_0000000000.hdf");
+        REQUIRE(std::system(("cat /dev/zero >" + folder + "/ballast 2>/dev/null; truncate -s -" +
+                             std::to_string(free) + "K " + folder + "/ballast")
+                                .c_str()) == 0);
+        write(ranks, "there is no room for");
+        compare_old(here);
+        REQUIRE(std::remove((folder + "/ballast").c_str()) == 0);
+      }
+    }
+    CHECK(umount(folder.c_str()) == 0);
+  }
+  CHECK(std::system(("rm -r " + folder).c_str()) == 0);
 }
