@@ -499,7 +499,7 @@ TEST_CASE("an output replaces outputs and pictures, and nothing else unless it i
   CHECK(text_of(files("a.hdf.series")) == index);
   CHECK(text_of(files("pictures/frame_00001.pov")) == picture);
   diary("text");
-  CHECK(run_pile({"--steps", "10", "--frames", files("text")}) == 1);
+  CHECK(run_pile({"--steps", "10", "--output", files("b"), "--frames", files("text")}) == 1);
   CHECK(text_of(files("text")) == "a diary");
   CHECK(std::system(("ls -R " + files.folder + " | grep -q part").c_str()) != 0);
 }

@@ -1,5 +1,7 @@
 #pragma once
 // Bodies and contacts for ParaView, VTK and Python: docs/output.md.
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -195,7 +197,10 @@ class vtk_series {
   /// Whether the index that was there names a file: it is of an earlier run then, whatever is in
   /// it.
   [[nodiscard]] bool lists(const std::string& file) const {
-    return std::find(listed_.begin(), listed_.end(), file) != listed_.end();
+    struct stat found {};
+    const std::string path = name_.substr(0, name_.find_last_of('/') + 1) + file;
+    return std::find(listed_.begin(), listed_.end(), file) != listed_.end() &&
+           ::lstat(path.c_str(), &found) == 0 && S_ISREG(found.st_mode);
   }
   world<Scenario>& w_;
   std::string name_;
