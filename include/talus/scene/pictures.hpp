@@ -31,6 +31,12 @@ namespace detail {
                            std::strerror(problem == EEXIST || problem == 0 ? ENOTDIR : problem));
 }
 
+/// Converted from options, so that a call without a third argument prefers what takes them as they
+/// are.
+struct any_options {
+  any_options(const options&) {}
+};
+
 }  // namespace detail
 
 /// Collective; call it when the bodies are there: with --frames DIR it writes a picture now and
@@ -71,7 +77,7 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
 
 /// Refuses other fields.
 template <class Scenario, detail::sentence Fields = detail::fields::picture>
-detail::fields::no_picture<Fields> take_pictures(world<Scenario>&, const options&,
+detail::fields::no_picture<Fields> take_pictures(world<Scenario>&, detail::any_options,
                                                  ...) TALUS_REFUSED;
 
 }  // namespace talus
