@@ -6,7 +6,7 @@ namespace fuzz {
 
 outcome run_alike(const plan& p) {
   using scene = scenario<bodies<sphere, box, plane>, solver<reproducible>, transport<threads>,
-                         decomposition<any_decomposition>>;
+                         decomposition<any_decomposition>, features<energy_ledger>>;
   return run_on_one_too<scene>(p);
 }
 

@@ -5,7 +5,7 @@ namespace fuzz {
 
 outcome run_pursued(const plan& p) {
   return run_family<scenario<bodies<sphere, box, plane>, transport<threads>,
-                             decomposition<any_decomposition>, features<continuous_collision>>>(p);
+                             decomposition<any_decomposition>, features<continuous_collision, energy_ledger>>>(p);
 }
 
 }  // namespace fuzz

@@ -123,8 +123,20 @@ class coloured_list {
   [[gnu::noinline]] void recall(const contact_history& history) {
     each_part([&](part& p, bool) { p.row.recall(history, p.keys, p.places); });
   }
-  [[gnu::noinline]] void remember(contact_history& history) const {
-    each_part([&](const part& p, bool) { detail::remember(history, p.keys, p.places, p.row); });
+  /// `parts` says which part of its impulse each contact starts from in the next step.
+  template <class Parts>
+  [[gnu::noinline]] void remember(contact_history& history, const Parts& parts) const {
+    each_part([&](const part& p, bool) {
+      detail::remember(history, p.keys, p.places, p.row,
+                       [&](const auto& c) { return parts.kept(c); });
+    });
+  }
+  /// Calls f(contact), which may change it, for all contacts.
+  template <class F>
+  void edit_all(F&& f) {
+    each_part([&](part& p, bool) {
+      for (std::size_t i = 0; i < p.row.size(); ++i) p.row.edit(i, f);
+    });
   }
   [[gnu::noinline]] void weigh(const state& s) {
     each_part([&](part& p, bool) { p.row.weigh(s); });

@@ -111,9 +111,14 @@ class contact_list {
     for (part* p : {&inner_, &rim_}) p->row.recall(history, p->keys, p->places);
     detail::recall(history, boundary_keys_, boundary_places_, boundary_);
   }
-  [[gnu::noinline]] void remember(contact_history& history) const {
-    for (const part* p : {&inner_, &rim_}) detail::remember(history, p->keys, p->places, p->row);
-    detail::remember(history, boundary_keys_, boundary_places_, boundary_);
+  /// `parts` says which part of its impulse each contact starts from in the next step.
+  template <class Parts>
+  [[gnu::noinline]] void remember(contact_history& history, const Parts& parts) const {
+    for (const part* p : {&inner_, &rim_})
+      detail::remember(history, p->keys, p->places, p->row,
+                       [&](const auto& c) { return parts.kept(c); });
+    detail::remember(history, boundary_keys_, boundary_places_, boundary_,
+                     [&](const auto& c) { return parts.kept_at_boundary(c); });
   }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
@@ -191,6 +196,23 @@ class contact_list {
   }
   [[gnu::noinline]] void apply_boundary(state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
+  }
+
+  // For what makes sure that impulses add no energy; see world/passivity.hpp.
+
+  template <class F>
+  void each_interior_contact(F&& f) const {
+    each_interior(f);
+  }
+  template <class F>
+  void edit_interior_contacts(F&& f) {
+    for (std::size_t i = 0, n = interior(); i < n; ++i) edit_interior(i, f);
+  }
+  [[nodiscard]] bool has_boundary() const { return !boundary_.empty(); }
+  /// Calls f(contact, whether its body a is owned here).
+  template <class F>
+  void edit_boundary_contacts(F&& f) {
+    for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
   }
 
   // For other solvers than Gauss-Seidel. What a solver does not call is not compiled.

@@ -6,6 +6,7 @@
 #include "talus/world/colour_contacts.hpp"
 #include "talus/world/continuous.hpp"
 #include "talus/world/finite_motion.hpp"
+#include "talus/world/passivity.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
@@ -23,8 +24,10 @@ void gather_velocities(world_state<Scenario>& s) {
     solver.shift.resize(solver.bodies.size());
     solver.turn.assign(solver.tensors.size(), {});
   }
-  if constexpr (!world_state<Scenario>::link_type::alone)
+  if constexpr (!world_state<Scenario>::link_type::alone) {
     solver.boundary_contacts.assign(solver.bodies.size(), 0);
+    s.passive.common.resize(solver.bodies.size());
+  }
   constexpr bool divided = divides_the_step<typename Scenario::solver>;
   if constexpr (divided) solver.gain.assign(solver.bodies.size(), {});
   if constexpr (world_state<Scenario>::drives)
@@ -78,10 +81,14 @@ void respond(world_state<Scenario>& s) {
   s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
                                             world_state<Scenario>::law::correction, ranks),
                     s.settings.tolerance);
+  passivity checked(s, ranks);
+  checked.keep();
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);
-  s.each_contact_list([&](const auto& list) { list.remember(s.history); });
+  s.each_contact_list([&](const auto& list) {
+    list.remember(s.history, checked);
+  });
 }
 
 /// Moves the bodies owned here with their new velocities.

@@ -12,6 +12,7 @@
 #include "talus/parallel/parcel.hpp"
 #include "talus/response/coloured_list.hpp"
 #include "talus/response/convergence.hpp"
+#include "talus/response/impulse_scale.hpp"
 #include "talus/response/shared_islands.hpp"
 #include "talus/response/soft_state.hpp"
 #include "talus/response/solver_settings.hpp"
@@ -78,6 +79,19 @@ struct shared_colours {
 };
 struct no_colours {};
 
+/// What world/passivity.hpp works with, for each body in solver indices.
+struct passivity_scratch {
+  plain_vector<std::uint32_t> root;  ///< of its island
+  plain_vector<impulse_work> works;  ///< of the island of a root
+  plain_vector<real> excess;         ///< part that its impulses lose
+  plain_vector<real> kept;           ///< part of its impulses that the next step starts from
+  // Across ranks:
+  plain_vector<body_motion> common;    ///< velocities that were sent or received last
+  plain_vector<body_motion> mean;      ///< of those and the ones before the step
+  plain_vector<body_motion> change;    ///< of the ones before the step to those
+  plain_vector<body_motion> received;  ///< the part of it that is from boundary contacts
+};
+
 template <class Shapes, class Law, class Solver, class Real, bool Driven>
 struct hard_response {
   template <class Contact>
@@ -89,6 +103,7 @@ struct hard_response {
   lists_type contacts;
   history_type history;
   solver_state_of<Real> solver;
+  passivity_scratch passive;
   shared_islands<solver_state_of<Real>> islands;  ///< where there are ranks
   talus::convergence convergence;
   [[no_unique_address]] std::conditional_t<solves_by_colours<Solver>, shared_colours, no_colours>

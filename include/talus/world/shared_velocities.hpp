@@ -1,9 +1,12 @@
 #pragma once
 // How the iterations of a solver see bodies owned by other ranks: shadow velocities, refreshed
 // from their owners by one message per neighbour, velocities only, in a fixed order.
+#include <array>
+#include <cstddef>
 #include <cstring>
 #include <span>
 
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/world/state.hpp"
 
@@ -72,6 +75,18 @@ class shared_velocities {
     const stage_clock clock(s_.seconds.exchange);
     s_.link->finish_reduce(sums);
   }
+  /// Makes sums those over all ranks, whatever their number.
+  template <std::size_t N>
+  void sum_exactly(std::array<exact_sum, N>& sums) {
+    constexpr std::size_t size = exact_sum::digits + 1;
+    std::array<double, N * size> digits;
+    for (std::size_t k = 0; k < N; ++k)
+      sums[k].write(std::span<double, size>(digits.data() + k * size, size));
+    start_reduce(digits);
+    finish_reduce(digits);
+    for (std::size_t k = 0; k < N; ++k)
+      sums[k].read(std::span<const double, size>(digits.data() + k * size, size));
+  }
   /// One value of each body.
   void share_values(plain_vector<real>& values) {
     exchange<1, real>([&](std::uint32_t i, real* out) { out[0] = values[i]; },
@@ -110,6 +125,7 @@ class shared_velocities {
   template <class Real>
   void put_velocity(std::uint32_t i, Real* out) const {
     const solver_body_of<number>& b = s_.solver.bodies[i];
+    s_.passive.common[i] = {v_of(b), w_of(b)};
     for (int k = 0; k < 3; ++k) out[k] = b.v[k], out[3 + k] = b.w[k];
   }
   template <class Real>
@@ -117,6 +133,7 @@ class shared_velocities {
     solver_body_of<number>& b = s_.solver.bodies[i];
     for (int k = 0; k < 3; ++k)
       b.v[k] = static_cast<number>(in[k]), b.w[k] = static_cast<number>(in[3 + k]);
+    s_.passive.common[i] = {v_of(b), w_of(b)};
   }
 
   state_type& s_;

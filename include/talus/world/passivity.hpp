@@ -1,0 +1,420 @@
+#pragma once
+// Keeps the impulses of a step from adding energy, whatever a solver has left undone.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <type_traits>
+
+#include "talus/core/exact_sum.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/response/contact_work.hpp"
+#include "talus/response/impulse_scale.hpp"
+#include "talus/world/solved_velocity.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus::detail {
+
+/// A body that takes part in contacts adds m v'^2/2 - m v^2/2 to the energy, of which its contact
+/// impulse p = m (v' - v) - m g dt gives p (v + v')/2. The sum over the bodies is the work of all
+/// contacts. It is at most 0 in an exact solution with one coefficient of restitution. It can be
+/// positive where iterations are cut short after a warm start, and where several coefficients or
+/// friction meet in one impact. Then the impulses are scaled by the largest common factor below 1
+/// that makes the work 0. A scaled impulse stays in its friction cone, and momentum is conserved.
+/// Where bodies rest, that factor is also the best one: it minimises the energy that the impulses
+/// are to minimise.
+///
+/// The factor belongs to an island of contacts of this rank. The power that a boundary contact carries
+/// from one rank to the other is computed on both from the last velocities that both hold, so that
+/// the works of the ranks add up to that of all contacts without a message. Each rank scales its
+/// interior contacts, with its boundary contacts as they are.
+template <class Scenario, class Ranks>
+class passivity {
+  using state_type = world_state<Scenario>;
+  using number = solved_scalar<Scenario>;
+  static constexpr bool alone = state_type::link_type::alone;
+  static constexpr bool by_colours = state_type::by_colours;
+  static constexpr int most_plastic_sweeps = 50;
+  static constexpr bool divided = divides_the_step<typename Scenario::solver>;
+
+ public:
+  passivity(state_type& s, Ranks& ranks) : s_(s), ranks_(ranks), solver_(s.solver) {}
+
+  /// After the solver, before the impulses are stored for the next step.
+  void keep() {
+    if constexpr (by_colours) {
+      keep_everywhere();
+    } else {
+      if constexpr (!alone) meet_boundary();
+      find_excess();
+      shrink_interior();
+      if constexpr (!alone)
+        for (int k = 0; found_ && k < most_plastic_sweeps; ++k) sweep_plastically();
+      find_memory();
+    }
+  }
+  /// The part of its impulse that an interior contact starts from in the next step.
+  template <class Contact>
+  [[nodiscard]] real kept(const Contact& c) const {
+    const auto of = [&](std::int32_t i) { return s_.passive.kept[static_cast<std::size_t>(i)]; };
+    real part = of(c.a);
+    if constexpr (Contact::paired) part = std::min(part, of(c.b));
+    return part;
+  }
+  /// The same for a boundary contact, from what both ranks hold. An impulse that changes velocities
+  /// by far less than it could is one of rest.
+  template <class Contact>
+  [[nodiscard]] real kept_at_boundary(const Contact& c) const {
+    const real impulse = c.impulse().norm();
+    const auto of = [&](std::int32_t i) {
+      const auto k = static_cast<std::size_t>(i);
+      const real usual = std::max(2 * s_.dt * s_.gravity.norm(),
+                                  real(0.01) * impulse * solver_.bodies[k].inverse_mass);
+      const real change = s_.passive.change[k].v.norm();
+      return change <= usual ? real{1} : usual * usual / (change * change);
+    };
+    return std::min(of(c.a), of(c.b));
+  }
+
+ private:
+  /// Calls f(work, index in the solver's arrays) for each body owned here that can move.
+  template <class F>
+  void each_body(F&& f) {
+    s_.each_finite_shape([&](const auto& b) {
+      const auto& store = b.movable;
+      for (std::size_t i = 0; i < store.locals; ++i) {
+        const std::size_t k = b.first + i;
+        if (solver_.bodies[k].inverse_mass == 0) {
+          walls_ = walls_ || store.velocity[i] != vec3(0, 0, 0) ||
+                   store.angular_velocity[i] != vec3(0, 0, 0);
+          continue;
+        }
+        const vec3& before = store.velocity[i];
+        const vec3 v = solved_velocity(s_, store, i, k), dv = v - free_velocity(s_, store, i);
+        const vec3 w = solved_spin(s_, store, i, k), dw = w - free_spin(s_, store, i, k);
+        const real mass = 1 / store.inverse_mass[i];
+        const vec3 spin = angular_impulse(store, i, mass, dw);
+        impulse_work of;
+        const vec3 mean = real(0.5) * (before + v) + offset_of(store, i, k);
+        const vec3 mean_w = real(0.5) * (store.angular_velocity[i] + w);
+        const real linear = mass * dv.dot(mean), angular = spin.dot(mean_w);
+        of.work = linear + angular;
+        of.size = std::abs(linear) + std::abs(angular);
+        vec3 own_dv = dv, own_dw = dw, own_spin = spin;  // by impulses that this rank may scale
+        if constexpr (!alone && !by_colours)
+          if (const auto& received = s_.passive.received; !received.empty()) {
+            own_dv -= received[k].v, own_dw -= received[k].w;
+            own_spin = angular_impulse(store, i, mass, own_dw);
+          }
+        of.square = mass * own_dv.squaredNorm() + own_spin.dot(own_dw);
+        // The mean velocity changes by half of what the impulses change, and the work by both.
+        of.slope = mass * own_dv.dot(mean + real(0.5) * dv) + own_spin.dot(mean_w + real(0.5) * dw);
+        f(of, k);
+      }
+    });
+  }
+  /// A body that is followed to its impact meets it with the velocity there.
+  template <class Store>
+  [[nodiscard]] vec3 offset_of(const Store& store, std::size_t i, std::size_t k) const {
+    if constexpr (state_type::continuous)
+      if (const real t = s_.impacts.time[k]; t != never) return t * acceleration_of(s_, store, i);
+    return (void)store, (void)i, (void)k, vec3(0, 0, 0);
+  }
+
+  /// Calls f(power, body) for what bodies of given velocity do to body: they may add energy.
+  template <class F>
+  void subtract_walls(F&& f) {
+    s_.each_contact_list([&](const auto& list) {
+      list.each_acting([&](const auto& c, bool on_a, bool on_b) {
+        using contact = std::remove_cvref_t<decltype(c)>;
+        if constexpr (contact::paired) {
+          const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
+          const auto &A = solver_.bodies[a], &B = solver_.bodies[b];
+          const split_impulse parts = impulse_in_parts(c);
+          const vec3 p = parts.normal + parts.tangential;
+          if (A.inverse_mass == 0 && on_b) f(-p.dot(velocity_on_a(c, v_of(A), w_of(A))), b);
+          if (B.inverse_mass == 0 && on_a) f(p.dot(velocity_on_b(c, v_of(B), w_of(B))), a);
+        }
+      });
+    });
+  }
+
+  /// The part that the impulses of each body's island have to lose, if any has to.
+  void find_excess() {
+    auto& excess = s_.passive.excess;
+    if constexpr (!alone) excess.assign(solver_.bodies.size(), 0);
+    found_ = false;
+    if (!work_of_all().adds_energy()) return;
+    found_ = true;
+    join_islands();
+    const auto root = [&](std::size_t i) { return s_.passive.root[i]; };
+    auto& works = s_.passive.works;
+    works.assign(solver_.bodies.size(), {});
+    const auto add = [&](const impulse_work& w, std::size_t k) { works[root(k)] += w; };
+    each_body(add);
+    each_exchange(add);
+    excess.resize(solver_.bodies.size());
+    for (std::size_t k = 0; k < works.size(); ++k) excess[k] = works[root(k)].excess();
+  }
+  /// Of a body whose velocity contacts have changed by more than gravity does in two steps, impulses
+  /// are those of an impact. They are kept in part: their work in the next step, in which the
+  /// bodies have their present velocities and feel the same forces, is not positive. Where bodies
+  /// keep their velocities, impulses are kept as they are.
+  void find_memory() {
+    impulse_work next;
+    mark_impacts();
+    each_impact([&](const impulse_work& w) { next += w; });
+    set_memory(next.slope, next.square);
+  }
+  void set_memory(real slope, real square) {
+    if (!forgets_) return;
+    const real part = square > 0 ? std::clamp(-2 * slope / square, real{0}, real{1}) : 1;
+    for (real& x : s_.passive.kept)
+      if (x < 0) x = part;
+  }
+  /// Marks the bodies in an impact by kept = -1.
+  void mark_impacts() {
+    auto& kept = s_.passive.kept;
+    kept.assign(solver_.bodies.size(), 1);
+    const real usual = 4 * s_.dt * s_.dt * s_.gravity.squaredNorm();
+    s_.each_finite_shape([&](const auto& b) {
+      const auto& store = b.movable;
+      for (std::size_t i = 0; i < store.size(); ++i) {
+        const std::size_t k = b.first + i;
+        if (solver_.bodies[k].inverse_mass == 0) continue;
+        const vec3 dv = v_of(solver_.bodies[k]) - store.velocity[i];
+        const vec3 dw = w_of(solver_.bodies[k]) - store.angular_velocity[i];
+        const real radius = store.shape[i].bounding_radius();
+        if (dv.squaredNorm() + radius * radius * dw.squaredNorm() <= usual) continue;
+        kept[k] = -1;
+        forgets_ = true;
+      }
+    });
+  }
+  /// Calls f(work) for the bodies owned here that are in an impact; `slope` and `square` are those
+  /// of its impulses in the next step.
+  template <class F>
+  void each_impact(F&& f) {
+    if (!forgets_) return;
+    s_.each_finite_shape([&](const auto& b) {
+      const auto& store = b.movable;
+      for (std::size_t i = 0; i < store.locals; ++i) {
+        const std::size_t k = b.first + i;
+        if (s_.passive.kept[k] >= 0) continue;
+        const vec3 given = free_velocity(s_, store, i) - store.velocity[i],
+                   turned = free_spin(s_, store, i, k) - store.angular_velocity[i];
+        const vec3 v = solved_velocity(s_, store, i, k), w = solved_spin(s_, store, i, k);
+        const vec3 dv = v - store.velocity[i] - given, dw = w - store.angular_velocity[i] - turned;
+        const real mass = 1 / store.inverse_mass[i];
+        const vec3 spin = angular_impulse(store, i, mass, dw);
+        f({.slope = mass * dv.dot(v + real(0.5) * given) + spin.dot(w + real(0.5) * turned),
+           .square = mass * dv.squaredNorm() + spin.dot(dw)});
+      }
+    });
+  }
+  template <class Store>
+  static vec3 angular_impulse(const Store& store, std::size_t i, real mass, const vec3& dw) {
+    const vec3 inertia = mass * store.shape[i].inertia();
+    if constexpr (Store::tensor) {
+      const quat& q = store.orientation_of[i];
+      return q * vec3(inertia.cwiseProduct(q.conjugate() * dw));
+    } else {
+      return inertia[0] * dw;
+    }
+  }
+  void join_islands() {
+    auto& root = s_.passive.root;
+    root.resize(solver_.bodies.size());
+    std::iota(root.begin(), root.end(), std::uint32_t{0});
+    const auto find = [&](std::size_t i) {
+      auto k = static_cast<std::uint32_t>(i);
+      while (root[k] != k) k = root[k] = root[root[k]];
+      return k;
+    };
+    s_.each_contact_list([&](const auto& list) {
+      list.each_interior_contact([&](const auto& c) {
+        if constexpr (std::remove_cvref_t<decltype(c)>::paired)
+          if (moves(c.a) && moves(c.b)) {
+            const auto a = find(static_cast<std::size_t>(c.a)),
+                       b = find(static_cast<std::size_t>(c.b));
+            root[std::max(a, b)] = std::min(a, b);
+          }
+      });
+    });
+    for (std::size_t k = 0; k < root.size(); ++k) root[k] = find(k);
+  }
+  [[nodiscard]] bool moves(std::int32_t i) const {
+    return i >= 0 && solver_.bodies[static_cast<std::size_t>(i)].inverse_mass != 0;
+  }
+  void shrink_interior() {
+    if (!found_) return;
+    const auto& excess = s_.passive.excess;
+    s_.each_contact_list([&](auto& list) {
+      list.edit_interior_contacts([&](auto& c) {
+        const real d = excess[static_cast<std::size_t>(moves(c.a) ? c.a : c.b)];
+        if (d != 0) shrink(c, d, [&](const auto& change) { c.apply(solver_, change); });
+      });
+    });
+  }
+  /// Solves each interior contact as a plastic one, which takes energy, if boundary contacts leave
+  /// too much of it.
+  void sweep_plastically() {
+    found_ = work_of_all().adds_energy();
+    if (!found_) return;
+    s_.each_contact_list([&](auto& list) {
+      list.edit_interior_contacts([&](auto& c) {
+        const auto target = c.target;
+        c.target = std::min(c.target, decltype(c.target)(0));
+        const auto change = c.relax(solver_);
+        c.target = target;
+        c.apply(solver_, change);
+      });
+    });
+  }
+  [[nodiscard]] impulse_work work_of_all() {
+    impulse_work all;
+    each_body([&](const impulse_work& w, std::size_t) { all += w; });
+    each_exchange([&](const impulse_work& w, std::size_t) { all += w; });
+    return all;
+  }
+  /// Calls f(work, body) for what bodies of another rank or of given velocity do to a body.
+  template <class F>
+  void each_exchange(F&& f) {
+    if (walls_)
+      subtract_walls([&](real power, std::size_t body) { f({.work = -power, .slope = -power}, body); });
+    if constexpr (!alone && !by_colours)
+      if (boundary_)
+        each_boundary([&](auto& c, bool owns_a) {
+          const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
+          const auto& p = s_.passive;
+          const vec3 q = full_impulse(c);
+          const real sign = owns_a ? -0.5 : 0.5;
+          const auto carried = [&](const auto& of) {
+            return sign * q.dot(velocity_on_a(c, of[a].v, of[a].w) +
+                                velocity_on_b(c, of[b].v, of[b].w));
+          };
+          const impulse_work w{.work = carried(p.mean)};
+          f(w, owns_a ? a : b);
+        });
+  }
+  /// Takes the part d of its impulse from a contact, and applies the change. Positions follow the
+  /// mean velocity of a divided step, which stays.
+  template <class Contact, class Apply>
+  void shrink(Contact& c, real d, Apply&& apply) {
+    const auto before = c.whole();
+    c.set(static_cast<number>(1 - d) * before);
+    const auto change = c.since(before);
+    if constexpr (divided) {
+      const auto a = static_cast<std::size_t>(c.a);
+      keep_drift(a, real{1});
+      if constexpr (Contact::paired) keep_drift(static_cast<std::size_t>(c.b), real{1});
+      apply(change);
+      keep_drift(a, real{-1});
+      if constexpr (Contact::paired) keep_drift(static_cast<std::size_t>(c.b), real{-1});
+    } else {
+      apply(change);
+    }
+  }
+  void keep_drift(std::size_t body, real sign) {
+    solver_.drift[body].v += sign * solver_.bodies[body].v;
+    solver_.drift[body].w += sign * solver_.bodies[body].w;
+  }
+
+  // Across ranks.
+
+  template <class F>
+  void each_boundary(F&& f) {
+    s_.each_contact_list([&](auto& list) {
+      list.edit_boundary_contacts([&](auto& c, bool owns_a) {
+        if constexpr (std::remove_cvref_t<decltype(c)>::paired) f(c, owns_a);
+      });
+    });
+  }
+  /// What own bodies receive from boundary contacts, and the velocities of their bodies as both ranks
+  /// hold them.
+  void meet_boundary() {
+    auto& p = s_.passive;
+    p.received.clear();
+    s_.each_contact_list([&](const auto& list) { boundary_ = boundary_ || list.has_boundary(); });
+    if (!boundary_) return;
+    p.mean.resize(solver_.bodies.size());
+    p.change.resize(solver_.bodies.size());
+    s_.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = 0; i < b.movable.size(); ++i) {
+        const std::size_t k = b.first + i;
+        const body_motion& now = p.common[k];
+        const vec3 &v = b.movable.velocity[i], &w = b.movable.angular_velocity[i];
+        p.mean[k] = {real(0.5) * (v + now.v), real(0.5) * (w + now.w)};
+        p.change[k] = {now.v - v, now.w - w};
+      }
+    });
+    p.received.assign(solver_.bodies.size(), {});
+    each_boundary([&](auto& c, bool owns_a) {
+      const auto own = static_cast<std::size_t>(owns_a ? c.a : c.b);
+      const vec3 q = (owns_a ? 1 : -1) * full_impulse(c);
+      p.received[own].v += real(solver_.bodies[own].inverse_mass) * q;
+      p.received[own].w += spin_by(own, owns_a ? c.lever_a() : c.lever_b(), q);
+    });
+  }
+  template <class Contact>
+  static vec3 full_impulse(const Contact& c) {
+    const split_impulse p = impulse_in_parts(c);
+    return p.normal + p.tangential;
+  }
+  [[nodiscard]] vec3 spin_by(std::size_t k, const vec3& arm, const vec3& impulse) const {
+    const vec3 twist = arm.cross(impulse);
+    if (k >= solver_.first_tensor && k - solver_.first_tensor < solver_.tensors.size())
+      return solver_.tensor(k) * twist;
+    return real(solver_.bodies[k].inverse_inertia) * twist;
+  }
+
+  /// Where nothing may depend on the ranks: one factor for all contacts, from exact sums.
+  void keep_everywhere() {
+    if constexpr (!alone) ranks_.share_velocities();
+    std::array<exact_sum, 8> sums;  // of what is positive, and of what is negative
+    const auto add = [&](std::size_t at, real x) { sums[x < 0 ? at + 1 : at] += std::abs(x); };
+    each_body([&](const impulse_work& w, std::size_t) {
+      add(0, w.work), add(2, w.slope);
+      sums[4] += w.square;
+    });
+    if (walls_)
+      subtract_walls([&](real power, std::size_t) { add(0, -power), add(2, -power); });
+    mark_impacts();
+    each_impact([&](const impulse_work& w) {
+      add(5, w.slope);
+      sums[7] += w.square;
+    });
+    if constexpr (!alone) ranks_.sum_exactly(sums);
+    const auto signed_sum = [&](std::size_t at) { return sums[at].value() - sums[at + 1].value(); };
+    const impulse_work all{.work = signed_sum(0),
+                           .slope = signed_sum(2),
+                           .square = sums[4].value(),
+                           .size = sums[0].value() + sums[1].value()};
+    const real d = all.excess();
+    const real impacts = sums[7].value();
+    set_memory((1 - d) * (signed_sum(5) - d * impacts), (1 - d) * (1 - d) * impacts);
+    if (d == 0) return;
+    s_.each_contact_list([&](auto& list) {
+      list.edit_all([&](auto& c) { c.set(static_cast<number>(1 - d) * c.whole()); });
+    });
+    s_.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = 0; i < b.movable.locals; ++i) {
+        const std::size_t k = b.first + i;
+        if (solver_.bodies[k].inverse_mass == 0) continue;
+        const vec3 v = free_velocity(s_, b.movable, i), w = free_spin(s_, b.movable, i, k);
+        solver_.bodies[k].v = in_scalar<number>(vec3(v + (1 - d) * (v_of(solver_.bodies[k]) - v)));
+        solver_.bodies[k].w = in_scalar<number>(vec3(w + (1 - d) * (w_of(solver_.bodies[k]) - w)));
+      }
+    });
+  }
+
+  state_type& s_;
+  Ranks& ranks_;
+  solver_state_of<number>& solver_;
+  bool walls_ = false;     ///< a body that contacts cannot move has a velocity
+  bool boundary_ = false;  ///< there are boundary contacts
+  bool found_ = false;     ///< an island adds energy
+  bool forgets_ = false;   ///< impulses of impacts are not kept whole
+};
+
+}  // namespace talus::detail
