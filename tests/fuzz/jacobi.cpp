@@ -6,7 +6,8 @@ namespace fuzz {
 
 outcome run_jacobi(const plan& p) {
   return run_family<scenario<bodies<sphere, plane>, solver<accelerated_jacobi>, transport<threads>,
-                             decomposition<any_decomposition>, features<sleeping, energy_ledger>>>(p);
+                             decomposition<any_decomposition>, features<sleeping, energy_ledger>>>(
+      p);
 }
 
 }  // namespace fuzz

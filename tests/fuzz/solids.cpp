@@ -4,9 +4,9 @@
 namespace fuzz {
 
 outcome run_solids(const plan& p) {
-  return run_family<scenario<bodies<sphere, box, capsule, union_of<sphere, box>, plane>,
-                             transport<threads>, decomposition<any_decomposition>,
-                             features<energy_ledger>>>(p);
+  return run_family<
+      scenario<bodies<sphere, box, capsule, union_of<sphere, box>, plane>, transport<threads>,
+               decomposition<any_decomposition>, features<energy_ledger>>>(p);
 }
 
 }  // namespace fuzz

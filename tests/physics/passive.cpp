@@ -19,10 +19,9 @@ namespace {
 
 using cuts = grid<dynamic, dynamic, dynamic>;
 template <class Solver, class Number = double>
-using scene =
-    scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
-             solver<Solver>, precision<Number>, features<energy_ledger>, transport<threads>,
-             decomposition<grid<dynamic, dynamic, dynamic>>>;
+using scene = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
+                       solver<Solver>, precision<Number>, features<energy_ledger>,
+                       transport<threads>, decomposition<grid<dynamic, dynamic, dynamic>>>;
 
 struct outcome {
   double gain = 0;            ///< largest of a step, over the energies that met in it
@@ -44,7 +43,8 @@ outcome run(int ranks, int iterations, double restitution, double gravity, int s
     set_up(w, w.material({.density = 1, .restitution = restitution, .friction = 0.3}));
     w.synchronize();
     const double initial = measure_motion(w).kinetic_energy;
-    outcome mine{.initial = initial};
+    outcome mine;
+    mine.initial = initial;
     for (int k = 0; k < steps; ++k) {
       w.step(0.005);
       const energy_balance e = measure_energy(w);
@@ -76,10 +76,9 @@ outcome lattice(int ranks, int iterations, double restitution, double gravity) {
   return run<Scene>(ranks, iterations, restitution, gravity, 40, [&](auto& w, auto stone) {
     w.global([&](auto& scope) { scope.add(plane{.offset = -2.5}, stone); });
     for (int i = 0; i < 125; ++i)
-      w.add_if_local(
-          body{.shape = sphere{0.5},
-               .position = {i % 5 - 2.0, i / 5 % 5 - 2.0, i / 25 - 2.0},
-               .material = stone});
+      w.add_if_local(body{.shape = sphere{0.5},
+                          .position = {i % 5 - 2.0, i / 5 % 5 - 2.0, i / 25 - 2.0},
+                          .material = stone});
     w.add_if_local(body{.shape = sphere{1.5},
                         .position = {-4.05, 0.1, 0.2},
                         .material = stone,
@@ -91,7 +90,9 @@ template <class Scene>
 void check_all(int ranks, double round_off) {
   for (const int iterations : {1, 2, 10, 50})
     for (const double restitution : {0.0, 0.5, 1.0}) {
-      CAPTURE(ranks, iterations, restitution);
+      CAPTURE(ranks);
+      CAPTURE(iterations);
+      CAPTURE(restitution);
       for (const int count : {3, 5, 20}) {
         const outcome r = row<Scene>(count, ranks, iterations, restitution);
         CAPTURE(count);
@@ -138,7 +139,8 @@ TEST_CASE("across ranks the default solver adds little energy where a long row i
   for (const int iterations : {2, 10, 50})
     for (const double restitution : {0.0, 0.5, 1.0}) {
       const outcome r = row<scene<nonlinear_gauss_seidel>>(20, 3, iterations, restitution);
-      CAPTURE(iterations), CAPTURE(restitution);
+      CAPTURE(iterations);
+      CAPTURE(restitution);
       CHECK(r.gain < 0.03);
       CHECK(r.highest <= 1 + 1e-12);
     }

@@ -24,10 +24,10 @@ namespace talus::detail {
 /// Where bodies rest, that factor is also the best one: it minimises the energy that the impulses
 /// are to minimise.
 ///
-/// The factor belongs to an island of contacts of this rank. The power that a boundary contact carries
-/// from one rank to the other is computed on both from the last velocities that both hold, so that
-/// the works of the ranks add up to that of all contacts without a message. Each rank scales its
-/// interior contacts, with its boundary contacts as they are.
+/// The factor belongs to an island of contacts of this rank. The power that a boundary contact
+/// carries from one rank to the other is computed on both from the last velocities that both hold,
+/// so that the works of the ranks add up to that of all contacts without a message. Each rank
+/// scales its interior contacts, with its boundary contacts as they are.
 template <class Scenario, class Ranks>
 class passivity {
   using state_type = world_state<Scenario>;
@@ -156,10 +156,10 @@ class passivity {
     excess.resize(solver_.bodies.size());
     for (std::size_t k = 0; k < works.size(); ++k) excess[k] = works[root(k)].excess();
   }
-  /// Of a body whose velocity contacts have changed by more than gravity does in two steps, impulses
-  /// are those of an impact. They are kept in part: their work in the next step, in which the
-  /// bodies have their present velocities and feel the same forces, is not positive. Where bodies
-  /// keep their velocities, impulses are kept as they are.
+  /// Of a body whose velocity contacts have changed by more than gravity does in two steps,
+  /// impulses are those of an impact. They are kept in part: their work in the next step, in which
+  /// the bodies have their present velocities and feel the same forces, is not positive. Where
+  /// bodies keep their velocities, impulses are kept as they are.
   void find_memory() {
     impulse_work next;
     mark_impacts();
@@ -281,7 +281,8 @@ class passivity {
   template <class F>
   void each_exchange(F&& f) {
     if (walls_)
-      subtract_walls([&](real power, std::size_t body) { f({.work = -power, .slope = -power}, body); });
+      subtract_walls(
+          [&](real power, std::size_t body) { f({.work = -power, .slope = -power}, body); });
     if constexpr (!alone && !by_colours)
       if (boundary_)
         each_boundary([&](auto& c, bool owns_a) {
@@ -290,8 +291,8 @@ class passivity {
           const vec3 q = full_impulse(c);
           const real sign = owns_a ? -0.5 : 0.5;
           const auto carried = [&](const auto& of) {
-            return sign * q.dot(velocity_on_a(c, of[a].v, of[a].w) +
-                                velocity_on_b(c, of[b].v, of[b].w));
+            return sign *
+                   q.dot(velocity_on_a(c, of[a].v, of[a].w) + velocity_on_b(c, of[b].v, of[b].w));
           };
           const impulse_work w{.work = carried(p.mean)};
           f(w, owns_a ? a : b);
@@ -330,8 +331,8 @@ class passivity {
       });
     });
   }
-  /// What own bodies receive from boundary contacts, and the velocities of their bodies as both ranks
-  /// hold them.
+  /// What own bodies receive from boundary contacts, and the velocities of their bodies as both
+  /// ranks hold them.
   void meet_boundary() {
     auto& p = s_.passive;
     p.received.clear();
@@ -377,8 +378,7 @@ class passivity {
       add(0, w.work), add(2, w.slope);
       sums[4] += w.square;
     });
-    if (walls_)
-      subtract_walls([&](real power, std::size_t) { add(0, -power), add(2, -power); });
+    if (walls_) subtract_walls([&](real power, std::size_t) { add(0, -power), add(2, -power); });
     mark_impacts();
     each_impact([&](const impulse_work& w) {
       add(5, w.slope);

@@ -86,9 +86,7 @@ void respond(world_state<Scenario>& s) {
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);
-  s.each_contact_list([&](const auto& list) {
-    list.remember(s.history, checked);
-  });
+  s.each_contact_list([&](const auto& list) { list.remember(s.history, checked); });
 }
 
 /// Moves the bodies owned here with their new velocities.
