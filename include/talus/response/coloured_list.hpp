@@ -123,13 +123,8 @@ class coloured_list {
   [[gnu::noinline]] void recall(const contact_history& history) {
     each_part([&](part& p, bool) { p.row.recall(history, p.keys, p.places); });
   }
-  /// `parts` says which part of its impulse each contact starts from in the next step.
-  template <class Parts>
-  [[gnu::noinline]] void remember(contact_history& history, const Parts& parts) const {
-    each_part([&](const part& p, bool) {
-      detail::remember(history, p.keys, p.places, p.row,
-                       [&](const auto& c) { return parts.kept(c); });
-    });
+  [[gnu::noinline]] void remember(contact_history& history) const {
+    each_part([&](const part& p, bool) { detail::remember(history, p.keys, p.places, p.row); });
   }
   /// Calls f(contact), which may change it, for all contacts.
   template <class F>

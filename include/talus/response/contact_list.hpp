@@ -111,14 +111,13 @@ class contact_list {
     for (part* p : {&inner_, &rim_}) p->row.recall(history, p->keys, p->places);
     detail::recall(history, boundary_keys_, boundary_places_, boundary_);
   }
-  /// `parts` says which part of its impulse each contact starts from in the next step.
-  template <class Parts>
-  [[gnu::noinline]] void remember(contact_history& history, const Parts& parts) const {
-    for (const part* p : {&inner_, &rim_})
-      detail::remember(history, p->keys, p->places, p->row,
-                       [&](const auto& c) { return parts.kept(c); });
-    detail::remember(history, boundary_keys_, boundary_places_, boundary_,
-                     [&](const auto& c) { return parts.kept_at_boundary(c); });
+  [[gnu::noinline]] void remember(contact_history& history) const {
+    for (const part* p : {&inner_, &rim_}) detail::remember(history, p->keys, p->places, p->row);
+    detail::remember(history, boundary_keys_, boundary_places_, boundary_);
+  }
+  /// Boundary contacts start from zero.
+  void forget_boundary() {
+    for (Contact& c : boundary_) c.set(typename state::number(0) * c.whole());
   }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.

@@ -164,19 +164,18 @@ void recall(const contact_history& history, const plain_vector<contact_key>& key
   }
 }
 
-/// The reverse; notes for each pair where its contacts are kept. Of each impulse the part
-/// `kept(contact)` is stored.
-template <class Contacts, class Kept>
+/// The reverse; notes for each pair where its contacts are kept.
+template <class Contacts>
 void remember(contact_history& history, const plain_vector<contact_key>& keys,
-              const plain_vector<history_place*>& places, const Contacts& contacts, Kept&& kept) {
+              const plain_vector<history_place*>& places, const Contacts& contacts) {
   [[maybe_unused]] shared_frame<std::remove_cvref_t<decltype(contacts[0])>> frame;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (places[i] != nullptr && (i == 0 || places[i] != places[i - 1]))
       *places[i] = history.next_place();
     if constexpr (requires { contacts.impulse(i); })
-      history.add(keys[i], kept(contacts.ends(i)) * contacts.impulse(i));
+      history.add(keys[i], contacts.impulse(i));
     else
-      history.add(keys[i], kept(contacts[i]) * frame.impulse(contacts[i]));
+      history.add(keys[i], frame.impulse(contacts[i]));
   }
 }
 

@@ -110,17 +110,6 @@ class round_blocks {
     if constexpr (friction) p += vector(x.tx[l], x.ty[l], x.tz[l]);
     return in_scalar<real>(p);
   }
-  /// The bodies of (*this)[i].
-  struct ends_of_contact {
-    static constexpr bool paired = Contact::paired;
-    std::int32_t a, b;
-  };
-  [[nodiscard]] ends_of_contact ends(std::size_t i) const {
-    const std::uint32_t slot = slots_[i];
-    if (slot & lone) return {lone_[slot & ~lone].a, lone_[slot & ~lone].b};
-    const block& x = blocks_[slot / lanes];
-    return {x.a[slot % lanes], x.b[slot % lanes]};
-  }
   template <class F>
   void edit(std::size_t i, F&& f) {
     const std::uint32_t slot = slots_[i];

@@ -15,6 +15,18 @@
 
 namespace talus::detail {
 
+/// The angular impulse that changes the angular velocity of body i by dw.
+template <class Store>
+[[nodiscard]] vec3 angular_impulse(const Store& store, std::size_t i, real mass, const vec3& dw) {
+  const vec3 inertia = mass * store.shape[i].inertia();
+  if constexpr (Store::tensor) {
+    const quat& q = store.orientation_of[i];
+    return q * vec3(inertia.cwiseProduct(q.conjugate() * dw));
+  } else {
+    return inertia[0] * dw;
+  }
+}
+
 /// A body that takes part in contacts adds m v'^2/2 - m v^2/2 to the energy, of which its contact
 /// impulse p = m (v' - v) - m g dt gives p (v + v')/2. The sum over the bodies is the work of all
 /// contacts. It is at most 0 in an exact solution with one coefficient of restitution. It can be
@@ -42,38 +54,17 @@ class passivity {
 
   /// After the solver, before the impulses are stored for the next step.
   void keep() {
+    if (s_.settings.tolerance > 0) return;  // what is left is within it
     if constexpr (by_colours) {
-      keep_everywhere();
+      // Steps under gravity are not collective.
+      if (s_.gravity == vec3(0, 0, 0)) keep_everywhere();
     } else {
       if constexpr (!alone) meet_boundary();
       find_excess();
       shrink_interior();
       if constexpr (!alone)
         for (int k = 0; found_ && k < most_plastic_sweeps; ++k) sweep_plastically();
-      find_memory();
     }
-  }
-  /// The part of its impulse that an interior contact starts from in the next step.
-  template <class Contact>
-  [[nodiscard]] real kept(const Contact& c) const {
-    const auto of = [&](std::int32_t i) { return s_.passive.kept[static_cast<std::size_t>(i)]; };
-    real part = of(c.a);
-    if constexpr (Contact::paired) part = std::min(part, of(c.b));
-    return part;
-  }
-  /// The same for a boundary contact, from what both ranks hold. An impulse that changes velocities
-  /// by far less than it could is one of rest.
-  template <class Contact>
-  [[nodiscard]] real kept_at_boundary(const Contact& c) const {
-    const real impulse = c.impulse().norm();
-    const auto of = [&](std::int32_t i) {
-      const auto k = static_cast<std::size_t>(i);
-      const real usual = std::max(2 * s_.dt * s_.gravity.norm(),
-                                  real(0.01) * impulse * solver_.bodies[k].inverse_mass);
-      const real change = s_.passive.change[k].v.norm();
-      return change <= usual ? real{1} : usual * usual / (change * change);
-    };
-    return std::min(of(c.a), of(c.b));
   }
 
  private:
@@ -82,8 +73,9 @@ class passivity {
   void each_body(F&& f) {
     s_.each_finite_shape([&](const auto& b) {
       const auto& store = b.movable;
-      for (std::size_t i = 0; i < store.locals; ++i) {
+      for (std::size_t i = 0; i < store.size(); ++i) {
         const std::size_t k = b.first + i;
+        if (i >= store.locals && solver_.bodies[k].inverse_mass != 0) continue;
         if (solver_.bodies[k].inverse_mass == 0) {
           walls_ = walls_ || store.velocity[i] != vec3(0, 0, 0) ||
                    store.angular_velocity[i] != vec3(0, 0, 0);
@@ -133,7 +125,8 @@ class passivity {
           const split_impulse parts = impulse_in_parts(c);
           const vec3 p = parts.normal + parts.tangential;
           if (A.inverse_mass == 0 && on_b) f(-p.dot(velocity_on_a(c, v_of(A), w_of(A))), b);
-          if (B.inverse_mass == 0 && on_a) f(p.dot(velocity_on_b(c, v_of(B), w_of(B))), a);
+          if ((B.inverse_mass == 0 || b >= solver_.first_global) && on_a)
+            f(p.dot(velocity_on_b(c, v_of(B), w_of(B))), a);
         }
       });
     });
@@ -155,72 +148,6 @@ class passivity {
     each_exchange(add);
     excess.resize(solver_.bodies.size());
     for (std::size_t k = 0; k < works.size(); ++k) excess[k] = works[root(k)].excess();
-  }
-  /// Of a body whose velocity contacts have changed by more than gravity does in two steps,
-  /// impulses are those of an impact. They are kept in part: their work in the next step, in which
-  /// the bodies have their present velocities and feel the same forces, is not positive. Where
-  /// bodies keep their velocities, impulses are kept as they are.
-  void find_memory() {
-    impulse_work next;
-    mark_impacts();
-    each_impact([&](const impulse_work& w) { next += w; });
-    set_memory(next.slope, next.square);
-  }
-  void set_memory(real slope, real square) {
-    if (!forgets_) return;
-    const real part = square > 0 ? std::clamp(-2 * slope / square, real{0}, real{1}) : 1;
-    for (real& x : s_.passive.kept)
-      if (x < 0) x = part;
-  }
-  /// Marks the bodies in an impact by kept = -1.
-  void mark_impacts() {
-    auto& kept = s_.passive.kept;
-    kept.assign(solver_.bodies.size(), 1);
-    const real usual = 4 * s_.dt * s_.dt * s_.gravity.squaredNorm();
-    s_.each_finite_shape([&](const auto& b) {
-      const auto& store = b.movable;
-      for (std::size_t i = 0; i < store.size(); ++i) {
-        const std::size_t k = b.first + i;
-        if (solver_.bodies[k].inverse_mass == 0) continue;
-        const vec3 dv = v_of(solver_.bodies[k]) - store.velocity[i];
-        const vec3 dw = w_of(solver_.bodies[k]) - store.angular_velocity[i];
-        const real radius = store.shape[i].bounding_radius();
-        if (dv.squaredNorm() + radius * radius * dw.squaredNorm() <= usual) continue;
-        kept[k] = -1;
-        forgets_ = true;
-      }
-    });
-  }
-  /// Calls f(work) for the bodies owned here that are in an impact; `slope` and `square` are those
-  /// of its impulses in the next step.
-  template <class F>
-  void each_impact(F&& f) {
-    if (!forgets_) return;
-    s_.each_finite_shape([&](const auto& b) {
-      const auto& store = b.movable;
-      for (std::size_t i = 0; i < store.locals; ++i) {
-        const std::size_t k = b.first + i;
-        if (s_.passive.kept[k] >= 0) continue;
-        const vec3 given = free_velocity(s_, store, i) - store.velocity[i],
-                   turned = free_spin(s_, store, i, k) - store.angular_velocity[i];
-        const vec3 v = solved_velocity(s_, store, i, k), w = solved_spin(s_, store, i, k);
-        const vec3 dv = v - store.velocity[i] - given, dw = w - store.angular_velocity[i] - turned;
-        const real mass = 1 / store.inverse_mass[i];
-        const vec3 spin = angular_impulse(store, i, mass, dw);
-        f({.slope = mass * dv.dot(v + real(0.5) * given) + spin.dot(w + real(0.5) * turned),
-           .square = mass * dv.squaredNorm() + spin.dot(dw)});
-      }
-    });
-  }
-  template <class Store>
-  static vec3 angular_impulse(const Store& store, std::size_t i, real mass, const vec3& dw) {
-    const vec3 inertia = mass * store.shape[i].inertia();
-    if constexpr (Store::tensor) {
-      const quat& q = store.orientation_of[i];
-      return q * vec3(inertia.cwiseProduct(q.conjugate() * dw));
-    } else {
-      return inertia[0] * dw;
-    }
   }
   void join_islands() {
     auto& root = s_.passive.root;
@@ -265,6 +192,7 @@ class passivity {
       list.edit_interior_contacts([&](auto& c) {
         const auto target = c.target;
         c.target = std::min(c.target, decltype(c.target)(0));
+        c.weigh(solver_, 1, 1);
         const auto change = c.relax(solver_);
         c.target = target;
         c.apply(solver_, change);
@@ -339,14 +267,12 @@ class passivity {
     s_.each_contact_list([&](const auto& list) { boundary_ = boundary_ || list.has_boundary(); });
     if (!boundary_) return;
     p.mean.resize(solver_.bodies.size());
-    p.change.resize(solver_.bodies.size());
     s_.each_finite_shape([&](const auto& b) {
       for (std::size_t i = 0; i < b.movable.size(); ++i) {
         const std::size_t k = b.first + i;
         const body_motion& now = p.common[k];
         const vec3 &v = b.movable.velocity[i], &w = b.movable.angular_velocity[i];
         p.mean[k] = {real(0.5) * (v + now.v), real(0.5) * (w + now.w)};
-        p.change[k] = {now.v - v, now.w - w};
       }
     });
     p.received.assign(solver_.bodies.size(), {});
@@ -371,19 +297,13 @@ class passivity {
 
   /// Where nothing may depend on the ranks: one factor for all contacts, from exact sums.
   void keep_everywhere() {
-    if constexpr (!alone) ranks_.share_velocities();
-    std::array<exact_sum, 8> sums;  // of what is positive, and of what is negative
+    std::array<exact_sum, 5> sums;  // of what is positive, and of what is negative
     const auto add = [&](std::size_t at, real x) { sums[x < 0 ? at + 1 : at] += std::abs(x); };
     each_body([&](const impulse_work& w, std::size_t) {
       add(0, w.work), add(2, w.slope);
       sums[4] += w.square;
     });
     if (walls_) subtract_walls([&](real power, std::size_t) { add(0, -power), add(2, -power); });
-    mark_impacts();
-    each_impact([&](const impulse_work& w) {
-      add(5, w.slope);
-      sums[7] += w.square;
-    });
     if constexpr (!alone) ranks_.sum_exactly(sums);
     const auto signed_sum = [&](std::size_t at) { return sums[at].value() - sums[at + 1].value(); };
     const impulse_work all{.work = signed_sum(0),
@@ -391,8 +311,6 @@ class passivity {
                            .square = sums[4].value(),
                            .size = sums[0].value() + sums[1].value()};
     const real d = all.excess();
-    const real impacts = sums[7].value();
-    set_memory((1 - d) * (signed_sum(5) - d * impacts), (1 - d) * (1 - d) * impacts);
     if (d == 0) return;
     s_.each_contact_list([&](auto& list) {
       list.edit_all([&](auto& c) { c.set(static_cast<number>(1 - d) * c.whole()); });
@@ -411,10 +329,10 @@ class passivity {
   state_type& s_;
   Ranks& ranks_;
   solver_state_of<number>& solver_;
-  bool walls_ = false;     ///< a body that contacts cannot move has a velocity
+  /// Whether a body that contacts cannot move may have a velocity.
+  bool walls_ = state_type::drives;
   bool boundary_ = false;  ///< there are boundary contacts
   bool found_ = false;     ///< an island adds energy
-  bool forgets_ = false;   ///< impulses of impacts are not kept whole
 };
 
 }  // namespace talus::detail

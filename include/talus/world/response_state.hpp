@@ -84,11 +84,9 @@ struct passivity_scratch {
   plain_vector<std::uint32_t> root;  ///< of its island
   plain_vector<impulse_work> works;  ///< of the island of a root
   plain_vector<real> excess;         ///< part that its impulses lose
-  plain_vector<real> kept;           ///< part of its impulses that the next step starts from
   // Across ranks:
   plain_vector<body_motion> common;    ///< velocities that were sent or received last
   plain_vector<body_motion> mean;      ///< of those and the ones before the step
-  plain_vector<body_motion> change;    ///< of the ones before the step to those
   plain_vector<body_motion> received;  ///< the part of it that is from boundary contacts
 };
 
