@@ -11,6 +11,7 @@
 #include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/response/small_steps.hpp>
 #include <talus/world/world.hpp>
+#include <type_traits>
 #include <vector>
 
 using namespace talus;
@@ -101,6 +102,8 @@ void check_all(int ranks, double round_off) {
       }
       if (iterations > 10) continue;
       for (const double gravity : {0.0, 10.0}) {
+        // The reproducible solver sums nothing over ranks where there is gravity.
+        if (gravity > 0 && std::is_same_v<typename Scene::solver, reproducible>) continue;
         const outcome r = lattice<Scene>(ranks, iterations, restitution, gravity);
         CAPTURE(gravity);
         CHECK(r.gain < round_off);

@@ -115,10 +115,6 @@ class contact_list {
     for (const part* p : {&inner_, &rim_}) detail::remember(history, p->keys, p->places, p->row);
     detail::remember(history, boundary_keys_, boundary_places_, boundary_);
   }
-  /// Boundary contacts start from zero.
-  void forget_boundary() {
-    for (Contact& c : boundary_) c.set(typename state::number(0) * c.whole());
-  }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
   [[gnu::noinline]] void count_boundary(state& s) const {

@@ -54,7 +54,8 @@ class passivity {
 
   /// After the solver, before the impulses are stored for the next step.
   void keep() {
-    if (s_.settings.tolerance > 0) return;  // what is left is within it
+    if (s_.settings.tolerance > 0) return;     // what is left is within it
+    if constexpr (state_type::drives) return;  // driven bodies add energy without bound
     if constexpr (by_colours) {
       // Steps under gravity are not collective.
       if (s_.gravity == vec3(0, 0, 0)) keep_everywhere();
@@ -125,8 +126,7 @@ class passivity {
           const split_impulse parts = impulse_in_parts(c);
           const vec3 p = parts.normal + parts.tangential;
           if (A.inverse_mass == 0 && on_b) f(-p.dot(velocity_on_a(c, v_of(A), w_of(A))), b);
-          if ((B.inverse_mass == 0 || b >= solver_.first_global) && on_a)
-            f(p.dot(velocity_on_b(c, v_of(B), w_of(B))), a);
+          if (B.inverse_mass == 0 && on_a) f(p.dot(velocity_on_b(c, v_of(B), w_of(B))), a);
         }
       });
     });
@@ -329,8 +329,7 @@ class passivity {
   state_type& s_;
   Ranks& ranks_;
   solver_state_of<number>& solver_;
-  /// Whether a body that contacts cannot move may have a velocity.
-  bool walls_ = state_type::drives;
+  bool walls_ = false;     ///< a body that contacts cannot move has a velocity
   bool boundary_ = false;  ///< there are boundary contacts
   bool found_ = false;     ///< an island adds energy
 };

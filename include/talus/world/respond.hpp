@@ -76,21 +76,16 @@ void respond(world_state<Scenario>& s) {
   gather_velocities(s);
   constexpr bool coloured = world_state<Scenario>::by_colours;
   if constexpr (coloured) colour_contacts(s);
-  // Ranks cannot scale boundary contacts alone. Without gravity, forces or driven bodies nothing
-  // presses in each step, and boundary contacts start from zero.
-  [[maybe_unused]] constexpr bool pressed =
+  // Without gravity, forces or driven bodies nothing presses: impulses are those of impacts.
+  constexpr bool forced =
       world_state<Scenario>::drives || contains_type<typename Scenario::features, forces>;
-  s.each_contact_list([&](auto& list) {
-    list.recall(s.history);
-    if constexpr (!coloured && !pressed)
-      if (s.gravity == vec3(0, 0, 0)) list.forget_boundary();
-  });
+  if (forced || s.gravity != vec3(0, 0, 0))
+    s.each_contact_list([&](auto& list) { list.recall(s.history); });
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
   s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
                                             world_state<Scenario>::law::correction, ranks),
                     s.settings.tolerance);
-  impact_memory memory(s);
-  passivity(s, ranks, memory).keep();
+  passivity(s, ranks).keep();
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);
