@@ -6,6 +6,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/response/island_budget.hpp"
 
 namespace talus::detail {
 
@@ -78,7 +79,7 @@ struct solver_state_of {
   /// Number of bodies on other ranks that a body touches; only where there are ranks.
   plain_vector<std::uint32_t> boundary_contacts;
   real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
-  int pause = 0;   ///< steps for which stalled_islands need not look
+  island_budget islands;
 
   // For solvers that divide a step; empty with others.
   plain_vector<body_motion> gain;   ///< what forces add to the velocities in the step

@@ -14,9 +14,11 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/band_system.hpp"
+#include "talus/response/body_problem.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/island_problem.hpp"
 #include "talus/response/island_solver.hpp"
+#include "talus/response/solve_bodies.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -25,7 +27,8 @@ namespace talus::detail {
 /// still changed more than it should, and solves those for which that is cheap. What sweeps leave
 /// of an error grows with the ratio of the masses and the square of the bodies in a row: a stack of
 /// ten with a top of a thousand times the density needs tens of thousands of sweeps, and one
-/// Newton step. Contacts with bodies of other ranks keep their impulses.
+/// Newton step; so does a plate on thousands of spheres. Contacts with bodies of other ranks keep
+/// their impulses.
 template <class State>
 class stalled_islands {
   using access = contact_access<State>;
@@ -33,11 +36,7 @@ class stalled_islands {
  public:
   /// Whether to look for stalled islands in this step. Where all that stalls is too large to be
   /// solved here, as in a pile, looking is put off for some steps.
-  [[nodiscard]] static bool due(State& s) {
-    if (s.pause == 0) return true;
-    --s.pause;
-    return false;
-  }
+  [[nodiscard]] static bool due(State& s) { return s.islands.due(); }
 
   /// The last sweep, and then what has stalled.
   void sweep_and_solve(std::span<const access> lists, State& s) {
@@ -58,23 +57,27 @@ class stalled_islands {
     plain_vector<std::pair<real, std::size_t>> worst_first;
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     sort_values(worst_first);
-    real budget = std::max(least_budget, budget_per_contact * static_cast<real>(contacts));
+    double budget = s.islands.open(contacts);
     bool solved = false, looked = false;
     for (const auto& [stall, i] : worst_first)
       if (-stall > let_be * s.speed) {
         looked = true;
         solved |= solve_one(islands_[i], lists, s, budget);
       }
-    if (!solved && (looked || stalled > most_contacts)) s.pause = 7;
+    s.islands.close(budget);
+    if (!solved && (looked || stalled > many)) s.islands.pause();
   }
 
  private:
-  static constexpr std::size_t most_contacts = 1000;
-  /// Floating-point operations that a step may spend here: what the sweeps take, or that of a
-  /// tall stack.
-  static constexpr real least_budget = 2e8, budget_per_contact = 2000;
+  /// Larger islands are looked at only where something heavy lies on what is light: else sweeps do
+  /// well, as in a pile.
+  static constexpr std::size_t many = 1000;
+  /// Such is a body of this many times the mass of all lighter ones that it touches.
+  static constexpr real heavy = 5;
   /// Of a contact in a sweep, in operations; twice, for a solution is exact.
   static constexpr real sweep_cost = 600;
+  /// What takes less is solved by contacts, which is as good for a few.
+  static constexpr real few = 4e6;
   /// The part of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
 
@@ -84,15 +87,17 @@ class stalled_islands {
   struct island {
     plain_vector<member> contacts;
     std::size_t size = 0;
+    bool overloaded = false;
     real change = 0;  ///< largest change of velocity in the last sweep
     real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
     /// Estimate of the error: each sweep takes one part in (rows² * ratio of masses) from it.
     [[nodiscard]] real stall(real rows) const {
       return change * rows * rows * most_mass / least_mass;
     }
+    [[nodiscard]] bool sweeps_do() const { return size > many && !overloaded; }
     /// At most: with four contacts in a row.
     [[nodiscard]] real stall() const {
-      return size > most_contacts ? 0 : stall(1 + 0.25 * static_cast<real>(size));
+      return sweeps_do() ? 0 : stall(1 + 0.25 * static_cast<real>(size));
     }
   };
 
@@ -135,25 +140,54 @@ class stalled_islands {
         island& one = islands_[number - 1];
         one.change = std::max(one.change, change);
       }
+    bool large = false;
+    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+      large |= ++one.size > many;
+      for (const std::int32_t end : {c.a, c.b})
+        if (end >= 0 && moves(s, end)) {
+          const real mass = mass_of(s, end);
+          one.least_mass = std::min(one.least_mass, mass);
+          one.most_mass = std::max(one.most_mass, mass);
+        }
+    });
+    if (large) find_overloaded(lists, s);
+    each_contact(lists, s, [&](island& one, const contact_ends&, const member& m) {
+      if (!one.sweeps_do()) one.contacts.push_back(m);
+    });
+  }
+  /// Calls f(island, ends, contact) for each contact of the islands.
+  template <class F>
+  void each_contact(std::span<const access> lists, const State& s, F&& f) {
     for (std::size_t k = 0; k < lists.size(); ++k)
       for (std::size_t i = 0, n = lists[k].size(contact_part::interior); i < n; ++i) {
         const contact_ends c = lists[k].ends(contact_part::interior, i);
-        const auto number = number_[root(c, s)];
-        if (number == 0) continue;
-        island& one = islands_[number - 1];
-        if (one.size++ >= most_contacts) continue;
-        one.contacts.push_back({k, i});
-        for (const std::int32_t end : {c.a, c.b})
-          if (end >= 0 && moves(s, end)) {
-            const real mass = 1 / real(body(s, end).inverse_mass);
-            one.least_mass = std::min(one.least_mass, mass);
-            one.most_mass = std::max(one.most_mass, mass);
-          }
+        if (const auto number = number_[root(c, s)]; number != 0)
+          f(islands_[number - 1], c, member{k, i});
       }
   }
+  void find_overloaded(std::span<const access> lists, const State& s) {
+    plain_vector<real> below(s.bodies.size(), 0);  // mass of what is lighter and touches it
+    const auto paired = [&](const contact_ends& c) {
+      return c.b >= 0 && moves(s, c.a) && moves(s, c.b);
+    };
+    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+      if (one.size <= many || !paired(c)) return;
+      const real a = mass_of(s, c.a), b = mass_of(s, c.b);
+      if (a != b) below[static_cast<std::size_t>(a > b ? c.a : c.b)] += std::min(a, b);
+    });
+    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+      if (one.size <= many || !paired(c)) return;
+      for (const std::int32_t end : {c.a, c.b}) {
+        const real light = below[static_cast<std::size_t>(end)];
+        one.overloaded |= light > 0 && mass_of(s, end) > heavy * light;
+      }
+    });
+  }
+  static real mass_of(const State& s, std::int32_t i) { return 1 / real(body(s, i).inverse_mass); }
 
   /// Whether the island, now that its length is known, is stalled and could be afforded.
-  static bool solve_one(const island& one, std::span<const access> lists, State& s, real& budget) {
+  static bool solve_one(const island& one, std::span<const access> lists, State& s,
+                        double& budget) {
     plain_vector<island_contact> contacts;
     for (const member& m : one.contacts)
       contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
@@ -165,10 +199,32 @@ class stalled_islands {
     const real rows = 1 + static_cast<real>(order.length());
     if (one.stall(rows) <= let_be * s.speed) return false;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
-    // Not where the sweeps that it stands for cost less, as in heaps that are wide.
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
-    if (cost > budget / 2 || cost > sweep_cost * sweeps * static_cast<real>(contacts.size()))
-      return false;
+    // Not where the sweeps that it stands for cost less, as in heaps that are wide.
+    const real pays = sweep_cost * sweeps * static_cast<real>(contacts.size());
+    if (cost <= std::min<real>({few, budget / 2, pays})) {
+      solve_by_contacts(one, contacts, order, cost, lists, s, budget);
+      s.islands.solved();
+      return true;
+    }
+    double left = std::min<double>(budget, pays);
+    const double before = left;
+    contact_vector r;
+    const body_problem problem(contacts, s, r);
+    const island_outcome found = solve_by_bodies(problem, r, left);
+    budget -= before - left;
+    if (found.too_dear && !found.solved && pays > before) s.islands.skip(contacts.size());
+    if (!(found.after < found.before)) return found.solved;
+    s.islands.solved();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const member& m = one.contacts[k];
+      lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
+    }
+    return found.after < 0.5 * found.before;
+  }
+  static void solve_by_contacts(const island& one, const plain_vector<island_contact>& contacts,
+                                const contact_order& order, real cost,
+                                std::span<const access> lists, State& s, double& budget) {
     plain_vector<island_contact> chain;
     for (const auto i : order.order()) chain.push_back(contacts[i]);
     contact_vector r;
@@ -178,7 +234,6 @@ class stalled_islands {
       const member& m = one.contacts[order.order()[k]];
       lists[m.list].set(m.index, chain[k].axes.transpose() * r(static_cast<int>(k)), s);
     }
-    return true;
   }
 
   plain_vector<std::uint32_t> parent_, number_;

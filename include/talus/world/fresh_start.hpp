@@ -163,7 +163,7 @@ void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
   s.history = {};
   s.found = {};
   if constexpr (!state::law::soft) {
-    s.solver.pause = 0;
+    s.solver.islands.begin_afresh();
     s.islands = {};
   }
   s.each_finite_shape([](auto& b) {
