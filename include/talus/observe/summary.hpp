@@ -92,6 +92,7 @@ template <class Scenario>
     r.residual = measure_residual(w);
     r.solved = w.convergence();
     r.solver = w.solver();
+    r.islands = measure_islands(w);
   }
   r.digest = state_digest(w);
   r.monitors = measure_monitors(w).values;

@@ -9,6 +9,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/observe/balance.hpp"
 #include "talus/observe/force_balance.hpp"
+#include "talus/observe/islands.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
@@ -48,6 +49,7 @@ struct summary {
   contact_residual residual;  ///< of the last step
   talus::convergence solved;  ///< of all steps
   solver_settings solver;     ///< as they are now
+  islands_solved islands;     ///< of this run
   double cpu_seconds = 0;     ///< of all ranks together
   double wall_seconds = 0;
   stage_seconds seconds;                    ///< of each stage, on the slowest rank

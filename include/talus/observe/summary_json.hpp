@@ -91,6 +91,9 @@ class json_object {
     o.add("steps_above_tolerance", r.solved.steps_above);
     o.add("iterations_mean", mean_iterations(r));
     o.add("iterations_max", r.solved.iterations_max);
+    o.add("islands_solved", r.islands.solved);
+    o.add("islands_skipped", r.islands.skipped);
+    o.add("islands_skipped_contacts", r.islands.skipped_contacts);
   }
   o.add("kinetic_energy", r.moving.kinetic_energy);
   o.add("potential_energy", r.moving.potential_energy);

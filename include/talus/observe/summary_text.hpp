@@ -123,6 +123,8 @@ struct time_shares {
                              .may_follow = r.may_follow,
                              .soft = soft(r),
                              .leap = r.leap});
+  warning += detail::islands_warning(r.islands);
+  own = detail::islands_line(r.islands) + own;
   const std::string asleep =
       r.sleeping ? detail::compose(", {} of them asleep", r.moving.asleep) : std::string();
   if (r.balancing)

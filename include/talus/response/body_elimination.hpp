@@ -96,7 +96,12 @@ class body_elimination {
  public:
   body_elimination() = default;
   explicit body_elimination(const elimination_order& order)
-      : cost_(product * order.cost()), n_(order.order().size()), place_(n_), body_(n_), diagonal_(n_), pivot_(n_) {
+      : cost_(product * order.cost()),
+        n_(order.order().size()),
+        place_(n_),
+        body_(n_),
+        diagonal_(n_),
+        pivot_(n_) {
     for (std::size_t k = 0; k < n_; ++k) {
       body_[k] = order.order()[k];
       place_[index(body_[k])] = static_cast<std::int32_t>(k);
@@ -181,7 +186,8 @@ class body_elimination {
  private:
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] std::size_t entry(std::int32_t row, std::int32_t column) const {
-    const auto first = later_.data() + start_[index(row)], end = later_.data() + start_[index(row) + 1];
+    const auto first = later_.data() + start_[index(row)],
+               end = later_.data() + start_[index(row) + 1];
     const auto found = std::lower_bound(first, end, column);
     return found != end && *found == column ? static_cast<std::size_t>(found - later_.data())
                                             : later_.size();

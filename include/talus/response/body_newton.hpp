@@ -31,8 +31,8 @@ class body_newton {
 
   /// Whole Newton steps from r, until the residual is at most `enough` or `accuracy` times
   /// |r - centre|; else hands back the best of `steps`. Whether it got there.
-  bool solve(contact_vector& r, const contact_vector& centre, real alpha, real accuracy, real enough,
-             int steps) {
+  bool solve(contact_vector& r, const contact_vector& centre, real alpha, real accuracy,
+             real enough, int steps) {
     alpha_ = alpha;
     steps_ = 0;
     real best = residual(r, centre);
@@ -98,7 +98,8 @@ class body_newton {
     if (l.sticks) return;
     const real mu = (*p_)[i].mu, e1 = -l.s, e2 = l.c;  // across the direction of sliding
     const real less = (1 - alpha_ * rho(i)) * l.turn;
-    const real along = l.c * (l.f[1]) + l.s * l.f[2] + (1 - alpha_ * rho(i)) * mu * l.f[0] / (alpha_ * rho(i));
+    const real along =
+        l.c * (l.f[1]) + l.s * l.f[2] + (1 - alpha_ * rho(i)) * mu * l.f[0] / (alpha_ * rho(i));
     const real across = (e1 * l.f[1] + e2 * l.f[2]) / (1 - less);
     d[1] = -(along * l.c + across * e1), d[2] = -(along * l.s + across * e2);
     const real k = rho(i) * l.turn / (1 - less);

@@ -17,8 +17,8 @@
 
 namespace talus::detail {
 
-/// The problem of assembled_problem, u = W r + q with W = J M^-1 J^T, where each row of J belongs to
-/// one or two bodies that move. Contacts are those of an island, bodies their numbers from 0.
+/// The problem of assembled_problem, u = W r + q with W = J M^-1 J^T, where each row of J belongs
+/// to one or two bodies that move. Contacts are those of an island, bodies their numbers from 0.
 class body_problem {
  public:
   struct contact {
@@ -65,7 +65,9 @@ class body_problem {
     r.resize(static_cast<int>(contacts.size()));
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       const island_contact& c = contacts[i];
-      contact one{-1, -1, c.axes, c.arm_a, c.arm_b, {-c.target, c.drive[0], c.drive[1]},
+      contact one{-1,         -1,
+                  c.axes,     c.arm_a,
+                  c.arm_b,    {-c.target, c.drive[0], c.drive[1]},
                   c.friction, diagonal_matrix(real{0})};
       const auto enter = [&](std::int32_t of, std::int32_t& here, const vec3& arm, real sign) {
         if (of < 0) return;

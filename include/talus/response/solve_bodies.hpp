@@ -58,7 +58,12 @@ inline island_outcome solve_by_bodies(const body_problem& p, contact_vector& r, 
   }
   result.solved = least <= std::max(enough, 0.01 * result.before);
   result.too_dear = newton.too_dear();
-  if (result.solved || best.norm() <= 10 * (r.norm() + rho * p.q().norm())) {
+  // Half a solution may not add energy to what the sweeps have left.
+  const auto work = [&](const contact_vector& at) {
+    p.velocity(at, u);
+    return at.dot(u) + at.dot(p.q());
+  };
+  if (result.solved || work(best) <= work(r)) {
     r = best;
     result.after = least;
   } else {

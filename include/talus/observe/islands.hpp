@@ -1,0 +1,54 @@
+#pragma once
+// Groups of contacts that were solved as one, and those for which that was too dear.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "talus/response/island_budget.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// What was done about islands (contacts connected through movable bodies) on which sweeps make no
+/// headway, in all steps of this run and on all ranks; see nonlinear_gauss_seidel.
+struct islands_solved {
+  std::uint64_t solved = 0;            ///< times that an island was solved as one problem
+  std::uint64_t skipped = 0;           ///< times that one was not: it was too dear
+  std::uint64_t skipped_contacts = 0;  ///< contacts of the largest of these
+};
+
+/// Collective; contacts are hard.
+template <class Scenario>
+[[nodiscard, gnu::cold]] islands_solved measure_islands(world<Scenario>& w) {
+  const detail::island_budget& done = w.state().solver.islands;
+  std::array<std::uint64_t, 2> sums{done.islands_solved(), done.skipped()};
+  std::uint64_t most = done.skipped_contacts();
+  w.link().reduce(reduction::sum, sums);
+  w.link().reduce(reduction::max, std::span(&most, 1));
+  return {sums[0], sums[1], most};
+}
+
+namespace detail {
+
+/// A line of the summary; none where there was nothing to solve.
+[[nodiscard, gnu::cold]] inline std::string islands_line(const islands_solved& r) {
+  if (r.solved == 0 && r.skipped == 0) return {};
+  using budget = island_budget;
+  return compose(
+      "  islands  {} solved as one, {} skipped; in a step a rank spends at most {} operations on "
+      "them, or {} for each contact, and on average {}, or {} for each contact\n",
+      r.solved, r.skipped, text(budget::least_kept, 2), text(budget::kept_per_contact, 6),
+      text(budget::least, 2), text(budget::per_contact, 6));
+}
+[[nodiscard, gnu::cold]] inline std::string islands_warning(const islands_solved& r) {
+  if (r.skipped == 0) return {};
+  return compose(
+      "  warning  groups of contacts that stall were left to the iterations, because solving one "
+      "costs more than a step may spend; times: {}, contacts of the largest: {}; what is heavy on "
+      "them may sink: give more iterations\n",
+      r.skipped, r.skipped_contacts);
+}
+
+}  // namespace detail
+}  // namespace talus
