@@ -22,6 +22,9 @@ namespace talus::detail {
 /// velocity, (I + M^-1 J^T D J) dv = M^-1 J^T d with blocks D of 3 x 3.
 class body_newton {
  public:
+  /// Floating-point operations of a step for each contact, beside the factorization.
+  static constexpr double per_contact = 2500;
+
   /// `budget`: floating-point operations that may be spent on linear systems; becomes what is left.
   body_newton(const body_problem& p, double& budget)
       : p_(&p),
@@ -209,9 +212,6 @@ class body_newton {
     }
     return true;
   }
-
-  /// Floating-point operations of a step for each contact, beside the factorization.
-  static constexpr double per_contact = 2500;
 
   const body_problem* p_;
   double* budget_;

@@ -10,6 +10,7 @@
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/response/assembled.hpp"
 #include "talus/response/body_elimination.hpp"
 #include "talus/response/coulomb.hpp"

@@ -207,6 +207,7 @@ class stalled_islands {
       s.islands.solved();
       return true;
     }
+    if (pays < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
     double left = std::min<double>(budget, pays);
     const double before = left;
     contact_vector r;
