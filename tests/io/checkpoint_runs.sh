@@ -189,10 +189,12 @@ END
 
 signals() {
   export OMPI_MCA_odls_base_sigkill_timeout=5  # from mpirun's SIGTERM to its SIGKILL; one second else
-  local how code pid steps
-  for how in serial threads mpi; do
+  local how code pid steps signal
+  for how in serial threads mpi serial-INT threads-INT; do
+    signal=TERM  # or INT, that is Ctrl-C; mpirun makes SIGTERM of it
+    [[ $how == *-INT ]] && signal=INT
     local start=("$program")
-    [[ $how == threads ]] && start+=(--ranks 2)
+    [[ $how == threads* ]] && start+=(--ranks 2)
     [[ $how == mpi ]] && start=("${launch[@]}" "${start[@]}")
     rm -f c.h5 t.csv
     "${start[@]}" --steps 1000000000 --csv t.csv --csv-every 1 --checkpoint c.h5 >out 2>&1 &
@@ -204,15 +206,16 @@ signals() {
     cp c.h5 first.h5
     sleep 0.3
     kill -0 $pid || fail "SIGUSR1 ended the run ($how)"
-    kill -TERM $pid
+    kill -$signal $pid
     code=0
     wait $pid || code=$?
     cat out
     # mpirun says 1 when it is told to end.
-    [[ $code == 143 || ($how == mpi && $code == 1) ]] || fail "exit code $code ($how)"
-    steps=$(sed -n 's/.*ended by SIGTERM in step \([0-9]*\); go on with --restart c.h5/\1/p' out)
-    [[ -n $steps ]] || fail "nobody says that it was SIGTERM ($how)"
-    ! cmp -s c.h5 first.h5 || fail "SIGTERM wrote nothing ($how)"
+    [[ ($signal == TERM && $code == 143) || ($signal == INT && $code == 130) ||
+      ($how == mpi && $code == 1) ]] || fail "exit code $code ($how)"
+    steps=$(sed -n "s/.*ended by SIG$signal in step \([0-9]*\); go on with --restart c.h5/\1/p" out)
+    [[ -n $steps ]] || fail "nobody says that it was SIG$signal ($how)"
+    ! cmp -s c.h5 first.h5 || fail "SIG$signal wrote nothing ($how)"
     run --steps "$steps" --restart c.h5 --csv t.csv --csv-every 1 --json end.json
     grep -q "\"steps\": $steps," end.json || fail "the run does not go on in step $steps ($how)"
     [[ $(tail -n 1 t.csv) == "$steps",* ]] || fail "the table does not end with step $steps ($how)"

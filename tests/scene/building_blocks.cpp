@@ -222,6 +222,46 @@ TEST_CASE("where there is no room the flow waits, and sizes keep their distribut
   });
 }
 
+TEST_CASE("a step of an inflow without room costs the same however many bodies wait") {
+  for (const bool by_mass : {false, true})
+    on(1, [&](auto& w) {
+      std::uint64_t made = 0, before = 0, most = 0;
+      inflow how{.bodies = 1e6, .tries = 20};
+      if (by_mass) how.bodies = 0, how.mass = 1e9;
+      const auto in =
+          insert_by_rate(w, how, box_region{{-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2}},
+                         [&](const site& place, random_stream&) {
+                           ++made;
+                           return body{.shape = sphere{0.5}, .position = place.position};
+                         });
+      w.after_each_step([&] {
+        if (w.steps() > 2) most = std::max(most, made - before);
+        before = made;
+      });
+      w.simulate({.steps = 300, .dt = 0.005});
+      CHECK(in->count == 1);
+      CHECK(most <= 20);  // the places of the first body that waits
+    });
+}
+
+TEST_CASE("many bodies that are due at once come in at once, alike on any ranks") {
+  std::string digest;
+  for (const int ranks : {1, 4})
+    on(ranks, [&](auto& w) {
+      const auto in = insert_by_rate(w, {.bodies = 1e5}, box_region{{-4, -4, -4}, {4, 4, 4}},
+                                     [&](const site& place, random_stream& random) {
+                                       return body{.shape = sphere{random.uniform(0.05, 0.1)},
+                                                   .position = place.position};
+                                     });
+      w.simulate({.steps = 1, .dt = 0.005});
+      CHECK(in->count == 500);
+      CHECK(measure_penetration(w).max == 0);
+      const std::string mine = state_digest(w);
+      if (ranks == 1) digest = mine;
+      if (w.rank() == 0) CHECK(mine == digest);
+    });
+}
+
 TEST_CASE("bodies go round a centre that attracts them, across ranks") {
   std::string digest;
   for (const int ranks : {1, 4})

@@ -213,6 +213,7 @@ namespace {
 /// What the next run does otherwise than the first.
 struct change {
   real density = 1, gravity = 10;
+  real pair = -1;  ///< friction of the material with itself, if not negative
   bool by_hand = false, other_names = false;
   int seen_in_second = 0;  ///< steps of the second part that a run takes
   std::string digest{};
@@ -232,6 +233,7 @@ int run_in_two_parts(std::vector<const char*> words, change& c, std::string* sai
       static_cast<int>(arguments.size()), arguments.data(), [&](auto& world, const auto& options) {
         world.gravity({0, 0, -c.gravity});
         const auto stone = world.material({.density = c.density, .friction = 0.3});
+        if (c.pair >= 0) world.material_pair(stone, stone, {.friction = c.pair});
         world.global([&](auto& scope) { scope.add(plane{}, stone); });
         world.fill(simple_cubic{.spacing = 1} & box_region{{0, 0, 0.6}, {4, 4, 4}},
                    [&](const site& s) {
@@ -322,6 +324,8 @@ TEST_CASE("what does not fit the checkpoint is refused with the difference, or t
   CHECK(said({}, 0).empty());
   CHECK(has(said({.density = 2}, 1),
             "whose material 0 has the density 1, and this program gives it 2"));
+  CHECK(has(said({.pair = 0.7}, 1), "other properties for contacts of the materials 0 and 0"));
+  CHECK(said({.pair = 0.3}, 0).empty());  // the mean of the two
   CHECK(has(said({.other_names = true}, 1), "kept seen, and this program keeps watched"));
   CHECK(has(said({.by_hand = true}, 1), "a step is to be taken before the run goes on"));
   CHECK(has(said({.gravity = 7}, 0), "with other parameters: gravity_z is -7 and was -5"));

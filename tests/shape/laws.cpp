@@ -224,6 +224,91 @@ TEST_CASE("hulls of many points close, whatever the points") {
   }
 }
 
+namespace {
+
+/// Faces of a hull found by looking at every plane through three points: for each the numbers of
+/// the points in it.
+std::vector<std::vector<std::uint32_t>> planes_by_force(const std::vector<vec3>& p,
+                                                        real tolerance) {
+  std::vector<std::vector<std::uint32_t>> found;
+  const auto n = static_cast<std::uint32_t>(p.size());
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = i + 1; j < n; ++j)
+      for (std::uint32_t k = j + 1; k < n; ++k) {
+        const vec3 area = (p[j] - p[i]).cross(p[k] - p[i]);
+        if (area.norm() < 1e-3) continue;
+        for (const real side : {-1., 1.}) {
+          const vec3 normal = side * area.normalized();
+          std::vector<std::uint32_t> in_plane;
+          bool outer = true;
+          for (std::uint32_t m = 0; m < n && outer; ++m) {
+            const real height = normal.dot(p[m] - p[i]);
+            outer = height < tolerance;
+            if (height > -tolerance) in_plane.push_back(m);
+          }
+          if (outer) found.push_back(in_plane);
+        }
+      }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("hulls have the faces that a look at every plane finds") {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    INFO("seed " << seed);
+    generator random{std::mt19937_64(seed)};
+    // In general position, on a coarse grid (many in a plane, on a line, twice), and nearly so.
+    const real size = std::pow(10., random(-90, 90));
+    std::vector<vec3> points;
+    for (int n = 0; n < 8 + int(seed) % 25; ++n) {
+      vec3 p(random(0, 3), random(0, 3), random(0, 3));
+      if (seed % 3 != 0)
+        for (int k = 0; k < 3; ++k) p[k] = std::floor(p[k]);
+      if (seed % 3 == 2)
+        for (int k = 0; k < 3; ++k) p[k] += 1e-8 * random(-1, 1);
+      points.push_back(p);
+    }
+    const auto planes = planes_by_force(points, 1e-5);
+    if (planes.size() < 4) continue;
+    std::vector<vec3> scaled;
+    for (const vec3& p : points) scaled.push_back(size * p);
+    const convex_polyhedron h(scaled);
+    CHECK(h.mesh().faces() == planes.size());
+    CHECK(h.mesh().vertices.size() + h.mesh().faces() == h.mesh().edges.size() + 2);
+    for (const auto& plane : planes)
+      for (const std::uint32_t m : plane) {
+        real height = -1e9;
+        for (std::size_t f = 0; f < h.mesh().faces(); ++f)
+          height = std::max(
+              height, h.mesh().normals[f].dot(h.frame().to_body(scaled[m])) - h.mesh().offsets[f]);
+        CHECK(std::abs(height) < 1e-5 * size);
+      }
+  }
+}
+
+TEST_CASE("hulls of many points are measured alike whatever is inside them") {
+  generator random{std::mt19937_64(11)};
+  std::vector<vec3> shell, both;
+  for (int n = 0; n < 8000; ++n) shell.push_back(random.direction());
+  both = shell;
+  for (int n = 0; n < 40000; ++n) both.push_back(0.9 * random(0, 1) * random.direction());
+  const convex_polyhedron a(shell), b(both);
+  CHECK(a.vertices().size() == 8000);
+  CHECK(a == b);
+  CHECK(a.volume() == doctest::Approx(4 * pi / 3).epsilon(2e-3));
+  CHECK(a.mesh().vertices.size() + a.mesh().faces() == a.mesh().edges.size() + 2);
+
+  std::vector<vec3> evenly;  // the points of a spiral from pole to pole
+  for (int n = 0; n < 20000; ++n) {
+    const real z = 1 - 2 * (n + 0.5) / 20000, r = std::sqrt(1 - z * z), turn = 2.399963 * n;
+    evenly.push_back({r * std::cos(turn), r * std::sin(turn), z});
+  }
+  CHECK(convex_polyhedron(evenly).vertices().size() == 20000);
+}
+
 TEST_CASE("polyhedra are equal by their form and cost a reference each") {
   const std::vector<vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const convex_polyhedron a(points), copy = a, again(points);
@@ -267,6 +352,27 @@ TEST_CASE("impossible shapes are refused by name") {
     check_refused(capsule{1, r}, "length of a capsule");
     check_refused(cylinder{r, 1}, "radius of a cylinder");
     check_refused(cylinder{1, r}, "length of a cylinder");
+  }
+  for (const real r : {1e-300, 1e-121, 1e121, 1e300}) {
+    const char* what = "beyond what numbers can hold";
+    check_refused(sphere{r}, what);
+    for (const vec3& size : {vec3(r, 1, 1), vec3(1, r, 1), vec3(1, 1, r)})
+      check_refused(box{size}, what);
+    check_refused(capsule{r, 1}, what);
+    check_refused(capsule{1, r}, what);
+    check_refused(cylinder{r, 1}, what);
+    check_refused(cylinder{1, r}, what);
+    CHECK_THROWS_WITH_AS(convex_polyhedron({{0, 0, 0}, {r, 0, 0}, {0, r, 0}, {0, 0, r}}),
+                         doctest::Contains(what), std::invalid_argument);
+  }
+  for (const real r : {1e-100, 1e-60, 1e60, 1e100}) {
+    CHECK_NOTHROW((box{{r, 1, 1}}.validate()));
+    const convex_polyhedron p({{0, 0, 0}, {r, 0, 0}, {0, r, 0}, {0, 0, r}});
+    CHECK(std::isnormal(p.volume()));
+    CHECK(p.volume() == doctest::Approx(r * r * r / 6));
+    for (int k = 0; k < 3; ++k) CHECK(std::isnormal(p.inertia()[k]));
+    CHECK(p.bounding_radius() == doctest::Approx(r * std::sqrt(11.) / 4));
+    CHECK(p.mesh().measured.half_width > 0.1 * r);
   }
   check_refused(convex_polyhedron{}, "without vertices");
   CHECK_THROWS_AS(convex_polyhedron({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), std::invalid_argument);

@@ -23,6 +23,31 @@ void refused(F&& f, const char* because) {
 
 }  // namespace
 
+TEST_CASE("a world has room for 65,535 materials, each pair with properties of its own if set") {
+  serial::link link;
+  world<alone> w(link);
+  constexpr std::size_t n = 65535;
+  for (std::size_t k = 0; k < n; ++k)
+    (void)w.material({.restitution = real(k % 10) / 10, .friction = real(k % 100) / 100});
+  refused([&] { (void)w.material({}); }, "at most 65535 materials");
+  const auto id = [](std::size_t k) { return static_cast<material_id>(k); };
+  const material_table& all = w.materials();
+  for (std::size_t k = 0; k + 1 < n; k += 2)
+    w.material_pair(id(k + 1), id(k), {.restitution = 0.05, .friction = real(k)});
+  for (std::size_t k = 0; k + 2 < n; ++k) {
+    const pair_material own = all.pair(id(k), id(k + 1)), mean = all.pair(id(k), id(k + 2));
+    REQUIRE(all.pair(id(k + 1), id(k)).friction == own.friction);
+    REQUIRE(mean.friction == 0.5 * (all[id(k)].friction + all[id(k + 2)].friction));
+    if (k % 2 == 0) REQUIRE((own.friction == real(k) && own.sliding_friction() == real(k)));
+    if (k % 2 == 1)
+      REQUIRE(own.restitution == 0.5 * (all[id(k)].restitution + all[id(k + 1)].restitution));
+  }
+  w.material_pair(id(4), id(5), {.friction = 7});  // once more
+  CHECK(all.pair(id(5), id(4)).friction == 7);
+  CHECK(all.pair(id(5), id(4)).restitution == 0);
+  CHECK(all.own_pairs().entries().size() == n / 2);
+}
+
 TEST_CASE("bad bodies are refused with the value that is wrong") {
   serial::link link;
   world<alone> w(link);

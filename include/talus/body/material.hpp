@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "talus/body/pair_table.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -67,35 +68,40 @@ struct pair_material {
   }
 };
 
+namespace detail {
+/// Properties of a pair that has none of its own: arithmetic means.
+[[nodiscard]] inline pair_material mean_of(const material& a, const material& b) {
+  return {0.5 * (a.restitution + b.restitution), 0.5 * (a.friction + b.friction),
+          0.5 * (a.sliding_friction() + b.sliding_friction())};
+}
+}  // namespace detail
+
 /// The materials of a world. A pair takes the arithmetic mean of its two materials (the rule of
 /// the ancestor pe) unless a rule of its own is set.
 class material_table {
  public:
-  /// Throws invalid_argument for a density that is not positive, a restitution outside [0, 1] or
-  /// a negative coefficient of friction.
+  /// Throws invalid_argument for a density that is not positive, a restitution outside [0, 1], a
+  /// negative coefficient of friction, and beyond 65,535 materials.
   [[gnu::cold]] material_id add(const material& m) {
     detail::require_positive(m.density, "the density of a material");
     check(m.restitution, m.friction, m.sliding_friction());
     check_soft(m);
     if (materials_.size() >= std::numeric_limits<std::uint16_t>::max())
       detail::fail<std::invalid_argument>("a world holds at most 65535 materials; reuse them");
-    const auto n = materials_.size();
-    detail::plain_vector<pair_material> grown((n + 1) * (n + 1));
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j < n; ++j) grown[i * (n + 1) + j] = pairs_[i * n + j];
     materials_.push_back(m);
-    for (std::size_t i = 0; i <= n; ++i)
-      grown[i * (n + 1) + n] = grown[n * (n + 1) + i] = mean(materials_[i], m);
-    pairs_ = std::move(grown);
+    means_.push_back({m.restitution, m.friction, m.sliding_friction(), 0});
     ++revision_;
-    return material_id{static_cast<std::uint16_t>(n)};
+    return material_id{static_cast<std::uint16_t>(materials_.size() - 1)};
   }
 
   /// Sets the properties of contacts between `a` and `b`, in either order.
   void set_pair(material_id a, material_id b, const pair_material& p) {
     const pair_material all{p.restitution, p.friction, p.sliding_friction()};
     check(all.restitution, all.friction, all.dynamic_friction);
-    pairs_[at(a, b)] = pairs_[at(b, a)] = all;
+    require_known(a);
+    require_known(b);
+    pairs_.set(number(a), number(b), all);
+    means_[index(a)].has_pairs = means_[index(b)].has_pairs = 1;
     ++revision_;
   }
 
@@ -104,28 +110,38 @@ class material_table {
     require_known(m);
     return materials_[index(m)];
   }
-  /// Properties of contacts between two materials.
-  [[nodiscard]] const pair_material& pair(material_id a, material_id b) const {
-    return pairs_[index(a) * materials_.size() + index(b)];
+  /// Properties of contacts between `a` and `b`, in either order.
+  [[nodiscard]] pair_material pair(material_id a, material_id b) const {
+    const contribution &x = means_[index(a)], &y = means_[index(b)];
+    if (x.has_pairs & y.has_pairs)
+      if (const pair_material* own = own_pair(a, b)) return *own;
+    return {0.5 * (x.restitution + y.restitution), 0.5 * (x.friction + y.friction),
+            0.5 * (x.dynamic_friction + y.dynamic_friction)};
   }
+  /// The pairs that have properties of their own.
+  [[nodiscard]] const detail::pair_table<pair_material>& own_pairs() const { return pairs_; }
   /// Number of materials.
   [[nodiscard]] std::size_t size() const { return materials_.size(); }
   /// Grows with every change, so that what is derived from the table can be kept.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
  private:
+  /// What a material contributes to the means of its pairs.
+  struct contribution {
+    real restitution, friction, dynamic_friction;
+    std::uint64_t has_pairs;  ///< 1 if a pair of it has properties of its own, else 0
+  };
   static std::size_t index(material_id m) { return static_cast<std::size_t>(m); }
+  static std::uint32_t number(material_id m) { return static_cast<std::uint32_t>(m); }
+  [[nodiscard, gnu::noinline]] const pair_material* own_pair(material_id a, material_id b) const {
+    return pairs_.find(number(a), number(b));
+  }
 
   void require_known(material_id m) const {
     if (index(m) >= materials_.size())
       detail::fail<std::invalid_argument>(
           "material {} is unknown to this world, which has {}; make it with world.material(...)",
           index(m), materials_.size());
-  }
-  std::size_t at(material_id a, material_id b) const {
-    require_known(a);
-    require_known(b);
-    return index(a) * materials_.size() + index(b);
   }
   static void check(real restitution, real friction, real dynamic) {
     if (!(restitution >= 0 && restitution <= 1))
@@ -155,13 +171,10 @@ class material_table {
       detail::fail<std::invalid_argument>(
           "Poisson's ratio of a material must lie in [0, 0.5], but is {}", m.poisson_ratio);
   }
-  static pair_material mean(const material& a, const material& b) {
-    return {0.5 * (a.restitution + b.restitution), 0.5 * (a.friction + b.friction),
-            0.5 * (a.sliding_friction() + b.sliding_friction())};
-  }
 
   detail::plain_vector<material> materials_;
-  detail::plain_vector<pair_material> pairs_;  ///< nothing in them is left open
+  detail::plain_vector<contribution> means_;  ///< of each material
+  detail::pair_table<pair_material> pairs_;   ///< those that were set; no value is missing
   std::uint64_t revision_ = 0;
 };
 

@@ -155,5 +155,20 @@ inline void require_positive(real value, const char* what) {
                                 what, value);
 }
 
+/// Sizes of shapes lie between these, so that volumes, squares of lengths and moments of inertia
+/// are normal numbers.
+inline constexpr real smallest_size = 1e-120, largest_size = 1e120;
+
+/// Throws invalid_argument unless `value`, a size of a shape, is positive and of such a magnitude.
+inline void require_size(real value, const char* what) {
+  require_positive(value, what);
+  if (value < smallest_size || value > largest_size)
+    fail<std::invalid_argument>(
+        "{} is {}, beyond what numbers can hold: sizes lie between {} and {}; choose units in "
+        "which "
+        "it is nearer to 1",
+        what, value, smallest_size, largest_size);
+}
+
 }  // namespace detail
 }  // namespace talus

@@ -30,7 +30,7 @@ class checkpoint_files final : public checkpoint_hooks {
   static constexpr double between_polls = 0.2;
   static constexpr std::uint64_t most_steps_between_polls = 1000;
   /// What a rank has heard, as numbers of which the largest counts.
-  enum heard { nothing = 0, write = 1, end = 2 };
+  enum heard { nothing = 0, write = 1, end = 2, interrupt = 3 };
 
  public:
   /// Puts itself between the steps of the world. Collective; throws runtime_error where a file
@@ -69,6 +69,7 @@ class checkpoint_files final : public checkpoint_hooks {
     if (w.rank() == 0 || team.of_processes()) listening_.emplace();
     heard_write_ = heard_signals().write;
     heard_end_ = heard_signals().end;
+    heard_interrupt_ = heard_signals().interrupt;
   }
 
   restart_plan begin(const simulation& s) override {
@@ -152,7 +153,8 @@ class checkpoint_files final : public checkpoint_hooks {
     if (!due && asked == nothing) return;
     write_checkpoint_file(w_, plan_.to, plan_.force);
     heard_write_ = heard_signals().write;  // other ranks may have heard it a step later
-    if (asked == end) throw ended_by_signal{w_.steps()};
+    if (asked == end) throw ended_by_signal{w_.steps(), SIGTERM};
+    if (asked == interrupt) throw ended_by_signal{w_.steps(), SIGINT};
   }
   [[nodiscard]] bool writes(const std::string& file) const override {
     return lock_ && lock_->is_of(file);
@@ -217,6 +219,7 @@ class checkpoint_files final : public checkpoint_hooks {
                 plan_.from, stored, given));
   }
   [[nodiscard]] heard hear() {
+    if (heard_signals().interrupt != heard_interrupt_) return interrupt;
     if (heard_signals().end != heard_end_) return end;
     const unsigned writes = heard_signals().write;
     return std::exchange(heard_write_, writes) != writes ? write : nothing;
@@ -236,7 +239,7 @@ class checkpoint_files final : public checkpoint_hooks {
   past_course past_;                      ///< of the run that wrote that file
   std::uint64_t calls_ = 0;               ///< of simulate(), until the file is read
   std::uint64_t asked_before_ = 0;        ///< steps, by the call before
-  unsigned heard_write_ = 0, heard_end_ = 0;
+  unsigned heard_write_ = 0, heard_end_ = 0, heard_interrupt_ = 0;
   std::array<double, 2> said_{};
   double polled_ = wall_seconds();
   std::uint64_t polled_at_ = 0, next_poll_ = 0;

@@ -2,6 +2,7 @@
 // The transport that fits how the program was started: one program for a laptop and a cluster.
 #include <mpi.h>
 
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <variant>
@@ -38,6 +39,14 @@ struct as_launched {
     }
     [[nodiscard]] const traffic& counters() const {
       return std::visit([](const auto& l) -> const traffic& { return l.counters(); }, any_);
+    }
+
+    void note_step(std::uint64_t step) {
+      std::visit(
+          [&](auto& l) {
+            if constexpr (requires { l.note_step(step); }) l.note_step(step);
+          },
+          any_);
     }
 
     void start(std::span<parcel> parcels) {

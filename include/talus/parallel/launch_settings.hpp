@@ -14,6 +14,11 @@ struct launch_settings {
   int ranks = 0;
   /// Number of ranks the decomposition was made for; 0: any.
   int default_ranks = 0;
+  /// Seconds that a rank waits for others before it is reported which rank keeps them waiting and
+  /// for what; 0: never.
+  double patience = 0;
+  /// Further seconds after which the run ends, with exit code 1; 0: never.
+  double give_up = 0;
   /// Receives the one message of a job whose ranks are processes and therefore cannot throw to
   /// a common caller. Writes to stderr by default.
   std::function<void(const std::string&)> report = [](const std::string& message) {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 
 #include "talus/core/error.hpp"
@@ -14,6 +15,9 @@ struct launcher {
   int size = 0;  ///< processes in the job; 0: started without a launcher
   int rank = 0;
 };
+
+/// Ends all processes of the job with this code; null where the job is one process.
+inline std::atomic<void (*)(int)> end_of_job{nullptr};
 
 [[nodiscard]] inline launcher find_launcher() {
   // SLURM_PROCID says nothing: a batch script that no srun has multiplied has it as well.

@@ -74,8 +74,11 @@ struct mpi {
     [[nodiscard]] int size() const { return size_; }
     [[nodiscard]] const traffic& counters() const { return exchange_.sent(); }
     [[nodiscard]] const boost::mpi::communicator& communicator() const { return ranks_; }
-    /// From now on nobody is waited for whose program has ended, as `who_left` knows.
-    void heed(const detail::mpi_verdict& who_left) { patience_ = detail::mpi_patience(who_left); }
+    /// From now on nobody is waited for whose program has ended, as `who_left` records, and long
+    /// waits are reported.
+    void heed(detail::mpi_verdict& who_left, detail::wait_watch& watch) {
+      patience_ = detail::mpi_patience(who_left, watch);
+    }
 
     void start(std::span<parcel> parcels) {
       exchange_.start(parcels, sizes::unknown, rank_, size_);
@@ -295,6 +298,12 @@ struct mpi {
     if (ranks.size() == 1) return run(how, ranks, main, nullptr);
 
     detail::mpi_verdict verdict(ranks);
+    struct whole_job {
+      whole_job() {
+        detail::end_of_job = [](int code) { MPI_Abort(MPI_COMM_WORLD, code); };
+      }
+      ~whole_job() { detail::end_of_job = nullptr; }
+    } const job;
     const auto end_with = [&](const char* error) {
       if (!verdict.first()) verdict.wait_for_the_end();
       how.report(detail::compose("error on rank {} of {}: {}", ranks.rank(), ranks.size(), error));
@@ -325,7 +334,8 @@ struct mpi {
           "mpirun -n {}, or do not ask",
           how.ranks, ranks.size(), how.ranks);
     link mine = how.tag ? link(ranks, *how.tag) : link(ranks);
-    if (verdict != nullptr) mine.heed(*verdict);
+    detail::wait_watch watch(how);
+    if (verdict != nullptr) mine.heed(*verdict, watch);
     main(mine);
     if (verdict != nullptr) verdict->leave(mine.counters().collectives);
   }

@@ -1,6 +1,8 @@
 #pragma once
 // Ranks as threads of one process: parallel runs without a launcher, and parallel tests without
 // MPI.
+#include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -36,6 +38,8 @@ struct threads {
     [[nodiscard]] int rank() const { return rank_; }
     [[nodiscard]] int size() const { return team_->size(); }
     [[nodiscard]] const traffic& counters() const { return exchange_.sent(); }
+    /// The last step that this rank has completed, for the report on ranks that wait for it.
+    void note_step(std::uint64_t step) { team_->note_step(rank_, step); }
 
     void start(std::span<parcel> parcels) { post(parcels, sizes::unknown); }
     void finish(std::span<parcel> parcels) {
@@ -130,9 +134,14 @@ struct threads {
     std::vector<std::size_t> fixed_sizes_;
   };
 
+  /// More threads than this only wait for each other.
+  static constexpr int most_ranks = 4096;
+
   /// Calls main(link&) for every rank, rank 0 on the calling thread. The first exception of any
   /// rank wakes all that are blocked, and is rethrown here when all have ended.
-  /// Started by mpirun as several processes: runtime_error.
+  /// More than 4,096 ranks: invalid_argument, before any thread is started. Started by mpirun as
+  /// several processes: runtime_error. With settings.give_up a rank that keeps others waiting for
+  /// so long ends the process with exit code 1, since no thread can be ended by another.
   template <class Main>
   static void launch(const launch_settings& settings, Main&& main) {
     detail::refuse_launcher(name);
@@ -140,8 +149,18 @@ struct threads {
     if (ranks < 1)
       detail::fail<std::invalid_argument>("{} ranks are asked for; ask for 1 or more", ranks);
 
+    if (ranks > most_ranks)
+      detail::fail<std::invalid_argument>(
+          "{} ranks are asked for, but one process has at most {} as threads: ask for fewer, or "
+          "start the program with mpirun, built with <talus/mpi.hpp>",
+          ranks, most_ranks);
+
     detail::thread_team team(ranks);
+    team.watch(detail::wait_watch(settings));
+    std::atomic<int> gate = closed;  // all threads are there before the first begins
     const auto run = [&](int rank) {
+      gate.wait(closed);
+      if (gate == cancelled) return;
       try {
         link mine(team, rank);
         main(mine);
@@ -155,8 +174,12 @@ struct threads {
     try {
       while (std::ssize(others) < ranks - 1)
         others.emplace_back(run, static_cast<int>(std::ssize(others)) + 1);
+      gate = open;
+      gate.notify_all();
       run(0);
     } catch (const std::system_error& e) {  // run() itself lets nothing out
+      gate = cancelled;
+      gate.notify_all();
       team.end_with(std::make_exception_ptr(std::runtime_error(detail::compose(
           "{} ranks are asked for, but the system gave only {} threads ({}); ask for "
           "fewer, or raise its limit on threads",
@@ -165,6 +188,9 @@ struct threads {
     for (std::thread& each : others) each.join();
     team.rethrow();
   }
+
+ private:
+  static constexpr int closed = 0, open = 1, cancelled = 2;  ///< the gate of launch()
 };
 
 }  // namespace talus

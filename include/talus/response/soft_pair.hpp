@@ -1,11 +1,13 @@
 #pragma once
 // What two materials make of a soft contact: stiffnesses and damping.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
 
 #include "talus/body/material.hpp"
+#include "talus/body/pair_table.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -119,29 +121,49 @@ template <class Law>
   return p;
 }
 
-/// The pairs of a table of materials, derived anew only where that has changed.
+/// The pairs of a table of materials, derived anew only where that has changed: of few materials
+/// all pairs, of many those that meet.
 template <class Law>
 class soft_pairs {
+  static constexpr std::size_t few = 64;
+
  public:
   void follow(const material_table& materials) {
+    materials_ = &materials;
     if (revision_ == materials.revision()) return;
     revision_ = materials.revision();
-    size_ = materials.size();
+    met_.clear();
+    size_ = materials.size() <= few ? materials.size() : 0;
     pairs_.resize(size_ * size_);
     for (std::size_t i = 0; i < size_; ++i)
-      for (std::size_t j = 0; j < size_; ++j) {
-        const auto a = static_cast<material_id>(i), b = static_cast<material_id>(j);
-        pairs_[i * size_ + j] = soft_pair_of<Law>(materials[a], materials[b], materials.pair(a, b));
-      }
+      for (std::size_t j = 0; j < size_; ++j)
+        pairs_[i * size_ + j] = derived(static_cast<material_id>(i), static_cast<material_id>(j));
   }
-  [[nodiscard]] const soft_pair& pair(material_id a, material_id b) const {
-    return pairs_[static_cast<std::size_t>(a) * size_ + static_cast<std::size_t>(b)];
+  /// Valid until the next call.
+  [[nodiscard]] const soft_pair& pair(material_id a, material_id b) {
+    if (size_ != 0)
+      return pairs_[static_cast<std::size_t>(a) * size_ + static_cast<std::size_t>(b)];
+    return of_many(a, b);
   }
-  [[nodiscard]] std::size_t bytes() const { return pairs_.capacity() * sizeof(soft_pair); }
+  [[nodiscard]] std::size_t bytes() const {
+    return pairs_.capacity() * sizeof(soft_pair) + met_.bytes();
+  }
 
  private:
+  [[nodiscard]] soft_pair derived(material_id a, material_id b) const {
+    return soft_pair_of<Law>((*materials_)[a], (*materials_)[b], materials_->pair(a, b));
+  }
+  [[nodiscard, gnu::noinline]] const soft_pair& of_many(material_id a, material_id b) {
+    const auto i = static_cast<std::uint32_t>(a), j = static_cast<std::uint32_t>(b);
+    if (const soft_pair* known = met_.find(i, j)) return *known;
+    met_.set(i, j, derived(std::min(a, b), std::max(a, b)));
+    return *met_.find(i, j);
+  }
+
+  const material_table* materials_ = nullptr;
   plain_vector<soft_pair> pairs_;
-  std::size_t size_ = 0;
+  pair_table<soft_pair> met_;   ///< where there are more than a few materials
+  std::size_t size_ = 0;        ///< of `pairs_`; 0 where there are more
   std::uint64_t revision_ = 0;  ///< of an empty table
 };
 

@@ -98,35 +98,55 @@ class inserter {
   }
   [[nodiscard]] inserted& count() { return count_; }
 
-  /// What is due by now. Collective where anything is.
+  /// Adds the bodies that are due by now, in the order of their numbers, each at the first of its
+  /// places that is free. The first one without room ends the step, so bodies are tried in batches:
+  /// as many as the step before placed and one more, then twice as many. The cost of a step does
+  /// not depend on the number of bodies that wait. Collective where any is due: a reduction for
+  /// each batch.
   void insert() {
     const real time = w_->time() - how_.from;
-    std::vector<candidate> all;
-    inserted then = count_;
     random_stream places(w_->seed(), w_->steps(), purpose_of(how_.name, true));
-    while (then.count < how_.most) {
-      candidate first = candidate_at(somewhere(places), then.count);
-      const real mass = mass_of(first);
-      if (how_.bodies > 0 ? static_cast<real>(then.count) + 1 > how_.bodies * time
-                          : then.mass + mass > how_.mass * time)
-        break;
-      all.push_back(std::move(first));
-      for (int k = 1; k < how_.tries; ++k)
-        all.push_back(candidate_at(somewhere(places), then.count));
-      ++then.count, then.mass += mass;
-      if (all.size() >= most_at_once) break;
+    inserted due = count_;
+    std::vector<candidate> placed, batch;
+    bool waits = false;
+    std::size_t tried = 0, bodies = last_placed_ + 1;
+    for (bool more = true; more && !waits; bodies *= 2) {
+      batch.clear();
+      for (std::size_t k = 0; more && k < bodies; ++k)
+        more = tried + batch.size() < most_at_once && add_due(places, time, due, batch);
+      if (batch.empty()) break;
+      tried += batch.size();
+      waits = !place(batch, placed);
     }
-    if (!all.empty()) place(all);
+    for (const candidate& c : placed)
+      with(c.what, [&](const auto& b) { (void)w_->add_if_local(b); });
+    last_placed_ = placed.size();
+    if (!placed.empty()) waits_ = 0, since_ = w_->time();
+    if (waits) mention_waiting();
   }
 
  private:
-  static constexpr std::size_t most_at_once = 20000;
-  static constexpr std::uint64_t patience = 1000;  ///< steps without room before it is said
+  static constexpr std::size_t most_at_once = 20000;  ///< places in a step
+  static constexpr std::uint64_t patience = 1000;     ///< steps without room before it is said
   struct candidate {
     made what;
     std::uint64_t number;
   };
 
+  /// Appends the places of the next body to `batch` if that body is due.
+  bool add_due(random_stream& places, real time, inserted& due, std::vector<candidate>& batch) {
+    if (due.count >= how_.most) return false;
+    candidate first = candidate_at(somewhere(places), due.count);
+    const real mass = mass_of(first);
+    if (how_.bodies > 0 ? static_cast<real>(due.count) + 1 > how_.bodies * time
+                        : due.mass + mass > how_.mass * time)
+      return false;
+    batch.push_back(std::move(first));
+    for (int k = 1; k < how_.tries; ++k)
+      batch.push_back(candidate_at(somewhere(places), due.count));
+    ++due.count, due.mass += mass;
+    return true;
+  }
   candidate candidate_at(const vec3& p, std::uint64_t number) {
     const site place{.position = p, .index = number};
     random_stream random(w_->seed(), number, purpose_of(how_.name, false));
@@ -171,30 +191,30 @@ class inserter {
     });
     return found;
   }
-  /// Each body at the first of its places that is free, in the order of their numbers. One that
-  /// finds none waits, and so do those behind it, or sizes that fit would be preferred.
-  void place(const std::vector<candidate>& all) {
+  /// Each body at the first of its places that is free. Returns whether all have found one: a body
+  /// that finds none waits, and so do those behind it, or sizes that fit would be preferred.
+  bool place(std::vector<candidate>& batch, std::vector<candidate>& placed) {
     std::vector<std::uint64_t> taken;
-    for (const candidate& c : all)
+    for (const candidate& c : batch)
       with(c.what, [&](const auto& b) {
         taken.push_back(w_->overlaps(b.shape, b.position, b.orientation));
       });
     w_->link().reduce(reduction::max, std::span(taken));
-    const std::uint64_t then = count_.count;
-    std::vector<const candidate*> placed;
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      const candidate& c = all[k];
+    const std::uint64_t last = batch.back().number;
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      candidate& c = batch[k];
       if (count_.count > c.number) continue;  // it has found a place
       if (c.number > count_.count) break;     // the one before has not
       if (taken[k] != 0) continue;
       bool free = true;
-      for (const candidate* other : placed) free = free && !overlap(c, *other);
+      for (const candidate& other : placed) free = free && !overlap(c, other);
       if (!free) continue;
-      placed.push_back(&c);
-      with(c.what, [&](const auto& b) { (void)w_->add_if_local(b); });
       ++count_.count, count_.mass += mass_of(c);
+      placed.push_back(std::move(c));
     }
-    if (count_.count > then) waits_ = 0, since_ = w_->time();
+    return count_.count > last;
+  }
+  [[gnu::cold]] void mention_waiting() {
     const bool long_since = how_.bodies == 0 || (w_->time() - since_) * how_.bodies > 10;
     if (++waits_ > patience && long_since && !std::exchange(said_, true) && w_->rank() == 0)
       std::fputs(
@@ -212,8 +232,9 @@ class inserter {
   Make make_;
   vec3 lower_, upper_;
   inserted count_;
-  std::uint64_t waits_ = 0;  ///< steps in a row in which a body was due and found no room
-  real since_ = 0;           ///< when one last did
+  std::size_t last_placed_ = 0;  ///< bodies, in the step before
+  std::uint64_t waits_ = 0;      ///< steps in a row in which a body was due and found no room
+  real since_ = 0;               ///< when one last did
   bool said_ = false;
 };
 

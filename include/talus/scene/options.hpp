@@ -33,6 +33,8 @@ struct options {
   std::size_t csv_every = 10;        ///< steps between its lines
   bool reproducible = false;         ///< the same bits on any number of ranks
   bool quiet = false;                ///< no progress, no summary
+  double patience = 60;              ///< seconds that a rank waits before a report; 0: none
+  double give_up = 0;                ///< further seconds before the run ends; 0: it does not
   std::string frames;                ///< folder for pictures; empty: none
   std::size_t every = 100;           ///< steps between pictures
   std::string colour;                ///< "rank" or "speed"; empty: as the scene likes it
@@ -60,13 +62,16 @@ struct options {
     cli.add("--csv-every", csv_every, "steps from one of its lines to the next", 1);
     cli.add("--reproducible", reproducible, "the same bits on any number of ranks; slower");
     cli.add("--quiet", quiet, "no progress, no summary");
+    cli.add("--patience", patience,
+            "seconds that a rank waits for others before they are named; 0: never", 0);
+    cli.add("--give-up", give_up, "further seconds before the run ends; 0: it goes on waiting", 0);
     cli.add("--frames", frames, "write pictures for POV-Ray into this folder");
     cli.add("--every", every, "steps from one picture to the next", 1);
     cli.add("--colour", colour, "of bodies in pictures: by rank or by speed");
     cli.add("--show-copies", copies, "pictures show shadow copies too");
     cli.add("--show-domains", domains, "pictures show what each rank owns");
     cli.add("--checkpoint", checkpoint,
-            "keep the state of the run in this file; SIGUSR1 and SIGTERM write it too");
+            "keep the state of the run in this file; SIGUSR1, SIGTERM and Ctrl-C write it too");
     cli.add("--checkpoint-every", checkpoint_every, "steps from one version of it to the next", 1);
     cli.add("--restart", restart, "go on from this checkpoint");
     cli.add("--output", output, "write bodies and contacts for ParaView: NAME.hdf.series");
@@ -82,6 +87,8 @@ struct options {
         if (file.empty() && cli.given(name))
           throw usage_error(std::string(name) + " needs " + other + "; see --help");
       };
+      if (give_up > 0 && patience == 0)
+        throw usage_error("--give-up needs a --patience above 0; see --help");
       needs(csv, "--csv-every", "--csv FILE");
       for (const char* name : {"--every", "--colour", "--show-copies", "--show-domains"})
         needs(frames, name, "--frames DIR");

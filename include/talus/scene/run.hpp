@@ -2,6 +2,7 @@
 // run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
 #include <algorithm>
 #include <concepts>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -19,6 +20,7 @@
 #include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/launcher.hpp"
 #include "talus/scene/detail/options_in_use.hpp"
+#include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/scene/run_outputs.hpp"
 #include "talus/world/world.hpp"
@@ -75,9 +77,6 @@ template <class Scenario>
   return w.simulations() > 1 ? std::max<std::uint64_t>(w.last_step(), options.steps)
                              : w.last_step();
 }
-
-/// Ended by SIGTERM, as the shell says it.
-inline constexpr int ended_by_sigterm = 128 + 15;
 
 /// The checkpoints that the options ask for. Collective.
 template <class Scenario, class Options>
@@ -162,25 +161,42 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   attach_checkpoints(w, options, progress, table);
   attach_output(w, options);
   if (!options.quiet) std::fputs(replaced.c_str(), stderr);
+  run_place place{.rank = link.rank()};
+  const exit_guard guard(place, name, options.json);
+  w.after_each_step([&] {
+    place.step = w.steps();
+    if constexpr (requires { link.note_step(place.step); }) link.note_step(place.step);
+  });
   const double cpu = thread_seconds();
   const double start = wall_seconds();
   results own;
   const auto set_up_and_simulate = [&] {
-    if constexpr (std::is_void_v<decltype(set_up(w, options))>)
-      set_up(w, options);
-    else
-      own = set_up(w, options);
+    try {
+      if constexpr (std::is_void_v<decltype(set_up(w, options))>)
+        set_up(w, options);
+      else
+        own = set_up(w, options);
+    } catch (const std::exception&) {
+      throw;
+    } catch (const ended_by_signal&) {
+      throw;
+    } catch (const abi::__forced_unwind&) {  // the thread is cancelled
+      throw;
+    } catch (...) {
+      rethrow_with_words(place);
+    }
   };
   if constexpr (Scenario::template has_feature<checkpoints>) {
     try {
       set_up_and_simulate();
     } catch (const ended_by_signal& end) {
       if (speaks)
-        std::fputs(compose("{}: ended by SIGTERM in step {}; go on with --restart {}\n", name,
-                           end.step, options.checkpoint)
-                       .c_str(),
-                   stderr);
-      return ended_by_sigterm;
+        std::fputs(
+            compose("{}: ended by {} in step {}; go on with --restart {}\n", name,
+                    end.signal == SIGINT ? "SIGINT" : "SIGTERM", end.step, options.checkpoint)
+                .c_str(),
+            stderr);
+      return 128 + end.signal;  // as a shell says it
     }
     w.require_restarted();
   } else {
@@ -254,6 +270,8 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
     settings.ranks = chosen.ranks;
     settings.default_ranks = typename Scenario::decomposition{}.size();
     settings.report = complain;
+    settings.patience = chosen.patience;
+    settings.give_up = chosen.give_up;
     int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
       const int of_rank = run_rank_with_solver<Scenario>(link, chosen, name, set_up);
@@ -271,6 +289,9 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
   } catch (const std::exception& error) {
     complain(error.what());
     return 1;
+  } catch (...) {
+    complain("an exception that is no std::exception");
+    return 1;
   }
 }
 
@@ -280,7 +301,8 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
 /// or under mpirun, as its transport allows. `set_up(world, options)` fills the world and
 /// simulates; it runs on every rank, and may return `results` of its own to be reported. Reads the
 /// command line (see `options`), shows progress, and reports at the end. Returns the exit code for
-/// main(): errors are printed once, whichever rank they come from.
+/// main(): errors are printed once, whichever rank they come from. exit() in a callback ends the
+/// process with a message and a code other than 0.
 template <class Scenario, class Options = options, class SetUp>
 int run(int argc, char** argv, SetUp&& set_up) {
   constexpr bool scene = detail::is_scenario<Scenario>;

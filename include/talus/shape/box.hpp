@@ -15,11 +15,11 @@ struct box {
   static constexpr bool round = false;
   static constexpr const char* name = "box";
 
-  /// Throws invalid_argument unless all three edges are positive and finite.
+  /// Throws invalid_argument unless all three edges are positive and between 1e-120 and 1e120.
   void validate() const {
-    detail::require_positive(size[0], "the x edge of a box");
-    detail::require_positive(size[1], "the y edge of a box");
-    detail::require_positive(size[2], "the z edge of a box");
+    detail::require_size(size[0], "the x edge of a box");
+    detail::require_size(size[1], "the y edge of a box");
+    detail::require_size(size[2], "the z edge of a box");
   }
 
   /// Half its edges.

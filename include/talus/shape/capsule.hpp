@@ -16,10 +16,10 @@ struct capsule {
   static constexpr bool round = false;
   static constexpr const char* name = "capsule";
 
-  /// Throws invalid_argument unless radius and length are positive and finite.
+  /// Throws invalid_argument unless radius and length are positive and between 1e-120 and 1e120.
   void validate() const {
-    detail::require_positive(radius, "the radius of a capsule");
-    detail::require_positive(length, "the length of a capsule");
+    detail::require_size(radius, "the radius of a capsule");
+    detail::require_size(length, "the length of a capsule");
   }
 
   /// Distance of its furthest point from the centre.

@@ -27,7 +27,8 @@ class convex_polyhedron {
   convex_polyhedron() = default;
   /// The hull of the points; those inside it, or within half a millionth of the extent of a plane
   /// or an edge, are no vertices. Throws invalid_argument for points that span no volume, are not
-  /// finite, or make more than 10,000 vertices or a face of more than 64 corners.
+  /// finite, have an extent below 1e-100 or above 1e100, or make more than 1,000,000 vertices or a
+  /// face of more than 64 corners.
   template <class Real = real>
   explicit convex_polyhedron(const std::vector<vector3<Real>>& points)
       : mesh_(std::make_shared<const polyhedron_mesh>(

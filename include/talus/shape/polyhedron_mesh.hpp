@@ -27,7 +27,7 @@ struct polyhedron_mesh {
     vec3 inertia{0, 0, 0};  ///< principal moments per unit mass
     pose frame;             ///< of the body, in the coordinates of the user
   };
-  static constexpr std::size_t max_vertices = 10000;
+  static constexpr std::size_t max_vertices = 1000000;
   static constexpr std::size_t max_corners = 64;  ///< of one face
 
   detail::plain_vector<vec3> vertices;

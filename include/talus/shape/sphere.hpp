@@ -13,8 +13,8 @@ struct sphere {
   static constexpr bool round = true;
   static constexpr const char* name = "sphere";
 
-  /// Throws invalid_argument unless the radius is positive and finite.
-  void validate() const { detail::require_positive(radius, "the radius of a sphere"); }
+  /// Throws invalid_argument unless the radius is positive and between 1e-120 and 1e120.
+  void validate() const { detail::require_size(radius, "the radius of a sphere"); }
 
   /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return radius; }

@@ -170,6 +170,20 @@ class union_of {
           "all {} parts of a union_of have density 0: give one of them a mass", parts.size());
   }
 
+  static void require_measured(const data& built) {
+    const auto normal = [](real x) { return x > 0 && std::isnormal(x); };
+    bool good = normal(built.volume) && std::isfinite(built.bounding_radius) &&
+                built.bounding_radius <= detail::largest_size;
+    for (int k = 0; k < 3; ++k) good = good && normal(built.inertia[k]);
+    if (!good)
+      detail::fail<std::invalid_argument>(
+          "a union_of {} parts has the volume {}, the radius {} and the inertia {}, beyond what "
+          "numbers can hold: choose units in which its size is nearer to 1, and parts that lie "
+          "near "
+          "each other",
+          built.entries.size(), built.volume, built.bounding_radius, built.inertia);
+  }
+
   template <class Real>
   [[nodiscard]] static std::shared_ptr<const data> build(const std::vector<part>& parts) {
     validate(parts);
@@ -208,6 +222,7 @@ class union_of {
           },
           parts[n].shape);
     built.sort();
+    require_measured(built);
     detail::byte_buffer content;
     detail::byte_writer writer(content);
     built.pack(writer);

@@ -136,9 +136,11 @@ struct checkpoint_plan {
   std::function<void(std::uint64_t)> restarted{};  ///< takes the step of the file, when it is read
 };
 
-/// The run was asked to end (SIGTERM), and its state is written. Thrown alike on all ranks.
+/// The run was asked to end (SIGTERM, or SIGINT by Ctrl-C), and its state is written. Thrown alike
+/// on all ranks.
 struct ended_by_signal {
   std::uint64_t step = 0;
+  int signal = 0;
 };
 
 /// What io/ may reach of a world.

@@ -126,7 +126,6 @@ class contact_maker {
     real radius = 0;  ///< of a
     real slack = 0;   ///< a contact with a larger gap must be about to close
     history_place* last = nullptr;
-    const pair_material* material = nullptr;
     bool own_a = false, boundary = false, foreign = false, moves_a = false, moves_b = false;
     bool made = false;  ///< a contact that may get an impulse
     [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
@@ -178,7 +177,6 @@ class contact_maker {
                                   : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
         return forget_unless_made(x);
 
-    x.material = &s_.materials.pair(a_.material[i], b_.material[j]);
     x.radius = a_.shape[i].bounding_radius();
     x.slack = contact_slack * x.radius;
     x.margin = margin_a + margin_b;
@@ -231,8 +229,9 @@ class contact_maker {
             along_chord(b_.angular_velocity[j], a_.position[i] - b_.position[j], g.normal, s_.dt);
       u -= v_b + b_.angular_velocity[j].cross(arm_b);
     }
+    const auto material = [&] { return s_.materials.pair(a_.material[i], b_.material[j]); };
     if constexpr (state_type::continuous) {
-      if (motion_.not_met(i, j, g.gap, *x.material)) return;
+      if (motion_.not_met(i, j, g.gap, material())) return;
       motion_.add_flight(u, i, j);
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
@@ -253,8 +252,8 @@ class contact_maker {
       u += g.normal.dot(c.bias) * g.normal;  // what is left of it may be an impact
     }
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
-        *x.material, g.normal, u, g.gap, s_.dt, pulled,
-        [&] { return motion_.fall(i, j, g.normal); }, creep(x.radius), s_.settings.correction);
+        material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
+        creep(x.radius), s_.settings.correction);
     real target = want.target;
     if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
     if constexpr (state_type::midpoint)

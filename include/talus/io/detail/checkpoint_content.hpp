@@ -97,7 +97,7 @@ template <class Scenario>
       "/run/waking", std::array{wakes.all, wakes.spreads, wakes.stirred}));
   const auto materials = numbers_of(s.materials), pairs = numbers_of_pairs(s.materials);
   out.push_back(numbers_dataset<double>("/materials/each", materials, 8));
-  out.push_back(numbers_dataset<double>("/materials/pairs", pairs, 3));
+  out.push_back(numbers_dataset<double>("/materials/own_pairs", pairs, 5));
   put_kept(team, keeper.values, out);
   put_monitors(team, s, out);
   put_course(keeper.course.parts(s.steps), out);

@@ -7,7 +7,7 @@ namespace talus::detail {
 
 /// How often each has come since the program began. A signal is of the process, and so is this.
 struct signals_heard {
-  std::atomic<unsigned> write{0}, end{0};
+  std::atomic<unsigned> write{0}, end{0}, interrupt{0};
   static_assert(std::atomic<unsigned>::is_always_lock_free);
 };
 [[nodiscard]] inline signals_heard& heard_signals() {
@@ -15,8 +15,8 @@ struct signals_heard {
   return all;
 }
 
-/// While it lives SIGUSR1 and SIGTERM are counted instead of ending the process; a second SIGTERM
-/// ends it as usual, for programs that take no steps.
+/// While it lives SIGUSR1, SIGTERM and SIGINT (Ctrl-C) are counted instead of ending the process; a
+/// second SIGTERM or SIGINT ends it as usual, for programs that take no steps.
 class listen_to_signals {
  public:
   listen_to_signals() {
@@ -29,17 +29,20 @@ class listen_to_signals {
     action.sa_handler = [](int) { ++heard_signals().end; };
     action.sa_flags |= static_cast<int>(SA_RESETHAND);
     sigaction(SIGTERM, &action, &end_);
+    action.sa_handler = [](int) { ++heard_signals().interrupt; };
+    sigaction(SIGINT, &action, &interrupt_);
   }
   listen_to_signals(const listen_to_signals&) = delete;
   listen_to_signals& operator=(const listen_to_signals&) = delete;
   ~listen_to_signals() {
     sigaction(SIGUSR1, &write_, nullptr);
     sigaction(SIGTERM, &end_, nullptr);
+    sigaction(SIGINT, &interrupt_, nullptr);
   }
 
  private:
   struct sigaction write_ {
-  }, end_{};
+  }, end_{}, interrupt_{};
 };
 
 }  // namespace talus::detail

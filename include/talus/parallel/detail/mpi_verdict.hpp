@@ -14,15 +14,18 @@
 namespace talus::detail {
 
 /// The flag, and after it a number for each rank: 0, or 1 plus the collective calls of its program
-/// when that ended. One-sided (C API: Boost.MPI has no windows), as the other ranks are busy or
-/// blocked somewhere else. Made and destroyed by all ranks together.
+/// when that ended. Then whether a long wait is reported, and for each rank what it waits for.
+/// One-sided (C API: Boost.MPI has no windows), as the other ranks are busy or blocked somewhere
+/// else. Made and destroyed by all ranks together.
 class mpi_verdict {
   using clock = std::chrono::steady_clock;
 
  public:
   explicit mpi_verdict(const boost::mpi::communicator& ranks) : ranks_(ranks) {
     std::uint64_t* words = nullptr;
-    const std::size_t count = ranks.rank() == 0 ? 1 + static_cast<std::size_t>(ranks.size()) : 0;
+    const auto size = static_cast<std::size_t>(ranks.size());
+    const std::size_t count = ranks.rank() == 0 ? 2 + 2 * size : 0;
+    waits_.resize(size);
     MPI_Win_allocate(static_cast<MPI_Aint>(count * sizeof *words), sizeof *words, MPI_INFO_NULL,
                      ranks, &words, &window_);
     MPI_Win_set_errhandler(window_, MPI_ERRORS_RETURN);
@@ -82,13 +85,62 @@ class mpi_verdict {
     return all;
   }
 
+  /// Writes down for all that this rank waits: 0 not, 1 in a collective call, 2 + r for a message
+  /// of rank r.
+  void note_wait(std::uint64_t what) {
+    note_ = what;
+    answered([&](MPI_Request* request) {
+      return MPI_Rget_accumulate(&note_, 1, MPI_UINT64_T, &old_note_, 1, MPI_UINT64_T, 0,
+                                 2 + ranks_.size() + ranks_.rank(), 1, MPI_UINT64_T, MPI_REPLACE,
+                                 window_, request);
+    });
+  }
+  /// What the ranks have noted; empty where rank 0 does not answer.
+  [[nodiscard]] const std::vector<std::uint64_t>& waits() {
+    if (!answered([&](MPI_Request* request) {
+          return MPI_Rget_accumulate(nullptr, 0, MPI_UINT64_T, waits_.data(), ranks_.size(),
+                                     MPI_UINT64_T, 0, 2 + ranks_.size(), ranks_.size(),
+                                     MPI_UINT64_T, MPI_NO_OP, window_, request);
+        }))
+      waits_.clear();
+    return waits_;
+  }
+  /// Takes or gives back the right to report a wait. Returns whether this rank has got it; without
+  /// an answer it has.
+  bool claim_report(bool wanted) {
+    claim_ = wanted;
+    const bool known = answered([&](MPI_Request* request) {
+      return MPI_Rget_accumulate(&claim_, 1, MPI_UINT64_T, &old_claim_, 1, MPI_UINT64_T, 0,
+                                 1 + ranks_.size(), 1, MPI_UINT64_T, MPI_REPLACE, window_, request);
+    });
+    return !known || old_claim_ == 0;
+  }
+
   [[noreturn]] void end() {
     ranks_.abort(EXIT_FAILURE);
     std::abort();  // not reached; MPI_Abort does not promise that
   }
 
  private:
+  /// Starts an access to the window and waits a second for its end. After one without an answer it
+  /// starts no other.
+  template <class Start>
+  bool answered(Start&& start) {
+    MPI_Request request = MPI_REQUEST_NULL;
+    if (!answers_ || start(&request) != MPI_SUCCESS) return answers_ = false;
+    const auto deadline = clock::now() + std::chrono::seconds(1);
+    for (int done = 0; clock::now() < deadline;) {
+      if (MPI_Test(&request, &done, MPI_STATUS_IGNORE) != MPI_SUCCESS) break;
+      if (done) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return answers_ = false;
+  }
+
   boost::mpi::communicator ranks_;
+  bool answers_ = true;
+  std::uint64_t note_ = 0, old_note_ = 0, claim_ = 0, old_claim_ = 0;
+  std::vector<std::uint64_t> waits_;
   MPI_Win window_ = MPI_WIN_NULL;
   int before_ = 0;
 };

@@ -8,6 +8,8 @@
 #include <array>
 #include <atomic>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
 #include <span>
@@ -16,6 +18,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/parallel/detail/wait_watch.hpp"
 #include "talus/parallel/parcel.hpp"
 
 namespace talus::detail {
@@ -31,6 +34,7 @@ class thread_team {
   explicit thread_team(int ranks)
       : boxes_(static_cast<std::size_t>(ranks)),
         doing_(static_cast<std::size_t>(ranks)),
+        steps_(static_cast<std::size_t>(ranks)),
         running_(ranks),
         taken_(static_cast<std::size_t>(ranks)) {
     for (auto& d : doing_) d = busy;
@@ -38,6 +42,12 @@ class thread_team {
     for (auto& board : open_boards_) board.resize(boxes_.size());
   }
   [[nodiscard]] int size() const { return static_cast<int>(boxes_.size()); }
+  /// From now on a rank that waits for longer is reported, as launch_settings say.
+  void watch(wait_watch how) { watch_ = std::move(how); }
+  /// The last step that `rank` has completed.
+  void note_step(int rank, std::uint64_t step) {
+    steps_[static_cast<std::size_t>(rank)].store(step, std::memory_order_relaxed);
+  }
 
   void send(int from, int to, byte_buffer&& bytes) {
     if (failed_) throw aborted{};
@@ -193,7 +203,12 @@ class thread_team {
       mine = busy;
       throw std::logic_error(text);
     }
-    bell.wait(lock, [&] { return failed_ || ready(); });  // who makes it ready counts it as running
+    const auto woken = [&] { return failed_ || ready(); };  // who wakes it counts it as running
+    if (!watch_.active())
+      bell.wait(lock, woken);
+    else
+      for (wait_clock waited(watch_); !bell.wait_for(lock, waited.next(), woken);)
+        report_wait(waited);
     mine = busy;
     if (failed_) throw aborted{};
   }
@@ -202,6 +217,35 @@ class thread_team {
     // The empty section keeps the bell from ringing between a sleeper's last look and its sleep.
     { const std::lock_guard lock(mutex); }
     bell.notify_all();
+  }
+
+  /// A rank has waited for long: says which ranks keep it and others waiting, once for all ranks.
+  [[gnu::cold]] void report_wait(wait_clock& waited) {
+    const bool ends = waited.passed();
+    if (!watch_.mine_to_report(ends)) return;
+    std::string stuck, waiting;
+    int busy_ranks = 0, others = 0;
+    for (int rank = 0; rank < size(); ++rank) {
+      const int why = doing_[static_cast<std::size_t>(rank)];
+      if (why == ended) continue;
+      std::string& list = why == busy ? stuck : waiting;
+      if (int& named = why == busy ? busy_ranks : others; ++named > 4) continue;
+      if (!list.empty()) list += ", ";
+      list += compose("rank {}", rank);
+      if (why == busy)
+        list += compose(" (after step {})", steps_[static_cast<std::size_t>(rank)].load());
+      else if (why == meeting_others)
+        list += " in a collective call";
+      else
+        list += compose(" for a message of rank {}", why);
+    }
+    if (busy_ranks == 0) return;  // that all wait for each other is found otherwise
+    if (busy_ranks > 4) stuck += compose(" and {} more", busy_ranks - 4);
+    if (others > 4) waiting += compose(" and {} more", others - 4);
+    watch_.report(stuck, waiting, ends);
+    if (!ends) return;
+    std::fflush(nullptr);
+    std::_Exit(EXIT_FAILURE);  // a thread that does not come back cannot be joined
   }
 
   [[nodiscard]] std::string everyone_waits() const {
@@ -226,8 +270,10 @@ class thread_team {
   }
 
   std::vector<mailbox> boxes_;
-  std::vector<std::atomic<int>> doing_;  // busy, ended, ..., or the rank it waits for
-  std::atomic<int> running_;             // ranks that neither sleep nor have ended
+  std::vector<std::atomic<int>> doing_;            // busy, ended, ..., or the rank it waits for
+  std::vector<std::atomic<std::uint64_t>> steps_;  // that each rank has completed
+  wait_watch watch_;
+  std::atomic<int> running_;  // ranks that neither sleep nor have ended
   std::atomic<int> left_ = 0;
 
   std::mutex meeting_mutex_;

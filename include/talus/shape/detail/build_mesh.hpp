@@ -83,23 +83,69 @@ void complete_mesh(polyhedron_mesh& mesh, const hull_faces& faces) {
   auto& m = mesh.measured;
   m.half_width = std::numeric_limits<Real>::infinity();
   m.inner_radius = *std::min_element(mesh.offsets.begin(), mesh.offsets.end());
+  const point_tree<Real> tree(mesh.vertices);
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
-    const vector3<Real>& n = mesh.normals[f];
-    const auto lowest = mesh.furthest(vec3(-n));
-    m.half_width = std::min(m.half_width, (mesh.offsets[f] - n.dot(mesh.vertices[lowest])) / 2);
+    const Real width = mesh.offsets[f] + tree.furthest(-mesh.normals[f]);
+    m.half_width = std::min(m.half_width, width / 2);
   }
   m.bounding_radius = 0;
   for (const vec3& v : mesh.vertices) m.bounding_radius = std::max(m.bounding_radius, v.norm());
 }
 
-/// The mesh of the hull of `points`. Throws invalid_argument where they do not span space, are not
-/// finite, or are too many.
+/// Multiplies lengths by a power of two, which changes no digit.
 template <class Real>
-[[nodiscard]] polyhedron_mesh build_mesh(const plain_vector<vector3<Real>>& points) {
-  for (const auto& p : points)
+void scale_mesh(polyhedron_mesh& mesh, Real by) {
+  for (vec3& v : mesh.vertices) v = by * v;
+  for (real& o : mesh.offsets) o *= by;
+  auto& m = mesh.measured;
+  m.volume *= by * by * by;
+  m.bounding_radius *= by;
+  m.half_width *= by;
+  m.inner_radius *= by;
+  m.inertia = (by * by) * m.inertia;
+  m.frame.position = by * m.frame.position;
+}
+
+/// Extents of polyhedra lie between these, so that their volumes are normal numbers.
+inline constexpr real smallest_extent = 1e-100, largest_extent = 1e100;
+
+/// Throws invalid_argument where a hull of the points could not be measured. Returns the power of
+/// two by which lengths are to be divided, so that products of them are normal numbers.
+template <class Real>
+[[nodiscard]] Real require_measurable(const plain_vector<vector3<Real>>& points) {
+  if (points.empty()) return 1;
+  vector3<Real> low = points[0], high = points[0];
+  for (const auto& p : points) {
     if (!finite(p))
       fail<std::invalid_argument>(
           "the vertices of a convex_polyhedron must be finite, but one is {}", p);
+    low = lower_of(low, p), high = upper_of(high, p);
+  }
+  Real extent = 0;
+  for (int k = 0; k < 3; ++k) extent = std::max(extent, high[k] - low[k]);
+  if (extent > 0 && (extent < smallest_extent || extent > largest_extent))
+    fail<std::invalid_argument>(
+        "the extent of a convex_polyhedron is {}, beyond what numbers can hold: sizes lie between "
+        "{} "
+        "and {}; choose units in which it is nearer to 1",
+        extent, smallest_extent, largest_extent);
+  for (const auto& p : points)
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(p[k]) > largest_extent)
+        fail<std::invalid_argument>(
+            "a vertex of a convex_polyhedron is at {}, beyond {}: give coordinates nearer to the "
+            "origin",
+            p, largest_extent);
+  return extent > 0 ? std::exp2(Real(std::ilogb(extent))) : Real(1);
+}
+
+/// The mesh of the hull of `points`. Throws invalid_argument where they do not span space, are not
+/// finite, are too large or too small, or are too many.
+template <class Real>
+[[nodiscard]] polyhedron_mesh build_mesh(const plain_vector<vector3<Real>>& given) {
+  const Real scale = require_measurable<Real>(given);
+  plain_vector<vector3<Real>> points;
+  for (const auto& p : given) points.push_back(p / scale);
   hull_faces faces = convex_hull<Real>(points);
   if (faces.empty())
     fail<std::invalid_argument>(
@@ -139,6 +185,7 @@ template <class Real>
   const matrix3<Real> turn = principal.frame.orientation.toRotationMatrix().transpose();
   for (const auto& p : kept) mesh.vertices.push_back(turn * (p - mesh.measured.frame.position));
   complete_mesh<Real>(mesh, faces);
+  scale_mesh<Real>(mesh, scale);
 
   byte_buffer content;
   byte_writer writer(content);

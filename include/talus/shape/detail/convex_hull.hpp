@@ -1,9 +1,12 @@
 #pragma once
 // The convex hull of points in space, its faces as polygons: gift wrapping (Chand, Kapur 1970), in
-// which points within round-off of a face's plane belong to that face.
+// which points within round-off of a face's plane belong to that face. A tree over the points finds
+// the next plane around an edge and the points in it, so a face costs the logarithm of the number
+// of points instead of all of them.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -11,6 +14,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/shape/detail/point_tree.hpp"
 
 namespace talus::detail {
 
@@ -25,7 +29,7 @@ class hull_wrapper {
  public:
   /// `tolerance` is the distance (of points about one unit apart) that counts as none.
   hull_wrapper(const plain_vector<vector>& points, Real tolerance)
-      : points_(points), tolerance_(tolerance) {}
+      : points_(points), tree_(points), tolerance_(tolerance) {}
 
   /// Nothing where the points lie in a plane, or where the tolerance leads to contradictions.
   [[nodiscard]] std::optional<hull_faces> wrap() {
@@ -57,21 +61,38 @@ class hull_wrapper {
   [[nodiscard]] std::optional<plane_set> beyond(std::uint32_t p, const vector& line,
                                                 const vector& normal) const {
     const vector along = line.normalized(), out = along.cross(normal).normalized();
-    Real bx = 0, by = 0;
-    bool found = false;
-    for (const vector& r : points_) {
-      const vector v = r - points_[p];
-      const Real x = v.dot(out), y = std::min(v.dot(normal), Real(0));
-      if (x * x + y * y <= 4 * tolerance_ * tolerance_) continue;
-      if (x < 0 && y > -tolerance_) continue;  // in the plane we come from
-      if (!found || bx * y - by * x > 0) bx = x, by = y, found = true;
+    const auto corner = points_[p];
+    struct place {
+      Real x = 0, y = 0;
+    };
+    place best;
+    // Turns the plane around the line to the next point that it meets, from any plane to one beyond
+    // which no point lies. Points on the line and in the plane of `normal` do not count.
+    const auto turn = [&](const vector& direction, Real bx, Real by, Real height) {
+      const Real before = height;
+      place next;
+      tree_.find_highest(direction, corner, 4 * tolerance_, height, [&](std::uint32_t i) {
+        const vector v = points_[i] - corner;
+        const Real x = v.dot(out), y = std::min(v.dot(normal), Real(0));
+        const bool counts =
+            x * x + y * y > 4 * tolerance_ * tolerance_ && !(x < 0 && y > -tolerance_);
+        const Real above = bx * y - by * x;
+        if (!counts || !(above > height)) return -std::numeric_limits<Real>::infinity();
+        next = {x, y};
+        return above;
+      });
+      if (height > before) best = next;
+      return height > before;
+    };
+    if (!turn(out, 0, -1, -std::numeric_limits<Real>::infinity())) return {};
+    for (bool turned = true; turned;) {
+      const Real length = std::hypot(best.x, best.y), bx = best.x / length, by = best.y / length;
+      turned = turn(bx * normal - by * out, bx, by, rounding);
     }
-    if (!found) return {};
+    const Real bx = best.x, by = best.y;
     plane_set set{(bx * normal - by * out).normalized(), {}};
     for (int round = 0; round < 2; ++round) {
-      set.members.clear();
-      for (std::uint32_t i = 0; i < points_.size(); ++i)
-        if (set.normal.dot(points_[i] - points_[p]) >= -tolerance_) set.members.push_back(i);
+      set.members = members_of(set.normal, p);
       const polygon corners = outline(set);
       if (corners.size() < 3) break;
       const vector better = area_of(corners).normalized();
@@ -79,6 +100,16 @@ class hull_wrapper {
       set.normal = better;
     }
     return set;
+  }
+
+  /// Points in or beyond the plane through point p, in their order.
+  [[nodiscard]] plain_vector<std::uint32_t> members_of(const vector& normal,
+                                                       std::uint32_t p) const {
+    plain_vector<std::uint32_t> members;
+    tree_.each_beyond(normal, points_[p], -tolerance_,
+                      [&](std::uint32_t i) { members.push_back(i); });
+    std::sort(members.begin(), members.end());
+    return members;
   }
 
   [[nodiscard]] std::optional<plane_set> first_face() const {
@@ -100,9 +131,7 @@ class hull_wrapper {
   /// As beyond(), where points to both sides of the line in the plane itself may be the answer.
   [[nodiscard]] std::optional<plane_set> beyond_flat(std::uint32_t p, const vector& line,
                                                      const vector& normal) const {
-    plane_set flat{normal, {}};
-    for (std::uint32_t i = 0; i < points_.size(); ++i)
-      if (normal.dot(points_[i] - points_[p]) >= -tolerance_) flat.members.push_back(i);
+    plane_set flat{normal, members_of(normal, p)};
     if (outline(flat).size() >= 3) return flat;
     return beyond(p, line, normal);
   }
@@ -116,11 +145,19 @@ class hull_wrapper {
     struct place {
       Real x, y;
       std::uint32_t point;
+      Real first = 0;
     };
     plain_vector<place> places;
     for (const auto i : set.members) places.push_back({u.dot(points_[i]), v.dot(points_[i]), i});
-    std::sort(places.begin(), places.end(),
-              [](auto& a, auto& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+    std::sort(places.begin(), places.end(), [](auto& a, auto& b) { return a.x < b.x; });
+    // Points with the same x up to the tolerance are ordered by y, or the chain turns back at them.
+    for (std::size_t k = 0; k < places.size(); ++k)
+      places[k].first = k > 0 && places[k].x - places[k - 1].first <= tolerance_
+                            ? places[k - 1].first
+                            : places[k].x;
+    std::sort(places.begin(), places.end(), [](auto& a, auto& b) {
+      return a.first != b.first ? a.first < b.first : a.y != b.y ? a.y < b.y : a.point < b.point;
+    });
     plain_vector<place> ring;
     const auto add = [&](const place& c, std::size_t keep) {
       while (ring.size() >= keep + 2) {
@@ -160,7 +197,11 @@ class hull_wrapper {
     return true;
   }
 
+  /// Heights of points about one unit away are not known any better.
+  static constexpr Real rounding = 4 * std::numeric_limits<Real>::epsilon();
+
   const plain_vector<vector>& points_;
+  point_tree<Real> tree_;
   Real tolerance_;
   hull_faces faces_;
   plain_vector<vector> normals_;
@@ -178,15 +219,21 @@ template <class Real>
   const vector middle = (low + high) / 2;
   const Real extent = (high - low).maxCoeff();
   if (!(extent > 0)) return {};
+  plain_vector<vector> all;
+  for (const vector& p : points) all.push_back((p - middle) / extent);
+  const point_tree<Real> tree(all);
   for (const Real tolerance : {Real(5e-7), Real(2e-6), Real(1e-5), Real(1e-9)}) {
     plain_vector<vector> scaled;
     plain_vector<std::uint32_t> number;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-      const vector p = (points[i] - middle) / extent;
-      const bool twice = std::any_of(scaled.begin(), scaled.end(), [&](const vector& other) {
-        return (other - p).squaredNorm() <= 16 * tolerance * tolerance;
+    plain_vector<char> kept(all.size(), 0);
+    for (std::uint32_t i = 0; i < all.size(); ++i) {
+      bool twice = false;
+      tree.each_near(all[i], 4 * tolerance, [&](std::uint32_t j) {
+        twice = twice || (kept[j] && (all[j] - all[i]).squaredNorm() <= 16 * tolerance * tolerance);
       });
-      if (!twice) scaled.push_back(p), number.push_back(i);
+      if (twice) continue;
+      kept[i] = 1;
+      scaled.push_back(all[i]), number.push_back(i);
     }
     if (scaled.size() < 4) continue;
     auto found = hull_wrapper<Real>(scaled, tolerance).wrap();

@@ -1,0 +1,95 @@
+#pragma once
+// How long ranks wait for each other before the user is told who keeps them waiting, and before the
+// run ends.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "talus/core/error.hpp"
+#include "talus/parallel/launch_settings.hpp"
+
+namespace talus::detail {
+
+/// The settings and what has been reported, for the ranks of a process.
+class wait_watch {
+  using clock = std::chrono::steady_clock;
+
+ public:
+  wait_watch() = default;  ///< reports nothing
+  explicit wait_watch(const launch_settings& how)
+      : patience_(how.patience), give_up_(how.give_up), report_(how.report) {}
+  wait_watch(wait_watch&& other) noexcept
+      : patience_(other.patience_), give_up_(other.give_up_), report_(std::move(other.report_)) {}
+  wait_watch& operator=(wait_watch&& other) noexcept {
+    patience_ = other.patience_, give_up_ = other.give_up_;
+    report_ = std::move(other.report_);
+    return *this;
+  }
+
+  [[nodiscard]] bool active() const { return patience_ > 0; }
+  [[nodiscard]] double patience() const { return patience_; }
+  /// Seconds of waiting after which the run ends; 0: never.
+  [[nodiscard]] double end_after() const { return give_up_ > 0 ? patience_ + give_up_ : 0; }
+
+  /// True for one caller in each period of ten times the patience, and for one that ends the run.
+  [[nodiscard]] bool mine_to_report(bool ends) {
+    if (ends) return !ends_.exchange(true);
+    const std::int64_t now =
+        std::chrono::duration_cast<std::chrono::milliseconds>(clock::now().time_since_epoch())
+            .count();
+    std::int64_t silent = silent_until_.load();
+    return now >= silent && silent_until_.compare_exchange_strong(
+                                silent, now + static_cast<std::int64_t>(1e4 * patience_));
+  }
+  [[gnu::cold]] void report(const std::string& stuck, const std::string& waiting, bool ends) const {
+    report_(text(stuck, waiting, ends));
+  }
+  [[nodiscard, gnu::cold]] std::string text(const std::string& stuck, const std::string& waiting,
+                                            bool ends) const {
+    return compose(
+        "{} has kept others waiting for {} seconds{}: {} wait{}; look for a callback or "
+        "a loop that does not end there{}",
+        stuck, talus::detail::text(ends ? end_after() : patience_, 4),
+        ends ? ", and the run ends" : "", waiting,
+        waiting.find(',') == std::string::npos ? "s" : "",
+        ends || give_up_ > 0 ? "" : ", or let --give-up SECONDS end such a run");
+  }
+
+ private:
+  double patience_ = 0, give_up_ = 0;
+  std::function<void(const std::string&)> report_;
+  std::atomic<std::int64_t> silent_until_ = 0;  ///< milliseconds
+  std::atomic<bool> ends_ = false;
+};
+
+/// The time of one wait.
+class wait_clock {
+  using clock = std::chrono::steady_clock;
+
+ public:
+  explicit wait_clock(const wait_watch& how) : how_(how), began_(clock::now()) {}
+
+  /// Until the next look: first the patience, then to the end of the run or a second.
+  [[nodiscard]] std::chrono::duration<double> next() const {
+    const double waited = seconds(), end = how_.end_after();
+    if (waited < how_.patience()) return std::chrono::duration<double>(how_.patience() - waited);
+    return std::chrono::duration<double>(end > 0 ? std::clamp(end - waited, 0.01, 1.0) : 1.0);
+  }
+  /// Whether the wait has taken as long as the run may.
+  [[nodiscard]] bool passed() const {
+    return how_.end_after() > 0 && seconds() >= how_.end_after();
+  }
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(clock::now() - began_).count();
+  }
+
+ private:
+  const wait_watch& how_;
+  clock::time_point began_;
+};
+
+}  // namespace talus::detail
