@@ -137,8 +137,9 @@ class passivity {
     auto& excess = s_.passive.excess;
     if constexpr (!alone) excess.assign(solver_.bodies.size(), 0);
     found_ = false;
-    if (!work_of_all().adds_energy()) return;
-    found_ = true;
+    // No island gains where no body does. What the whole rank gains must not matter to an island.
+    each_body([&](const impulse_work& w, std::size_t) { found_ = found_ || w.adds_energy(); });
+    if (!found_) return;
     join_islands();
     const auto root = [&](std::size_t i) { return s_.passive.root[i]; };
     auto& works = s_.passive.works;
@@ -161,7 +162,7 @@ class passivity {
     s_.each_contact_list([&](const auto& list) {
       list.each_interior_contact([&](const auto& c) {
         if constexpr (std::remove_cvref_t<decltype(c)>::paired)
-          if (moves(c.a) && moves(c.b)) {
+          if (moves(c.a) && moves(c.b) && c.impulse().squaredNorm() > 0) {
             const auto a = find(static_cast<std::size_t>(c.a)),
                        b = find(static_cast<std::size_t>(c.b));
             root[std::max(a, b)] = std::min(a, b);
