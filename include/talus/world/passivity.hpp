@@ -92,7 +92,7 @@ class passivity {
         const vec3 mean_w = real(0.5) * (store.angular_velocity[i] + w);
         const real linear = mass * dv.dot(mean), angular = spin.dot(mean_w);
         of.work = linear + angular;
-        of.size = std::abs(linear) + std::abs(angular);
+        of.size = std::abs(linear) + std::abs(angular) + mass * dv.squaredNorm() + std::abs(spin.dot(dw));
         vec3 own_dv = dv, own_dw = dw, own_spin = spin;  // by impulses that this rank may scale
         if constexpr (!alone && !by_colours)
           if (const auto& received = s_.passive.received; !received.empty()) {
