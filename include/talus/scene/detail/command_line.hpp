@@ -199,7 +199,7 @@ namespace talus {
     if (!o.refusal.empty()) continue;
     constexpr const char* types[] = {"", " TEXT", " UINT", " INT", " FLOAT"};
     std::string name = o.name + types[static_cast<int>(o.holds)];
-    if (!o.initial.empty() && o.initial != "0") name += "=" + o.initial;
+    if (!o.initial.empty()) name += "=" + o.initial;
     line(std::move(name), o.meaning);
   }
   return text;
