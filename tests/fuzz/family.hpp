@@ -212,12 +212,14 @@ class on_rank {
       });
   }
 
-  /// Contacts add no energy in any step. (Across ranks the default solver's sum is not exact, and
+  /// Contacts add no energy in any step: where gravity brings bodies together in it they may do
+  /// work, but the sum of kinetic and potential energy falls. (Across ranks the default solver's sum is not exact, and
   /// bodies that are followed to their impact have other velocities there.)
   void look_at_energy() {
     if constexpr (detail::watches<Scenario, energy_ledger> && !soft) {
       const energy_balance e = measure_energy(w_);
-      const real gain = -(e.step.friction + e.step.impact);
+      const real work = -(e.step.friction + e.step.impact);
+      const real gain = std::min(work, e.step.net() - e.step.correction);
       const bool followed = Scenario::template has_feature<continuous_collision> && p_.gravity > 0;
       const bool coloured = detail::solves_by_colours<typename Scenario::solver>;
       const bool exact = p_.tolerance == 0 && (coloured ? p_.gravity == 0 : p_.ranks == 1);

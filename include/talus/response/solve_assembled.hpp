@@ -94,6 +94,12 @@ class assembled_solver {
   }
 
   void hybrid() {
+    if (p_.contacts() <= 100) {  // a linear system costs no more than a few sweeps
+      sweeps(5, false);
+      proximal(1e-3 * mean_, 4, 1, 5);
+      swept_ = best_;
+    }
+    if (!going()) return;
     sweeps(p_.contacts() > 16 ? 100 : 40, true);
     if (!going()) return;
     // How many sweeps take as long as a linear system, roughly.
@@ -101,7 +107,7 @@ class assembled_solver {
     const real elimination = p_.contacts() > 100 ? elimination_cost(p_) : 0;
     const real exchange = std::clamp(elimination / (12 * work), real{10}, real{1e6});
     const bool affordable = elimination < 3e11;
-    if (exchange > 20) sweeps(static_cast<int>(10 * exchange), true);
+    sweeps(static_cast<int>(30 * exchange), true);
     if (affordable) {
       proximal(1e-3 * mean_, 4, 1, 10);
       if (least_ < 1e-3) {  // on the way: another try costs less than a new beginning
@@ -112,10 +118,12 @@ class assembled_solver {
       interior();
       proximal(1e-3 * std::min(real{1}, least_) * mean_, 6, 6, 15);
     }
-    for (int round = 1; going() && round < 12; ++round) {
+    for (int round = 1; going(); ++round) {
+      const int longer = std::min(round, 11);
       if (least_ < 0.1 * look(swept_)) swept_ = best_;
-      sweeps(static_cast<int>(3 * exchange) << round, false);
-      if (affordable) proximal(1e-3 * mean_, 10 + 5 * round, 6, 15);
+      sweeps(static_cast<int>(std::min(std::ldexp(3 * exchange, longer), 1e9)), false);
+      if (affordable)
+        proximal(std::pow(real{10}, -3 - round / 11 % 4) * mean_, 10 + 5 * longer, 6, 15);
     }
   }
 
@@ -198,9 +206,9 @@ class assembled_solver {
 /// Solves p from the warm start r (which may lie outside of its cones; zeros are fine), to
 /// `tolerance` in contact_error::scaled. Ends after about `most` sweeps and linear systems, or soon
 /// after `go_on()` says no; then r is the best that was seen, and the result says that it has not
-/// converged. The default: sweeps while they pay, Newton's method with a proximal term, the
-/// interior-point method, and Newton's method from where that led; then sweeps and Newton's method
-/// in turn.
+/// converged. The default: a few steps of Newton's method where there are few contacts, sweeps while
+/// they pay, Newton's method with a proximal term, the interior-point method, and Newton's method
+/// from where that led; then sweeps and Newton's method in turn, as long as it may go on.
 template <class GoOn = always>
 assembled_result solve_assembled(const assembled_problem& p, contact_vector& r, real tolerance,
                                  int most = 2000, GoOn&& go_on = {},

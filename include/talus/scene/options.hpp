@@ -64,7 +64,8 @@ struct options {
     cli.add("--quiet", quiet, "no progress, no summary");
     cli.add("--patience", patience,
             "seconds that a rank waits for others before they are named; 0: never", 0);
-    cli.add("--give-up", give_up, "further seconds before the run ends; 0, the default: it goes on waiting", 1);
+    cli.add("--give-up", give_up,
+            "further seconds before the run ends (default: it goes on waiting)", 0.001);
     cli.add("--frames", frames, "write pictures for POV-Ray into this folder");
     cli.add("--every", every, "steps from one picture to the next", 1);
     cli.add("--colour", colour, "of bodies in pictures: by rank or by speed");

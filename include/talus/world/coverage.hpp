@@ -91,9 +91,11 @@ template <class Shape, class Scenario>
   return n;
 }
 
-/// Throws runtime_error if two shadow copies touch whose owners are not connected.
+/// Throws runtime_error if two shadow copies touch whose owners are not connected, or come to touch
+/// in this step, over at most `way`.
 template <class Scenario, class A, class B>
-void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size_t j) {
+void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size_t j,
+                        real way = 0) {
   const auto& a = s.template of<A>().movable;
   const auto& b = s.template of<B>().movable;
   const auto& owner_a = s.neighbours[neighbour_of_copy<A>(s, i)];
@@ -102,9 +104,15 @@ void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size
       std::binary_search(owner_a.connected.begin(), owner_a.connected.end(), owner_b.rank))
     return;
   if (a.inverse_mass[i] == 0 && b.inverse_mass[j] == 0) return;
-  const real margin = contact_slack * (a.shape[i].bounding_radius() + b.shape[j].bounding_radius());
-  collide_pair(a.shape[i], a.pose(i), b.shape[j], b.pose(j), margin,
+  const real slack = contact_slack * (a.shape[i].bounding_radius() + b.shape[j].bounding_radius());
+  const auto velocity = [](const auto& store, std::size_t k, const vec3& point) {
+    return vec3(store.velocity[k] +
+                store.angular_velocity[k].cross(vec3(point - store.position[k])));
+  };
+  collide_pair(a.shape[i], a.pose(i), b.shape[j], b.pose(j), std::max(slack, way),
                [&](const contact_geometry& g) {
+                 const vec3 v = velocity(a, i, g.point) - velocity(b, j, g.point);
+                 if (g.gap > slack && g.gap + s.dt * v.dot(g.normal) > slack) return;
                  fail<std::runtime_error>(
                      "rank {} sees the {} {} of rank {} and the {} {} of rank {} meet at {}, but "
                      "these ranks "

@@ -57,8 +57,7 @@ class passivity {
     if (s_.settings.tolerance > 0) return;     // what is left is within it
     if constexpr (state_type::drives) return;  // driven bodies add energy without bound
     if constexpr (by_colours) {
-      // Steps under gravity are not collective.
-      if (s_.gravity == vec3(0, 0, 0)) keep_everywhere();
+      if (!presses(s_)) keep_everywhere();  // other steps are not collective
     } else {
       if constexpr (!alone) meet_boundary();
       find_excess();
@@ -92,6 +91,9 @@ class passivity {
         const vec3 mean_w = real(0.5) * (store.angular_velocity[i] + w);
         const real linear = mass * dv.dot(mean), angular = spin.dot(mean_w);
         of.work = linear + angular;
+        const vec3 pull = v - dv - before;  // by gravity and forces
+        of.fall = real(0.5) * mass * pull.dot(dv);
+        of.rise = rise_of(mass * pull, before - v, k);
         of.size = std::abs(linear) + std::abs(angular) + mass * dv.squaredNorm() + std::abs(spin.dot(dw));
         vec3 own_dv = dv, own_dw = dw, own_spin = spin;  // by impulses that this rank may scale
         if constexpr (!alone && !by_colours)
@@ -100,11 +102,21 @@ class passivity {
             own_spin = angular_impulse(store, i, mass, own_dw);
           }
         of.square = mass * own_dv.squaredNorm() + own_spin.dot(own_dw);
+        if constexpr (!state_type::midpoint)  // the mean velocity of a divided step stays
+          of.rise_slope = real(divided ? 0.5 : -0.5) * mass * pull.dot(own_dv);
         // The mean velocity changes by half of what the impulses change, and the work by both.
         of.slope = mass * own_dv.dot(mean + real(0.5) * dv) + own_spin.dot(mean_w + real(0.5) * dw);
         f(of, k);
       }
     });
+  }
+  /// The potential energy changes by the velocity that moves the body: the last one, but the mean
+  /// one in the midpoint of a step, and that of the parts of a divided step.
+  [[nodiscard]] real rise_of(const vec3& pull, const vec3& slowed, std::size_t k) const {
+    if constexpr (state_type::midpoint) return 0;
+    real rise = real(0.5) * pull.dot(slowed);
+    if constexpr (divided) rise -= pull.dot(solver_.drift[k].v);
+    return (void)k, rise;
   }
   /// A body that is followed to its impact meets it with the velocity there.
   template <class Store>
@@ -141,14 +153,22 @@ class passivity {
     each_body([&](const impulse_work& w, std::size_t) { found_ = found_ || w.adds_energy(); });
     if (!found_) return;
     join_islands();
-    const auto root = [&](std::size_t i) { return s_.passive.root[i]; };
+    add_up_islands();
+    const auto& works = s_.passive.works;
+    excess.resize(solver_.bodies.size());
+    for (std::size_t k = 0; k < works.size(); ++k) excess[k] = island_of(k).excess();
+  }
+  [[nodiscard]] const impulse_work& island_of(std::size_t body) const {
+    return s_.passive.works[s_.passive.root[body]];
+  }
+  void add_up_islands() {
     auto& works = s_.passive.works;
     works.assign(solver_.bodies.size(), {});
-    const auto add = [&](const impulse_work& w, std::size_t k) { works[root(k)] += w; };
+    const auto add = [&](const impulse_work& w, std::size_t k) {
+      works[s_.passive.root[k]] += w;
+    };
     each_body(add);
     each_exchange(add);
-    excess.resize(solver_.bodies.size());
-    for (std::size_t k = 0; k < works.size(); ++k) excess[k] = works[root(k)].excess();
   }
   void join_islands() {
     auto& root = s_.passive.root;
@@ -184,13 +204,16 @@ class passivity {
       });
     });
   }
-  /// Solves each interior contact as a plastic one, which takes energy, if boundary contacts leave
-  /// too much of it.
+  /// Solves each interior contact as a plastic one, which takes energy, in islands that boundary
+  /// contacts leave too much of it.
   void sweep_plastically() {
-    found_ = work_of_all().adds_energy();
+    add_up_islands();
+    found_ = false;
+    for (const impulse_work& w : s_.passive.works) found_ = found_ || w.adds_energy();
     if (!found_) return;
     s_.each_contact_list([&](auto& list) {
       list.edit_interior_contacts([&](auto& c) {
+        if (!island_of(static_cast<std::size_t>(moves(c.a) ? c.a : c.b)).adds_energy()) return;
         const auto target = c.target;
         c.target = std::min(c.target, decltype(c.target)(0));
         c.weigh(solver_, 1, 1);
@@ -199,12 +222,6 @@ class passivity {
         c.apply(solver_, change);
       });
     });
-  }
-  [[nodiscard]] impulse_work work_of_all() {
-    impulse_work all;
-    each_body([&](const impulse_work& w, std::size_t) { all += w; });
-    each_exchange([&](const impulse_work& w, std::size_t) { all += w; });
-    return all;
   }
   /// Calls f(work, body) for what bodies of another rank or of given velocity do to a body.
   template <class F>
@@ -223,8 +240,7 @@ class passivity {
             return sign *
                    q.dot(velocity_on_a(c, of[a].v, of[a].w) + velocity_on_b(c, of[b].v, of[b].w));
           };
-          const impulse_work w{.work = carried(p.mean)};
-          f(w, owns_a ? a : b);
+          f({.work = carried(p.mean), .shared = q != vec3(0, 0, 0)}, owns_a ? a : b);
         });
   }
   /// Takes the part d of its impulse from a contact, and applies the change. Positions follow the

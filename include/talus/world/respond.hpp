@@ -76,10 +76,7 @@ void respond(world_state<Scenario>& s) {
   gather_velocities(s);
   constexpr bool coloured = world_state<Scenario>::by_colours;
   if constexpr (coloured) colour_contacts(s);
-  // Without gravity, forces or driven bodies nothing presses: impulses are those of impacts.
-  constexpr bool forced =
-      world_state<Scenario>::drives || contains_type<typename Scenario::features, forces>;
-  if (forced || s.gravity != vec3(0, 0, 0))
+  if (presses(s))
     s.each_contact_list([&](auto& list) { list.recall(s.history); });
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
   s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,

@@ -82,8 +82,8 @@ class shared_velocities {
     std::array<double, N * size> digits;
     for (std::size_t k = 0; k < N; ++k)
       sums[k].write(std::span<double, size>(digits.data() + k * size, size));
-    start_reduce(digits);
-    finish_reduce(digits);
+    const stage_clock clock(s_.seconds.exchange);
+    s_.link->reduce(reduction::sum, digits);  // beside a reduction that may be open around the step
     for (std::size_t k = 0; k < N; ++k)
       sums[k].read(std::span<const double, size>(digits.data() + k * size, size));
   }

@@ -8,6 +8,15 @@
 
 namespace talus::detail {
 
+/// Whether contacts bear loads. Without gravity, forces or driven bodies their impulses are those of
+/// impacts.
+template <class Scenario>
+[[nodiscard]] bool presses(const world_state<Scenario>& s) {
+  constexpr bool forced =
+      world_state<Scenario>::drives || contains_type<typename Scenario::features, forces>;
+  return forced || s.gravity != vec3(0, 0, 0);
+}
+
 // Inlined always: each is a line or two of the loops that call it.
 
 /// After forces.

@@ -139,6 +139,37 @@ template <class Real>
   return extent > 0 ? std::exp2(Real(std::ilogb(extent))) : Real(1);
 }
 
+/// The thickness of the points across a plane through three that lie far apart, over their extent.
+template <class Real>
+[[nodiscard]] Real flatness(const plain_vector<vector3<Real>>& points) {
+  const auto furthest = [&](auto&& distance) {
+    return *std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
+      return distance(a) < distance(b);
+    });
+  };
+  const vector3<Real> a = points[0];
+  const vector3<Real> b = furthest([&](const auto& p) { return (p - a).norm(); }) - a;
+  const vector3<Real> c = furthest([&](const auto& p) { return b.cross(p - a).norm(); }) - a;
+  const vector3<Real> normal = b.cross(c).normalized();
+  const auto height = [&](const auto& p) { return std::abs(normal.dot(p - a)); };
+  return b.norm() > 0 ? height(furthest(height)) / b.norm() : 0;
+}
+
+/// Why there is no hull of the points.
+template <class Real>
+[[gnu::cold]] void refuse_hull(const plain_vector<vector3<Real>>& points) {
+  if (points.size() < 4 || !(flatness<Real>(points) > Real(1e-5)))
+    fail<std::invalid_argument>(
+        "the {} vertices of a convex_polyhedron span no volume: give at least four that do not lie "
+        "in one plane",
+        points.size());
+  fail<std::invalid_argument>(
+      "the {} vertices of a convex_polyhedron lie so close to each other that its faces cannot be "
+      "told apart: give fewer; corners are to be farther apart than about a thousandth of its "
+      "extent where its surface is curved",
+      points.size());
+}
+
 /// The mesh of the hull of `points`. Throws invalid_argument where they do not span space, are not
 /// finite, are too large or too small, or are too many.
 template <class Real>
@@ -147,11 +178,7 @@ template <class Real>
   plain_vector<vector3<Real>> points;
   for (const auto& p : given) points.push_back(p / scale);
   hull_faces faces = convex_hull<Real>(points);
-  if (faces.empty())
-    fail<std::invalid_argument>(
-        "the {} vertices of a convex_polyhedron span no volume: give at least four that do not lie "
-        "in one plane",
-        points.size());
+  if (faces.empty()) refuse_hull<Real>(points);
 
   // Keep the points that are corners, in the order in which they were given.
   plain_vector<std::uint32_t> number(points.size(), 0);
