@@ -197,6 +197,19 @@ TEST_CASE("polyhedra of known form have the volume, the centre and the inertia o
   CHECK(mesh.mesh().measured.half_width == doctest::Approx(1));
 }
 
+TEST_CASE("points that lie very close on a curved surface have a hull, with each as a corner") {
+  for (const real width : {0.3, 0.1, 0.03, 0.01}) {
+    CAPTURE(width);
+    generator random{std::mt19937_64(500)};
+    std::vector<vec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, -1}};
+    for (int k = 0; k < 500; ++k)
+      points.push_back(vec3(random(-width, width), random(-width, width), 1).normalized());
+    const convex_polyhedron p(points);
+    CHECK(p.vertices().size() == points.size());
+    CHECK(p.mesh().vertices.size() + p.mesh().faces() == p.mesh().edges.size() + 2);
+  }
+}
+
 TEST_CASE("hulls of many points close, whatever the points") {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     INFO("seed " << seed);

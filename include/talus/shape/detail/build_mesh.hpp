@@ -165,7 +165,7 @@ template <class Real>
         points.size());
   fail<std::invalid_argument>(
       "the {} vertices of a convex_polyhedron lie so close to each other that its faces cannot be "
-      "told apart: give fewer; corners are to be farther apart than about a thousandth of its "
+      "told apart: give fewer; corners are to be farther apart than about a hundredth of its "
       "extent where its surface is curved",
       points.size());
 }
