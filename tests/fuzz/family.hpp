@@ -213,8 +213,8 @@ class on_rank {
   }
 
   /// Contacts add no energy in any step: where gravity brings bodies together in it they may do
-  /// work, but the sum of kinetic and potential energy falls. (Across ranks the default solver's sum is not exact, and
-  /// bodies that are followed to their impact have other velocities there.)
+  /// work, but the sum of kinetic and potential energy falls. (Across ranks the default solver's
+  /// sum is not exact, and bodies that are followed to their impact have other velocities there.)
   void look_at_energy() {
     if constexpr (detail::watches<Scenario, energy_ledger> && !soft) {
       const energy_balance e = measure_energy(w_);

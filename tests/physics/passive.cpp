@@ -27,7 +27,8 @@ using scene = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, new
 struct outcome {
   /// Largest of a step, over the energies that met in it: by the work of contacts, or by the change
   /// of kinetic and potential energy, whichever is less. (What gravity brings together in a step
-  /// takes work, and loses more energy than that; a bounce may end above its contact, without work.)
+  /// takes work, and loses more energy than that; a bounce may end above its contact, without
+  /// work.)
   double gain = 0;
   double initial = 0;         ///< kinetic energy
   double highest = 0;         ///< kinetic energy over the initial one, at any time

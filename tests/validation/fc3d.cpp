@@ -252,7 +252,8 @@ TEST_CASE("a solver that may not go on, or that has no solution to find, says th
   CHECK(r.is_finite());
   // It goes on as long as it may.
   int asked = 0;
-  CHECK_FALSE(solve_assembled(p, r, 1e-6, 1'000'000'000, [&] { return ++asked < 50'000; }).converged);
+  CHECK_FALSE(
+      solve_assembled(p, r, 1e-6, 1'000'000'000, [&] { return ++asked < 50'000; }).converged);
   CHECK(asked >= 50'000);
   // A contact of two fixed things that do not move asks for nothing.
   p = assemble({}, {vec3(0, 0, 0)}, talus::detail::plain_vector<real>{0.5});

@@ -46,6 +46,10 @@ class contact_access {
   void set(std::size_t i, const vec3& impulse, State& s) const {
     calls_->set_and_apply(list_, i, impulse, s);
   }
+  /// The same for a boundary contact, with the change applied to the body owned here.
+  void set_at_boundary(std::size_t i, const vec3& impulse, State& s) const {
+    calls_->set_at_boundary(list_, i, impulse, s);
+  }
   /// A sweep that notes which interior contacts still change by more than `speed`: (index, change).
   const plain_vector<std::pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
     return calls_->sweep_watched(list_, s, speed);
@@ -59,6 +63,7 @@ class contact_access {
     island_contact (*contact)(void*, contact_part, std::size_t);
     void (*set)(void*, contact_part, std::size_t, const vec3&);
     void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
+    void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
     const plain_vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
   };
   template <class List>
@@ -96,6 +101,9 @@ class contact_access {
           c.warm(impulse);
           c.apply(s, c.since(before));
         });
+      },
+      [](void* l, std::size_t i, const vec3& impulse, State& s) {
+        of<List>(l).set_at_boundary(i, impulse, s);
       },
       [](void* l, State& s, real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
         return of<List>(l).sweep_watched(s, speed);

@@ -193,6 +193,14 @@ class contact_list {
     for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
   }
 
+  /// Gives a boundary contact an impulse on a; the change is applied to the body owned here.
+  void set_at_boundary(std::size_t i, const vec3& impulse, state& s) {
+    Contact& c = boundary_[i];
+    const auto before = c.whole();
+    c.warm(impulse);
+    apply_own(s, i, c.since(before));
+  }
+
   // For what makes sure that impulses add no energy; see world/passivity.hpp.
 
   template <class F>

@@ -19,7 +19,7 @@ struct impulse_work {
   real size = 0;        ///< sum of the absolute values that `work` is made of
   real rise = 0;        ///< what to add for the change of kinetic and potential energy
   real rise_slope = 0;  ///< what to add to the slope for it
-  real fall = 0;        ///< what to add for the work on the mean of the free velocities and the last
+  real fall = 0;  ///< what to add for the work on the mean of the free velocities and the last
   bool shared = false;  ///< boundary contacts act on these bodies
 
   impulse_work& operator+=(const impulse_work& x) {

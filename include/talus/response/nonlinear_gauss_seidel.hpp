@@ -65,6 +65,7 @@ struct nonlinear_gauss_seidel final {
       watch.hear();
     }
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
+    if constexpr (!alone) ranks.solve_gathered_islands(lists);
 
     if (correct) detail::correct_overlaps(lists, s, settings, ranks);
     return done;

@@ -206,9 +206,9 @@ class assembled_solver {
 /// Solves p from the warm start r (which may lie outside of its cones; zeros are fine), to
 /// `tolerance` in contact_error::scaled. Ends after about `most` sweeps and linear systems, or soon
 /// after `go_on()` says no; then r is the best that was seen, and the result says that it has not
-/// converged. The default: a few steps of Newton's method where there are few contacts, sweeps while
-/// they pay, Newton's method with a proximal term, the interior-point method, and Newton's method
-/// from where that led; then sweeps and Newton's method in turn, as long as it may go on.
+/// converged. The default: a few steps of Newton's method where there are few contacts, sweeps
+/// while they pay, Newton's method with a proximal term, the interior-point method, and Newton's
+/// method from where that led; then sweeps and Newton's method in turn, as long as it may go on.
 template <class GoOn = always>
 assembled_result solve_assembled(const assembled_problem& p, contact_vector& r, real tolerance,
                                  int most = 2000, GoOn&& go_on = {},

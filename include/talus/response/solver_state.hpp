@@ -80,6 +80,7 @@ struct solver_state_of {
   plain_vector<std::uint32_t> boundary_contacts;
   real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
   island_budget islands;
+  plain_vector<std::uint32_t> gathered;  ///< bodies whose islands one rank solves for several
 
   // For solvers that divide a step; empty with others.
   plain_vector<body_motion> gain;   ///< what forces add to the velocities in the step

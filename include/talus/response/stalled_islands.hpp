@@ -88,7 +88,8 @@ class stalled_islands {
     plain_vector<member> contacts;
     std::size_t size = 0;
     bool overloaded = false;
-    real change = 0;  ///< largest change of velocity in the last sweep
+    bool elsewhere = false;  ///< solved as a part of a gathered island
+    real change = 0;         ///< largest change of velocity in the last sweep
     real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
     /// Estimate of the error: each sweep takes one part in (rows² * ratio of masses) from it.
     [[nodiscard]] real stall(real rows) const {
@@ -97,7 +98,7 @@ class stalled_islands {
     [[nodiscard]] bool sweeps_do() const { return size > many && !overloaded; }
     /// At most: with four contacts in a row.
     [[nodiscard]] real stall() const {
-      return sweeps_do() ? 0 : stall(1 + 0.25 * static_cast<real>(size));
+      return sweeps_do() || elsewhere ? 0 : stall(1 + 0.25 * static_cast<real>(size));
     }
   };
 
@@ -151,6 +152,9 @@ class stalled_islands {
         }
     });
     if (large) find_overloaded(lists, s);
+    for (const std::uint32_t i : s.gathered)
+      if (const auto number = number_[root(static_cast<std::int32_t>(i))]; number != 0)
+        islands_[number - 1].elsewhere = true;
     each_contact(lists, s, [&](island& one, const contact_ends&, const member& m) {
       if (!one.sweeps_do()) one.contacts.push_back(m);
     });

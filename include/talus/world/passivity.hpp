@@ -94,7 +94,8 @@ class passivity {
         const vec3 pull = v - dv - before;  // by gravity and forces
         of.fall = real(0.5) * mass * pull.dot(dv);
         of.rise = rise_of(mass * pull, before - v, k);
-        of.size = std::abs(linear) + std::abs(angular) + mass * dv.squaredNorm() + std::abs(spin.dot(dw));
+        of.size =
+            std::abs(linear) + std::abs(angular) + mass * dv.squaredNorm() + std::abs(spin.dot(dw));
         vec3 own_dv = dv, own_dw = dw, own_spin = spin;  // by impulses that this rank may scale
         if constexpr (!alone && !by_colours)
           if (const auto& received = s_.passive.received; !received.empty()) {
@@ -164,9 +165,7 @@ class passivity {
   void add_up_islands() {
     auto& works = s_.passive.works;
     works.assign(solver_.bodies.size(), {});
-    const auto add = [&](const impulse_work& w, std::size_t k) {
-      works[s_.passive.root[k]] += w;
-    };
+    const auto add = [&](const impulse_work& w, std::size_t k) { works[s_.passive.root[k]] += w; };
     each_body(add);
     each_exchange(add);
   }

@@ -76,8 +76,7 @@ void respond(world_state<Scenario>& s) {
   gather_velocities(s);
   constexpr bool coloured = world_state<Scenario>::by_colours;
   if constexpr (coloured) colour_contacts(s);
-  if (presses(s))
-    s.each_contact_list([&](auto& list) { list.recall(s.history); });
+  if (presses(s)) s.each_contact_list([&](auto& list) { list.recall(s.history); });
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
   s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
                                             world_state<Scenario>::law::correction, ranks),

@@ -12,6 +12,7 @@
 #include "talus/parallel/parcel.hpp"
 #include "talus/response/coloured_list.hpp"
 #include "talus/response/convergence.hpp"
+#include "talus/response/gathered_islands.hpp"
 #include "talus/response/impulse_scale.hpp"
 #include "talus/response/shared_islands.hpp"
 #include "talus/response/soft_state.hpp"
@@ -103,6 +104,7 @@ struct hard_response {
   solver_state_of<Real> solver;
   passivity_scratch passive;
   shared_islands<solver_state_of<Real>> islands;  ///< where there are ranks
+  gathered_islands<solver_state_of<Real>> gathered;
   talus::convergence convergence;
   [[no_unique_address]] std::conditional_t<solves_by_colours<Solver>, shared_colours, no_colours>
       colours;

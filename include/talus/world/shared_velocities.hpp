@@ -1,6 +1,7 @@
 #pragma once
 // How the iterations of a solver see bodies owned by other ranks: shadow velocities, refreshed
 // from their owners by one message per neighbour, velocities only, in a fixed order.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstring>
@@ -31,13 +32,14 @@ class shared_velocities {
   /// Besides the velocities: into how many parts each body's mass is split at the boundary, and
   /// what shared islands need to know of it.
   void share_velocities_and_counts() {
-    exchange<10, real>(
+    exchange<11, real>(
         [&](std::uint32_t i, real* out) {
           put_velocity(i, out);
           out[6] = s_.solver.boundary_contacts[i];
           const body_ties& ties = s_.islands.ties(i);
           const auto [high, low] = ties.holders.packed();
           out[7] = ties.of_owner, out[8] = high, out[9] = low;
+          out[10] = s_.gathered.is_hub(i);
         },
         [&](std::uint32_t i, const real* in) {
           get_velocity(i, in);
@@ -45,20 +47,54 @@ class shared_velocities {
           body_ties& ties = s_.islands.ties(i);
           ties.of_owner = static_cast<std::int32_t>(in[7]);
           ties.holders.unpack(in[8], in[9]);
+          if (in[10] != 0) s_.gathered.add_copy(i);
         });
   }
   /// To be called before any impulse acts, and after share_velocities_and_counts().
   template <class Lists>
   void look_for_shared_islands(Lists& lists) {
     if constexpr (!state_type::islands_across_ranks) return (void)lists;
-    std::vector<travelling_bodies> travelling;
-    for (const auto& other : s_.travelling)
-      travelling.push_back({other.rank, other.sent, other.received});
-    s_.islands.look(access_to<solver_type>(lists), s_.solver, s_.link->rank(), travelling);
+    const auto all = access_to<solver_type>(lists);
+    s_.islands.look(all, s_.solver, s_.link->rank(), travelling());
+    s_.gathered.find_hubs(all, s_.solver, s_.link->rank(), travelling());
   }
   template <class Lists>
   void solve_shared_islands(Lists& lists) {
-    s_.islands.solve(access_to<solver_type>(lists), s_.solver);
+    const auto all = access_to<solver_type>(lists);
+    s_.islands.solve(all, s_.solver);
+    s_.gathered.mark(all, s_.solver);
+  }
+  /// After the last sweep.
+  template <class Lists>
+  void solve_gathered_islands(Lists& lists) {
+    if constexpr (!state_type::islands_across_ranks) return (void)lists;
+    std::vector<parcel> parcels;
+    const auto exchange = [&] {
+      const stage_clock clock(s_.seconds.exchange);
+      s_.link->start(parcels);
+      s_.link->finish(parcels);
+    };
+    s_.gathered.solve(access_to<solver_type>(lists), s_.solver, s_.link->rank(), travelling(),
+                      parcels, exchange);
+    if (parcels.empty()) return;
+    // The new velocities of what these ranks have copies of.
+    const auto with = [&](int rank) -> const auto& {
+      return *std::find_if(s_.travelling.begin(), s_.travelling.end(),
+                           [&](const auto& other) { return other.rank == rank; });
+    };
+    std::array<real, 6> values{};
+    for (parcel& p : parcels) {
+      p.out.clear();
+      byte_writer out(p.out);
+      for (const std::uint32_t i : with(p.rank).sent)
+        put_velocity(i, values.data()), out.put(values);
+    }
+    exchange();
+    for (parcel& p : parcels) {
+      byte_reader in(p.in);
+      for (const std::uint32_t i : with(p.rank).received)
+        get_velocity(i, in.get<std::array<real, 6>>().data());
+    }
   }
   void share_velocities() { start_velocities(), finish_velocities(); }
   /// The same in two halves: in between what is sent may not change, and what is received is not
@@ -139,6 +175,11 @@ class shared_velocities {
   state_type& s_;
 
  private:
+  [[nodiscard]] std::vector<travelling_bodies> travelling() const {
+    std::vector<travelling_bodies> all;
+    for (const auto& other : s_.travelling) all.push_back({other.rank, other.sent, other.received});
+    return all;
+  }
   template <int Scalars, class Real, class Put, class Get>
   void exchange(Put&& put, Get&& get) {
     start<Scalars, Real>(put);

@@ -8,8 +8,8 @@
 
 namespace talus::detail {
 
-/// Whether contacts bear loads. Without gravity, forces or driven bodies their impulses are those of
-/// impacts.
+/// Whether contacts bear loads. Without gravity, forces or driven bodies their impulses are those
+/// of impacts.
 template <class Scenario>
 [[nodiscard]] bool presses(const world_state<Scenario>& s) {
   constexpr bool forced =
