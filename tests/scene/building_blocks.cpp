@@ -188,6 +188,19 @@ TEST_CASE("bodies come in at their rate, without overlap, and go, alike on any r
     });
 }
 
+TEST_CASE("an outflow leaves fixed bodies where they are") {
+  on(1, [](auto& w) {
+    for (const bool fixed : {false, true})
+      w.add_if_local(
+          body{.shape = sphere{0.4}, .position = {fixed ? 1. : -1., 0, 0}, .fixed = fixed});
+    const auto gone = remove_in(w, box_region{{-2, -2, -2}, {2, 2, 2}});
+    w.simulate({.steps = 3, .dt = 0.005});
+    CHECK(gone.total(w).count == 1);
+    CHECK(w.local_bodies() == 1);
+    w.for_each_local([](const auto& b) { CHECK(b.is_fixed()); });
+  });
+}
+
 TEST_CASE("where there is no room the flow waits, and sizes keep their distribution") {
   on(1, [](auto& w) {
     const sieve_curve two({{.size = 0.2, .mass = 1}, {.size = 0.4, .mass = 8}});

@@ -65,6 +65,22 @@ TEST_CASE("poses follow from the time alone, however many steps there are") {
   CHECK(std::abs(c.w[ball].position()[1] - (9 + t)) < 1e-13);
 }
 
+TEST_CASE("a plane that is driven again turns about where its reference point has come") {
+  course c;
+  const auto wall = c.global(plane{.normal = {1, 0, 0}, .offset = -1});
+  c.w.drive(wall, gliding{{0.5, 0, 1}});
+  c.run(2, 0.01);
+  const vec3 point = c.w[wall].position();
+  CHECK((point - vec3(1, 0, 2)).norm() < 1e-12);
+  CHECK(std::abs(c.w[wall].shape().distance(point) - 1) < 1e-12);
+  c.w.drive(wall, [](real) { return rigid_velocity{.angular_velocity = {0, 0.5, 0}}; });
+  c.run(1, 0.01);
+  CHECK((c.w[wall].position() - point).norm() < 1e-12);
+  CHECK(std::abs(c.w[wall].shape().distance(point) - 1) < 1e-12);
+  CHECK((c.w[wall].shape().normal - rotated(rotation({0, 1, 0}, 0.5), vec3(1, 0, 0))).norm() <
+        1e-9);
+}
+
 TEST_CASE("a velocity is added up, with an error of second order in the step") {
   real error[2];
   for (int k = 0; k < 2; ++k) {
