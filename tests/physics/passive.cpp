@@ -111,7 +111,8 @@ void check_all(int ranks, double round_off) {
         if (gravity > 0 && std::is_same_v<typename Scene::solver, reproducible>) continue;
         const outcome r = lattice<Scene>(ranks, iterations, restitution, gravity);
         CAPTURE(gravity);
-        CHECK(r.gain < round_off);
+        // Each of several islands may fulfil another one of the two.
+        CHECK(r.gain < (gravity > 0 ? std::max(round_off, 1e-5) : round_off));
         if (gravity == 0) CHECK(r.highest < 1 + round_off);
       }
     }

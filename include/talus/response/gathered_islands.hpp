@@ -2,8 +2,10 @@
 // Heavy bodies on light ones of several ranks: one rank solves the contacts around them.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <span>
@@ -13,6 +15,7 @@
 
 #include "talus/contact/key.hpp"
 #include "talus/core/bytes.hpp"
+#include "talus/core/id.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/contact_access.hpp"
@@ -28,14 +31,17 @@ namespace talus::detail {
 /// the ranks that have copies of it. After the last sweep these send the owner their contacts in
 /// the islands around it. The owner solves them with its own, as stalled_islands does on one rank,
 /// and sends the impulses back. Of the contacts between two other ranks only those with hubs take
-/// part; the others keep their impulses. Where islands join several hubs, their contacts go
-/// to the owner of the heaviest one. Only ranks that hold a hub or a copy of one send messages.
+/// part; the others keep their impulses. Where islands join several hubs, their contacts go to the
+/// owner of the heaviest one in one step, and to any of them in the next: some owners may not see
+/// that islands of another rank join their hub with a heavier one. Only ranks that hold a hub or a
+/// copy of one send messages.
 template <class State>
 class gathered_islands {
   using access = contact_access<State>;
 
  public:
-  /// Larger parts of an island stay with the sweeps.
+  /// Islands stay with the sweeps where one rank has more contacts of them, or all ranks together
+  /// more than four times as many.
   static constexpr std::size_t most_contacts = 30000;
   /// A hub has this many times the mass of all lighter bodies that it touches.
   static constexpr real heavy = 5;
@@ -44,6 +50,8 @@ class gathered_islands {
   void find_hubs(std::span<const access> lists, State& s, int own,
                  std::span<const travelling_bodies> travelling) {
     hubs_.clear(), s.gathered.clear();
+    std::fill(is_hub_.begin(), is_hub_.end(), char{0});
+    ++round_;
     if (pause_ > 0) return (void)--pause_;
     plain_vector<std::uint32_t> candidates;
     each_contact(lists, contact_part::boundary, [&](const contact_ends& c, const member&) {
@@ -66,14 +74,17 @@ class gathered_islands {
     for (const std::uint32_t i : candidates)
       if (const auto body = static_cast<std::int32_t>(i);
           owner_[i] == own && 1 / inverse_mass(s, body) > heavy * below[i])
-        hubs_.push_back({body, own, 1 / inverse_mass(s, body), no_id});
+        add_hub(i);
   }
   /// For sending, and for receiving of copies.
   [[nodiscard]] bool is_hub(std::uint32_t body) const {
-    return std::any_of(hubs_.begin(), hubs_.end(),
-                       [&](const hub& h) { return at(h.body) == body; });
+    return body < is_hub_.size() && is_hub_[body] != 0;
   }
-  void add_copy(std::uint32_t body) { hubs_.push_back({static_cast<std::int32_t>(body)}); }
+  void add_hub(std::uint32_t body) {
+    hubs_.push_back({static_cast<std::int32_t>(body)});
+    if (body >= is_hub_.size()) is_hub_.resize(body + std::size_t{1}, char{0});
+    is_hub_[body] = 1;
+  }
 
   /// After the hubs have been shared: what is solved here belongs to no stalled island.
   void mark(std::span<const access> lists, State& s) const {
@@ -96,7 +107,7 @@ class gathered_islands {
     if (hubs_.empty()) return;
     note_owners(s, own, travelling);
     for (const auto& other : travelling)
-      if (holds_hub(other.sent, own) || holds_hub(other.received, other.rank))
+      if (holds_hub(other.sent) || holds_hub(other.received))
         parcels.push_back({.rank = other.rank});
     find_parts(lists, s, own);
     for (Parcel& p : parcels) tell(lists, s, parts_[p.rank], p.out);
@@ -115,7 +126,8 @@ class gathered_islands {
     int owner = -1;
     real mass = 0;
     system_id id = no_id;
-    [[nodiscard]] bool before(const hub& other) const {
+    [[nodiscard]] bool before(const hub& other, std::uint64_t round) const {
+      if (round % 2 == 1) return mix(value_of(id) ^ round) < mix(value_of(other.id) ^ round);
       return mass != other.mass ? mass > other.mass : id < other.id;
     }
   };
@@ -127,6 +139,7 @@ class gathered_islands {
   struct part {
     plain_vector<member> contacts;
     plain_vector<std::pair<system_id, std::int32_t>> bodies;
+    bool too_large = false;
   };
   /// As they travel.
   struct told_body {
@@ -159,11 +172,8 @@ class gathered_islands {
     for (const auto& other : travelling)
       for (const auto i : other.received) owner_[i] = other.rank;
   }
-  [[nodiscard]] bool holds_hub(std::span<const std::uint32_t> bodies, int owner) const {
-    return std::any_of(hubs_.begin(), hubs_.end(), [&](const hub& h) {
-      return owner_[at(h.body)] == owner &&
-             std::find(bodies.begin(), bodies.end(), at(h.body)) != bodies.end();
-    });
+  [[nodiscard]] bool holds_hub(std::span<const std::uint32_t> bodies) const {
+    return std::any_of(bodies.begin(), bodies.end(), [&](std::uint32_t i) { return is_hub(i); });
   }
 
   /// Which contacts and bodies of this rank go where: to its own part, or to that of another one.
@@ -212,7 +222,8 @@ class gathered_islands {
     const auto claims = [&](std::uint32_t island, std::int32_t h) {
       if (claim[island] < 0) claim[island] = h;
       const auto x = leader_of(claim[island]), y = leader_of(h);
-      if (x != y) (hubs_[at(x)].before(hubs_[at(y)]) ? leader[at(y)] = x : leader[at(x)] = y);
+      if (x != y)
+        (hubs_[at(x)].before(hubs_[at(y)], round_) ? leader[at(y)] = x : leader[at(x)] = y);
     };
     for (std::size_t k = 0; k < hubs_.size(); ++k)
       if (hubs_[k].owner == own) claims(root(hubs_[k].body), static_cast<std::int32_t>(k));
@@ -245,6 +256,7 @@ class gathered_islands {
       if (p.contacts.size() > most_contacts) {
         s.islands.skip(p.contacts.size());
         p = {};
+        p.too_large = true;
       }
       sort_values(p.bodies);
       p.bodies.resize(static_cast<std::size_t>(std::unique(p.bodies.begin(), p.bodies.end()) -
@@ -282,6 +294,7 @@ class gathered_islands {
   void tell(std::span<const access> lists, const State& s, const part& p, byte_buffer& to) const {
     to.clear();
     byte_writer out(to);
+    out.put(static_cast<std::uint64_t>(p.too_large));
     out.put(static_cast<std::uint64_t>(p.bodies.size()));
     for (const auto& [id, body] : p.bodies) out.put(body_of(s, id, body));
     out.put(static_cast<std::uint64_t>(p.contacts.size()));
@@ -321,10 +334,12 @@ class gathered_islands {
     };
 
     std::vector<plain_vector<told_contact>> told(parcels.size() + 1);
+    bool too_large = own.too_large;
     for (const auto& [id, body] : own.bodies) add_body(body_of(s, id, body));
     for (const member& m : own.contacts) told.back().push_back(contact_of(lists, s, m));
     for (std::size_t n = 0; n < parcels.size(); ++n) {
       byte_reader in(parcels[n].in);
+      if (in.get<std::uint64_t>() != 0) too_large = true;
       for (auto count = in.get<std::uint64_t>(); count > 0; --count) add_body(in.get<told_body>());
       for (auto count = in.get<std::uint64_t>(); count > 0; --count)
         told[n].push_back(in.get<told_contact>());
@@ -334,14 +349,15 @@ class gathered_islands {
       for (const told_contact& t : told[n]) places[n].push_back(add_contact(t));
 
     contact_vector r;
-    const bool better = !contacts.empty() && improve(contacts, all, r, s);
+    if (contacts.size() > 4 * most_contacts) s.islands.skip(contacts.size()), too_large = true;
+    if (too_large) wait();
+    const bool better = !too_large && !contacts.empty() && improve(contacts, all, r, s);
     const auto answer = [&](std::size_t n) {
       plain_vector<vec3> impulses;
       if (!better) return impulses;
       for (std::size_t k = 0; k < told[n].size(); ++k) {
         const std::int32_t i = places[n][k];
-        impulses.push_back(i < 0 ? told[n][k].contact.impulse
-                                 : vec3(contacts[at(i)].axes.transpose() * r(i)));
+        impulses.push_back(i < 0 ? left_as_it_is() : vec3(contacts[at(i)].axes.transpose() * r(i)));
       }
       return impulses;
     };
@@ -363,15 +379,21 @@ class gathered_islands {
       if (better) s.islands.solved();
       wait_ = 0;
     } else {
-      pause_ = wait_ = std::min(2 * wait_ + 7, 255);
+      wait();
     }
     return better;
+  }
+  void wait() { pause_ = wait_ = std::min(2 * wait_ + 7, 255); }
+  /// Stands for the impulse of a contact that took no part.
+  [[nodiscard]] static vec3 left_as_it_is() {
+    return vec3::Constant(std::numeric_limits<real>::quiet_NaN());
   }
   void take(std::span<const access> lists, State& s, const part& p,
             const plain_vector<vec3>& impulses) const {
     if (impulses.size() != p.contacts.size()) return;  // no better than before
     for (std::size_t k = 0; k < impulses.size(); ++k) {
       const member& m = p.contacts[k];
+      if (std::isnan(impulses[k][0])) continue;
       if (m.part == contact_part::boundary)
         lists[m.list].set_at_boundary(m.index, impulses[k], s);
       else
@@ -380,6 +402,8 @@ class gathered_islands {
   }
 
   std::vector<hub> hubs_;      ///< owned here, and copies
+  std::vector<char> is_hub_;   ///< of each body
+  std::uint64_t round_ = 0;    ///< alike on all ranks
   std::map<int, part> parts_;  ///< by the rank that solves them
   plain_vector<int> owner_;
   int pause_ = 0, wait_ = 0;  ///< steps before hubs of this rank are looked for again

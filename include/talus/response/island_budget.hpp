@@ -30,7 +30,8 @@ class island_budget {
   [[nodiscard]] double open(std::size_t contacts) {
     const auto n = static_cast<double>(contacts);
     const double most = std::max(least_kept, kept_per_contact * n);
-    kept_ = std::min(most, kept_ < 0 ? most : kept_ + steps_ * std::max(least, per_contact * n));
+    const double more = kept_ + steps_ * std::max(least, per_contact * n);
+    kept_ = kept_ < 0 ? most : std::max(kept_, std::min(most, more));
     steps_ = 0;
     return kept_;
   }

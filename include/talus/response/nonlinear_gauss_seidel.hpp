@@ -65,7 +65,9 @@ struct nonlinear_gauss_seidel final {
       watch.hear();
     }
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
-    if constexpr (!alone) ranks.solve_gathered_islands(lists);
+    if constexpr (!alone)  // on all ranks or on none
+      if (!(settings.tolerance > 0 && done.residual <= settings.tolerance))
+        ranks.solve_gathered_islands(lists);
 
     if (correct) detail::correct_overlaps(lists, s, settings, ranks);
     return done;

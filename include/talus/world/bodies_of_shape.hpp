@@ -47,5 +47,12 @@ template <class Store>
   if constexpr (Store::tensor) speed += radius * s.angular_velocity[i].norm();
   return (1 + contact_slack) * radius + speed * dt;
 }
+/// How far the turning of a body can bring a point of its surface.
+template <class Store>
+[[nodiscard]] real way_of_turning(const Store& s, std::size_t i, real dt) {
+  if constexpr (Store::tensor)
+    return s.angular_velocity[i].norm() * s.shape[i].bounding_radius() * dt;
+  return (void)s, (void)i, (void)dt, 0;
+}
 
 }  // namespace talus::detail

@@ -105,6 +105,8 @@ void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size
     return;
   if (a.inverse_mass[i] == 0 && b.inverse_mass[j] == 0) return;
   const real slack = contact_slack * (a.shape[i].bounding_radius() + b.shape[j].bounding_radius());
+  const real falls =
+      2 * s.gravity.norm() * s.dt * s.dt + way_of_turning(a, i, s.dt) + way_of_turning(b, j, s.dt);
   const auto velocity = [](const auto& store, std::size_t k, const vec3& point) {
     return vec3(store.velocity[k] +
                 store.angular_velocity[k].cross(vec3(point - store.position[k])));
@@ -112,7 +114,7 @@ void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size
   collide_pair(a.shape[i], a.pose(i), b.shape[j], b.pose(j), std::max(slack, way),
                [&](const contact_geometry& g) {
                  const vec3 v = velocity(a, i, g.point) - velocity(b, j, g.point);
-                 if (g.gap > slack && g.gap + s.dt * v.dot(g.normal) > slack) return;
+                 if (g.gap > slack && g.gap + s.dt * v.dot(g.normal) - falls > slack) return;
                  fail<std::runtime_error>(
                      "rank {} sees the {} {} of rank {} and the {} {} of rank {} meet at {}, but "
                      "these ranks "

@@ -33,8 +33,8 @@ class pair_motion {
                                            const contact_geometry& g, const vec3& u) const {
     if (g.gap <= slack) return false;
     real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
-    if constexpr (store_a::tensor) closing -= turning(a_, i);
-    if constexpr (Paired && store_b::tensor) closing -= turning(b_, j);
+    closing -= way_of_turning(a_, i, s_.dt);
+    if constexpr (Paired) closing -= way_of_turning(b_, j, s_.dt);
     if constexpr (driven) closing -= b_.angular_velocity[j].norm() * radius * s_.dt;
     return g.gap + closing > slack;
   }
@@ -120,11 +120,6 @@ class pair_motion {
   [[nodiscard]] static real pull_on(const Store& s, std::size_t i) {
     const real arm = s.shape[i].bounding_radius() / s.shape[i].inertia().minCoeff();
     return s.inverse_mass[i] * (s.force[i].norm() + arm * s.torque[i].norm());
-  }
-  /// How far the turning of a body can bring a point of its surface.
-  template <class Store>
-  [[nodiscard]] real turning(const Store& s, std::size_t i) const {
-    return s.angular_velocity[i].norm() * s.shape[i].bounding_radius() * s_.dt;
   }
 
   const state_type& s_;

@@ -92,7 +92,6 @@ class passivity {
         const real linear = mass * dv.dot(mean), angular = spin.dot(mean_w);
         of.work = linear + angular;
         const vec3 pull = v - dv - before;  // by gravity and forces
-        of.fall = real(0.5) * mass * pull.dot(dv);
         of.rise = rise_of(mass * pull, before - v, k);
         of.size =
             std::abs(linear) + std::abs(angular) + mass * dv.squaredNorm() + std::abs(spin.dot(dw));
@@ -101,6 +100,7 @@ class passivity {
           if (const auto& received = s_.passive.received; !received.empty()) {
             own_dv -= received[k].v, own_dw -= received[k].w;
             own_spin = angular_impulse(store, i, mass, own_dw);
+            if (received[k].v != vec3(0, 0, 0)) of.fall = real(0.5) * mass * pull.dot(dv);
           }
         of.square = mass * own_dv.squaredNorm() + own_spin.dot(own_dw);
         if constexpr (!state_type::midpoint)  // the mean velocity of a divided step stays
@@ -150,14 +150,22 @@ class passivity {
     auto& excess = s_.passive.excess;
     if constexpr (!alone) excess.assign(solver_.bodies.size(), 0);
     found_ = false;
-    // No island gains where no body does. What the whole rank gains must not matter to an island.
-    each_body([&](const impulse_work& w, std::size_t) { found_ = found_ || w.adds_energy(); });
-    if (!found_) return;
+    // In an island that gains there is a body on which impulses do work, and one that gains energy.
+    bool worked = false, rose = false;
+    each_body([&](const impulse_work& w, std::size_t) {
+      const real round_off = impulse_work::round_off(w.size);
+      worked = worked || w.work > round_off;
+      rose = rose || w.work + w.rise > round_off;
+    });
+    if (!worked || !rose) return;
     join_islands();
     add_up_islands();
     const auto& works = s_.passive.works;
     excess.resize(solver_.bodies.size());
-    for (std::size_t k = 0; k < works.size(); ++k) excess[k] = island_of(k).excess();
+    for (std::size_t k = 0; k < works.size(); ++k) {
+      excess[k] = island_of(k).excess();
+      found_ = found_ || island_of(k).adds_energy();
+    }
   }
   [[nodiscard]] const impulse_work& island_of(std::size_t body) const {
     return s_.passive.works[s_.passive.root[body]];
@@ -212,7 +220,10 @@ class passivity {
     if (!found_) return;
     s_.each_contact_list([&](auto& list) {
       list.edit_interior_contacts([&](auto& c) {
-        if (!island_of(static_cast<std::size_t>(moves(c.a) ? c.a : c.b)).adds_energy()) return;
+        const auto gains = [&](std::int32_t body) {
+          return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
+        };
+        if (!gains(c.a) && !gains(c.b)) return;
         const auto target = c.target;
         c.target = std::min(c.target, decltype(c.target)(0));
         c.weigh(solver_, 1, 1);
@@ -234,12 +245,11 @@ class passivity {
           const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
           const auto& p = s_.passive;
           const vec3 q = full_impulse(c);
-          const real sign = owns_a ? -0.5 : 0.5;
-          const auto carried = [&](const auto& of) {
-            return sign *
-                   q.dot(velocity_on_a(c, of[a].v, of[a].w) + velocity_on_b(c, of[b].v, of[b].w));
+          const auto power = [&](const auto& of) {
+            return q.dot(velocity_on_a(c, of[a].v, of[a].w) + velocity_on_b(c, of[b].v, of[b].w));
           };
-          f({.work = carried(p.mean), .shared = q != vec3(0, 0, 0)}, owns_a ? a : b);
+          const real carried = real(0.25) * (power(p.earlier) + power(held(owns_a ? b : a)));
+          f({.work = owns_a ? -carried : carried, .shared = q != vec3(0, 0, 0)}, owns_a ? a : b);
         });
   }
   /// Takes the part d of its impulse from a contact, and applies the change. Positions follow the
@@ -275,20 +285,22 @@ class passivity {
       });
     });
   }
-  /// What own bodies receive from boundary contacts, and the velocities of their bodies as both
-  /// ranks hold them.
+  /// The last velocities that this rank and the owner of a copy both hold.
+  [[nodiscard]] const plain_vector<body_motion>& held(std::size_t copy) const {
+    const auto& p = s_.passive;
+    return p.refreshed.empty() || p.refreshed[copy] ? p.common : p.common_before;
+  }
+  /// What own bodies receive from boundary contacts, and the velocities before the step.
   void meet_boundary() {
     auto& p = s_.passive;
     p.received.clear();
     s_.each_contact_list([&](const auto& list) { boundary_ = boundary_ || list.has_boundary(); });
     if (!boundary_) return;
-    p.mean.resize(solver_.bodies.size());
+    p.earlier.resize(solver_.bodies.size());
     s_.each_finite_shape([&](const auto& b) {
       for (std::size_t i = 0; i < b.movable.size(); ++i) {
         const std::size_t k = b.first + i;
-        const body_motion& now = p.common[k];
-        const vec3 &v = b.movable.velocity[i], &w = b.movable.angular_velocity[i];
-        p.mean[k] = {real(0.5) * (v + now.v), real(0.5) * (w + now.w)};
+        p.earlier[k] = {b.movable.velocity[i], b.movable.angular_velocity[i]};
       }
     });
     p.received.assign(solver_.bodies.size(), {});

@@ -86,8 +86,12 @@ struct passivity_scratch {
   plain_vector<impulse_work> works;  ///< of the island of a root
   plain_vector<real> excess;         ///< part that its impulses lose
   // Across ranks:
-  plain_vector<body_motion> common;    ///< velocities that were sent or received last
-  plain_vector<body_motion> mean;      ///< of those and the ones before the step
+  plain_vector<body_motion> common;   ///< velocities that were sent or received last
+  plain_vector<body_motion> earlier;  ///< those before the step
+  /// Where gathered islands were solved: which copies have been refreshed since by their owners,
+  /// and the velocities that all others hold.
+  plain_vector<char> refreshed;
+  plain_vector<body_motion> common_before;
   plain_vector<body_motion> received;  ///< the part of it that is from boundary contacts
 };
 

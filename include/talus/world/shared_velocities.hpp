@@ -32,6 +32,7 @@ class shared_velocities {
   /// Besides the velocities: into how many parts each body's mass is split at the boundary, and
   /// what shared islands need to know of it.
   void share_velocities_and_counts() {
+    s_.passive.refreshed.clear();
     exchange<11, real>(
         [&](std::uint32_t i, real* out) {
           put_velocity(i, out);
@@ -47,7 +48,7 @@ class shared_velocities {
           body_ties& ties = s_.islands.ties(i);
           ties.of_owner = static_cast<std::int32_t>(in[7]);
           ties.holders.unpack(in[8], in[9]);
-          if (in[10] != 0) s_.gathered.add_copy(i);
+          if (in[10] != 0) s_.gathered.add_hub(i);
         });
   }
   /// To be called before any impulse acts, and after share_velocities_and_counts().
@@ -83,6 +84,8 @@ class shared_velocities {
                            [&](const auto& other) { return other.rank == rank; });
     };
     std::array<real, 6> values{};
+    s_.passive.common_before = s_.passive.common;
+    s_.passive.refreshed.assign(s_.solver.bodies.size(), 0);
     for (parcel& p : parcels) {
       p.out.clear();
       byte_writer out(p.out);
@@ -93,7 +96,7 @@ class shared_velocities {
     for (parcel& p : parcels) {
       byte_reader in(p.in);
       for (const std::uint32_t i : with(p.rank).received)
-        get_velocity(i, in.get<std::array<real, 6>>().data());
+        get_velocity(i, in.get<std::array<real, 6>>().data()), s_.passive.refreshed[i] = 1;
     }
   }
   void share_velocities() { start_velocities(), finish_velocities(); }
