@@ -1,5 +1,6 @@
 #pragma once
 // Random frictional contact problems with an assembled Delassus operator, from bodies and contacts.
+#include <Eigen/Core>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -46,10 +47,8 @@ struct contact_scene {
     const auto jacobian = [&](const contact& c, int body) {
       Eigen::Matrix<real, 3, 6> h;
       const vec3 arm = c.point - bodies[body].position;
-      mat3 x;
-      x << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;
       const mat3 f = detail::frame_around(c.normal);
-      h << f, -f * x;
+      h << Eigen::Matrix3d(f), Eigen::Matrix3d(-f * detail::cross_matrix(arm));
       return body == c.a ? h : Eigen::Matrix<real, 3, 6>(-h);
     };
     std::vector<std::vector<int>> of(bodies.size());
@@ -61,8 +60,8 @@ struct contact_scene {
         if (k < 0) continue;
         of[k].push_back(i);
         Eigen::Matrix<real, 6, 1> v;
-        v << bodies[k].velocity, bodies[k].spin;
-        q(i) += jacobian(c, k) * v;
+        v << Eigen::Vector3d(bodies[k].velocity), Eigen::Vector3d(bodies[k].spin);
+        q(i) += vec3(Eigen::Vector3d(jacobian(c, k) * v));
       }
       q(i)[0] -= c.least;
       mu.push_back(c.mu);
@@ -70,12 +69,14 @@ struct contact_scene {
     detail::plain_vector<detail::delassus_block> blocks;
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       Eigen::Matrix<real, 6, 1> inverse;
-      inverse << vec3::Constant(1 / bodies[k].mass), bodies[k].inertia.cwiseInverse();
+      inverse << Eigen::Vector3d::Constant(1 / bodies[k].mass),
+          Eigen::Vector3d(bodies[k].inertia.cwiseInverse());
       for (const int i : of[k])
         for (const int j : of[k])
-          blocks.push_back({i, j,
-                            jacobian(contacts[i], static_cast<int>(k)) * inverse.asDiagonal() *
-                                jacobian(contacts[j], static_cast<int>(k)).transpose()});
+          blocks.push_back(
+              {i, j,
+               Eigen::Matrix3d(jacobian(contacts[i], static_cast<int>(k)) * inverse.asDiagonal() *
+                               jacobian(contacts[j], static_cast<int>(k)).transpose())});
     }
     return detail::assemble(std::move(blocks), std::move(q), std::move(mu));
   }

@@ -69,7 +69,7 @@ inline std::string as_text(const assembled_problem& p) {
   for (const auto k : p.column) s += fmt::format("{} ", k);
   for (int k = 0; k < blocks; ++k) {
     s += fmt::format("\n{}", k);
-    for (const real x : p.block[static_cast<std::size_t>(k)].reshaped())
+    for (const real x : std::span(p.block[static_cast<std::size_t>(k)].data(), 9))
       s += fmt::format(" {:.17g}", x);
   }
   for (const real x : p.q) s += fmt::format("\n{:.17g}", x);

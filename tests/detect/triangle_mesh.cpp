@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "../landscape.hpp"
+#include "../vectors.hpp"
 
 using namespace talus;
 
@@ -103,8 +104,7 @@ TEST_CASE("every triangle within a box is found by the tree, and no other") {
       for (std::size_t c = 1; c < 3; ++c)
         lower = lower.cwiseMin(m.tree().corner(t, c)),
         upper = upper.cwiseMax(m.tree().corner(t, c));
-      const bool overlaps = (lower.array() <= (centre + half).array()).all() &&
-                            (upper.array() >= (centre - half).array()).all();
+      const bool overlaps = at_most(lower, centre + half) && at_most(centre - half, upper);
       CHECK(found[t] == overlaps);
     }
   }
@@ -113,7 +113,7 @@ TEST_CASE("every triangle within a box is found by the tree, and no other") {
 TEST_CASE("a sphere on a flat surface has one contact, straight up, wherever it is") {
   std::mt19937 random(2);
   std::uniform_real_distribution<real> in(-4, 4);
-  const pose at{{1, 2, 3}, quat(Eigen::AngleAxisd(0.7, vec3(1, 2, 2).normalized()))};
+  const pose at{{1, 2, 3}, rotation(vec3(1, 2, 2).normalized(), 0.7)};
   const triangle_mesh m(flat(8, 10));
   const vec3 up = rotated(at.orientation, vec3(0, 0, 1));
   for (int k = 0; k < 2000; ++k) {
@@ -140,7 +140,7 @@ TEST_CASE("a sphere beside a box of triangles has the contact that it has with t
   int compared = 0;
   for (int k = 0; k < 5000; ++k) {
     const pose there{{in(random), in(random), in(random)}, {1, 0, 0, 0}};
-    if ((there.position.cwiseAbs().array() < half.array()).all()) continue;  // the mesh is hollow
+    if (below(there.position.cwiseAbs(), half)) continue;  // the mesh is hollow
     std::vector<contact_geometry> wanted;
     collide_pair(sphere{0.4}, there, box{2 * half}, pose{}, 0.2,
                  [&](const contact_geometry& c) { wanted.push_back(c); });

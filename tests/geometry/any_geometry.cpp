@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <random>
+#include "../vectors.hpp"
 
 using namespace talus;
 
@@ -20,7 +21,7 @@ std::vector<vec3> points(int n) {
   std::vector<vec3> result;
   for (int i = 0; i < n; ++i) {
     vec3 p(u(random), u(random), u(random));
-    if (i % 2) p = p.array().round();
+    if (i % 2) p = rounded(p);
     result.push_back(p);
   }
   return result;

@@ -20,7 +20,7 @@ using world_of_mixed = world<mixed>;
 const cuts whole{.cells = {1, 1, 1}};
 const cuts quarters{.cells = {2, 2, 1}};  // meeting at x = y = 0
 
-quat about(const vec3& axis, real angle) { return quat(Eigen::AngleAxis<real>(angle, axis)); }
+quat about(const vec3& axis, real angle) { return rotation(axis, angle); }
 
 /// Calls f(domains, label) for one rank and for four.
 template <class F>

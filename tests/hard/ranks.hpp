@@ -122,7 +122,7 @@ outcome run(const cuts& domains, real dt, int steps,
       mine.velocity = b.velocity();
       mine.angular_velocity = b.angular_velocity();
       result.finite = result.finite && b.position().allFinite() && b.velocity().allFinite() &&
-                      b.angular_velocity().allFinite() && b.orientation().coeffs().allFinite();
+                      b.angular_velocity().allFinite() && std::isfinite(b.orientation().norm());
     });
     for (const auto& c : w.state().history.entries()) result.contacts += c.memory.norm() > 0;
   });

@@ -12,6 +12,7 @@
 
 #include "talus/parallel/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
+#include "../vectors.hpp"
 
 namespace talus::laws {
 
@@ -211,7 +212,7 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
                       [&] { return fmt::format("{}: owner {}, not as owns()", show(p), owner); });
       const auto& [lower, upper] = bounds[owner];
       bounded.expect(
-          (p.array() >= lower.array() - slack).all() && (p.array() <= upper.array() + slack).all(),
+          at_most(lower - vec3::Constant(slack), p) && at_most(p, upper + vec3::Constant(slack)),
           [&] { return fmt::format("{} of rank {}", show(p), owner); });
       // The next corner of the box of a few ulps around p.
       vec3 q = p;

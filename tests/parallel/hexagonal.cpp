@@ -62,7 +62,10 @@ TEST_CASE("a point belongs to the nearest centre, and of several to the lowest r
   for (int i = 0; i < 100'000; ++i) {
     const vec3 p = 5 * source.anywhere();
     const int owner = cells.owner(p);
-    const auto distance = [&](int r) { return (cells.centre(r) - p).head<2>().norm(); };
+    const auto distance = [&](int r) {
+      const vec3 d = cells.centre(r) - p;
+      return std::hypot(d[0], d[1]);
+    };
     for (int r = 0; r < 37; ++r)
       nearest.expect(distance(owner) <= distance(r) + 1e-13, [&] { return laws::show(p); });
   }

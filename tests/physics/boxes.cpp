@@ -38,7 +38,7 @@ struct scene {
   /// A box that lies flat on the floor at that angle.
   handle<box> flat(const vec3& size, real angle) {
     return block(size, 0.5 * size[2] * vec3(std::sin(angle), 0, std::cos(angle)),
-                 quat(Eigen::AngleAxis<real>(angle, vec3::UnitY())));
+                 rotation(vec3::UnitY(), angle));
   }
   void run(real time) {
     for (int k = 0, n = static_cast<int>(std::lround(time / dt)); k < n; ++k) w.step(dt);
@@ -157,7 +157,7 @@ TEST_CASE("static friction holds where dynamic friction would let slide, until t
 TEST_CASE(
     "a box dropped flat, on an edge or on a corner, or tilted and let go, comes to rest flat") {
   const auto turn = [](real angle, const vec3& axis) {
-    return quat(Eigen::AngleAxis<real>(angle, axis.normalized()));
+    return rotation(axis.normalized(), angle);
   };
   const vec3 size{1, 0.8, 0.6};
   const std::vector<quat> ways{turn(0, {1, 0, 0}),   turn(0.2, {0, 1, 0}), turn(0.78, {0, 1, 0}),
@@ -201,7 +201,7 @@ TEST_CASE("ten boxes in a stack stand for 5 s, and rest where the iterations suf
     const vec3 top = s.w[stack.back()].position();
     const auto m = measure_motion(s.w);
     const real fall = m.mass * g * 0.5;
-    MESSAGE(iterations, " iterations: top at ", top.transpose(), ", kinetic energy ",
+    MESSAGE(iterations, " iterations: top at ", top, ", kinetic energy ",
             m.kinetic_energy / fall);
     CHECK(std::hypot(top[0], top[1]) < (iterations < 200 ? 1e-3 : 1e-4));
     CHECK(std::abs(top[2] - 9.5) < 1e-5);
@@ -247,7 +247,7 @@ TEST_CASE("HEAVY(100) stands for 5 s with 400 iterations") {
                                  .material = k == 9 ? heavy : material_id{}}));
   s.run(5);
   const vec3 top = s.w[stack.back()].position();
-  MESSAGE("top at ", top.transpose());
+  MESSAGE("top at ", top);
   CHECK(std::hypot(top[0], top[1]) < 0.1);
   CHECK(std::abs(top[2] - 9.5) < 0.02);
 }
@@ -256,7 +256,7 @@ TEST_CASE("the correction of overlaps moves boxes apart and leaves their velocit
   scene s({.restitution = 0.5, .friction = 0.5}, 0);
   const auto a = s.block({1, 1, 1}, {0, 0, 0}),
              b = s.block({0.8, 1.2, 0.5}, {0.6, 0.5, 0.2},
-                         quat(Eigen::AngleAxis<real>(0.4, vec3(1, 2, 3).normalized())));
+                         rotation(vec3(1, 2, 3).normalized(), 0.4));
   const real ma = s.w[a].mass(), mb = s.w[b].mass();
   const vec3 centre = ma * s.w[a].position() + mb * s.w[b].position();
   for (int k = 0; k < 400; ++k) {

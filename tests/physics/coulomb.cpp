@@ -84,7 +84,7 @@ class dice {
         quat(between(-1, 1), between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
     const mat3 turn = q.toRotationMatrix();
     const vec3 values{1, std::pow(condition, -between(0, 1)), 1 / condition};
-    const mat3 W = turn * values.asDiagonal() * turn.transpose();
+    const mat3 W = turn * detail::diagonal_matrix(values) * turn.transpose();
     return 0.5 * (W + W.transpose());
   }
 
@@ -103,8 +103,7 @@ real worst(unsigned seed, int count, Make&& make) {
     const real error = judge(p, r).largest();
     if (!(error <= worst)) worst = error;
     if (!(error < 1e-12)) {
-      INFO("case ", k, ": mu ", p.mu, ", b ", p.b.transpose(), ", W ", p.W.reshaped().transpose(),
-           ", r ", r.transpose());
+      INFO("case ", k, ": mu ", p.mu, ", b ", p.b, ", W ", p.W, ", r ", r);
       CHECK(error < 1e-12);
     }
   }

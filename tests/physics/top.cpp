@@ -173,7 +173,7 @@ TEST_CASE("a symmetric top precesses exactly, however large the step") {
   const vec3 moments = rod.inertia() * rod.volume();
   const real tilt = 0.4, dt = 0.05;
   // L along z, the axis of the body tilted from it.
-  const quat q0(Eigen::AngleAxis<real>(tilt, vec3::UnitX()));
+  const quat q0(rotation(vec3::UnitX(), tilt));
   const real length = 20;
   const vec3 w0 = q0 * vec3((q0.conjugate() * vec3(0, 0, length)).cwiseQuotient(moments));
   const auto way = follow<tops>(1, dt, 200, [&](auto& world) {
@@ -183,7 +183,7 @@ TEST_CASE("a symmetric top precesses exactly, however large the step") {
   real worst = 0;
   for (std::size_t k = 0; k < way.size(); ++k) {
     const quat turn(
-        Eigen::AngleAxis<real>(length / moments[0] * dt * static_cast<real>(k), vec3::UnitZ()));
+        rotation(vec3::UnitZ(), length / moments[0] * dt * static_cast<real>(k)));
     const vec3 axis = turn * (q0 * vec3::UnitZ());
     worst = std::max(worst, (way[k].orientation * vec3::UnitZ() - axis).norm());
     worst = std::max(worst, (way[k].angular_velocity - turn * w0).norm() / w0.norm());
@@ -196,7 +196,7 @@ TEST_CASE("a box that spins about any of its principal axes keeps its spin to ro
     const vec3 w = 3 * vec3::Unit(axis);
     const auto end = spin(w, 1.0 / 240, 1).back();
     CHECK((end.angular_velocity - w).norm() < 1e-12);
-    CHECK(end.orientation.angularDistance(quat(Eigen::AngleAxis<real>(3, vec3::Unit(axis)))) <
+    CHECK(end.orientation.angularDistance(rotation(vec3::Unit(axis), 3)) <
           1e-7);
   }
 }

@@ -8,6 +8,7 @@
 #include "talus/geometry/combine.hpp"
 #include "talus/scene/lattice.hpp"
 #include "talus/scene/ring.hpp"
+#include "../vectors.hpp"
 
 using namespace talus;
 
@@ -46,7 +47,7 @@ std::vector<site> check_partition(const Sites& sites, const std::vector<vec3>& c
         const vec3 lower(edges[0][x - 1], edges[1][y - 1], edges[2][z - 1]);
         const vec3 upper(edges[0][x], edges[1][y], edges[2][z]);
         const auto owned = [&](const vec3& p) {
-          return (p.array() >= lower.array()).all() && (p.array() < upper.array()).all();
+          return at_most(lower, p) && below(p, upper);
         };
         for_each_site(sites, lower, upper, owned, [&](const site& s) {
           ++seen;

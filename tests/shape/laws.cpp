@@ -14,6 +14,7 @@
 #include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
+#include "../vectors.hpp"
 
 namespace {
 
@@ -122,7 +123,7 @@ TEST_CASE("support, bounds, volume and inertia of a shape agree") {
         sphere{.radius = r}, [r](const vec3& p) { return p.norm() <= r; }, 1);
   for (const vec3& size : {vec3(1, 1, 1), vec3(4.7, 2.3, 1.9), vec3(0.1, 3, 20)}) {
     const auto inside = [&](const vec3& p) {
-      return ((2 * p).cwiseAbs().array() <= size.array()).all();
+      return at_most((2 * p).cwiseAbs(), size);
     };
     check_laws(box{.size = size}, inside, 2);
   }

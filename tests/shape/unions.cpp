@@ -11,6 +11,7 @@
 #include "talus/shape/cylinder.hpp"
 #include "talus/shape/sphere.hpp"
 #include "talus/shape/union_of.hpp"
+#include "../vectors.hpp"
 
 namespace {
 
@@ -21,7 +22,7 @@ static_assert(!any_union::round);
 
 bool inside(const sphere& s, const vec3& p) { return p.norm() <= s.radius; }
 bool inside(const box& s, const vec3& p) {
-  return ((2 * p).cwiseAbs().array() <= s.size.array()).all();
+  return at_most((2 * p).cwiseAbs(), s.size);
 }
 bool inside(const capsule& s, const vec3& p) {
   return std::hypot(p[0], p[1], std::max(0., std::abs(p[2]) - s.length / 2)) <= s.radius;

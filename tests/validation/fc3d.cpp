@@ -2,8 +2,10 @@
 // problems on problems from files and on random ones.
 #include <doctest/doctest.h>
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <numeric>
+#include <span>
 
 #include "../../benchmarks/fc3d/problem.hpp"
 #include "../contact_problems.hpp"
@@ -27,7 +29,7 @@ std::string as_text(const assembled_problem& p, int storage) {
     Eigen::MatrixXd w = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     for (int i = 0; i < n; ++i)
       for (auto k = p.start[i]; k < p.start[i + 1]; ++k)
-        w.block<3, 3>(3 * i, 3 * p.column[k]) = p.block[k];
+        w.block<3, 3>(3 * i, 3 * p.column[k]) = Eigen::Matrix3d(p.block[k]);
     s += fmt::format("{}\t{}\n", 3 * n, 3 * n);
     list(w.reshaped());
   } else {
@@ -39,7 +41,7 @@ std::string as_text(const assembled_problem& p, int storage) {
     list(p.start), list(p.column);
     for (std::size_t k = 0; k < p.block.size(); ++k) {
       s += fmt::format("{}\n", k);
-      list(p.block[k].reshaped());
+      list(std::span(p.block[k].data(), 9));
     }
   }
   list(p.q), list(p.mu);
@@ -193,7 +195,7 @@ TEST_CASE("random problems are solved to 1e-6 and 1e-10, and what is handed back
   for (int k = 0; k < 6; ++k) {
     auto p = random_cluster(12, 24, 1, 0.8, random).problem();
     for (auto& b : p.block)
-      for (real& x : b.reshaped()) x *= 1 + 1e-3 * random(-1, 1);
+      for (real& x : std::span(b.data(), 9)) x *= 1 + 1e-3 * random(-1, 1);
     all.emplace_back(fmt::format("asymmetric {}", k), p);
   }
   for (const real tolerance : {1e-6, 1e-10}) {

@@ -11,6 +11,7 @@
 #include <talus/scene/lattice.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
+#include "../vectors.hpp"
 
 namespace talus::validation {
 
@@ -104,7 +105,7 @@ inline coordination coordination_number(const std::vector<grain>& grains, const 
   std::size_t n = 0, idle = 0;
   for (std::size_t i = 0; i < grains.size(); ++i) {
     const grain& g = grains[i];
-    if ((g.position.array() < lower.array()).any() || (g.position.array() > upper.array()).any())
+    if (!at_most(lower, g.position) || !at_most(g.position, upper))
       continue;
     std::size_t own = 0;
     cells.near(g.position, [&](std::size_t j) {

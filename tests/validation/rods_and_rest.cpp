@@ -33,7 +33,7 @@ struct rod {
 
   /// The axis of the capsule, z, comes to point forwards and down.
   [[nodiscard]] quat orientation() const {
-    return quat(Eigen::AngleAxis<real>(pi / 2 + angle, vec3::UnitY()));
+    return rotation(vec3::UnitY(), pi / 2 + angle);
   }
   /// From the centre of mass to the point that touches.
   [[nodiscard]] vec3 arm() const {
@@ -217,7 +217,7 @@ TEST_CASE("a box slides and sticks on an incline that crosses the domains of fou
       w.global([&](auto& s) { s.add(plane{.normal = up}, material_id{}); });
       w.add_if_local(body{.shape = box{{1, 1, 1}},
                           .position = 0.5 * up + start * along,
-                          .orientation = quat(Eigen::AngleAxis<real>(angle, vec3::UnitY()))});
+                          .orientation = rotation(vec3::UnitY(), angle)});
     })[0];
   };
   const auto slides = run(0.4, -4, 3);

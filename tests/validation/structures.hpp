@@ -49,7 +49,7 @@ inline void check_stands(const std::string& test, const std::string& what, bool 
   if (!should) CHECK(part > 0.1);
 }
 
-inline quat about_y(real angle) { return quat(Eigen::AngleAxis<real>(angle, vec3::UnitY())); }
+inline quat about_y(real angle) { return rotation(vec3::UnitY(), angle); }
 
 /// Blocks 1 x 0.6 x 0.25 over the edge of a table, which ends at x = 0: the k-th from the top is
 /// shifted by part / (2 k) against what is below it.

@@ -34,7 +34,7 @@ void fill_ring(World& w, real inner, real outer, Velocity&& velocity) {
     const real radius = random.uniform(0.3, 0.6);
     const vec3 v = velocity(s.position) + random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1));
     const vec3 spin = random.uniform(vec3(-2, -2, -2), vec3(2, 2, 2));
-    const real out = s.position.template head<2>().norm();
+    const real out = std::hypot(s.position[0], s.position[1]);
     if (out < inner || out > outer) return std::nullopt;
     return body<sphere>{.shape = sphere{radius},
                         .position = s.position,

@@ -10,8 +10,7 @@
 
 namespace talus::detail {
 
-/// A vector of blocks of three. Sums and products give vectors, not Eigen's expressions; see
-/// core/small_vectors.hpp.
+/// A vector of blocks of three. Sums and products give vectors.
 class contact_vector {
  public:
   contact_vector() = default;

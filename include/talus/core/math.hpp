@@ -1,11 +1,11 @@
 #pragma once
-// Scalars, vectors and rotations: one spelling of Eigen's types for the whole library.
-#include <Eigen/Core>
-#include <Eigen/Geometry>
+// Scalars, vectors and rotations of the whole library.
 #include <algorithm>
 #include <cmath>
 
-#include "talus/core/small_vectors.hpp"
+#include "talus/core/matrix3.hpp"
+#include "talus/core/quaternion.hpp"
+#include "talus/core/vector3.hpp"
 
 namespace talus {
 
@@ -16,10 +16,6 @@ using real = double;
 using vec3 = vector3<real>;
 using mat3 = matrix3<real>;
 
-/// Unit quaternion, rotating body coordinates into world coordinates. Unaligned, so that it can
-/// sit in arrays and messages without padding.
-template <class Real>
-using quaternion = Eigen::Quaternion<Real, Eigen::DontAlign>;
 using quat = quaternion<real>;
 
 inline constexpr real pi = 3.141592653589793238462643383279502884;

@@ -305,8 +305,8 @@ inline void hash_grid::build(std::span<const vec3> centres, std::span<const real
     levels_[0].last = n;
   } else {
     for (level& l : levels_) {
-      l.low.setConstant(infinity);
-      l.high.setConstant(-infinity);
+      l.low = vec3::Constant(infinity);
+      l.high = vec3::Constant(-infinity);
     }
     for (std::uint32_t i = 0; i < n; ++i) {
       level& l = levels_[classes_.level_of(reaches[i])];

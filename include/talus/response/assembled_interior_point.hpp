@@ -56,10 +56,10 @@ class assembled_interior_point {
       scaling[i] = scaling_of(i, r, u);
       turn[i] = mat3::Identity();
       const real t = std::hypot(u[1], u[2]);
-      if (t > 0) turn[i].block<1, 2>(0, 1) = -u.tail<2>().transpose() / t;
+      if (t > 0) turn[i](0, 1) = -u[1] / t, turn[i](0, 2) = -u[2] / t;
       for (auto k = p_->start[i]; k < p_->start[i + 1]; ++k)
         system_.add(i, p_->column[k],
-                    scale_[i].asDiagonal() * p_->block[k] * scale_[p_->column[k]].asDiagonal());
+                    diagonal_matrix(scale_[i]) * p_->block[k] * diagonal_matrix(scale_[p_->column[k]]));
       system_.add(i, i, turn[i] * scaling[i]);
     }
     if (!system_.factorize()) return false;
@@ -119,12 +119,12 @@ class assembled_interior_point {
   }
   /// The symmetric matrix P of the cone with P r = u.
   [[nodiscard]] mat3 scaling_of(int i, const vec3& r, const vec3& u) const {
-    if (smooth_at(i)) return vec3(u[0] / r[0], 1, 1).asDiagonal();
+    if (smooth_at(i)) return diagonal_matrix(vec3(u[0] / r[0], 1, 1));
     const real a = std::sqrt(determinant(r)), b = std::sqrt(determinant(u));
     const vec3 x = r / a, y = u / b;
     const vec3 z = (y + vec3(x[0], -x[1], -x[2])) / std::sqrt(2 * (1 + x.dot(y)));
-    mat3 p = 2 * z * z.transpose();
-    p.diagonal() -= vec3(1, -1, -1);
+    mat3 p = outer<vec3>(2 * z, z);
+    p -= diagonal_matrix(vec3(1, -1, -1));
     return b / a * p;
   }
   /// How far x + length d stays in the Lorentz cone.

@@ -90,9 +90,7 @@ struct coulomb_block {
       last = std::abs(miss) < 1e-6;
       lambda = next;
     }
-    mat3 w;
-    w << nn, n1, n2, n1, t11, t12, n2, t12, t22;
-    return solve_coulomb(w, {un, b1, b2}, mu);
+    return solve_coulomb(mat3(nn, n1, n2, n1, t11, t12, n2, t12, t22), {un, b1, b2}, mu);
   }
 };
 

@@ -18,6 +18,24 @@ namespace talus::detail {
 /// What the solver knows of one side of a contact from its shape.
 enum class contact_side { scalar, tensor, immovable };
 
+/// The impulse of a contact without friction: its normal component.
+struct normal_impulse {
+  real n = 0;
+
+  [[nodiscard]] static normal_impulse Zero() { return {}; }
+  [[nodiscard]] real& operator[](int) { return n; }
+  [[nodiscard]] const real& operator[](int) const { return n; }
+  [[nodiscard]] real dot(const normal_impulse& x) const { return n * x.n; }
+  [[nodiscard]] real norm() const { return std::abs(n); }
+  friend normal_impulse operator+(const normal_impulse& x, const normal_impulse& y) {
+    return {x.n + y.n};
+  }
+  friend normal_impulse operator-(const normal_impulse& x, const normal_impulse& y) {
+    return {x.n - y.n};
+  }
+  friend normal_impulse operator*(real s, const normal_impulse& x) { return {s * x.n}; }
+};
+
 /// What friction adds to a general contact: the impulse has three components instead of one.
 template <bool Friction>
 struct general_block {
@@ -45,7 +63,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   /// One by one in the order of the list: stacks converge much faster when the impulses travel
   /// along them, and the local solution costs more than waiting.
   static constexpr std::size_t streams = 1;
-  using change = Eigen::Matrix<real, rows, 1>;  ///< impulse in the frame
+  using change = std::conditional_t<Law::friction, vec3, normal_impulse>;  ///< in the frame
 
   // In this order, for vectors are read together with the number that follows them.
   vec3 normal{0, 0, 1};  ///< from b to a; the tangents are those of frame_around
@@ -197,7 +215,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     if constexpr (Law::friction)
       return seen_in(frame_around<real>(normal), v);
     else
-      return change(normal.dot(v));
+      return change{normal.dot(v)};
   }
   /// Back in the world.
   [[nodiscard]] vec3 unseen(const change& d) const {

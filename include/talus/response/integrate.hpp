@@ -11,7 +11,7 @@ template <class Real>
 [[nodiscard]] matrix3<Real> inverse_tensor(const quaternion<Real>& q,
                                            const vector3<Real>& inverse_moments) {
   const matrix3<Real> rotation = q.toRotationMatrix();
-  return rotation * matrix3<Real>(inverse_moments.asDiagonal()) * rotation.transpose();
+  return rotation * diagonal_matrix(inverse_moments) * rotation.transpose();
 }
 
 /// `q` turned by the rotation vector `angle` (radians), given in the world frame.

@@ -72,7 +72,7 @@ inline constexpr real most_scattered = 4;
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::array<std::uint32_t, 3> cell;
     for (std::size_t k = 0; k < 3; ++k)
-      cell[k] = static_cast<std::uint32_t>((points[i][static_cast<Eigen::Index>(k)] - low[k]) /
+      cell[k] = static_cast<std::uint32_t>((points[i][static_cast<std::ptrdiff_t>(k)] - low[k]) /
                                            widest * 0x1fffff);
     codes[i] = {along_curve(cell), static_cast<std::uint32_t>(i)};
   }

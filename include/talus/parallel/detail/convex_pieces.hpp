@@ -228,7 +228,7 @@ inline std::pair<vec3, vec3> bounds_of(std::span<const convex_piece> pieces) {
       c[axis] = sign;
       const auto x = maximize(3, bounds, c), away = maximize(3, directions, c);
       const bool bounded = x && away && sign * (*away)[axis] < 1e-6 * lp_far;
-      const auto k = static_cast<Eigen::Index>(axis);
+      const auto k = static_cast<std::ptrdiff_t>(axis);
       const real at = bounded ? scaled.point(*x)[k] + sign * scaled_planes::tiny * scaled.unit()
                               : sign * infinity;
       sign > 0 ? upper[k] = std::max(upper[k], at) : lower[k] = std::min(lower[k], at);

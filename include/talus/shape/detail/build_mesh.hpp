@@ -30,7 +30,7 @@ template <class Real>
       sum.mass += det / 6;
       sum.first += det / 24 * s;
       sum.second += det / 120 *
-                    (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+                    (outer(s, s) + outer(a, a) + outer(b, b) + outer(c, c));
     }
   return sum;
 }

@@ -12,7 +12,7 @@ namespace talus::detail {
 template <class Real>
 [[nodiscard]] matrix3<Real> principal_axes(matrix3<Real> m) {
   matrix3<Real> axes = matrix3<Real>::Identity();
-  const Real zero = Real(1e-13) * m.trace();
+  const Real zero = Real(1e-13) * (m(0, 0) + (m(1, 1) + m(2, 2)));
   for (int sweep = 0; sweep < 50; ++sweep) {
     bool diagonal = true;
     for (int p = 0; p < 2; ++p)
@@ -25,8 +25,8 @@ template <class Real>
         matrix3<Real> turn = matrix3<Real>::Identity();
         turn(p, p) = turn(q, q) = c;
         turn(p, q) = s, turn(q, p) = -s;
-        m = (turn.transpose() * m * turn).eval();
-        axes = (axes * turn).eval();
+        m = turn.transpose() * m * turn;
+        axes = axes * turn;
       }
     if (diagonal) break;
   }
@@ -46,11 +46,11 @@ struct mass_moments {
   };
   [[nodiscard]] principal reduce() const {
     const vector3<Real> centre = first / mass;
-    const matrix3<Real> spread = second / mass - centre * centre.transpose();
+    const matrix3<Real> spread = second / mass - outer(centre, centre);
     const matrix3<Real> axes = principal_axes<Real>(spread);
     quaternion<Real> q(axes);
     q.normalize();
-    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    if (q.w() < 0) q = {-q.w(), -q.x(), -q.y(), -q.z()};
     const matrix3<Real> turned = q.toRotationMatrix();
     vector3<Real> along;
     for (int i = 0; i < 3; ++i) along[i] = turned.col(i).dot(spread * turned.col(i));

@@ -129,7 +129,7 @@ struct union_parts {
     u.frame.orientation = in.get<quat>();
     u.id = in.get<content_id>();
     if (!(u.volume > 0 && std::isfinite(u.volume) && std::isfinite(u.bounding_radius) &&
-          finite(u.inertia) && u.inertia.minCoeff() > 0 && sound(u.frame)))
+          u.inertia.allFinite() && u.inertia.minCoeff() > 0 && sound(u.frame)))
       refuse();
     return u;
   }
@@ -140,7 +140,7 @@ struct union_parts {
     throw std::runtime_error("is damaged: a union_of makes no sense");
   }
   [[nodiscard]] static bool sound(const pose& at) {
-    return finite(at.position) && std::abs(at.orientation.squaredNorm() - 1) < 1e-6;
+    return at.position.allFinite() && std::abs(at.orientation.squaredNorm() - 1) < 1e-6;
   }
   template <class F, std::size_t... Kinds>
   void visit_kind(std::size_t n, F&& f, std::index_sequence<Kinds...>) const {
