@@ -73,7 +73,9 @@ TEST_CASE("a plane that is driven again turns about where its reference point ha
   const vec3 point = c.w[wall].position();
   CHECK((point - vec3(1, 0, 2)).norm() < 1e-12);
   CHECK(std::abs(c.w[wall].shape().distance(point) - 1) < 1e-12);
-  c.w.drive(wall, [](real) { return rigid_velocity{.angular_velocity = {0, 0.5, 0}}; });
+  c.w.drive(wall, [point](real) {
+    return rigid_velocity{.angular_velocity = {0, 0.5, 0}, .about = point};
+  });
   c.run(1, 0.01);
   CHECK((c.w[wall].position() - point).norm() < 1e-12);
   CHECK(std::abs(c.w[wall].shape().distance(point) - 1) < 1e-12);

@@ -43,8 +43,10 @@ class gathered_islands {
   /// Islands stay with the sweeps where one rank has more contacts of them, or all ranks together
   /// more than four times as many.
   static constexpr std::size_t most_contacts = 30000;
-  /// A hub has this many times the mass of all lighter bodies that it touches.
+  /// A hub has this many times the mass of all lighter bodies that it touches, and touches at least
+  /// so many of them.
   static constexpr real heavy = 5;
+  static constexpr int fewest = 4;
 
   /// Before any impulse acts: finds the hubs among the bodies owned here.
   void find_hubs(std::span<const access> lists, State& s, int own,
@@ -65,15 +67,18 @@ class gathered_islands {
                                                candidates.begin()));
     note_owners(s, own, travelling);
     plain_vector<real> below(s.bodies.size(), 0);
+    plain_vector<int> supports(s.bodies.size(), 0);
     for (const auto part : {contact_part::interior, contact_part::boundary})
       each_contact(lists, part, [&](const contact_ends& c, const member&) {
         if (c.b < 0 || !moves(s, c.a) || !moves(s, c.b)) return;
         const real a = 1 / inverse_mass(s, c.a), b = 1 / inverse_mass(s, c.b);
-        if (a != b) below[at(a > b ? c.a : c.b)] += std::min(a, b);
+        if (a == b) return;
+        const std::size_t upper = at(a > b ? c.a : c.b);
+        below[upper] += std::min(a, b), ++supports[upper];
       });
     for (const std::uint32_t i : candidates)
       if (const auto body = static_cast<std::int32_t>(i);
-          owner_[i] == own && 1 / inverse_mass(s, body) > heavy * below[i])
+          owner_[i] == own && supports[i] >= fewest && 1 / inverse_mass(s, body) > heavy * below[i])
         add_hub(i);
   }
   /// For sending, and for receiving of copies.
