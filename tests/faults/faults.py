@@ -151,7 +151,7 @@ def main():
     parser.add_argument("--tests", default="", help="only tests whose names match it")
     parser.add_argument("--folder", help="for headers and programs with faults; BUILD/faults")
     parser.add_argument("names", nargs="*")
-    args = parser.parse_args()
+    args = parser.parse_intermixed_args()
     everything = read_list()
     if args.list:
         for number, fault in enumerate(everything, 1):
