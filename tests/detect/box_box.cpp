@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "../generator.hpp"
-#include "talus/detect/narrow.hpp"
 #include "../vectors.hpp"
+#include "talus/detect/narrow.hpp"
 
 namespace {
 

@@ -149,7 +149,8 @@ TEST_CASE("random spheres, planes and boxes keep the laws and the closed forms")
     const contacts bs = check_laws(b, pb, s, ps, margin, by);
     // Closed form: distance of the centre from the box, or depth in it.
     const vec3 q = pb.to_body(ps.position).cwiseAbs() - b.half();
-    const real distance = q.cwiseMax(vec3::Zero()).norm() + std::min(q.maxCoeff(), real(0)) - s.radius;
+    const real distance =
+        q.cwiseMax(vec3::Zero()).norm() + std::min(q.maxCoeff(), real(0)) - s.radius;
     CHECK(bs.size() == (distance <= margin));
     if (!bs.empty()) {
       ++met[2];

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "../vectors.hpp"
 #include "talus/parallel/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
-#include "../vectors.hpp"
 
 namespace talus::laws {
 

@@ -156,9 +156,7 @@ TEST_CASE("static friction holds where dynamic friction would let slide, until t
 
 TEST_CASE(
     "a box dropped flat, on an edge or on a corner, or tilted and let go, comes to rest flat") {
-  const auto turn = [](real angle, const vec3& axis) {
-    return rotation(axis.normalized(), angle);
-  };
+  const auto turn = [](real angle, const vec3& axis) { return rotation(axis.normalized(), angle); };
   const vec3 size{1, 0.8, 0.6};
   const std::vector<quat> ways{turn(0, {1, 0, 0}),   turn(0.2, {0, 1, 0}), turn(0.78, {0, 1, 0}),
                                turn(1.2, {1, 0, 0}), turn(0.6, {1, 1, 0}), turn(0.9, {1, 2, 3})};
@@ -201,8 +199,7 @@ TEST_CASE("ten boxes in a stack stand for 5 s, and rest where the iterations suf
     const vec3 top = s.w[stack.back()].position();
     const auto m = measure_motion(s.w);
     const real fall = m.mass * g * 0.5;
-    MESSAGE(iterations, " iterations: top at ", top, ", kinetic energy ",
-            m.kinetic_energy / fall);
+    MESSAGE(iterations, " iterations: top at ", top, ", kinetic energy ", m.kinetic_energy / fall);
     CHECK(std::hypot(top[0], top[1]) < (iterations < 200 ? 1e-3 : 1e-4));
     CHECK(std::abs(top[2] - 9.5) < 1e-5);
     CHECK(m.kinetic_energy < (iterations < 200 ? 1e-6 : 1e-12) * fall);

@@ -182,8 +182,7 @@ TEST_CASE("a symmetric top precesses exactly, however large the step") {
   })[0];
   real worst = 0;
   for (std::size_t k = 0; k < way.size(); ++k) {
-    const quat turn(
-        rotation(vec3::UnitZ(), length / moments[0] * dt * static_cast<real>(k)));
+    const quat turn(rotation(vec3::UnitZ(), length / moments[0] * dt * static_cast<real>(k)));
     const vec3 axis = turn * (q0 * vec3::UnitZ());
     worst = std::max(worst, (way[k].orientation * vec3::UnitZ() - axis).norm());
     worst = std::max(worst, (way[k].angular_velocity - turn * w0).norm() / w0.norm());
@@ -196,7 +195,6 @@ TEST_CASE("a box that spins about any of its principal axes keeps its spin to ro
     const vec3 w = 3 * vec3::Unit(axis);
     const auto end = spin(w, 1.0 / 240, 1).back();
     CHECK((end.angular_velocity - w).norm() < 1e-12);
-    CHECK(end.orientation.angularDistance(rotation(vec3::Unit(axis), 3)) <
-          1e-7);
+    CHECK(end.orientation.angularDistance(rotation(vec3::Unit(axis), 3)) < 1e-7);
   }
 }

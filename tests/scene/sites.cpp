@@ -4,11 +4,11 @@
 #include <random>
 #include <set>
 
+#include "../vectors.hpp"
 #include "talus/geometry/any_geometry.hpp"
 #include "talus/geometry/combine.hpp"
 #include "talus/scene/lattice.hpp"
 #include "talus/scene/ring.hpp"
-#include "../vectors.hpp"
 
 using namespace talus;
 
@@ -46,9 +46,7 @@ std::vector<site> check_partition(const Sites& sites, const std::vector<vec3>& c
       for (std::size_t z = 1; z < edges[2].size(); ++z) {
         const vec3 lower(edges[0][x - 1], edges[1][y - 1], edges[2][z - 1]);
         const vec3 upper(edges[0][x], edges[1][y], edges[2][z]);
-        const auto owned = [&](const vec3& p) {
-          return at_most(lower, p) && below(p, upper);
-        };
+        const auto owned = [&](const vec3& p) { return at_most(lower, p) && below(p, upper); };
         for_each_site(sites, lower, upper, owned, [&](const site& s) {
           ++seen;
           const auto found = by_index.find(s.index);

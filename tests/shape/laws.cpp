@@ -5,6 +5,7 @@
 #include <random>
 
 #include "../generator.hpp"
+#include "../vectors.hpp"
 #include "talus/body/body.hpp"
 #include "talus/concepts.hpp"
 #include "talus/shape/box.hpp"
@@ -14,7 +15,6 @@
 #include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
-#include "../vectors.hpp"
 
 namespace {
 
@@ -122,9 +122,7 @@ TEST_CASE("support, bounds, volume and inertia of a shape agree") {
     check_laws(
         sphere{.radius = r}, [r](const vec3& p) { return p.norm() <= r; }, 1);
   for (const vec3& size : {vec3(1, 1, 1), vec3(4.7, 2.3, 1.9), vec3(0.1, 3, 20)}) {
-    const auto inside = [&](const vec3& p) {
-      return at_most((2 * p).cwiseAbs(), size);
-    };
+    const auto inside = [&](const vec3& p) { return at_most((2 * p).cwiseAbs(), size); };
     check_laws(box{.size = size}, inside, 2);
   }
   for (const auto& [r, l] : {std::pair(1., 1.), std::pair(0.3, 4.), std::pair(5., 0.1)}) {

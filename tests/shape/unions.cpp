@@ -4,6 +4,7 @@
 #include <random>
 
 #include "../generator.hpp"
+#include "../vectors.hpp"
 #include "talus/concepts.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
@@ -11,7 +12,6 @@
 #include "talus/shape/cylinder.hpp"
 #include "talus/shape/sphere.hpp"
 #include "talus/shape/union_of.hpp"
-#include "../vectors.hpp"
 
 namespace {
 
@@ -21,9 +21,7 @@ static_assert(concepts::finite_shape<any_union>);
 static_assert(!any_union::round);
 
 bool inside(const sphere& s, const vec3& p) { return p.norm() <= s.radius; }
-bool inside(const box& s, const vec3& p) {
-  return at_most((2 * p).cwiseAbs(), s.size);
-}
+bool inside(const box& s, const vec3& p) { return at_most((2 * p).cwiseAbs(), s.size); }
 bool inside(const capsule& s, const vec3& p) {
   return std::hypot(p[0], p[1], std::max(0., std::abs(p[2]) - s.length / 2)) <= s.radius;
 }

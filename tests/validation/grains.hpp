@@ -105,8 +105,7 @@ inline coordination coordination_number(const std::vector<grain>& grains, const 
   std::size_t n = 0, idle = 0;
   for (std::size_t i = 0; i < grains.size(); ++i) {
     const grain& g = grains[i];
-    if (!at_most(lower, g.position) || !at_most(g.position, upper))
-      continue;
+    if (!at_most(lower, g.position) || !at_most(g.position, upper)) continue;
     std::size_t own = 0;
     cells.near(g.position, [&](std::size_t j) {
       const real gap = (grains[j].position - g.position).norm() - g.radius - grains[j].radius;

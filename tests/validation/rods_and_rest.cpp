@@ -32,9 +32,7 @@ struct rod {
   capsule shape{.radius = 0.001, .length = 2};
 
   /// The axis of the capsule, z, comes to point forwards and down.
-  [[nodiscard]] quat orientation() const {
-    return rotation(vec3::UnitY(), pi / 2 + angle);
-  }
+  [[nodiscard]] quat orientation() const { return rotation(vec3::UnitY(), pi / 2 + angle); }
   /// From the centre of mass to the point that touches.
   [[nodiscard]] vec3 arm() const {
     return orientation() * vec3(0, 0, shape.length / 2) - shape.radius * vec3::UnitZ();

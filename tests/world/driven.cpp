@@ -61,7 +61,7 @@ TEST_CASE("poses follow from the time alone, however many steps there are") {
   CHECK((c.w[wall].shape().normal - rotated(q, vec3(1, 0, 0))).norm() < 1e-14);
   CHECK(std::abs(c.w[wall].shape().distance(vec3(1, 0, 0)) - 2) < 1e-14);
   CHECK((c.w[paddle].position() - (vec3(1, 0, 0) + rotated(q, vec3(3, 0, 0)))).norm() < 1e-14);
-  CHECK(std::abs(std::abs(c.w[paddle].orientation().coeffs().dot(q.coeffs())) - 1) < 1e-14);
+  CHECK(std::abs(std::abs(c.w[paddle].orientation().dot(q)) - 1) < 1e-14);
   CHECK(std::abs(c.w[ball].position()[1] - (9 + t)) < 1e-13);
 }
 

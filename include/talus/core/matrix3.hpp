@@ -25,8 +25,8 @@ class matrix3 {
       for (int i = 0; i < 3; ++i) (*this)(i, j) = static_cast<Real>(m(i, j));
   }
   template <class M>
-  requires(detail::foreign_matrix<M, 3, 3> && std::is_default_constructible_v<M>)
-  operator M() const {
+  requires(detail::foreign_matrix<M, 3, 3>&& std::is_default_constructible_v<M>) operator M()
+      const {
     M m;
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 3; ++i) m(i, j) = static_cast<typename M::Scalar>((*this)(i, j));
@@ -128,6 +128,7 @@ class matrix3 {
   }
   /// Row by row.
   template <class Char, class Traits>
+  requires requires(std::basic_ostream<Char, Traits>& out, Real x) { out << x; }
   friend std::basic_ostream<Char, Traits>& operator<<(std::basic_ostream<Char, Traits>& out,
                                                       const matrix3& a) {
     return out << a.row(0) << '\n' << a.row(1) << '\n' << a.row(2);

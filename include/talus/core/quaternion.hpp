@@ -40,11 +40,11 @@ class quaternion {
   }
   /// A quaternion of another library, as Eigen's: it has coeffs(), x first.
   template <class Q>
-  requires(!std::same_as<Q, quaternion> && requires(const Q& q) {
-    { q.w() } -> std::convertible_to<double>;
-    q.coeffs();
-  })
-  quaternion(const Q& q)
+  requires(!std::same_as<Q, quaternion> &&
+           requires(const Q& q) {
+             { q.w() } -> std::convertible_to<double>;
+             q.coeffs();
+           }) quaternion(const Q& q)
       : quaternion(static_cast<Real>(q.w()), static_cast<Real>(q.x()), static_cast<Real>(q.y()),
                    static_cast<Real>(q.z())) {}
   /// A rotation by an angle about an axis, as Eigen's AngleAxis is.
@@ -59,10 +59,8 @@ class quaternion {
     *this = {std::cos(half), s * axis[0], s * axis[1], s * axis[2]};
   }
   template <class Q>
-  requires(!std::same_as<Q, quaternion> && requires {
-    typename Q::AngleAxisType;
-  })
-  operator Q() const {
+  requires(!std::same_as<Q, quaternion> && requires { typename Q::AngleAxisType; }) operator Q()
+      const {
     using number = typename Q::Scalar;
     return Q(static_cast<number>(w()), static_cast<number>(x()), static_cast<number>(y()),
              static_cast<number>(z()));
@@ -146,6 +144,7 @@ class quaternion {
   }
   /// w, x, y, z.
   template <class Char, class Traits>
+  requires requires(std::basic_ostream<Char, Traits>& out, Real x) { out << x; }
   friend std::basic_ostream<Char, Traits>& operator<<(std::basic_ostream<Char, Traits>& out,
                                                       const quaternion& q) {
     return out << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z();

@@ -23,7 +23,7 @@ concept foreign_vector = requires(const V& v) {
 /// The same of a matrix.
 template <class M, int Rows, int Columns>
 concept foreign_matrix = requires(const M& m) {
-  requires M::RowsAtCompileTime == Rows && M::ColsAtCompileTime == Columns;
+  requires M::RowsAtCompileTime == Rows&& M::ColsAtCompileTime == Columns;
   { m(0, 0) } -> std::convertible_to<double>;
 };
 }  // namespace detail
@@ -42,8 +42,7 @@ class vector3 {
   vector3(const V& v)
       : at_{static_cast<Real>(v(0)), static_cast<Real>(v(1)), static_cast<Real>(v(2))} {}
   template <class V>
-  requires(detail::foreign_vector<V, 3> && std::is_default_constructible_v<V>)
-  operator V() const {
+  requires(detail::foreign_vector<V, 3>&& std::is_default_constructible_v<V>) operator V() const {
     V v;
     for (int k = 0; k < 3; ++k) v(k) = static_cast<typename V::Scalar>(at_[k]);
     return v;
@@ -177,6 +176,7 @@ class vector3 {
   }
   /// The components with blanks between them.
   template <class Char, class Traits>
+  requires requires(std::basic_ostream<Char, Traits>& out, Real x) { out << x; }
   friend std::basic_ostream<Char, Traits>& operator<<(std::basic_ostream<Char, Traits>& out,
                                                       const vector3& a) {
     return out << a[0] << ' ' << a[1] << ' ' << a[2];

@@ -58,8 +58,9 @@ class assembled_interior_point {
       const real t = std::hypot(u[1], u[2]);
       if (t > 0) turn[i](0, 1) = -u[1] / t, turn[i](0, 2) = -u[2] / t;
       for (auto k = p_->start[i]; k < p_->start[i + 1]; ++k)
-        system_.add(i, p_->column[k],
-                    diagonal_matrix(scale_[i]) * p_->block[k] * diagonal_matrix(scale_[p_->column[k]]));
+        system_.add(
+            i, p_->column[k],
+            diagonal_matrix(scale_[i]) * p_->block[k] * diagonal_matrix(scale_[p_->column[k]]));
       system_.add(i, i, turn[i] * scaling[i]);
     }
     if (!system_.factorize()) return false;

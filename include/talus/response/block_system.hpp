@@ -30,7 +30,7 @@ class block_system {
     dense_ = size <= 48 || (size <= 900 && fill > 0.2);
     if (dense_) {
       matrix_.setZero(size, size);
-      for (const entry& e : entries_) 
+      for (const entry& e : entries_)
         for (int j = 0; j < 3; ++j)
           for (int i = 0; i < 3; ++i) matrix_(3 * e.row + i, 3 * e.column + j) += e.value(i, j);
       dense_lu_.compute(matrix_);

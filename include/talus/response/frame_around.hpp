@@ -11,9 +11,15 @@ namespace talus::detail {
 template <class Real>
 [[nodiscard]] matrix3<Real> frame_around(const vector3<Real>& n) {
   const Real sign = n[2] < 0 ? Real{-1} : Real{1}, p = -1 / (sign + n[2]), q = n[0] * n[1] * p;
-  return {n[0], n[1], n[2],                                    //
-          1 + sign * n[0] * n[0] * p, sign * q, -sign * n[0],  //
-          q, sign + n[1] * n[1] * p, -n[1]};
+  return {n[0],
+          n[1],
+          n[2],  //
+          1 + sign * n[0] * n[0] * p,
+          sign * q,
+          -sign * n[0],  //
+          q,
+          sign + n[1] * n[1] * p,
+          -n[1]};
 }
 
 }  // namespace talus::detail

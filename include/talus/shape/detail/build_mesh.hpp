@@ -29,8 +29,7 @@ template <class Real>
       const Real det = a.dot(b.cross(c));
       sum.mass += det / 6;
       sum.first += det / 24 * s;
-      sum.second += det / 120 *
-                    (outer(s, s) + outer(a, a) + outer(b, b) + outer(c, c));
+      sum.second += det / 120 * (outer(s, s) + outer(a, a) + outer(b, b) + outer(c, c));
     }
   return sum;
 }
