@@ -17,7 +17,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/id.hpp"
 #include "talus/parallel/launch_settings.hpp"
-#include "talus/parallel/parcel.hpp"
+#include "talus/core/parcel.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "talus/contact/key.hpp"
 #include "talus/core/plain_vector.hpp"
-#include "talus/response/island_problem.hpp"
+#include "talus/response/island_contact.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {

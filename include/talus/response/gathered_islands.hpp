@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -16,10 +17,12 @@
 #include "talus/contact/key.hpp"
 #include "talus/core/bytes.hpp"
 #include "talus/core/id.hpp"
+#include "talus/core/parcel.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
+#include "talus/response/body_ties.hpp"
 #include "talus/response/contact_access.hpp"
-#include "talus/response/shared_islands.hpp"
+#include "talus/response/island_problem.hpp"
 #include "talus/response/solve_bodies.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -104,10 +107,9 @@ class gathered_islands {
 
   /// After the last sweep. `parcels` becomes one for each rank that takes part besides this one;
   /// `exchange()` sends and receives them.
-  template <class Parcel, class Exchange>
   void solve(std::span<const access> lists, State& s, int own,
-             std::span<const travelling_bodies> travelling, std::vector<Parcel>& parcels,
-             Exchange&& exchange) {
+             std::span<const travelling_bodies> travelling, std::vector<parcel>& parcels,
+             const std::function<void()>& exchange) {
     parcels.clear();
     if (hubs_.empty()) return;
     note_owners(s, own, travelling);
@@ -115,11 +117,11 @@ class gathered_islands {
       if (holds_hub(other.sent) || holds_hub(other.received))
         parcels.push_back({.rank = other.rank});
     find_parts(lists, s, own);
-    for (Parcel& p : parcels) tell(lists, s, parts_[p.rank], p.out);
+    for (parcel& p : parcels) tell(lists, s, parts_[p.rank], p.out);
     exchange();
     solve_here(lists, s, parts_[own], parcels);
     exchange();
-    for (Parcel& p : parcels) {
+    for (parcel& p : parcels) {
       byte_reader in(p.in);
       take(lists, s, parts_[p.rank], in.get_all<vec3>());
     }
@@ -307,9 +309,8 @@ class gathered_islands {
   }
 
   /// Solves the own part together with what the parcels have brought, and writes the answers.
-  template <class Parcel>
   void solve_here(std::span<const access> lists, State& s, const part& own,
-                  std::vector<Parcel>& parcels) {
+                  std::vector<parcel>& parcels) {
     solver_state all;
     std::map<system_id, std::int32_t> number;
     const auto add_body = [&](const told_body& b) {

@@ -11,19 +11,10 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/assembled.hpp"
+#include "talus/response/island_contact.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
-
-/// What the Delassus operator needs to know of one contact.
-struct island_contact {
-  std::int32_t a = 0, b = -1;  ///< bodies; b = -1 where it cannot move
-  mat3 axes;                   ///< rows: normal from b to a, two tangents
-  vec3 arm_a, arm_b;           ///< from the centres of mass to the contact point
-  real target = 0, friction = 0;
-  vec3 impulse;                     ///< on a, in the world
-  std::array<real, 2> drive{0, 0};  ///< tangential velocity of a against b by immovable bodies
-};
 
 /// Orders contacts along the chain of bodies that they connect (Cuthill and McKee 1969): contacts
 /// of one body then lie close together. Returns the order and the half bandwidth in contacts.

@@ -10,7 +10,7 @@
 #include "talus/response/correct_overlaps.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
-#include "talus/response/stalled_islands.hpp"
+#include "talus/response/direct_islands.hpp"
 #include "talus/response/sweep.hpp"
 
 namespace talus {
@@ -49,14 +49,14 @@ struct nonlinear_gauss_seidel final {
       ranks.solve_shared_islands(lists);
     }
 
-    const bool looks = detail::stalled_islands<State>::due(s);
+    const bool looks = s.islands.due();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
       detail::relax_boundary<Ranks>(lists, s);
       const bool more = k + 1 < watch.limit();
       if (looks && k + 1 == settings.iterations) {
-        detail::stalled_islands<State>().sweep_and_solve(detail::access_to<State>(lists), s);
+        detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s);
         if constexpr (!alone)
           if (more) ranks.share_velocities();
       } else {

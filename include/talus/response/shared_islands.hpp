@@ -1,8 +1,6 @@
 #pragma once
 // Small groups of contacts across ranks, solved as one problem by each of these ranks, alike.
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -15,57 +13,13 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/band_system.hpp"
+#include "talus/response/body_ties.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/island_problem.hpp"
 #include "talus/response/island_solver.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
-
-/// The ranks that know a body, besides its owner: at most four, else nobody may rely on it.
-class body_holders {
- public:
-  void add(int rank) {
-    if (crowded() || rank >= 0xfffe) {
-      bits_ = ~std::uint64_t{0};
-      return;
-    }
-    int place = 0;
-    while (place < 64 && (bits_ >> place & 0xffff) != 0) place += 16;
-    bits_ = place == 64 ? ~std::uint64_t{0} : bits_ | static_cast<std::uint64_t>(rank + 1) << place;
-  }
-  [[nodiscard]] bool has(int rank) const {
-    if (crowded()) return false;
-    for (int place = 0; place < 64; place += 16)
-      if ((bits_ >> place & 0xffff) == static_cast<std::uint64_t>(rank + 1)) return true;
-    return false;
-  }
-  // How it travels among numbers: in two halves, since some bits would make no number.
-  [[nodiscard]] std::array<real, 2> packed() const {
-    return {static_cast<real>(bits_ >> 32), static_cast<real>(bits_ & 0xffffffffu)};
-  }
-  void unpack(real high, real low) {
-    bits_ = static_cast<std::uint64_t>(high) << 32 | static_cast<std::uint64_t>(low);
-  }
-
- private:
-  [[nodiscard]] bool crowded() const { return bits_ == ~std::uint64_t{0}; }
-  std::uint64_t bits_ = 0;
-};
-
-/// The bodies whose copies travel between this rank and another one, as indices into the solver's.
-struct travelling_bodies {
-  int rank = 0;
-  std::span<const std::uint32_t> sent, received;
-};
-
-/// What a rank says of a body to those that hold a copy of it.
-struct body_ties {
-  std::uint32_t contacts = 0;  ///< that this rank knows of
-  std::int32_t of_owner = -1;  ///< that its owner knows of; -1 if that takes no part
-  std::int32_t owner = -1;
-  body_holders holders;
-};
 
 /// Where a stack stands on the corner of several domains, each of these ranks holds copies of all
 /// its bodies, sees all its contacts, and starts from the same velocities. So each solves the whole

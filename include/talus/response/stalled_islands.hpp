@@ -34,11 +34,8 @@ class stalled_islands {
   using access = contact_access<State>;
 
  public:
-  /// Whether to look for stalled islands in this step. Where all that stalls is too large to be
-  /// solved here, as in a pile, looking is put off for some steps.
-  [[nodiscard]] static bool due(State& s) { return s.islands.due(); }
-
-  /// The last sweep, and then what has stalled.
+  /// The last sweep, and then what has stalled. Where all that stalls is too large to be solved
+  /// here, as in a pile, looking is put off for some steps.
   void sweep_and_solve(std::span<const access> lists, State& s) {
     if (s.speed == 0)  // no gravity
       for (const auto& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * v_of(b).norm());

@@ -43,7 +43,7 @@ template <class Own, class Other, class Scenario>
 template <class Scenario>
 [[nodiscard]] bool shares_islands(const world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::islands_across_ranks)
-    return s.islands.wanted();
+    return s.islands.wants_foreign_contacts();
   else
     return (void)s, false;
 }

@@ -165,7 +165,6 @@ void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
   if constexpr (!state::law::soft) {
     s.solver.islands.begin_afresh();
     s.islands = {};
-    s.gathered = {};
   }
   s.each_finite_shape([](auto& b) {
     b.movable.drop_shadows();

@@ -9,12 +9,11 @@
 
 #include "talus/contact/history.hpp"
 #include "talus/core/plain_vector.hpp"
-#include "talus/parallel/parcel.hpp"
+#include "talus/core/parcel.hpp"
 #include "talus/response/coloured_list.hpp"
 #include "talus/response/convergence.hpp"
-#include "talus/response/gathered_islands.hpp"
+#include "talus/response/direct_islands.hpp"
 #include "talus/response/impulse_scale.hpp"
-#include "talus/response/shared_islands.hpp"
 #include "talus/response/soft_state.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
@@ -107,8 +106,7 @@ struct hard_response {
   history_type history;
   solver_state_of<Real> solver;
   passivity_scratch passive;
-  shared_islands<solver_state_of<Real>> islands;  ///< where there are ranks
-  gathered_islands<solver_state_of<Real>> gathered;
+  direct_islands<solver_state_of<Real>> islands;
   talus::convergence convergence;
   [[no_unique_address]] std::conditional_t<solves_by_colours<Solver>, shared_colours, no_colours>
       colours;

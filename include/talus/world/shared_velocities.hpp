@@ -40,7 +40,7 @@ class shared_velocities {
           const body_ties& ties = s_.islands.ties(i);
           const auto [high, low] = ties.holders.packed();
           out[7] = ties.of_owner, out[8] = high, out[9] = low;
-          out[10] = s_.gathered.is_hub(i);
+          out[10] = s_.islands.is_hub(i);
         },
         [&](std::uint32_t i, const real* in) {
           get_velocity(i, in);
@@ -48,7 +48,7 @@ class shared_velocities {
           body_ties& ties = s_.islands.ties(i);
           ties.of_owner = static_cast<std::int32_t>(in[7]);
           ties.holders.unpack(in[8], in[9]);
-          if (in[10] != 0) s_.gathered.add_hub(i);
+          if (in[10] != 0) s_.islands.add_hub(i);
         });
   }
   /// To be called before any impulse acts, and after share_velocities_and_counts().
@@ -57,13 +57,11 @@ class shared_velocities {
     if constexpr (!state_type::islands_across_ranks) return (void)lists;
     const auto all = access_to<solver_type>(lists);
     s_.islands.look(all, s_.solver, s_.link->rank(), travelling());
-    s_.gathered.find_hubs(all, s_.solver, s_.link->rank(), travelling());
   }
   template <class Lists>
   void solve_shared_islands(Lists& lists) {
     const auto all = access_to<solver_type>(lists);
-    s_.islands.solve(all, s_.solver);
-    s_.gathered.mark(all, s_.solver);
+    s_.islands.solve_shared(all, s_.solver);
   }
   /// After the last sweep.
   template <class Lists>
@@ -75,7 +73,7 @@ class shared_velocities {
       s_.link->start(parcels);
       s_.link->finish(parcels);
     };
-    s_.gathered.solve(access_to<solver_type>(lists), s_.solver, s_.link->rank(), travelling(),
+    s_.islands.solve_gathered(access_to<solver_type>(lists), s_.solver, s_.link->rank(), travelling(),
                       parcels, exchange);
     if (parcels.empty()) return;
     // The new velocities of what these ranks have copies of.

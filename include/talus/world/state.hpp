@@ -14,7 +14,7 @@
 #include "talus/core/type_list.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/lone_domain.hpp"
-#include "talus/parallel/parcel.hpp"
+#include "talus/core/parcel.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 #include "talus/world/balance_state.hpp"

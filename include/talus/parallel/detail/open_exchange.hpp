@@ -7,7 +7,7 @@
 #include <string>
 
 #include "talus/core/error.hpp"
-#include "talus/parallel/parcel.hpp"
+#include "talus/core/parcel.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 

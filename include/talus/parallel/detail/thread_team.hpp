@@ -19,7 +19,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/parallel/detail/wait_watch.hpp"
-#include "talus/parallel/parcel.hpp"
+#include "talus/core/parcel.hpp"
 
 namespace talus::detail {
 

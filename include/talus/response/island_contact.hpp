@@ -1,0 +1,20 @@
+#pragma once
+// A contact as the solvers of whole islands see it, whatever its kind.
+#include <array>
+#include <cstdint>
+
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// What the Delassus operator needs to know of one contact.
+struct island_contact {
+  std::int32_t a = 0, b = -1;  ///< bodies; b = -1 where it cannot move
+  mat3 axes;                   ///< rows: normal from b to a, two tangents
+  vec3 arm_a, arm_b;           ///< from the centres of mass to the contact point
+  real target = 0, friction = 0;
+  vec3 impulse;                     ///< on a, in the world
+  std::array<real, 2> drive{0, 0};  ///< tangential velocity of a against b by immovable bodies
+};
+
+}  // namespace talus::detail
