@@ -16,8 +16,8 @@
 #include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/id.hpp"
-#include "talus/parallel/launch_settings.hpp"
 #include "talus/core/parcel.hpp"
+#include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 

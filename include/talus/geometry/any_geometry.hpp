@@ -165,4 +165,6 @@ class any_geometry {
 
 }  // namespace talus
 
+#ifndef TALUS_COMPILED
 #include "talus/geometry/detail/any_geometry.hpp"
+#endif

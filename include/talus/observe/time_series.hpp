@@ -29,23 +29,10 @@ class time_series {
   /// Opens the file; the first line replaces what is there. An empty name means no file, and costs
   /// nothing. Throws runtime_error if it cannot be written. `speaks` is true on rank 0 alone.
   /// With `goes_on` the file stays, and go_on_from() is called before the first line.
-  time_series(std::string file, bool speaks, bool goes_on = false)
-      : name_(std::move(file)),
-        speaks_(speaks && !name_.empty()),
-        begins_(!goes_on && !detail::is_stream(name_)) {
-    if (!speaks_) return;
-    if (!begins_) file_ = std::fopen(name_.c_str(), goes_on ? "a+" : "a");
-    if (begins_ ? !detail::part_file(name_).good() : file_ == nullptr)
-      detail::fail<std::runtime_error>(
-          "the file {} cannot be written: give --csv a file in a folder that exists and is "
-          "writable",
-          name_);
-  }
+  time_series(std::string file, bool speaks, bool goes_on = false);
   time_series(const time_series&) = delete;
   time_series& operator=(const time_series&) = delete;
-  ~time_series() {
-    if (file_ != nullptr) std::fclose(file_);
-  }
+  ~time_series();
 
   /// Collective: the line of the state in which the run begins, if there is none yet.
   template <class Scenario>
@@ -90,28 +77,12 @@ class time_series {
 
   /// On all ranks: the table goes on after a restart in this step. Lines of later steps, which the
   /// run before had still written, go, and so do those between two of `every` steps.
-  [[gnu::cold]] void go_on_from(std::uint64_t step, std::uint64_t every) {
-    if (name_.empty()) return;
-    sampled_ = true;  // by the run before
-    if (step % every == 0) last_ = step;
-    if (!speaks_ || detail::is_stream(name_)) return;
-    rewrite([&](std::string& line, bool head) {
-      if (head) return head_ = line, true;
-      char* end = nullptr;
-      const unsigned long long of = std::strtoull(line.c_str(), &end, 10);
-      return end != line.c_str() && of <= step && of % every == 0;
-    });
-  }
+  [[gnu::cold]] void go_on_from(std::uint64_t step, std::uint64_t every);
 
  private:
   using records = std::vector<detail::recorded_value>;
 
-  [[noreturn, gnu::cold]] void fail_to_write() const {
-    detail::fail<std::runtime_error>(
-        "the time series could not be written to {}: is the disk "
-        "full?",
-        name_);
-  }
+  [[noreturn, gnu::cold]] void fail_to_write() const;
   /// Writes the lines for which keep(line, is the first) anew, as it leaves them.
   template <class Keep>
   [[gnu::cold]] void rewrite(Keep&& keep) {
@@ -134,70 +105,13 @@ class time_series {
     replace_by(kept);
   }
   /// Of the whole file; it stays open for more.
-  [[gnu::cold]] void replace_by(const std::string& text) {
-    detail::part_file beside(name_);
-    if (!beside.good() || !detail::write_text(beside.id(), text)) fail_to_write();
-    const int whole = beside.rename_and_keep(name_);
-    if (whole < 0 || (file_ = ::fdopen(whole, "a")) == nullptr) fail_to_write();
-  }
+  [[gnu::cold]] void replace_by(const std::string& text);
   [[nodiscard, gnu::cold]] static std::string head_of(std::string_view name,
-                                                      std::string_view dimension) {
-    std::string head(name);
-    if (!dimension.empty()) ((head += " [") += dimension) += "]";
-    return head;
-  }
+                                                      std::string_view dimension);
   /// The head of the table, with the user's own columns behind the others. The lines before the
   /// first value of such a column have nothing there.
-  [[gnu::cold]] void write_head(const detail::plain_vector<measured>& columns, const records& own) {
-    std::string head;
-    for (const measured& c : columns)
-      (head += head.empty() ? "" : ",") += head_of(c.name, c.dimension);
-    const auto standard = std::count(head.begin(), head.end(), ',');
-    for (const detail::recorded_value& r : own) {
-      for (const measured& c : columns)
-        if (c.name == r.name)
-          detail::fail<std::invalid_argument>(
-              "world.record was given the name '{}', which is that of another column of the table "
-              "{}: take another name",
-              r.name, name_);
-      head += "," + head_of(r.name, r.dimension);
-    }
-    const auto commas_of = [](std::string_view text) {
-      return std::count(text.begin(), text.end(), ',');
-    };
-    behind_.clear();
-    if (head == head_) return;
-    if (head_.empty()) {
-      if (std::fputs((head + "\n").c_str(), file_) < 0) fail_to_write();
-    } else if (head_.starts_with(head + ",")) {  // columns of the run before that are still to come
-      behind_.assign(static_cast<std::size_t>(commas_of(head_) - commas_of(head)), ',');
-      return;
-    } else if (head.starts_with(head_ + ",") && standard <= commas_of(head_) &&
-               !detail::is_stream(name_)) {
-      const std::string missing(static_cast<std::size_t>(commas_of(head) - commas_of(head_)), ',');
-      rewrite([&](std::string& line, bool first) {
-        if (first)
-          line = head;
-        else
-          line += missing;
-        return true;
-      });
-    } else {
-      detail::fail<std::runtime_error>(
-          "the table {} has other columns than this run would add to it: give --csv another file",
-          name_);
-    }
-    head_ = std::move(head);
-  }
-  [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own) {
-    if (std::exchange(begins_, false)) replace_by("");
-    write_head(columns, own);
-    std::string line;
-    for (const measured& c : columns) (line += line.empty() ? "" : ",") += detail::text(c.value);
-    for (const detail::recorded_value& r : own) (line += ",") += detail::text(r.value);
-    line += behind_ + "\n";
-    if (std::fputs(line.c_str(), file_) < 0 || std::fflush(file_) != 0) fail_to_write();
-  }
+  [[gnu::cold]] void write_head(const detail::plain_vector<measured>& columns, const records& own);
+  [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own);
 
   std::string name_;
   std::FILE* file_ = nullptr;
@@ -209,3 +123,7 @@ class time_series {
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/observe/time_series_definitions.hpp"
+#endif

@@ -20,52 +20,18 @@ class grid_cells {
   using cuts_type = std::array<std::vector<real>, 3>;
 
   /// Strictly increasing positions of the cuts along each axis.
-  explicit grid_cells(cuts_type cuts) : cuts_(std::move(cuts)) {
-    for (int axis = 0; axis < 3; ++axis) n_[axis] = static_cast<int>(cuts_[axis].size()) + 1;
-  }
+  explicit grid_cells(cuts_type cuts);
 
   [[nodiscard]] int size() const { return n_[0] * n_[1] * n_[2]; }
   /// Number of cells along each axis.
   [[nodiscard]] const std::array<int, 3>& cells() const { return n_; }
   [[nodiscard]] const cuts_type& cuts() const { return cuts_; }
 
-  [[nodiscard]] int owner(const vec3& p) const {
-    if (detail::has_nan(p)) return -1;
-    return index(0, p[0]) + n_[0] * (index(1, p[1]) + n_[1] * index(2, p[2]));
-  }
+  [[nodiscard]] int owner(const vec3& p) const;
 
-  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const {
-    const auto at = position(rank);
-    std::array<int, 3> first, last;
-    for (int axis = 0; axis < 3; ++axis) {
-      first[axis] = last[axis] = at[axis];
-      // The gap to the next cell but one spans whole cells; the next one always touches.
-      while (first[axis] > 0 && lower(axis, at[axis]) - upper(axis, first[axis] - 1) <= reach)
-        --first[axis];
-      while (last[axis] + 1 < n_[axis] &&
-             lower(axis, last[axis] + 1) - upper(axis, at[axis]) <= reach)
-        ++last[axis];
-    }
-    std::vector<int> ranks;
-    for (int iz = first[2]; iz <= last[2]; ++iz)
-      for (int iy = first[1]; iy <= last[1]; ++iy)
-        for (int ix = first[0]; ix <= last[0]; ++ix)
-          if (const int other = ix + n_[0] * (iy + n_[1] * iz); other != rank)
-            ranks.push_back(other);
-    return ranks;
-  }
+  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const;
 
-  [[nodiscard]] any_geometry geometry(int rank) const {
-    const auto at = position(rank);
-    detail::plain_vector<half_space> planes;
-    for (int axis = 0; axis < 3; ++axis) {
-      const vec3 normal = vec3::Unit(axis);
-      if (at[axis] > 0) planes.push_back({normal, lower(axis, at[axis])});
-      if (at[axis] + 1 < n_[axis])
-        planes.push_back(half_space(normal, upper(axis, at[axis])).flipped());
-    }
-    return any_geometry::cell(planes);
-  }
+  [[nodiscard]] any_geometry geometry(int rank) const;
 
   /// The bounds of one cell, for what is asked of every body in every step.
   struct cell_bounds {
@@ -85,33 +51,13 @@ class grid_cells {
       return std::min(gap(0), std::min(gap(1), gap(2)));
     }
   };
-  [[nodiscard]] cell_bounds cell(int rank) const {
-    const auto at = position(rank);
-    cell_bounds bounds;
-    for (int axis = 0; axis < 3; ++axis) {
-      bounds.lower[axis] = lower(axis, at[axis]);
-      bounds.upper[axis] = upper(axis, at[axis]);
-    }
-    return bounds;
-  }
+  [[nodiscard]] cell_bounds cell(int rank) const;
 
  private:
-  [[nodiscard]] int index(int axis, real x) const {
-    const auto& cuts = cuts_[axis];
-    return static_cast<int>(std::upper_bound(cuts.begin(), cuts.end(), x) - cuts.begin());
-  }
-  [[nodiscard]] std::array<int, 3> position(int rank) const {
-    if (rank < 0 || rank >= size())
-      detail::fail<std::invalid_argument>("there is no rank {} in a grid of {} x {} x {} cells",
-                                          rank, n_[0], n_[1], n_[2]);
-    return {rank % n_[0], rank / n_[0] % n_[1], rank / n_[0] / n_[1]};
-  }
-  [[nodiscard]] real lower(int axis, int i) const {
-    return i == 0 ? -std::numeric_limits<real>::infinity() : cuts_[axis][i - 1];
-  }
-  [[nodiscard]] real upper(int axis, int i) const {
-    return i + 1 == n_[axis] ? std::numeric_limits<real>::infinity() : cuts_[axis][i];
-  }
+  [[nodiscard]] int index(int axis, real x) const;
+  [[nodiscard]] std::array<int, 3> position(int rank) const;
+  [[nodiscard]] real lower(int axis, int i) const;
+  [[nodiscard]] real upper(int axis, int i) const;
 
   cuts_type cuts_;
   std::array<int, 3> n_;
@@ -123,28 +69,7 @@ inline constexpr int unsaid = -2;
 
 /// Fills in the zeros of `cells` so that their product is `ranks`: as equal as can be, larger
 /// factors first. False if `ranks` is not a multiple of what is given.
-inline bool balance(std::array<int, 3>& cells, int ranks) {
-  int open = 0;
-  for (const int n : cells) {
-    if (n == 0)
-      ++open;
-    else if (ranks % n != 0)
-      return false;
-    else
-      ranks /= n;
-  }
-  std::array<int, 3> best{ranks, 1, 1};
-  for (int c = 1; open > 1 && c <= ranks; ++c) {
-    if (ranks % c != 0 || (open == 2 && c > 1)) continue;
-    for (int b = c; b * b <= ranks / c; ++b)
-      if (ranks / c % b == 0 && ranks / c / b + b + c < best[0] + best[1] + best[2])
-        best = {ranks / c / b, b, c};
-  }
-  int next = 0;
-  for (int& n : cells)
-    if (n == 0) n = best[next++];
-  return open > 0 || ranks == 1;
-}
+bool balance(std::array<int, 3>& cells, int ranks);
 
 }  // namespace detail
 
@@ -273,3 +198,7 @@ struct grid {
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/grid_definitions.hpp"
+#endif

@@ -49,15 +49,7 @@ class colouring {
  public:
   std::vector<colour_line> lines;
 
-  void start(std::size_t bodies) {
-    units_.clear();
-    sets_.reset(bodies);
-    colours_ = 0;
-    for (colour_line& l : lines) {
-      l.units.clear(), l.out.clear(), l.in.clear();
-      l.told = l.heard = l.telling = 0;
-    }
-  }
+  void start(std::size_t bodies);
   void add(const contact_unit& unit) { units_.push_back(unit); }
 
   /// `exchange(first)` sends `out` of all lines (if `first`) or of those that are open, and fills
@@ -79,10 +71,7 @@ class colouring {
   [[nodiscard]] std::size_t size() const { return units_.size(); }
   [[nodiscard]] const contact_unit& unit(std::size_t n) const { return units_[n]; }
   [[nodiscard]] std::uint32_t colour_of(std::size_t n) const { return colour_of_[n]; }
-  [[nodiscard]] std::size_t bytes() const {
-    return units_.capacity() * sizeof(contact_unit) +
-           (order_.capacity() + starts_.capacity() + colour_of_.capacity()) * sizeof(std::uint32_t);
-  }
+  [[nodiscard]] std::size_t bytes() const;
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -91,38 +80,10 @@ class colouring {
     std::vector<std::uint64_t> colours;
   };
 
-  static bool comes_before(const contact_unit& x, const contact_unit& y) {
-    if (x.priority != y.priority) return x.priority < y.priority;
-    return x.id_a != y.id_a ? value_of(x.id_a) < value_of(y.id_a)
-                            : value_of(x.id_b) < value_of(y.id_b);
-  }
+  static bool comes_before(const contact_unit& x, const contact_unit& y);
   /// By priority: into buckets by its first bits, few in each, and then by insertion.
-  void sort() {
-    const int bits = std::min(16, static_cast<int>(std::bit_width(units_.size())) + 1);
-    const auto bucket = [&](const contact_unit& u) {
-      return static_cast<std::size_t>(u.priority >> (64 - bits));
-    };
-    starts_.assign((std::size_t{1} << bits) + 1, 0);
-    for (const contact_unit& u : units_) ++starts_[bucket(u) + 1];
-    for (std::size_t k = 1; k < starts_.size(); ++k) starts_[k] += starts_[k - 1];
-    order_.resize(units_.size());
-    for (std::size_t n = 0; n < units_.size(); ++n)
-      order_[starts_[bucket(units_[n])]++] = static_cast<std::uint32_t>(n);
-    for (std::size_t k = 1; k < order_.size(); ++k) {
-      const std::uint32_t n = order_[k];
-      std::size_t at = k;
-      for (; at > 0 && comes_before(units_[n], units_[order_[at - 1]]); --at)
-        order_[at] = order_[at - 1];
-      order_[at] = n;
-    }
-  }
-  void give(std::uint32_t n, std::uint32_t colour) {
-    const contact_unit& u = units_[n];
-    colour_of_[n] = colour;
-    colours_ = std::max(colours_, colour + 1);
-    sets_.take(u.a, colour);
-    if (u.b >= 0) sets_.take(u.b, colour);
-  }
+  void sort();
+  void give(std::uint32_t n, std::uint32_t colour);
 
   template <class Exchange>
   void across_lines(Exchange&& exchange) {
@@ -153,88 +114,12 @@ class colouring {
         if (first || l.open()) hear(l, first);
     }
   }
-  [[nodiscard]] std::size_t colour_sets_size() const {
-    std::int32_t most = -1;
-    for (const contact_unit& u : units_) most = std::max({most, u.a, u.b});
-    return static_cast<std::size_t>(most + 1);
-  }
+  [[nodiscard]] std::size_t colour_sets_size() const;
   /// Colours what can be coloured, and tells what the neighbours need for it.
-  void go_on(std::uint32_t round) {
-    std::size_t kept = 0;
-    const auto waits = [&](std::int32_t i) -> std::uint32_t& {
-      return waits_[static_cast<std::size_t>(i)];
-    };
-    for (const std::uint32_t n : remaining_) {
-      const contact_unit& u = units_[n];
-      const bool shared = u.line >= 0;
-      const bool ready = waits(u.a) != round && (shared || u.b < 0 || waits(u.b) != round);
-      if (ready && !shared) {
-        give(n, sets_.lowest_free(u.a, u.b));
-        continue;
-      }
-      if (ready) {
-        taken_there& there = there_[number_[n]];
-        if (!there.told) tell(lines[static_cast<std::size_t>(u.line)], n);
-        there.told = true;
-        if (there.known) {
-          give(n, sets_.lowest_free(u.a, -1, there.colours));
-          continue;
-        }
-      }
-      waits(u.a) = round;
-      if (!shared && u.b >= 0) waits(u.b) = round;
-      remaining_[kept++] = n;
-    }
-    remaining_.resize(kept);
-  }
-  void tell(colour_line& l, std::uint32_t n) {
-    byte_writer out(l.out);
-    const auto at = std::lower_bound(
-        l.units.begin(), l.units.end(), n,
-        [&](std::uint32_t x, std::uint32_t y) { return comes_before(units_[x], units_[y]); });
-    out.put(static_cast<std::uint32_t>(at - l.units.begin()));
-    const auto words = sets_.words(units_[n].a);
-    out.put(std::span<const std::uint64_t>(words));
-    ++l.telling;
-  }
-  void hear(colour_line& l, bool first) {
-    byte_reader in(l.in);
-    if (first) {
-      const auto count = in.get<std::uint64_t>(), sum = in.get<std::uint64_t>();
-      std::uint64_t own = 0;
-      for (const std::uint32_t n : l.units) own += mix(units_[n].priority);
-      if (count != l.units.size() || sum != own)
-        fail<std::runtime_error>(
-            "two ranks disagree about the pairs of their bodies that touch: {} here, and {} by "
-            "rank "
-            "{}; a shadow copy is missing or out of date: call synchronize() on all ranks after "
-            "changing bodies or connections",
-            l.units.size(), count, l.rank);
-    }
-    for (; !in.empty(); ++l.heard) {
-      const auto at = in.get<std::uint32_t>();
-      if (at >= l.units.size())
-        fail<std::runtime_error>("rank {} told of pair {}, but shares {} with this one", l.rank, at,
-                                 l.units.size());
-      taken_there& there = there_[number_[l.units[at]]];
-      const auto words = in.get_all<std::uint64_t>();
-      there.colours.assign(words.begin(), words.end());
-      there.known = true;
-    }
-    l.told += std::exchange(l.telling, 0);
-    l.out.clear();
-  }
-  void schedule(colour_line& l) {
-    l.first.assign(colours_ + 1, 0);
-    for (const std::uint32_t n : l.units) ++l.first[colour_of_[n] + 1];
-    for (std::size_t k = 1; k < l.first.size(); ++k) l.first[k] += l.first[k - 1];
-    l.own.resize(l.units.size()), l.foreign.resize(l.units.size());
-    plain_vector<std::uint32_t> next = l.first;
-    for (const std::uint32_t n : l.units) {
-      const std::uint32_t at = next[colour_of_[n]]++;
-      l.own[at] = units_[n].a, l.foreign[at] = units_[n].b;
-    }
-  }
+  void go_on(std::uint32_t round);
+  void tell(colour_line& l, std::uint32_t n);
+  void hear(colour_line& l, bool first);
+  void schedule(colour_line& l);
 
   plain_vector<contact_unit> units_;
   plain_vector<std::uint32_t> order_, starts_, colour_of_, remaining_, number_, waits_;
@@ -244,3 +129,7 @@ class colouring {
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/response/colouring_definitions.hpp"
+#endif

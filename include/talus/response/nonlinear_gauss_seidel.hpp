@@ -8,9 +8,9 @@
 #include "talus/response/contact_list.hpp"
 #include "talus/response/convergence.hpp"
 #include "talus/response/correct_overlaps.hpp"
+#include "talus/response/direct_islands.hpp"
 #include "talus/response/solver_settings.hpp"
 #include "talus/response/solver_state.hpp"
-#include "talus/response/direct_islands.hpp"
 #include "talus/response/sweep.hpp"
 
 namespace talus {

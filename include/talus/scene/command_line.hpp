@@ -125,4 +125,6 @@ class command_line {
 
 }  // namespace talus
 
+#ifndef TALUS_COMPILED
 #include "talus/scene/detail/command_line.hpp"
+#endif

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "talus/contact/history.hpp"
-#include "talus/core/plain_vector.hpp"
 #include "talus/core/parcel.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/response/coloured_list.hpp"
 #include "talus/response/convergence.hpp"
 #include "talus/response/direct_islands.hpp"

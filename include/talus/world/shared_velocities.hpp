@@ -73,8 +73,8 @@ class shared_velocities {
       s_.link->start(parcels);
       s_.link->finish(parcels);
     };
-    s_.islands.solve_gathered(access_to<solver_type>(lists), s_.solver, s_.link->rank(), travelling(),
-                      parcels, exchange);
+    s_.islands.solve_gathered(access_to<solver_type>(lists), s_.solver, s_.link->rank(),
+                              travelling(), parcels, exchange);
     if (parcels.empty()) return;
     // The new velocities of what these ranks have copies of.
     const auto with = [&](int rank) -> const auto& {

@@ -10,11 +10,11 @@
 
 #include "talus/body/material.hpp"
 #include "talus/core/each.hpp"
+#include "talus/core/parcel.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/lone_domain.hpp"
-#include "talus/core/parcel.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 #include "talus/world/balance_state.hpp"

@@ -1,12 +1,13 @@
 #pragma once
 // The parts of any_geometry that are not hot: canonical form, nested evaluation, text.
+#include "talus/core/linkage.hpp"
 #include "talus/geometry/any_geometry.hpp"
 
 namespace talus {
 
 namespace detail {
 
-inline bool geometry_group::less(const geometry_group& other) const {
+TALUS_INLINE bool geometry_group::less(const geometry_group& other) const {
   if (all_of != other.all_of) return all_of;
   if (planes != other.planes) return planes < other.planes;
   for (std::size_t i = 0; i < std::min(groups.size(), other.groups.size()); ++i)
@@ -15,7 +16,7 @@ inline bool geometry_group::less(const geometry_group& other) const {
 }
 
 /// Of parallel planes only the tightest counts in an intersection, the widest in a merge.
-inline void geometry_group::add(const half_space& h) {
+TALUS_INLINE void geometry_group::add(const half_space& h) {
   auto at = planes.begin();
   for (; at != planes.end(); ++at) {
     if (at->normal() == h.normal()) {
@@ -27,14 +28,14 @@ inline void geometry_group::add(const half_space& h) {
   planes.insert(at, h);
 }
 
-inline void geometry_group::add(geometry_group&& group) {
+TALUS_INLINE void geometry_group::add(geometry_group&& group) {
   auto at = groups.begin();
   for (; at != groups.end() && !group.less(*at); ++at)
     if (*at == group) return;
   groups.insert(at, std::move(group));
 }
 
-inline void geometry_group::settle() {
+TALUS_INLINE void geometry_group::settle() {
   for (const half_space& h : std::exchange(planes, {})) add(h);
   for (auto& group : std::exchange(groups, {})) {
     const std::size_t parts = group.planes.size() + group.groups.size();
@@ -58,7 +59,7 @@ inline void geometry_group::settle() {
   }
 }
 
-inline void geometry_builder::close() {
+TALUS_INLINE void geometry_builder::close() {
   geometry_group done = std::move(path_.back());
   path_.pop_back();
   done.settle();
@@ -86,7 +87,7 @@ struct geometry_flip {
 
 }  // namespace detail
 
-inline void any_geometry::adopt(detail::geometry_builder& builder) {
+TALUS_INLINE void any_geometry::adopt(detail::geometry_builder& builder) {
   detail::geometry_group root = builder.root();
   root.settle();
   while (root.planes.empty() && root.groups.size() == 1) {
@@ -100,7 +101,7 @@ inline void any_geometry::adopt(detail::geometry_builder& builder) {
   if (root.groups.empty()) program_.clear();
 }
 
-inline int any_geometry::emit(const detail::geometry_group& group, std::size_t nesting) {
+TALUS_INLINE int any_geometry::emit(const detail::geometry_group& group, std::size_t nesting) {
   if (nesting > max_nesting_)
     detail::fail<std::invalid_argument>(
         "a geometry nests intersect and merge more than {} levels deep; "
@@ -120,7 +121,7 @@ inline int any_geometry::emit(const detail::geometry_group& group, std::size_t n
   return depth;
 }
 
-inline real any_geometry::run(const vec3& p) const {
+TALUS_INLINE real any_geometry::run(const vec3& p) const {
   struct level {
     real value;
     bool all_of;
@@ -143,7 +144,7 @@ inline real any_geometry::run(const vec3& p) const {
   return stack[0].value;
 }
 
-inline bool any_geometry::run_owns(const vec3& p) const {
+TALUS_INLINE bool any_geometry::run_owns(const vec3& p) const {
   std::array<std::pair<bool, bool>, max_nesting_ + 1> stack;  // inside so far, all_of
   std::size_t top = 0;
   stack[0] = {true, true};
@@ -165,7 +166,7 @@ inline bool any_geometry::run_owns(const vec3& p) const {
   return stack[0].first;
 }
 
-inline any_geometry complement(const any_geometry& g) {
+TALUS_INLINE any_geometry complement(const any_geometry& g) {
   detail::geometry_builder builder;
   detail::geometry_flip flip{builder};
   g.describe(flip);
@@ -174,7 +175,7 @@ inline any_geometry complement(const any_geometry& g) {
   return result;
 }
 
-inline std::string to_string(const any_geometry& g) {
+TALUS_INLINE std::string to_string(const any_geometry& g) {
   if (g.planes().empty()) return g.convex() ? "all of space" : "nothing";
   if (g.planes().size() == 1) return to_string(g.planes()[0]);
   detail::geometry_text text;

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
-#include "talus/parallel/detail/wait_watch.hpp"
 #include "talus/core/parcel.hpp"
+#include "talus/parallel/detail/wait_watch.hpp"
 
 namespace talus::detail {
 
@@ -31,37 +31,14 @@ class thread_team {
     byte_buffer bytes;
   };
 
-  explicit thread_team(int ranks)
-      : boxes_(static_cast<std::size_t>(ranks)),
-        doing_(static_cast<std::size_t>(ranks)),
-        steps_(static_cast<std::size_t>(ranks)),
-        running_(ranks),
-        taken_(static_cast<std::size_t>(ranks)) {
-    for (auto& d : doing_) d = busy;
-    for (auto& board : boards_) board.resize(boxes_.size());
-    for (auto& board : open_boards_) board.resize(boxes_.size());
-  }
+  explicit thread_team(int ranks);
   [[nodiscard]] int size() const { return static_cast<int>(boxes_.size()); }
   /// From now on a rank that waits for longer is reported, as launch_settings say.
   void watch(wait_watch how) { watch_ = std::move(how); }
   /// The last step that `rank` has completed.
-  void note_step(int rank, std::uint64_t step) {
-    steps_[static_cast<std::size_t>(rank)].store(step, std::memory_order_relaxed);
-  }
+  void note_step(int rank, std::uint64_t step);
 
-  void send(int from, int to, byte_buffer&& bytes) {
-    if (failed_) throw aborted{};
-    mailbox& box = boxes_[static_cast<std::size_t>(to)];
-    bool complete = false;
-    {
-      const std::lock_guard lock(box.mutex);
-      queue& q = box.from(from);
-      q.messages.push_back(std::move(bytes));
-      complete = q.messages.size() <= q.claimed && --box.missing == 0;
-      if (complete) ++running_;  // before this rank itself can fall asleep
-    }
-    if (complete) box.bell.notify_one();
-  }
+  void send(int from, int to, byte_buffer&& bytes);
 
   /// Waits for one message per parcel, then hands each to take(parcel, buffer).
   template <class Take>
@@ -115,18 +92,7 @@ class thread_team {
 
   /// A meeting in two parts: bring() leaves this rank's contribution and goes on, take() waits for
   /// those of all. Each rank takes before it brings again.
-  void bring(int rank, std::span<const std::byte> mine) {
-    const std::lock_guard lock(open_mutex_);
-    if (failed_) throw aborted{};
-    auto& board = open_boards_[open_round_ % 2];
-    board[static_cast<std::size_t>(rank)] = {meeting::reduce,
-                                             byte_buffer(mine.begin(), mine.end())};
-    if (++brought_ < size()) return;
-    brought_ = 0;
-    ++open_round_;
-    running_ += std::exchange(takers_, 0);  // before this rank itself can fall asleep
-    open_bell_.notify_all();
-  }
+  void bring(int rank, std::span<const std::byte> mine);
   template <class Read>
   void take(int rank, Read read) {
     const auto mine = taken_[static_cast<std::size_t>(rank)]++;
@@ -142,30 +108,13 @@ class thread_team {
   }
 
   /// Only the first error counts. Wakes every rank that sleeps, with `aborted`.
-  void end_with(std::exception_ptr error) noexcept {
-    {
-      const std::lock_guard lock(error_mutex_);
-      if (error_) return;
-      error_ = std::move(error);
-    }
-    failed_ = true;
-    for (mailbox& box : boxes_) ring(box.mutex, box.bell);
-    ring(meeting_mutex_, meeting_bell_);
-    ring(open_mutex_, open_bell_);
-  }
+  void end_with(std::exception_ptr error) noexcept;
 
   /// `rank` has returned from its main.
-  void leave(int rank) noexcept {
-    doing_[static_cast<std::size_t>(rank)] = ended;
-    ++left_;  // before the other: of ranks that end together the last to say so knows of all
-    if (--running_ > 0 || left_ == size() || failed_) return;
-    end_with(std::make_exception_ptr(std::logic_error(everyone_waits())));
-  }
+  void leave(int rank) noexcept;
 
   /// After all ranks are joined.
-  void rethrow() const {
-    if (error_) std::rethrow_exception(error_);
-  }
+  void rethrow() const;
 
  private:
   static constexpr int busy = -1, meeting_others = -2, ended = -3;
@@ -213,61 +162,12 @@ class thread_team {
     if (failed_) throw aborted{};
   }
 
-  static void ring(std::mutex& mutex, std::condition_variable& bell) noexcept {
-    // The empty section keeps the bell from ringing between a sleeper's last look and its sleep.
-    { const std::lock_guard lock(mutex); }
-    bell.notify_all();
-  }
+  static void ring(std::mutex& mutex, std::condition_variable& bell) noexcept;
 
   /// A rank has waited for long: says which ranks keep it and others waiting, once for all ranks.
-  [[gnu::cold]] void report_wait(wait_clock& waited) {
-    const bool ends = waited.passed();
-    if (!watch_.mine_to_report(ends)) return;
-    std::string stuck, waiting;
-    int busy_ranks = 0, others = 0;
-    for (int rank = 0; rank < size(); ++rank) {
-      const int why = doing_[static_cast<std::size_t>(rank)];
-      if (why == ended) continue;
-      std::string& list = why == busy ? stuck : waiting;
-      if (int& named = why == busy ? busy_ranks : others; ++named > 4) continue;
-      if (!list.empty()) list += ", ";
-      list += compose("rank {}", rank);
-      if (why == busy)
-        list += compose(" (after step {})", steps_[static_cast<std::size_t>(rank)].load());
-      else if (why == meeting_others)
-        list += " in a collective call";
-      else
-        list += compose(" for a message of rank {}", why);
-    }
-    if (busy_ranks == 0) return;  // that all wait for each other is found otherwise
-    if (busy_ranks > 4) stuck += compose(" and {} more", busy_ranks - 4);
-    if (others > 4) waiting += compose(" and {} more", others - 4);
-    watch_.report(stuck, waiting, ends);
-    if (!ends) return;
-    std::fflush(nullptr);
-    std::_Exit(EXIT_FAILURE);  // a thread that does not come back cannot be joined
-  }
+  [[gnu::cold]] void report_wait(wait_clock& waited);
 
-  [[nodiscard]] std::string everyone_waits() const {
-    std::string text = "every rank waits for another one, so none can go on:";
-    int named = 0;
-    for (int n = 0; n < 2 * size() && named < 8; ++n) {  // of many, first those that have ended
-      const int rank = n % size(), why = doing_[static_cast<std::size_t>(rank)];
-      const bool first = size() > 8 && why == ended;
-      if (why == busy || (n < size()) != first) continue;
-      text += compose("{} rank {} ", named++ ? "," : "", rank);
-      if (why == ended)
-        text += "has ended";
-      else if (why == meeting_others)
-        text += "is in a collective call";
-      else
-        text += compose("waits for a message from rank {}", why);
-    }
-    if (named < size()) text += compose(" (of {} ranks)", size());
-    return text +
-           "; connect both ranks of a pair to each other (check_connections tells which) "
-           "and make the same collective calls on all ranks";
-  }
+  [[nodiscard]] std::string everyone_waits() const;
 
   std::vector<mailbox> boxes_;
   std::vector<std::atomic<int>> doing_;            // busy, ended, ..., or the rank it waits for
@@ -296,3 +196,7 @@ class thread_team {
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/detail/thread_team_definitions.hpp"
+#endif

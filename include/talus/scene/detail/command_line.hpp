@@ -13,12 +13,13 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/linkage.hpp"
 #include "talus/scene/command_line.hpp"
 
 namespace talus {
 
-[[gnu::cold]] inline void command_line::add_option(std::string_view name, std::string_view meaning,
-                                                   kind holds, void* target) {
+TALUS_INLINE void command_line::add_option(std::string_view name, std::string_view meaning,
+                                           kind holds, void* target) {
   if (!name.starts_with("--") || name.size() < 3 || name.find_first_of("= ") != name.npos)
     detail::fail<std::invalid_argument>("the option '{}' needs a name like --spheres",
                                         std::string(name));
@@ -32,10 +33,10 @@ namespace talus {
   if (holds == kind::text) o.initial = *static_cast<std::string*>(target);
 }
 
-[[gnu::cold]] inline void command_line::add_number(std::string_view name, std::string_view meaning,
-                                                   kind holds, void* target, number initial,
-                                                   void (*store)(void*, number), number least,
-                                                   number most) {
+TALUS_INLINE void command_line::add_number(std::string_view name, std::string_view meaning,
+                                           kind holds, void* target, number initial,
+                                           void (*store)(void*, number), number least,
+                                           number most) {
   add_option(name, meaning, holds, target);
   option& o = options_.back();
   o.initial = print(initial, holds);
@@ -44,7 +45,7 @@ namespace talus {
   o.upper = o.most = most;
 }
 
-[[gnu::cold]] inline void command_line::limit(number lower, number upper, number initial) {
+TALUS_INLINE void command_line::limit(number lower, number upper, number initial) {
   option& o = options_.back();
   o.limits = upper == o.most ? detail::compose("at least {}", print(lower, o.holds))
                              : detail::compose("between {} and {}", print(lower, o.holds),
@@ -54,31 +55,30 @@ namespace talus {
   if (initial < lower || initial > upper) o.initial.clear();
 }
 
-[[gnu::cold]] inline void command_line::limit_to_positive() {
+TALUS_INLINE void command_line::limit_to_positive() {
   options_.back().limits = "positive";
   options_.back().lower = std::numeric_limits<double>::denorm_min();
 }
 
-[[gnu::cold]] inline void command_line::add_rest(std::string_view name,
-                                                 std::vector<std::string>& values,
-                                                 std::string_view meaning) {
+TALUS_INLINE void command_line::add_rest(std::string_view name, std::vector<std::string>& values,
+                                         std::string_view meaning) {
   rest_ = &values;
   rest_name_ = name;
   rest_meaning_ = meaning;
 }
 
-[[gnu::cold]] inline void command_line::withdraw(std::string_view name, const void* target,
-                                                 std::string_view refusal) {
+TALUS_INLINE void command_line::withdraw(std::string_view name, const void* target,
+                                         std::string_view refusal) {
   if (option* const o = find(name); o != nullptr && o->target == target) o->refusal = refusal;
 }
 
-[[gnu::cold]] inline command_line::option* command_line::find(std::string_view name) {
+TALUS_INLINE command_line::option* command_line::find(std::string_view name) {
   for (option& o : options_)
     if (o.name == name) return &o;
   return nullptr;
 }
 
-[[gnu::cold]] inline void command_line::parse(int argc, const char* const* argv) {
+TALUS_INLINE void command_line::parse(int argc, const char* const* argv) {
   const auto name_in = [](std::string_view word) { return word.substr(0, word.find('=')); };
   // Help is given whatever else is wrong, so the first mistake waits for the last word.
   std::string mistake;
@@ -110,7 +110,7 @@ namespace talus {
   for (const auto& condition : conditions_) condition();
 }
 
-[[gnu::cold]] inline std::string command_line::read(option& o, std::string_view value) {
+TALUS_INLINE std::string command_line::read(option& o, std::string_view value) {
   if (!o.refusal.empty()) return o.refusal;
   if (std::exchange(o.given, true)) return detail::compose("{} is given twice; see --help", o.name);
   if (o.holds == kind::text) {
@@ -126,7 +126,7 @@ namespace talus {
   return {};
 }
 
-[[gnu::cold]] inline std::string command_line::read_number(option& o, std::string_view value) {
+TALUS_INLINE std::string command_line::read_number(option& o, std::string_view value) {
   const char *at = value.data(), *const end = at + value.size();
   const bool minus = value.starts_with('-');
   if (minus || value.starts_with('+')) ++at;
@@ -167,7 +167,7 @@ namespace talus {
   return {};
 }
 
-[[gnu::cold]] inline std::string command_line::unknown(std::string_view word) const {
+TALUS_INLINE std::string command_line::unknown(std::string_view word) const {
   const std::string_view name = word.substr(0, word.find('='));
   std::string_view closest = "--help";
   for (const option& o : options_)
@@ -178,7 +178,7 @@ namespace talus {
                          std::string(word), std::string(closest));
 }
 
-[[gnu::cold]] inline std::string command_line::help(std::string_view program) const {
+TALUS_INLINE std::string command_line::help(std::string_view program) const {
   constexpr std::size_t column = 28;
   std::string text = description_;
   if (!text.empty()) text += '\n';
@@ -206,7 +206,7 @@ namespace talus {
 }
 
 /// In as few digits as tell it apart; numbers from a `float` by those of a float.
-[[gnu::cold]] inline std::string command_line::print(number value, kind holds) {
+TALUS_INLINE std::string command_line::print(number value, kind holds) {
   if (holds == kind::real) {
     const auto single = static_cast<float>(value);
     if (value == single) return fmt::vformat("{}", fmt::make_format_args(single));
@@ -217,7 +217,7 @@ namespace talus {
 }
 
 /// Insertions, deletions and changes of letters between two words (Levenshtein).
-[[gnu::cold]] inline std::size_t command_line::edits(std::string_view a, std::string_view b) {
+TALUS_INLINE std::size_t command_line::edits(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {

@@ -1,0 +1,15 @@
+// The compiled part: what finds pairs, colours contacts and solves islands.
+#include "talus/detect/hash_grid_definitions.hpp"
+#include "talus/response/colouring_definitions.hpp"
+#include "talus/response/direct_islands_definitions.hpp"
+
+namespace talus::detail {
+
+template class direct_islands<solver_state_of<double>>;
+template class direct_islands<solver_state_of<float>>;
+template void solve_stalled_islands(std::span<const contact_access<solver_state_of<double>>>,
+                                    solver_state_of<double>&);
+template void solve_stalled_islands(std::span<const contact_access<solver_state_of<float>>>,
+                                    solver_state_of<float>&);
+
+}  // namespace talus::detail

@@ -1,0 +1,163 @@
+#pragma once
+// The definitions of output_file.hpp, in the compiled part or in each program.
+#include "talus/core/linkage.hpp"
+#include "talus/core/output_file.hpp"
+
+namespace talus::detail {
+
+TALUS_INLINE std::string system_words(int error) { return std::strerror(error); }
+
+TALUS_INLINE bool is_stream(const std::string& path) {
+  for (const std::string_view own : {"/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/self/fd/"})
+    if (path.starts_with(own)) return true;
+  struct stat found {};
+  return ::stat(path.c_str(), &found) == 0 && S_ISFIFO(found.st_mode);
+}
+
+TALUS_INLINE std::string objection_to_link(const std::string& path, bool force) {
+  if (force) return {};
+  std::string to(4096, '\0');
+  const ssize_t length = ::readlink(path.c_str(), to.data(), to.size());
+  to.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
+  return compose(
+      "is a symbolic link to {}: name the file itself, or add --force, which replaces the link and "
+      "leaves what it leads to",
+      to);
+}
+
+TALUS_INLINE output_target inspect_regular(const std::string& path, const output_kind& kind,
+                                           bool force) {
+  const int id = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  std::string head(output_head_bytes, '\0');
+  const ssize_t length = id >= 0 ? ::read(id, head.data(), head.size()) : -1;
+  const int error = errno;
+  if (id >= 0) ::close(id);
+  if (length >= 0) {
+    head.resize(static_cast<std::size_t>(length));
+    if (head.empty()) return {};  // nothing to lose
+    if (kind.owns(head)) return {.replaces = true};
+  }
+  if (force) return {};
+  if (length < 0)
+    return {.objection = compose("is there already and cannot be read ({}): name another file, or "
+                                 "add --force to replace it",
+                                 system_words(error))};
+  return {.objection = compose("is there already and is not {}: name another file, remove this "
+                               "one, or add --force to replace it",
+                               kind.name)};
+}
+
+TALUS_INLINE output_target inspect_target(const std::string& path, const output_kind& kind,
+                                          bool force) {
+  struct stat found {};
+  if (::lstat(path.c_str(), &found) != 0) return {};  // absent, or found out when it is opened
+  if (S_ISREG(found.st_mode)) return inspect_regular(path, kind, force);
+  if (S_ISLNK(found.st_mode)) return {.objection = objection_to_link(path, force)};
+  if (S_ISDIR(found.st_mode)) return {.objection = "is a folder: name a file in it"};
+  return {.objection =
+              "is a device, a pipe or a socket, which this output must not replace: name "
+              "a file"};
+}
+
+TALUS_INLINE std::string words_of_missing_room(const std::string& path, std::uint64_t needs,
+                                               int error) {
+  std::uint64_t missing = needs;
+  struct statvfs disk {};
+  if (::statvfs(path.c_str(), &disk) == 0) {
+    const std::uint64_t free = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+    if (free < needs) missing = needs - free;
+  }
+  return compose(
+      "there is no room for {} bytes more ({}), {} bytes are missing: make room, or name a file on "
+      "another disk",
+      needs, system_words(error), missing);
+}
+
+TALUS_INLINE part_file::part_file(const std::string& path) {
+  static constexpr std::string_view alphabet = "abcdefghijklmnopqrstuvwxyz0123456789";
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    std::uint64_t random = mix(
+        static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()) ^
+        static_cast<std::uint64_t>(::getpid()) << 40 ^ reinterpret_cast<std::uintptr_t>(this));
+    name_ = path + std::string(infix);
+    for (std::size_t k = 0; k < letters; ++k, random /= alphabet.size())
+      name_ += alphabet[random % alphabet.size()];
+    id_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (id_ >= 0 || errno != EEXIST) return;
+  }
+}
+
+TALUS_INLINE part_file::~part_file() {
+  if (id_ < 0) return;
+  ::close(id_);
+  ::unlink(name_.c_str());
+}
+
+TALUS_INLINE bool part_file::rename_to(const std::string& path) {
+  if (::rename(name_.c_str(), path.c_str()) != 0) return false;
+  ::close(std::exchange(id_, -1));
+  return true;
+}
+
+TALUS_INLINE int part_file::rename_and_keep(const std::string& path) {
+  if (::rename(name_.c_str(), path.c_str()) != 0) return -1;
+  return std::exchange(id_, -1);
+}
+
+TALUS_INLINE void remove_parts_of(const std::string& path) {
+  const auto slash = path.find_last_of('/');
+  const std::string folder = slash == path.npos ? "." : path.substr(0, slash + 1);
+  const std::string begin = path.substr(slash + 1) + std::string(part_file::infix);
+  DIR* const all = ::opendir(folder.c_str());
+  if (all == nullptr) return;
+  while (const dirent* const one = ::readdir(all)) {
+    const std::string_view name = one->d_name;
+    if (name.starts_with(begin) && name.size() == begin.size() + part_file::letters)
+      ::unlinkat(::dirfd(all), one->d_name, 0);
+  }
+  ::closedir(all);
+}
+
+TALUS_INLINE bool write_text(int id, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t n = ::write(id, text.data(), text.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      if (n == 0) errno = ENOSPC;
+      return false;
+    }
+    text.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+TALUS_INLINE void write_output(const std::string& path, std::string_view text,
+                               const output_kind& kind, bool force) {
+  const auto fail_to_write = [&](std::size_t needs) {
+    const int error = errno;
+    if (error == ENOSPC || error == EDQUOT)
+      fail<std::runtime_error>("cannot be written: {}", words_of_missing_room(path, needs, error));
+    fail<std::runtime_error>("cannot be written: {}", system_words(error));
+  };
+  if (is_stream(path)) {
+    const int id = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    const bool good = id >= 0 && write_text(id, text);
+    const int error = errno;
+    if (id >= 0) ::close(id);
+    errno = error;
+    if (!good) fail_to_write(text.size());
+    return;
+  }
+  const output_target target = inspect_target(path, kind, force);
+  if (!target.objection.empty()) throw std::runtime_error(target.objection);
+  part_file part(path);
+  if (!part.good() || !write_text(part.id(), text)) {
+    const int error = errno;
+    part = {};  // what is free without it
+    errno = error;
+    fail_to_write(text.size());
+  }
+  if (!part.rename_to(path)) fail_to_write(text.size());
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,51 @@
+#pragma once
+// The definitions of progress.hpp, in the compiled part or in each program.
+#include "talus/core/linkage.hpp"
+#include "talus/observe/progress.hpp"
+
+namespace talus {
+
+TALUS_INLINE void progress_line::begin_at(std::uint64_t step) {
+  first_ = step;
+  start_ = detail::wall_seconds();
+}
+
+TALUS_INLINE void progress_line::update(std::uint64_t step, std::uint64_t last,
+                                        const std::string& note) {
+  if (out_ == nullptr) return;
+  const double now = detail::wall_seconds();
+  if (now - shown_ < (terminal_ ? 0.2 : 10)) return;
+  shown_ = now;
+  show(step, last, note);
+}
+
+TALUS_INLINE void progress_line::finish(std::uint64_t step, const std::string& note) {
+  if (out_ == nullptr || step == first_) return;
+  show(step, step, note);
+  if (terminal_) std::fputs("\n", out_);
+  std::fflush(out_);
+}
+
+TALUS_INLINE void progress_line::show(std::uint64_t step, std::uint64_t last,
+                                      const std::string& note) {
+  const double seconds = detail::wall_seconds() - start_;
+  const double speed = seconds > 0 ? static_cast<double>(step - first_) / seconds : 0;
+  last = std::max(last, step);
+  const double left = speed > 0 ? static_cast<double>(last - step) / speed : 0;
+  const double part = static_cast<double>(step) / static_cast<double>(last);
+  const std::string line =
+      detail::compose("{}step {} of {} ({} %), {} steps/s, {} left{}{}", terminal_ ? "\r" : "",
+                      step, last, std::lround(100 * part), detail::text(speed, 4), duration(left),
+                      note, terminal_ ? "\x1b[K" : "\n");
+  std::fputs(line.c_str(), out_);
+  std::fflush(out_);
+}
+
+TALUS_INLINE std::string progress_line::duration(double seconds) {
+  const long s = std::lround(seconds);
+  if (s < 60) return detail::compose("{} s", s);
+  if (s < 3600) return detail::compose("{} min {} s", s / 60, s % 60);
+  return detail::compose("{} h {} min", s / 3600, s / 60 % 60);
+}
+
+}  // namespace talus
