@@ -90,7 +90,7 @@ void check_laws(const Shape& s, Inside inside, std::uint64_t seed) {
         square += p.cwiseProduct(p);
         mixed += vec3(p[1] * p[2], p[2] * p[0], p[0] * p[1]);
       }
-  const real volume = 8 * half.prod() * count / (real(n) * n * n);
+  const real volume = 8 * product_of(half) * count / (real(n) * n * n);
   CHECK(volume == doctest::Approx(s.volume()).epsilon(2e-3));
   const vec3 m = square / count;
   const vec3 inertia = s.inertia();

@@ -92,7 +92,7 @@ TEST_CASE("mass, centre, inertia and bounds of a union agree with sampling its p
           mixed += weight * vec3(p[1] * p[2], p[2] * p[0], p[0] * p[1]);
         }
     const real radius = u.bounding_radius();
-    CHECK(8 * half.prod() * mass / (real(n) * n * n) == doctest::Approx(expected).epsilon(5e-3));
+    CHECK(8 * product_of(half) * mass / (real(n) * n * n) == doctest::Approx(expected).epsilon(5e-3));
     const vec3 m = square / mass;
     for (int i = 0; i < 3; ++i) {
       CHECK(u.inertia()[i] == doctest::Approx(m[(i + 1) % 3] + m[(i + 2) % 3]).epsilon(5e-3));

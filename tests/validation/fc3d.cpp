@@ -154,7 +154,7 @@ TEST_CASE("damaged files are refused, and the message says what is wrong") {
 }
 
 TEST_CASE("the error measures have the values computed by hand") {
-  assembled_problem p = assemble({{0, 0, vec3(1, 2, 3).asDiagonal()}}, {vec3(-1, 1, 0)},
+  assembled_problem p = assemble({{0, 0, detail::diagonal_matrix(vec3(1, 2, 3))}}, {vec3(-1, 1, 0)},
                                  talus::detail::plain_vector<real>{0.5});
   // u = (1, 1, 0), û = (1.5, 1, 0); with rho = 1/2 the step lands inside of the cone, at
   // (1.25, -0.5, 0); with rho = 1 at (0.5, -1, 0), whose projection is (0.8, -0.4, 0).

@@ -77,7 +77,7 @@ class cell_index {
 inline real packing_fraction(const std::vector<grain>& grains, const vec3& lower,
                              const vec3& upper) {
   const cell_index cells(grains);
-  const real step = std::cbrt((upper - lower).prod() / 4e5);
+  const real step = std::cbrt(product_of(upper - lower) / 4e5);
   std::size_t inside = 0, points = 0;
   for (real x = lower[0] + step / 2; x < upper[0]; x += step)
     for (real y = lower[1] + step / 2; y < upper[1]; y += step)

@@ -76,7 +76,7 @@ TEST_CASE("spheres that meet at a side, an edge or inside part alike, on any num
     const auto inside = meeting_at<sideways<>>({0.3, 0.2, 0}, x, y);
     CHECK(inside[1][0] < -1);  // they struck
     for (const vec3& place : {vec3(4, 0.2, 0), vec3(-4, 0, 0), vec3(3.9, 3, 0), vec3(0, -3, 0)}) {
-      CAPTURE(place.transpose());
+      CAPTURE(place);
       const auto there = meeting_at<sideways<>>(place, x, y);
       for (std::size_t k = 0; k < 4; ++k) CHECK((there[k] - inside[k]).norm() < 1e-12);
     }
