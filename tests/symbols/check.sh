@@ -17,7 +17,7 @@ absent() {
   fi
 }
 for pattern in 'talus::box\b' 'box_(pair|axes|manifold)' 'general_contact' \
-  'inverse_tensor' 'rotate_freely' 'toRotationMatrix' 'quat_conj' \
+  'inverse_tensor' 'rotate_freely' 'toRotationMatrix' '::conjugate' \
   '(energy|momentum|overlap)_record' '(book|open|close)_(response|contacts|motion|energy|momentum)' \
   'each_moving_local' 'compensated_sum'; do
   absent "$pattern"
