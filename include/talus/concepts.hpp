@@ -58,7 +58,7 @@ namespace concepts {
 template <class Shape>
 concept shape = requires(const Shape& s) {
   { Shape::finite } -> std::convertible_to<bool>;
-  { Shape::round } -> std::convertible_to<bool>;
+  { Shape::isotropic } -> std::convertible_to<bool>;
   { Shape::name } -> std::convertible_to<const char*>;
   { s.validate() } -> std::same_as<void>;
 }

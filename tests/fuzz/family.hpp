@@ -45,13 +45,13 @@ class on_rank {
     note_bodies();
     const motion before = measure_motion(w_);
     for (int k = 0; k < p_.steps; ++k) {
-      if (p_.what >= subject::stirred) stir();
+      if (p_.what >= subject::disturbed) stir();
       w_.step(number(p_.dt));
       count_contacts();
-      if (p_.what < subject::stirred) look_at_energy();
+      if (p_.what < subject::disturbed) look_at_energy();
       if (k % p_.look_every == 0 || k + 1 == p_.steps) look();
     }
-    if (p_.what < subject::stirred) compare(before, measure_motion(w_));
+    if (p_.what < subject::disturbed) compare(before, measure_motion(w_));
     (void)w_.audit();
     std::uint64_t sums[2] = {result_.crossed, result_.contacts};
     w_.link().reduce(reduction::sum, std::span(sums));
@@ -97,7 +97,8 @@ class on_rank {
     if constexpr (Scenario::template has_feature<sleeping>)
       w_.sleeping({.speed = p_.what == subject::cloud ? 1e-9 : 0.02, .time = 0.01});
     if (p_.what != subject::cloud) add_walls();
-    for (int k = 0; k < p_.bodies; ++k) add_body(p_.what == subject::stirred && r_.integer(8) == 0);
+    for (int k = 0; k < p_.bodies; ++k)
+      add_body(p_.what == subject::disturbed && r_.integer(8) == 0);
   }
 
   void add_walls() {
@@ -250,7 +251,7 @@ class on_rank {
         fail("the point " + detail::text(p) + " has " + std::to_string(owners) + " owners");
     }
     std::vector<std::uint64_t> ids;
-    const bool on_the_way = p_.what >= subject::stirred;  // translations may have led far
+    const bool on_the_way = p_.what >= subject::disturbed;  // translations may have led far
     w_.for_each_local([&](const auto& b) {
       ids.push_back(value_of(b.id()));
       if (!detail::finite(b.position()) || !detail::finite(b.velocity()) ||

@@ -13,9 +13,9 @@ using talus::vec3;
 enum class subject {
   cloud,  ///< no gravity, nothing fixed: momentum and energy are those of the bodies alone
   heap,   ///< gravity, walls of planes, bodies that overlap nothing at first: energy does not grow
-  stirred,  ///< the same, with bodies added, removed, pushed and moved in the run, and deep
-            ///< overlaps
-  wild      ///< a few numbers beyond all measure: the run works, or ends with a message
+  disturbed,  ///< the same, with bodies added, removed, pushed and moved in the run, and deep
+              ///< overlaps
+  wild        ///< a few numbers beyond all measure: the run works, or ends with a message
 };
 enum class domains { grid, hexagonal, ring, slabs, cells };
 
@@ -44,7 +44,7 @@ inline plan draw(std::uint64_t seed) {
   const real x = r.uniform();
   p.what = x < 0.35   ? subject::cloud
            : x < 0.65 ? subject::heap
-           : x < 0.93 ? subject::stirred
+           : x < 0.93 ? subject::disturbed
                       : subject::wild;
   p.how = static_cast<domains>(r.integer(5));
   p.ranks = p.how == domains::hexagonal ? (r.integer(4) ? 7 : 1)

@@ -141,16 +141,16 @@ TEST_CASE("a box of 1 by 2 tips at 26.565 degrees, within 0.01") {
 
 TEST_CASE("static friction holds where dynamic friction would let slide, until the box moves") {
   const real angle = 25 * degree;  // tan = 0.466
-  for (const bool pushed : {false, true}) {
-    CAPTURE(pushed);
+  for (const bool correction_impulse : {false, true}) {
+    CAPTURE(correction_impulse);
     scene s({.friction = 0.6, .dynamic_friction = 0.3});
     const auto h = s.floor(angle).flat({1, 1, 1}, angle);
     const vec3 along{std::cos(angle), 0, -std::sin(angle)};
-    if (pushed) s.w[h].set_velocity(0.5 * along);
+    if (correction_impulse) s.w[h].set_velocity(0.5 * along);
     s.run(2);
-    const real a = (along.dot(s.w[h].velocity()) - (pushed ? 0.5 : 0)) / 2;
-    CHECK(std::abs(a - (pushed ? g * (std::sin(angle) - 0.3 * std::cos(angle)) : 0)) <
-          (pushed ? 2e-4 : 1e-9));
+    const real a = (along.dot(s.w[h].velocity()) - (correction_impulse ? 0.5 : 0)) / 2;
+    CHECK(std::abs(a - (correction_impulse ? g * (std::sin(angle) - 0.3 * std::cos(angle)) : 0)) <
+          (correction_impulse ? 2e-4 : 1e-9));
   }
 }
 

@@ -180,8 +180,7 @@ TEST_CASE("the impulse agrees with a search over all directions of sliding") {
     for (const vec3& s : all) nearest = std::min(nearest, (r - s).norm() / (1 + s.norm()));
     furthest = std::max(furthest, nearest);
     if (!(nearest < 1e-9)) {
-      INFO("case ", k, ": r ", r, ", found ", all.size(), ", first ",
-           all[0]);
+      INFO("case ", k, ": r ", r, ", found ", all.size(), ", first ", all[0]);
       CHECK(nearest < 1e-9);
     }
   }

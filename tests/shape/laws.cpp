@@ -25,7 +25,7 @@ static_assert(concepts::finite_shape<capsule> && concepts::finite_shape<cylinder
 static_assert(concepts::finite_shape<convex_polyhedron>);
 static_assert(concepts::shape<plane> && !concepts::finite_shape<plane>);
 static_assert(!concepts::shape<int> && !concepts::shape<vec3>);
-static_assert(sphere::round && !box::round);
+static_assert(sphere::isotropic && !box::isotropic);
 
 pose place(generator& random) { return {random.point(9), random.turn()}; }
 
@@ -98,7 +98,7 @@ void check_laws(const Shape& s, Inside inside, std::uint64_t seed) {
     CHECK(inertia[i] == doctest::Approx(m[(i + 1) % 3] + m[(i + 2) % 3]).epsilon(3e-3));
     CHECK(std::abs(centre[i] / count) < 1.5e-3 * s.bounding_radius());
     CHECK(std::abs(mixed[i] / count) < 1e-3 * s.bounding_radius() * s.bounding_radius());
-    if (Shape::round) CHECK(inertia[i] == inertia[0]);
+    if (Shape::isotropic) CHECK(inertia[i] == inertia[0]);
   }
 }
 

@@ -18,7 +18,7 @@ namespace {
 using namespace talus;
 using any_union = union_of<sphere, box, capsule, cylinder, convex_polyhedron>;
 static_assert(concepts::finite_shape<any_union>);
-static_assert(!any_union::round);
+static_assert(!any_union::isotropic);
 
 bool inside(const sphere& s, const vec3& p) { return p.norm() <= s.radius; }
 bool inside(const box& s, const vec3& p) { return at_most((2 * p).cwiseAbs(), s.size); }
@@ -92,7 +92,8 @@ TEST_CASE("mass, centre, inertia and bounds of a union agree with sampling its p
           mixed += weight * vec3(p[1] * p[2], p[2] * p[0], p[0] * p[1]);
         }
     const real radius = u.bounding_radius();
-    CHECK(8 * product_of(half) * mass / (real(n) * n * n) == doctest::Approx(expected).epsilon(5e-3));
+    CHECK(8 * product_of(half) * mass / (real(n) * n * n) ==
+          doctest::Approx(expected).epsilon(5e-3));
     const vec3 m = square / mass;
     for (int i = 0; i < 3; ++i) {
       CHECK(u.inertia()[i] == doctest::Approx(m[(i + 1) % 3] + m[(i + 2) % 3]).epsilon(5e-3));

@@ -45,7 +45,7 @@ only_in() {  # only_in HAS LACKS PATTERN
     failed=1
   fi
 }
-for pattern in 'nonlinear_gauss_seidel' 'detail::contact_list<' 'round_contact<' 'contact_maker<' \
+for pattern in 'nonlinear_gauss_seidel' 'detail::contact_list<' 'isotropic_contact<' 'contact_maker<' \
   'gather_velocities' 'conditions_of' 'solver_state'; do
   only_in spheres soft "$pattern"
 done

@@ -86,7 +86,7 @@ TEST_CASE_TEMPLATE(
         link.barrier();
         auto& s = const_cast<state&>(w.state());
         detail::detect(s);  // as the next step will
-        s.each_contact_list([&](auto& list) { list.recall(s.history); });
+        s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
         const std::lock_guard lock(guard);
         each_contact(w, [&](contact_part, const auto& key, const vec3& p) {
           const auto old = before.find(key);

@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <limits>
-#include <talus/observe/doubts.hpp>
 #include <talus/observe/energy.hpp>
 #include <talus/observe/force.hpp>
 #include <talus/observe/momentum.hpp>
+#include <talus/observe/warnings_of_scales.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/world/world.hpp>
@@ -308,12 +308,12 @@ TEST_CASE("a step in which contacts make a body far faster than anything was is 
   CHECK(leap.step == 11);
   CHECK(leap.after == 40);
   CHECK(leap.before == doctest::Approx(2));
-  const std::string said = detail::doubts({.bodies = 1,
-                                           .movable = 1,
-                                           .steps = 11,
-                                           .dt = 0.01,
-                                           .gravity = 10,
-                                           .radius = 1,
-                                           .leap = leap});
+  const std::string said = detail::warnings_of_scales({.bodies = 1,
+                                                       .movable = 1,
+                                                       .steps = 11,
+                                                       .dt = 0.01,
+                                                       .gravity = 10,
+                                                       .radius = 1,
+                                                       .leap = leap});
   CHECK(said.find("in step 11 contacts made a body as fast as 40") != said.npos);
 }

@@ -113,9 +113,9 @@ TEST_CASE("polyhedra and unions are driven as others are") {
     w.drive(bat, turning{.axis = {0, 0, 1}, .speed = 1});
     w.drive(plough, gliding{{-1, 0, 0}});
     const auto struck = w.add(sphere{0.3}, stuff, {0, 2, 0});
-    const auto pushed = w.add(sphere{0.3}, stuff, {9, 0.4, 0});
+    const auto correction_impulse = w.add(sphere{0.3}, stuff, {9, 0.4, 0});
     for (int k = 0; k < 150; ++k) w.step(0.01);
     CHECK(w[struck].velocity()[0] == doctest::Approx(-2).epsilon(0.1));
-    CHECK(w[pushed].velocity()[0] == doctest::Approx(-1).epsilon(1e-6));
+    CHECK(w[correction_impulse].velocity()[0] == doctest::Approx(-1).epsilon(1e-6));
   });
 }

@@ -192,7 +192,7 @@ TEST_CASE("contacts of bodies that change their owner start from the impulses of
       }
       link.barrier();
       detail::detect(s);  // as the next step will
-      s.each_contact_list([&](auto& list) { list.recall(s.history); });
+      s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
       const std::lock_guard lock(guard);
       came += arrived.size();
       each([&](const auto& key, const vec3& impulse) {

@@ -100,8 +100,8 @@ std::string run(int ranks, std::function<void(row_world&)> edit = {}) {
 std::string run_with(std::function<int(detail::byte_buffer&)> fault) {
   std::uint64_t handed_over = 0;
   faulty::way = [&](int from, int to, detail::byte_buffer& message) {
-    if (from != 0 || to != 1 || message.size() < sizeof(detail::letter_head)) return 1;
-    detail::letter_head head;
+    if (from != 0 || to != 1 || message.size() < sizeof(detail::message_header)) return 1;
+    detail::message_header head;
     std::memcpy(&head, message.data(), sizeof head);
     if (head.sum == 0 ||
         head.handed_over.bodies == std::exchange(handed_over, head.handed_over.bodies))
@@ -141,7 +141,7 @@ TEST_CASE("a handover that comes twice names the body, and does not make two of 
 }
 
 TEST_CASE("a handover in which any byte changed, or the end is cut off, is refused with its body") {
-  const std::size_t head = sizeof(detail::letter_head);
+  const std::size_t head = sizeof(detail::message_header);
   for (const std::size_t at : {head, head + 9, head + 40, head + 100}) {
     CAPTURE(at);
     CHECK(says(run_with([&](auto& message) {
@@ -169,7 +169,7 @@ TEST_CASE("other messages that are cut, empty, or carry more than they say end t
     faulty::way = {};
   }
   faulty::way = [&](int from, int, detail::byte_buffer& message) {
-    detail::letter_head head;
+    detail::message_header head;
     if (from != 0 || message.size() < sizeof head) return 1;
     std::memcpy(&head, message.data(), sizeof head);
     if (head.number > 8 && head.sum == 0) message.resize(message.size() + 8);
@@ -183,7 +183,7 @@ TEST_CASE("a body that a rank counts as handed over, and did not pack, is named 
   CHECK(says(run(2,
                  [](row_world& w) {
                    if (w.rank() == 0 && w.steps() == 3)
-                     w.state().neighbours[0].mail.given.add(system_id{77});
+                     w.state().neighbours[0].channel.given.add(system_id{77});
                  }),
              {"body 0x4d was lost on the way from rank 0 to rank 1 in step 3",
               "1 bodies were handed over so far, and 0 came"}));

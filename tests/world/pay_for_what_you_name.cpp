@@ -56,8 +56,8 @@ static_assert(std::is_same_v<state_of<spheres>::tuple_type,
                              std::tuple<bodies_of_shape<sphere, type_list<>>>>);
 static_assert(
     std::is_same_v<state_of<spheres>::lists_type,
-                   std::tuple<contact_list<round_contact<full_law, partner::moving>>,
-                              contact_list<round_contact<full_law, partner::immovable>>>>);
+                   std::tuple<contact_list<isotropic_contact<full_law, partner::moving>>,
+                              contact_list<isotropic_contact<full_law, partner::immovable>>>>);
 static_assert(std::tuple_size_v<state_of<serial_world<full_law, sphere, plane>>::lists_type> == 2);
 static_assert(std::tuple_size_v<state_of<boxes>::lists_type> > 2);
 
@@ -75,8 +75,8 @@ constexpr bool tangential = requires(Contact c) {
 || requires(Contact c) { c.friction; }
 || requires(Contact c) { c.arm_a; }
 || requires(typename Contact::change d) { d.t; };
-using rough = round_contact<hard_contact<coulomb_friction>, partner::moving>;
-using smooth = round_contact<hard_contact<>, partner::moving>;
+using rough = isotropic_contact<hard_contact<coulomb_friction>, partner::moving>;
+using smooth = isotropic_contact<hard_contact<>, partner::moving>;
 static_assert(tangential<rough> && !tangential<smooth>);
 static_assert(sizeof(smooth::change) == sizeof(real));
 static_assert(sizeof(smooth) == sizeof(rough) - sizeof(round_friction<true>));

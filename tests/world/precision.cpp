@@ -86,8 +86,8 @@ void on(int ranks, int steps, bool cloud, F&& f) {
 TEST_CASE("velocities and contacts of spheres take half the bytes") {
   using namespace talus::detail;
   using law = hard_contact<coulomb_friction, newton_restitution>;
-  using in_double = round_contact<law, partner::moving>;
-  using in_float = round_contact<law, partner::moving, float>;
+  using in_double = isotropic_contact<law, partner::moving>;
+  using in_float = isotropic_contact<law, partner::moving, float>;
   CHECK(sizeof(solver_body_of<float>) == 32);
   CHECK(2 * sizeof(solver_body_of<float>) == sizeof(solver_body));
   CHECK(2 * sizeof(body_shift_of<float>) == sizeof(body_shift));

@@ -166,8 +166,8 @@ TEST_CASE("the form of a body travels when it is new to a neighbour, and by its 
 
 TEST_CASE("a polyhedron goes round all ranks and stays what it is") {
   threads::launch({.ranks = 4}, [&](threads::link& link) {
-    using lone = scenario<bodies<convex_polyhedron, dumbbell>, decomposition<grid<2, 2>>>;
-    world<lone> w(link, grid<2, 2>{.lower = {-5, -5}, .upper = {5, 5}});
+    using overflow = scenario<bodies<convex_polyhedron, dumbbell>, decomposition<grid<2, 2>>>;
+    world<overflow> w(link, grid<2, 2>{.lower = {-5, -5}, .upper = {5, 5}});
     w.material({.density = 3});
     const convex_polyhedron stone = grain();
     const dumbbell tool = hammer();
@@ -214,7 +214,7 @@ TEST_CASE("a union is global: fixed, known on all ranks, and met by what falls o
     for (int k = 0; k < 500; ++k) w.step(0.005);
     int seen = 0;
     w.for_each_local([&](const auto& b) {
-      if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::round) {
+      if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::isotropic) {
         ++seen;
         const real step = 0.1 * std::floor(b.position()[0] / 2);
         CHECK(b.position()[2] == doctest::Approx(step + 1).epsilon(1e-3));

@@ -53,9 +53,9 @@ template <class Shape, class Features>
 struct body_store {
   using shape_type = Shape;
   static constexpr bool oriented =
-      Shape::finite && (!Shape::round || contains_type<Features, orientation>);
+      Shape::finite && (!Shape::isotropic || contains_type<Features, orientation>);
   static constexpr bool tensor =
-      Shape::finite && !Shape::round;  ///< inertia is not a multiple of 1
+      Shape::finite && !Shape::isotropic;  ///< inertia is not a multiple of 1
   static constexpr bool forced = Shape::finite && contains_type<Features, forces>;
   static constexpr bool keeps_contact_forces =
       Shape::finite && contains_type<Features, contact_forces>;

@@ -52,9 +52,9 @@ template <class A, class FlightA, class B, class FlightB>
   constexpr int most = 100;
 
   real t = s.from, turning = 0;
-  if constexpr (!A::round) turning += fa.spin.norm() * a.bounding_radius();
+  if constexpr (!A::isotropic) turning += fa.spin.norm() * a.bounding_radius();
   if constexpr (B::finite) {
-    if constexpr (!B::round) turning += fb.spin.norm() * b.bounding_radius();
+    if constexpr (!B::isotropic) turning += fb.spin.norm() * b.bounding_radius();
     t = balls_meet(fa, a.bounding_radius(), fb, b.bounding_radius(), s.from, s.to);
     if (t == never) return never;
   }

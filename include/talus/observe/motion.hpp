@@ -36,7 +36,7 @@ template <class Scenario>
     if (b.is_fixed()) return;
     const vec3 spin = b.angular_velocity(), inertia = b.inertia();
     vec3 spin_momentum = inertia[0] * spin;
-    if constexpr (!std::remove_cvref_t<decltype(b)>::shape_type::round) {
+    if constexpr (!std::remove_cvref_t<decltype(b)>::shape_type::isotropic) {
       const quat q = b.orientation();
       spin_momentum = q * vec3(inertia.cwiseProduct(q.conjugate() * spin));
     }

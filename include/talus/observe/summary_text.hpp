@@ -6,8 +6,8 @@
 #include <string>
 
 #include "talus/core/error.hpp"
-#include "talus/observe/doubts.hpp"
 #include "talus/observe/summary_figures.hpp"
+#include "talus/observe/warnings_of_scales.hpp"
 
 namespace talus {
 

@@ -96,17 +96,17 @@ TALUS_INLINE std::string to_text(const summary& r) {
         text(r.impact_speed_max, 3), text(r.steps_per_contact, 3), text(r.dt, 6),
         text(r.impact_speed_max, 3));
   warning += detail::balance_warnings(r);
-  warning += detail::doubts({.bodies = r.moving.bodies,
-                             .movable = r.moving.movable,
-                             .steps = r.steps,
-                             .dt = r.dt,
-                             .gravity = r.gravity,
-                             .radius = r.overlap.mean_radius,
-                             .fastest = r.moving.max_speed,
-                             .followed = r.followed,
-                             .may_follow = r.may_follow,
-                             .soft = soft(r),
-                             .leap = r.leap});
+  warning += detail::warnings_of_scales({.bodies = r.moving.bodies,
+                                         .movable = r.moving.movable,
+                                         .steps = r.steps,
+                                         .dt = r.dt,
+                                         .gravity = r.gravity,
+                                         .radius = r.overlap.mean_radius,
+                                         .fastest = r.moving.max_speed,
+                                         .followed = r.followed,
+                                         .may_follow = r.may_follow,
+                                         .soft = soft(r),
+                                         .leap = r.leap});
   warning += detail::islands_warning(r.islands);
   own = detail::islands_line(r.islands) + own;
   const std::string asleep =

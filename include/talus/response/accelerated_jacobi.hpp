@@ -40,11 +40,11 @@ struct accelerated_jacobi final {
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
     detail::convergence<Lists, Ranks> watch(lists, s, settings, ranks, 6);
-    each([&](auto& list) { list.apply_remembered(s); });
+    each([&](auto& list) { list.warm_start(s); });
     s.boundary_contacts.assign(s.bodies.size(), 0);
     each([&](auto& list) { list.count_all(s); });
     if constexpr (!alone) ranks.share_velocities_and_counts();
-    each([&](auto& list) { list.weigh_all(s), list.start_ahead(); });
+    each([&](auto& list) { list.prepare_all(s), list.start_ahead(); });
 
     momentum ahead;
     int k = 0;
@@ -52,18 +52,18 @@ struct accelerated_jacobi final {
       if constexpr (!alone)
         if (k > 0) ranks.share_velocities();
       if (watch.reached(k)) break;
-      ahead.mind(watch.residual());
+      ahead.adapt(watch.residual());
       // Impulses that are checked or kept lie in their cones: nothing is added to those.
       const bool kept = k + 1 == watch.limit() || watch.due(k + 1);
       const real part = kept ? 0 : ahead.part(k);
       each([&](auto& list) { list.relax_ahead(s, part); });
       each([&](auto& list) { list.apply_all(s); });
-      watch.hear(1);
+      watch.poll(1);
     }
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 
     if (correct) {
-      each([&](auto& list) { list.weigh_interior(s); });
+      each([&](auto& list) { list.prepare_interior(s); });
       detail::correct_overlaps(lists, s, settings, ranks);
     }
     return done;
@@ -75,7 +75,7 @@ struct accelerated_jacobi final {
    public:
     [[nodiscard]] real part(int k) const { return std::min(most_, k / (k + real{3})); }
     /// `residual` is the last known one, the same on all ranks.
-    void mind(double residual) {
+    void adapt(double residual) {
       if (residual == last_ || !(residual >= 0)) return;  // nothing new
       last_ = residual;
       failures_ = residual < best_ ? 0 : failures_ + 1;

@@ -145,7 +145,7 @@ class body_newton {
         given_(i) = -r(i);
       else
         response_of(i, l, given_(i), response_[at(i)]);
-      p_->push(i, given_(i), moved_);
+      p_->add_force(i, given_(i), moved_);
     }
     p_->times_inverse_mass(moved_);
   }

@@ -68,7 +68,7 @@ class body_problem {
       const island_contact& c = contacts[i];
       contact one{-1,         -1,
                   c.axes,     c.arm_a,
-                  c.arm_b,    {-c.target, c.drive[0], c.drive[1]},
+                  c.arm_b,    {-c.target_velocity, c.drive[0], c.drive[1]},
                   c.friction, diagonal_matrix(real{0})};
       const auto enter = [&](std::int32_t of, std::int32_t& here, const vec3& arm, real sign) {
         if (of < 0) return;
@@ -145,13 +145,13 @@ class body_problem {
 
   /// J^T r, added to what is there.
   void impulses(const contact_vector& r, plain_vector<body_vector>& p) const {
-    for (int i = 0; i < contacts_count(); ++i) push(i, r(i), p);
+    for (int i = 0; i < contacts_count(); ++i) add_force(i, r(i), p);
   }
-  void push(int i, const vec3& r, plain_vector<body_vector>& p) const {
+  void add_force(int i, const vec3& r, plain_vector<body_vector>& p) const {
     const contact& c = contacts_[at(i)];
     const vec3 force = c.axes.transpose() * r;
-    if (c.a >= 0) push(p[at(c.a)], force, c.arm_a);
-    if (c.b >= 0) push(p[at(c.b)], -force, c.arm_b);
+    if (c.a >= 0) add_force(p[at(c.a)], force, c.arm_a);
+    if (c.b >= 0) add_force(p[at(c.b)], -force, c.arm_b);
   }
   /// Turns impulses into changes of velocity.
   void times_inverse_mass(plain_vector<body_vector>& p) const {
@@ -183,22 +183,22 @@ class body_problem {
       const vec3 now = solve_coulomb(c.own, velocity_at(i, v_) - c.own * r(i), c.mu);
       if (!all_finite(now)) continue;
       const vec3 force = c.axes.transpose() * vec3(now - r(i));
-      const auto hit = [&](std::int32_t body, const vec3& by, const vec3& arm) {
+      const auto apply_impulse = [&](std::int32_t body, const vec3& by, const vec3& arm) {
         if (body < 0) return;
         body_vector d{};
-        push(d, by, arm);
+        add_force(d, by, arm);
         times_inverse_mass(at(body), d);
         for (std::size_t j = 0; j < 6; ++j) v_[at(body)][j] += d[j];
       };
-      hit(c.a, force, c.arm_a);
-      hit(c.b, -force, c.arm_b);
+      apply_impulse(c.a, force, c.arm_a);
+      apply_impulse(c.b, -force, c.arm_b);
       r(i) = now;
     }
   }
 
  private:
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-  static void push(body_vector& p, const vec3& force, const vec3& arm) {
+  static void add_force(body_vector& p, const vec3& force, const vec3& arm) {
     const vec3 turn = arm.cross(force);
     for (std::size_t j = 0; j < 3; ++j)
       p[j] += force[static_cast<int>(j)], p[3 + j] += turn[static_cast<int>(j)];

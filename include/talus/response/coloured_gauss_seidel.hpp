@@ -36,9 +36,8 @@ struct coloured_gauss_seidel final {
     const std::uint32_t colours = ranks.colours();
 
     detail::convergence<Lists, Ranks, State, detail::exact_sum> watch(lists, s, settings, ranks);
-    each([&](auto& list) { list.weigh(s); });
-    for (std::uint32_t c = 0; c < colours; ++c)
-      each([&](auto& list) { list.apply_remembered(s, c); });
+    each([&](auto& list) { list.prepare(s); });
+    for (std::uint32_t c = 0; c < colours; ++c) each([&](auto& list) { list.warm_start(s, c); });
 
     int k = 0;
     for (; k < watch.limit(); ++k) {
@@ -52,7 +51,7 @@ struct coloured_gauss_seidel final {
         ranks.finish_velocities(c);
         each([&](auto& list) { list.sweep(s, c, true); });
       }
-      watch.hear();
+      watch.poll();
     }
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 
@@ -60,10 +59,10 @@ struct coloured_gauss_seidel final {
       for (int j = 0; j < settings.correction_iterations; ++j)
         for (std::uint32_t c = 0; c < colours; ++c) {
           if constexpr (!alone) ranks.start_corrections(c);
-          each([&](auto& list) { list.push(s, c, false); });
+          each([&](auto& list) { list.correct(s, c, false); });
           if constexpr (alone) continue;
           ranks.finish_corrections(c);
-          each([&](auto& list) { list.push(s, c, true); });
+          each([&](auto& list) { list.correct(s, c, true); });
         }
     return done;
   }

@@ -10,9 +10,9 @@
 #include "talus/response/colouring.hpp"
 #include "talus/response/contact_row.hpp"
 #include "talus/response/in_sequence.hpp"
-#include "talus/response/patched_row.hpp"
-#include "talus/response/recall.hpp"
-#include "talus/response/round_blocks.hpp"
+#include "talus/response/isotropic_blocks.hpp"
+#include "talus/response/manifold_row.hpp"
+#include "talus/response/stored_impulses.hpp"
 
 namespace talus::detail {
 
@@ -20,14 +20,14 @@ template <class Contact>
 struct row_of_colour {
   using type = contact_row<Contact>;
 };
-template <swept_in_patches Contact>
+template <swept_in_manifolds Contact>
 struct row_of_colour<Contact> {
-  using type = patched_row<Contact, in_sequence<8>>;
+  using type = manifold_row<Contact, in_sequence<8>>;
 };
 template <class Contact>
 requires requires { typename Contact::blocks; }
 struct row_of_colour<Contact> {
-  using type = round_blocks<Contact, in_sequence<lanes_in<typename Contact::number>>>;
+  using type = isotropic_blocks<Contact, in_sequence<lanes_in<typename Contact::number>>>;
 };
 
 /// What contact_list is for other solvers. No two pairs of one colour share a body that can move,
@@ -120,11 +120,12 @@ class coloured_list {
   }
 
   /// Takes up the impulses of the last step.
-  [[gnu::noinline]] void recall(const contact_history& history) {
-    each_part([&](part& p, bool) { p.row.recall(history, p.keys, p.places); });
+  [[gnu::noinline]] void load_impulses(const contact_history& history) {
+    each_part([&](part& p, bool) { p.row.load_impulses(history, p.keys, p.places); });
   }
-  [[gnu::noinline]] void remember(contact_history& history) const {
-    each_part([&](const part& p, bool) { detail::remember(history, p.keys, p.places, p.row); });
+  [[gnu::noinline]] void store_impulses(contact_history& history) const {
+    each_part(
+        [&](const part& p, bool) { detail::store_impulses(history, p.keys, p.places, p.row); });
   }
   /// Calls f(contact), which may change it, for all contacts.
   template <class F>
@@ -133,22 +134,22 @@ class coloured_list {
       for (std::size_t i = 0; i < p.row.size(); ++i) p.row.edit(i, f);
     });
   }
-  [[gnu::noinline]] void weigh(const state& s) {
-    each_part([&](part& p, bool) { p.row.weigh(s); });
+  [[gnu::noinline]] void prepare(const state& s) {
+    each_part([&](part& p, bool) { p.row.prepare(s); });
   }
   /// In the order of the colours, so that each body gets its impulses in the same order anywhere.
-  [[gnu::noinline]] void apply_remembered(state& s, std::uint32_t colour) const {
+  [[gnu::noinline]] void warm_start(state& s, std::uint32_t colour) const {
     if (colour < used_)
       for (const part& p : colours_[colour].parts) p.row.apply(s);
   }
-  void apply_remembered(state& s) const {
-    for (std::uint32_t k = 0; k < used_; ++k) apply_remembered(s, k);
+  void warm_start(state& s) const {
+    for (std::uint32_t k = 0; k < used_; ++k) warm_start(s, k);
   }
   [[gnu::noinline]] void sweep(state& s, std::uint32_t colour, bool shared) {
     if (colour < used_) colours_[colour].parts[shared].row.forward(s);
   }
-  [[gnu::noinline]] void push(state& s, std::uint32_t colour, bool shared) {
-    if (colour < used_) colours_[colour].parts[shared].row.push(s);
+  [[gnu::noinline]] void correct(state& s, std::uint32_t colour, bool shared) {
+    if (colour < used_) colours_[colour].parts[shared].row.correct(s);
   }
 
  private:

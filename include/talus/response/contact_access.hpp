@@ -82,23 +82,22 @@ class contact_access {
       },
       [](void* l, contact_part p, std::size_t i) -> island_contact {
         const auto c = of<List>(l).contact(p, i);
-        island_contact one{c.a,         c.paired ? c.b : -1, c.axes(),
-                           c.lever_a(), c.lever_b(),         c.target,
-                           c.mu(),      c.impulse()};
+        island_contact one{c.a,         c.paired ? c.b : -1, c.axes(), c.lever_a(),
+                           c.lever_b(), c.target_velocity,   c.mu(),   c.impulse()};
         if constexpr (c.biased) {
           const vec3 bias = one.axes * c.bias;
-          one.target += bias[0];
+          one.target_velocity += bias[0];
           one.drive = {-bias[1], -bias[2]};
         }
         return one;
       },
       [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
-        of<List>(l).edit(p, i, [&](auto& c) { c.warm(impulse); });
+        of<List>(l).edit(p, i, [&](auto& c) { c.load_impulse(impulse); });
       },
       [](void* l, std::size_t i, const vec3& impulse, State& s) {
         of<List>(l).edit(contact_part::interior, i, [&](auto& c) {
-          const auto before = c.whole();
-          c.warm(impulse);
+          const auto before = c.impulse_in_frame();
+          c.load_impulse(impulse);
           c.apply(s, c.since(before));
         });
       },

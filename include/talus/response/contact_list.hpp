@@ -6,12 +6,12 @@
 
 #include "talus/contact/key.hpp"
 #include "talus/core/plain_vector.hpp"
-#include "talus/response/boundary_patch.hpp"
+#include "talus/response/boundary_manifold.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/contact_row.hpp"
-#include "talus/response/patched_row.hpp"
-#include "talus/response/recall.hpp"
+#include "talus/response/manifold_row.hpp"
 #include "talus/response/solver_state.hpp"
+#include "talus/response/stored_impulses.hpp"
 
 namespace talus::detail {
 
@@ -19,9 +19,9 @@ template <class Contact>
 struct interior_contacts {
   using type = contact_row<Contact>;
 };
-template <swept_in_patches Contact>
+template <swept_in_manifolds Contact>
 struct interior_contacts<Contact> {
-  using type = patched_row<Contact>;
+  using type = manifold_row<Contact>;
 };
 /// Some kinds of contacts have a way of their own to be kept.
 template <class Contact>
@@ -57,7 +57,7 @@ class contact_list {
   using state = typename Contact::state;
 
   void clear() {
-    inner_.clear(), rim_.clear(), boundary_.clear(), foreign_.clear();
+    inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
     boundary_keys_.clear(), foreign_keys_.clear();
     boundary_places_.clear();
     owns_a_.clear();
@@ -65,8 +65,8 @@ class contact_list {
   /// `last` says where the history keeps the contacts of its pair; nobody knows if it is null. It
   /// is kept up to date. `at_rim`: whether other ranks need to know one of the bodies.
   void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
-           history_place* last, bool at_rim = false) {
-    auto& p = at_rim ? rim_ : inner_;
+           history_place* last, bool at_border = false) {
+    auto& p = at_border ? border_ : inner_;
     p.row.add(contact, a_moves, b_moves);
     p.keys.push_back(key);
     p.places.push_back(last);
@@ -85,7 +85,7 @@ class contact_list {
   }
   [[nodiscard]] std::size_t size() const { return interior() + boundary_.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    return inner_.bytes() + rim_.bytes() + boundary_.capacity() * sizeof(Contact) +
+    return inner_.bytes() + border_.bytes() + boundary_.capacity() * sizeof(Contact) +
            boundary_keys_.capacity() * sizeof(contact_key) +
            boundary_places_.capacity() * sizeof(history_place*);
   }
@@ -107,34 +107,36 @@ class contact_list {
   }
 
   /// Takes up the impulses of the last step.
-  [[gnu::noinline]] void recall(const contact_history& history) {
-    for (part* p : {&inner_, &rim_}) p->row.recall(history, p->keys, p->places);
-    detail::recall(history, boundary_keys_, boundary_places_, boundary_);
+  [[gnu::noinline]] void load_impulses(const contact_history& history) {
+    for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
+    detail::load_impulses(history, boundary_keys_, boundary_places_, boundary_);
   }
-  [[gnu::noinline]] void remember(contact_history& history) const {
-    for (const part* p : {&inner_, &rim_}) detail::remember(history, p->keys, p->places, p->row);
-    detail::remember(history, boundary_keys_, boundary_places_, boundary_);
+  [[gnu::noinline]] void store_impulses(contact_history& history) const {
+    for (const part* p : {&inner_, &border_})
+      detail::store_impulses(history, p->keys, p->places, p->row);
+    detail::store_impulses(history, boundary_keys_, boundary_places_, boundary_);
   }
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
   [[gnu::noinline]] void count_boundary(state& s) const {
-    each_patch(boundary_keys_, [&](std::size_t first, std::size_t) {
+    each_manifold(boundary_keys_, [&](std::size_t first, std::size_t) {
       ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
     });
   }
-  [[gnu::noinline]] void weigh_interior(const state& s) {
-    for (part* p : {&inner_, &rim_}) p->row.weigh(s);
+  [[gnu::noinline]] void prepare_interior(const state& s) {
+    for (part* p : {&inner_, &border_}) p->row.prepare(s);
   }
-  [[gnu::noinline]] void weigh_boundary(const state& s) {
-    for (Contact& c : boundary_) c.weigh(s, parts_of(s, c.a), parts_of(s, c.b));
+  [[gnu::noinline]] void prepare_boundary(const state& s) {
+    for (Contact& c : boundary_) c.prepare(s, parts_of(s, c.a), parts_of(s, c.b));
   }
-  [[gnu::noinline]] void apply_remembered(state& s) const {
-    for (const part* p : {&inner_, &rim_}) p->row.apply(s);
-    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, boundary_[i].whole());
+  [[gnu::noinline]] void warm_start(state& s) const {
+    for (const part* p : {&inner_, &border_}) p->row.apply(s);
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      apply_to_owned(s, i, boundary_[i].impulse_in_frame());
   }
 
   /// Sweeps over the interior contacts. The rim comes first in either direction.
-  [[gnu::noinline]] void sweep_rim(state& s, bool forward) { sweep(rim_, s, forward); }
+  [[gnu::noinline]] void sweep_border(state& s, bool forward) { sweep(border_, s, forward); }
   [[gnu::noinline]] void sweep_inner(state& s, bool forward) { sweep(inner_, s, forward); }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
@@ -146,7 +148,7 @@ class contact_list {
         stalled_.push_back({first + i, change});
       });
     };
-    if (rim_.row.size() > 0) watch(rim_.row, inner_.row.size());
+    if (border_.row.size() > 0) watch(border_.row, inner_.row.size());
     watch(inner_.row, 0);
     return stalled_;
   }
@@ -172,15 +174,15 @@ class contact_list {
     if (p != contact_part::interior)
       return (p == contact_part::boundary ? boundary_keys_ : foreign_keys_)[i];
     const std::size_t inner = inner_.keys.size();
-    return i < inner ? inner_.keys[i] : rim_.keys[i - inner];
+    return i < inner ? inner_.keys[i] : border_.keys[i - inner];
   }
   /// Solves all boundary contacts from one and the same state, those of a pair together; the
   /// changes are applied later.
   [[gnu::noinline]] void relax_boundary(state& s) {
     changes_.resize(boundary_.size());
-    each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
+    each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
       changes_[first] = boundary_[first].relax(s);
-      if constexpr (comes_in_patches<Contact>)
+      if constexpr (comes_in_manifolds<Contact>)
         if (last - first > 1)
           by_themselves(s, first, last, [&](std::size_t i, bool again) {
             const auto d = again || i > first ? boundary_[i].relax(s) : changes_[i];
@@ -190,15 +192,15 @@ class contact_list {
     });
   }
   [[gnu::noinline]] void apply_boundary(state& s) const {
-    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[i]);
+    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[i]);
   }
 
   /// Gives a boundary contact an impulse on a; the change is applied to the body owned here.
   void set_at_boundary(std::size_t i, const vec3& impulse, state& s) {
     Contact& c = boundary_[i];
-    const auto before = c.whole();
-    c.warm(impulse);
-    apply_own(s, i, c.since(before));
+    const auto before = c.impulse_in_frame();
+    c.load_impulse(impulse);
+    apply_to_owned(s, i, c.since(before));
   }
 
   // For what makes sure that impulses add no energy; see world/passivity.hpp.
@@ -236,17 +238,17 @@ class contact_list {
         if (on_b) ++s.boundary_contacts[c.b];
     });
   }
-  [[gnu::noinline]] void weigh_all(const state& s) {
-    const auto weigh = [&](Contact& c) {
+  [[gnu::noinline]] void prepare_all(const state& s) {
+    const auto prepare = [&](Contact& c) {
       real parts_of_b = 1;
       if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
-      c.weigh(s, std::max(1u, s.boundary_contacts[c.a]), parts_of_b);
+      c.prepare(s, std::max(1u, s.boundary_contacts[c.a]), parts_of_b);
     };
-    each_numbered([&](Contact& c, std::size_t) { weigh(c); });
+    each_numbered([&](Contact& c, std::size_t) { prepare(c); });
   }
   void start_ahead() {
     before_.clear();
-    each([&](const Contact& c, bool) { before_.push_back(c.whole()); });
+    each([&](const Contact& c, bool) { before_.push_back(c.impulse_in_frame()); });
   }
   /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
   /// has changed by since the last time, unless that leads back; the changes are applied later.
@@ -256,7 +258,7 @@ class contact_list {
       auto& before = before_[i];
       auto& change = changes_[i];
       change = c.relax(s);
-      const auto now = c.whole();
+      const auto now = c.impulse_in_frame();
       const typename Contact::change step = now - before;
       before = now;
       if (part == 0 || change.dot(step) < 0) return;
@@ -268,45 +270,46 @@ class contact_list {
   [[gnu::noinline]] void apply_all(state& s) const {
     const std::size_t first = interior();
     for (std::size_t i = 0; i < first; ++i) interior(i).apply(s, changes_[i]);
-    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_own(s, i, changes_[first + i]);
+    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[first + i]);
   }
 
-  [[gnu::noinline]] void push_rim(state& s) { rim_.row.push(s); }
-  [[gnu::noinline]] void push_inner(state& s) { inner_.row.push(s); }
-  [[gnu::noinline]] void relax_boundary_push(state& s) {
-    pushes_.resize(boundary_.size());
-    each_patch(boundary_keys_, [&](std::size_t first, std::size_t last) {
-      pushes_[first] = boundary_[first].relax_push(s);
-      if constexpr (comes_in_patches<Contact>)
+  [[gnu::noinline]] void correct_border(state& s) { border_.row.correct(s); }
+  [[gnu::noinline]] void correct_inner(state& s) { inner_.row.correct(s); }
+  [[gnu::noinline]] void relax_boundary_correction(state& s) {
+    corrections_.resize(boundary_.size());
+    each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
+      corrections_[first] = boundary_[first].relax_correction(s);
+      if constexpr (comes_in_manifolds<Contact>)
         if (last - first > 1)
           by_themselves(s, first, last, [&](std::size_t i, bool again) {
-            const auto d = again || i > first ? boundary_[i].relax_push(s) : pushes_[i];
-            pushes_[i] = again ? pushes_[i] + d : d;
-            boundary_[i].push_a(s, d), boundary_[i].push_b(s, d);
+            const auto d = again || i > first ? boundary_[i].relax_correction(s) : corrections_[i];
+            corrections_[i] = again ? corrections_[i] + d : d;
+            boundary_[i].correct_a(s, d), boundary_[i].correct_b(s, d);
           });
     });
   }
-  [[gnu::noinline]] void apply_boundary_push(state& s) const {
+  [[gnu::noinline]] void apply_boundary_correction(state& s) const {
     for (std::size_t i = 0; i < boundary_.size(); ++i)
-      owns_a_[i] ? boundary_[i].push_a(s, pushes_[i]) : boundary_[i].push_b(s, pushes_[i]);
+      owns_a_[i] ? boundary_[i].correct_a(s, corrections_[i])
+                 : boundary_[i].correct_b(s, corrections_[i]);
   }
 
  private:
   using part = keyed_contacts<Contact>;
 
-  [[nodiscard]] std::size_t interior() const { return inner_.row.size() + rim_.row.size(); }
+  [[nodiscard]] std::size_t interior() const { return inner_.row.size() + border_.row.size(); }
   [[nodiscard]] Contact interior(std::size_t i) const {
     const std::size_t inner = inner_.row.size();
-    return i < inner ? inner_.row[i] : rim_.row[i - inner];
+    return i < inner ? inner_.row[i] : border_.row[i - inner];
   }
   template <class F>
   void edit_interior(std::size_t i, F&& f) {
     const std::size_t inner = inner_.row.size();
-    i < inner ? inner_.row.edit(i, f) : rim_.row.edit(i - inner, f);
+    i < inner ? inner_.row.edit(i, f) : border_.row.edit(i - inner, f);
   }
   template <class F>
   void each_interior(F&& f) const {
-    for (const part* p : {&inner_, &rim_})
+    for (const part* p : {&inner_, &border_})
       for (std::size_t i = 0; i < p->row.size(); ++i) f(p->row[i]);
   }
   static void sweep(part& p, state& s, bool forward) {
@@ -326,20 +329,20 @@ class contact_list {
     for (std::size_t k = 0; k < 2 * n - 1; ++k)
       k < n ? f(first + k, false) : f(first + 2 * n - 2 - k, true);
   }
-  void apply_own(state& s, std::size_t i, const typename Contact::change& d) const {
+  void apply_to_owned(state& s, std::size_t i, const typename Contact::change& d) const {
     if (owns_a_[i])
       boundary_[i].apply_to_a(s, d);
     else if constexpr (Contact::paired)
       boundary_[i].apply_to_b(s, d);
   }
 
-  part inner_, rim_;
+  part inner_, border_;
   plain_vector<Contact> boundary_, foreign_;
   plain_vector<contact_key> boundary_keys_, foreign_keys_;
   plain_vector<history_place*> boundary_places_;
   plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   plain_vector<typename Contact::change> changes_, before_;
-  plain_vector<decltype(Contact::pushed)> pushes_;
+  plain_vector<decltype(Contact::correction_impulse)> corrections_;
   plain_vector<std::pair<std::size_t, real>> stalled_;
 };
 

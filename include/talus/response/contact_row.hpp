@@ -3,8 +3,8 @@
 #include <cstddef>
 
 #include "talus/core/plain_vector.hpp"
-#include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
+#include "talus/response/stored_impulses.hpp"
 
 namespace talus::detail {
 
@@ -25,15 +25,15 @@ class contact_row {
     f(contacts_[i]);
   }
 
-  void recall(const contact_history& history, const plain_vector<contact_key>& keys,
-              const plain_vector<history_place*>& places) {
-    detail::recall(history, keys, places, contacts_);
+  void load_impulses(const contact_history& history, const plain_vector<contact_key>& keys,
+                     const plain_vector<history_place*>& places) {
+    detail::load_impulses(history, keys, places, contacts_);
   }
-  void weigh(const state& s) {
-    for (Contact& c : contacts_) c.weigh(s, 1, 1);
+  void prepare(const state& s) {
+    for (Contact& c : contacts_) c.prepare(s, 1, 1);
   }
   void apply(state& s) const {
-    for (const Contact& c : contacts_) c.apply(s, c.whole());
+    for (const Contact& c : contacts_) c.apply(s, c.impulse_in_frame());
   }
   void forward(state& s) {
     in_streams([&](Contact& c) { c.apply(s, c.relax(s)); });
@@ -51,10 +51,10 @@ class contact_row {
       if (change > speed) note(static_cast<std::size_t>(&c - contacts_.data()), change);
     });
   }
-  void push(state& s) {
+  void correct(state& s) {
     in_streams([&](Contact& c) {
-      const auto d = c.relax_push(s);
-      if (d != 0) c.push_a(s, d), c.push_b(s, d);
+      const auto d = c.relax_correction(s);
+      if (d != 0) c.correct_a(s, d), c.correct_b(s, d);
     });
   }
 

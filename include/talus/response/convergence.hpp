@@ -81,7 +81,7 @@ class convergence {
   /// Takes in what the ranks have found, one iteration ago. If that was small enough, the next
   /// check is made at once, or after `grace` more iterations, and waited for, so that the
   /// velocities that are kept are those that passed.
-  void hear(int grace = 0) {
+  void poll(int grace = 0) {
     if constexpr (!at_once) {
       if (!looking_) return;
       hopeful_ = conclude();

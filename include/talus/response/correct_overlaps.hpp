@@ -18,12 +18,12 @@ void correct_overlaps(Lists& lists, State& s, const solver_settings& settings, R
   for (int k = 0; k < settings.correction_iterations; ++k) {
     const bool last = k + 1 == settings.correction_iterations;
     if constexpr (!alone) {
-      each([&](auto& list) { list.relax_boundary_push(s); });
-      each([&](auto& list) { list.apply_boundary_push(s); });
-      each([&](auto& list) { list.push_rim(s); });
+      each([&](auto& list) { list.relax_boundary_correction(s); });
+      each([&](auto& list) { list.apply_boundary_correction(s); });
+      each([&](auto& list) { list.correct_border(s); });
       if (!last) ranks.start_corrections();
     }
-    each([&](auto& list) { list.push_inner(s); });
+    each([&](auto& list) { list.correct_inner(s); });
     if constexpr (!alone)
       if (!last) ranks.finish_corrections();
   }

@@ -294,7 +294,7 @@ class gathered_islands {
     };
     t.a_moves = look(c.a, c.arm_a, 1), t.b_moves = look(c.b, c.arm_b, -1);
     u = c.axes * u;
-    c.target -= u[0];
+    c.target_velocity -= u[0];
     c.drive = {c.drive[0] + u[1], c.drive[1] + u[2]};
     return t;
   }

@@ -7,10 +7,10 @@
 #include "talus/contact/law.hpp"
 #include "talus/core/math.hpp"
 #include "talus/response/contact_bias.hpp"
-#include "talus/response/contact_patch.hpp"
+#include "talus/response/contact_manifold.hpp"
 #include "talus/response/coulomb_block.hpp"
 #include "talus/response/frame_around.hpp"
-#include "talus/response/round_contact.hpp"
+#include "talus/response/isotropic_contact.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -54,11 +54,12 @@ template <class Law, contact_side A, contact_side B, class Real = real>
 struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law>> {
   using state = solver_state_of<Real>;  ///< velocities are Reals, all else is real
   static constexpr bool paired = B != contact_side::immovable;
-  static constexpr bool patches = true;  ///< a pair of bodies has several such contacts
+  static constexpr bool manifolds = true;  ///< a pair of bodies has several such contacts
   /// Where one of the bodies is round, a pair has one contact. (With velocities in fewer digits
   /// contacts are solved one by one.)
-  static constexpr bool swept_in_patches = Law::friction && A == contact_side::tensor &&
-                                           B != contact_side::scalar && std::is_same_v<Real, real>;
+  static constexpr bool swept_in_manifolds = Law::friction && A == contact_side::tensor &&
+                                             B != contact_side::scalar &&
+                                             std::is_same_v<Real, real>;
   static constexpr int rows = Law::friction ? 3 : 1;
   /// One by one in the order of the list: stacks converge much faster when the impulses travel
   /// along them, and the local solution costs more than waiting.
@@ -70,14 +71,15 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   vec3 arm_a{0, 0, 0};   ///< from the centre of mass to the contact point
   vec3 arm_b{0, 0, 0};
   change r = change::Zero();  ///< impulse in the frame
-  real target = 0;            ///< least separating velocity after the step
-  real push = 0;      ///< least separating rate of the correction; at rest and under load, the rate
+  real target_velocity = 0;   ///< least separating velocity after the step
+  real correction_rate =
+      0;              ///< least separating rate of the correction; at rest and under load, the rate
   real friction = 0;  ///< coefficient mu
-  real pushed = 0;    ///< normal impulse of the correction
+  real correction_impulse = 0;  ///< normal impulse of the correction
   std::int32_t a = 0;
   std::int32_t b = -1;
 
-  void weigh(const state& s, real split_a, real split_b) {
+  void prepare(const state& s, real split_a, real split_b) {
     mat3 w = mobility<A>(s, a, arm_a, split_a);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, split_b);
     if constexpr (Law::friction) {
@@ -88,7 +90,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     }
   }
   /// The same from a patch that it belongs to.
-  void weigh(const contact_patch& p) requires(swept_in_patches) {
+  void prepare(const contact_manifold& p) requires(swept_in_manifolds) {
     this->arm = seen_in(p.frame, arm_a);
     if constexpr (general_contact::biased) this->bias_in_frame = seen_in(p.frame, this->bias);
     const vec3& r = this->arm;
@@ -102,15 +104,15 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
                     x[2] + (x[3] * r[1] - x[4] * r[0]), y[2] + (y[3] * r[1] - y[4] * r[0]));
   }
   /// Whether the two bodies and the normal are the same.
-  [[nodiscard]] bool same_patch(const general_contact& other) const {
+  [[nodiscard]] bool same_manifold(const general_contact& other) const {
     return a == other.a && b == other.b && normal == other.normal;
   }
-  void warm(const vec3& impulse) {
+  void load_impulse(const vec3& impulse) {
     r = seen(impulse);
     clip();
   }
   /// The same with the frame around the normal, which those of one patch share.
-  void warm(const vec3& impulse, const mat3& frame) requires(Law::friction) {
+  void load_impulse(const vec3& impulse, const mat3& frame) requires(Law::friction) {
     r = seen_in(frame, impulse);
     clip();
   }
@@ -129,7 +131,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   [[nodiscard]] vec3 impulse(const mat3& frame) const requires(Law::friction) {
     return seen_from(frame, r);
   }
-  [[nodiscard]] change whole() const { return r; }
+  [[nodiscard]] change impulse_in_frame() const { return r; }
 
   // What solving several contacts as one needs; see stalled_islands.hpp.
   [[nodiscard]] mat3 axes() const { return frame_around<real>(normal); }
@@ -152,7 +154,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     return u;
   }
   /// Sum of the diagonal of the Delassus block, with undivided masses.
-  [[nodiscard]] real mobility_trace(const state& s) const {
+  [[nodiscard]] real delassus_trace(const state& s) const {
     mat3 w = mobility<A>(s, a, arm_a, 1);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, 1);
     if constexpr (Law::friction)
@@ -168,10 +170,10 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     const change before = r;
     if constexpr (Law::friction) {
       u = seen(u);
-      u[0] -= target;
+      u[0] -= target_velocity;
       r = this->block.solve(r, u, friction);
     } else {
-      r[0] = std::max(real{0}, r[0] - (axis().dot(u) - target) * inverse_own_mobility());
+      r[0] = std::max(real{0}, r[0] - (axis().dot(u) - target_velocity) * inverse_own_mobility());
     }
     return r - before;
   }
@@ -190,23 +192,23 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     s.bodies[b].w -= in_scalar<Real>(turn<B>(s, b, arm_b.cross(p)));
   }
 
-  real relax_push(const state& s) {
+  real relax_correction(const state& s) {
     const vec3 n = axis();
     real rate = n.dot(shift_at<A>(s, a, arm_a));
     if constexpr (paired) rate -= n.dot(shift_at<B>(s, b, arm_b));
-    return push_at(rate);
+    return correction_at(rate);
   }
   /// The change of the correction's impulse where surfaces move apart at `rate`.
-  real push_at(real rate) {
-    const real before = pushed;
-    const real next = pushed - (rate - push) * inverse_own_mobility();
+  real correction_at(real rate) {
+    const real before = correction_impulse;
+    const real next = correction_impulse - (rate - correction_rate) * inverse_own_mobility();
     // Surfaces that hold each other neither part nor meet but by the push.
-    pushed = target == 0 && r[0] > 0 ? next : std::max(real{0}, next);
-    return pushed - before;
+    correction_impulse = target_velocity == 0 && r[0] > 0 ? next : std::max(real{0}, next);
+    return correction_impulse - before;
   }
-  void push_a(state& s, real d) const { push_one<A>(s, a, arm_a, d); }
-  void push_b(state& s, real d) const {
-    if constexpr (paired) push_one<B>(s, b, arm_b, -d);
+  void correct_a(state& s, real d) const { correct_one<A>(s, a, arm_a, d); }
+  void correct_b(state& s, real d) const {
+    if constexpr (paired) correct_one<B>(s, b, arm_b, -d);
   }
 
  private:
@@ -252,7 +254,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     return rate;
   }
   template <contact_side Side>
-  void push_one(state& s, std::int32_t i, const vec3& arm, real d) const {
+  void correct_one(state& s, std::int32_t i, const vec3& arm, real d) const {
     const vec3 p = d * axis();
     s.shift[i].v += in_scalar<Real>(vec3(s.bodies[i].inverse_mass * p));
     if constexpr (Side == contact_side::tensor)

@@ -94,7 +94,7 @@ template <class State>
   plain_vector<real> mu(n);
   for (std::size_t i = 0; i < n; ++i) {
     const island_contact& c = contacts[i];
-    vec3 u{-c.target, c.drive[0], c.drive[1]};
+    vec3 u{-c.target_velocity, c.drive[0], c.drive[1]};
     const auto side = [&](std::int32_t body, const vec3& arm, real sign) {
       if (body < 0) return;
       const mat3 turning = -sign * (c.axes * cross_matrix(arm));

@@ -39,13 +39,13 @@ struct nonlinear_gauss_seidel final {
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
     detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
-    each([&](auto& list) { list.weigh_interior(s); });
+    each([&](auto& list) { list.prepare_interior(s); });
     if constexpr (!alone) ranks.look_for_shared_islands(lists);
-    each([&](auto& list) { list.apply_remembered(s); });
+    each([&](auto& list) { list.warm_start(s); });
     if constexpr (!alone) {
       each([&](auto& list) { list.count_boundary(s); });
       ranks.share_velocities_and_counts();
-      each([&](auto& list) { list.weigh_boundary(s); });
+      each([&](auto& list) { list.prepare_boundary(s); });
       ranks.solve_shared_islands(lists);
     }
 
@@ -62,7 +62,7 @@ struct nonlinear_gauss_seidel final {
       } else {
         detail::sweep_interior(lists, s, k % 2 == 0, more, ranks);
       }
-      watch.hear();
+      watch.poll();
     }
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
     if constexpr (!alone)  // on all ranks or on none

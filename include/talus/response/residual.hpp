@@ -16,7 +16,7 @@ namespace talus::detail {
 template <class Contact>
 concept has_residual = requires(const Contact& c, const typename Contact::state& s) {
   c.relative_velocity(s);
-  c.mobility_trace(s);
+  c.delassus_trace(s);
 };
 
 /// Calls f(contact) for each contact that obeys Coulomb's law and counts on this rank.
@@ -34,7 +34,7 @@ void each_counted(const Lists& lists, F&& f) {
 /// The relative velocity, less the one that gap and restitution ask for.
 template <class Contact>
 [[nodiscard]] vec3 violation(const Contact& c, const typename Contact::state& s) {
-  vec3 u = c.relative_velocity(s) - c.target * c.axis();
+  vec3 u = c.relative_velocity(s) - c.target_velocity * c.axis();
   if constexpr (Contact::biased) u -= c.bias;
   return u;
 }
@@ -47,7 +47,7 @@ struct residual_scale_of {
 
   template <class Contact>
   void add(const Contact& c, const typename Contact::state& s, const vec3& q) {
-    sums[0] += c.mobility_trace(s);
+    sums[0] += c.delassus_trace(s);
     sums[1] += Contact::rows;
     sums[2] += q.squaredNorm();
   }

@@ -203,7 +203,7 @@ class shared_islands {
       enter(c.a, c.arm_a, 1);
       enter(c.b, c.arm_b, -1);
       u = c.axes * u;
-      c.target -= u[0];
+      c.target_velocity -= u[0];
       c.drive = {c.drive[0] + u[1], c.drive[1] + u[2]};
       c.impulse = {0, 0, 0};
       contacts.push_back(c);
@@ -220,8 +220,8 @@ class shared_islands {
     for (std::size_t k = 0; k < chain.size(); ++k) {
       const island_contact& c = chain[k];
       const vec3 p = c.axes.transpose() * r(static_cast<int>(k));
-      hit(own, c.a, c.arm_a, p);
-      hit(own, c.b, c.arm_b, -p);
+      apply_impulse(own, c.a, c.arm_a, p);
+      apply_impulse(own, c.b, c.arm_b, -p);
       const member& m = one.contacts[order.order()[k]].second;
       lists[m.list].set(m.part, m.index, p);
     }
@@ -231,7 +231,8 @@ class shared_islands {
       b.w = in_scalar<number>(own.bodies[static_cast<std::size_t>(at)].w);
     }
   }
-  static void hit(solver_state& s, std::int32_t body, const vec3& arm, const vec3& impulse) {
+  static void apply_impulse(solver_state& s, std::int32_t body, const vec3& arm,
+                            const vec3& impulse) {
     if (body < 0) return;
     const auto i = static_cast<std::size_t>(body);
     s.bodies[i].v += s.bodies[i].inverse_mass * impulse;

@@ -30,11 +30,12 @@ struct contact_course {
 
   /// From what the detection asks for, which is said in conditions_of of world/detect.hpp.
   contact_course(const Contact& c, const solver_state& s)
-      : gap(c.target < 0   ? -c.target
-            : c.target > 0 ? std::max(real{0}, -c.push)
-                           : 0),
-        total(0 * c.whole()) {
-    if (c.target > 0) restitution = std::clamp(-c.target / approach(c, s), real{0}, real{1});
+      : gap(c.target_velocity < 0   ? -c.target_velocity
+            : c.target_velocity > 0 ? std::max(real{0}, -c.correction_rate)
+                                    : 0),
+        total(0 * c.impulse_in_frame()) {
+    if (c.target_velocity > 0)
+      restitution = std::clamp(-c.target_velocity / approach(c, s), real{0}, real{1});
   }
 
   /// Sets what the contact asks for in the coming part, from the velocities before it. `moved` is
@@ -42,10 +43,10 @@ struct contact_course {
   void advance(Contact& c, const solver_state& s, real part, real moved, real held) {
     const real un = approach(c, s);
     gap = std::max(real{0}, gap + un * moved);
-    c.target = gap > held || restitution > 0 ? -gap / part : 0;
+    c.target_velocity = gap > held || restitution > 0 ? -gap / part : 0;
     if (restitution == 0 || un >= 0 || gap + un * part > 0) return;
     const real fall = -c.axis().dot(gain(c, s));  // the length of the whole step is 1 here
-    c.target = rebound(restitution, un, gap, part, fall);
+    c.target_velocity = rebound(restitution, un, gap, part, fall);
   }
 
  private:
@@ -92,7 +93,7 @@ struct small_steps final {
       s.bodies[i].v -= s.gain[i].v, s.bodies[i].w -= s.gain[i].w;
     auto courses =
         std::apply([&](auto&... list) { return std::tuple(courses_of(list, s)...); }, lists);
-    each([&](auto& list) { list.weigh_interior(s); });
+    each([&](auto& list) { list.prepare_interior(s); });
 
     detail::solved done{0, 0};
     for (int j = 0; j < settings.iterations; ++j) {
@@ -112,13 +113,13 @@ struct small_steps final {
       detail::convergence<Lists, Ranks> watch(lists, s, once, ranks);
       if (j == 0) {
         each([&](auto& list) {
-          list.each_numbered([&](auto& c, std::size_t) { c.set(part * c.whole()); });
-          list.apply_remembered(s);
+          list.each_numbered([&](auto& c, std::size_t) { c.set(part * c.impulse_in_frame()); });
+          list.warm_start(s);
         });
         if constexpr (!alone) {
           each([&](auto& list) { list.count_boundary(s); });
           ranks.share_velocities_and_counts();
-          each([&](auto& list) { list.weigh_boundary(s); });
+          each([&](auto& list) { list.prepare_boundary(s); });
         }
       } else {
         for (std::size_t i = 0; i < bodies; ++i)
@@ -128,7 +129,8 @@ struct small_steps final {
       done.iterations += now.iterations;
       if (!(done.residual >= now.residual)) done.residual = now.residual;
       each_with(lists, courses, [&](auto& list, auto& of) {
-        list.each_numbered([&](auto& c, std::size_t i) { of[i].total = of[i].total + c.whole(); });
+        list.each_numbered(
+            [&](auto& c, std::size_t i) { of[i].total = of[i].total + c.impulse_in_frame(); });
       });
       for (std::size_t i = 0; i < bodies; ++i)
         s.drift[i].v += s.bodies[i].v, s.drift[i].w += s.bodies[i].w;
@@ -171,7 +173,7 @@ struct small_steps final {
       if (watch.reached(k)) break;
       detail::relax_boundary<Ranks>(lists, s);
       detail::sweep_interior(lists, s, k % 2 == 0, k + 1 < watch.limit(), ranks);
-      watch.hear();
+      watch.poll();
     }
     return watch.end(k, [&] { ranks.share_velocities(); });
   }

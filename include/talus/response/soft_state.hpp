@@ -42,7 +42,7 @@ struct soft_state {
 /// The radius that a shape counts with where the theory knows spheres only.
 template <class Shape>
 [[nodiscard]] real sphere_radius(const Shape& s) {
-  if constexpr (Shape::round)
+  if constexpr (Shape::isotropic)
     return s.bounding_radius();
   else
     return std::cbrt(s.volume() * (3 / (4 * pi)));

@@ -21,7 +21,7 @@ template <class Lists, class State, class Ranks>
 void sweep_interior(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
   constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
   if constexpr (!alone) {
-    each_of(lists, [&](auto& list) { list.sweep_rim(s, forward); });
+    each_of(lists, [&](auto& list) { list.sweep_border(s, forward); });
     if (more) ranks.start_velocities();
   }
   each_of(lists, [&](auto& list) { list.sweep_inner(s, forward); });

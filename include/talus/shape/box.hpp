@@ -12,7 +12,7 @@ struct box {
   vec3 size{1, 1, 1};  ///< full edge lengths, above zero
 
   static constexpr bool finite = true;
-  static constexpr bool round = false;
+  static constexpr bool isotropic = false;
   static constexpr const char* name = "box";
 
   /// Throws invalid_argument unless all three edges are positive and between 1e-120 and 1e120.

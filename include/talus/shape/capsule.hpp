@@ -13,7 +13,7 @@ struct capsule {
   real length = 1;  ///< of the segment, without the caps; above zero
 
   static constexpr bool finite = true;
-  static constexpr bool round = false;
+  static constexpr bool isotropic = false;
   static constexpr const char* name = "capsule";
 
   /// Throws invalid_argument unless radius and length are positive and between 1e-120 and 1e120.

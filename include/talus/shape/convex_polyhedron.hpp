@@ -20,7 +20,7 @@ namespace talus {
 class convex_polyhedron {
  public:
   static constexpr bool finite = true;
-  static constexpr bool round = false;
+  static constexpr bool isotropic = false;
   static constexpr const char* name = "convex_polyhedron";
 
   /// No polyhedron yet: to be assigned to.

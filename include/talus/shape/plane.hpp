@@ -15,7 +15,7 @@ struct plane {
   real offset = 0;       ///< distance of the surface from the origin along the normal
 
   static constexpr bool finite = false;
-  static constexpr bool round = false;
+  static constexpr bool isotropic = false;
   static constexpr const char* name = "plane";
 
   /// Throws invalid_argument unless the normal has a direction and both values are finite.

@@ -10,7 +10,7 @@ struct sphere {
   real radius = 1;  ///< length, above zero
 
   static constexpr bool finite = true;
-  static constexpr bool round = true;
+  static constexpr bool isotropic = true;
   static constexpr const char* name = "sphere";
 
   /// Throws invalid_argument unless the radius is positive and between 1e-120 and 1e120.

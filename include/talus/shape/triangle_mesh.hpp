@@ -24,7 +24,7 @@ namespace talus {
 class triangle_mesh {
  public:
   static constexpr bool finite = true;
-  static constexpr bool round = false;
+  static constexpr bool isotropic = false;
   static constexpr bool immovable = true;  ///< bodies of it are global or fixed
   static constexpr const char* name = "triangle_mesh";
   static constexpr std::size_t max_triangles = std::size_t{1} << 28;

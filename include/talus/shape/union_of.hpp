@@ -62,7 +62,7 @@ class union_of {
   };
 
   static constexpr bool finite = true;
-  static constexpr bool round = false;
+  static constexpr bool isotropic = false;
   static constexpr const char* name = "union_of";
   static constexpr std::size_t max_parts = 65535;
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "talus/core/id_set.hpp"
-#include "talus/world/letters.hpp"
+#include "talus/world/messages.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {

@@ -11,7 +11,7 @@ namespace talus::detail {
 /// What the contact law asks of a new contact point. `u` is the velocity of a relative to b at the
 /// point before the step, `gap` the distance of the surfaces.
 struct contact_conditions {
-  real target = 0, push = 0, friction = 0;
+  real target_velocity = 0, correction_rate = 0, friction = 0;
 };
 
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
@@ -36,13 +36,14 @@ template <class Law, bool Divided, class Fall>
   contact_conditions c;
   const real un = normal.dot(u);
   const bool held = gap <= (Law::correction ? gravity * dt * dt : 0);
-  c.target = held ? 0 : -gap / dt;
-  if constexpr (Law::correction) c.push = held ? -correction * gap / dt : -gap / dt;
+  c.target_velocity = held ? 0 : -gap / dt;
+  if constexpr (Law::correction) c.correction_rate = held ? -correction * gap / dt : -gap / dt;
   if constexpr (Law::restitution)
     if (pair.restitution > 0 && un < -2 * gravity * dt)
       if (const real a = fall(); gap + (un - std::max(a, real{0}) * dt) * dt <= 0)
-        c.target = std::max(
-            c.target, Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
+        c.target_velocity =
+            std::max(c.target_velocity,
+                     Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
   if constexpr (Law::friction) {
     c.friction = pair.friction;
     if (pair.dynamic_friction < pair.friction) {

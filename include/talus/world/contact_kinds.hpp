@@ -6,23 +6,24 @@
 #include "talus/core/type_list.hpp"
 #include "talus/response/contact_list.hpp"
 #include "talus/response/general_contact.hpp"
-#include "talus/response/round_contact.hpp"
+#include "talus/response/isotropic_contact.hpp"
 
 namespace talus::detail {
 
 template <class Shape>
-inline constexpr contact_side side_of = Shape::round ? contact_side::scalar : contact_side::tensor;
+inline constexpr contact_side side_of =
+    Shape::isotropic ? contact_side::scalar : contact_side::tensor;
 
 /// Contact of two bodies that can move.
 template <class Law, class A, class B, class Real = real>
 using moving_contact =
-    std::conditional_t<A::round && B::round, round_contact<Law, partner::moving, Real>,
+    std::conditional_t<A::isotropic && B::isotropic, isotropic_contact<Law, partner::moving, Real>,
                        general_contact<Law, side_of<A>, side_of<B>, Real>>;
 
 /// Contact of a body that can move with a global one.
 template <class Law, class A, class Real = real>
 using anchored_contact =
-    std::conditional_t<A::round, round_contact<Law, partner::immovable, Real>,
+    std::conditional_t<A::isotropic, isotropic_contact<Law, partner::immovable, Real>,
                        general_contact<Law, side_of<A>, contact_side::immovable, Real>>;
 
 /// The same where global bodies may have velocities, which stand in the solver's arrays then. It is

@@ -10,7 +10,7 @@
 #include "talus/detect/narrow.hpp"
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/driven.hpp"
-#include "talus/world/hand_over.hpp"
+#include "talus/world/migrate_and_refresh.hpp"
 #include "talus/world/pair_motion.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
@@ -129,7 +129,7 @@ class contact_maker {
     bool own_a = false, boundary = false, foreign = false, moves_a = false, moves_b = false;
     bool made = false;  ///< a contact that may get an impulse
     [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
-    [[no_unique_address]] std::conditional_t<imaged, seen_pair, nothing_met> at{};
+    [[no_unique_address]] std::conditional_t<imaged, image_pair, nothing_met> at{};
   };
   struct waiting_pairs {
     plain_vector<box_place<real>>* places = nullptr;  ///< of all boxes
@@ -158,7 +158,7 @@ class contact_maker {
     x.own_a = i < a_.locals;
     bool own_b = !paired || j < b_.locals;
     if constexpr (imaged) {
-      x.at = see_pair<ShapeA, ShapeB>(s_, i, j);
+      x.at = minimum_image<ShapeA, ShapeB>(s_, i, j);
       if (!x.at.known) return forget_unless_made(x);
       own_b = x.at.body_b < b_.locals;
     }
@@ -199,7 +199,7 @@ class contact_maker {
       waiting_.tests.set(lane, place_a(x), place_b(x), x.margin);
       if (waiting_.count == waiting_.tests.capacity) finish();
       return;
-    } else if constexpr (ShapeA::round && ShapeB::round) {  // a single point
+    } else if constexpr (ShapeA::isotropic && ShapeB::isotropic) {  // a single point
       collide_pair(
           a_.shape[i], pose_a(x), b_.shape[j], pose_b(x),
           x.margin, [&](const contact_geometry& g) __attribute__((always_inline)) { add(x, g); });
@@ -255,12 +255,12 @@ class contact_maker {
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
         creep(x.radius), s_.settings.correction);
-    real target = want.target;
+    real target = want.target_velocity;
     if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
     if constexpr (state_type::midpoint)
       if (target != 0) c.bias = {0, 0, 0};
-    c.target = static_cast<decltype(c.target)>(target);
-    c.push = static_cast<decltype(c.push)>(want.push);
+    c.target_velocity = static_cast<decltype(c.target_velocity)>(target);
+    c.correction_rate = static_cast<decltype(c.correction_rate)>(want.correction_rate);
     if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
     const contact_key key{a_.id[i], b_.id[j], g.feature};
     if constexpr (state_type::islands_across_ranks)
@@ -269,7 +269,7 @@ class contact_maker {
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else
-      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_rim(i, body_b(x)));
+      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_border(i, body_b(x)));
   }
 
   /// What a contact that lasts leaves at the end of the step; see velocity_bias.hpp.
@@ -397,7 +397,7 @@ class contact_maker {
   void meet_global(contact_type& c, pair_at_hand& x, const vec3& normal, const vec3& v_b,
                    vec3& arm_b) {
     vec3 v = v_b, w = b_.angular_velocity[x.j];
-    if constexpr (ShapeA::round) {
+    if constexpr (ShapeA::isotropic) {
       v += w.cross(arm_b);
       w = arm_b = {0, 0, 0};
       x.met.number = -1;
@@ -409,11 +409,12 @@ class contact_maker {
   }
 
   /// Whether the velocity of one of them is sent to other ranks.
-  bool at_rim(std::size_t i, std::size_t j) const {
+  bool at_border(std::size_t i, std::size_t j) const {
     if constexpr (state_type::link_type::alone)
       return (void)i, (void)j, false;
     else
-      return !s_.at_rim.empty() && (s_.at_rim[first_a_ + i] || (paired && s_.at_rim[first_b_ + j]));
+      return !s_.at_border.empty() &&
+             (s_.at_border[first_a_ + i] || (paired && s_.at_border[first_b_ + j]));
   }
   /// What iterations leave of the velocity of something that sticks: a millionth of its size in a
   /// step. (Where others press, the bodies themselves may feel neither gravity nor forces.)

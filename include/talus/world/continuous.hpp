@@ -59,7 +59,7 @@ template <class Scenario, class Store>
 /// Radius of the ball about the centre that fits into a convex shape, or about that.
 template <class Shape>
 [[nodiscard]] real inner_radius(const Shape& shape) {
-  if constexpr (Shape::round) {
+  if constexpr (Shape::isotropic) {
     return shape.bounding_radius();
   } else {
     real least = never;
@@ -186,7 +186,7 @@ void require_covered_flights(const world_state<Scenario>& s) {
 /// Brings the bodies that strike something in this step, and the shadow copies of such bodies, to
 /// the time of their first impact; s.impacts.time says when, `never` for all others.
 template <class Scenario, class EachClosePair>
-void follow_flights(world_state<Scenario>& s, EachClosePair&& each_close_pair) {
+void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair) {
   require_covered_flights(s);
   std::size_t bodies = 0;
   s.each_finite_shape([&](auto& b) { bodies += b.movable.size(); });
@@ -197,7 +197,7 @@ void follow_flights(world_state<Scenario>& s, EachClosePair&& each_close_pair) {
     impacts.second_round = second;
     const bool some =
         std::any_of(impacts.time.begin(), impacts.time.end(), [](real t) { return t != never; });
-    if (!second || some) each_close_pair();
+    if (!second || some) each_neighbour_pair();
     impacts.time = impacts.found;
     if constexpr (!world_state<Scenario>::link_type::alone)
       shared_velocities<Scenario>(s).share_values(impacts.time);
@@ -323,7 +323,7 @@ class flight_stopper {
 
 /// After the response: until when the bodies that struck something go on, in s.impacts.found.
 template <class Scenario, class EachClosePair>
-void limit_flights(world_state<Scenario>& s, EachClosePair&& each_close_pair) {
+void limit_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair) {
   impact_times& impacts = s.impacts;
   impacts.found.assign(impacts.time.size(), s.dt);
   if (std::all_of(impacts.time.begin(), impacts.time.end(), [](real t) { return t == never; }))
@@ -341,7 +341,7 @@ void limit_flights(world_state<Scenario>& s, EachClosePair&& each_close_pair) {
       if (speed * (s.dt - t) > furthest) impacts.found[b.first + i] = t + furthest / speed;
     }
   });
-  each_close_pair();
+  each_neighbour_pair();
 }
 
 }  // namespace talus::detail

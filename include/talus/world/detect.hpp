@@ -1,8 +1,8 @@
 #pragma once
 // First stage of a step: pairs that may touch, and what becomes of them.
-#include "talus/world/close_pairs.hpp"
 #include "talus/world/contact_maker.hpp"
 #include "talus/world/continuous.hpp"
+#include "talus/world/neighbour_list.hpp"
 #include "talus/world/search.hpp"
 #include "talus/world/state.hpp"
 
@@ -17,16 +17,16 @@ void detect(world_state<Scenario>& s) {
     if (all_rest(s)) return count_bodies(s);
   if constexpr (world_state<Scenario>::continuous) {
     prepare_detection(s);
-    follow_flights(s, [&] { each_close_pair<impact_finder>(s); });
+    follow_flights(s, [&] { each_neighbour_pair<impact_finder>(s); });
     prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t k) {
       return reach_after_flight(s, store, i, k);
     });
-    each_close_pair<contact_maker>(s);
+    each_neighbour_pair<contact_maker>(s);
   } else if (keep_close_pairs(s)) {
     each_found_pair<contact_maker>(s);
   } else {
     prepare_detection(s);
-    each_close_pair<contact_maker>(s);
+    each_neighbour_pair<contact_maker>(s);
   }
 }
 

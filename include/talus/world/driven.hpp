@@ -16,7 +16,7 @@
 #include "talus/core/error.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/world/bodies_of_shape.hpp"
-#include "talus/world/found_pairs.hpp"
+#include "talus/world/candidate_pairs.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 

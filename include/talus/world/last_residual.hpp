@@ -59,7 +59,7 @@ contact_residual last_residual(world_state<Scenario>& s) {
   auto after = s.solver, given = s.solver;
   for (auto& body : given.bodies) body.v = body.w = {0, 0, 0};
   s.each_contact_list([&](const auto& list) {
-    if constexpr (requires { list.apply_remembered(given); }) list.apply_remembered(given);
+    if constexpr (requires { list.warm_start(given); }) list.warm_start(given);
   });
   if constexpr (!world_state<Scenario>::link_type::alone) refresh_last_step(s, after, given);
 

@@ -224,11 +224,11 @@ class passivity {
           return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
         };
         if (!gains(c.a) && !gains(c.b)) return;
-        const auto target = c.target;
-        c.target = std::min(c.target, decltype(c.target)(0));
-        c.weigh(solver_, 1, 1);
+        const auto target = c.target_velocity;
+        c.target_velocity = std::min(c.target_velocity, decltype(c.target_velocity)(0));
+        c.prepare(solver_, 1, 1);
         const auto change = c.relax(solver_);
-        c.target = target;
+        c.target_velocity = target;
         c.apply(solver_, change);
       });
     });
@@ -256,7 +256,7 @@ class passivity {
   /// mean velocity of a divided step, which stays.
   template <class Contact, class Apply>
   void shrink(Contact& c, real d, Apply&& apply) {
-    const auto before = c.whole();
+    const auto before = c.impulse_in_frame();
     c.set(static_cast<number>(1 - d) * before);
     const auto change = c.since(before);
     if constexpr (divided) {
@@ -341,7 +341,7 @@ class passivity {
     const real d = all.excess();
     if (d == 0) return;
     s_.each_contact_list([&](auto& list) {
-      list.edit_all([&](auto& c) { c.set(static_cast<number>(1 - d) * c.whole()); });
+      list.edit_all([&](auto& c) { c.set(static_cast<number>(1 - d) * c.impulse_in_frame()); });
     });
     s_.each_finite_shape([&](const auto& b) {
       for (std::size_t i = 0; i < b.movable.locals; ++i) {

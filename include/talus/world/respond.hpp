@@ -76,7 +76,7 @@ void respond(world_state<Scenario>& s) {
   gather_velocities(s);
   constexpr bool coloured = world_state<Scenario>::by_colours;
   if constexpr (coloured) colour_contacts(s);
-  if (presses(s)) s.each_contact_list([&](auto& list) { list.recall(s.history); });
+  if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
   s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
                                             world_state<Scenario>::law::correction, ranks),
@@ -85,7 +85,7 @@ void respond(world_state<Scenario>& s) {
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);
-  s.each_contact_list([&](const auto& list) { list.remember(s.history); });
+  s.each_contact_list([&](const auto& list) { list.store_impulses(s.history); });
 }
 
 /// Moves the bodies owned here with their new velocities.

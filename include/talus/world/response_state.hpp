@@ -113,7 +113,7 @@ struct hard_response {
   std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
   std::vector<travelling_velocities> travelled;   ///< in the last step
   std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
-  plain_vector<char> at_rim;  ///< of the bodies in solver indices: whether any velocity is sent
+  plain_vector<char> at_border;  ///< of the bodies in solver indices: whether any velocity is sent
 };
 
 template <class Law>

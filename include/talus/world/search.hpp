@@ -95,7 +95,7 @@ void prepare_detection(world_state<Scenario>& s) {
 /// Finds all pairs of bodies within reach of each other: make<A, B, partner>() makes what takes the
 /// pairs of the shapes A and B, as (index of a, index of b, margin of a, margin of b).
 template <class Scenario, class Make>
-void each_close_pair(world_state<Scenario>& s, Make&& make) {
+void each_neighbour_pair(world_state<Scenario>& s, Make&& make) {
   const auto margin = [](const auto& store, const plain_vector<real>& reach, std::size_t i) {
     return reach[i] - store.shape[i].bounding_radius();
   };
@@ -136,8 +136,9 @@ void each_close_pair(world_state<Scenario>& s, Make&& make) {
 
 /// The same with a Maker<Scenario, A, B, partner>(s) for the pairs of A and B.
 template <template <class, class, class, partner> class Maker, class Scenario>
-void each_close_pair(world_state<Scenario>& s) {
-  each_close_pair(s, [&]<class A, class B, partner P>() { return Maker<Scenario, A, B, P>(s); });
+void each_neighbour_pair(world_state<Scenario>& s) {
+  each_neighbour_pair(s,
+                      [&]<class A, class B, partner P>() { return Maker<Scenario, A, B, P>(s); });
 }
 
 }  // namespace talus::detail

@@ -40,7 +40,7 @@ body_counts number_bodies(world_state<Scenario>& s) {
 /// Lists the solver indices of the bodies whose velocities travel in each iteration.
 template <class Scenario>
 void list_travelling_velocities(world_state<Scenario>& s) {
-  s.at_rim.assign(number_bodies(s).all, false);
+  s.at_border.assign(number_bodies(s).all, false);
   s.travelling.resize(s.neighbours.size());
   for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
     s.travelling[n].rank = s.neighbours[n].rank;
@@ -58,7 +58,7 @@ void list_travelling_velocities(world_state<Scenario>& s) {
       for (const auto code : s.neighbours[n].shadowed[k])
         if (const auto i = world_state<Scenario>::copy_code::body(code); b.movable.moves(i)) {
           s.travelling[n].sent.push_back(static_cast<std::uint32_t>(b.first + i));
-          s.at_rim[b.first + i] = true;
+          s.at_border[b.first + i] = true;
         }
       for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++copy)
         if (b.movable.moves(copy))
@@ -289,7 +289,7 @@ void measure_reach(world_state<Scenario>& s) {
 template <class Scenario>
 void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
   using code = typename world_state<Scenario>::copy_code;
-  open_letter(s, n);
+  open_message(s, n);
   byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
   out.put(s.choice.announced);
   out.put(kind);
@@ -357,7 +357,7 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   }
   move_shadow_copies(s, moved);
   if (any) rebuild_shadow_copies(s, before, renewed);
-  for (std::size_t n = 0; n < in.size(); ++n) close_letter(s, n, in[n]);
+  for (std::size_t n = 0; n < in.size(); ++n) close_message(s, n, in[n]);
   require_copies(s, told);
   if (!any) return;
   require_one_owner(s);

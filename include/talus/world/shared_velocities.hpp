@@ -14,7 +14,7 @@
 namespace talus::detail {
 
 template <class Shape>
-struct has_tensor : std::bool_constant<!Shape::round> {};
+struct has_tensor : std::bool_constant<!Shape::isotropic> {};
 
 template <class Scenario>
 class shared_velocities {

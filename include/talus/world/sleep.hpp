@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "talus/world/energy_ledger.hpp"
-#include "talus/world/hand_over.hpp"
+#include "talus/world/migrate_and_refresh.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/stage_clock.hpp"
 #include "talus/world/state.hpp"
@@ -44,19 +44,19 @@ void meet_stirred(world_state<Scenario>& s) {
     });
   };
   if (s.sleep.asleep.empty()) return;
-  plain_vector<system_id> stirred;
+  plain_vector<system_id> disturbed;
   s.each_shape([&](const auto& b) {
     const auto look = [&](const auto& store) {
       for (std::size_t j = 0; j < store.size(); ++j)
         if ((store.flags[j] & flag_stirred) != 0 && store.inverse_mass[j] == 0)
-          stirred.push_back(store.id[j]), meet(store, j);
+          disturbed.push_back(store.id[j]), meet(store, j);
     };
     look(b.movable), look(b.global);
   });
-  if (stirred.empty()) return;
-  sort_values(stirred);
+  if (disturbed.empty()) return;
+  sort_values(disturbed);
   const auto moved = [&](system_id id) {
-    return std::binary_search(stirred.begin(), stirred.end(), id);
+    return std::binary_search(disturbed.begin(), disturbed.end(), id);
   };
   for (const auto& c : s.sleep.contacts.entries())  // what it touched has lost its hold
     s.sleep.spreads = s.sleep.spreads || moved(c.key.a) || moved(c.key.b);
@@ -65,7 +65,7 @@ void meet_stirred(world_state<Scenario>& s) {
 /// After contacts were looked for: wakes the islands that something has come near, tells the
 /// neighbours, and looks again where anybody has woken.
 template <class Scenario, class Detect>
-void rouse(world_state<Scenario>& s, Detect&& detect) {
+void wake_disturbed(world_state<Scenario>& s, Detect&& detect) {
   s.sleep.noted = false;
   meet_stirred(s);
   wake_islands(s);
@@ -93,7 +93,7 @@ void count_quiet(world_state<Scenario>& s) {
       store.quiet[i] = rests ? store.quiet[i] + dt : 0;
     }
   });
-  if (!std::exchange(s.sleep.stirred, false)) return;
+  if (!std::exchange(s.sleep.disturbed, false)) return;
   const auto forget = [](auto& store) {
     for (auto& flags : store.flags) flags &= static_cast<std::uint8_t>(~flag_stirred);
   };
@@ -140,7 +140,7 @@ void join_islands(world_state<Scenario>& s) {
 
 /// After positions have moved: the islands that have been quiet for long enough fall asleep.
 template <class Scenario>
-void rest(world_state<Scenario>& s) {
+void put_to_sleep(world_state<Scenario>& s) {
   count_quiet(s);
   if (s.steps % steps_between_rests != 0) return;
   join_islands(s);

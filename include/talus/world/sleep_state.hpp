@@ -42,7 +42,7 @@ struct sleep_state {
   bool changed = false;  ///< own bodies fell asleep or awoke, and the neighbours do not know it yet
   bool noted = false;    ///< what is remembered was put in order, since rouse() began
   bool spreads = false;  ///< somebody known here awoke: others of its island may have to
-  bool stirred = false;  ///< own immovable bodies are marked as stirred
+  bool disturbed = false;  ///< own immovable bodies are marked as stirred
 
   [[nodiscard]] std::size_t bytes() const {
     return contacts.bytes() + asleep.capacity() * sizeof(system_id) +

@@ -80,7 +80,7 @@ template <class Scenario, class Store>
 void disturb(world_state<Scenario>& s, Store& store, std::size_t i) {
   if (store.inverse_mass[i] == 0) {
     store.flags[i] |= flag_stirred;
-    s.sleep.stirred = true;
+    s.sleep.disturbed = true;
   } else if constexpr (Store::sleeps) {
     if (store.asleep(i)) {
       store.flags[i] &= static_cast<std::uint8_t>(~flag_asleep);
@@ -116,7 +116,7 @@ template <class Scenario, class StoreA, class StoreB>
 /// All bodies that a rank knows, in the order of their ids, for what is done when islands fall
 /// asleep or wake.
 struct known_body {
-  enum state : std::uint8_t { awake, asleep, immovable, stirred };
+  enum state : std::uint8_t { awake, asleep, immovable, disturbed };
   system_id id = no_id;
   state is = awake;
   bool own = false;
@@ -163,7 +163,7 @@ class known_bodies {
       if (store.asleep(i))
         k.is = known_body::asleep;
       else if (store.inverse_mass[i] == 0)
-        k.is = store.flags[i] & flag_stirred ? known_body::stirred : known_body::immovable;
+        k.is = store.flags[i] & flag_stirred ? known_body::disturbed : known_body::immovable;
       else if constexpr (Store::sleeps)
         k.quiet = store.quiet[i];
       all_.push_back(k);
@@ -194,7 +194,7 @@ void wake_islands(world_state<Scenario>& s) {
   plain_vector<float> wakes(known.size(), never_rests);
   const auto wake = [&](std::uint32_t k, float quiet) { wakes[k] = std::min(wakes[k], quiet); };
   const auto meet = [&](std::uint32_t sleeper, std::uint32_t k) {
-    if (k == known.unknown || known[k].is == known_body::stirred)
+    if (k == known.unknown || known[k].is == known_body::disturbed)
       wake(sleeper, 0);
     else if (known[k].is == known_body::awake && wakes_others(s, known[k].quiet))
       wake(sleeper, known[k].quiet);

@@ -10,9 +10,9 @@
 
 #include "talus/response/integrate.hpp"
 #include "talus/response/soft_force.hpp"
-#include "talus/world/close_pairs.hpp"
 #include "talus/world/detect.hpp"
 #include "talus/world/finite_motion.hpp"
+#include "talus/world/neighbour_list.hpp"
 #include "talus/world/servo.hpp"
 #include "talus/world/soft_ledger.hpp"
 #include "talus/world/state.hpp"
@@ -61,7 +61,7 @@ class force_adder {
     bool own_b = !paired || j < b_.locals;
     at_ = {a_.position[i], b_.position[j], j};
     if constexpr (paired && state_type::periodic) {
-      at_ = see_pair<ShapeA, ShapeB>(s_, i, j);
+      at_ = minimum_image<ShapeA, ShapeB>(s_, i, j);
       if (!at_.known) return;
       own_b = at_.body_b < b_.locals;
     }
@@ -154,11 +154,11 @@ class force_adder {
     if constexpr (law::remembers) s_.recorded.add(key, memory);
 
     A.force += f.force;
-    if constexpr (law::friction || !ShapeA::round) A.torque += arm_a.cross(f.force);
+    if constexpr (law::friction || !ShapeA::isotropic) A.torque += arm_a.cross(f.force);
     if constexpr (law::rolling) A.torque += f.moment;
     if constexpr (paired) {
       B->force -= f.force;
-      if constexpr (law::friction || !ShapeB::round) B->torque -= arm_b.cross(f.force);
+      if constexpr (law::friction || !ShapeB::isotropic) B->torque -= arm_b.cross(f.force);
       if constexpr (law::rolling) B->torque -= f.moment;
     }
     if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
@@ -180,10 +180,10 @@ class force_adder {
       r.across += parts.across, r.yielded += parts.yielded;
     }
     const soft_body& A = s_.soft.bodies[first_a_ + i];
-    add_split(a_.split[i], 1, parts, t.normal, arm_a, law::friction || !ShapeA::round);
+    add_split(a_.split[i], 1, parts, t.normal, arm_a, law::friction || !ShapeA::isotropic);
     if constexpr (paired) {
       const soft_body& B = s_.soft.bodies[first_b_ + j];
-      add_split(b_.split[j], -1, parts, t.normal, arm_b, law::friction || !ShapeB::round);
+      add_split(b_.split[j], -1, parts, t.normal, arm_b, law::friction || !ShapeB::isotropic);
       if (B.inverse_mass == 0)
         add_power(r, 1, parts, t.normal, B.v + B.w.cross(arm_b), B.w);
       else if (A.inverse_mass == 0)
@@ -203,7 +203,7 @@ class force_adder {
   store_a& a_;
   store_b& b_;
   std::size_t first_a_, first_b_;
-  seen_pair at_;  ///< the pair at hand
+  image_pair at_;  ///< the pair at hand
 };
 
 /// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.
@@ -241,7 +241,7 @@ void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   s.each_shape([&](auto& b) { b.globals_changed = changed[k++]; });
   gather_motion(s);
   using observer_type = std::remove_reference_t<Observer>;
-  each_close_pair(s, [&]<class A, class B, partner P>() {
+  each_neighbour_pair(s, [&]<class A, class B, partner P>() {
     return force_adder<Scenario, A, B, P, observer_type>(s, observer);
   });
 }

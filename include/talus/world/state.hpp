@@ -20,12 +20,12 @@
 #include "talus/world/balance_state.hpp"
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/body_count.hpp"
+#include "talus/world/candidate_pairs.hpp"
 #include "talus/world/counted_time.hpp"
 #include "talus/world/driven_bodies.hpp"
-#include "talus/world/found_pairs.hpp"
-#include "talus/world/image_copies.hpp"
 #include "talus/world/midpoint_state.hpp"
 #include "talus/world/monitors.hpp"
+#include "talus/world/periodic_ghosts.hpp"
 #include "talus/world/response_state.hpp"
 #include "talus/world/scenario.hpp"
 #include "talus/world/sleep_state.hpp"
@@ -61,8 +61,8 @@ namespace detail {
 struct no_shared_memory {};
 
 /// Messages between this rank and one of its neighbours, and bodies handed over; see
-/// world/letters.hpp.
-struct correspondence {
+/// world/messages.hpp.
+struct message_channel {
   std::uint64_t sent = 0, received = 0;
   body_count given;        ///< to the neighbour
   body_count taken;        ///< from it
@@ -79,7 +79,7 @@ struct neighbour {
   std::array<plain_vector<std::uint32_t>, Shapes>
       shadowed;  ///< own bodies with a copy there, by shape, as copy_code says it
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
-  correspondence mail;
+  message_channel channel;
   [[no_unique_address]] Memory memory;  ///< of the shared data of shapes
 
   /// Both ends call it before each exchange of bodies.
@@ -223,7 +223,8 @@ struct world_state : response_state<Scenario> {
   [[no_unique_address]] std::conditional_t<midpoint, midpoint_state<shape_count>, no_midpoint_state>
       midpoints;
   using copy_code = detail::copy_code<periodic>;
-  [[no_unique_address]] std::conditional_t<periodic, image_copies<shape_count>, no_image_copies>
+  [[no_unique_address]] std::conditional_t<periodic, periodic_ghosts<shape_count>,
+                                           no_periodic_ghosts>
       copies;
   std::vector<neighbour<shape_count, memory_type>>
       neighbours;               ///< one for each connection, in the same order
@@ -235,7 +236,7 @@ struct world_state : response_state<Scenario> {
   [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
                                            copy_choice<shape_count>>
       choice;
-  found_pairs found;
+  candidate_pairs found;
   std::conditional_t<balances, balanced_seconds, stage_seconds> seconds;
   step_traffic sent;
   [[no_unique_address]] monitor_records<typename Scenario::features> monitors;

@@ -5,9 +5,9 @@
 #include "talus/world/detect.hpp"
 #include "talus/world/driven.hpp"
 #include "talus/world/energy_ledger.hpp"
-#include "talus/world/hand_over.hpp"
 #include "talus/world/last_residual.hpp"
 #include "talus/world/midpoint.hpp"
+#include "talus/world/migrate_and_refresh.hpp"
 #include "talus/world/momentum_balance.hpp"
 #include "talus/world/respond.hpp"
 #include "talus/world/servo.hpp"
@@ -41,7 +41,7 @@ void step(world_state<Scenario>& s, real dt) {
   constexpr bool midpoint = world_state<Scenario>::midpoint;
   s.dt = dt;
   if (s.steps % steps_between_sorts == 0) sort_bodies(s);
-  announce_changes(s);
+  notify_neighbours(s);
   constexpr bool drives = world_state<Scenario>::drives;
   if constexpr (drives) aim_driven(s);
   if constexpr (!Scenario::contact_law::soft) {
@@ -53,20 +53,20 @@ void step(world_state<Scenario>& s, real dt) {
     };
     detect_stage(find_contacts);
     if constexpr (world_state<Scenario>::sleeps)  // islands that something comes near wake
-      detect_stage([&] { rouse(s, find_contacts); });
+      detect_stage([&] { wake_disturbed(s, find_contacts); });
     respond_stage([&] { respond(s); });  // velocities that fulfil the contact law
     if constexpr (drives) settle_servos(s), watch_leaps(s);
     if constexpr (watches<Scenario, energy_ledger>) book_response(s);
     if constexpr (watches<Scenario, momentum_balance>) book_momentum(s);
     if constexpr (world_state<Scenario>::continuous)
       detect_stage([&] {  // until when bodies that struck something go on
-        limit_flights(s, [&] { each_close_pair<flight_stopper>(s); });
+        limit_flights(s, [&] { each_neighbour_pair<flight_stopper>(s); });
       });
     integrate_stage([&] { integrate(s); });  // positions of the bodies owned here
     if constexpr (drives) move_driven(s);
     if constexpr (watches<Scenario, energy_ledger>) book_motion(s);
     if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
-    if constexpr (world_state<Scenario>::sleeps) integrate_stage([&] { rest(s); });
+    if constexpr (world_state<Scenario>::sleeps) integrate_stage([&] { put_to_sleep(s); });
     if constexpr (watches<Scenario, energy_ledger>) close_energy(s);
   } else if constexpr (verlet) {
     if constexpr (watched) open_soft(s);
@@ -74,7 +74,7 @@ void step(world_state<Scenario>& s, real dt) {
     integrate_stage([&] { kick(s, dt / 2), drift(s, dt); });
     if constexpr (drives) move_driven(s);
     if constexpr (booked) book_migration(s, -1);
-    hand_over(s);
+    migrate_and_refresh(s);
     if constexpr (booked) book_migration(s, 1);
     detect_stage([&] { find_close_pairs(s); });
     respond_stage([&] { measure_forces(s); });
@@ -95,7 +95,7 @@ void step(world_state<Scenario>& s, real dt) {
   s.time = s.clock.after(s.time, s.steps, 1, dt);
   ++s.steps;
   if constexpr (!verlet)
-    hand_over(s);  // bodies that left go to their new owner, shadow copies are refreshed
+    migrate_and_refresh(s);  // bodies that left go to their new owner, shadow copies are refreshed
   if constexpr (Scenario::contact_law::soft && booked && !verlet) survey_at_end(s);
   if constexpr (watches<Scenario, residual_monitor>) (void)last_residual(s);
 }

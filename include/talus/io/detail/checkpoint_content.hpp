@@ -94,7 +94,7 @@ template <class Scenario>
                    c.residual, c.residual_worst, static_cast<double>(c.steps_above)}));
   }
   out.push_back(numbers_dataset<std::uint64_t>(
-      "/run/waking", std::array{wakes.all, wakes.spreads, wakes.stirred}));
+      "/run/waking", std::array{wakes.all, wakes.spreads, wakes.disturbed}));
   const auto materials = numbers_of(s.materials), pairs = numbers_of_pairs(s.materials);
   out.push_back(numbers_dataset<double>("/materials/each", materials, 8));
   out.push_back(numbers_dataset<double>("/materials/own_pairs", pairs, 5));

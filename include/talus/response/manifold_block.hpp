@@ -7,7 +7,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/core/octet_vector.hpp"
-#include "talus/response/contact_patch.hpp"
+#include "talus/response/contact_manifold.hpp"
 #include "talus/response/coulomb_block.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -46,14 +46,14 @@ struct patch_layer : patch_layer_bias<Contact::biased> {
   octet friction;
   octet i_nn, i_n1, i_n2, i_11, i_12, i_22;  ///< as in coulomb_block
   octet nn, n1, n2, inverse_nn;
-  octet push, pushed;
+  octet correction_rate, correction_impulse;
   octet t11, t12, t22;
   octet_mask present;
   Contact* at[8] = {};  ///< the impulse stays there; what is no contact is a spare one
 };
 
 template <class Contact>
-struct patch_block {
+struct manifold_block {
   octet_matrix frame;
   octet_vector offset;  ///< from the centre of b to that of a
   octet_matrix tensor_a, tensor_b;
@@ -66,10 +66,10 @@ struct patch_block {
 template <class Contact>
 struct patch_block_work {
   static constexpr bool paired = Contact::paired;
-  using block = patch_block<Contact>;
+  using block = manifold_block<Contact>;
   using layer = patch_layer<Contact>;
 
-  static void weigh(block& p, layer* layers, const solver_state& s) {
+  static void prepare(block& p, layer* layers, const solver_state& s) {
     const auto& at = layers[0].at;
     const auto vector = [](const octet_rows& r) { return octet_vector{r.x, r.y, r.z}; };
     p.frame = frames_around(vector(gather([&](int i) -> const vec3& { return at[i]->normal; })));
@@ -147,7 +147,7 @@ struct patch_block_work {
   }
 
   /// The correction of overlaps, which presses along the normal alone.
-  static void push(const block& p, layer* layers, solver_state& s) {
+  static void correct(const block& p, layer* layers, solver_state& s) {
     const auto v_of = [&](const std::int32_t(&of)[8]) {
       return [&](int i) -> vec3& { return s.shift[static_cast<std::size_t>(of[i])].v; };
     };
@@ -166,11 +166,11 @@ struct patch_block_work {
       layer& c = layers[k];
       const octet_rows held = gather([&](int i) -> const vec3& { return c.at[i]->r; });
       const octet rate = n + (y * c.arm.z - z * c.arm.y);
-      const octet free = c.pushed - (rate - c.push) * c.inverse_nn;
+      const octet free = c.correction_impulse - (rate - c.correction_rate) * c.inverse_nn;
       const octet next =
           (((held.w == zero) & (held.x > zero)) | (free > zero)) & c.present ? free : zero;
-      const octet d = next - c.pushed;
-      c.pushed = next;
+      const octet d = next - c.correction_impulse;
+      c.correction_impulse = next;
       const octet my = d * c.arm.z, mz = zero - d * c.arm.y;
       impulse += d, moment_y += my, moment_z += mz;
       if constexpr (paired) {
@@ -226,8 +226,9 @@ struct patch_block_work {
     const octet zero = eight(0);
     const octet_rows arm = gather([&](int i) -> const vec3& { return c.at[i]->arm_a; });
     const octet_vector r = c.arm = p.frame.times({arm.x, arm.y, arm.z});
-    for (int i = 0; i < 8; ++i) c.friction[i] = c.at[i]->friction, c.push[i] = c.at[i]->push;
-    c.pushed = zero;
+    for (int i = 0; i < 8; ++i)
+      c.friction[i] = c.at[i]->friction, c.correction_rate[i] = c.at[i]->correction_rate;
+    c.correction_impulse = zero;
     if constexpr (Contact::biased) {
       const octet_rows bias = gather([&](int i) -> const vec3& { return c.at[i]->bias; });
       c.bias = p.frame.times({bias.x, bias.y, bias.z});

@@ -15,7 +15,7 @@ namespace talus::detail {
 
 /// A kind of contact of which a pair of bodies has several.
 template <class Contact>
-concept comes_in_patches = Contact::patches;
+concept comes_in_manifolds = Contact::manifolds;
 
 /// A kind of contact whose impulse is kept in a frame around its normal.
 template <class Contact>
@@ -100,11 +100,11 @@ class remembered_pair {
 template <class Contact>
 class shared_frame {
  public:
-  void warm(Contact& c, const vec3& impulse) {
+  void load_impulse(Contact& c, const vec3& impulse) {
     if constexpr (framed<Contact>)
-      c.warm(impulse, of(c));
+      c.load_impulse(impulse, of(c));
     else
-      c.warm(impulse);
+      c.load_impulse(impulse);
   }
   [[nodiscard]] vec3 impulse(const Contact& c) {
     if constexpr (framed<Contact>)
@@ -135,23 +135,23 @@ void recall_patch(remembered_pair& before, std::span<const contact_key> keys,
   shared_frame<Contact> frame;
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (const vec3* p = before.find(keys[i]))
-      frame.warm(contacts[i], *p);
+      frame.load_impulse(contacts[i], *p);
     else if (count < heirs.size())
       heirs[count++] = i;
   if (count == 0) return;
   const vec3 share = before.lost() / static_cast<real>(count);
   if (share == vec3(0, 0, 0)) return;
-  for (std::size_t k = 0; k < count; ++k) frame.warm(contacts[heirs[k]], share);
+  for (std::size_t k = 0; k < count; ++k) frame.load_impulse(contacts[heirs[k]], share);
 }
 
 /// Lets each contact start from the impulse that is remembered for its key.
 template <class Contact>
-void recall(const contact_history& history, const plain_vector<contact_key>& keys,
-            const plain_vector<history_place*>& places, plain_vector<Contact>& contacts) {
+void load_impulses(const contact_history& history, const plain_vector<contact_key>& keys,
+                   const plain_vector<history_place*>& places, plain_vector<Contact>& contacts) {
   for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
     const kept_pair kept(history, keys[first], places[first]);
     while (last < contacts.size() && keys[last].same_pair(keys[first])) ++last;
-    if constexpr (comes_in_patches<Contact>) {
+    if constexpr (comes_in_manifolds<Contact>) {
       remembered_pair before(kept);
       if (before.complete()) {
         recall_patch(before, std::span(keys).subspan(first, last - first),
@@ -160,14 +160,14 @@ void recall(const contact_history& history, const plain_vector<contact_key>& key
       }
     }
     for (std::size_t i = first; i < last; ++i)
-      if (const vec3* p = kept.find(keys[i])) contacts[i].warm(*p);
+      if (const vec3* p = kept.find(keys[i])) contacts[i].load_impulse(*p);
   }
 }
 
 /// The reverse; notes for each pair where its contacts are kept.
 template <class Contacts>
-void remember(contact_history& history, const plain_vector<contact_key>& keys,
-              const plain_vector<history_place*>& places, const Contacts& contacts) {
+void store_impulses(contact_history& history, const plain_vector<contact_key>& keys,
+                    const plain_vector<history_place*>& places, const Contacts& contacts) {
   [[maybe_unused]] shared_frame<std::remove_cvref_t<decltype(contacts[0])>> frame;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (places[i] != nullptr && (i == 0 || places[i] != places[i - 1]))

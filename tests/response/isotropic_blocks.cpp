@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "talus/contact/law.hpp"
-#include "talus/response/round_contact.hpp"
+#include "talus/response/isotropic_contact.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace {
@@ -19,7 +19,7 @@ using law = hard_contact<coulomb_friction, newton_restitution>;
 
 template <class Real>
 struct random_heap {
-  using moving = round_contact<law, partner::moving, Real>;
+  using moving = isotropic_contact<law, partner::moving, Real>;
   using vector_type = vector3<Real>;
   /// What round-off may leave of numbers about 1, where that of doubles is `of_double`.
   static real allowed(real of_double) {
@@ -51,9 +51,9 @@ struct random_heap {
     c.normal = vector().normalized();
     c.arm_a = number(0.4, 0.6), c.arm_b = number(0.4, 0.6);
     c.friction = number(0, 1);
-    c.target = number(-0.1, 0.1);
-    c.push = number(-0.1, 0.1);
-    c.warm(in_scalar<real>(vector_type(vector() + c.normal)));
+    c.target_velocity = number(-0.1, 0.1);
+    c.correction_rate = number(-0.1, 0.1);
+    c.load_impulse(in_scalar<real>(vector_type(vector() + c.normal)));
     return c;
   }
 
@@ -84,7 +84,7 @@ TEST_CASE_TEMPLATE(
     random_heap<Real> random(seed);
     const std::size_t count = seed == 1 ? 12 : 400;
     auto s = random.bodies(count, 3);
-    round_blocks<moving> blocks;
+    isotropic_blocks<moving> blocks;
     std::vector<moving> all;
     for (int step = 0; step < 2; ++step) {  // the second as after another step
       blocks.clear(), all.clear();
@@ -101,12 +101,13 @@ TEST_CASE_TEMPLATE(
     for (std::size_t i = 0; i < all.size(); ++i)
       same = same && blocks[i].a == all[i].a && blocks[i].b == all[i].b &&
              blocks[i].normal == all[i].normal && blocks[i].impulse() == all[i].impulse() &&
-             blocks[i].target == all[i].target && blocks[i].push == all[i].push;
+             blocks[i].target_velocity == all[i].target_velocity &&
+             blocks[i].correction_rate == all[i].correction_rate;
     CHECK(same);
 
     // If a block moved a body twice, one of both changes would be lost.
     const vec3 before = momentum(s);
-    blocks.weigh(s);
+    blocks.prepare(s);
     blocks.apply(s);
     vec3 to_fixed{0, 0, 0};
     const auto on_fixed = [&](const moving& c) {
@@ -128,17 +129,17 @@ TEST_CASE_TEMPLATE(
     }
     CHECK((momentum(s) - before - now).norm() < allowed(1e-11) * static_cast<real>(all.size()));
     CHECK(in_cones);
-    blocks.push(s);
+    blocks.correct(s);
     vec3 shifted{0, 0, 0};
     for (const auto& x : s.shift)
       if (x.inverse_mass > 0) shifted += in_scalar<real>(x.v) / x.inverse_mass;
-    vec3 pushed{0, 0, 0};
+    vec3 correction_impulse{0, 0, 0};
     for (std::size_t i = 0; i < all.size(); ++i) {
       const moving c = blocks[i];
-      if (!moves(s, c.b)) pushed += c.pushed * c.axis();
-      if (!moves(s, c.a)) pushed -= c.pushed * c.axis();
+      if (!moves(s, c.b)) correction_impulse += c.correction_impulse * c.axis();
+      if (!moves(s, c.a)) correction_impulse -= c.correction_impulse * c.axis();
     }
-    CHECK((shifted - pushed).norm() < allowed(1e-11) * static_cast<real>(all.size()));
+    CHECK((shifted - correction_impulse).norm() < allowed(1e-11) * static_cast<real>(all.size()));
   }
 }
 
@@ -150,13 +151,13 @@ TEST_CASE_TEMPLATE("blocks that are filled in part, and not in their order, cons
     random_heap<Real> random(seed);
     const std::size_t count = 3 + seed % 20;
     auto s = random.bodies(count, 0);
-    round_blocks<moving> blocks;
+    isotropic_blocks<moving> blocks;
     for (unsigned k = 0; k < 2 + seed % 37; ++k) {
       const auto a = random.body(count), b = random.body(count);
       if (a != b) blocks.add(random.contact(a, b), true, true);
     }
     const vec3 before = momentum(s);
-    blocks.weigh(s);
+    blocks.prepare(s);
     blocks.apply(s);
     blocks.forward(s);
     blocks.backward(s);
@@ -170,15 +171,15 @@ TEST_CASE_TEMPLATE("contacts that share no body are solved in blocks as one by o
   const auto allowed = random_heap<Real>::allowed;
   random_heap<Real> random(7);
   auto s = random.bodies(62, 0), t = s;
-  round_blocks<moving> blocks;
+  isotropic_blocks<moving> blocks;
   std::vector<moving> all;
   for (std::int32_t i = 0; i < 62; i += 2) {
     all.push_back(random.contact(i, i + 1));
     blocks.add(all.back(), true, true);
   }
-  blocks.weigh(s);
+  blocks.prepare(s);
   blocks.apply(s);
-  for (moving& c : all) c.weigh(t, 1, 1), c.apply(t, c.whole());
+  for (moving& c : all) c.prepare(t, 1, 1), c.apply(t, c.impulse_in_frame());
   for (int k = 0; k < 3; ++k) {
     std::vector<std::pair<std::size_t, real>> changed;
     if (k < 2)
@@ -196,10 +197,10 @@ TEST_CASE_TEMPLATE("contacts that share no body are solved in blocks as one by o
     }
     if (k == 2) CHECK(changed.size() == above);
   }
-  blocks.push(s);
+  blocks.correct(s);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto d = all[i].relax_push(t);
-    all[i].push_a(t, d), all[i].push_b(t, d);
+    const auto d = all[i].relax_correction(t);
+    all[i].correct_a(t, d), all[i].correct_b(t, d);
   }
   for (std::size_t i = 0; i < s.bodies.size(); ++i) {
     CHECK((s.bodies[i].v - t.bodies[i].v).norm() < allowed(1e-13));

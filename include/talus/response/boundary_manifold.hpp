@@ -13,7 +13,7 @@ namespace talus::detail {
 
 /// Calls f(first, last) for each run of contacts of one pair of bodies.
 template <class F>
-void each_patch(const plain_vector<contact_key>& keys, F&& f) {
+void each_manifold(const plain_vector<contact_key>& keys, F&& f) {
   for (std::size_t first = 0, last = 0; first < keys.size(); first = last) {
     while (last < keys.size() && keys[last].same_pair(keys[first])) ++last;
     f(first, last);

@@ -34,10 +34,10 @@ struct image_copy {
 };
 /// Of all shadow copies, by shape, in their order.
 template <std::size_t Shapes>
-struct image_copies {
+struct periodic_ghosts {
   std::array<plain_vector<image_copy>, Shapes> of;
 };
-struct no_image_copies {};
+struct no_periodic_ghosts {};
 
 /// Where something is seen from another place: the nearest of its images, if it has any.
 template <class State>
@@ -56,7 +56,7 @@ template <class Shape, class State>
 
 /// A pair of bodies as all see it, to the bit, on whichever side of the box they are themselves:
 /// where the first one is at home, and where the second one is seen from there.
-struct seen_pair {
+struct image_pair {
   vec3 a{0, 0, 0}, b{0, 0, 0};
   std::size_t body_b =
       0;              ///< the number of the second one; of the body itself, not of its image here
@@ -64,8 +64,9 @@ struct seen_pair {
                       ///< from the body itself, too
 };
 template <class A, class B, class State>
-[[nodiscard]] seen_pair see_pair(const State& s, std::size_t i, std::size_t j) {
-  seen_pair pair{s.template of<A>().movable.position[i], s.template of<B>().movable.position[j], j};
+[[nodiscard]] image_pair minimum_image(const State& s, std::size_t i, std::size_t j) {
+  image_pair pair{s.template of<A>().movable.position[i], s.template of<B>().movable.position[j],
+                  j};
   if (const image_copy* a = copy_of<A>(s, i); a != nullptr && a->image != 0) {
     pair.a = a->home;
     pair.b += s.own.box().shift(periodic_box::reverse(a->image));

@@ -15,7 +15,7 @@
 
 namespace talus::detail {
 
-struct letter_head {
+struct message_header {
   std::uint64_t number = 0;  ///< from 1 on, in each direction
   body_count handed_over{};  ///< in this direction, up to and with this message
   std::uint64_t sum = 0;     ///< of the content, where bodies change hands
@@ -67,18 +67,18 @@ inline constexpr const char* deliver_once =
 
 /// Begins the next message to neighbour `n`.
 template <class Scenario>
-void open_letter(world_state<Scenario>& s, std::size_t n) {
+void open_message(world_state<Scenario>& s, std::size_t n) {
   s.neighbours[n].next_exchange();
-  s.parcels[n].out.assign(sizeof(letter_head), std::byte{});
+  s.parcels[n].out.assign(sizeof(message_header), std::byte{});
 }
 
 /// Writes the head of a message that is complete; `handover`: with a checksum.
 template <class Scenario>
 void seal_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
-  auto& mail = s.neighbours[n].mail;
+  auto& channel = s.neighbours[n].channel;
   byte_buffer& out = s.parcels[n].out;
-  const letter_head head{++mail.sent, mail.given,
-                         handover ? sum_of(std::span(out).subspan(sizeof(letter_head))) : 0};
+  const message_header head{++channel.sent, channel.given,
+                            handover ? sum_of(std::span(out).subspan(sizeof(message_header))) : 0};
   std::memcpy(out.data(), &head, sizeof head);
 }
 
@@ -87,16 +87,16 @@ void seal_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
 /// the next of those that were sent.
 template <class Scenario>
 [[nodiscard]] byte_reader read_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
-  auto& mail = s.neighbours[n].mail;
+  auto& channel = s.neighbours[n].channel;
   const auto in = std::span<const std::byte>(s.parcels[n].in);
   const int from = s.neighbours[n].rank, here = s.link->rank();
-  letter_head head;
+  message_header head;
   if (in.size() >= sizeof head) std::memcpy(&head, in.data(), sizeof head);
-  const std::uint64_t expected = ++mail.received;
+  const std::uint64_t expected = ++channel.received;
   if (head.number != expected) {
     const bool again = head.number < expected && head.sum != 0;
-    const surplus bodies =
-        again ? surplus(mail.taken, mail.before_last) : surplus(head.handed_over, mail.taken);
+    const surplus bodies = again ? surplus(channel.taken, channel.before_last)
+                                 : surplus(head.handed_over, channel.taken);
     fail<std::runtime_error>(
         "rank {} waits for message {} of rank {} in step {}, but {}{}; {}", here, expected, from,
         s.steps,
@@ -113,21 +113,21 @@ template <class Scenario>
     fail<std::runtime_error>(
         "the message in which rank {} hands over {} to rank {} in step {} came changed: {} bytes, "
         "which do not fit their checksum; {}",
-        from, text(s, surplus(head.handed_over, mail.taken)), here, s.steps, in.size(),
+        from, text(s, surplus(head.handed_over, channel.taken)), here, s.steps, in.size(),
         deliver_once);
-  mail.told = head.handed_over;
-  if (mail.told.bodies != mail.taken.bodies) mail.before_last = mail.taken;
+  channel.told = head.handed_over;
+  if (channel.told.bodies != channel.taken.bodies) channel.before_last = channel.taken;
   return byte_reader(content, s.neighbours[n].shared());
 }
 
 /// After the content has been read: throws runtime_error unless all of it was, and as many bodies
 /// came as were sent.
 template <class Scenario>
-void close_letter(const world_state<Scenario>& s, std::size_t n, const byte_reader& rest) {
-  const auto& mail = s.neighbours[n].mail;
+void close_message(const world_state<Scenario>& s, std::size_t n, const byte_reader& rest) {
+  const auto& channel = s.neighbours[n].channel;
   const int from = s.neighbours[n].rank, here = s.link->rank();
-  if (mail.taken != mail.told) {
-    const surplus difference(mail.taken, mail.told);
+  if (channel.taken != channel.told) {
+    const surplus difference(channel.taken, channel.told);
     fail<std::runtime_error>(
         "{} {} on the way from rank {} to rank {} in step {}: {} bodies were handed over so far, "
         "and {} came",
@@ -135,7 +135,7 @@ void close_letter(const world_state<Scenario>& s, std::size_t n, const byte_read
         difference.bodies > 0   ? "came too much"
         : difference.bodies < 0 ? "was lost"
                                 : "came",
-        from, here, s.steps, mail.told.bodies, mail.taken.bodies);
+        from, here, s.steps, channel.told.bodies, channel.taken.bodies);
   }
   if (!rest.empty())
     fail<std::runtime_error>(

@@ -128,7 +128,7 @@ template <class Scenario>
 std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   require_all_here(s);
   plain_vector<std::pair<system_id, std::size_t>> leaving;
-  for (std::size_t n = 0; n < s.parcels.size(); ++n) open_letter(s, n);
+  for (std::size_t n = 0; n < s.parcels.size(); ++n) open_message(s, n);
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     plain_vector<std::size_t> gone;
@@ -154,7 +154,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
       byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
       out.put(static_cast<std::uint64_t>(to[n].size()));
       for (const auto& [i, ends_there] : to[n]) {
-        s.neighbours[n].mail.given.add(store.id[i]);
+        s.neighbours[n].channel.given.add(store.id[i]);
         s.owned.remove(store.id[i]);
         out.put(ends_there);
         store.pack(i, out);
@@ -211,7 +211,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
         const std::size_t i = b.movable.locals++;
         const system_id id = b.movable.id[i];
         came.all.push_back({id, static_cast<std::uint32_t>(n)});
-        s.neighbours[n].mail.taken.add(id);
+        s.neighbours[n].channel.taken.add(id);
         s.owned.add(id);
         if (b.movable.flags[i] & flag_released) note_release(s, b.movable, i);
         if (s.own.contains(b.movable.position[i])) continue;
@@ -227,7 +227,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
     };
     receive(s.history);
     if constexpr (world_state<Scenario>::sleeps) receive(s.sleep.contacts);
-    close_letter(s, n, in);
+    close_message(s, n, in);
   }
   require_new(s, came);
   return passing;
@@ -235,7 +235,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
 
 /// The handover at the end of a step.
 template <class Scenario>
-void hand_over(world_state<Scenario>& s) {
+void migrate_and_refresh(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
@@ -254,7 +254,7 @@ void hand_over(world_state<Scenario>& s) {
 
 /// At the beginning of a step: tells the neighbours what the user has changed since the last one.
 template <class Scenario>
-void announce_changes(world_state<Scenario>& s) {
+void notify_neighbours(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);

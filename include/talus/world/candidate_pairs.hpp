@@ -75,7 +75,7 @@ struct close_pair {
 
 /// One list for each pair of shapes, and where the bodies of each shape were when the pairs were
 /// found.
-struct found_pairs {
+struct candidate_pairs {
   struct shape {
     plain_vector<noted_body> bodies;
     std::size_t locals = 0;  ///< the first so many are owned here

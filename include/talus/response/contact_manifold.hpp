@@ -22,8 +22,8 @@ using twist = real __attribute__((vector_size(8 * sizeof(real))));
 
 /// A contact that can be solved in the frame of its patch; see general_contact.
 template <class Contact>
-concept swept_in_patches = requires {
-  requires Contact::swept_in_patches;
+concept swept_in_manifolds = requires {
+  requires Contact::swept_in_manifolds;
 };
 
 // Written out, for they are all that a sweep consists of.
@@ -45,7 +45,7 @@ concept swept_in_patches = requires {
 /// the frame of the contacts, is (V, W) with V = v_a - v_b - w_b x offset; where a contact presses
 /// with r at arm from the centre of a, its velocity is V + W x arm, and (V, W) changes by
 /// mobility (r, arm x r).
-struct contact_patch {
+struct contact_manifold {
   real columns[6][6];    ///< of the mobility, which is symmetric
   mat3 frame;            ///< rows: normal, tangent, tangent
   vec3 offset{0, 0, 0};  ///< from the centre of b to that of a
@@ -79,10 +79,10 @@ void give_pair(State& s, std::int32_t of_a, std::int32_t of_b, const vec3& offse
 
 /// The motion of a patch's bodies while its contacts are solved.
 template <bool Paired>
-class patch_motion {
+class manifold_motion {
  public:
   template <class State>
-  patch_motion(const contact_patch& p, const State& s) : p_(p) {
+  manifold_motion(const contact_manifold& p, const State& s) : p_(p) {
     const auto& a = s.bodies[static_cast<std::size_t>(p.a)];
     vec3 v = v_of(a), w = w_of(a);
     if constexpr (Paired) {
@@ -98,7 +98,7 @@ class patch_motion {
     return {motion_[0] + (y * arm[2] - z * arm[1]), motion_[1] + (z * arm[0] - x * arm[2]),
             motion_[2] + (x * arm[1] - y * arm[0])};
   }
-  void hit(const vec3& arm, const vec3& r) {
+  void apply_impulse(const vec3& arm, const vec3& r) {
     const real x = arm[1] * r[2] - arm[2] * r[1], y = arm[2] * r[0] - arm[0] * r[2],
                z = arm[0] * r[1] - arm[1] * r[0];
     motion_ += (p_.mobility(0) * r[0] + p_.mobility(1) * r[1]) +
@@ -113,12 +113,12 @@ class patch_motion {
   }
   /// The impulse `r`, with the moment `m` about the centre of a, both in the frame of the patch.
   template <class State>
-  static void give(const contact_patch& p, State& s, const vec3& r, const vec3& m) {
+  static void give(const contact_manifold& p, State& s, const vec3& r, const vec3& m) {
     give_pair<Paired>(s, p.a, p.b, p.offset, seen_from(p.frame, r), seen_from(p.frame, m));
   }
 
  private:
-  const contact_patch& p_;
+  const contact_manifold& p_;
   twist motion_{}, total_{};
 };
 
@@ -128,7 +128,7 @@ template <bool Paired>
 class patch_shift {
  public:
   template <class State>
-  patch_shift(const contact_patch& p, const State& s) : p_(p) {
+  patch_shift(const contact_manifold& p, const State& s) : p_(p) {
     const auto a = static_cast<std::size_t>(p.a);
     vec3 v = in_scalar<real>(s.shift[a].v), w = s.turn[a - s.first_tensor].w;
     if constexpr (Paired) {
@@ -143,7 +143,7 @@ class patch_shift {
     z_ = f(2, 0) * w[0] + f(2, 1) * w[1] + f(2, 2) * w[2];
   }
   [[nodiscard]] real at(const vec3& arm) const { return n_ + (y_ * arm[2] - z_ * arm[1]); }
-  void push(const vec3& arm, real d) {
+  void correct(const vec3& arm, real d) {
     const real y = d * arm[2], z = -d * arm[1];
     const auto& m = p_.columns;
     n_ += m[0][0] * d + m[0][4] * y + m[0][5] * z;
@@ -171,7 +171,7 @@ class patch_shift {
   }
 
  private:
-  const contact_patch& p_;
+  const contact_manifold& p_;
   real n_, y_, z_;
   real total_ = 0, moment_y_ = 0, moment_z_ = 0;
 };
@@ -189,7 +189,7 @@ struct turned_tensor {
 
 /// Fills in what the bodies of a patch do to each other.
 template <bool Paired, class State>
-void weigh_patch(contact_patch& p, const State& s) {
+void weigh_patch(contact_manifold& p, const State& s) {
   const auto a = static_cast<std::size_t>(p.a);
   real mass = s.bodies[a].inverse_mass;
   turned_tensor turning(p.frame, s.tensor(a));

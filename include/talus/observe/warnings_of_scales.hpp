@@ -28,7 +28,7 @@ inline constexpr double longest_fall = 0.1, longest_way = 1;
 inline constexpr std::uint64_t many_steps = 1000;
 
 /// Lines of a summary, each with what to do about it; empty where nothing looks wrong.
-[[nodiscard, gnu::cold]] inline std::string doubts(const run_scales& r) {
+[[nodiscard, gnu::cold]] inline std::string warnings_of_scales(const run_scales& r) {
   if (r.bodies == 0)
     return "  warning  there is no body: make some by world.fill, add_if_local or add before "
            "world.simulate\n";

@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "talus/core/plain_vector.hpp"
-#include "talus/response/contact_patch.hpp"
+#include "talus/response/contact_manifold.hpp"
+#include "talus/response/manifold_block.hpp"
 #include "talus/response/ordered_planner.hpp"
-#include "talus/response/patch_block.hpp"
 
 namespace talus::detail {
 
@@ -17,18 +17,18 @@ namespace talus::detail {
 /// has room for come last.) The contacts hold the impulses; what they are weighed with is kept
 /// here.
 template <class Contact, class Planner = ordered_planner>
-class contact_patches {
+class contact_manifolds {
   static constexpr bool paired = Contact::paired;
   static constexpr std::size_t most_layers = 4;  ///< contacts of a patch in a block
   using work = patch_block_work<Contact>;
-  using block = patch_block<Contact>;
+  using block = manifold_block<Contact>;
   using layer = patch_layer<Contact>;
 
  public:
   /// Finds the patches and weighs their contacts. `contacts` of one pair lie together, and stay
   /// where they are until they are weighed anew.
-  void weigh(plain_vector<Contact>& contacts, const solver_state& s) {
-    patches_.clear(), runs_.clear();
+  void prepare(plain_vector<Contact>& contacts, const solver_state& s) {
+    manifolds_.clear(), runs_.clear();
     plan_.clear();
     used_ = 0;
     const auto moves = [&](std::int32_t i) {
@@ -36,7 +36,7 @@ class contact_patches {
     };
     for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
       const Contact& c = contacts[first];
-      while (last < contacts.size() && contacts[last].same_patch(c)) ++last;
+      while (last < contacts.size() && contacts[last].same_manifold(c)) ++last;
       if (last - first > most_layers) {
         weigh_lone(contacts, first, last, s);
         continue;
@@ -57,7 +57,7 @@ class contact_patches {
     }
     fill(contacts);
     for (std::size_t k = 0; k < used_; ++k)
-      if (blocks_[k].filled > 0) work::weigh(blocks_[k], layers_of(blocks_[k]), s);
+      if (blocks_[k].filled > 0) work::prepare(blocks_[k], layers_of(blocks_[k]), s);
   }
   /// Gives the bodies all impulses of the contacts, which need not have been weighed.
   static void apply_all(const plain_vector<Contact>& contacts, solver_state& s) {
@@ -65,7 +65,7 @@ class contact_patches {
       const Contact& c = contacts[first];
       const mat3 frame = c.axes();
       vec3 impulse{0, 0, 0}, moment{0, 0, 0};
-      for (; i < contacts.size() && contacts[i].same_patch(c); ++i) {
+      for (; i < contacts.size() && contacts[i].same_manifold(c); ++i) {
         const vec3 p = seen_from(frame, contacts[i].r);
         impulse += p, moment += crossed(contacts[i].arm_a, p);
       }
@@ -80,8 +80,8 @@ class contact_patches {
     for (std::size_t k = 0; k < used_; ++k)
       if (blocks_[k].filled > 0)
         work::template sweep<true, false>(blocks_[k], layers_of(blocks_[k]), s, silent);
-    for (const contact_patch& p : patches_) {
-      patch_motion<paired> motion(p, s);
+    for (const contact_manifold& p : manifolds_) {
+      manifold_motion<paired> motion(p, s);
       bool changed = false;
       for (std::size_t i = p.first; i < p.last; ++i) changed |= solve(contacts[i], motion);
       if (changed) motion.apply(s);
@@ -95,22 +95,22 @@ class contact_patches {
   void sweep_watched(plain_vector<Contact>& contacts, solver_state& s, Note&& note) {
     backward<true>(contacts, s, note);
   }
-  void sweep_push(plain_vector<Contact>& contacts, solver_state& s) {
+  void sweep_correction(plain_vector<Contact>& contacts, solver_state& s) {
     for (std::size_t k = 0; k < used_; ++k)
-      if (blocks_[k].filled > 0) work::push(blocks_[k], layers_of(blocks_[k]), s);
-    for (const contact_patch& p : patches_) {
+      if (blocks_[k].filled > 0) work::correct(blocks_[k], layers_of(blocks_[k]), s);
+    for (const contact_manifold& p : manifolds_) {
       patch_shift<paired> motion(p, s);
       for (std::size_t i = p.first; i < p.last; ++i) {
         Contact& c = contacts[i];
-        const real d = c.push_at(motion.at(c.arm));
-        if (d != 0) motion.push(c.arm, d);
+        const real d = c.correction_at(motion.at(c.arm));
+        if (d != 0) motion.correct(c.arm, d);
       }
       motion.apply(s);
     }
   }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + layers_.capacity() * sizeof(layer) +
-           patches_.capacity() * sizeof(contact_patch) + runs_.capacity() * sizeof(run) +
+           manifolds_.capacity() * sizeof(contact_manifold) + runs_.capacity() * sizeof(run) +
            plan_.bytes();
   }
 
@@ -125,13 +125,13 @@ class contact_patches {
   void weigh_lone(plain_vector<Contact>& contacts, std::size_t first, std::size_t last,
                   const solver_state& s) {
     const Contact& c = contacts[first];
-    contact_patch& p = patches_.emplace_back();
+    contact_manifold& p = manifolds_.emplace_back();
     p.first = static_cast<std::uint32_t>(first), p.last = static_cast<std::uint32_t>(last);
     p.a = c.a, p.b = c.b;
     p.frame = frame_around<real>(c.normal);
     if constexpr (paired) p.offset = c.arm_b - c.arm_a;
     weigh_patch<paired>(p, s);
-    for (std::size_t i = first; i < last; ++i) contacts[i].weigh(p);
+    for (std::size_t i = first; i < last; ++i) contacts[i].prepare(p);
   }
   /// Notes in the blocks which contacts are theirs.
   void fill(plain_vector<Contact>& contacts) {
@@ -160,9 +160,9 @@ class contact_patches {
   }
   template <bool Watched, class Note>
   void backward(plain_vector<Contact>& contacts, solver_state& s, Note&& note) {
-    for (std::size_t k = patches_.size(); k-- > 0;) {
-      const contact_patch& p = patches_[k];
-      patch_motion<paired> motion(p, s);
+    for (std::size_t k = manifolds_.size(); k-- > 0;) {
+      const contact_manifold& p = manifolds_[k];
+      manifold_motion<paired> motion(p, s);
       bool changed = false;
       for (std::size_t i = p.last; i-- > p.first;) {
         const vec3 before = contacts[i].r;
@@ -179,15 +179,15 @@ class contact_patches {
       if (blocks_[k].filled > 0)
         work::template sweep<false, Watched>(blocks_[k], layers_of(blocks_[k]), s, note_contact);
   }
-  static bool solve(Contact& c, patch_motion<paired>& motion) {
+  static bool solve(Contact& c, manifold_motion<paired>& motion) {
     const vec3 before = c.r;
     vec3 u = motion.at(c.arm);
     if constexpr (Contact::biased) u -= c.bias_in_frame;
-    u[0] -= c.target;
+    u[0] -= c.target_velocity;
     c.r = c.block.solve(before, u, c.friction);
     const vec3 d = c.r - before;
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) return false;  // as open contacts stay
-    motion.hit(c.arm, d);
+    motion.apply_impulse(c.arm, d);
     return true;
   }
 
@@ -196,8 +196,8 @@ class contact_patches {
   std::size_t used_ = 0;
   plain_vector<layer> layers_;  ///< of all blocks
   plain_vector<run> runs_;
-  plain_vector<contact_patch> patches_;  ///< with more contacts than a block has room for
-  Contact spare_;                        ///< where a block has none; its impulse stays zero
+  plain_vector<contact_manifold> manifolds_;  ///< with more contacts than a block has room for
+  Contact spare_;                             ///< where a block has none; its impulse stays zero
 };
 
 }  // namespace talus::detail

@@ -5,7 +5,7 @@
 #include <random>
 #include <talus/contact/law.hpp>
 #include <talus/response/general_contact.hpp>
-#include <talus/response/patched_row.hpp>
+#include <talus/response/manifold_row.hpp>
 
 using namespace talus;
 using namespace talus::detail;
@@ -60,9 +60,10 @@ struct problem {
       c.arm_a = random.vector(1);
       if constexpr (contact::paired) c.arm_b = c.arm_a + offset;
       c.friction = random.between(0, 1) < 0.2 ? 0 : random.between(0.1, 1);
-      c.target = random.between(0, 1) < 0.5 ? 0 : random.between(-0.5, 0.5);
-      c.push = random.between(-0.1, 0.3);
-      if (random.between(0, 1) < 0.7) c.warm(random.between(0, 0.5) * normal + random.vector(0.3));
+      c.target_velocity = random.between(0, 1) < 0.5 ? 0 : random.between(-0.5, 0.5);
+      c.correction_rate = random.between(-0.1, 0.3);
+      if (random.between(0, 1) < 0.7)
+        c.load_impulse(random.between(0, 0.5) * normal + random.vector(0.3));
       row.add(c, true, true);
     }
   }
@@ -70,11 +71,11 @@ struct problem {
 
 /// Sweeps both ways and of the correction: in blocks, and one by one.
 template <bool Paired>
-void check(problem& p, patched_row<contact_of<Paired>>& row) {
+void check(problem& p, manifold_row<contact_of<Paired>>& row) {
   contact_row<contact_of<Paired>> plain;
   for (std::size_t i = 0; i < row.size(); ++i) plain.add(row[i], true, true);
   solver_state one = p.state, other = p.state;
-  row.weigh(one), plain.weigh(other);
+  row.prepare(one), plain.prepare(other);
   row.apply(one), plain.apply(other);
   std::size_t noted = 0, changed = 0;
   real difference = 0, kinds[3] = {0, 0, 0};
@@ -104,7 +105,7 @@ void check(problem& p, patched_row<contact_of<Paired>>& row) {
   compare();
   CHECK(noted == changed);
   CHECK(noted > row.size() / 10);
-  for (int k = 0; k < 3; ++k) row.push(one), plain.push(other);
+  for (int k = 0; k < 3; ++k) row.correct(one), plain.correct(other);
   compare();
   for (std::size_t i = 0; i < row.size(); ++i) {
     const vec3& r = row[i].r;
@@ -119,45 +120,45 @@ void check(problem& p, patched_row<contact_of<Paired>>& row) {
 
 TEST_CASE_TEMPLATE("patches apart are solved in blocks as one by one", Paired, std::true_type,
                    std::false_type) {
-  constexpr std::int32_t patches = 301;  // blocks that are filled in part
-  problem p(2 * patches);
-  patched_row<contact_of<Paired::value>> row;
-  for (std::int32_t k = 0; k < patches; ++k)
+  constexpr std::int32_t manifolds = 301;  // blocks that are filled in part
+  problem p(2 * manifolds);
+  manifold_row<contact_of<Paired::value>> row;
+  for (std::int32_t k = 0; k < manifolds; ++k)
     p.add(row, 2 * k, Paired::value ? 2 * k + 1 : -1, 1 + k % 7);
   check<Paired::value>(p, row);
 }
 
 TEST_CASE("normals that differ in the sign of a zero alone are one") {
-  constexpr std::int32_t patches = 100;
-  problem p(2 * patches);
-  patched_row<contact_of<true>> row;
-  for (std::int32_t k = 0; k < patches; ++k) p.add(row, 2 * k, 2 * k + 1, 1 + k % 7, true);
+  constexpr std::int32_t manifolds = 100;
+  problem p(2 * manifolds);
+  manifold_row<contact_of<true>> row;
+  for (std::int32_t k = 0; k < manifolds; ++k) p.add(row, 2 * k, 2 * k + 1, 1 + k % 7, true);
   check<true>(p, row);
 }
 
 TEST_CASE("what all patches share and cannot move is left as it is") {
-  constexpr std::int32_t patches = 100;
-  problem p(patches + 1);
-  solver_body& ground = p.state.bodies[patches];
-  ground.inverse_mass = p.state.shift[patches].inverse_mass = 0;
-  for (int j = 0; j < 9; ++j) p.state.tensors[patches](j / 3, j % 3) = 0;
-  patched_row<contact_of<true>> row;
-  for (std::int32_t k = 0; k < patches; ++k) p.add(row, k, patches, 1 + k % 4);
+  constexpr std::int32_t manifolds = 100;
+  problem p(manifolds + 1);
+  solver_body& ground = p.state.bodies[manifolds];
+  ground.inverse_mass = p.state.shift[manifolds].inverse_mass = 0;
+  for (int j = 0; j < 9; ++j) p.state.tensors[manifolds](j / 3, j % 3) = 0;
+  manifold_row<contact_of<true>> row;
+  for (std::int32_t k = 0; k < manifolds; ++k) p.add(row, k, manifolds, 1 + k % 4);
   check<true>(p, row);
 }
 
 TEST_CASE("a body in a hundred patches is hit by each once") {
-  constexpr std::int32_t patches = 100;
-  problem p(patches + 1);
-  patched_row<contact_of<true>> row;
-  for (std::int32_t k = 0; k < patches; ++k) p.add(row, k, patches, 1 + k % 4);
+  constexpr std::int32_t manifolds = 100;
+  problem p(manifolds + 1);
+  manifold_row<contact_of<true>> row;
+  for (std::int32_t k = 0; k < manifolds; ++k) p.add(row, k, manifolds, 1 + k % 4);
   const auto momentum = [&](const solver_state& s) {
     vec3 sum{0, 0, 0};
     for (const solver_body& b : s.bodies) sum += b.v / b.inverse_mass;
     return sum;
   };
   const vec3 before = momentum(p.state);
-  row.weigh(p.state);
+  row.prepare(p.state);
   row.apply(p.state);
   for (int k = 0; k < 3; ++k) row.forward(p.state), row.backward(p.state);
   CHECK((momentum(p.state) - before).norm() < 1e-10);
@@ -193,7 +194,7 @@ TEST_CASE(
 TEST_CASE("a chain of patches is solved in the order of the list") {
   constexpr std::int32_t bodies = 150;  // longer than there are open blocks
   problem p(bodies);
-  patched_row<contact_of<true>> row;
+  manifold_row<contact_of<true>> row;
   for (std::int32_t k = 0; k + 1 < bodies; ++k) p.add(row, k, k + 1, 1 + k % 4);
   check<true>(p, row);
 }
@@ -203,11 +204,11 @@ TEST_CASE("impulses are remembered in the world, whatever the sign of a zero in 
   for (const real zero : {0.0, -0.0, 0.0}) {
     auto& c = row.emplace_back();
     c.normal = {1, 0, zero}, c.friction = 1;
-    c.warm(vec3(2, 0.5, 0.25));
+    c.load_impulse(vec3(2, 0.5, 0.25));
   }
   plain_vector<contact_key> keys(3);
   for (std::size_t k = 0; k < 3; ++k) keys[k].feature = k;
   contact_history history;
-  remember(history, keys, plain_vector<history_place*>(3, nullptr), row);
+  store_impulses(history, keys, plain_vector<history_place*>(3, nullptr), row);
   for (const auto& kept : history.entries()) CHECK(kept.memory == vec3(2, 0.5, 0.25));
 }

@@ -12,7 +12,7 @@
 #include "talus/core/quad.hpp"
 #include "talus/response/contact_bias.hpp"
 #include "talus/response/frame_around.hpp"
-#include "talus/response/round_blocks.hpp"
+#include "talus/response/isotropic_blocks.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus::detail {
@@ -33,31 +33,35 @@ template <class Real>
 struct round_friction<false, Real> {};
 
 template <bool Friction, class Real>
-struct round_change {
+struct isotropic_change {
   quad_of<Real> t{0, 0, 0, 0};
   Real n = 0;
 
-  friend round_change operator+(const round_change& x, const round_change& y) {
+  friend isotropic_change operator+(const isotropic_change& x, const isotropic_change& y) {
     return {x.t + y.t, x.n + y.n};
   }
-  friend round_change operator-(const round_change& x, const round_change& y) {
+  friend isotropic_change operator-(const isotropic_change& x, const isotropic_change& y) {
     return {x.t - y.t, x.n - y.n};
   }
-  friend round_change operator*(Real f, const round_change& x) { return {f * x.t, f * x.n}; }
-  [[nodiscard]] Real dot(const round_change& x) const { return n * x.n + sum_of_products(t, x.t); }
+  friend isotropic_change operator*(Real f, const isotropic_change& x) {
+    return {f * x.t, f * x.n};
+  }
+  [[nodiscard]] Real dot(const isotropic_change& x) const {
+    return n * x.n + sum_of_products(t, x.t);
+  }
 };
 template <class Real>
-struct round_change<false, Real> {
+struct isotropic_change<false, Real> {
   Real n = 0;
 
-  friend round_change operator+(const round_change& x, const round_change& y) {
+  friend isotropic_change operator+(const isotropic_change& x, const isotropic_change& y) {
     return {x.n + y.n};
   }
-  friend round_change operator-(const round_change& x, const round_change& y) {
+  friend isotropic_change operator-(const isotropic_change& x, const isotropic_change& y) {
     return {x.n - y.n};
   }
-  friend round_change operator*(Real f, const round_change& x) { return {f * x.n}; }
-  [[nodiscard]] Real dot(const round_change& x) const { return n * x.n; }
+  friend isotropic_change operator*(Real f, const isotropic_change& x) { return {f * x.n}; }
+  [[nodiscard]] Real dot(const isotropic_change& x) const { return n * x.n; }
 };
 
 /// The Delassus block of such a contact is diagonal: w_n = 1/m_a + 1/m_b along the normal and
@@ -67,7 +71,7 @@ struct round_change<false, Real> {
 /// Without friction nothing tangential is stored or computed. Vectors are worked on as quads, which
 /// is why a number follows each of them in memory. What others ask of a contact is told in reals.
 template <class Law, partner Partner, class Real = real>
-struct round_contact : round_friction<Law::friction, Real>, contact_bias<has_bias<Law>> {
+struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has_bias<Law>> {
   using number = Real;
   using state = solver_state_of<Real>;
   using quad = quad_of<Real>;
@@ -79,22 +83,23 @@ struct round_contact : round_friction<Law::friction, Real>, contact_bias<has_bia
 
   /// Impulses below it are none.
   static constexpr Real tiny = std::is_same_v<Real, double> ? Real(1e-150) : Real(1e-19);
-  using blocks = round_blocks<round_contact>;
+  using blocks = isotropic_blocks<isotropic_contact>;
 
   vector3<Real> normal{0, 0, 1};  ///< from b to a
   Real inverse_wn = 0;
   std::int32_t a = 0;
   std::int32_t b = -1;
-  Real target = 0;  ///< least separating velocity after the step
-  Real push = 0;    ///< least separating rate of the correction; at rest and under load, the rate
-  Real rn = 0;      ///< normal impulse
-  Real pushed = 0;  ///< normal impulse of the correction
+  Real target_velocity = 0;  ///< least separating velocity after the step
+  Real correction_rate =
+      0;        ///< least separating rate of the correction; at rest and under load, the rate
+  Real rn = 0;  ///< normal impulse
+  Real correction_impulse = 0;  ///< normal impulse of the correction
 
-  using change = round_change<Law::friction, Real>;
+  using change = isotropic_change<Law::friction, Real>;
 
   /// Effective masses; `split_a` and `split_b` are the numbers of parts that the masses of a and b
   /// are divided into where several contacts are solved simultaneously (1 elsewhere).
-  void weigh(const state& s, Real split_a, Real split_b) {
+  void prepare(const state& s, Real split_a, Real split_b) {
     const body& A = s.bodies[a];
     Real wn = split_a * A.inverse_mass;
     if constexpr (paired) wn += split_b * s.bodies[b].inverse_mass;
@@ -107,7 +112,7 @@ struct round_contact : round_friction<Law::friction, Real>, contact_bias<has_bia
   }
 
   /// Starts from an impulse of the last step, turned into the present cone.
-  void warm(const vec3& kept) {
+  void load_impulse(const vec3& kept) {
     const vector3<Real>& impulse = in_scalar<Real>(kept);
     rn = std::max(Real{0}, normal.dot(impulse));
     if constexpr (Law::friction) {
@@ -122,7 +127,7 @@ struct round_contact : round_friction<Law::friction, Real>, contact_bias<has_bia
     else
       return in_scalar<real>(vector3<Real>(rn * normal));
   }
-  [[nodiscard]] change whole() const {
+  [[nodiscard]] change impulse_in_frame() const {
     if constexpr (Law::friction)
       return {tangent(), rn};
     else
@@ -157,7 +162,7 @@ struct round_contact : round_friction<Law::friction, Real>, contact_bias<has_bia
     }
   }
   /// Sum of the diagonal of the Delassus block, with undivided masses.
-  [[nodiscard]] real mobility_trace(const state& s) const {
+  [[nodiscard]] real delassus_trace(const state& s) const {
     const body& A = s.bodies[a];
     real trace = rows * A.inverse_mass;
     if constexpr (paired) trace += rows * s.bodies[b].inverse_mass;
@@ -201,10 +206,10 @@ struct round_contact : round_friction<Law::friction, Real>, contact_bias<has_bia
     const quad n = normal_quad();
     quad u = load(A.v);
     if constexpr (paired) u -= load(s.bodies[b].v);
-    if constexpr (round_contact::biased) u -= bias_quad();
+    if constexpr (isotropic_contact::biased) u -= bias_quad();
     const Real un = sum_of_products(n, u);
     const Real before = rn;
-    rn = std::max(Real{0}, rn - (un - target) * inverse_wn);
+    rn = std::max(Real{0}, rn - (un - target_velocity) * inverse_wn);
     if constexpr (Law::friction) {
       quad spin = this->arm_a * load(A.w);
       if constexpr (paired) spin += this->arm_b * load(s.bodies[b].w);
@@ -228,40 +233,42 @@ struct round_contact : round_friction<Law::friction, Real>, contact_bias<has_bia
     body& A = s.bodies[a];
     Real spin = 0;
     if constexpr (Law::friction) spin = this->arm_a * A.inverse_inertia;
-    hit(A, d, A.inverse_mass, spin);
+    apply_impulse(A, d, A.inverse_mass, spin);
   }
   void apply_to_b(state& s, const change& d) const {
     body& B = s.bodies[b];
     Real spin = 0;
     if constexpr (Law::friction) spin = this->arm_b * B.inverse_inertia;
-    hit(B, d, -B.inverse_mass, spin);
+    apply_impulse(B, d, -B.inverse_mass, spin);
   }
 
-  Real relax_push(const state& s) {
+  Real relax_correction(const state& s) {
     Real rate = normal.dot(s.shift[a].v);
     if constexpr (paired) rate -= normal.dot(s.shift[b].v);
-    const Real before = pushed;
-    const Real next = pushed - (rate - push) * inverse_wn;
+    const Real before = correction_impulse;
+    const Real next = correction_impulse - (rate - correction_rate) * inverse_wn;
     // Surfaces that hold each other neither part nor meet but by the push.
-    pushed = target == 0 && rn > 0 ? next : std::max(Real{0}, next);
-    return pushed - before;
+    correction_impulse = target_velocity == 0 && rn > 0 ? next : std::max(Real{0}, next);
+    return correction_impulse - before;
   }
-  void push_a(state& s, Real d) const { s.shift[a].v += (d * s.bodies[a].inverse_mass) * normal; }
-  void push_b(state& s, Real d) const {
+  void correct_a(state& s, Real d) const {
+    s.shift[a].v += (d * s.bodies[a].inverse_mass) * normal;
+  }
+  void correct_b(state& s, Real d) const {
     if constexpr (paired) s.shift[b].v -= (d * s.bodies[b].inverse_mass) * normal;
   }
 
  private:
   using body = solver_body_of<Real>;
 
-  [[nodiscard]] quad bias_quad() const requires(round_contact::biased) {
+  [[nodiscard]] quad bias_quad() const requires(isotropic_contact::biased) {
     const Real x = Real(this->bias[0]), y = Real(this->bias[1]), z = Real(this->bias[2]);
     return quad{x, y, z, 0};
   }
   [[nodiscard]] quad normal_quad() const { return without_fourth(load(normal)); }
   [[nodiscard]] quad tangent() const { return without_fourth(load(this->rt)); }
 
-  void hit(body& x, const change& d, Real inverse_mass, Real spin) const {
+  void apply_impulse(body& x, const change& d, Real inverse_mass, Real spin) const {
     const quad n = normal_quad();
     if constexpr (Law::friction) {
       store(x.v, load(x.v) + inverse_mass * (d.n * n + d.t));

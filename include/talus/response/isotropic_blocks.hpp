@@ -11,8 +11,8 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/wide.hpp"
 #include "talus/response/block_planner.hpp"
-#include "talus/response/recall.hpp"
 #include "talus/response/solver_state.hpp"
+#include "talus/response/stored_impulses.hpp"
 
 namespace talus::detail {
 
@@ -41,7 +41,7 @@ struct round_block : round_block_friction<(Contact::rows > 1), wide<typename Con
                      round_block_bias<Contact::biased, wide<typename Contact::number>> {
   static constexpr int lanes = lanes_in<typename Contact::number>;
 
-  wide<typename Contact::number> nx, ny, nz, inverse_wn, target, rn;
+  wide<typename Contact::number> nx, ny, nz, inverse_wn, target_velocity, rn;
   std::int32_t a[lanes], b[lanes];
 };
 
@@ -49,12 +49,12 @@ struct round_block : round_block_friction<(Contact::rows > 1), wide<typename Con
 /// as the memory that they read.
 template <class Wide>
 struct round_block_push {
-  Wide push, pushed;
+  Wide correction_rate, correction_impulse;
 };
 
 /// What contact_row is for other contacts. `Planner` says which contacts share a block.
 template <class Contact, class Planner = block_planner<lanes_in<typename Contact::number>>>
-class round_blocks {
+class isotropic_blocks {
   using number = typename Contact::number;
   using state = typename Contact::state;
   using wide = detail::wide<number>;
@@ -69,21 +69,21 @@ class round_blocks {
  public:
   void clear() {
     plan_.clear();
-    slots_.clear(), lone_.clear();
+    slots_.clear(), overflow_.clear();
     used_ = 0;
   }
   void add(const Contact& c, bool a_moves, bool b_moves) {
     const std::int64_t slot =
         a_moves ? plan_.place(c.a, paired && b_moves ? c.b : -1) : plan_.place(c.b, -1);
     if (slot < 0) {
-      slots_.push_back(lone | static_cast<std::uint32_t>(lone_.size()));
-      lone_.push_back(c);
+      slots_.push_back(overflow | static_cast<std::uint32_t>(overflow_.size()));
+      overflow_.push_back(c);
       return;
     }
     slots_.push_back(static_cast<std::uint32_t>(slot));
     const auto at = static_cast<std::size_t>(slot) / lanes;
     for (; used_ <= at; ++used_) {
-      if (used_ == blocks_.size()) blocks_.emplace_back(), pushes_.emplace_back();
+      if (used_ == blocks_.size()) blocks_.emplace_back(), corrections_.emplace_back();
       make_empty(used_, c);
     }
     const std::size_t lane = static_cast<std::size_t>(slot) % lanes;
@@ -92,18 +92,18 @@ class round_blocks {
   }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    return blocks_.capacity() * sizeof(block) + pushes_.capacity() * sizeof(push_of_block) +
-           lone_.capacity() * sizeof(Contact) +
+    return blocks_.capacity() * sizeof(block) + corrections_.capacity() * sizeof(push_of_block) +
+           overflow_.capacity() * sizeof(Contact) +
            (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
   }
   [[nodiscard]] Contact operator[](std::size_t i) const {
     const std::uint32_t slot = slots_[i];
-    return slot & lone ? lone_[slot & ~lone] : get(slot / lanes, slot % lanes);
+    return slot & overflow ? overflow_[slot & ~overflow] : get(slot / lanes, slot % lanes);
   }
   /// The same as (*this)[i].impulse().
   [[nodiscard]] vec3 impulse(std::size_t i) const {
     const std::uint32_t slot = slots_[i];
-    if (slot & lone) return lone_[slot & ~lone].impulse();
+    if (slot & overflow) return overflow_[slot & ~overflow].impulse();
     const block& x = blocks_[slot / lanes];
     const std::size_t l = slot % lanes;
     vector p{x.rn[l] * x.nx[l], x.rn[l] * x.ny[l], x.rn[l] * x.nz[l]};
@@ -113,20 +113,20 @@ class round_blocks {
   template <class F>
   void edit(std::size_t i, F&& f) {
     const std::uint32_t slot = slots_[i];
-    if (slot & lone) return f(lone_[slot & ~lone]);
+    if (slot & overflow) return f(overflow_[slot & ~overflow]);
     Contact c = get(slot / lanes, slot % lanes);
     f(c);
     put(slot / lanes, slot % lanes, c);
   }
 
-  void recall(const contact_history& history, const plain_vector<contact_key>& keys,
-              const plain_vector<history_place*>& places) {
+  void load_impulses(const contact_history& history, const plain_vector<contact_key>& keys,
+                     const plain_vector<history_place*>& places) {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       const vec3* found = kept_pair(history, keys[i], places[i]).find(keys[i]);
       if (found == nullptr) continue;
       const std::uint32_t slot = slots_[i];
-      if (slot & lone) {
-        lone_[slot & ~lone].warm(*found);
+      if (slot & overflow) {
+        overflow_[slot & ~overflow].load_impulse(*found);
         continue;
       }
       block& x = blocks_[slot / lanes];
@@ -137,35 +137,35 @@ class round_blocks {
       else
         x.rn[l] = kept.dot(vector(x.nx[l], x.ny[l], x.nz[l]));
     }
-    for (block& x : used()) warm(x);
+    for (block& x : used()) load_impulse(x);
   }
-  void weigh(const state& s) {
-    for (block& x : used()) weigh(x, s);
-    for (Contact& c : lone_) c.weigh(s, 1, 1);
+  void prepare(const state& s) {
+    for (block& x : used()) prepare(x, s);
+    for (Contact& c : overflow_) c.prepare(s, 1, 1);
   }
   void apply(state& s) const {
     for (const block& x : used()) apply(x, s);
-    for (const Contact& c : lone_) c.apply(s, c.whole());
+    for (const Contact& c : overflow_) c.apply(s, c.impulse_in_frame());
   }
   void forward(state& s) {
     for (block& x : used()) relax(x, s);
-    for (Contact& c : lone_) c.apply(s, c.relax(s));
+    for (Contact& c : overflow_) c.apply(s, c.relax(s));
   }
   void backward(state& s) {
-    for (std::size_t k = lone_.size(); k-- > 0;) lone_[k].apply(s, lone_[k].relax(s));
+    for (std::size_t k = overflow_.size(); k-- > 0;) overflow_[k].apply(s, overflow_[k].relax(s));
     for (std::size_t k = used_; k-- > 0;) relax(blocks_[k], s);
   }
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
     const std::size_t places = used_ * lanes;
-    number_.assign(places + lone_.size(), 0);
+    number_.assign(places + overflow_.size(), 0);
     for (std::size_t i = 0; i < slots_.size(); ++i)
-      number_[slots_[i] & lone ? places + (slots_[i] & ~lone) : slots_[i]] =
+      number_[slots_[i] & overflow ? places + (slots_[i] & ~overflow) : slots_[i]] =
           static_cast<std::uint32_t>(i);
-    for (std::size_t k = lone_.size(); k-- > 0;) {
-      const auto d = lone_[k].relax(s);
-      lone_[k].apply(s, d);
-      if (const real change = lone_[k].speed_of(d); change > speed)
+    for (std::size_t k = overflow_.size(); k-- > 0;) {
+      const auto d = overflow_[k].relax(s);
+      overflow_[k].apply(s, d);
+      if (const real change = overflow_[k].speed_of(d); change > speed)
         note(number_[places + k], change);
     }
     for (std::size_t k = used_; k-- > 0;) {
@@ -174,22 +174,23 @@ class round_blocks {
         if (change[l] > speed * speed) note(number_[k * lanes + l], std::sqrt(change[l]));
     }
   }
-  void push(state& s) {
-    for (std::size_t k = 0; k < used_; ++k) relax_push(blocks_[k], pushes_[k], s);
-    for (Contact& c : lone_)
-      if (const number d = c.relax_push(s); d != 0) c.push_a(s, d), c.push_b(s, d);
+  void correct(state& s) {
+    for (std::size_t k = 0; k < used_; ++k) relax_correction(blocks_[k], corrections_[k], s);
+    for (Contact& c : overflow_)
+      if (const number d = c.relax_correction(s); d != 0) c.correct_a(s, d), c.correct_b(s, d);
   }
 
  private:
-  static constexpr std::uint32_t lone = 0x80000000u;  ///< of a slot: a contact outside the blocks
+  static constexpr std::uint32_t overflow =
+      0x80000000u;  ///< of a slot: a contact outside the blocks
 
   [[nodiscard]] std::span<block> used() { return {blocks_.data(), used_}; }
   [[nodiscard]] std::span<const block> used() const { return {blocks_.data(), used_}; }
 
   void make_empty(std::size_t at, const Contact& first) {
     block& x = blocks_[at];
-    x.nx = x.ny = x.nz = x.inverse_wn = x.target = x.rn = every_lane(number(0));
-    pushes_[at].push = pushes_[at].pushed = every_lane(number(0));
+    x.nx = x.ny = x.nz = x.inverse_wn = x.target_velocity = x.rn = every_lane(number(0));
+    corrections_[at].correction_rate = corrections_[at].correction_impulse = every_lane(number(0));
     if constexpr (friction)
       x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = every_lane(number(0));
     if constexpr (Contact::biased) x.bx = x.by = x.bz = every_lane(number(0));
@@ -204,8 +205,9 @@ class round_blocks {
     block& x = blocks_[at];
     x.nx[l] = c.normal[0], x.ny[l] = c.normal[1], x.nz[l] = c.normal[2];
     x.inverse_wn[l] = c.inverse_wn;
-    x.target[l] = c.target;
-    pushes_[at].push[l] = c.push, pushes_[at].pushed[l] = c.pushed;
+    x.target_velocity[l] = c.target_velocity;
+    corrections_[at].correction_rate[l] = c.correction_rate,
+    corrections_[at].correction_impulse[l] = c.correction_impulse;
     x.a[l] = c.a, x.b[l] = c.b;
     put_impulse(x, l, c);
     if constexpr (Contact::biased) {
@@ -224,8 +226,9 @@ class round_blocks {
     Contact c;
     c.normal = {x.nx[l], x.ny[l], x.nz[l]};
     c.inverse_wn = x.inverse_wn[l];
-    c.target = x.target[l];
-    c.push = pushes_[at].push[l], c.pushed = pushes_[at].pushed[l];
+    c.target_velocity = x.target_velocity[l];
+    c.correction_rate = corrections_[at].correction_rate[l],
+    c.correction_impulse = corrections_[at].correction_impulse[l];
     c.a = x.a[l], c.b = x.b[l];
     c.rn = x.rn[l];
     if constexpr (Contact::biased) c.bias = vec3(x.bx[l], x.by[l], x.bz[l]);
@@ -247,7 +250,7 @@ class round_blocks {
   }
 
   // The same as round_contact::warm; the impulse is where the tangential one will be.
-  static void warm(block& x) {
+  static void load_impulse(block& x) {
     if constexpr (friction) {
       const wide n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
       x.rn = larger(n, every_lane(number(0)));
@@ -261,7 +264,7 @@ class round_blocks {
     }
   }
   // The same as round_contact::weigh, with undivided masses.
-  static void weigh(block& x, const state& s) {
+  static void prepare(block& x, const state& s) {
     const auto body = [&](std::int32_t i) -> const solver_body_of<number>& {
       return s.bodies[static_cast<std::size_t>(i)];
     };
@@ -324,7 +327,7 @@ class round_blocks {
     if constexpr (Contact::biased) ux -= x.bx, uy -= x.by, uz -= x.bz;
     const wide nx = x.nx, ny = x.ny, nz = x.nz;
     const wide un = nx * ux + ny * uy + nz * uz;
-    const wide rn = larger(x.rn - (un - x.target) * x.inverse_wn, every_lane(number(0)));
+    const wide rn = larger(x.rn - (un - x.target_velocity) * x.inverse_wn, every_lane(number(0)));
     const wide dn = rn - x.rn;
     x.rn = rn;
     wide dx = dn * nx, dy = dn * ny, dz = dn * nz;
@@ -367,7 +370,7 @@ class round_blocks {
   }
 
   // The same as round_contact::relax_push, push_a and push_b.
-  static void relax_push(const block& x, push_of_block& p, state& s) {
+  static void relax_correction(const block& x, push_of_block& p, state& s) {
     const auto at_a = [&](int i) -> vector& { return s.shift[std::size_t(x.a[i])].v; };
     const auto at_b = [&](int i) -> vector& { return s.shift[std::size_t(x.b[i])].v; };
     rows a = gather<number>(at_a), b;
@@ -376,12 +379,13 @@ class round_blocks {
       b = gather<number>(at_b);
       rate -= x.nx * b.x + x.ny * b.y + x.nz * b.z;
     }
-    const wide free = p.pushed - (rate - p.push) * x.inverse_wn;
-    const auto open = ((x.target == every_lane(number(0))) & (x.rn > every_lane(number(0)))) |
-                      (free > every_lane(number(0)));
+    const wide free = p.correction_impulse - (rate - p.correction_rate) * x.inverse_wn;
+    const auto open =
+        ((x.target_velocity == every_lane(number(0))) & (x.rn > every_lane(number(0)))) |
+        (free > every_lane(number(0)));
     const wide next = open ? free : every_lane(number(0));
-    const wide d = next - p.pushed;
-    p.pushed = next;
+    const wide d = next - p.correction_impulse;
+    p.correction_impulse = next;
     const wide da = d * a.w;
     a.x += da * x.nx, a.y += da * x.ny, a.z += da * x.nz;
     scatter(a, at_a);
@@ -393,11 +397,11 @@ class round_blocks {
   }
 
   Planner plan_;
-  plain_vector<block> blocks_;          ///< of which the first so many are in use
-  plain_vector<push_of_block> pushes_;  ///< of each block
+  plain_vector<block> blocks_;               ///< of which the first so many are in use
+  plain_vector<push_of_block> corrections_;  ///< of each block
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | lone
-  plain_vector<Contact> lone_;          ///< contacts that found no place
+  plain_vector<Contact> overflow_;      ///< contacts that found no place
   plain_vector<std::uint32_t> number_;  ///< the contact in a slot
 };
 

@@ -81,7 +81,7 @@ template <class Scenario>
   std::array<plain_vector<char>, shapes> came;  // or went: by the number now
   k = 0;
   s.each_finite_shape([&](const auto& b) {
-    found_pairs::shape& found = s.found.shapes[k];
+    candidate_pairs::shape& found = s.found.shapes[k];
     plain_vector<noted_body> bodies(b.movable.size());
     came[k].resize(b.movable.size());
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
@@ -154,11 +154,11 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
       },
       true);
 
-  found_pairs& found = s.found;
+  candidate_pairs& found = s.found;
   found.known = false;
   for (auto& list : found.lists) list.clear();
   std::size_t kinds = 0;
-  each_close_pair(s, [&]<class A, class B, partner P>() {
+  each_neighbour_pair(s, [&]<class A, class B, partner P>() {
     const std::size_t kind = kinds++;
     if (found.lists.size() < kinds) found.lists.resize(kinds);
     return [&, kind](std::size_t i, std::size_t j, real, real) {
@@ -187,7 +187,7 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
   found.shapes.resize(world_state<Scenario>::shape_count);
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
-    found_pairs::shape& noted = found.shapes[k++];
+    candidate_pairs::shape& noted = found.shapes[k++];
     noted.locals = b.movable.locals;
     noted.bodies.clear();
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
@@ -212,7 +212,7 @@ void find_close_pairs(world_state<Scenario>& s) {
 /// The same, unless bodies move so fast that pairs do not hold for long: then false.
 template <class Scenario>
 [[nodiscard]] bool keep_close_pairs(world_state<Scenario>& s) {
-  found_pairs& found = s.found;
+  candidate_pairs& found = s.found;
   if (found.pause > 0) return --found.pause, false;
   if (pairs_still_hold(s)) return ++found.steps, count_bodies(s), true;
   const bool held = !found.known || found.steps >= 2;
