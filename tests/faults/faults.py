@@ -92,7 +92,7 @@ def command_of(build, test):
             skip -= 1
         elif word in ("-include", "-Xclang", "-MT", "-MF", "-o", "-c"):
             skip = 1
-        elif word not in ("-MD", "-Winvalid-pch", "-fpch-preprocess") and not word.startswith("-W"):
+        elif word not in ("-MD", "-Winvalid-pch", "-fpch-preprocess", "-DTALUS_COMPILED") and not word.startswith("-W"):
             keep.append(word)
     link = next(l for l in reversed(lines) if f"-o tests/{test}" in l)
     link = link.split("&&")[1].strip() if link.startswith(":") else link
@@ -147,6 +147,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("build")
     parser.add_argument("--list", action="store_true")
+    parser.add_argument("--check", action="store_true", help="only whether all can be put in")
     parser.add_argument("--jobs", type=int, default=int(os.environ.get("TALUS_JOBS", "2")))
     parser.add_argument("--tests", default="", help="only tests whose names match it")
     parser.add_argument("--folder", help="for headers and programs with faults; BUILD/faults")
@@ -157,6 +158,13 @@ def main():
         for number, fault in enumerate(everything, 1):
             print(f"{number:3} {fault.title}: {fault.file}, {' '.join(fault.tests)}")
         return 0
+    if args.check:
+        headers = ROOT / "include" / "talus"
+        stale = [f for n, f in enumerate(everything, 1) if not (headers / f.file).is_file()
+                 or f.put_into((headers / f.file).read_text(), n) is None]
+        for fault in stale:
+            print(f"the piece of '{fault.title}' is not in {fault.file}, or more than once: mend list.txt")
+        return 1 if stale else 0
     wanted = [(n, f) for n, f in enumerate(everything, 1)
               if not args.names or any(w in f.title or w == str(n) for w in args.names)]
 
