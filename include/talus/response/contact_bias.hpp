@@ -11,7 +11,7 @@ struct contact_bias {
   static constexpr bool biased = true;
   vec3 bias{0, 0, 0};
   real unused = 0;              ///< vectors are read together with the number that follows them
-  vec3 bias_in_frame{0, 0, 0};  ///< of a patch
+  vec3 bias_in_frame{0, 0, 0};  ///< of a manifold
 };
 template <>
 struct contact_bias<false> {

@@ -47,9 +47,9 @@ struct keyed_contacts {
 /// Contacts between bodies that this rank can move by itself (interior), and contacts between a
 /// body owned here and a movable body owned elsewhere (boundary): each of those is computed alike
 /// on both ranks, from the same velocities, and moves only the body owned here. Interior contacts
-/// of bodies that other ranks need to know (the rim) are apart from the others: when they have been
-/// swept, these velocities can travel while the others are. What runs over the list is compiled
-/// once for a kind of contact: inlined into solvers it would be many times.
+/// of bodies that other ranks need to know (the border) are apart from the others: when they have
+/// been swept, these velocities can travel while the others are. What runs over the list is
+/// compiled once for a kind of contact: inlined into solvers it would be many times.
 template <class Contact>
 class contact_list {
  public:
@@ -135,7 +135,7 @@ class contact_list {
       apply_to_owned(s, i, boundary_[i].impulse_in_frame());
   }
 
-  /// Sweeps over the interior contacts. The rim comes first in either direction.
+  /// Sweeps over the interior contacts. The border comes first in either direction.
   [[gnu::noinline]] void sweep_border(state& s, bool forward) { sweep(border_, s, forward); }
   [[gnu::noinline]] void sweep_inner(state& s, bool forward) { sweep(inner_, s, forward); }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:

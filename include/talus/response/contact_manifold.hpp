@@ -20,7 +20,7 @@ namespace talus::detail {
 /// A velocity and an angular velocity, or an impulse and its moment, and two numbers of no meaning.
 using twist = real __attribute__((vector_size(8 * sizeof(real))));
 
-/// A contact that can be solved in the frame of its patch; see general_contact.
+/// A contact that can be solved in the frame of its manifold; see general_contact.
 template <class Contact>
 concept swept_in_manifolds = requires {
   requires Contact::swept_in_manifolds;
@@ -77,7 +77,7 @@ void give_pair(State& s, std::int32_t of_a, std::int32_t of_b, const vec3& offse
   }
 }
 
-/// The motion of a patch's bodies while its contacts are solved.
+/// The motion of a manifold's bodies while its contacts are solved.
 template <bool Paired>
 class manifold_motion {
  public:
@@ -111,7 +111,7 @@ class manifold_motion {
   void apply(State& s) const {
     give(p_, s, {total_[0], total_[1], total_[2]}, {total_[3], total_[4], total_[5]});
   }
-  /// The impulse `r`, with the moment `m` about the centre of a, both in the frame of the patch.
+  /// The impulse `r`, with the moment `m` about the centre of a, both in the frame of the manifold.
   template <class State>
   static void give(const contact_manifold& p, State& s, const vec3& r, const vec3& m) {
     give_pair<Paired>(s, p.a, p.b, p.offset, seen_from(p.frame, r), seen_from(p.frame, m));
@@ -187,7 +187,7 @@ struct turned_tensor {
   }
 };
 
-/// Fills in what the bodies of a patch do to each other.
+/// Fills in what the bodies of a manifold do to each other.
 template <bool Paired, class State>
 void weigh_patch(contact_manifold& p, const State& s) {
   const auto a = static_cast<std::size_t>(p.a);

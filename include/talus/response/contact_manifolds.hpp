@@ -11,22 +11,22 @@
 
 namespace talus::detail {
 
-/// The patches of a list of contacts. Sweeps visit contacts in the order of the list, as if each
+/// The manifolds of a list of contacts. Sweeps visit contacts in the order of the list, as if each
 /// were solved by itself: of two that share a body the first comes in an earlier block, for stacks
-/// converge much faster when the impulses travel along them. (Patches of more contacts than a block
-/// has room for come last.) The contacts hold the impulses; what they are weighed with is kept
-/// here.
+/// converge much faster when the impulses travel along them. (Manifolds of more contacts than a
+/// block has room for come last.) The contacts hold the impulses; what they are prepared with is
+/// kept here.
 template <class Contact, class Planner = ordered_planner>
 class contact_manifolds {
   static constexpr bool paired = Contact::paired;
-  static constexpr std::size_t most_layers = 4;  ///< contacts of a patch in a block
+  static constexpr std::size_t most_layers = 4;  ///< contacts of a manifold in a block
   using work = patch_block_work<Contact>;
   using block = manifold_block<Contact>;
   using layer = patch_layer<Contact>;
 
  public:
-  /// Finds the patches and weighs their contacts. `contacts` of one pair lie together, and stay
-  /// where they are until they are weighed anew.
+  /// Finds the manifolds and prepares their contacts. `contacts` of one pair lie together, and stay
+  /// where they are until they are prepared anew.
   void prepare(plain_vector<Contact>& contacts, const solver_state& s) {
     manifolds_.clear(), runs_.clear();
     plan_.clear();
@@ -59,7 +59,7 @@ class contact_manifolds {
     for (std::size_t k = 0; k < used_; ++k)
       if (blocks_[k].filled > 0) work::prepare(blocks_[k], layers_of(blocks_[k]), s);
   }
-  /// Gives the bodies all impulses of the contacts, which need not have been weighed.
+  /// Gives the bodies all impulses of the contacts, which need not have been prepared.
   static void apply_all(const plain_vector<Contact>& contacts, solver_state& s) {
     for (std::size_t first = 0, i = 0; first < contacts.size(); first = i) {
       const Contact& c = contacts[first];

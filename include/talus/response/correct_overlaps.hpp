@@ -10,7 +10,7 @@
 namespace talus::detail {
 
 /// Gauss-Seidel on the contacts' `push`; between ranks simultaneously, with divided masses, as the
-/// contacts have been weighed. `ranks` has shared corrections of zero.
+/// contacts have been prepared. `ranks` has shared corrections of zero.
 template <class Lists, class State, class Ranks>
 void correct_overlaps(Lists& lists, State& s, const solver_settings& settings, Ranks&& ranks) {
   const auto each = [&](auto&& f) { each_of(lists, f); };

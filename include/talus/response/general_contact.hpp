@@ -89,7 +89,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
       this->delassus = normal.dot(w * normal);
     }
   }
-  /// The same from a patch that it belongs to.
+  /// The same from a manifold that it belongs to.
   void prepare(const contact_manifold& p) requires(swept_in_manifolds) {
     this->arm = seen_in(p.frame, arm_a);
     if constexpr (general_contact::biased) this->bias_in_frame = seen_in(p.frame, this->bias);
@@ -111,7 +111,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     r = seen(impulse);
     clip();
   }
-  /// The same with the frame around the normal, which those of one patch share.
+  /// The same with the frame around the normal, which those of one manifold share.
   void load_impulse(const vec3& impulse, const mat3& frame) requires(Law::friction) {
     r = seen_in(frame, impulse);
     clip();

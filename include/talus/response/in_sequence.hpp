@@ -6,7 +6,7 @@
 namespace talus::detail {
 
 /// Fills one block after the other. What acts on the same bodies as the last one, as further
-/// patches of a pair do, begins a new block.
+/// manifolds of a pair do, begins a new block.
 template <int Lanes>
 class in_sequence {
  public:

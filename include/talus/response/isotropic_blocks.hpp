@@ -249,7 +249,7 @@ class isotropic_blocks {
     return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
   }
 
-  // The same as round_contact::warm; the impulse is where the tangential one will be.
+  // The same as isotropic_contact::warm; the impulse is where the tangential one will be.
   static void load_impulse(block& x) {
     if constexpr (friction) {
       const wide n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
@@ -263,7 +263,7 @@ class isotropic_blocks {
       x.rn = larger(x.rn, every_lane(number(0)));
     }
   }
-  // The same as round_contact::weigh, with undivided masses.
+  // The same as isotropic_contact::prepare, with undivided masses.
   static void prepare(block& x, const state& s) {
     const auto body = [&](std::int32_t i) -> const solver_body_of<number>& {
       return s.bodies[static_cast<std::size_t>(i)];
@@ -284,7 +284,7 @@ class isotropic_blocks {
       x.inverse_wt = 1 / wt;
     }
   }
-  // The same as round_contact::apply of the whole impulse.
+  // The same as isotropic_contact::apply of the whole impulse.
   static void apply(const block& x, state& s) {
     wide dx = x.rn * x.nx, dy = x.rn * x.ny, dz = x.rn * x.nz;
     if constexpr (friction) {
@@ -314,7 +314,7 @@ class isotropic_blocks {
     }
   }
 
-  // The same as round_contact::relax and apply. Returns the squares of the changes of velocity.
+  // The same as isotropic_contact::relax and apply. Returns the squares of the changes of velocity.
   static wide relax(block& x, state& s) {
     const auto va = v(s, x.a), vb = v(s, x.b);
     const auto wa = w(s, x.a), wb = w(s, x.b);
@@ -369,7 +369,7 @@ class isotropic_blocks {
     return square / (x.inverse_wn * x.inverse_wn);
   }
 
-  // The same as round_contact::relax_push, push_a and push_b.
+  // The same as isotropic_contact::relax_push, push_a and push_b.
   static void relax_correction(const block& x, push_of_block& p, state& s) {
     const auto at_a = [&](int i) -> vector& { return s.shift[std::size_t(x.a[i])].v; };
     const auto at_b = [&](int i) -> vector& { return s.shift[std::size_t(x.b[i])].v; };
@@ -400,7 +400,7 @@ class isotropic_blocks {
   plain_vector<block> blocks_;               ///< of which the first so many are in use
   plain_vector<push_of_block> corrections_;  ///< of each block
   std::size_t used_ = 0;
-  plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | lone
+  plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
   plain_vector<Contact> overflow_;      ///< contacts that found no place
   plain_vector<std::uint32_t> number_;  ///< the contact in a slot
 };

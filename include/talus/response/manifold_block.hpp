@@ -34,15 +34,15 @@ namespace talus::detail {
 
 template <bool Biased>
 struct patch_layer_bias {
-  octet_vector bias;  ///< in the frame of the patch
+  octet_vector bias;  ///< in the frame of the manifold
 };
 template <>
 struct patch_layer_bias<false> {};
 
-/// One contact of each of eight patches.
+/// One contact of each of eight manifolds.
 template <class Contact>
 struct patch_layer : patch_layer_bias<Contact::biased> {
-  octet_vector arm;  ///< from the centre of a, in the frame of the patch
+  octet_vector arm;  ///< from the centre of a, in the frame of the manifold
   octet friction;
   octet i_nn, i_n1, i_n2, i_11, i_12, i_22;  ///< as in coulomb_block
   octet nn, n1, n2, inverse_nn;
@@ -221,7 +221,7 @@ struct patch_block_work {
       scatter(va, v_of(p.a)), scatter(wa, w_of(p.a));
     }
   };
-  /// The same as general_contact::weigh(contact_patch).
+  /// The same as general_contact::prepare(contact_manifold).
   static void weigh_layer(const block& p, layer& c) {
     const octet zero = eight(0);
     const octet_rows arm = gather([&](int i) -> const vec3& { return c.at[i]->arm_a; });

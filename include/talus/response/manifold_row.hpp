@@ -7,7 +7,7 @@
 
 namespace talus::detail {
 
-/// A contact_row whose patches are found when it is weighed.
+/// A contact_row whose manifolds are found when it is prepared.
 template <swept_in_manifolds Contact, class Planner = ordered_planner>
 class manifold_row : public contact_row<Contact> {
  public:

@@ -125,8 +125,8 @@ class shared_frame {
 };
 
 /// Lets the contacts of one pair start from what is remembered for their keys. What points of a
-/// patch bore that are no more goes to those that are new, in equal parts: while a body slides or
-/// rocks, the parts that meet change, but hardly the load.
+/// manifold bore that are no more goes to those that are new, in equal parts: while a body slides
+/// or rocks, the parts that meet change, but hardly the load.
 template <class Contact>
 void recall_patch(remembered_pair& before, std::span<const contact_key> keys,
                   std::span<Contact> contacts) {

@@ -11,9 +11,9 @@ namespace talus {
 
 /// What domains are to have in equal shares.
 enum class balance_by {
-  time,  ///< processor time of the steps, without exchanges; a body weighs what its rank's take.
-         ///< For thousands of bodies per rank: with few, what a step costs without bodies counts
-         ///< too
+  time,  ///< processor time of the steps, without exchanges; a body counts for what its rank's
+         ///< take. For thousands of bodies per rank: with few, what a step costs without bodies
+         ///< counts too
   count  ///< bodies: the same cuts in each run
 };
 

@@ -86,7 +86,7 @@ template <class Scenario>
   }
 }
 
-/// The bodies that came in a handover, and from which neighbour.
+/// The bodies that came in a migration, and from which neighbour.
 struct arrivals {
   struct one {
     system_id id;

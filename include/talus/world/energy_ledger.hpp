@@ -184,7 +184,7 @@ void book_motion(world_state<Scenario>& s) {
   });
 }
 
-/// At the end of a step, before bodies are handed over: what the entries leave open.
+/// At the end of a step, before bodies are migrated: what the entries leave open.
 template <class Scenario>
 void close_energy(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;

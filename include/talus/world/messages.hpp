@@ -72,7 +72,7 @@ void open_message(world_state<Scenario>& s, std::size_t n) {
   s.parcels[n].out.assign(sizeof(message_header), std::byte{});
 }
 
-/// Writes the head of a message that is complete; `handover`: with a checksum.
+/// Writes the head of a message that is complete; `migration`: with a checksum.
 template <class Scenario>
 void seal_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
   auto& channel = s.neighbours[n].channel;

@@ -18,8 +18,8 @@
 
 namespace talus::detail {
 
-/// Takes up connections made or removed since the last handover. Copies of bodies of ranks that are
-/// no longer connected go; the others are told anew at once.
+/// Takes up connections made or removed since the last migration. Copies of bodies of ranks that
+/// are no longer connected go; the others are told anew at once.
 template <class Scenario>
 void match_connections(world_state<Scenario>& s) {
   const auto connections = s.own.connections();
@@ -233,7 +233,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   return passing;
 }
 
-/// The handover at the end of a step.
+/// The migration at the end of a step.
 template <class Scenario>
 void migrate_and_refresh(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps) wake_islands(s);

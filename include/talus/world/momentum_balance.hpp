@@ -55,7 +55,7 @@ void book_momentum(world_state<Scenario>& s) {
   r.ground += impulse_of_ground(s);
 }
 
-/// After positions have moved, before bodies are handed over.
+/// After positions have moved, before bodies are migrated.
 template <class Scenario>
 void close_momentum(world_state<Scenario>& s) {
   momentum_record& r = s.monitors.momentum;

@@ -47,7 +47,7 @@ struct convergence {
 namespace detail {
 
 /// The bodies whose velocities travel between this rank and one of its neighbours, in solver
-/// indices: fixed from one handover to the next, so that they travel without ids.
+/// indices: fixed from one migration to the next, so that they travel without ids.
 struct travelling_velocities {
   int rank = 0;
   plain_vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move

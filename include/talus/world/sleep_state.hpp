@@ -40,9 +40,9 @@ struct sleep_state {
   plain_vector<float> rested;         ///< by root
   bool all = false;                   ///< all are to wake
   bool changed = false;  ///< own bodies fell asleep or awoke, and the neighbours do not know it yet
-  bool noted = false;    ///< what is remembered was put in order, since rouse() began
+  bool noted = false;    ///< what is remembered was put in order, since wake_disturbed() began
   bool spreads = false;  ///< somebody known here awoke: others of its island may have to
-  bool disturbed = false;  ///< own immovable bodies are marked as stirred
+  bool disturbed = false;  ///< own immovable bodies are marked as disturbed
 
   [[nodiscard]] std::size_t bytes() const {
     return contacts.bytes() + asleep.capacity() * sizeof(system_id) +

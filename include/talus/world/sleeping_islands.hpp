@@ -180,7 +180,7 @@ template <class Parents>
 }
 
 /// Before shadow copies are shared: wakes the bodies owned here whose island something has woken:
-/// what came near, a contact partner that is awake, was stirred or is no more, or the user.
+/// what came near, a contact partner that is awake, was disturbed or is no more, or the user.
 template <class Scenario>
 void wake_islands(world_state<Scenario>& s) {
   auto& sleep = s.sleep;

@@ -134,7 +134,7 @@ void book_migration(world_state<Scenario>& s, real sign) {
   s.monitors.springs.moved += sign * (now.kinetic + now.potential);
 }
 
-/// After the last change of velocities and positions in a step, before bodies are handed over.
+/// After the last change of velocities and positions in a step, before bodies are migrated.
 template <class Scenario>
 void close_soft(world_state<Scenario>& s) {
   if constexpr (watches<Scenario, energy_ledger>) s.monitors.energy.after = energy_of(s);

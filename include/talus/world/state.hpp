@@ -66,7 +66,7 @@ struct message_channel {
   std::uint64_t sent = 0, received = 0;
   body_count given;        ///< to the neighbour
   body_count taken;        ///< from it
-  body_count before_last;  ///< taken before the last handover of any
+  body_count before_last;  ///< taken before the last migration of any
   body_count told;         ///< how many should have come, by its last message
 };
 
@@ -228,9 +228,9 @@ struct world_state : response_state<Scenario> {
       copies;
   std::vector<neighbour<shape_count, memory_type>>
       neighbours;               ///< one for each connection, in the same order
-  std::vector<parcel> parcels;  ///< likewise: handovers
+  std::vector<parcel> parcels;  ///< likewise: migrations
   bool strangers = false;       ///< some neighbours are not connected to each other
-  bool changed = true;          ///< bodies were added, removed or changed since the last handover
+  bool changed = true;          ///< bodies were added, removed or changed since the last migration
   plain_vector<system_id> released;  ///< by the user, before neighbours have heard of it
 
   [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,

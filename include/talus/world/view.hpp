@@ -71,7 +71,7 @@ class body_view {
     return 0;
   }
 
-  // Changes. They are made by the owner: on a shadow copy they would be lost at the next handover,
+  // Changes. They are made by the owner: on a shadow copy they would be lost at the next migration,
   // so they throw logic_error there. A global body is changed alike on all ranks: logic_error in an
   // exclusive section. It takes no velocity: logic_error. Values that are not finite:
   // invalid_argument.
@@ -89,7 +89,7 @@ class body_view {
     store_->angular_velocity[i_] = w;
   }
   /// Moves the centre of mass; it may land in the domain of any rank, which takes the body over at
-  /// the next handover.
+  /// the next migration.
   void translate(const vec3& by) {
     prepare_change("translation", by);
     store_->position[i_] += by;

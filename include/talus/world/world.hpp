@@ -75,7 +75,7 @@ class world {
   // --- Domain --------------------------------------------------------------------------------
 
   /// Divides space anew: extents, cuts, and how far connections reach. Collective; bodies in
-  /// foreign domains are handed over by the next synchronize(). Connections made by hand before are
+  /// foreign domains are migrated by the next synchronize(). Connections made by hand before are
   /// gone.
   void decompose(const decomposition_type& d, const reach& within = {}) {
     sections_.require_all_ranks("decompose", rank());
@@ -406,7 +406,7 @@ class world {
 
   /// Collective: whether all bodies are there. Returns how many the ranks own together, and the sum
   /// of their ids; throws runtime_error, alike on all ranks, if that is not what was created
-  /// without what was destroyed. Each step looks at every handover by itself, without a collective
+  /// without what was destroyed. Each step looks at every migration by itself, without a collective
   /// call; simulate() ends with an audit.
   body_count audit();
 
