@@ -2,7 +2,8 @@
 """Links in the documentation lead somewhere, and what it tells people to type is there.
 
 Of every *.md that is part of the project: each relative link is a file or a folder, and its anchor, if
-it has one, a heading there; each `./dev VERB` is a verb that ./dev knows, and each `./dev run NAME` an
+it has one, a heading there; each file in back quotes is there, and has the symbol that is said to be
+in it; each `./dev VERB` is a verb that ./dev knows, and each `./dev run NAME` an
 example.
   links.py ROOT [FILE.md ...]
 """
@@ -25,6 +26,11 @@ examples = {p.parent.name for p in (root / "examples").glob("*/*.cpp") if p.stem
 
 faults = []
 links = 0
+
+
+def homes(page):
+    """Folders in which a page may name files: what it says of itself, of the tree, or of the headers."""
+    return [page.parent, root, root / "include" / "talus", root / "include"]
 
 
 def headings(page):
@@ -57,6 +63,13 @@ for page in pages:
             inside = not inside
         if inside:
             continue
+        for name in re.findall(r"`((?:[a-z_0-9]+/)+[a-z_0-9]+\.(?:hpp|cpp|sh|py|txt|cmake))`", line):
+            if not any((folder / name).is_file() for folder in homes(page)):
+                faults.append(f"{where}: there is no file '{name}'")
+        for symbol, name in re.findall(r"`([\w:]+)(?:\(\))?` in `((?:[a-z_0-9]+/)+[a-z_0-9]+\.hpp)`", line):
+            files = [folder / name for folder in homes(page) if (folder / name).is_file()]
+            if not any(re.search(rf"\b{symbol.split('::')[-1]}\b", f.read_text()) for f in files):
+                faults.append(f"{where}: '{name}' has no '{symbol}'")
         for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`]*`", "", line)):
             if re.match(r"[a-z]+:", target):
                 continue
