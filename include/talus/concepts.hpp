@@ -52,7 +52,8 @@ namespace concepts {
 /// how it travels (`packs_itself` of core/bytes.hpp), and shares what is large
 /// (core/shared_data.hpp).
 /// - `finite`: has a volume, and so a mass
-/// - `round`: isotropic inertia, every contact normal through the centre: orientation never matters
+/// - `isotropic`: isotropic inertia, every contact normal through the centre: orientation never
+/// matters
 /// - `name`: as messages call it
 /// - `validate()`: throws invalid_argument naming the value that is wrong
 template <class Shape>
@@ -217,9 +218,30 @@ concept transport = link<typename Transport::link> && requires(const launch_sett
   Transport::launch(settings, detail::anything{});
 };
 
-/// The part of broad_phase<...>: how pairs that may touch are found.
+/// What a broad phase does: finds pairs of balls that touch, each once, in an order that follows
+/// from the input alone.
+/// - `build`: takes the centres and the reaches of all balls; throws unplaceable for one that is
+/// not
+///   finite
+/// - `pairs(f)`: f(i, j) for each unordered pair; `pairs_with(other, f)`: f(i, j of other)
+/// - `query(centre, reach, f)`: f(i) for each ball that touches this one
+template <class Search>
+concept pair_search = std::default_initializable<Search> &&
+    requires(Search s, const Search& c, std::span<const vec3> centres,
+             std::span<const real> reaches, const vec3& centre, detail::anything f) {
+  s.build(centres, reaches);
+  { c.size() } -> std::convertible_to<std::size_t>;
+  { c.bytes() } -> std::convertible_to<std::size_t>;
+  c.pairs(f);
+  c.pairs_with(c, f);
+  c.query(centre, real{}, f);
+};
+
+/// The part of broad_phase<...>: how pairs that may touch are found. Its `search` is a pair_search.
 template <class Method>
-concept broad_phase = detail::part_for<Method, roles::broad_phase>;
+concept broad_phase = detail::part_for<Method, roles::broad_phase> && requires {
+  typename Method::search;
+};
 
 /// What holds at a contact.
 /// - `soft`: bodies overlap and springs push them apart; otherwise impulses keep them apart

@@ -1,5 +1,6 @@
 // The compiled part: what finds pairs, colours contacts and solves islands.
 #include "talus/detect/hash_grid_definitions.hpp"
+#include "talus/detect/sweep_and_prune_definitions.hpp"
 #include "talus/response/colouring_definitions.hpp"
 #include "talus/response/direct_islands_definitions.hpp"
 

@@ -19,16 +19,9 @@
 #include "talus/detect/detail/lanes.hpp"
 #include "talus/detect/detail/pair_batch.hpp"
 #include "talus/detect/detail/size_classes.hpp"
+#include "talus/detect/placeable.hpp"
 
 namespace talus {
-
-/// A body that no grid can hold: its centre or reach is not a number or infinite, its reach
-/// negative, or its centre so far out that its size is lost in the rounding of the coordinates.
-struct unplaceable : std::runtime_error {
-  unplaceable(std::size_t which, const std::string& what)
-      : std::runtime_error(what), index(which) {}
-  std::size_t index;  ///< position in the arrays given to hash_grid::build
-};
 
 /// Buffers are kept, so that a rebuild allocates only to grow. Every order below is a function of
 /// the input alone.
@@ -108,8 +101,6 @@ class hash_grid {
   void pairs_of_crowd(const level& l, std::uint32_t bucket, detail::pair_batch& found) const;
   void probe(const level& l, const detail::ball& ball, const partners& of) const;
 
-  void check(std::span<const vec3> centres, std::span<const real> reaches) const;
-
   std::vector<level> levels_;  // coarsest first
   // Entries, sorted by level and bucket; a few more coordinates may be read but are not used.
   detail::plain_vector<real> x_, y_, z_, reach_;
@@ -119,13 +110,6 @@ class hash_grid {
   detail::plain_vector<std::uint32_t> bucket_;  // of each body
   detail::size_classes classes_;
 };
-
-// Every pair of neighbouring cells is visited from the one that comes first: the own cell and the
-// rest of its row, then the row behind in y and three rows above in z. All bodies of a bucket share
-// these rows. Up to eight candidates are tested at once, and up to 64 before the first answer is
-// looked at, since what costs time here is branches that cannot be foretold.
-
-// The same for one bucket with too many candidates to collect.
 
 }  // namespace talus
 

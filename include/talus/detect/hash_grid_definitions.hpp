@@ -51,6 +51,10 @@ TALUS_INLINE void hash_grid::find_pairs_with(const hash_grid& other,
       }
 }
 
+// Every pair of neighbouring cells is visited from the one that comes first: the own cell and the
+// rest of its row, then the row behind in y and three rows above in z. All bodies of a bucket share
+// these rows. Up to eight candidates are tested at once, and up to 64 before the first answer is
+// looked at, since what costs time here is branches that cannot be foretold.
 TALUS_INLINE void hash_grid::pairs_within(const level& l, detail::pair_batch& found) const {
   using detail::lanes;
   constexpr std::uint32_t capacity = 64, group = 64 / lanes;
@@ -100,6 +104,7 @@ TALUS_INLINE void hash_grid::pairs_within(const level& l, detail::pair_batch& fo
   }
 }
 
+// The same for one bucket with too many candidates to collect.
 TALUS_INLINE void hash_grid::pairs_of_crowd(const level& l, std::uint32_t bucket,
                                             detail::pair_batch& found) const {
   const std::uint32_t* start = starts_.data() + l.bucket;
@@ -138,28 +143,6 @@ TALUS_INLINE void hash_grid::probe(const level& l, const detail::ball& ball,
               [&](std::uint32_t first, std::uint32_t last) { scan(ball, first, last, of); });
 }
 
-TALUS_INLINE void hash_grid::check(std::span<const vec3> centres,
-                                   std::span<const real> reaches) const {
-  constexpr real limit = real(std::uint64_t{1} << 44);
-  for (std::size_t i = 0; i < centres.size(); ++i) {
-    const real r = reaches[i];
-    if (!detail::finite(centres[i]))
-      throw unplaceable(
-          i, detail::compose("the centre {} is not finite: the motion has diverged; use a "
-                             "smaller time step or check forces and velocities",
-                             detail::text(centres[i])));
-    if (!(r >= 0) || !std::isfinite(r))
-      throw unplaceable(
-          i, detail::compose(
-                 "the reach {} is not a finite length: choose smaller speeds or a smaller dt", r));
-    if (r > 0 && detail::max_norm(centres[i]) > limit * r)
-      throw unplaceable(i,
-                        detail::compose("the centre {} is so far out that a size of {} is lost in "
-                                        "rounding; remove bodies that leave the scene",
-                                        detail::text(centres[i]), r));
-  }
-}
-
 TALUS_INLINE void hash_grid::build(std::span<const vec3> centres, std::span<const real> reaches) {
   if (centres.size() != reaches.size() || centres.size() >= std::uint32_t(-1) / 8)
     detail::fail<std::invalid_argument>(
@@ -187,7 +170,7 @@ TALUS_INLINE void hash_grid::build(std::span<const vec3> centres, std::span<cons
   }
   const real furthest = std::max(detail::max_norm(low), detail::max_norm(high));
   if (poison != 0 || !(smallest >= 0) || furthest > real(std::uint64_t{1} << 44) * smallest)
-    check(centres, reaches);
+    detail::require_placeable(centres, reaches);
 
   classes_.plan(reaches, smallest, largest);
   levels_.resize(classes_.levels());

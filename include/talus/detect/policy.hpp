@@ -4,9 +4,12 @@
 
 namespace talus {
 
+class hash_grid;
+
 /// Cells in a linear hash, one level of cells per decade or so of body size, built each step.
 struct linear_hash_grid final {
   using talus_part_of = roles::broad_phase;
+  using search = hash_grid;
   static constexpr const char* name = "linear_hash_grid";
 };
 
@@ -15,7 +18,12 @@ template <class Method>
 struct broad_phase final {
   static_assert(detail::is_part<Method, roles::broad_phase>,
                 "broad_phase<...> takes a broad phase, and this type is none: write "
-                "broad_phase<linear_hash_grid>");
+                "broad_phase<linear_hash_grid> or broad_phase<sweep_and_prune>");
+  static_assert(
+      !detail::is_part<Method, roles::broad_phase> || requires { typename Method::search; },
+      "broad_phase<...> takes a broad phase with a type `search` that finds pairs, as "
+      "concepts::pair_search says, and this one has none: write broad_phase<linear_hash_grid>, or "
+      "give it one");
   using talus_role = roles::broad_phase;
   using type = Method;
   static std::string describe() { return detail::describe_list<Method>("broad_phase"); }

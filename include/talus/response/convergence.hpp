@@ -28,12 +28,14 @@ struct solved {
 /// iterations (every eighth of their number), which keeps their cost below that of the iterations.
 /// `Sum` is double, or exact_sum where nothing may depend on how contacts are shared out.
 ///
-///   convergence<Lists, Ranks, State> watch(lists, state, settings, ranks);   // before any impulse
-///   acts int k = 0; for (; k < watch.limit(); ++k) {
+///   // before any impulse acts:
+///   convergence<Lists, Ranks, State> watch(lists, state, settings, ranks);
+///   int k = 0;
+///   for (; k < watch.limit(); ++k) {
 ///     ...                           // all ranks hold the velocities after k iterations
 ///     if (watch.reached(k)) break;
 ///     ...                           // iterate
-///     watch.hear();
+///     watch.poll();
 ///   }
 template <class Lists, class Ranks, class State = solver_state, class Sum = double>
 class convergence {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "talus/body/store.hpp"
+#include "talus/concepts.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/detect/box_place.hpp"
@@ -23,18 +24,21 @@ struct places_of<box> {
   plain_vector<box_place<real>> places;
 };
 
-template <class Shape, class Features>
+template <class Shape, class Features, class Search>
 struct bodies_of_shape : places_of<Shape> {
   using shape_type = Shape;
   using store_type = body_store<Shape, Features>;
+  static_assert(concepts::pair_search<Search>,
+                "this broad phase cannot be used: its `search` needs build, size, bytes, pairs, "
+                "pairs_with and query, as concepts::pair_search says");
 
   store_type movable;     ///< locals and shadow copies (a finite shape only)
   store_type global;      ///< known on every rank, immovable
   std::size_t first = 0;  ///< index of this shape's first body in the solver's arrays
 
-  hash_grid grid;  ///< of the movable bodies, built each step
+  Search grid;  ///< of the movable bodies, built each step
   plain_vector<real> reach;
-  hash_grid global_grid;  ///< of the global bodies, built when they change
+  Search global_grid;  ///< of the global bodies, built when they change
   plain_vector<real> global_reach;
   bool globals_changed = false;
 };

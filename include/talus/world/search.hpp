@@ -63,7 +63,7 @@ void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable, bool 
     each_driven(s, [](auto& b, std::size_t, const driven_body&) { b.globals_changed = true; });
   s.each_finite_shape([&](auto& b) {
     using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
-    const auto sort = [&](auto& store, plain_vector<real>& reach, hash_grid& grid) {
+    const auto sort = [&](auto& store, plain_vector<real>& reach, auto& grid) {
       reach.resize(store.size());
       for (std::size_t i = 0; i < store.size(); ++i)
         reach[i] = &store == &b.movable ? reach_of_movable(store, i, b.first + i)

@@ -156,7 +156,8 @@ struct world_state : response_state<Scenario> {
   using domain_type =
       std::conditional_t<link_type::alone, lone_domain, domain<typename Scenario::decomposition>>;
   template <class Shape>
-  using bodies_type = bodies_of_shape<Shape, typename Scenario::features>;
+  using bodies_type =
+      bodies_of_shape<Shape, typename Scenario::features, typename Scenario::broad_phase::search>;
   using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;
   using law = law_of<Scenario>;
   using lists_type = typename response_state<Scenario>::lists_type;
