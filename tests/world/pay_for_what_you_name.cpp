@@ -53,7 +53,7 @@ static_assert(absent<decltype(store_of<plane, orientation>::orientation_of)>);
 template <class Scenario>
 using state_of = world_state<Scenario>;
 static_assert(std::is_same_v<state_of<spheres>::tuple_type,
-                             std::tuple<bodies_of_shape<sphere, type_list<>>>>);
+                             std::tuple<bodies_of_shape<sphere, type_list<>, hash_grid>>>);
 static_assert(
     std::is_same_v<state_of<spheres>::lists_type,
                    std::tuple<contact_list<isotropic_contact<full_law, partner::moving>>,
