@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <mutex>
+#include <talus/observe/coordination.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/observe/penetration.hpp>
 #include <talus/parallel/grid.hpp>
@@ -198,5 +199,30 @@ TEST_CASE("points touch up to a gap of a thousandth of the mean radius") {
     const auto p = measure_penetration(w);
     CHECK(p.touching == 2);
     CHECK(p.max == doctest::Approx(0.01));
+  });
+}
+
+TEST_CASE("the coefficients of a pair are the means of those of its materials") {
+  material_table all;
+  const auto a = all.add({.restitution = 0.2, .friction = 0.5, .dynamic_friction = 0.3});
+  const auto b = all.add({.restitution = 0.6, .friction = 0.1, .dynamic_friction = 0.05});
+  for (const pair_material& p : {all.pair(a, b), all.pair(b, a)}) {
+    CHECK(p.restitution == doctest::Approx(0.4));
+    CHECK(p.friction == doctest::Approx(0.3));
+    CHECK(p.dynamic_friction == doctest::Approx(0.175));
+  }
+}
+
+TEST_CASE("a body is one neighbour of another, however many points of contact they have") {
+  on_ranks(1, [](world_type& w) {
+    const auto stone = w.material({.density = 1, .friction = 0.5});
+    w.gravity({0, 0, -10});
+    w.global([&](auto& scope) { scope.add(plane{}, stone); });
+    w.add(body{.shape = box{{1, 1, 1}}, .position = {1, 0, 0.5}, .material = stone});
+    w.add(body{.shape = box{{1, 1, 1}}, .position = {1, 0, 1.5}, .material = stone});
+    for (int k = 0; k < 20; ++k) w.step(0.005);
+    const coordination found = measure_coordination(w);
+    CHECK(found.bodies == 2);
+    CHECK(found.mean == doctest::Approx(1.5));  // the lower one has the plane and the upper one
   });
 }

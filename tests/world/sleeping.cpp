@@ -285,6 +285,17 @@ TEST_CASE("what an island stands on wakes it when it moves or goes") {
     });
 }
 
+TEST_CASE("a body that spins in place stays awake") {
+  on(1, [&](scene_world& w) {
+    floor_of(w);
+    w.sleeping({.speed = 0.1, .time = 0.1});
+    w.add(body{.shape = sphere{0.5}, .position = {4, 0, 0.5}, .angular_velocity = {0, 0, 5}});
+    w.add(body{.shape = sphere{0.5}, .position = {8, 0, 0.5}});
+    run(w, 100);
+    CHECK(asleep(w) == 1);
+  });
+}
+
 TEST_CASE("a belt keeps awake what lies on it") {
   on(1, [&](scene_world& w) {
     w.gravity({0, 0, -10});
