@@ -279,7 +279,7 @@ TEST_CASE("--restart goes on in the part of the course in which the checkpoint w
   const char* name = file.name.c_str();
   for (const char* at : {"40", "60", "100"}) {  // 40 is the end of the first part
     CAPTURE(at);
-    change whole, cut, rest;
+    change whole{.pair = 0.2}, cut = whole, rest = whole;
     const auto run_to = [&](const char* steps, change& c, std::vector<const char*> more = {}) {
       std::vector<const char*> all{
           "--quiet", "--steps", steps, "--checkpoint", name, "--checkpoint-every", at};
