@@ -2,9 +2,8 @@
 """Links in the documentation lead somewhere, and what it tells people to type is there.
 
 Of every *.md that is part of the project: each relative link is a file or a folder, and its anchor, if
-it has one, a heading there; each file in back quotes is there, and has the symbol that is said to be
-in it; each `./dev VERB` is a verb that ./dev knows, and each `./dev run NAME` an
-example.
+it has one, a heading there; each file in back quotes exists, and contains the symbol that a page
+places in it; each `./dev VERB` is a verb that ./dev knows, and each `./dev run NAME` an example.
   links.py ROOT [FILE.md ...]
 """
 import pathlib

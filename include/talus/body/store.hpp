@@ -18,9 +18,9 @@ namespace talus::detail {
 enum body_flag : std::uint8_t {
   flag_fixed = 1,
   flag_invisible = 2,
-  flag_asleep = 4,    ///< its island is left out of the steps
-  flag_stirred = 8,   ///< of something immovable: the user put or changed it since the last step
-  flag_released = 16  ///< it was fixed; until all ranks that hold copies have heard of that
+  flag_asleep = 4,     ///< its island is left out of the steps
+  flag_disturbed = 8,  ///< of something immovable: the user put or changed it since the last step
+  flag_released = 16   ///< it was fixed; until all ranks that hold copies have heard of that
 };
 
 /// Stands for a column that this scenario does not store.

@@ -111,14 +111,14 @@ class colouring {
       if (!any) return;
       exchange(first);
       for (colour_line& l : lines)
-        if (first || l.open()) hear(l, first);
+        if (first || l.open()) poll(l, first);
     }
   }
   [[nodiscard]] std::size_t colour_sets_size() const;
   /// Colours what can be coloured, and tells what the neighbours need for it.
   void go_on(std::uint32_t round);
   void tell(colour_line& l, std::uint32_t n);
-  void hear(colour_line& l, bool first);
+  void poll(colour_line& l, bool first);
   void schedule(colour_line& l);
 
   plain_vector<contact_unit> units_;

@@ -100,7 +100,7 @@ TALUS_INLINE void colouring::tell(colour_line& l, std::uint32_t n) {
   ++l.telling;
 }
 
-TALUS_INLINE void colouring::hear(colour_line& l, bool first) {
+TALUS_INLINE void colouring::poll(colour_line& l, bool first) {
   byte_reader in(l.in);
   if (first) {
     const auto count = in.get<std::uint64_t>(), sum = in.get<std::uint64_t>();

@@ -63,7 +63,7 @@ class contact_list {
     owns_a_.clear();
   }
   /// `last` says where the history keeps the contacts of its pair; nobody knows if it is null. It
-  /// is kept up to date. `at_rim`: whether other ranks need to know one of the bodies.
+  /// is kept up to date. `at_border`: whether other ranks need to know one of the bodies.
   void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
            history_place* last, bool at_border = false) {
     auto& p = at_border ? border_ : inner_;

@@ -189,7 +189,7 @@ struct turned_tensor {
 
 /// Fills in what the bodies of a manifold do to each other.
 template <bool Paired, class State>
-void weigh_patch(contact_manifold& p, const State& s) {
+void prepare_manifold(contact_manifold& p, const State& s) {
   const auto a = static_cast<std::size_t>(p.a);
   real mass = s.bodies[a].inverse_mass;
   turned_tensor turning(p.frame, s.tensor(a));

@@ -38,7 +38,7 @@ class contact_manifolds {
       const Contact& c = contacts[first];
       while (last < contacts.size() && contacts[last].same_manifold(c)) ++last;
       if (last - first > most_layers) {
-        weigh_lone(contacts, first, last, s);
+        prepare_overflow(contacts, first, last, s);
         continue;
       }
       const bool b_moves = paired && moves(c.b);
@@ -122,15 +122,15 @@ class contact_manifolds {
 
   layer* layers_of(const block& b) { return layers_.data() + b.first; }
 
-  void weigh_lone(plain_vector<Contact>& contacts, std::size_t first, std::size_t last,
-                  const solver_state& s) {
+  void prepare_overflow(plain_vector<Contact>& contacts, std::size_t first, std::size_t last,
+                        const solver_state& s) {
     const Contact& c = contacts[first];
     contact_manifold& p = manifolds_.emplace_back();
     p.first = static_cast<std::uint32_t>(first), p.last = static_cast<std::uint32_t>(last);
     p.a = c.a, p.b = c.b;
     p.frame = frame_around<real>(c.normal);
     if constexpr (paired) p.offset = c.arm_b - c.arm_a;
-    weigh_patch<paired>(p, s);
+    prepare_manifold<paired>(p, s);
     for (std::size_t i = first; i < last; ++i) contacts[i].prepare(p);
   }
   /// Notes in the blocks which contacts are theirs.

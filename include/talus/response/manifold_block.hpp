@@ -111,7 +111,7 @@ struct patch_block_work {
     } else {
       p.vv.x.x = mass;
     }
-    for (std::uint32_t k = 0; k < p.depth; ++k) weigh_layer(p, layers[k]);
+    for (std::uint32_t k = 0; k < p.depth; ++k) prepare_layer(p, layers[k]);
   }
 
   /// Solves all contacts, in the order of the layers or the reverse. note(contact, change of the
@@ -222,7 +222,7 @@ struct patch_block_work {
     }
   };
   /// The same as general_contact::prepare(contact_manifold).
-  static void weigh_layer(const block& p, layer& c) {
+  static void prepare_layer(const block& p, layer& c) {
     const octet zero = eight(0);
     const octet_rows arm = gather([&](int i) -> const vec3& { return c.at[i]->arm_a; });
     const octet_vector r = c.arm = p.frame.times({arm.x, arm.y, arm.z});

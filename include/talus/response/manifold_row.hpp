@@ -1,5 +1,5 @@
 #pragma once
-// Interior contacts of which a pair of bodies has several, swept patch by patch.
+// Interior contacts of which a pair of bodies has several, swept manifold by manifold.
 #include <cstddef>
 
 #include "talus/response/contact_manifolds.hpp"

@@ -18,8 +18,8 @@
 
 namespace talus::detail {
 
-/// Takes up connections made or removed since the last migration. Copies of bodies of ranks that
-/// are no longer connected go; the others are told anew at once.
+/// Applies the connections made or removed since the last migration. Removes the copies of bodies
+/// of ranks that are no longer connected, and sends the other copies again.
 template <class Scenario>
 void match_connections(world_state<Scenario>& s) {
   const auto connections = s.own.connections();

@@ -26,7 +26,7 @@ namespace talus::detail {
 /// Notes the sleeping bodies owned here that something immovable has come near that was put there,
 /// moved or changed by the user.
 template <class Scenario>
-void meet_stirred(world_state<Scenario>& s) {
+void meet_disturbed(world_state<Scenario>& s) {
   const auto meet = [&](const auto& store, std::size_t j) {
     using B = typename std::remove_cvref_t<decltype(store)>::shape_type;
     s.each_finite_shape([&](const auto& of_a) {
@@ -48,7 +48,7 @@ void meet_stirred(world_state<Scenario>& s) {
   s.each_shape([&](const auto& b) {
     const auto look = [&](const auto& store) {
       for (std::size_t j = 0; j < store.size(); ++j)
-        if ((store.flags[j] & flag_stirred) != 0 && store.inverse_mass[j] == 0)
+        if ((store.flags[j] & flag_disturbed) != 0 && store.inverse_mass[j] == 0)
           disturbed.push_back(store.id[j]), meet(store, j);
     };
     look(b.movable), look(b.global);
@@ -67,7 +67,7 @@ void meet_stirred(world_state<Scenario>& s) {
 template <class Scenario, class Detect>
 void wake_disturbed(world_state<Scenario>& s, Detect&& detect) {
   s.sleep.noted = false;
-  meet_stirred(s);
+  meet_disturbed(s);
   wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
@@ -95,7 +95,7 @@ void count_quiet(world_state<Scenario>& s) {
   });
   if (!std::exchange(s.sleep.disturbed, false)) return;
   const auto forget = [](auto& store) {
-    for (auto& flags : store.flags) flags &= static_cast<std::uint8_t>(~flag_stirred);
+    for (auto& flags : store.flags) flags &= static_cast<std::uint8_t>(~flag_disturbed);
   };
   s.each_shape([&](auto& b) { forget(b.movable), forget(b.global); });
 }

@@ -79,7 +79,7 @@ template <class Scenario, class StoreA, class StoreB>
 template <class Scenario, class Store>
 void disturb(world_state<Scenario>& s, Store& store, std::size_t i) {
   if (store.inverse_mass[i] == 0) {
-    store.flags[i] |= flag_stirred;
+    store.flags[i] |= flag_disturbed;
     s.sleep.disturbed = true;
   } else if constexpr (Store::sleeps) {
     if (store.asleep(i)) {
@@ -163,7 +163,7 @@ class known_bodies {
       if (store.asleep(i))
         k.is = known_body::asleep;
       else if (store.inverse_mass[i] == 0)
-        k.is = store.flags[i] & flag_stirred ? known_body::disturbed : known_body::immovable;
+        k.is = store.flags[i] & flag_disturbed ? known_body::disturbed : known_body::immovable;
       else if constexpr (Store::sleeps)
         k.quiet = store.quiet[i];
       all_.push_back(k);

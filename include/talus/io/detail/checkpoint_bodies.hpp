@@ -151,7 +151,7 @@ template <class T>
 template <class Store>
 void require_sane(const Store& s, std::size_t i, std::size_t materials) {
   constexpr std::uint8_t all_flags =
-      flag_fixed | flag_invisible | flag_asleep | flag_stirred | flag_released;
+      flag_fixed | flag_invisible | flag_asleep | flag_disturbed | flag_released;
   bool sane = s.id[i] != no_id && s.inverse_mass[i] >= 0 && (s.flags[i] & ~all_flags) == 0 &&
               static_cast<std::size_t>(s.material[i]) < materials;
   s.each_column([&](const auto& c) {
