@@ -70,7 +70,7 @@ template <class Scenario>
   const auto& s = w.state();
   auto& link = w.link();
   summary r;
-  r.policies = describe<Scenario>();
+  r.policies = detail::policies_in_use(s);
   r.transport = detail::transport_in_use(w);
   r.ranks = w.ranks();
   r.steps = w.steps();
@@ -81,7 +81,7 @@ template <class Scenario>
   r.followed = Scenario::template has_feature<continuous_collision>;
   r.may_follow =
       !Scenario::contact_law::soft && !r.sleeping && !detail::world_state<Scenario>::drives &&
-      !detail::world_state<Scenario>::periodic && !detail::world_state<Scenario>::by_colours;
+      !detail::world_state<Scenario>::periodic && !s.by_colours();
   if constexpr (detail::world_state<Scenario>::drives) r.leap = detail::largest_leap_of(w);
   r.gravity = w.gravity().norm();
   r.moving = measure_motion(w);

@@ -61,6 +61,10 @@ inline constexpr bool solves_by_colours = requires {
   requires Solver::by_colours;
 };
 
+/// Stands for two solvers, of which each run uses one: the second for the option --reproducible.
+template <class First, class Second>
+struct either_solver {};
+
 /// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
 /// a tensor, locals before shadow copies within each shape. `Real` is the scalar of velocities and
 /// of the impulses of round contacts; see precision<...>. What bodies with a tensor need besides is

@@ -136,6 +136,8 @@ template <class Scenario, class Options, class SetUp>
 int run_rank(typename Scenario::transport::link& link, const Options& options,
              const std::string& name, SetUp& set_up) {
   world<Scenario> w(link);
+  if constexpr (!std::is_void_v<typename Scenario::solver_on_request>)
+    if (options.reproducible) w.use_solver_on_request();
   if constexpr (!Scenario::contact_law::soft) {
     w.solver().iterations = options.iterations;
     w.solver().tolerance = options.tolerance;
@@ -223,18 +225,6 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   return 0;
 }
 
-/// With the solver of the program that is meant.
-template <class Scenario, class Options, class SetUp>
-int run_rank_with_solver(typename Scenario::transport::link& link, const Options& options,
-                         const std::string& name, SetUp& set_up) {
-  if constexpr (!std::is_void_v<typename Scenario::solver_on_request>)
-    if (options.reproducible)
-      return run_rank<
-          typename scenario_with_solver<Scenario, typename Scenario::solver_on_request>::type>(
-          link, options, name, set_up);
-  return run_rank<Scenario>(link, options, name, set_up);
-}
-
 template <class Type>
 inline constexpr bool is_scenario = requires {
   typename Type::contact_law;
@@ -274,7 +264,7 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
     settings.give_up = chosen.give_up;
     int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
-      const int of_rank = run_rank_with_solver<Scenario>(link, chosen, name, set_up);
+      const int of_rank = run_rank<Scenario>(link, chosen, name, set_up);
       if (link.rank() == 0 || find_launcher().size > 1) code = of_rank;
     });
     return code;

@@ -25,7 +25,8 @@ void colour_contacts(world_state<Scenario>& s) {
   }
   all.start(s.solver.bodies.size());
   plain_vector<std::size_t> ends;  // of the lists, among the units
-  s.each_contact_list([&](const auto& list) {
+  auto&& lists = lists_in_use<true>(s.contacts);
+  each_of(lists, [&](const auto& list) {
     list.each_unit([&](contact_unit unit, bool shared) {
       if (shared) unit.line = line_of[static_cast<std::size_t>(unit.b)];
       if (shared && unit.line < 0)
@@ -53,7 +54,7 @@ void colour_contacts(world_state<Scenario>& s) {
   });
   std::size_t unit = 0;
   const std::size_t* end = ends.data();
-  s.each_contact_list([&](auto& list) {
+  each_of(lists, [&](auto& list) {
     for (; unit < *end; ++unit) list.set_colour(all.unit(unit).first, all.colour_of(unit));
     ++end;
     list.arrange(all.colours());
@@ -79,6 +80,7 @@ class coloured_velocities : public shared_velocities<Scenario> {
 
  public:
   using base::base;
+  static constexpr bool coloured = true;
 
   [[nodiscard]] std::uint32_t colours() const { return s_.colours.all.colours(); }
 

@@ -168,7 +168,7 @@ class contact_maker {
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !x.own_a && !own_b)
         require_acquainted<Scenario, ShapeA, ShapeB>(
-            s_, i, j, state_type::by_colours ? margin_a + margin_b : 0);
+            s_, i, j, s_.by_colours() ? margin_a + margin_b : 0);
     x.foreign = !((x.own_a && x.moves_a) || (own_b && x.moves_b));
     if (x.foreign && !(shares_islands(s_) && (x.moves_a || x.moves_b)))
       return forget_unless_made(x);

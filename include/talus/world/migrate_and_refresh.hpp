@@ -261,7 +261,7 @@ void notify_neighbours(world_state<Scenario>& s) {
     match_connections(s);
     if (s.changed) refuse_closed_faces(s, false);
     // What the user has moved far goes to its owner, so that it meets what is there.
-    if constexpr (world_state<Scenario>::by_colours) {
+    if (s.by_colours()) {
       const body_count before = s.owned;
       if (const std::size_t passing = migrate(s, false); passing > 0)
         fail<std::runtime_error>(
@@ -273,13 +273,13 @@ void notify_neighbours(world_state<Scenario>& s) {
     // The first round tells how far bodies fly now, or how large those are that the user added, the
     // second acts on it. (Elsewhere contacts with these may come a step late, as those with bodies
     // that a collision has made faster than anything here.)
-    if constexpr (world_state<Scenario>::continuous || world_state<Scenario>::by_colours) {
+    if (world_state<Scenario>::continuous || s.by_colours()) {
       plain_vector<real> before;
       for (const auto& n : s.neighbours) before.push_back(n.reach);
       share_shadow_copies(s, s.changed);
       for (std::size_t n = 0; n < before.size(); ++n)
         s.changed = s.changed || s.neighbours[n].reach > before[n];
-      if constexpr (world_state<Scenario>::by_colours)
+      if (s.by_colours())
         s.changed = s.changed || !reach_still_holds(s);
     }
     share_shadow_copies(s, s.changed);

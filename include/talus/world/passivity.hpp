@@ -45,7 +45,7 @@ class passivity {
   using state_type = world_state<Scenario>;
   using number = solved_scalar<Scenario>;
   static constexpr bool alone = state_type::link_type::alone;
-  static constexpr bool by_colours = state_type::by_colours;
+  static constexpr bool by_colours = Ranks::coloured;
   static constexpr int most_plastic_sweeps = 50;
   static constexpr bool divided = divides_the_step<typename Scenario::solver>;
 
@@ -68,6 +68,12 @@ class passivity {
   }
 
  private:
+  /// Calls f(list) for the lists of contacts of the solver in use.
+  template <class F>
+  void each_list(F&& f) {
+    auto&& lists = lists_in_use<by_colours>(s_.contacts);
+    each_of(lists, f);
+  }
   /// Calls f(work, index in the solver's arrays) for each body owned here that can move.
   template <class F>
   void each_body(F&& f) {
@@ -130,7 +136,7 @@ class passivity {
   /// Calls f(power, body) for what bodies of given velocity do to body: they may add energy.
   template <class F>
   void subtract_walls(F&& f) {
-    s_.each_contact_list([&](const auto& list) {
+    each_list([&](const auto& list) {
       list.each_acting([&](const auto& c, bool on_a, bool on_b) {
         using contact = std::remove_cvref_t<decltype(c)>;
         if constexpr (contact::paired) {
@@ -186,7 +192,7 @@ class passivity {
       while (root[k] != k) k = root[k] = root[root[k]];
       return k;
     };
-    s_.each_contact_list([&](const auto& list) {
+    each_list([&](const auto& list) {
       list.each_interior_contact([&](const auto& c) {
         if constexpr (std::remove_cvref_t<decltype(c)>::paired)
           if (moves(c.a) && moves(c.b) && c.impulse().squaredNorm() > 0) {
@@ -204,7 +210,7 @@ class passivity {
   void shrink_interior() {
     if (!found_) return;
     const auto& excess = s_.passive.excess;
-    s_.each_contact_list([&](auto& list) {
+    each_list([&](auto& list) {
       list.edit_interior_contacts([&](auto& c) {
         const real d = excess[static_cast<std::size_t>(moves(c.a) ? c.a : c.b)];
         if (d != 0) shrink(c, d, [&](const auto& change) { c.apply(solver_, change); });
@@ -218,7 +224,7 @@ class passivity {
     found_ = false;
     for (const impulse_work& w : s_.passive.works) found_ = found_ || w.adds_energy();
     if (!found_) return;
-    s_.each_contact_list([&](auto& list) {
+    each_list([&](auto& list) {
       list.edit_interior_contacts([&](auto& c) {
         const auto gains = [&](std::int32_t body) {
           return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
@@ -279,7 +285,7 @@ class passivity {
 
   template <class F>
   void each_boundary(F&& f) {
-    s_.each_contact_list([&](auto& list) {
+    each_list([&](auto& list) {
       list.edit_boundary_contacts([&](auto& c, bool owns_a) {
         if constexpr (std::remove_cvref_t<decltype(c)>::paired) f(c, owns_a);
       });
@@ -294,7 +300,7 @@ class passivity {
   void meet_boundary() {
     auto& p = s_.passive;
     p.received.clear();
-    s_.each_contact_list([&](const auto& list) { boundary_ = boundary_ || list.has_boundary(); });
+    each_list([&](const auto& list) { boundary_ = boundary_ || list.has_boundary(); });
     if (!boundary_) return;
     p.earlier.resize(solver_.bodies.size());
     s_.each_finite_shape([&](const auto& b) {
@@ -340,7 +346,7 @@ class passivity {
                            .size = sums[0].value() + sums[1].value()};
     const real d = all.excess();
     if (d == 0) return;
-    s_.each_contact_list([&](auto& list) {
+    each_list([&](auto& list) {
       list.edit_all([&](auto& c) { c.set(static_cast<number>(1 - d) * c.impulse_in_frame()); });
     });
     s_.each_finite_shape([&](const auto& b) {

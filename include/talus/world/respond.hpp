@@ -68,20 +68,31 @@ void gather_velocities(world_state<Scenario>& s) {
   });
 }
 
+/// Solves the contact problem with one of the solvers of the scenario.
+template <class Solver, class Scenario>
+void solve_contacts(world_state<Scenario>& s) {
+  constexpr bool coloured = solves_by_colours<Solver>;
+  if constexpr (coloured) colour_contacts(s);
+  if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
+  std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
+  auto&& lists = lists_in_use<coloured>(s.contacts);
+  s.convergence.add(
+      Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
+      s.settings.tolerance);
+  passivity(s, ranks).keep();
+}
+
 /// Solves the contact problem: afterwards the solver's velocities fulfil the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
     if (s.settings.tolerance == 0 && all_rest(s)) return;  // no rank waits for this one
   gather_velocities(s);
-  constexpr bool coloured = world_state<Scenario>::by_colours;
-  if constexpr (coloured) colour_contacts(s);
-  if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
-  std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
-  s.convergence.add(Scenario::solver::solve(s.contacts, s.solver, s.settings,
-                                            world_state<Scenario>::law::correction, ranks),
-                    s.settings.tolerance);
-  passivity(s, ranks).keep();
+  if constexpr (world_state<Scenario>::two_solvers)
+    s.by_colours() ? solve_contacts<typename Scenario::solver_on_request>(s)
+                   : solve_contacts<typename Scenario::solver>(s);
+  else
+    solve_contacts<typename Scenario::solver>(s);
   std::size_t count = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);

@@ -13,6 +13,7 @@
 #include "talus/response/coloured_list.hpp"
 #include "talus/response/convergence.hpp"
 #include "talus/response/direct_islands.hpp"
+#include "talus/response/either_list.hpp"
 #include "talus/response/impulse_scale.hpp"
 #include "talus/response/soft_state.hpp"
 #include "talus/response/solver_settings.hpp"
@@ -65,6 +66,17 @@ requires(solves_by_colours<Solver>) struct lists_for<Solver> {
   template <class Contact>
   using list = coloured_list<Contact>;
 };
+template <class First, class Second>
+struct lists_for<either_solver<First, Second>> {
+  template <class Contact>
+  using list = either_list<Contact>;
+};
+
+/// Whether a run may sweep contacts colour by colour.
+template <class Solver>
+inline constexpr bool may_sweep_by_colours = solves_by_colours<Solver>;
+template <class First, class Second>
+inline constexpr bool may_sweep_by_colours<either_solver<First, Second>> = true;
 
 /// The colours of the contacts, and the messages that go with them.
 struct shared_colours {
@@ -108,7 +120,7 @@ struct hard_response {
   passivity_scratch passive;
   direct_islands<solver_state_of<Real>> islands;
   talus::convergence convergence;
-  [[no_unique_address]] std::conditional_t<solves_by_colours<Solver>, shared_colours, no_colours>
+  [[no_unique_address]] std::conditional_t<may_sweep_by_colours<Solver>, shared_colours, no_colours>
       colours;
   std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
   std::vector<travelling_velocities> travelled;   ///< in the last step

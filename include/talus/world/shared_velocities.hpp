@@ -23,6 +23,7 @@ class shared_velocities {
   using number = solved_scalar<Scenario>;
   using solver_type = solver_state_of<number>;
   static constexpr bool alone = state_type::link_type::alone;
+  static constexpr bool coloured = false;
   /// Whether the correction of overlaps turns bodies: some have a tensor of inertia.
   static constexpr bool turning =
       filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -103,6 +104,8 @@ struct copy_choice {
   real announced = 0;        ///< reach of the bodies here, as neighbours know it
 };
 struct no_copy_choice {};
+/// Stands for the choice of a solver where there is one.
+struct no_choice {};
 
 /// When bodies strike something in the step under way; see world/continuous.hpp.
 struct impact_times {
@@ -127,9 +130,17 @@ using law_of =
     std::conditional_t<steps_by_midpoint<Scenario>, biased_law<typename Scenario::contact_law>,
                        typename Scenario::contact_law>;
 
+/// The solver of a scenario, or both of them.
+template <class Scenario>
+using solvers_of =
+    std::conditional_t<std::is_void_v<typename Scenario::solver_on_request>,
+                       typename Scenario::solver,
+                       either_solver<typename Scenario::solver,
+                                     typename Scenario::solver_on_request>>;
+
 template <class Scenario>
 using response_state =
-    typename response_of<typename Scenario::shapes, law_of<Scenario>, typename Scenario::solver,
+    typename response_of<typename Scenario::shapes, law_of<Scenario>, solvers_of<Scenario>,
                          solved_scalar<Scenario>,
                          contains_type<typename Scenario::features, driven>>::type;
 
@@ -205,8 +216,18 @@ struct world_state : response_state<Scenario> {
   /// shadow copies are.
   static constexpr real steps_of_reach = midpoint ? 1.5 : 1;
 
-  /// Whether contacts are solved colour by colour, so that nothing depends on the ranks.
-  static constexpr bool by_colours = solves_by_colours<typename Scenario::solver>;
+  /// Whether there are two solvers, of which each run uses one.
+  static constexpr bool two_solvers = !std::is_void_v<typename Scenario::solver_on_request>;
+  [[no_unique_address]] std::conditional_t<two_solvers, bool, no_choice> solver_on_request{};
+  /// Whether contacts may be solved colour by colour, so that nothing depends on the ranks.
+  static constexpr bool may_use_colours = may_sweep_by_colours<solvers_of<Scenario>>;
+  /// Whether they are.
+  [[nodiscard]] constexpr bool by_colours() const {
+    if constexpr (two_solvers)
+      return solver_on_request;
+    else
+      return may_use_colours;
+  }
 
   /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
   /// what a rank finds among bodies of others is not what they find. Nor where space repeats
@@ -214,6 +235,12 @@ struct world_state : response_state<Scenario> {
   static constexpr bool islands_across_ranks = !link_type::alone && !law::soft && !continuous &&
                                                !domain_type::periodic &&
                                                solves_shared_islands<typename Scenario::solver>;
+
+  /// Solves with the second solver from now on.
+  void use_solver_on_request() requires(two_solvers) {
+    solver_on_request = true;
+    each_contact_list([](auto& list) { list.keep_colours(true); });
+  }
 
   using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
   static constexpr std::size_t shape_count = finite_shapes::size;
@@ -281,6 +308,15 @@ struct world_state : response_state<Scenario> {
     detail::each_of(this->contacts, f);
   }
 };
+
+/// Every policy in use, with the solver that solves the contacts; see describe().
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::string policies_in_use(const world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::two_solvers)
+    if (s.by_colours())
+      return scenario_with_solver<Scenario, typename Scenario::solver_on_request>::type::describe();
+  return (void)s, describe<Scenario>();
+}
 
 }  // namespace detail
 }  // namespace talus

@@ -137,7 +137,7 @@ class body_view {
     store_->inverse_mass[i_] = 1 / mass();
     if constexpr (!state_type::link_type::alone)
       detail::note_release(*s_, *store_, i_);
-    else if constexpr (state_type::by_colours)
+    else if (s_->by_colours())
       detail::forget_contacts(*s_, id());
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }

@@ -246,6 +246,17 @@ class world {
   [[nodiscard]] const solver_settings& solver() const requires(!Scenario::contact_law::soft) {
     return state_.settings;
   }
+  /// Solves all contacts with the second solver of solver<First, Second>, as the option
+  /// --reproducible of run() does. Call it alike on all ranks before the first step. Throws
+  /// logic_error after a step.
+  void use_solver_on_request() requires(!std::is_void_v<typename Scenario::solver_on_request>) {
+    if (steps() > 0)
+      detail::fail<std::logic_error>(
+          "use_solver_on_request() is called after {} steps: call it before the first step, so "
+          "that one solver makes all of them",
+          steps());
+    state_.use_solver_on_request();
+  }
   /// Iterations that the solver needed, and contact residuals that it reached.
   [[nodiscard]] const talus::convergence& convergence() const
       requires(!Scenario::contact_law::soft) {

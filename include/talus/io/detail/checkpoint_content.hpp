@@ -58,7 +58,7 @@ template <class Scenario>
   std::vector<small_dataset> out;
   for (const scenario_mark& m : marks_of<Scenario>())
     out.push_back(text_dataset("/scenario/" + m.name, m.text));
-  out.push_back(text_dataset("/scenario/policies", describe<Scenario>()));
+  out.push_back(text_dataset("/scenario/policies", policies_in_use(s)));
   byte_buffer mine;
   byte_writer(mine).put(access::added_here(w));
   std::vector<std::uint64_t> added;
