@@ -7,3 +7,9 @@
 #else
 #define TALUS_INLINE inline
 #endif
+// The same for what needs MPI: the target talus::compiled_mpi defines TALUS_COMPILED_MPI.
+#ifdef TALUS_COMPILED_MPI
+#define TALUS_MPI_INLINE
+#else
+#define TALUS_MPI_INLINE inline
+#endif
