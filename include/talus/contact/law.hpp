@@ -45,6 +45,14 @@ inline constexpr bool has_bias = requires {
   requires Law::biased;
 };
 
+/// What the solution of a contact depends on: contacts of all laws that agree in it have one type.
+template <bool Friction, bool Biased>
+struct rows_of_contact {
+  static constexpr bool friction = Friction, biased = Biased;
+};
+template <class Law>
+using contact_rows = rows_of_contact<Law::friction, has_bias<Law>>;
+
 /// Parts that only soft_contact<...> takes; see contact/soft_law.hpp.
 template <class Part>
 inline constexpr bool is_soft_part = requires {

@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/response/colouring.hpp"
 #include "talus/response/contact_row.hpp"
 #include "talus/response/in_sequence.hpp"
 #include "talus/response/isotropic_blocks.hpp"
 #include "talus/response/manifold_row.hpp"
+#include "talus/response/residual.hpp"
 #include "talus/response/stored_impulses.hpp"
 
 namespace talus::detail {
@@ -77,23 +79,7 @@ class coloured_list {
   /// The colour of the unit whose first contact is `first`.
   void set_colour(std::uint32_t first, std::uint32_t colour) { waiting_.colour[first] = colour; }
   /// When all units have a colour below `colours`: from then on contacts are where these are.
-  [[gnu::noinline]] void arrange(std::uint32_t colours) {
-    if (colours_.size() < colours) colours_.resize(colours);
-    used_ = colours;
-    auto& w = waiting_;
-    std::uint32_t colour = 0;
-    for (std::size_t i = 0; i < w.contacts.size(); ++i) {
-      if (i == 0 || !w.keys[i].same_pair(w.keys[i - 1])) colour = w.colour[i];
-      const ends_of_contact& e = w.ends[i];
-      part& p = colours_[colour].parts[e.shared];
-      p.row.add(w.contacts[i], e.a_moves, e.b_moves);
-      p.keys.push_back(w.keys[i]);
-      p.places.push_back(w.places[i]);
-      if (e.shared) p.owns_a.push_back(e.owns_a);
-    }
-    count_ = w.contacts.size();
-    w.clear();
-  }
+  void arrange(std::uint32_t colours);
 
   [[nodiscard]] std::size_t size() const { return count_ + waiting_.contacts.size(); }
   [[nodiscard]] std::size_t bytes() const {
@@ -120,13 +106,8 @@ class coloured_list {
   }
 
   /// Takes up the impulses of the last step.
-  [[gnu::noinline]] void load_impulses(const contact_history& history) {
-    each_part([&](part& p, bool) { p.row.load_impulses(history, p.keys, p.places); });
-  }
-  [[gnu::noinline]] void store_impulses(contact_history& history) const {
-    each_part(
-        [&](const part& p, bool) { detail::store_impulses(history, p.keys, p.places, p.row); });
-  }
+  void load_impulses(const contact_history& history);
+  void store_impulses(contact_history& history) const;
   /// Calls f(contact), which may change it, for all contacts.
   template <class F>
   void edit_all(F&& f) {
@@ -134,23 +115,21 @@ class coloured_list {
       for (std::size_t i = 0; i < p.row.size(); ++i) p.row.edit(i, f);
     });
   }
-  [[gnu::noinline]] void prepare(const state& s) {
-    each_part([&](part& p, bool) { p.row.prepare(s); });
-  }
+  void prepare(const state& s);
   /// In the order of the colours, so that each body gets its impulses in the same order anywhere.
-  [[gnu::noinline]] void warm_start(state& s, std::uint32_t colour) const {
-    if (colour < used_)
-      for (const part& p : colours_[colour].parts) p.row.apply(s);
-  }
+  void warm_start(state& s, std::uint32_t colour) const;
   void warm_start(state& s) const {
     for (std::uint32_t k = 0; k < used_; ++k) warm_start(s, k);
   }
-  [[gnu::noinline]] void sweep(state& s, std::uint32_t colour, bool shared) {
-    if (colour < used_) colours_[colour].parts[shared].row.forward(s);
-  }
-  [[gnu::noinline]] void correct(state& s, std::uint32_t colour, bool shared) {
-    if (colour < used_) colours_[colour].parts[shared].row.correct(s);
-  }
+  void sweep(state& s, std::uint32_t colour, bool shared);
+  void correct(state& s, std::uint32_t colour, bool shared);
+
+  // What the contact residual is made of, in double or in sums that do not depend on an order.
+
+  void add_to(residual_scale_of<double>& scale, const state& s) const;
+  void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
+  void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
+  void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
 
  private:
   struct ends_of_contact {
@@ -206,5 +185,74 @@ class coloured_list {
   std::vector<both> colours_;
   std::size_t used_ = 0, count_ = 0;
 };
+
+template <class Contact>
+void coloured_list<Contact>::arrange(std::uint32_t colours) {
+  if (colours_.size() < colours) colours_.resize(colours);
+  used_ = colours;
+  auto& w = waiting_;
+  std::uint32_t colour = 0;
+  for (std::size_t i = 0; i < w.contacts.size(); ++i) {
+    if (i == 0 || !w.keys[i].same_pair(w.keys[i - 1])) colour = w.colour[i];
+    const ends_of_contact& e = w.ends[i];
+    part& p = colours_[colour].parts[e.shared];
+    p.row.add(w.contacts[i], e.a_moves, e.b_moves);
+    p.keys.push_back(w.keys[i]);
+    p.places.push_back(w.places[i]);
+    if (e.shared) p.owns_a.push_back(e.owns_a);
+  }
+  count_ = w.contacts.size();
+  w.clear();
+}
+
+template <class Contact>
+void coloured_list<Contact>::load_impulses(const contact_history& history) {
+  each_part([&](part& p, bool) { p.row.load_impulses(history, p.keys, p.places); });
+}
+
+template <class Contact>
+void coloured_list<Contact>::store_impulses(contact_history& history) const {
+  each_part([&](const part& p, bool) { detail::store_impulses(history, p.keys, p.places, p.row); });
+}
+
+template <class Contact>
+void coloured_list<Contact>::prepare(const state& s) {
+  each_part([&](part& p, bool) { p.row.prepare(s); });
+}
+
+template <class Contact>
+void coloured_list<Contact>::warm_start(state& s, std::uint32_t colour) const {
+  if (colour < used_)
+    for (const part& p : colours_[colour].parts) p.row.apply(s);
+}
+
+template <class Contact>
+void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool shared) {
+  if (colour < used_) colours_[colour].parts[shared].row.forward(s);
+}
+
+template <class Contact>
+void coloured_list<Contact>::correct(state& s, std::uint32_t colour, bool shared) {
+  if (colour < used_) colours_[colour].parts[shared].row.correct(s);
+}
+
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_scale_of<double>& scale, const state& s) const {
+  add_contacts(scale, *this, s);
+}
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_sums_of<double>& sums, const state& s,
+                                    double rho) const {
+  add_contacts(sums, *this, s, rho);
+}
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_scale_of<exact_sum>& scale, const state& s) const {
+  add_contacts(scale, *this, s);
+}
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_sums_of<exact_sum>& sums, const state& s,
+                                    double rho) const {
+  add_contacts(sums, *this, s, rho);
+}
 
 }  // namespace talus::detail

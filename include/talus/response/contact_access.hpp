@@ -22,11 +22,24 @@ struct contact_ends {
   std::int32_t a, b;
 };
 
+/// The functions of a list of any kind. A list gives the address of its own by calls().
+template <class State>
+struct contact_calls {
+  std::size_t (*size)(void*, contact_part);
+  contact_ends (*ends)(void*, contact_part, std::size_t);
+  const contact_key& (*key)(void*, contact_part, std::size_t);
+  island_contact (*contact)(void*, contact_part, std::size_t);
+  void (*set)(void*, contact_part, std::size_t, const vec3&);
+  void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
+  void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
+  const plain_vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
+};
+
 template <class State>
 class contact_access {
  public:
   template <class List>
-  explicit contact_access(List& list) : list_(&list), calls_(&calls_for<List>) {}
+  explicit contact_access(List& list) : list_(&list), calls_(List::calls()) {}
 
   [[nodiscard]] std::size_t size(contact_part p) const { return calls_->size(list_, p); }
   [[nodiscard]] contact_ends ends(contact_part p, std::size_t i) const {
@@ -56,61 +69,52 @@ class contact_access {
   }
 
  private:
-  struct calls {
-    std::size_t (*size)(void*, contact_part);
-    contact_ends (*ends)(void*, contact_part, std::size_t);
-    const contact_key& (*key)(void*, contact_part, std::size_t);
-    island_contact (*contact)(void*, contact_part, std::size_t);
-    void (*set)(void*, contact_part, std::size_t, const vec3&);
-    void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
-    void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
-    const plain_vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
-  };
-  template <class List>
-  static List& of(void* list) {
-    return *static_cast<List*>(list);
-  }
-  template <class List>
-  static constexpr calls calls_for{
-      [](void* l, contact_part p) { return of<List>(l).size(p); },
-      [](void* l, contact_part p, std::size_t i) -> contact_ends {
-        const auto c = of<List>(l).contact(p, i);
-        return {c.a, c.paired ? c.b : -1};
-      },
-      [](void* l, contact_part p, std::size_t i) -> const contact_key& {
-        return of<List>(l).key(p, i);
-      },
-      [](void* l, contact_part p, std::size_t i) -> island_contact {
-        const auto c = of<List>(l).contact(p, i);
-        island_contact one{c.a,         c.paired ? c.b : -1, c.axes(), c.lever_a(),
-                           c.lever_b(), c.target_velocity,   c.mu(),   c.impulse()};
-        if constexpr (c.biased) {
-          const vec3 bias = one.axes * c.bias;
-          one.target_velocity += bias[0];
-          one.drive = {-bias[1], -bias[2]};
-        }
-        return one;
-      },
-      [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
-        of<List>(l).edit(p, i, [&](auto& c) { c.load_impulse(impulse); });
-      },
-      [](void* l, std::size_t i, const vec3& impulse, State& s) {
-        of<List>(l).edit(contact_part::interior, i, [&](auto& c) {
-          const auto before = c.impulse_in_frame();
-          c.load_impulse(impulse);
-          c.apply(s, c.since(before));
-        });
-      },
-      [](void* l, std::size_t i, const vec3& impulse, State& s) {
-        of<List>(l).set_at_boundary(i, impulse, s);
-      },
-      [](void* l, State& s, real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
-        return of<List>(l).sweep_watched(s, speed);
-      }};
-
   void* list_;
-  const calls* calls_;
+  const contact_calls<State>* calls_;
 };
+
+template <class List>
+[[nodiscard]] List& list_at(void* list) {
+  return *static_cast<List*>(list);
+}
+template <class List>
+inline constexpr contact_calls<typename List::state> calls_for{
+    [](void* l, contact_part p) { return list_at<List>(l).size(p); },
+    [](void* l, contact_part p, std::size_t i) -> contact_ends {
+      const auto c = list_at<List>(l).contact(p, i);
+      return {c.a, c.paired ? c.b : -1};
+    },
+    [](void* l, contact_part p, std::size_t i) -> const contact_key& {
+      return list_at<List>(l).key(p, i);
+    },
+    [](void* l, contact_part p, std::size_t i) -> island_contact {
+      const auto c = list_at<List>(l).contact(p, i);
+      island_contact one{c.a,         c.paired ? c.b : -1, c.axes(), c.lever_a(),
+                         c.lever_b(), c.target_velocity,   c.mu(),   c.impulse()};
+      if constexpr (c.biased) {
+        const vec3 bias = one.axes * c.bias;
+        one.target_velocity += bias[0];
+        one.drive = {-bias[1], -bias[2]};
+      }
+      return one;
+    },
+    [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
+      list_at<List>(l).edit(p, i, [&](auto& c) { c.load_impulse(impulse); });
+    },
+    [](void* l, std::size_t i, const vec3& impulse, typename List::state& s) {
+      list_at<List>(l).edit(contact_part::interior, i, [&](auto& c) {
+        const auto before = c.impulse_in_frame();
+        c.load_impulse(impulse);
+        c.apply(s, c.since(before));
+      });
+    },
+    [](void* l, std::size_t i, const vec3& impulse, typename List::state& s) {
+      list_at<List>(l).set_at_boundary(i, impulse, s);
+    },
+    [](void* l, typename List::state& s,
+       real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
+      return list_at<List>(l).sweep_watched(s, speed);
+    }};
 
 /// All lists of a tuple.
 template <class State, class Lists>

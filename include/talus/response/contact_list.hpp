@@ -5,11 +5,13 @@
 #include <cstdint>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/response/boundary_manifold.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/contact_row.hpp"
 #include "talus/response/manifold_row.hpp"
+#include "talus/response/residual.hpp"
 #include "talus/response/solver_state.hpp"
 #include "talus/response/stored_impulses.hpp"
 
@@ -107,52 +109,24 @@ class contact_list {
   }
 
   /// Takes up the impulses of the last step.
-  [[gnu::noinline]] void load_impulses(const contact_history& history) {
-    for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
-    detail::load_impulses(history, boundary_keys_, boundary_places_, boundary_);
-  }
-  [[gnu::noinline]] void store_impulses(contact_history& history) const {
-    for (const part* p : {&inner_, &border_})
-      detail::store_impulses(history, p->keys, p->places, p->row);
-    detail::store_impulses(history, boundary_keys_, boundary_places_, boundary_);
-  }
+  void load_impulses(const contact_history& history);
+  void store_impulses(contact_history& history) const;
 
   /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
-  [[gnu::noinline]] void count_boundary(state& s) const {
-    each_manifold(boundary_keys_, [&](std::size_t first, std::size_t) {
-      ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
-    });
-  }
-  [[gnu::noinline]] void prepare_interior(const state& s) {
-    for (part* p : {&inner_, &border_}) p->row.prepare(s);
-  }
-  [[gnu::noinline]] void prepare_boundary(const state& s) {
-    for (Contact& c : boundary_) c.prepare(s, parts_of(s, c.a), parts_of(s, c.b));
-  }
-  [[gnu::noinline]] void warm_start(state& s) const {
-    for (const part* p : {&inner_, &border_}) p->row.apply(s);
-    for (std::size_t i = 0; i < boundary_.size(); ++i)
-      apply_to_owned(s, i, boundary_[i].impulse_in_frame());
-  }
+  void count_boundary(state& s) const;
+  void prepare_interior(const state& s);
+  void prepare_boundary(const state& s);
+  void warm_start(state& s) const;
 
   /// Sweeps over the interior contacts. The border comes first in either direction.
-  [[gnu::noinline]] void sweep_border(state& s, bool forward) { sweep(border_, s, forward); }
-  [[gnu::noinline]] void sweep_inner(state& s, bool forward) { sweep(inner_, s, forward); }
+  void sweep_border(state& s, bool forward);
+  void sweep_inner(state& s, bool forward);
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(state& s,
-                                                                                    real speed) {
-    stalled_.clear();
-    const auto watch = [&](auto& row, std::size_t first) {
-      row.backward_watched(s, speed, [&](std::size_t i, real change) {
-        stalled_.push_back({first + i, change});
-      });
-    };
-    if (border_.row.size() > 0) watch(border_.row, inner_.row.size());
-    watch(inner_.row, 0);
-    return stalled_;
-  }
+  const plain_vector<std::pair<std::size_t, real>>& sweep_watched(state& s, real speed);
 
+  /// For contact_access.
+  static const contact_calls<state>* calls();
   [[nodiscard]] std::size_t size(contact_part p) const {
     return p == contact_part::interior   ? interior()
            : p == contact_part::boundary ? boundary_.size()
@@ -178,22 +152,8 @@ class contact_list {
   }
   /// Solves all boundary contacts from one and the same state, those of a pair together; the
   /// changes are applied later.
-  [[gnu::noinline]] void relax_boundary(state& s) {
-    changes_.resize(boundary_.size());
-    each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
-      changes_[first] = boundary_[first].relax(s);
-      if constexpr (comes_in_manifolds<Contact>)
-        if (last - first > 1)
-          by_themselves(s, first, last, [&](std::size_t i, bool again) {
-            const auto d = again || i > first ? boundary_[i].relax(s) : changes_[i];
-            changes_[i] = again ? changes_[i] + d : d;
-            boundary_[i].apply(s, d);
-          });
-    });
-  }
-  [[gnu::noinline]] void apply_boundary(state& s) const {
-    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[i]);
-  }
+  void relax_boundary(state& s);
+  void apply_boundary(state& s) const;
 
   /// Gives a boundary contact an impulse on a; the change is applied to the body owned here.
   void set_at_boundary(std::size_t i, const vec3& impulse, state& s) {
@@ -238,61 +198,27 @@ class contact_list {
         if (on_b) ++s.boundary_contacts[c.b];
     });
   }
-  [[gnu::noinline]] void prepare_all(const state& s) {
-    const auto prepare = [&](Contact& c) {
-      real parts_of_b = 1;
-      if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
-      c.prepare(s, std::max(1u, s.boundary_contacts[c.a]), parts_of_b);
-    };
-    each_numbered([&](Contact& c, std::size_t) { prepare(c); });
-  }
+  void prepare_all(const state& s);
   void start_ahead() {
     before_.clear();
     each([&](const Contact& c, bool) { before_.push_back(c.impulse_in_frame()); });
   }
   /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
   /// has changed by since the last time, unless that leads back; the changes are applied later.
-  [[gnu::noinline]] void relax_ahead(const state& s, real part) {
-    changes_.resize(size());
-    each_numbered([&](Contact& c, std::size_t i) {
-      auto& before = before_[i];
-      auto& change = changes_[i];
-      change = c.relax(s);
-      const auto now = c.impulse_in_frame();
-      const typename Contact::change step = now - before;
-      before = now;
-      if (part == 0 || change.dot(step) < 0) return;
-      const typename Contact::change more = part * step;
-      c.set(now + more);
-      change = change + more;
-    });
-  }
-  [[gnu::noinline]] void apply_all(state& s) const {
-    const std::size_t first = interior();
-    for (std::size_t i = 0; i < first; ++i) interior(i).apply(s, changes_[i]);
-    for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[first + i]);
-  }
+  void relax_ahead(const state& s, real part);
+  void apply_all(state& s) const;
 
-  [[gnu::noinline]] void correct_border(state& s) { border_.row.correct(s); }
-  [[gnu::noinline]] void correct_inner(state& s) { inner_.row.correct(s); }
-  [[gnu::noinline]] void relax_boundary_correction(state& s) {
-    corrections_.resize(boundary_.size());
-    each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
-      corrections_[first] = boundary_[first].relax_correction(s);
-      if constexpr (comes_in_manifolds<Contact>)
-        if (last - first > 1)
-          by_themselves(s, first, last, [&](std::size_t i, bool again) {
-            const auto d = again || i > first ? boundary_[i].relax_correction(s) : corrections_[i];
-            corrections_[i] = again ? corrections_[i] + d : d;
-            boundary_[i].correct_a(s, d), boundary_[i].correct_b(s, d);
-          });
-    });
-  }
-  [[gnu::noinline]] void apply_boundary_correction(state& s) const {
-    for (std::size_t i = 0; i < boundary_.size(); ++i)
-      owns_a_[i] ? boundary_[i].correct_a(s, corrections_[i])
-                 : boundary_[i].correct_b(s, corrections_[i]);
-  }
+  void correct_border(state& s);
+  void correct_inner(state& s);
+  void relax_boundary_correction(state& s);
+  void apply_boundary_correction(state& s) const;
+
+  // What the contact residual is made of, in double or in sums that do not depend on an order.
+
+  void add_to(residual_scale_of<double>& scale, const state& s) const;
+  void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
+  void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
+  void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
 
  private:
   using part = keyed_contacts<Contact>;
@@ -345,5 +271,176 @@ class contact_list {
   plain_vector<decltype(Contact::correction_impulse)> corrections_;
   plain_vector<std::pair<std::size_t, real>> stalled_;
 };
+
+template <class Contact>
+void contact_list<Contact>::load_impulses(const contact_history& history) {
+  for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
+  detail::load_impulses(history, boundary_keys_, boundary_places_, boundary_);
+}
+
+template <class Contact>
+void contact_list<Contact>::store_impulses(contact_history& history) const {
+  for (const part* p : {&inner_, &border_})
+    detail::store_impulses(history, p->keys, p->places, p->row);
+  detail::store_impulses(history, boundary_keys_, boundary_places_, boundary_);
+}
+
+template <class Contact>
+void contact_list<Contact>::count_boundary(state& s) const {
+  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t) {
+    ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
+  });
+}
+
+template <class Contact>
+void contact_list<Contact>::prepare_interior(const state& s) {
+  for (part* p : {&inner_, &border_}) p->row.prepare(s);
+}
+
+template <class Contact>
+void contact_list<Contact>::prepare_boundary(const state& s) {
+  for (Contact& c : boundary_) c.prepare(s, parts_of(s, c.a), parts_of(s, c.b));
+}
+
+template <class Contact>
+void contact_list<Contact>::warm_start(state& s) const {
+  for (const part* p : {&inner_, &border_}) p->row.apply(s);
+  for (std::size_t i = 0; i < boundary_.size(); ++i)
+    apply_to_owned(s, i, boundary_[i].impulse_in_frame());
+}
+
+template <class Contact>
+void contact_list<Contact>::sweep_border(state& s, bool forward) {
+  sweep(border_, s, forward);
+}
+
+template <class Contact>
+void contact_list<Contact>::sweep_inner(state& s, bool forward) {
+  sweep(inner_, s, forward);
+}
+
+template <class Contact>
+const plain_vector<std::pair<std::size_t, real>>& contact_list<Contact>::sweep_watched(state& s,
+                                                                                       real speed) {
+  stalled_.clear();
+  const auto watch = [&](auto& row, std::size_t first) {
+    row.backward_watched(s, speed, [&](std::size_t i, real change) {
+      stalled_.push_back({first + i, change});
+    });
+  };
+  if (border_.row.size() > 0) watch(border_.row, inner_.row.size());
+  watch(inner_.row, 0);
+  return stalled_;
+}
+
+template <class Contact>
+void contact_list<Contact>::relax_boundary(state& s) {
+  changes_.resize(boundary_.size());
+  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
+    changes_[first] = boundary_[first].relax(s);
+    if constexpr (comes_in_manifolds<Contact>)
+      if (last - first > 1)
+        by_themselves(s, first, last, [&](std::size_t i, bool again) {
+          const auto d = again || i > first ? boundary_[i].relax(s) : changes_[i];
+          changes_[i] = again ? changes_[i] + d : d;
+          boundary_[i].apply(s, d);
+        });
+  });
+}
+
+template <class Contact>
+void contact_list<Contact>::apply_boundary(state& s) const {
+  for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[i]);
+}
+
+template <class Contact>
+void contact_list<Contact>::prepare_all(const state& s) {
+  const auto prepare = [&](Contact& c) {
+    real parts_of_b = 1;
+    if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
+    c.prepare(s, std::max(1u, s.boundary_contacts[c.a]), parts_of_b);
+  };
+  each_numbered([&](Contact& c, std::size_t) { prepare(c); });
+}
+
+template <class Contact>
+void contact_list<Contact>::relax_ahead(const state& s, real part) {
+  changes_.resize(size());
+  each_numbered([&](Contact& c, std::size_t i) {
+    auto& before = before_[i];
+    auto& change = changes_[i];
+    change = c.relax(s);
+    const auto now = c.impulse_in_frame();
+    const typename Contact::change step = now - before;
+    before = now;
+    if (part == 0 || change.dot(step) < 0) return;
+    const typename Contact::change more = part * step;
+    c.set(now + more);
+    change = change + more;
+  });
+}
+
+template <class Contact>
+void contact_list<Contact>::apply_all(state& s) const {
+  const std::size_t first = interior();
+  for (std::size_t i = 0; i < first; ++i) interior(i).apply(s, changes_[i]);
+  for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[first + i]);
+}
+
+template <class Contact>
+void contact_list<Contact>::correct_border(state& s) {
+  border_.row.correct(s);
+}
+
+template <class Contact>
+void contact_list<Contact>::correct_inner(state& s) {
+  inner_.row.correct(s);
+}
+
+template <class Contact>
+void contact_list<Contact>::relax_boundary_correction(state& s) {
+  corrections_.resize(boundary_.size());
+  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
+    corrections_[first] = boundary_[first].relax_correction(s);
+    if constexpr (comes_in_manifolds<Contact>)
+      if (last - first > 1)
+        by_themselves(s, first, last, [&](std::size_t i, bool again) {
+          const auto d = again || i > first ? boundary_[i].relax_correction(s) : corrections_[i];
+          corrections_[i] = again ? corrections_[i] + d : d;
+          boundary_[i].correct_a(s, d), boundary_[i].correct_b(s, d);
+        });
+  });
+}
+
+template <class Contact>
+void contact_list<Contact>::apply_boundary_correction(state& s) const {
+  for (std::size_t i = 0; i < boundary_.size(); ++i)
+    owns_a_[i] ? boundary_[i].correct_a(s, corrections_[i])
+               : boundary_[i].correct_b(s, corrections_[i]);
+}
+
+template <class Contact>
+void contact_list<Contact>::add_to(residual_scale_of<double>& scale, const state& s) const {
+  add_contacts(scale, *this, s);
+}
+template <class Contact>
+void contact_list<Contact>::add_to(residual_sums_of<double>& sums, const state& s,
+                                   double rho) const {
+  add_contacts(sums, *this, s, rho);
+}
+template <class Contact>
+void contact_list<Contact>::add_to(residual_scale_of<exact_sum>& scale, const state& s) const {
+  add_contacts(scale, *this, s);
+}
+template <class Contact>
+void contact_list<Contact>::add_to(residual_sums_of<exact_sum>& sums, const state& s,
+                                   double rho) const {
+  add_contacts(sums, *this, s, rho);
+}
+
+template <class Contact>
+const contact_calls<typename Contact::state>* contact_list<Contact>::calls() {
+  return &calls_for<contact_list>;
+}
 
 }  // namespace talus::detail

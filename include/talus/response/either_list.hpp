@@ -42,9 +42,7 @@ class either_list {
   void add_foreign(const Contact& contact, const contact_key& key) {
     swept_.add_foreign(contact, key);
   }
-  [[nodiscard]] std::size_t size() const {
-    return by_colours_ ? coloured_.size() : swept_.size();
-  }
+  [[nodiscard]] std::size_t size() const { return by_colours_ ? coloured_.size() : swept_.size(); }
   [[nodiscard]] std::size_t bytes() const { return coloured_.bytes() + swept_.bytes(); }
   template <class F>
   void each(F&& f) const {
@@ -59,6 +57,10 @@ class either_list {
   }
   void store_impulses(contact_history& history) const {
     by_colours_ ? coloured_.store_impulses(history) : swept_.store_impulses(history);
+  }
+  template <class Sums, class... Scale>
+  void add_to(Sums& sums, const state& s, Scale... rho) const {
+    by_colours_ ? coloured_.add_to(sums, s, rho...) : swept_.add_to(sums, s, rho...);
   }
   void warm_start(state& s) const { by_colours_ ? coloured_.warm_start(s) : swept_.warm_start(s); }
 

@@ -96,16 +96,16 @@ using residual_sums = residual_sums_of<double>;
 
 /// Adds what each contact of a list adds that obeys Coulomb's law and counts on this rank.
 template <class Sum, class List>
-[[gnu::noinline]] void add_to(residual_scale_of<Sum>& scale, const List& list,
-                              const typename List::contact_type::state& s) {
+void add_contacts(residual_scale_of<Sum>& scale, const List& list,
+                  const typename List::contact_type::state& s) {
   if constexpr (has_residual<typename List::contact_type>)
     list.each([&](const auto& c, bool counts_here) {
       if (counts_here) scale.add(c, s, violation(c, s));
     });
 }
 template <class Sum, class List>
-[[gnu::noinline]] void add_to(residual_sums_of<Sum>& sums, const List& list,
-                              const typename List::contact_type::state& s, double rho) {
+void add_contacts(residual_sums_of<Sum>& sums, const List& list,
+                  const typename List::contact_type::state& s, double rho) {
   if constexpr (has_residual<typename List::contact_type>)
     list.each([&](const auto& c, bool counts_here) {
       if (counts_here) sums.add(c, s, rho);
@@ -115,14 +115,14 @@ template <class Sum, class List>
 template <class Sum = double, class... Lists, class State>
 [[nodiscard]] residual_scale_of<Sum> scale_of(const std::tuple<Lists...>& lists, const State& s) {
   residual_scale_of<Sum> scale;
-  each_of(lists, [&](const auto& list) { add_to(scale, list, s); });
+  each_of(lists, [&](const auto& list) { list.add_to(scale, s); });
   return scale;
 }
 template <class Sum = double, class... Lists, class State>
 [[nodiscard]] residual_sums_of<Sum> sums_of(const std::tuple<Lists...>& lists, const State& s,
                                             double rho) {
   residual_sums_of<Sum> sums;
-  each_of(lists, [&](const auto& list) { add_to(sums, list, s, rho); });
+  each_of(lists, [&](const auto& list) { list.add_to(sums, s, rho); });
   return sums;
 }
 

@@ -7,6 +7,7 @@
 #include "talus/response/contact_list.hpp"
 #include "talus/response/general_contact.hpp"
 #include "talus/response/isotropic_contact.hpp"
+#include "talus/response/usual_contacts.hpp"
 
 namespace talus::detail {
 
@@ -17,14 +18,15 @@ inline constexpr contact_side side_of =
 /// Contact of two bodies that can move.
 template <class Law, class A, class B, class Real = real>
 using moving_contact =
-    std::conditional_t<A::isotropic && B::isotropic, isotropic_contact<Law, partner::moving, Real>,
-                       general_contact<Law, side_of<A>, side_of<B>, Real>>;
+    std::conditional_t<A::isotropic && B::isotropic,
+                       isotropic_contact<contact_rows<Law>, partner::moving, Real>,
+                       general_contact<contact_rows<Law>, side_of<A>, side_of<B>, Real>>;
 
 /// Contact of a body that can move with a global one.
 template <class Law, class A, class Real = real>
-using anchored_contact =
-    std::conditional_t<A::isotropic, isotropic_contact<Law, partner::immovable, Real>,
-                       general_contact<Law, side_of<A>, contact_side::immovable, Real>>;
+using anchored_contact = std::conditional_t<
+    A::isotropic, isotropic_contact<contact_rows<Law>, partner::immovable, Real>,
+    general_contact<contact_rows<Law>, side_of<A>, contact_side::immovable, Real>>;
 
 /// The same where global bodies may have velocities, which stand in the solver's arrays then. It is
 /// one of the kinds of contacts among bodies that can move.

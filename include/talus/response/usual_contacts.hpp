@@ -1,0 +1,40 @@
+#pragma once
+// The contacts of most scenarios: those with friction, in double. What runs over their lists is in
+// the compiled part.
+#include "talus/response/coloured_list.hpp"
+#include "talus/response/contact_access.hpp"
+#include "talus/response/contact_list.hpp"
+#include "talus/response/general_contact.hpp"
+#include "talus/response/isotropic_contact.hpp"
+#include "talus/response/residual.hpp"
+
+namespace talus::detail::usual {
+
+using rows = rows_of_contact<true, false>;
+using round_pair = isotropic_contact<rows, partner::moving>;
+using round_anchored = isotropic_contact<rows, partner::immovable>;
+using pair_of_tensors = general_contact<rows, contact_side::tensor, contact_side::tensor>;
+using round_and_tensor = general_contact<rows, contact_side::scalar, contact_side::tensor>;
+using tensor_and_round = general_contact<rows, contact_side::tensor, contact_side::scalar>;
+using tensor_anchored = general_contact<rows, contact_side::tensor, contact_side::immovable>;
+
+}  // namespace talus::detail::usual
+
+#ifdef TALUS_COMPILED
+namespace talus::detail {
+
+extern template class contact_list<usual::round_pair>;
+extern template class contact_list<usual::round_anchored>;
+extern template class contact_list<usual::pair_of_tensors>;
+extern template class contact_list<usual::round_and_tensor>;
+extern template class contact_list<usual::tensor_and_round>;
+extern template class contact_list<usual::tensor_anchored>;
+extern template class coloured_list<usual::round_pair>;
+extern template class coloured_list<usual::round_anchored>;
+extern template class coloured_list<usual::pair_of_tensors>;
+extern template class coloured_list<usual::round_and_tensor>;
+extern template class coloured_list<usual::tensor_and_round>;
+extern template class coloured_list<usual::tensor_anchored>;
+
+}  // namespace talus::detail
+#endif
