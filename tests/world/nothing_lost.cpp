@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <talus/observe/digest.hpp>
+#include <talus/parallel/detail/thread_team.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/world/world.hpp>

@@ -2,3 +2,4 @@
 #include "talus/geometry/detail/any_geometry.hpp"
 #include "talus/parallel/detail/thread_team_definitions.hpp"
 #include "talus/parallel/grid_definitions.hpp"
+#include "talus/parallel/threads_definitions.hpp"
