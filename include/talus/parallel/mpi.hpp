@@ -7,15 +7,9 @@
 // its collective calls all ranks meet, with such a wait.
 #include <mpi.h>
 
-#include <boost/mpi/collectives.hpp>
-#include <boost/mpi/collectives/all_gatherv.hpp>  // which collectives.hpp forgets
 #include <boost/mpi/communicator.hpp>
-#include <boost/mpi/environment.hpp>
-#include <climits>
 #include <cstdint>
-#include <exception>
 #include <functional>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -25,7 +19,6 @@
 #include "talus/parallel/detail/mpi_verdict.hpp"
 #include "talus/parallel/detail/open_exchange.hpp"
 #include "talus/parallel/launch_settings.hpp"
-#include "talus/parallel/launcher.hpp"
 #include "talus/parallel/reduction.hpp"
 
 namespace talus {
@@ -56,19 +49,10 @@ struct mpi {
 
     /// Talks on a duplicate of `ranks`, so that nothing else can mix with its messages. All ranks
     /// construct their link together.
-    explicit link(const boost::mpi::communicator& ranks)
-        : ranks_(ranks, boost::mpi::comm_duplicate), rank_(ranks.rank()), size_(ranks.size()) {
-      // Errors come back as boost::mpi::exception instead of ending the job unexplained.
-      MPI_Comm_set_errhandler(ranks_, MPI_ERRORS_RETURN);
-    }
+    explicit link(const boost::mpi::communicator& ranks);
     /// Talks on `ranks` itself and marks its messages with `tag`, which nobody else may use there.
-    link(const boost::mpi::communicator& ranks, int tag)
-        : ranks_(ranks), tag_(tag), rank_(ranks.rank()), size_(ranks.size()) {
-      const int largest = boost::mpi::environment::max_tag();
-      if (tag < 0 || tag > largest)
-        detail::fail<std::invalid_argument>("the message tag is {}, but tags go from 0 to {}", tag,
-                                            largest);
-    }
+    /// Throws invalid_argument for a tag that MPI does not have.
+    link(const boost::mpi::communicator& ranks, int tag);
 
     [[nodiscard]] int rank() const { return rank_; }
     [[nodiscard]] int size() const { return size_; }
@@ -76,193 +60,41 @@ struct mpi {
     [[nodiscard]] const boost::mpi::communicator& communicator() const { return ranks_; }
     /// From now on nobody is waited for whose program has ended, as `who_left` records, and long
     /// waits are reported.
-    void heed(detail::mpi_verdict& who_left, detail::wait_watch& watch) {
-      patience_ = detail::mpi_patience(who_left, watch);
-    }
+    void heed(detail::mpi_verdict& who_left, detail::wait_watch& watch);
 
-    void start(std::span<parcel> parcels) {
-      exchange_.start(parcels, sizes::unknown, rank_, size_);
-      send_all(parcels);
-    }
-    void finish(std::span<parcel> parcels) {
-      exchange_.finish(parcels, sizes::unknown, rank_);
-      for (parcel& p : parcels) {
-        if (p.rank == rank_)
-          p.in.swap(p.out);
-        else
-          receive(p.rank, p.in);
-      }
-      await_sends(parcels);
-      for (parcel& p : parcels) p.out.clear();
-    }
-    void start_fixed(std::span<parcel> parcels) {
-      exchange_.start(parcels, sizes::fixed, rank_, size_);
-      receives_.clear();
-      for (parcel& p : parcels)
-        if (p.rank != rank_)
-          BOOST_MPI_CHECK_RESULT(MPI_Irecv, (p.in.data(), count(p.in), MPI_UNSIGNED_CHAR, p.rank,
-                                             tag_, ranks_, &receives_.emplace_back()));
-      send_all(parcels);
-    }
-    void finish_fixed(std::span<parcel> parcels) {
-      exchange_.finish(parcels, sizes::fixed, rank_);
-      auto next = receives_.begin();
-      for (parcel& p : parcels) {
-        if (p.rank == rank_) {
-          if (p.in.size() != p.out.size()) detail::fail_size(rank_, p, p.out.size());
-          p.in.swap(p.out);
-          continue;
-        }
-        MPI_Status status;
-        if (wait(*next++, p.rank, &status) == MPI_ERR_TRUNCATE) detail::fail_size(rank_, p, {});
-        if (size_of(status) != p.in.size()) detail::fail_size(rank_, p, size_of(status));
-      }
-      await_sends(parcels);
-    }
+    void start(std::span<parcel> parcels);
+    void finish(std::span<parcel> parcels);
+    void start_fixed(std::span<parcel> parcels);
+    void finish_fixed(std::span<parcel> parcels);
 
-    void barrier() { meet(); }
-    [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine) {
-      // One message each: MPI_Gatherv would limit the whole to 2 GiB.
-      meet();
-      std::vector<byte_buffer> all;
-      if (rank_ != 0) {
-        ranks_.send(0, tag_, bytes(mine), count(mine));
-      } else {
-        all.resize(static_cast<std::size_t>(size_));
-        all[0] = mine;
-        for (int r = 1; r < size_; ++r) receive(r, all[static_cast<std::size_t>(r)]);
-      }
-      return all;
-    }
-    [[nodiscard]] std::vector<byte_buffer> gather_all(const byte_buffer& mine) {
-      meet();
-      std::vector<int> counts;
-      boost::mpi::all_gather(ranks_, count(mine), counts);
-      byte_buffer whole(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
-      count(whole);
-      boost::mpi::all_gatherv(ranks_, bytes(mine), bytes(whole), counts);
-      std::vector<byte_buffer> all;
-      all.reserve(counts.size());
-      for (auto at = whole.cbegin(); const int n : counts) {
-        all.emplace_back(at, at + n);
-        at += n;
-      }
-      return all;
-    }
-    void broadcast(byte_buffer& data) {
-      meet();
-      std::uint64_t n = data.size();
-      boost::mpi::broadcast(ranks_, n, 0);
-      data.resize(n);
-      boost::mpi::broadcast(ranks_, bytes(data), count(data), 0);
-    }
-    void reduce(reduction how, std::span<double> values) {
-      // Not MPI_Allreduce, which may add up in any order.
-      meet();
-      if (values.empty()) return;
-      std::vector<double> all(values.size() * static_cast<std::size_t>(size_));
-      boost::mpi::all_gather(ranks_, values.data(), static_cast<int>(values.size()), all.data());
-      combine(how, values, all);
-    }
-    void start_reduce(reduction how, std::span<const double> values) {
-      exchange_.start_reduce(how, values.size(), rank_);
-      brought_.assign(values.begin(), values.end());
-      all_brought_.resize(values.size() * static_cast<std::size_t>(size_));
-      const int n = static_cast<int>(values.size());
-      BOOST_MPI_CHECK_RESULT(MPI_Iallgather, (brought_.data(), n, MPI_DOUBLE, all_brought_.data(),
-                                              n, MPI_DOUBLE, ranks_, &reduction_));
-    }
-    void finish_reduce(std::span<double> values) {
-      const reduction how = exchange_.finish_reduce(values.size(), rank_);
-      wait(reduction_, detail::mpi_patience::all);
-      combine(how, values, all_brought_);
-    }
-    void reduce(reduction how, std::span<std::uint64_t> values) {
-      meet();
-      if (values.empty()) return;
-      const std::vector<std::uint64_t> mine(values.begin(), values.end());
-      const auto with = [&](auto op) {
-        boost::mpi::all_reduce(ranks_, mine.data(), static_cast<int>(mine.size()), values.data(),
-                               op);
-      };
-      if (how == reduction::sum) with(std::plus<std::uint64_t>{});
-      if (how == reduction::min) with(boost::mpi::minimum<std::uint64_t>{});
-      if (how == reduction::max) with(boost::mpi::maximum<std::uint64_t>{});
-    }
+    void barrier();
+    [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine);
+    [[nodiscard]] std::vector<byte_buffer> gather_all(const byte_buffer& mine);
+    void broadcast(byte_buffer& data);
+    void reduce(reduction how, std::span<double> values);
+    void start_reduce(reduction how, std::span<const double> values);
+    void finish_reduce(std::span<double> values);
+    void reduce(reduction how, std::span<std::uint64_t> values);
 
    private:
     /// All ranks are in the same collective call.
-    void meet() {
-      exchange_.count_collective(rank_);
-      MPI_Request request = MPI_REQUEST_NULL;
-      BOOST_MPI_CHECK_RESULT(MPI_Ibarrier, (ranks_, &request));
-      wait(request, detail::mpi_patience::all);
-    }
+    void meet();
     /// From rank 0 upwards, so that all ranks have the same to the bit.
-    static void combine(reduction how, std::span<double> values, std::span<const double> all) {
-      if (values.empty()) return;
-      std::copy_n(all.begin(), values.size(), values.begin());
-      for (std::size_t at = values.size(); at < all.size(); at += values.size())
-        detail::combine<double>(how, values, all.subspan(at, values.size()));
-    }
+    static void combine(reduction how, std::span<double> values, std::span<const double> all);
     /// But to itself: what comes from there is what was sent there, parcel by parcel.
-    void send_all(std::span<const parcel> parcels) {
-      sends_.clear();
-      for (const parcel& p : parcels)
-        if (p.rank != rank_)
-          BOOST_MPI_CHECK_RESULT(MPI_Isend, (p.out.data(), count(p.out), MPI_UNSIGNED_CHAR, p.rank,
-                                             tag_, ranks_, &sends_.emplace_back()));
-    }
+    void send_all(std::span<const parcel> parcels);
     /// The next message of rank `from`, of any size.
-    void receive(int from, byte_buffer& data) {
-      MPI_Status message;
-      patience_.wait(rank_, from, 0, [&] {
-        int there = 0;
-        BOOST_MPI_CHECK_RESULT(MPI_Iprobe, (from, tag_, ranks_, &there, &message));
-        return there != 0;
-      });
-      data.resize(size_of(message));
-      ranks_.recv(from, tag_, bytes(data), count(data));
-    }
-    void await_sends(std::span<const parcel> parcels) {
-      auto next = sends_.begin();
-      for (const parcel& p : parcels)
-        if (p.rank != rank_) wait(*next++, p.rank);
-    }
+    void receive(int from, byte_buffer& data);
+    void await_sends(std::span<const parcel> parcels);
     /// Returns MPI_SUCCESS or MPI_ERR_TRUNCATE. (One by one: Open MPI 4.1 may crash in MPI_Waitall
     /// when one of the messages is too long.)
-    int wait(MPI_Request& request, int other, MPI_Status* status = MPI_STATUS_IGNORE) {
-      int result = MPI_SUCCESS;
-      patience_.wait(rank_, other, exchange_.sent().collectives, [&] {
-        int done = 0;
-        result = MPI_Test(&request, &done, status);
-        return done != 0 || result != MPI_SUCCESS;
-      });
-      if (result != MPI_SUCCESS && result != MPI_ERR_TRUNCATE)
-        throw boost::mpi::exception("MPI_Test", result);
-      return result;
-    }
+    int wait(MPI_Request& request, int other, MPI_Status* status = MPI_STATUS_IGNORE);
 
-    static std::size_t size_of(const MPI_Status& status) {
-      int bytes = 0;
-      MPI_Get_count(&status, MPI_UNSIGNED_CHAR, &bytes);
-      return static_cast<std::size_t>(bytes);
-    }
+    static std::size_t size_of(const MPI_Status& status);
     /// Never null, which Boost.MPI would dereference for an empty message.
-    static const unsigned char* bytes(const byte_buffer& data) {
-      static constexpr unsigned char nothing = 0;
-      return data.empty() ? &nothing : reinterpret_cast<const unsigned char*>(data.data());
-    }
-    static unsigned char* bytes(byte_buffer& data) {
-      return const_cast<unsigned char*>(bytes(std::as_const(data)));
-    }
-    static int count(const byte_buffer& data) {
-      if (data.size() > INT_MAX)
-        detail::fail<std::runtime_error>(
-            "a message of {} bytes is too long: MPI counts to {}; use more ranks", data.size(),
-            INT_MAX);
-      return static_cast<int>(data.size());
-    }
+    static const unsigned char* bytes(const byte_buffer& data);
+    static unsigned char* bytes(byte_buffer& data);
+    static int count(const byte_buffer& data);
 
     boost::mpi::communicator ranks_;
     int tag_ = 0;
@@ -282,63 +114,18 @@ struct mpi {
   /// ended with MPI_Abort. A single process throws to the caller.
   template <class Main>
   static void launch(const settings& how, Main&& main) {
-    namespace mpi = boost::mpi;
-    if (mpi::environment::finalized())
-      detail::fail<std::runtime_error>(
-          "MPI has been finalised and cannot start again: for several runs in one program, put "
-          "boost::mpi::environment into main()");
-    std::optional<mpi::environment> ours;
-    if (!mpi::environment::initialized()) {
-      if (how.argc && how.argv)
-        ours.emplace(*how.argc, *how.argv, mpi::threading::funneled, false);
-      else
-        ours.emplace(mpi::threading::funneled, false);
-    }
-    const auto ranks = how.communicator.value_or(mpi::communicator{});
-    if (ranks.size() == 1) return run(how, ranks, main, nullptr);
-
-    detail::mpi_verdict verdict(ranks);
-    struct whole_job {
-      whole_job() {
-        detail::end_of_job = [](int code) { MPI_Abort(MPI_COMM_WORLD, code); };
-      }
-      ~whole_job() { detail::end_of_job = nullptr; }
-    } const job;
-    const auto end_with = [&](const char* error) {
-      if (!verdict.first()) verdict.wait_for_the_end();
-      how.report(detail::compose("error on rank {} of {}: {}", ranks.rank(), ranks.size(), error));
-      verdict.end();
-    };
-    try {
-      run(how, ranks, main, &verdict);
-    } catch (const std::exception& e) {
-      end_with(e.what());
-    } catch (...) {
-      end_with("an exception that is no std::exception");
-    }
+    launch_each(how, [&](link& mine) { main(mine); });
   }
 
  private:
-  template <class Main>
-  static void run(const settings& how, const boost::mpi::communicator& ranks, Main& main,
-                  detail::mpi_verdict* verdict) {
-    const int started = detail::find_launcher().size;
-    if (started > 1 && ranks.size() == 1 && !how.communicator)
-      detail::fail<std::runtime_error>(
-          "mpirun started {} processes, but they do not see each other: mpirun and the program "
-          "belong to different MPIs",
-          started);
-    if (how.ranks != 0 && how.ranks != ranks.size())
-      detail::fail<std::invalid_argument>(
-          "{} ranks are asked for, but the program runs on {} MPI processes: start it with "
-          "mpirun -n {}, or do not ask",
-          how.ranks, ranks.size(), how.ranks);
-    link mine = how.tag ? link(ranks, *how.tag) : link(ranks);
-    detail::wait_watch watch(how);
-    if (verdict != nullptr) mine.heed(*verdict, watch);
-    main(mine);
-    if (verdict != nullptr) verdict->leave(mine.counters().collectives);
-  }
+  using body = std::function<void(link&)>;
+  static void launch_each(const settings& how, const body& main);
+  static void run(const settings& how, const boost::mpi::communicator& ranks, const body& main,
+                  detail::mpi_verdict* verdict);
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED_MPI
+#include "talus/parallel/mpi_definitions.hpp"
+#endif
