@@ -7,3 +7,4 @@
 #include "talus/scene/detail/command_line.hpp"
 #include "talus/scene/detail/run_guard_definitions.hpp"
 #include "talus/scene/options_definitions.hpp"
+#include "talus/scene/packing_definitions.hpp"

@@ -41,6 +41,9 @@ class coloured_list {
   using contact_type = Contact;
   using state = typename Contact::state;
 
+  coloured_list();
+  ~coloured_list();
+
   void clear() {
     waiting_.clear();
     for (std::size_t k = 0; k < used_; ++k)
@@ -185,6 +188,11 @@ class coloured_list {
   std::vector<both> colours_;
   std::size_t used_ = 0, count_ = 0;
 };
+
+template <class Contact>
+coloured_list<Contact>::coloured_list() = default;
+template <class Contact>
+coloured_list<Contact>::~coloured_list() = default;
 
 template <class Contact>
 void coloured_list<Contact>::arrange(std::uint32_t colours) {

@@ -58,6 +58,9 @@ class contact_list {
   using contact_type = Contact;
   using state = typename Contact::state;
 
+  contact_list();
+  ~contact_list();
+
   void clear() {
     inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
     boundary_keys_.clear(), foreign_keys_.clear();
@@ -271,6 +274,11 @@ class contact_list {
   plain_vector<decltype(Contact::correction_impulse)> corrections_;
   plain_vector<std::pair<std::size_t, real>> stalled_;
 };
+
+template <class Contact>
+contact_list<Contact>::contact_list() = default;
+template <class Contact>
+contact_list<Contact>::~contact_list() = default;
 
 template <class Contact>
 void contact_list<Contact>::load_impulses(const contact_history& history) {
