@@ -1,7 +1,10 @@
 #pragma once
 // Contact points of two posed shapes in either order. The pair functions themselves are in pairs/;
 // narrow.hpp has them all.
+#include <type_traits>
+
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/contact_sink.hpp"
 
 namespace talus {
 
@@ -26,10 +29,18 @@ template <class A, class B, class Sink>
 requires collidable<A, B>
 inline void collide_pair(const A& a, const pose& pa, const B& b, const pose& pb, real margin,
                          Sink&& sink) {
-  if constexpr (detail::collides_in_order<A, B>)
+  constexpr bool in_order = detail::collides_in_order<A, B>;
+  constexpr bool single_point = A::isotropic && B::isotropic;  // worth to be inlined
+  if constexpr (!in_order) {
+    const auto swapped = [&](const contact_geometry& c) { sink(c.swapped()); };
+    return collide_pair(b, pb, a, pa, margin, swapped);
+  } else if constexpr (single_point ||
+                       std::is_same_v<std::remove_cvref_t<Sink>, detail::contact_sink>) {
     collide(a, pa, b, pb, margin, sink);
-  else
-    collide(b, pb, a, pa, margin, [&](const contact_geometry& c) { sink(c.swapped()); });
+  } else {
+    const detail::contact_sink any(sink);
+    collide(a, pa, b, pb, margin, any);
+  }
 }
 
 }  // namespace talus

@@ -7,7 +7,7 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/detect/box_batch.hpp"
-#include "talus/detect/narrow.hpp"
+#include "talus/detect/usual_pairs.hpp"
 #include "talus/world/contact_conditions.hpp"
 #include "talus/world/driven.hpp"
 #include "talus/world/migrate_and_refresh.hpp"
@@ -106,9 +106,9 @@ class contact_maker {
     if (near != 0) waiting_.tests.find_patches();
     for (unsigned k = 0; k < count; ++k) {
       pair_at_hand& x = waiting_.pairs[k];
+      const auto add_point = [&](const contact_geometry& g) { add(x, g); };
       if (near >> k & 1u)
-        collide_boxes(place_a(x), place_b(x), waiting_.tests, k, x.margin,
-                      [&](const contact_geometry& g) { add(x, g); });
+        collide_boxes(place_a(x), place_b(x), waiting_.tests, k, x.margin, contact_sink(add_point));
       forget_unless_made(x);
     }
   }
@@ -167,8 +167,8 @@ class contact_maker {
       if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !x.own_a && !own_b)
-        require_acquainted<Scenario, ShapeA, ShapeB>(
-            s_, i, j, s_.by_colours() ? margin_a + margin_b : 0);
+        require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j,
+                                                     s_.by_colours() ? margin_a + margin_b : 0);
     x.foreign = !((x.own_a && x.moves_a) || (own_b && x.moves_b));
     if (x.foreign && !(shares_islands(s_) && (x.moves_a || x.moves_b)))
       return forget_unless_made(x);

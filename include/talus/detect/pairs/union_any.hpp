@@ -11,22 +11,6 @@ namespace talus {
 
 namespace detail {
 
-/// Any sink, so that pairs of parts are compiled once for all of them. Refers to it: it must live
-/// as long.
-class contact_sink {
- public:
-  template <class Sink>
-  explicit contact_sink(const Sink& sink)
-      : sink_(&sink), call_([](const void* to, const contact_geometry& c) {
-          (*static_cast<const Sink*>(to))(c);
-        }) {}
-  void operator()(const contact_geometry& c) const { call_(sink_, c); }
-
- private:
-  const void* sink_;
-  void (*call_)(const void*, const contact_geometry&);
-};
-
 /// Contacts of a part, its number put into their features.
 template <class A, class B, class Sink>
 void collide_parts(const A& a, const pose& pa, const B& b, const pose& pb, real margin,
