@@ -27,24 +27,6 @@ struct force_balance {
 
 namespace detail {
 
-/// Of one rank, per contact: the speed at which each body moves into what it touches, beyond what
-/// gap and restitution allow. What is due to the motion of the other one is not its own.
-template <class Contact, class State>
-void add_approach(const Contact& c, const State& after, plain_vector<real>& speeds) {
-  const vec3 n = c.axis();
-  const real beyond = -violation(c, after).dot(n);
-  if (!(beyond > 0)) return;
-  const auto at = [&](std::size_t k, real sign, bool is_a) {
-    const auto& body = after.bodies[k];
-    if (body.inverse_mass == 0) return;
-    const vec3 v = in_scalar<real>(body.v), w = in_scalar<real>(body.w);
-    const vec3 u = is_a ? velocity_on_a(c, v, w) : velocity_on_b(c, v, w);
-    speeds[k] = std::max(speeds[k], std::min(beyond, sign * u.dot(n)));
-  };
-  at(static_cast<std::size_t>(c.a), -1, true);
-  if constexpr (Contact::paired) at(static_cast<std::size_t>(c.b), 1, false);
-}
-
 /// Sums of one rank: mass, what contacts gave to the own bodies, what came from fixed ones, and the
 /// momentum that they did not stop.
 struct balance_sums {
@@ -64,11 +46,7 @@ template <class Scenario>
   if constexpr (!world_state<Scenario>::link_type::alone) refresh_last_step(s, after, given);
   plain_vector<real> speeds;
   speeds.assign(after.bodies.size(), 0);
-  s.each_contact_list([&](const auto& list) {
-    list.each([&](const auto& c, bool) {
-      if constexpr (has_residual<std::remove_cvref_t<decltype(c)>>) add_approach(c, after, speeds);
-    });
-  });
+  s.each_contact_list([&](const auto& list) { list.add_approach(after, speeds); });
   balance_sums sums;
   sums.ground = impulse_of_ground(s);
   // The solver's arrays tell which bodies were owned here in that step: those no message brought.

@@ -17,6 +17,7 @@
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
+#include "talus/world/contact_count.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -47,13 +48,7 @@ class time_series {
     last_ = w.steps();
     const motion m = measure_motion(w);
     const penetration p = measure_penetration(w);
-    std::uint64_t contacts = 0;
-    w.state().each_contact_list([&](const auto& list) {
-      if constexpr (requires { list.counted(); })
-        contacts += list.counted();
-      else
-        list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
-    });
+    std::uint64_t contacts = detail::count_contacts(w.state());
     w.link().reduce(reduction::sum, std::span(&contacts, 1));
     constexpr const char *energy = "M L^2/T^2", *momentum = "M L/T";
     detail::plain_vector<measured> columns{

@@ -7,6 +7,7 @@
 #include "talus/contact/key.hpp"
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/response/approach.hpp"
 #include "talus/response/boundary_manifold.hpp"
 #include "talus/response/contact_access.hpp"
 #include "talus/response/contact_row.hpp"
@@ -222,6 +223,12 @@ class contact_list {
   void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
   void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
   void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
+  /// The same as the first for velocities `after` the step, of which impulses gave `given`.
+  void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
+  /// Raises the speeds at which bodies go on into what they touch; see approach.hpp.
+  void add_approach(const state& after, plain_vector<real>& speeds) const;
+  /// The number of contacts that count on this rank.
+  [[nodiscard]] std::size_t counted() const;
 
  private:
   using part = keyed_contacts<Contact>;
@@ -449,6 +456,24 @@ void contact_list<Contact>::add_to(residual_sums_of<exact_sum>& sums, const stat
 template <class Contact>
 const contact_calls<typename Contact::state>* contact_list<Contact>::calls() {
   return &calls_for<contact_list>;
+}
+
+template <class Contact>
+void contact_list<Contact>::add_to(residual_scale_of<double>& scale, const state& after,
+                                   const state& given) const {
+  each([&](const auto& c, bool counts_here) {
+    if (counts_here) scale.add(c, after, violation(c, after) - c.relative_velocity(given));
+  });
+}
+template <class Contact>
+void contact_list<Contact>::add_approach(const state& after, plain_vector<real>& speeds) const {
+  each([&](const auto& c, bool) { detail::add_approach(c, after, speeds); });
+}
+template <class Contact>
+std::size_t contact_list<Contact>::counted() const {
+  std::size_t n = 0;
+  each([&](const auto&, bool counts_here) { n += counts_here; });
+  return n;
 }
 
 }  // namespace talus::detail

@@ -58,6 +58,15 @@ class either_list {
   void store_impulses(contact_history& history) const {
     by_colours_ ? coloured_.store_impulses(history) : swept_.store_impulses(history);
   }
+  void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const {
+    by_colours_ ? coloured_.add_to(scale, after, given) : swept_.add_to(scale, after, given);
+  }
+  void add_approach(const state& after, plain_vector<real>& speeds) const {
+    by_colours_ ? coloured_.add_approach(after, speeds) : swept_.add_approach(after, speeds);
+  }
+  [[nodiscard]] std::size_t counted() const {
+    return by_colours_ ? coloured_.counted() : swept_.counted();
+  }
   template <class Sums, class... Scale>
   void add_to(Sums& sums, const state& s, Scale... rho) const {
     by_colours_ ? coloured_.add_to(sums, s, rho...) : swept_.add_to(sums, s, rho...);

@@ -10,12 +10,7 @@ namespace talus::detail {
 template <class Scenario>
 [[nodiscard]] std::uint64_t count_contacts(const world_state<Scenario>& s) {
   std::uint64_t contacts = 0;
-  s.each_contact_list([&](const auto& list) {
-    if constexpr (requires { list.counted(); })
-      contacts += list.counted();
-    else
-      list.each([&](const auto&, bool counts_here) { contacts += counts_here; });
-  });
+  s.each_contact_list([&](const auto& list) { contacts += list.counted(); });
   return contacts;
 }
 

@@ -64,9 +64,7 @@ contact_residual last_residual(world_state<Scenario>& s) {
   if constexpr (!world_state<Scenario>::link_type::alone) refresh_last_step(s, after, given);
 
   residual_scale scale;
-  each_counted(s.contacts, [&](const auto& c) {
-    scale.add(c, after, violation(c, after) - c.relative_velocity(given));
-  });
+  each_of(s.contacts, [&](const auto& list) { list.add_to(scale, after, given); });
   s.link->reduce(reduction::sum, scale.sums);
   residual_sums sums = sums_of(s.contacts, after, scale.rho());
   s.link->reduce(reduction::sum, sums.sums);
