@@ -55,9 +55,10 @@ using state_of = world_state<Scenario>;
 static_assert(std::is_same_v<state_of<spheres>::tuple_type,
                              std::tuple<bodies_of_shape<sphere, type_list<>, hash_grid>>>);
 static_assert(
-    std::is_same_v<state_of<spheres>::lists_type,
-                   std::tuple<contact_list<isotropic_contact<full_law, partner::moving>>,
-                              contact_list<isotropic_contact<full_law, partner::immovable>>>>);
+    std::is_same_v<
+        state_of<spheres>::lists_type,
+        std::tuple<contact_list<isotropic_contact<contact_rows<full_law>, partner::moving>>,
+                   contact_list<isotropic_contact<contact_rows<full_law>, partner::immovable>>>>);
 static_assert(std::tuple_size_v<state_of<serial_world<full_law, sphere, plane>>::lists_type> == 2);
 static_assert(std::tuple_size_v<state_of<boxes>::lists_type> > 2);
 

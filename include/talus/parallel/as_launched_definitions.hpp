@@ -40,9 +40,7 @@ class link_of_transport final : public any_link {
   }
   void broadcast(byte_buffer& bytes) override { own_.broadcast(bytes); }
   void reduce(reduction how, std::span<double> values) override { own_.reduce(how, values); }
-  void reduce(reduction how, std::span<std::uint64_t> values) override {
-    own_.reduce(how, values);
-  }
+  void reduce(reduction how, std::span<std::uint64_t> values) override { own_.reduce(how, values); }
   void start_reduce(reduction how, std::span<const double> values) override {
     own_.start_reduce(how, values);
   }

@@ -279,8 +279,7 @@ void notify_neighbours(world_state<Scenario>& s) {
       share_shadow_copies(s, s.changed);
       for (std::size_t n = 0; n < before.size(); ++n)
         s.changed = s.changed || s.neighbours[n].reach > before[n];
-      if (s.by_colours())
-        s.changed = s.changed || !reach_still_holds(s);
+      if (s.by_colours()) s.changed = s.changed || !reach_still_holds(s);
     }
     share_shadow_copies(s, s.changed);
     refuse_uncovered_flights(s);

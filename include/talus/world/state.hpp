@@ -132,11 +132,9 @@ using law_of =
 
 /// The solver of a scenario, or both of them.
 template <class Scenario>
-using solvers_of =
-    std::conditional_t<std::is_void_v<typename Scenario::solver_on_request>,
-                       typename Scenario::solver,
-                       either_solver<typename Scenario::solver,
-                                     typename Scenario::solver_on_request>>;
+using solvers_of = std::conditional_t<
+    std::is_void_v<typename Scenario::solver_on_request>, typename Scenario::solver,
+    either_solver<typename Scenario::solver, typename Scenario::solver_on_request>>;
 
 template <class Scenario>
 using response_state =
