@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/world/state.hpp"
 
@@ -57,7 +58,7 @@ inline constexpr real most_scattered = 4;
   }
   real volume = 1;  // something flat is at least as thick as its bodies are apart
   for (const real w : width) volume *= std::max(w, widest / std::sqrt(n));
-  return volume > 0 ? way / n / std::cbrt(volume / n) : 0;
+  return volume > 0 ? way / n / portable::cbrt(volume / n) : 0;
 }
 
 /// For each place, the number of the point that comes there.
