@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/response/island_contact.hpp"
 #include "talus/response/solver_state.hpp"
@@ -51,7 +52,7 @@ class contact_access {
     calls_->set_at_boundary(list_, i, impulse, s);
   }
   /// A sweep that notes which interior contacts still change by more than `speed`: (index, change).
-  const plain_vector<std::pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
+  const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
     return calls_->sweep_watched(list_, s, speed);
   }
 
@@ -64,7 +65,7 @@ class contact_access {
     void (*set)(void*, contact_part, std::size_t, const vec3&);
     void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
     void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
-    const plain_vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
+    const plain_vector<plain_pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
   };
   template <class List>
   static List& of(void* list) {
@@ -104,7 +105,7 @@ class contact_access {
       [](void* l, std::size_t i, const vec3& impulse, State& s) {
         of<List>(l).set_at_boundary(i, impulse, s);
       },
-      [](void* l, State& s, real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
+      [](void* l, State& s, real speed) -> const plain_vector<plain_pair<std::size_t, real>>& {
         return of<List>(l).sweep_watched(s, speed);
       }};
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/response/boundary_manifold.hpp"
 #include "talus/response/contact_access.hpp"
@@ -140,8 +141,8 @@ class contact_list {
   [[gnu::noinline]] void sweep_inner(state& s, bool forward) { sweep(inner_, s, forward); }
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  [[gnu::noinline]] const plain_vector<std::pair<std::size_t, real>>& sweep_watched(state& s,
-                                                                                    real speed) {
+  [[gnu::noinline]] const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(state& s,
+                                                                                     real speed) {
     stalled_.clear();
     const auto watch = [&](auto& row, std::size_t first) {
       row.backward_watched(s, speed, [&](std::size_t i, real change) {
@@ -343,7 +344,7 @@ class contact_list {
   plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   plain_vector<typename Contact::change> changes_, before_;
   plain_vector<decltype(Contact::correction_impulse)> corrections_;
-  plain_vector<std::pair<std::size_t, real>> stalled_;
+  plain_vector<plain_pair<std::size_t, real>> stalled_;
 };
 
 }  // namespace talus::detail

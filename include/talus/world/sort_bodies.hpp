@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/core/sort.hpp"
@@ -69,7 +70,7 @@ inline constexpr real most_scattered = 4;
     for (const vec3& p : points) low[k] = std::min(low[k], p[k]), high = std::max(high, p[k]);
     widest = std::max(widest, high - low[k]);
   }
-  plain_vector<std::pair<std::uint64_t, std::uint32_t>> codes(points.size());
+  plain_vector<plain_pair<std::uint64_t, std::uint32_t>> codes(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::array<std::uint32_t, 3> cell;
     for (std::size_t k = 0; k < 3; ++k)
