@@ -72,4 +72,6 @@ TEST_CASE("only plain values travel") {
   CHECK(detail::plain_bytes<mat3>);
   CHECK(detail::plain_bytes<quat>);
   CHECK_FALSE(detail::plain_bytes<std::string>);
+  CHECK_FALSE(detail::plain_bytes<std::pair<int, int>>);  // its assignment is its own
+  CHECK_FALSE(detail::plain_bytes<int*>);
 }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/sort.hpp"
 
 using namespace talus::detail;
@@ -126,13 +127,17 @@ TEST_CASE("plain_vectors compare as dictionaries do") {
 TEST_CASE("what owns memory is not plain") {
   static_assert(std::is_same_v<vector_of<int>, plain_vector<int>>);
   static_assert(std::is_same_v<vector_of<std::string>, std::vector<std::string>>);
+  using pair = std::pair<int, int>;  // its assignment is its own
+  static_assert(std::is_same_v<vector_of<pair>, std::vector<pair>>);
+  static_assert(
+      std::is_same_v<vector_of<plain_pair<int, int>>, plain_vector<plain_pair<int, int>>>);
   CHECK_THROWS_AS(plain_vector<int>(~std::size_t{0} / 2), std::bad_alloc);
 }
 
 TEST_CASE("short lists are sorted") {
-  plain_vector<std::pair<double, int>> list;
+  plain_vector<plain_pair<double, int>> list;
   std::mt19937 any(3);
-  for (int i = 0; i < 500; ++i) list.emplace_back(any() % 50, i);
+  for (int i = 0; i < 500; ++i) list.push_back({static_cast<double>(any() % 50), i});
   auto down = list;
   sort_values(list);
   CHECK(std::is_sorted(list.begin(), list.end()));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "talus/core/math.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 
 namespace talus {
 
@@ -41,8 +42,8 @@ struct oscillation {
 
   /// Where the body is at the time t.
   [[nodiscard]] rigid_displacement operator()(real t) const {
-    const real now = std::sin(2 * pi * frequency * t + phase);
-    return {.shift = (now - std::sin(phase)) * amplitude};
+    const real now = portable::sin(2 * pi * frequency * t + phase);
+    return {.shift = (now - portable::sin(phase)) * amplitude};
   }
 };
 

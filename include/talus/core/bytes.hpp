@@ -15,11 +15,9 @@ namespace talus::detail {
 
 using byte_buffer = std::vector<std::byte>;
 
-/// Types whose bytes are their value. Eigen's fixed-size types are so in fact, and so are structs
-/// of them, though their copy constructors hide it from is_trivially_copyable; what owns memory has
-/// a destructor that tells.
+/// Types whose bytes are their value, on every rank.
 template <class T>
-inline constexpr bool plain_bytes = std::is_trivially_destructible_v<T> && !std::is_pointer_v<T>;
+inline constexpr bool plain_bytes = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
 
 class byte_writer;
 class byte_reader;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "talus/core/matrix3.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 #include "talus/core/quaternion.hpp"
 #include "talus/core/vector3.hpp"
 
@@ -56,9 +57,9 @@ struct pose {
 
 /// Rotation by `angle` (radians) about `axis` (any length but zero).
 [[nodiscard]] inline quat rotation(const vec3& axis, real angle) {
-  const real length = axis.norm(), s = std::sin(angle / 2);
-  return {std::cos(angle / 2), s * (axis[0] / length), s * (axis[1] / length),
-          s * (axis[2] / length)};
+  const auto half = portable::sincos(angle / 2);
+  const real length = axis.norm(), s = half.sine;
+  return {half.cosine, s * (axis[0] / length), s * (axis[1] / length), s * (axis[2] / length)};
 }
 
 }  // namespace talus

@@ -12,11 +12,9 @@
 
 namespace talus::detail {
 
-/// Types that own nothing, so that a copy of their bytes is a copy of the value. Eigen's fixed-size
-/// types and structs of them are so in fact, though their copy constructors hide it from
-/// is_trivially_copyable; what owns memory has a destructor that tells.
+/// Types that own nothing: a copy of their bytes is a copy of the value.
 template <class T>
-inline constexpr bool owns_nothing = std::is_trivially_destructible_v<T>;
+inline constexpr bool owns_nothing = std::is_trivially_copyable_v<T>;
 
 [[gnu::noinline]] inline void release_memory(void* memory, std::size_t alignment) {
   ::operator delete (memory, std::align_val_t{alignment});

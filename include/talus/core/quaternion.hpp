@@ -6,6 +6,7 @@
 #include <concepts>
 
 #include "talus/core/matrix3.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 
 namespace talus {
 
@@ -54,9 +55,10 @@ class quaternion {
     { t.axis() } -> std::convertible_to<vector>;
   }
   explicit quaternion(const T& t) {
-    const Real half = static_cast<Real>(t.angle()) / 2, s = std::sin(half);
+    const auto half = portable::sincos(static_cast<double>(t.angle()) / 2);
+    const auto s = static_cast<Real>(half.sine);
     const vector axis = t.axis();
-    *this = {std::cos(half), s * axis[0], s * axis[1], s * axis[2]};
+    *this = {static_cast<Real>(half.cosine), s * axis[0], s * axis[1], s * axis[2]};
   }
   template <class Q>
   requires(!std::same_as<Q, quaternion> && requires { typename Q::AngleAxisType; }) operator Q()
@@ -107,7 +109,7 @@ class quaternion {
   /// Angle of the rotation from one to the other, in radians.
   [[nodiscard]] Real angularDistance(const quaternion& q) const {
     const quaternion d = *this * q.conjugate();
-    return 2 * std::atan2(d.vec().norm(), std::abs(d.w()));
+    return static_cast<Real>(2 * portable::atan2(d.vec().norm(), std::abs(d.w())));
   }
 
   /// Whether the coefficients differ by little.

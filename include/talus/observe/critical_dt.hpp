@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/response/soft_duration.hpp"
 #include "talus/response/soft_pair.hpp"
@@ -107,7 +108,7 @@ template <class Law>
   real shortest = std::numeric_limits<real>::infinity();
   if (!(speed > 0)) return shortest;
   const auto radius_of = [&](std::size_t m) {
-    return std::cbrt(s.lightest[m] / materials[material_id(m)].density * (3 / (4 * pi)));
+    return portable::cbrt(s.lightest[m] / materials[material_id(m)].density * (3 / (4 * pi)));
   };
   for (std::size_t i = 0; i < materials.size(); ++i) {
     if (!s.moves(i)) continue;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "talus/core/field_names.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 #include "talus/parallel/detail/convex_pieces.hpp"
 #include "talus/parallel/detail/directions.hpp"
 #include "talus/parallel/dynamic.hpp"
@@ -51,7 +52,7 @@ class ring_cells {
       if (!(reach > 0)) return false;
       // Between the points of the two sectors on the hub that are nearest to each other.
       const real narrow = std::min(gap(rank, other), pi);
-      return 2 * hub_ * std::sin(narrow / 2) <= reach * (1 + 1e-12);
+      return 2 * hub_ * portable::sin(narrow / 2) <= reach * (1 + 1e-12);
     });
   }
   /// The other sectors, which meet this one at the axis, or at the closed end.

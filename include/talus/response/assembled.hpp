@@ -11,6 +11,7 @@
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 
@@ -80,7 +81,7 @@ struct assembled_problem {
       fail<std::invalid_argument>("the block of W at ({}, {}) is not finite", b.row, b.column);
   }
   for (std::int32_t i = 0; i < n; ++i) blocks.push_back({i, i, diagonal_matrix(real{0})});
-  plain_vector<std::pair<std::int64_t, std::uint32_t>> order;  // place in W, block
+  plain_vector<plain_pair<std::int64_t, std::uint32_t>> order;  // place in W, block
   order.reserve(blocks.size());
   for (const auto& b : blocks)
     order.emplace_back(std::int64_t{n} * b.row + b.column,

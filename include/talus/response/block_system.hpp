@@ -7,6 +7,7 @@
 
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
@@ -81,7 +82,7 @@ class block_system {
     plain_vector<mat3> sum;
     for (const std::int32_t k : order) {
       const entry& e = entries_[k];
-      if (!place_.empty() && place_.back() == std::pair{e.column, e.row}) {
+      if (!place_.empty() && place_.back() == plain_pair{e.column, e.row}) {
         sum.back() += e.value;
       } else {
         place_.push_back({e.column, e.row});
@@ -115,7 +116,7 @@ class block_system {
   int rows_ = 0;
   bool dense_ = true;
   plain_vector<entry> entries_;
-  plain_vector<std::pair<std::int32_t, std::int32_t>> place_, pattern_;  ///< column, row
+  plain_vector<plain_pair<std::int32_t, std::int32_t>> place_, pattern_;  ///< column, row
   Eigen::MatrixXd matrix_;
   Eigen::SparseMatrix<real> sparse_;
   Eigen::PartialPivLU<Eigen::MatrixXd> dense_lu_;

@@ -9,6 +9,7 @@
 
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/assembled.hpp"
@@ -39,7 +40,7 @@ class body_problem {
   /// axes of the contacts.
   template <class State>
   body_problem(const plain_vector<island_contact>& contacts, const State& s, contact_vector& r) {
-    plain_vector<std::pair<std::int32_t, std::int32_t>> numbers;  // in the state, here
+    plain_vector<plain_pair<std::int32_t, std::int32_t>> numbers;  // in the state, here
     for (const island_contact& c : contacts)
       for (const std::int32_t end : {c.a, c.b})
         if (end >= 0 && s.bodies[at(end)].inverse_mass != 0) numbers.emplace_back(end, 0);
@@ -57,7 +58,8 @@ class body_problem {
       free_.push_back({v[0], v[1], v[2], w[0], w[1], w[2]});
     }
     const auto number = [&](std::int32_t of) {
-      const auto found = std::lower_bound(numbers.begin(), numbers.end(), std::pair{of, 0});
+      const auto found =
+          std::lower_bound(numbers.begin(), numbers.end(), plain_pair{of, std::int32_t{0}});
       return found != numbers.end() && found->first == of
                  ? static_cast<std::int32_t>(found - numbers.begin())
                  : -1;
@@ -108,7 +110,7 @@ class body_problem {
 
   /// Which bodies touch by contacts that are not `open`.
   [[nodiscard]] sparse_graph graph(const plain_vector<char>& open) const {
-    plain_vector<std::pair<std::int32_t, std::int32_t>> pairs;
+    plain_vector<plain_pair<std::int32_t, std::int32_t>> pairs;
     for (std::size_t i = 0; i < contacts_.size(); ++i)
       if (const contact& c = contacts_[i]; !open[i] && c.a >= 0 && c.b >= 0)
         pairs.emplace_back(c.a, c.b), pairs.emplace_back(c.b, c.a);

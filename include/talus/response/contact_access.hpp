@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/response/island_contact.hpp"
 #include "talus/response/solver_state.hpp"
@@ -32,7 +33,7 @@ struct contact_calls {
   void (*set)(void*, contact_part, std::size_t, const vec3&);
   void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
   void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
-  const plain_vector<std::pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
+  const plain_vector<plain_pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
 };
 
 template <class State>
@@ -64,7 +65,7 @@ class contact_access {
     calls_->set_at_boundary(list_, i, impulse, s);
   }
   /// A sweep that notes which interior contacts still change by more than `speed`: (index, change).
-  const plain_vector<std::pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
+  const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
     return calls_->sweep_watched(list_, s, speed);
   }
 
@@ -112,7 +113,7 @@ inline constexpr contact_calls<typename List::state> calls_for{
       list_at<List>(l).set_at_boundary(i, impulse, s);
     },
     [](void* l, typename List::state& s,
-       real speed) -> const plain_vector<std::pair<std::size_t, real>>& {
+       real speed) -> const plain_vector<plain_pair<std::size_t, real>>& {
       return list_at<List>(l).sweep_watched(s, speed);
     }};
 

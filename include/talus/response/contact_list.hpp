@@ -6,6 +6,7 @@
 
 #include "talus/contact/key.hpp"
 #include "talus/core/exact_sum.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/response/approach.hpp"
 #include "talus/response/boundary_manifold.hpp"
@@ -127,7 +128,7 @@ class contact_list {
   void sweep_inner(state& s, bool forward);
   /// A sweep backward that notes which interior contacts still change by more than `speed`:
   /// (index, change).
-  const plain_vector<std::pair<std::size_t, real>>& sweep_watched(state& s, real speed);
+  const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(state& s, real speed);
 
   /// For contact_access.
   static const contact_calls<state>* calls();
@@ -279,7 +280,7 @@ class contact_list {
   plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
   plain_vector<typename Contact::change> changes_, before_;
   plain_vector<decltype(Contact::correction_impulse)> corrections_;
-  plain_vector<std::pair<std::size_t, real>> stalled_;
+  plain_vector<plain_pair<std::size_t, real>> stalled_;
 };
 
 template <class Contact>
@@ -335,8 +336,8 @@ void contact_list<Contact>::sweep_inner(state& s, bool forward) {
 }
 
 template <class Contact>
-const plain_vector<std::pair<std::size_t, real>>& contact_list<Contact>::sweep_watched(state& s,
-                                                                                       real speed) {
+const plain_vector<plain_pair<std::size_t, real>>& contact_list<Contact>::sweep_watched(
+    state& s, real speed) {
   stalled_.clear();
   const auto watch = [&](auto& row, std::size_t first) {
     row.backward_watched(s, speed, [&](std::size_t i, real change) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "talus/core/math.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 
 namespace talus::detail {
 
@@ -20,8 +21,8 @@ struct half_angle {
       cosine = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90))));
       sine = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72))));
     } else {
-      cosine = std::cos(x);
-      sine = std::sin(x);
+      const auto both = portable::sincos(x);
+      cosine = both.cosine, sine = both.sine;
     }
   }
 };

@@ -18,6 +18,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/parcel.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/body_ties.hpp"
@@ -145,7 +146,7 @@ class gathered_islands {
   };
   struct part {
     plain_vector<member> contacts;
-    plain_vector<std::pair<system_id, std::int32_t>> bodies;
+    plain_vector<plain_pair<system_id, std::int32_t>> bodies;
     bool too_large = false;
   };
   /// As they travel.

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/assembled.hpp"
@@ -22,7 +23,7 @@ class contact_order {
  public:
   explicit contact_order(const plain_vector<island_contact>& contacts) {
     const std::size_t n = contacts.size();
-    plain_vector<std::pair<std::int64_t, std::uint32_t>> ends;  // body, contact
+    plain_vector<plain_pair<std::int64_t, std::uint32_t>> ends;  // body, contact
     for (std::size_t i = 0; i < n; ++i)
       for (const std::int32_t body : {contacts[i].a, contacts[i].b})
         if (body >= 0) ends.emplace_back(body, static_cast<std::uint32_t>(i));
@@ -109,7 +110,7 @@ template <class State>
     r(static_cast<int>(i)) = c.axes * c.impulse;
     mu[i] = c.friction;
   }
-  plain_vector<std::pair<std::int64_t, std::uint32_t>> order;  // body, end
+  plain_vector<plain_pair<std::int64_t, std::uint32_t>> order;  // body, end
   for (const end& e : ends) order.emplace_back(e.body, static_cast<std::uint32_t>(order.size()));
   sort_values(order);
   plain_vector<delassus_block> blocks;

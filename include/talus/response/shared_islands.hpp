@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/band_system.hpp"
@@ -106,8 +107,8 @@ class shared_islands {
     std::size_t index;
   };
   struct island {
-    plain_vector<std::pair<contact_key, member>> contacts;
-    plain_vector<std::pair<system_id, std::int32_t>> bodies;
+    plain_vector<plain_pair<contact_key, member>> contacts;
+    plain_vector<plain_pair<system_id, std::int32_t>> bodies;
   };
 
   template <class F>

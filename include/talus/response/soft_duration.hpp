@@ -6,6 +6,8 @@
 
 #include "talus/body/material.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/portable_powers.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 #include "talus/response/soft_pair.hpp"
 
 namespace talus::detail {
@@ -39,12 +41,12 @@ template <class Law>
 [[nodiscard]] real contact_duration(const soft_pair& pair, const soft_impact& hit) {
   const real z = pair.damping;
   const real square = 1 - z * z;
-  const real angle = square > 0 ? std::acos(z) : std::acosh(std::max(real{1}, z));
+  const real angle = square > 0 ? portable::acos(z) : portable::acosh(std::max(real{1}, z));
   const real part =
       std::abs(square) < real(1e-12) ? 2 / pi : 2 * angle / std::sqrt(std::abs(square)) / pi;
   if constexpr (Law::hertz) {
     const real modulus = real(0.75) * pair.stiffness;
-    const real deepest = std::pow(
+    const real deepest = portable::pow(
         15 * hit.mass * hit.speed * hit.speed / (16 * modulus * std::sqrt(hit.radius)), real(0.4));
     return real(2.9432655) * real(0.995) * part * deepest / hit.speed;
   } else {

@@ -11,6 +11,8 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 
 namespace talus::detail {
 
@@ -34,9 +36,9 @@ inline constexpr real least_restitution = 0.005;
 /// sqrt(z^2 - 1) take their places; critical damping has exp(-2).
 [[nodiscard]] inline real restitution_of_damping(real ratio) {
   const real square = 1 - ratio * ratio;
-  if (std::abs(square) < real(1e-12)) return std::exp(real(-2));
-  const real angle = square > 0 ? std::acos(ratio) : std::acosh(ratio);
-  return std::exp(-2 * ratio * angle / std::sqrt(std::abs(square)));
+  if (std::abs(square) < real(1e-12)) return portable::exp(real(-2));
+  const real angle = square > 0 ? portable::acos(ratio) : portable::acosh(ratio);
+  return portable::exp(-2 * ratio * angle / std::sqrt(std::abs(square)));
 }
 
 /// The damping ratio of a coefficient of restitution; for 0 that of least_restitution. It serves

@@ -7,6 +7,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/response/soft_pair.hpp"
 
 namespace talus::detail {
@@ -45,7 +46,7 @@ template <class Shape>
   if constexpr (Shape::isotropic)
     return s.bounding_radius();
   else
-    return std::cbrt(s.volume() * (3 / (4 * pi)));
+    return portable::cbrt(s.volume() * (3 / (4 * pi)));
 }
 
 }  // namespace talus::detail

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/response/band_system.hpp"
@@ -42,7 +43,7 @@ class stalled_islands {
     // Less cannot matter, or is round-off.
     const real least = (std::is_same_v<typename State::number, real> ? 1e-9 : 1e-5) * s.speed;
     std::size_t stalled = 0, contacts = 0;
-    plain_vector<std::span<const std::pair<std::size_t, real>>> changes;
+    plain_vector<std::span<const plain_pair<std::size_t, real>>> changes;
     for (const access& list : lists) {
       changes.emplace_back(list.sweep_watched(s, least));
       stalled += changes.back().size();
@@ -51,7 +52,7 @@ class stalled_islands {
     if (stalled == 0) return;
     join_bodies(lists, s);
     gather(lists, changes, s);
-    plain_vector<std::pair<real, std::size_t>> worst_first;
+    plain_vector<plain_pair<real, std::size_t>> worst_first;
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
@@ -124,7 +125,7 @@ class stalled_islands {
       }
   }
   void gather(std::span<const access> lists,
-              std::span<const std::span<const std::pair<std::size_t, real>>> changes,
+              std::span<const std::span<const plain_pair<std::size_t, real>>> changes,
               const State& s) {
     islands_.clear();
     number_.assign(s.bodies.size(), 0);  // from 1, of the island of a root

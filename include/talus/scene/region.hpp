@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/scene/site.hpp"
 
 namespace talus {
@@ -42,7 +43,7 @@ struct vertical_cylinder {
 
   /// Depth of a point inside, negative outside.
   [[nodiscard]] real value(const vec3& p) const {
-    const real side = radius - std::hypot(p[0] - centre[0], p[1] - centre[1]);
+    const real side = radius - portable::hypot(p[0] - centre[0], p[1] - centre[1]);
     return std::min(side, std::min(p[2] - lower, upper - p[2]));
   }
   /// Whether a point is inside or on the boundary.

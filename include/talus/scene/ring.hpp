@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "talus/core/portable_trigonometry.hpp"
 #include "talus/scene/site.hpp"
 
 namespace talus {
@@ -37,9 +38,9 @@ struct ring_of {
   /// One of its sites.
   [[nodiscard]] site at(int level, int i) const {
     const real angle = 2 * pi * (i + (level % 2 == 0 ? turn : 0)) / count;
-    const vec3 outwards{-std::sin(angle), std::cos(angle), 0};
+    const vec3 outwards{-portable::sin(angle), portable::cos(angle), 0};
     return {centre + radius * outwards + vec3(0, 0, (level + real(0.5)) * height),
-            quat(std::cos(angle / 2), 0, 0, std::sin(angle / 2)),
+            quat(portable::cos(angle / 2), 0, 0, portable::sin(angle / 2)),
             static_cast<std::uint64_t>(level) * static_cast<std::uint64_t>(count) +
                 static_cast<std::uint64_t>(i)};
   }
@@ -79,11 +80,11 @@ struct ring_of {
     real least = 0, most = 0;  // angles from the direction of the middle
     for (const real px : x)
       for (const real py : y) {
-        const real angle = std::atan2(mid_x * py - mid_y * px, mid_x * px + mid_y * py);
+        const real angle = portable::atan2(mid_x * py - mid_y * px, mid_x * px + mid_y * py);
         least = std::min(least, angle);
         most = std::max(most, angle);
       }
-    const real middle = std::atan2(-mid_x, mid_y), site_angle = 2 * pi / count;
+    const real middle = portable::atan2(-mid_x, mid_y), site_angle = 2 * pi / count;
     const real from = std::floor((middle + least) / site_angle - std::max(turn, real(0))) - 1;
     const real to = std::ceil((middle + most) / site_angle - std::min(turn, real(0))) + 1;
     if (to - from + 1 >= count) return all;

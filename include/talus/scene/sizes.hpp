@@ -7,6 +7,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/core/random.hpp"
 
 namespace talus {
@@ -56,7 +57,7 @@ struct lognormal_size {
       // Marsaglia's polar method (1964); the second number that it makes is not used.
       const real x = 2 * random.uniform() - 1, y = 2 * random.uniform() - 1, s = x * x + y * y;
       if (s >= 1 || s == 0) continue;
-      const real size = median * std::exp(sigma * x * std::sqrt(-2 * std::log(s) / s));
+      const real size = median * portable::exp(sigma * x * std::sqrt(-2 * portable::log(s) / s));
       if (size >= lower && size <= upper) return size;
     }
     detail::fail<std::invalid_argument>(

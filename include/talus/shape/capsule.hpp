@@ -4,6 +4,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/portable_powers.hpp"
 
 namespace talus {
 
@@ -44,7 +45,7 @@ struct capsule {
   }
   /// Distance of the furthest point from the point p.
   [[nodiscard]] real reach_from(const vec3& p) const {
-    return std::hypot(p[0], p[1], std::abs(p[2]) + length / 2) + radius;
+    return portable::hypot(p[0], p[1], std::abs(p[2]) + length / 2) + radius;
   }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const vec3 end = rotated(at.orientation, vec3(0, 0, length / 2));

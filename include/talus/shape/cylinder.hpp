@@ -4,6 +4,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/portable_powers.hpp"
 
 namespace talus {
 
@@ -23,7 +24,7 @@ struct cylinder {
   }
 
   /// Distance of its furthest point from the centre.
-  [[nodiscard]] real bounding_radius() const { return std::hypot(radius, length / 2); }
+  [[nodiscard]] real bounding_radius() const { return portable::hypot(radius, length / 2); }
   /// Volume.
   [[nodiscard]] real volume() const { return pi * radius * radius * length; }
   /// Principal moments per unit mass: r²/4 + l²/12 across the axis, r²/2 about it.
@@ -43,12 +44,12 @@ struct cylinder {
   }
   /// Distance of the furthest point from the point p.
   [[nodiscard]] real reach_from(const vec3& p) const {
-    return std::hypot(std::hypot(p[0], p[1]) + radius, std::abs(p[2]) + length / 2);
+    return portable::hypot(portable::hypot(p[0], p[1]) + radius, std::abs(p[2]) + length / 2);
   }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const vec3 axis = rotated(at.orientation, vec3(0, 0, 1));
     const auto along = [&](int i, int j, int k) {
-      return std::abs(axis[i]) * length / 2 + std::hypot(axis[j], axis[k]) * radius;
+      return std::abs(axis[i]) * length / 2 + portable::hypot(axis[j], axis[k]) * radius;
     };
     return {along(0, 1, 2), along(1, 2, 0), along(2, 0, 1)};
   }

@@ -8,6 +8,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 #include "talus/shape/triangle_mesh.hpp"
 
 namespace talus {
@@ -78,7 +79,7 @@ namespace detail {
   detail::require_revolvable(line, how, full);
   const auto at = [&](std::size_t i, int k) {
     const real angle = how.from + (how.to - how.from) * (full ? k % n : k) / n;
-    return vec3(line[i][0] * std::cos(angle), line[i][0] * std::sin(angle), line[i][1]);
+    return vec3(line[i][0] * portable::cos(angle), line[i][0] * portable::sin(angle), line[i][1]);
   };
   std::vector<triangle_mesh::triangle> all;
   for (std::size_t i = 0; i + 1 < line.size(); ++i)

@@ -10,6 +10,7 @@
 #include "talus/contact/place.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 
@@ -43,7 +44,7 @@ inline constexpr std::uint32_t nobody = 0xffffffffu;
 /// The numbers that bodies had before, or `nobody`; most have kept theirs.
 [[nodiscard]] inline plain_vector<std::uint32_t> numbers_before(
     const plain_vector<noted_body>& before, std::span<const system_id> now) {
-  plain_vector<std::pair<system_id, std::uint32_t>> others;
+  plain_vector<plain_pair<system_id, std::uint32_t>> others;
   const auto stayed = [&](std::size_t i) {
     return i < before.size() && i < now.size() && before[i].id == now[i];
   };
@@ -54,7 +55,8 @@ inline constexpr std::uint32_t nobody = 0xffffffffu;
   for (std::size_t i = 0; i < now.size(); ++i) {
     was[i] = static_cast<std::uint32_t>(i);
     if (stayed(i)) continue;
-    const auto at = std::lower_bound(others.begin(), others.end(), std::pair{now[i], 0u});
+    const auto at =
+        std::lower_bound(others.begin(), others.end(), plain_pair{now[i], std::uint32_t{0}});
     was[i] = at != others.end() && at->first == now[i] ? at->second : nobody;
   }
   return was;

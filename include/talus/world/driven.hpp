@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "talus/core/error.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/candidate_pairs.hpp"
@@ -33,7 +34,7 @@ namespace talus::detail {
   const vec3 axis = by.w() < 0 ? vec3(-by.x(), -by.y(), -by.z()) : vec3(by.x(), by.y(), by.z());
   const real sine = axis.norm();
   if (sine == 0) return {0, 0, 0};
-  return (2 * std::atan2(sine, std::abs(by.w())) / (sine * dt)) * axis;
+  return (2 * portable::atan2(sine, std::abs(by.w())) / (sine * dt)) * axis;
 }
 
 /// The place of a reference point that starts at `origin`.
@@ -233,9 +234,10 @@ void number_driven(world_state<Scenario>& s) {
 [[nodiscard]] inline vec3 along_chord(const vec3& w, const vec3& r, const vec3& normal, real dt) {
   const real angle = w.norm() * dt;
   if (angle == 0) return {0, 0, 0};
-  const real half = std::sin(angle / 2) / angle;  // 1 - cos x = 2 sin^2(x/2)
+  const real half = portable::sin(angle / 2) / angle;  // 1 - cos x = 2 sin^2(x/2)
   const vec3 around = w.cross(r);
-  const vec3 e = (std::sin(angle) / angle - 1) * around + (2 * half * half * dt) * w.cross(around);
+  const vec3 e =
+      (portable::sin(angle) / angle - 1) * around + (2 * half * half * dt) * w.cross(around);
   return e - normal.dot(e) * normal;
 }
 

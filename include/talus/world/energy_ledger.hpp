@@ -2,6 +2,7 @@
 // Keeps the energy ledger during a step: every entry from what happened, none as the remainder.
 #include <cmath>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/response/contact_work.hpp"
 #include "talus/response/integrate.hpp"
 #include "talus/world/solved_velocity.hpp"
@@ -106,7 +107,7 @@ template <class Scenario>
 void book_response(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
   const auto& solver = s.solver;
-  const real kept = s.damping == 1 ? 1 : std::pow(s.damping, s.dt), lost = 1 - kept * kept;
+  const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, s.dt), lost = 1 - kept * kept;
   r.mean.resize(solver.bodies.size());
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/world/closed_faces.hpp"
@@ -127,12 +128,12 @@ template <class Scenario>
 template <class Scenario>
 std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   require_all_here(s);
-  plain_vector<std::pair<system_id, std::size_t>> leaving;
+  plain_vector<plain_pair<system_id, std::size_t>> leaving;
   for (std::size_t n = 0; n < s.parcels.size(); ++n) open_message(s, n);
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     plain_vector<std::size_t> gone;
-    std::vector<plain_vector<std::pair<std::size_t, bool>>> to(s.parcels.size());
+    std::vector<plain_vector<plain_pair<std::size_t, bool>>> to(s.parcels.size());
     for (std::size_t i = 0; i < store.locals; ++i) {
       const vec3& p = store.position[i];
       if (!finite(p)) fail_lost(s, store.id[i], p);
@@ -174,7 +175,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
     sort_values(leaving);
     const auto find = [&](system_id id) {
       const auto at =
-          std::lower_bound(leaving.begin(), leaving.end(), std::pair{id, std::size_t{0}});
+          std::lower_bound(leaving.begin(), leaving.end(), plain_pair{id, std::size_t{0}});
       return at != leaving.end() && at->first == id ? at->second : memories.size();
     };
     const auto there = movable_copies(s);

@@ -2,6 +2,7 @@
 // Keeps the momentum balance during a step: what the bodies gained, and who gave it.
 #include <cmath>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/response/contact_work.hpp"
 #include "talus/world/energy_ledger.hpp"
 #include "talus/world/solved_velocity.hpp"
@@ -41,7 +42,7 @@ template <class Scenario>
 void book_momentum(world_state<Scenario>& s) {
   momentum_record& r = s.monitors.momentum;
   r = {};
-  const real lost = s.damping == 1 ? 0 : 1 - std::pow(s.damping, s.dt);
+  const real lost = s.damping == 1 ? 0 : 1 - portable::pow(s.damping, s.dt);
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
     if (!store.moves(i)) return;
     const real mass = 1 / store.inverse_mass[i];

@@ -2,6 +2,7 @@
 // Second and third stage of a step: velocities from forces and contacts, then positions.
 #include <cmath>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/response/integrate.hpp"
 #include "talus/world/colour_contacts.hpp"
 #include "talus/world/continuous.hpp"
@@ -103,7 +104,7 @@ void respond(world_state<Scenario>& s) {
 template <class Scenario>
 void integrate(world_state<Scenario>& s) {
   const auto& solver = s.solver;
-  const real kept = s.damping == 1 ? 1 : std::pow(s.damping, s.dt);
+  const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, s.dt);
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;

@@ -7,6 +7,7 @@
 #include "talus/contact/law.hpp"
 #include "talus/contact/soft_law.hpp"
 #include "talus/core/precision.hpp"
+#include "talus/core/rounding.hpp"
 #include "talus/detect/policy.hpp"
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/policy.hpp"
@@ -203,6 +204,11 @@ struct scenario final {
                 "scenario<...> names solver<reproducible> and a feature whose results depend on "
                 "the ranks: remove sleeping and continuous_collision, or use "
                 "solver<nonlinear_gauss_seidel>");
+  static_assert(
+      detail::rounds_as_written || !detail::solves_by_colours<typename solver_policy::type>,
+      "scenario<...> names solver<reproducible> in a program compiled with -ffast-math or "
+      "a part of it, after which results depend on the compiler: compile without it, or "
+      "use solver<nonlinear_gauss_seidel>");
   static_assert(!names<balancing> ||
                     detail::is_movable_decomposition<typename decomposition_policy::type>,
                 "scenario<...> names balancing and a decomposition that cannot move its cuts: use "

@@ -5,6 +5,7 @@
 
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 
 namespace talus {
@@ -30,7 +31,7 @@ inline constexpr int steps_between_rests = 4;
 template <class History>
 struct sleep_state {
   using waker =
-      std::pair<system_id, float>;  ///< a sleeping body, for how long its waker has rested
+      plain_pair<system_id, float>;  ///< a sleeping body, for how long its waker has rested
 
   sleep_settings settings;
   History contacts;                ///< of the bodies that sleep: what they remember until they wake

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/response/integrate.hpp"
 #include "talus/response/soft_force.hpp"
 #include "talus/world/detect.hpp"
@@ -318,7 +319,7 @@ void close_springs_as_measured(world_state<Scenario>& s) {
 /// acted for the time `h`.
 template <class Scenario>
 void kick(world_state<Scenario>& s, real h) {
-  const real kept = s.damping == 1 ? 1 : std::pow(s.damping, h);
+  const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, h);
   each_movable_store(s, [&](auto& store, std::size_t first) {
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.locals; ++i) {

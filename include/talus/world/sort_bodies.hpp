@@ -8,7 +8,9 @@
 #include <span>
 #include <utility>
 
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/world/state.hpp"
 
@@ -57,7 +59,7 @@ inline constexpr real most_scattered = 4;
   }
   real volume = 1;  // something flat is at least as thick as its bodies are apart
   for (const real w : width) volume *= std::max(w, widest / std::sqrt(n));
-  return volume > 0 ? way / n / std::cbrt(volume / n) : 0;
+  return volume > 0 ? way / n / portable::cbrt(volume / n) : 0;
 }
 
 /// For each place, the number of the point that comes there.
@@ -68,7 +70,7 @@ inline constexpr real most_scattered = 4;
     for (const vec3& p : points) low[k] = std::min(low[k], p[k]), high = std::max(high, p[k]);
     widest = std::max(widest, high - low[k]);
   }
-  plain_vector<std::pair<std::uint64_t, std::uint32_t>> codes(points.size());
+  plain_vector<plain_pair<std::uint64_t, std::uint32_t>> codes(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::array<std::uint32_t, 3> cell;
     for (std::size_t k = 0; k < 3; ++k)

@@ -10,6 +10,7 @@
 #include "talus/body/body.hpp"
 #include "talus/core/field_names.hpp"
 #include "talus/core/random.hpp"
+#include "talus/core/rounding.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/parallel/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
@@ -46,15 +47,18 @@ class world {
   using view = body_view<Scenario, Shape>;
 
   /// A world on this rank, with the domain that `d` gives it, connected to all ranks within reach.
-  /// Throws invalid_argument, with both numbers, if `d` is meant for another number of ranks.
+  /// Throws invalid_argument, with both numbers, if `d` is meant for another number of ranks, and
+  /// runtime_error for solver<reproducible> in a program compiled without -ffp-contract=off.
   world(link_type& link, const decomposition_type& d, const reach& within = {})
       : state_(link, domain_type(d, link.rank(), link.size(), within.distance)) {
+    if constexpr (by_colours) detail::require_rounding_as_written();
     if constexpr (balances) state_.balance.divide(d, within.distance);
   }
   /// The same with the decomposition's default values. Where it has none for this number of ranks,
   /// decompose() must give them first: what needs the domain throws invalid_argument until then. A
   /// decomposition for another number of ranks is refused at once.
   explicit world(link_type& link) : state_(link, domain_type::undivided(link.rank(), link.size())) {
+    if constexpr (by_colours) detail::require_rounding_as_written();
     try {
       state_.own = domain_type(decomposition_type{}, rank(), ranks());
       if constexpr (balances) state_.balance.divide({}, 0);
@@ -559,6 +563,7 @@ class world {
   friend struct detail::checkpoint_access;
   static constexpr bool keeps = Scenario::template has_feature<checkpoints>;
   static constexpr bool balances = Scenario::template has_feature<balancing>;
+  static constexpr bool by_colours = detail::world_state<Scenario>::by_colours;
 
   static consteval void refuse_by_hand() {
     static_assert(

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/detect/detail/convex_view.hpp"
 
 namespace talus::detail {
@@ -65,7 +66,7 @@ template <class Real>
       chosen[count++] = lowest;
     } else {
       const auto distance = [&](int k) {
-        return std::hypot(p[k].u - p[lowest].u, p[k].v - p[lowest].v);
+        return portable::hypot(p[k].u - p[lowest].u, p[k].v - p[lowest].v);
       };
       *std::min_element(chosen, chosen + 4,
                         [&](int k, int m) { return distance(k) < distance(m); }) = lowest;
@@ -136,7 +137,7 @@ class convex_patch {
     const vector p = here.at - origin_, q = next.at - origin_;
     const Real pu = u_.dot(p), pv = v_.dot(p);
     Real du = u_.dot(q) - pu, dv = v_.dot(q) - pv;
-    const Real length = std::hypot(du, dv);
+    const Real length = portable::hypot(du, dv);
     if (!(length > 0)) return;
     du /= length, dv /= length;
     const auto beyond = [&](const point& c) { return (c.u - pu) * dv - (c.v - pv) * du; };

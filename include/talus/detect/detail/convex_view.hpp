@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "talus/core/math.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/detect/detail/box_frame.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
@@ -268,7 +269,7 @@ class convex_view {
   /// along `d`; when the face is level within 1e-4, at fixed places, so that a cylinder that stands
   /// keeps its contact points.
   void cap(bool top, const vector& d, int rim, outline<Real>& out) const {
-    const Real tilt = std::hypot(d[0], d[1]);
+    const Real tilt = portable::hypot(d[0], d[1]);
     const bool level = !(tilt > Real(1e-4) * std::abs(d[2]));
     Real x = level ? 1 : d[0] / tilt, y = level ? 0 : d[1] / tilt;
     const Real c = rim == 4 ? 0 : rim == 8 ? std::sqrt(Real(0.5)) : Real(0.92387953251128674);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/shape/cylinder.hpp"
 #include "talus/shape/sphere.hpp"
 
@@ -19,7 +20,7 @@ void collide(const cylinder& a, const pose& pa, const sphere& b, const pose& pb,
   using vector = vector3<Real>;
   const Real half = a.length / 2, reach = b.radius + margin;
   const vector centre = pa.to_body(pb.position);
-  const Real from_axis = std::hypot(centre[0], centre[1]);
+  const Real from_axis = portable::hypot(centre[0], centre[1]);
   const Real beyond_side = from_axis - a.radius, beyond_end = std::abs(centre[2]) - half;
   if (!(std::max(beyond_side, beyond_end) <= reach)) return;
 
@@ -30,7 +31,7 @@ void collide(const cylinder& a, const pose& pa, const sphere& b, const pose& pb,
   vector normal;
   Real distance;
   if (beyond_side > 0 && beyond_end > 0) {
-    distance = std::hypot(beyond_side, beyond_end);
+    distance = portable::hypot(beyond_side, beyond_end);
     normal = (beyond_side * outwards + beyond_end * upwards) / distance;
   } else if (beyond_end > beyond_side) {
     distance = beyond_end;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "talus/core/id.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/parallel/connection.hpp"
@@ -182,7 +183,7 @@ class connection_checker {
   }
 
   void around(int rank, const vec3& p, const plain_vector<vec3>& across, real step, bool adjacent) {
-    plain_vector<std::pair<vec3, int>> points;
+    plain_vector<plain_pair<vec3, int>> points;
     for (unsigned signs = 0; signs < 1u << across.size(); ++signs) {
       vec3 q = p;
       for (std::size_t k = 0; k < across.size(); ++k)

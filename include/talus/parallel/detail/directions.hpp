@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "talus/core/error.hpp"
+#include "talus/core/portable_trigonometry.hpp"
 #include "talus/geometry/half_space.hpp"
 #include "talus/parallel/detail/plain_vectors.hpp"
 
@@ -25,7 +26,7 @@ namespace talus::detail {
 /// Cosine and sine; exact at quarter turns.
 struct turn {
   real cosine, sine;
-  explicit turn(real angle) : cosine(std::cos(angle)), sine(std::sin(angle)) {
+  explicit turn(real angle) : cosine(portable::cos(angle)), sine(portable::sin(angle)) {
     if (std::abs(cosine) < 1e-15) cosine = 0, sine = sine > 0 ? 1 : -1;
     if (std::abs(sine) < 1e-15) sine = 0, cosine = cosine > 0 ? 1 : -1;
   }

@@ -135,7 +135,7 @@ template <class Real>
             "a vertex of a convex_polyhedron is at {}, beyond {}: give coordinates nearer to the "
             "origin",
             p, largest_extent);
-  return extent > 0 ? std::exp2(Real(std::ilogb(extent))) : Real(1);
+  return extent > 0 ? std::ldexp(Real(1), std::ilogb(extent)) : Real(1);
 }
 
 /// The thickness of the points across a plane through three that lie far apart, over their extent.

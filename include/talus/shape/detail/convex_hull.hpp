@@ -14,6 +14,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/shape/detail/point_tree.hpp"
 
 namespace talus::detail {
@@ -86,7 +87,8 @@ class hull_wrapper {
     };
     if (!turn(out, 0, -1, -std::numeric_limits<Real>::infinity())) return {};
     for (bool turned = true; turned;) {
-      const Real length = std::hypot(best.x, best.y), bx = best.x / length, by = best.y / length;
+      const Real length = portable::hypot(best.x, best.y), bx = best.x / length,
+                 by = best.y / length;
       turned = turn(bx * normal - by * out, bx, by, rounding);
     }
     const Real bx = best.x, by = best.y;
@@ -163,7 +165,7 @@ class hull_wrapper {
       while (ring.size() >= keep + 2) {
         const place &a = ring[ring.size() - 2], &b = ring.back();
         const Real dx = c.x - a.x, dy = c.y - a.y;
-        if ((b.x - a.x) * dy - (b.y - a.y) * dx < -tolerance_ * std::hypot(dx, dy)) break;
+        if ((b.x - a.x) * dy - (b.y - a.y) * dx < -tolerance_ * portable::hypot(dx, dy)) break;
         ring.pop_back();
       }
       ring.push_back(c);

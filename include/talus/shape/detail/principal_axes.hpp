@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "talus/core/math.hpp"
+#include "talus/core/portable_powers.hpp"
 
 namespace talus::detail {
 
@@ -20,8 +21,8 @@ template <class Real>
         if (!(std::abs(m(p, q)) > zero)) continue;
         diagonal = false;
         const Real theta = (m(q, q) - m(p, p)) / (2 * m(p, q));
-        const Real t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::hypot(theta, Real(1)));
-        const Real c = 1 / std::hypot(t, Real(1)), s = t * c;
+        const Real t = (theta < 0 ? -1 : 1) / (std::abs(theta) + portable::hypot(theta, Real(1)));
+        const Real c = 1 / portable::hypot(t, Real(1)), s = t * c;
         matrix3<Real> turn = matrix3<Real>::Identity();
         turn(p, p) = turn(q, q) = c;
         turn(p, q) = s, turn(q, p) = -s;

@@ -1,0 +1,22 @@
+# Without the options that the package brings, COMPILER makes a program whose reproducible world says
+# what is missing; with -ffast-math it makes none. The variables are those of configure.cmake.
+set(FLAGS "-O2 -march=native")
+include(${CMAKE_CURRENT_LIST_DIR}/configure.cmake)
+try(${CMAKE_COMMAND} --build ${WORK} --target fast)
+string(REGEX REPLACE "[ \n]+" " " out "${out}")
+if(result EQUAL 0 OR NOT out MATCHES "names solver<reproducible> in a program compiled with -ffast-math")
+  message(FATAL_ERROR "-ffast-math is not refused:\n${out}")
+endif()
+
+file(WRITE ${WORK}/empty.cpp "")
+run(${COMPILER} -march=native -dM -E ${WORK}/empty.cpp)
+if(NOT out MATCHES "__FMA__")
+  message("this processor has no fused multiply-adds: no program to be refused")
+  return()
+endif()
+run(${CMAKE_COMMAND} --build ${WORK} --target fused)
+try(${WORK}/fused)
+message("${out}")
+if(NOT result EQUAL 3 OR NOT out MATCHES "fused or reordered: add -ffp-contract=off")
+  message(FATAL_ERROR "a program that fuses products and sums is not refused")
+endif()
