@@ -169,11 +169,9 @@ struct scenario final {
   template <class Feature>
   static constexpr bool names = detail::contains_type<typename features_policy::list, Feature>;
   static_assert(
-      !law_policy::soft ||
-          !(names<residual_monitor> || names<continuous_collision> || names<sleeping>),
+      !law_policy::soft || !(names<continuous_collision> || names<sleeping>),
       "scenario<...> names soft_contact<...> and a feature that needs the impulses of hard "
-      "contacts: remove residual_monitor, continuous_collision and sleeping, or use "
-      "hard_contact<...>");
+      "contacts: remove continuous_collision and sleeping, or use hard_contact<...>");
   using kept_features =
       std::conditional_t<verlet,
                          detail::list_with<typename features_policy::list, detail::contact_forces>,
