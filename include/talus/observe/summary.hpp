@@ -79,9 +79,7 @@ template <class Scenario>
   if constexpr (Scenario::contact_law::soft) detail::report_soft_step(w, r);
   r.sleeping = Scenario::template has_feature<talus::sleeping>;
   r.followed = Scenario::template has_feature<continuous_collision>;
-  r.may_follow = !Scenario::contact_law::soft && !r.sleeping &&
-                 !detail::world_state<Scenario>::drives &&
-                 !detail::world_state<Scenario>::periodic && !s.by_colours();
+  r.may_follow = !Scenario::contact_law::soft && !detail::world_state<Scenario>::midpoint;
   if constexpr (detail::world_state<Scenario>::drives) r.leap = detail::largest_leap_of(w);
   r.gravity = w.gravity().norm();
   r.moving = measure_motion(w);

@@ -35,9 +35,10 @@ class direct_islands {
 
   /// Whether contacts between copies of bodies of other ranks are wanted.
   [[nodiscard]] bool wants_foreign_contacts() const;
-  /// Before any impulse acts.
+  /// Before any impulse acts. Without `shares` this rank takes no part in islands that several
+  /// ranks solve alike, and says so to the others with the ties of its bodies.
   void look(std::span<const access> lists, State& s, int own,
-            std::span<const travelling_bodies> travelling);
+            std::span<const travelling_bodies> travelling, bool shares = true);
   /// Of a body, for sending and receiving.
   [[nodiscard]] body_ties& ties(std::size_t body);
   [[nodiscard]] bool is_hub(std::uint32_t body) const;

@@ -33,8 +33,8 @@ bool direct_islands<State>::wants_foreign_contacts() const {
 }
 template <class State>
 void direct_islands<State>::look(std::span<const access> lists, State& s, int own,
-                                 std::span<const travelling_bodies> travelling) {
-  parts_->shared.look(lists, s, own, travelling);
+                                 std::span<const travelling_bodies> travelling, bool shares) {
+  parts_->shared.look(lists, s, own, travelling, shares);
   parts_->gathered.find_hubs(lists, s, own, travelling);
 }
 template <class State>

@@ -44,10 +44,10 @@ class shared_islands {
   /// this rank, `sent` and `received` hold, for each other rank, the bodies that it has copies of
   /// and those that this rank has copies of.
   void look(std::span<const access> lists, const State& s, int own,
-            std::span<const travelling_bodies> travelling) {
+            std::span<const travelling_bodies> travelling, bool shares = true) {
     std::size_t at_boundary = 0;
     for (const access& list : lists) at_boundary += list.size(contact_part::boundary);
-    takes_part_ = wanted_ && at_boundary > 0 && at_boundary <= most_boundary_contacts;
+    takes_part_ = shares && wanted_ && at_boundary > 0 && at_boundary <= most_boundary_contacts;
     wanted_ = at_boundary <= most_boundary_contacts;
     ties_.assign(s.bodies.size(), {});  // what is sent where this rank takes no part
     if (!takes_part_) return;

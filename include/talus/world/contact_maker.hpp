@@ -43,7 +43,7 @@ template <class Own, class Other, class Scenario>
 template <class Scenario>
 [[nodiscard]] bool shares_islands(const world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::islands_across_ranks)
-    return s.islands.wants_foreign_contacts();
+    return s.islands.wants_foreign_contacts() && sees_single_images(s);
   else
     return (void)s, false;
 }
@@ -181,7 +181,8 @@ class contact_maker {
     x.radius = a_.shape[i].bounding_radius();
     x.slack = contact_slack * x.radius;
     x.margin = margin_a + margin_b;
-    if constexpr (store_a::sleeps)  // ranks look ahead as they know sleepers, but agree on contacts
+    // Ranks look ahead as they know sleepers, but agree on contacts.
+    if constexpr (store_a::sleeps && !state_type::continuous)
       x.margin = motion_.margin_in_step(i, j);
     if constexpr (ShapeB::finite) {
       // The slack of a large body that is none of a small one beside it: both have that of the
@@ -199,15 +200,40 @@ class contact_maker {
       waiting_.tests.set(lane, place_a(x), place_b(x), x.margin);
       if (waiting_.count == waiting_.tests.capacity) finish();
       return;
-    } else if constexpr (ShapeA::isotropic && ShapeB::isotropic) {  // a single point
+    } else if constexpr (ShapeA::isotropic && ShapeB::isotropic &&
+                         !(driven && state_type::continuous)) {  // a single point
       collide_pair(
           a_.shape[i], pose_a(x), b_.shape[j], pose_b(x),
           x.margin, [&](const contact_geometry& g) __attribute__((always_inline)) { add(x, g); });
     } else {
+      if constexpr (driven && state_type::continuous)
+        if (const real t = time_of_meeting(x); t > 0) {
+          const auto& [shape, place] = global_before<ShapeB>(b_, j, -t);
+          collide_pair(a_.shape[i], pose_a(x), shape, place, x.margin,
+                       [&](const contact_geometry& g) { add(x, g); });
+          return forget_unless_made(x);
+        }
       collide_pair(a_.shape[i], pose_a(x), b_.shape[j], pose_b(x), x.margin,
                    [&](const contact_geometry& g) { add(x, g); });
     }
     forget_unless_made(x);
+  }
+
+  /// Where bodies are followed: the time in this step at which a body that struck something meets
+  /// a driven one, which goes on until then; 0 for all others.
+  [[nodiscard]] real time_of_meeting(const pair_at_hand& x) const {
+    if constexpr (driven && state_type::continuous)
+      if (const real t = s_.impacts.time[first_a_ + x.i];
+          t != never && going_body<ShapeB>(s_, x.j) != nullptr)
+        return t;
+    return (void)x, 0;
+  }
+  /// The reference point of a global body where a contact meets it.
+  [[nodiscard]] vec3 reference_of(const pair_at_hand& x) const {
+    if constexpr (driven && state_type::continuous)
+      return b_.position[x.j] + time_of_meeting(x) * b_.velocity[x.j];
+    else
+      return b_.position[x.j];
   }
 
   /// One of their contact points.
@@ -223,11 +249,11 @@ class contact_maker {
       arm_b = g.point - position_b(x);
       u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
     } else if constexpr (driven) {
-      arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
+      const vec3 at = reference_of(x);
+      arm_b = g.point - (0.5 * g.gap) * g.normal - at;
       v_b = b_.velocity[j];
       if constexpr (!state_type::midpoint)
-        v_b +=
-            along_chord(b_.angular_velocity[j], a_.position[i] - b_.position[j], g.normal, s_.dt);
+        v_b += along_chord(b_.angular_velocity[j], a_.position[i] - at, g.normal, s_.dt);
       u -= v_b + b_.angular_velocity[j].cross(arm_b);
     }
     const auto material = [&] { return s_.materials.pair(a_.material[i], b_.material[j]); };

@@ -6,6 +6,13 @@
 // looked. So nothing passes through anything, however thin, nobody is deflected by what it passes,
 // and bodies rebound where they are struck. All this is for bodies faster than what gravity adds in
 // a step or two; slower ones are in contact, or nearly so.
+//
+// A driven body (features<driven>) goes on through the whole step. Impacts with it are looked for
+// in the frame that moves with it, and a body that is held in its way is carried along.
+//
+// A solver that divides the step divides what is left of it for each body: of a body that was
+// brought to its impact, the rest of the step, in which it gains the rest of what gravity and
+// forces give.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -13,7 +20,10 @@
 #include "talus/detect/narrow.hpp"
 #include "talus/detect/time_of_impact.hpp"
 #include "talus/response/free_flight.hpp"
+#include "talus/response/moving_frame.hpp"
+#include "talus/world/driven.hpp"
 #include "talus/world/energy_ledger.hpp"
+#include "talus/world/shadow_copies.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
@@ -30,6 +40,16 @@ template <class Scenario, class Store>
   return a;
 }
 
+/// Half of the step, or of its first part where it is divided: a velocity is the true one that
+/// much earlier.
+template <class Scenario>
+[[nodiscard]] real half_part(const world_state<Scenario>& s) {
+  if constexpr (divides_the_step<typename Scenario::solver>)
+    return real(0.5) * s.dt / s.settings.iterations;
+  else
+    return real(0.5) * s.dt;
+}
+
 /// The flight of a body in this step. (What torques add in the step is not in it.)
 template <class Scenario, class Store>
 [[nodiscard]] auto flight_of(const world_state<Scenario>& s, const Store& store, std::size_t i) {
@@ -38,7 +58,7 @@ template <class Scenario, class Store>
   f.orientation = store.pose(i).orientation;
   if (store.inverse_mass[i] == 0) return f;
   f.acceleration = acceleration_of(s, store, i);
-  f.velocity = store.velocity[i] + (real(0.5) * s.dt) * f.acceleration;
+  f.velocity = store.velocity[i] + half_part(s) * f.acceleration;
   if constexpr (Store::tensor) {
     f.spin = store.angular_velocity[i];
     f.inertia = store.shape[i].inertia();
@@ -101,6 +121,43 @@ template <class Scenario, class A, class B>
           .plunge = real(0.5) * thickness};
 }
 
+/// The driven body that global body j of a shape is and that goes somewhere in this step, or null.
+/// (A belt has a velocity, but stays.)
+template <class Shape, class Scenario>
+[[nodiscard]] const driven_body* going_body(const world_state<Scenario>& s, std::size_t j) {
+  if constexpr (world_state<Scenario>::drives) {
+    const driven_body* one = driven_at<Shape>(s, j);
+    if (one != nullptr && !(one->next.end == one->state.at)) return one;
+  }
+  return (void)s, (void)j, nullptr;
+}
+
+/// How far the surface of a global body comes in this step where it may meet body i.
+template <class Shape, class Scenario, class Store>
+[[nodiscard]] real way_of_driven(const world_state<Scenario>& s, const Store& store, std::size_t i,
+                                 std::size_t j) {
+  const driven_body* one = going_body<Shape>(s, j);
+  if (one == nullptr) return 0;
+  const real arm =
+      (store.position[i] - one->state.at.point).norm() + store.shape[i].bounding_radius();
+  return s.dt * (one->next.v.norm() + arm * one->next.w.norm());
+}
+
+/// When two bodies meet. The impact with a driven body is looked for in the frame that moves with
+/// it: there it stands still, and the other body flies along a curve.
+template <class ShapeB, bool Paired, class Scenario, class ShapeA, class FlightA, class StoreB,
+          class FlightB>
+[[nodiscard]] real meeting_of(const world_state<Scenario>& s, const ShapeA& shape,
+                              const FlightA& fa, const StoreB& b, std::size_t j, const FlightB& fb,
+                              const impact_search& search) {
+  if constexpr (!Paired && world_state<Scenario>::drives)
+    if (const driven_body* one = going_body<ShapeB>(s, j))
+      return time_of_impact(
+          shape, moving_frame(fa, one->state.at.point, one->next.v, one->next.w, search.to),
+          b.shape[j], fb, search);
+  return time_of_impact(shape, fa, b.shape[j], fb, search);
+}
+
 /// Finds the first impacts of two bodies and keeps the earliest of each body in `impacts.found`. In
 /// the first round all fly as they were going to. In the second those that were stopped stand where
 /// they are, in the way of the others.
@@ -123,22 +180,29 @@ class impact_finder {
     // In the order of their ids, so that every rank that sees the pair computes the same.
     if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
       if (b_.id[j] < a_.id[i]) std::swap(i, j);
-    if (i >= a_.locals && (!paired || j >= b_.locals)) return;
-    const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
+    std::size_t body_b = j;  // the body itself, of which this may be an image
+    auto fa = flight_of(s_, a_, i);
+    auto fb = flight_of(s_, b_, j);
+    if constexpr (paired && state_type::periodic) {
+      const image_pair at = minimum_image<ShapeA, ShapeB>(s_, i, j);
+      if (!at.known) return;
+      fa.position = at.a, fb.position = at.b, body_b = at.body_b;
+    }
+    if (i >= a_.locals && (!paired || body_b >= b_.locals)) return;
+    const bool moves_a = a_.moves(i), moves_b = paired && b_.moves(j);
     if (!moves_a && !moves_b) return;
     const real zone = contact_zone(a_.shape[i], b_.shape[j]);
     real way = way_of(s_, a_, i);
     if constexpr (paired) way += way_of(s_, b_, j);
+    if constexpr (!paired) way += way_of_driven<ShapeB>(s_, a_, i, j);
     if (!(way > slow_way(s_, zone))) return;
 
     impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
     real& time_a = s_.impacts.found[first_a_ + i];
-    auto fa = flight_of(s_, a_, i);
-    auto fb = flight_of(s_, b_, j);
     if (s_.impacts.second_round) {
       // Whoever stops first is in the way of the other from then on.
       const real until_a = std::min(s_.impacts.time[first_a_ + i], s_.dt);
-      const real until_b = paired ? std::min(s_.impacts.time[first_b_ + j], s_.dt) : s_.dt;
+      const real until_b = paired ? std::min(s_.impacts.time[first_b_ + body_b], s_.dt) : s_.dt;
       search.from = std::min(until_a, until_b);
       search.to = std::max(until_a, until_b);
       if (!(search.from < search.to)) return;
@@ -149,11 +213,11 @@ class impact_finder {
       else
         return;  // what is global stands there anyway
     }
-    const real t = time_of_impact(a_.shape[i], fa, b_.shape[j], fb, search);
+    const real t = meeting_of<ShapeB, paired>(s_, a_.shape[i], fa, b_, j, fb, search);
     if (t == never) return;
     if (moves_a) time_a = std::min(time_a, t);
     if constexpr (paired) {
-      real& time_b = s_.impacts.found[first_b_ + j];
+      real& time_b = s_.impacts.found[first_b_ + body_b];
       if (moves_b) time_b = std::min(time_b, t);
     }
   }
@@ -164,6 +228,18 @@ class impact_finder {
   store_b& b_;
   std::size_t first_a_, first_b_;
 };
+
+/// Gives the images of the bodies owned here the value of the body itself.
+template <class Scenario>
+void give_to_images(world_state<Scenario>& s, plain_vector<real>& values) {
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    const auto& copies = s.copies.of[k++];
+    for (std::size_t c = 0; c < copies.size(); ++c)
+      if (copies[c].own != image_copy::not_own)
+        values[b.first + b.movable.locals + c] = values[b.first + copies[c].own];
+  });
+}
 
 /// Throws runtime_error if a body flies over domains that the connections do not cover.
 template <class Scenario>
@@ -201,6 +277,7 @@ void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pai
     impacts.time = impacts.found;
     if constexpr (!world_state<Scenario>::link_type::alone)
       shared_velocities<Scenario>(s).share_values(impacts.time);
+    if constexpr (world_state<Scenario>::periodic) give_to_images(s, impacts.time);
     impacts.found = impacts.time;
   }
   s.each_finite_shape([&](auto& b) {
@@ -211,7 +288,14 @@ void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pai
       if (t == never || store.inverse_mass[i] == 0) continue;
       const pose from = store.pose(i);
       const vec3 w = store.angular_velocity[i];
-      store.position[i] = flight_of(s, store, i).place(t);
+      auto flight = flight_of(s, store, i);
+      if constexpr (world_state<Scenario>::periodic)
+        if (image_copy* copy = copy_of<typename store_type::shape_type>(s, i)) {
+          flight.position = copy->home;  // as its owner computes it
+          store.position[i] = flight.place(t);
+          put_image(s, store.position[i], *copy);
+        }
+      if (!world_state<Scenario>::periodic || i < store.locals) store.position[i] = flight.place(t);
       if constexpr (store_type::tensor)
         store.angular_velocity[i] = rotate_freely(
             store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), t);
@@ -247,9 +331,14 @@ template <class Scenario, class Store>
   if (store.inverse_mass[i] == 0) return f;
   const real t = s.impacts.time[body];
   f.velocity = solved_velocity(s, store, i, body);
-  if (t != never) f.velocity += (real(0.5) * t) * acceleration_of(s, store, i);
+  constexpr bool divided = divides_the_step<typename Scenario::solver>;
+  if constexpr (divided)
+    f.velocity += s.solver.drift[body].v;  // the mean of its parts
+  else if (t != never)
+    f.velocity += (real(0.5) * t) * acceleration_of(s, store, i);
   if constexpr (Store::tensor) {
     f.spin = solved_spin(s, store, i, body);
+    if constexpr (divided) f.spin += s.solver.drift[body].w;
     f.inertia = store.shape[i].inertia();
   }
   return f;
@@ -290,10 +379,20 @@ class flight_stopper {
         first_b_(paired ? s.template of<ShapeB>().first : 0) {}
 
   void operator()(std::size_t i, std::size_t j, real, real) {
-    const std::size_t a = first_a_ + i, b = first_b_ + j;
+    [[maybe_unused]] image_pair at{a_.position[i], b_.position[j], j};
+    if constexpr (paired && state_type::periodic) {
+      if constexpr (std::is_same_v<ShapeA, ShapeB>)
+        if (b_.id[j] < a_.id[i]) std::swap(i, j);
+      at = minimum_image<ShapeA, ShapeB>(s_, i, j);
+      if (!at.known) return;
+    }
+    const std::size_t a = first_a_ + i, b = first_b_ + at.body_b;
     const auto& time = s_.impacts.time;
+    if constexpr (!paired && state_type::drives)
+      if (s_.impacts.second_round) return carry(i, j);
+    if (state_type::drives && s_.impacts.second_round) return;
     const bool stops_a = i < a_.locals && time[a] != never;
-    const bool stops_b = paired && j < b_.locals && time[b] != never;
+    const bool stops_b = paired && at.body_b < b_.locals && time[b] != never;
     if (!stops_a && !stops_b) return;
     // From the later of the two impacts on; who is not struck is still where it began.
     impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
@@ -303,28 +402,58 @@ class flight_stopper {
       fb = rest_of_flight(s_, b_, j, b);
     else
       fb = flight_of(s_, b_, j);
+    if constexpr (paired && state_type::periodic) fa.position = at.a, fb.position = at.b;
     const real from_a = time[a] == never ? 0 : time[a];
     const real from_b = !paired || time[b] == never ? 0 : time[b];
     search.from = std::max(from_a, from_b);
     fa.position -= from_a * fa.velocity, fa.turned = from_a;
     fb.position -= from_b * fb.velocity, fb.turned = from_b;
-    const real t = time_of_impact(a_.shape[i], fa, b_.shape[j], fb, search);
+    const real t = meeting_of<ShapeB, paired>(s_, a_.shape[i], fa, b_, j, fb, search);
     if (t == never) return;
     if (stops_a) s_.impacts.found[a] = std::min(s_.impacts.found[a], t);
     if (stops_b) s_.impacts.found[b] = std::min(s_.impacts.found[b], t);
   }
 
  private:
+  /// Whether the driven body reaches body i where that is held, and when.
+  void carry(std::size_t i, std::size_t j) {
+    const std::size_t a = first_a_ + i;
+    const driven_body* one = going_body<ShapeB>(s_, j);
+    if (one == nullptr || i >= a_.locals || s_.impacts.time[a] == never) return;
+    impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
+    search.from = s_.impacts.found[a];
+    search.plunge = 0;
+    if (!(search.from < s_.dt)) return;
+    auto fa = rest_of_flight(s_, a_, i, a);
+    fa.position -= s_.impacts.time[a] * fa.velocity, fa.turned = s_.impacts.time[a];
+    const real t = meeting_of<ShapeB, paired>(s_, a_.shape[i], fa.stopped(search.from), b_, j,
+                                              flight_of(s_, b_, j), search);
+    auto& carrier = s_.impacts.carriers[a];
+    if (t < carrier.from) carrier = {t, one->state.at.point, one->next.v, one->next.w};
+  }
+
   state_type& s_;
   store_a& a_;
   store_b& b_;
   std::size_t first_a_, first_b_;
 };
 
+/// Where a body is at the end of the step that was held at `position` and is carried along.
+[[nodiscard]] inline vec3 carried_to(const impact_times::carried& by, const vec3& position,
+                                     real dt) {
+  const real turn = (dt - by.from) * by.w.norm();
+  const vec3 arm = position - by.origin - by.from * by.v;
+  return by.origin + dt * by.v + (turn > 0 ? rotated(rotation(by.w, turn), arm) : arm);
+}
+
 /// After the response: until when the bodies that struck something go on, in s.impacts.found.
 template <class Scenario, class EachClosePair>
 void limit_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair) {
   impact_times& impacts = s.impacts;
+  // Others end their sweeps with velocities of copies as they were before the last one, which is
+  // near enough where results may depend on the ranks.
+  if constexpr (world_state<Scenario>::by_colours && !world_state<Scenario>::link_type::alone)
+    shared_velocities<Scenario>(s).share_velocities();
   impacts.found.assign(impacts.time.size(), s.dt);
   if (std::all_of(impacts.time.begin(), impacts.time.end(), [](real t) { return t == never; }))
     return;
@@ -341,7 +470,13 @@ void limit_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair
       if (speed * (s.dt - t) > furthest) impacts.found[b.first + i] = t + furthest / speed;
     }
   });
+  impacts.second_round = false;
   each_neighbour_pair();
+  if constexpr (world_state<Scenario>::drives) {
+    impacts.carriers.assign(impacts.time.size(), {});
+    impacts.second_round = true;
+    each_neighbour_pair();
+  }
 }
 
 }  // namespace talus::detail

@@ -4,19 +4,56 @@
 #include "talus/world/continuous.hpp"
 #include "talus/world/neighbour_list.hpp"
 #include "talus/world/search.hpp"
+#include "talus/world/sleep.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
+
+/// Notes the sleeping bodies of a pair of shapes that something awake comes near.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner>
+class sleeper_finder {
+  static constexpr bool paired = Partner == partner::moving;
+
+ public:
+  explicit sleeper_finder(world_state<Scenario>& s) : s_(s) {}
+
+  void operator()(std::size_t i, std::size_t j, real, real) {
+    const auto& b = s_.template of<ShapeB>();
+    (void)meet_sleeper(s_, s_.template of<ShapeA>().movable, i, paired ? b.movable : b.global, j);
+  }
+
+ private:
+  world_state<Scenario>& s_;
+};
+
+/// Before bodies are followed on their way: wakes what they will strike, so that it is awake when
+/// it is struck.
+template <class Scenario>
+void wake_ahead(world_state<Scenario>& s) {
+  if (!all_rest(s) && !s.sleep.asleep.empty()) {
+    prepare_detection(s);
+    each_neighbour_pair<sleeper_finder>(s);
+  }
+  wake_islands_in_step(s, [] {});
+}
 
 /// Finds all contacts that this rank computes: those that touch a body it owns.
 template <class Scenario>
 void detect(world_state<Scenario>& s) {
   s.each_contact_list([](auto& list) { list.clear(); });
   if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
+  constexpr bool continuous = world_state<Scenario>::continuous;
+  if constexpr (world_state<Scenario>::sleeps && continuous) wake_ahead(s);
   if constexpr (world_state<Scenario>::sleeps)
-    if (all_rest(s)) return count_bodies(s);
-  if constexpr (world_state<Scenario>::continuous) {
-    prepare_detection(s);
+    if (all_rest(s)) {
+      count_bodies(s);
+      if constexpr (continuous) s.impacts.time.assign(s.solver.bodies.size(), never);
+      return;
+    }
+  if constexpr (continuous) {
+    // (Where some sleep, reach is that of several steps.)
+    prepare_detection(
+        s, [&](const auto& store, std::size_t i, std::size_t) { return reach_of(store, i, s.dt); });
     follow_flights(s, [&] { each_neighbour_pair<impact_finder>(s); });
     prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t k) {
       return reach_after_flight(s, store, i, k);

@@ -7,6 +7,7 @@
 
 #include "talus/response/residual.hpp"
 #include "talus/world/state.hpp"
+#include "talus/world/unbalanced_force.hpp"
 
 namespace talus {
 
@@ -14,10 +15,15 @@ namespace talus {
 /// natural map of the frictional contact problem in De Saxce's form (Acary, Bremond, Huber 2018).
 /// r are the impulses, u = W r + q the relative velocities less what gaps and restitution ask for,
 /// u^ = u + mu |u_t| n, K the Coulomb cones, rho = 1 / mean diagonal of W.
+///
+/// Of soft contacts, which have no problem to solve, the ratio of unbalanced force (Cundall): the
+/// root mean square of the resultant of contact forces and weight over the bodies that touch
+/// something, over the root mean square of the contact forces. It tends to 0 as bodies come to
+/// rest, and is of the order of 1 where they collide.
 struct contact_residual {
   double value = 0;  ///< of all contacts; 0 where nothing touches
   /// Of the worst contact, over the root mean square of the scale: `value` is the root mean square
-  /// of such values.
+  /// of such values. Of soft contacts: of the worst body.
   double max = 0;
   std::uint64_t contacts = 0;
 };
@@ -54,7 +60,7 @@ void refresh_last_step(world_state<Scenario>& s, solver_state_of<Real>& x,
 /// Collective. The solver's arrays and the lists of what travelled stay as the last step left them
 /// until the next one begins, whatever happens to bodies and connections in between.
 template <class Scenario>
-contact_residual last_residual(world_state<Scenario>& s) {
+contact_residual last_hard_residual(world_state<Scenario>& s) {
   // Velocities at the end, and what the impulses gave to them: u and W r are read from these.
   auto after = s.solver, given = s.solver;
   for (auto& body : given.bodies) body.v = body.w = {0, 0, 0};
@@ -74,6 +80,18 @@ contact_residual last_residual(world_state<Scenario>& s) {
                            static_cast<std::uint64_t>(sums.sums[3])};
   s.convergence.add_residual(r.value);
   return r;
+}
+
+/// Collective: the residual of the last step, which is also noted in the world's convergence.
+template <class Scenario>
+contact_residual last_residual(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::law::soft) {
+    const unbalanced_sums u = measure_unbalanced_force(s);
+    s.convergence.add_residual(u.value());
+    return {u.value(), u.worst(), static_cast<std::uint64_t>(u.sums[3])};
+  } else {
+    return last_hard_residual(s);
+  }
 }
 
 }  // namespace detail

@@ -234,10 +234,28 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   return passing;
 }
 
+/// Wakes all islands that something has woken, on all ranks in this step, however many ranks an
+/// island lies on: for solvers whose results must not depend on the ranks. Shadow copies are as
+/// their owners are.
+template <class Scenario>
+void wake_everywhere(world_state<Scenario>& s) {
+  while (anywhere(s, wakes_pend(s))) {
+    wake_islands(s);
+    if constexpr (!world_state<Scenario>::link_type::alone) {
+      const stage_clock clock(s.seconds.exchange);
+      share_shadow_copies(s, false);
+    } else if (std::exchange(s.sleep.changed, false)) {
+      note_sleepers(s);
+    }
+  }
+}
+
 /// The migration at the end of a step.
 template <class Scenario>
 void migrate_and_refresh(world_state<Scenario>& s) {
-  if constexpr (world_state<Scenario>::sleeps) wake_islands(s);
+  constexpr bool sleeps = world_state<Scenario>::sleeps;
+  constexpr bool by_colours = world_state<Scenario>::by_colours;
+  if constexpr (sleeps && !by_colours) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
@@ -247,16 +265,19 @@ void migrate_and_refresh(world_state<Scenario>& s) {
     share_shadow_copies(s, true);
   } else {
     require_all_here(s);
-    if constexpr (world_state<Scenario>::sleeps)
+    if constexpr (sleeps)
       if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
+  if constexpr (sleeps && by_colours) wake_everywhere(s);
 }
 
 /// At the beginning of a step: tells the neighbours what the user has changed since the last one.
 template <class Scenario>
 void notify_neighbours(world_state<Scenario>& s) {
-  if constexpr (world_state<Scenario>::sleeps) wake_islands(s);
+  constexpr bool sleeps = world_state<Scenario>::sleeps;
+  constexpr bool by_colours = world_state<Scenario>::by_colours;
+  if constexpr (sleeps && !by_colours) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
@@ -284,10 +305,11 @@ void notify_neighbours(world_state<Scenario>& s) {
     }
     share_shadow_copies(s, s.changed);
     refuse_uncovered_flights(s);
-  } else if constexpr (world_state<Scenario>::sleeps) {
+  } else if constexpr (sleeps) {
     if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
+  if constexpr (sleeps && by_colours) wake_everywhere(s);
 }
 
 }  // namespace talus::detail

@@ -76,6 +76,8 @@ class pair_motion {
     if constexpr (Paired) {
       way += way_of(s_, b_, j);
       struck = struck || impact_time(first_b_ + j) != never;
+    } else {
+      way += way_of_driven<ShapeB>(s_, a_, i, j);
     }
     return way > slow_way(s_, zone) && !(struck && !(law::restitution && pair.restitution > 0));
   }
@@ -84,8 +86,10 @@ class pair_motion {
     u += flown(a_, i, first_a_);
     if constexpr (Paired) u -= flown(b_, j, first_b_);
   }
-  /// Makes the normal velocity that the impact is to leave that at the end of the step.
+  /// Makes the normal velocity that the impact is to leave that at the end of the step. (A solver
+  /// that divides the step finds that by itself.)
   void add_flight_after(real& target, std::size_t i, std::size_t j, const vec3& normal) const {
+    if constexpr (divides_the_step<typename Scenario::solver>) return;
     const bool rebounds = target > 0;
     target += normal.dot(to_fly(a_, i, first_a_, rebounds));
     if constexpr (Paired) target -= normal.dot(to_fly(b_, j, first_b_, rebounds));
@@ -98,7 +102,7 @@ class pair_motion {
   [[nodiscard]] vec3 flown(const Store& store, std::size_t i, std::size_t first) const {
     const real t = impact_time(first + i);
     if (t == never) return {0, 0, 0};
-    return (real(0.5) * s_.dt + t) * acceleration_of(s_, store, i);
+    return (half_part(s_) + t) * acceleration_of(s_, store, i);
   }
   /// The same at the end of the step above what the velocity is after the impact: of a body that
   /// rebounds and flies on, or else of one that stays.

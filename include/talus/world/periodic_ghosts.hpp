@@ -1,5 +1,6 @@
 #pragma once
 // Shadow copies that are images of a periodic box: their owner knows them elsewhere, perhaps here.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -48,10 +49,28 @@ template <class State>
 
 /// What is known of a body as a shadow copy, or null.
 template <class Shape, class State>
-[[nodiscard]] const image_copy* copy_of(const State& s, std::size_t i) {
+[[nodiscard]] auto* copy_of(State& s, std::size_t i) {
   const std::size_t locals = s.template of<Shape>().movable.locals;
-  return i < locals ? nullptr
-                    : &s.copies.of[index_of<typename State::finite_shapes, Shape>][i - locals];
+  auto& copies = s.copies.of[index_of<typename State::finite_shapes, Shape>];
+  return i < locals ? nullptr : &copies[i - locals];
+}
+
+/// Whether this rank sees at most one image of each body, and all images of an island on the same
+/// side of the box: its domain and what reaches into it are shorter than each period. True where
+/// space does not repeat itself.
+template <class State>
+[[nodiscard]] bool sees_single_images(const State& s) {
+  if constexpr (State::periodic) {
+    const auto* cells = s.own.partition();
+    if (cells == nullptr) return false;
+    real reach = s.choice.announced;
+    for (const auto& n : s.neighbours) reach = std::max(reach, n.reach);
+    const auto cell = cells->cell(s.own.rank());
+    const vec3& period = s.own.box().period();
+    for (int k = 0; k < 3; ++k)
+      if (period[k] > 0 && cell.upper[k] - cell.lower[k] + 4 * reach > period[k]) return false;
+  }
+  return (void)s, true;
 }
 
 /// A pair of bodies as all see it, to the bit, on whichever side of the box they are themselves:

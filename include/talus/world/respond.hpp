@@ -63,8 +63,15 @@ void gather_velocities(world_state<Scenario>& s) {
       body.v = in_scalar<number>(free_velocity(s, store, i));
       body.w = in_scalar<number>(free_spin(s, store, i, b.first + i));
       if (inverse_mass == 0) continue;
-      if constexpr (divided)
-        solver.gain[b.first + i] = {body.v - store.velocity[i], body.w - store.angular_velocity[i]};
+      if constexpr (divided) {
+        auto& gain = solver.gain[b.first + i];
+        gain = {body.v - store.velocity[i], body.w - store.angular_velocity[i]};
+        if constexpr (world_state<Scenario>::continuous)  // the first part was gained on its way
+          if (const real t = s.impacts.time[b.first + i]; t != never) {
+            const real left = (s.dt - t) / s.dt;
+            gain = {left * gain.v, left * gain.w};
+          }
+      }
     }
   });
 }
@@ -86,7 +93,8 @@ void solve_contacts(world_state<Scenario>& s) {
 /// Solves the contact problem: afterwards the solver's velocities fulfil the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
-  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
+  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger> &&
+                !world_state<Scenario>::by_colours)
     if (s.settings.tolerance == 0 && all_rest(s)) return;  // no rank waits for this one
   gather_velocities(s);
   if constexpr (world_state<Scenario>::two_solvers)
@@ -108,6 +116,7 @@ void integrate(world_state<Scenario>& s) {
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;
+    constexpr bool divided = divides_the_step<typename Scenario::solver>;
     finite_watch watch;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
@@ -116,26 +125,41 @@ void integrate(world_state<Scenario>& s) {
       vec3 rate = store.velocity[i];
       real left = s.dt;
       if constexpr (world_state<Scenario>::midpoint) left *= real(0.5), rate *= real(0.5);
+      [[maybe_unused]] bool struck = false;
       if constexpr (world_state<Scenario>::continuous)
         if (const real t = s.impacts.time[b.first + i]; t != never) {
-          rate += (real(0.5) * t) * acceleration_of(s, store, i);
+          struck = true;
+          if constexpr (divided)
+            rate += solver.drift[b.first + i].v;
+          else
+            rate += (real(0.5) * t) * acceleration_of(s, store, i);
           left = s.impacts.found[b.first + i] - t;
           rate *= left / s.dt;
-          if constexpr (watches<Scenario, energy_ledger>)
-            book_stop(s, store, i, s.dt * (store.velocity[i] - rate));
+          if constexpr (watches<Scenario, energy_ledger>) {
+            vec3 missing = s.dt * (store.velocity[i] - rate);
+            if constexpr (divided) missing += s.dt * solver.drift[b.first + i].v;
+            book_stop(s, store, i, missing);
+          }
           end_flight(s, store, i, s.dt - s.impacts.found[b.first + i]);
         }
       if constexpr (world_state<Scenario>::law::correction)
         rate += in_scalar<real>(solver.shift[b.first + i].v);
-      constexpr bool divided = divides_the_step<typename Scenario::solver>;
-      if constexpr (divided) rate += solver.drift[b.first + i].v;
+      if constexpr (divided)
+        if (!struck) rate += solver.drift[b.first + i].v;
       store.position[i] += s.dt * rate;
+      if constexpr (world_state<Scenario>::continuous && world_state<Scenario>::drives)
+        if (struck && s.impacts.carriers[b.first + i].from < s.dt) {
+          const vec3 held = store.position[i];
+          store.position[i] = carried_to(s.impacts.carriers[b.first + i], held, s.dt);
+          if constexpr (watches<Scenario, energy_ledger>)
+            book_stop(s, store, i, held - store.position[i]);
+        }
       if constexpr (store_type::tensor) {
         store.angular_velocity[i] = rotate_freely(
             store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), left);
         if constexpr (divided)
           store.orientation_of[i] =
-              turned<real>(store.orientation_of[i], s.dt * solver.drift[b.first + i].w);
+              turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
         if constexpr (world_state<Scenario>::law::correction)
           store.orientation_of[i] = turned<real>(
               store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor].w);
@@ -144,7 +168,7 @@ void integrate(world_state<Scenario>& s) {
             turned<real>(store.orientation_of[i], left * store.angular_velocity[i]);
         if constexpr (divided)
           store.orientation_of[i] =
-              turned<real>(store.orientation_of[i], s.dt * solver.drift[b.first + i].w);
+              turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
       }
       watch.look(store.position[i]);  // where the velocity is in
       watch.look(store.angular_velocity[i]);

@@ -136,6 +136,7 @@ struct soft_response {
   lists_type contacts;             ///< their number
   history_type history, recorded;  ///< of the last step, and of the one under way
   soft_state<Law> soft;
+  talus::convergence convergence;  ///< of features<residual_monitor>: its residuals only
 };
 
 /// `Driven`: global bodies may have velocities.

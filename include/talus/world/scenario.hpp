@@ -170,26 +170,13 @@ struct scenario final {
   template <class Feature>
   static constexpr bool names = detail::contains_type<typename features_policy::list, Feature>;
   static_assert(
-      !law_policy::soft ||
-          !(names<residual_monitor> || names<continuous_collision> || names<sleeping>),
+      !law_policy::soft || !(names<continuous_collision> || names<sleeping>),
       "scenario<...> names soft_contact<...> and a feature that needs the impulses of hard "
-      "contacts: remove residual_monitor, continuous_collision and sleeping, or use "
-      "hard_contact<...>");
-  static_assert(!names<sleeping> || !names<continuous_collision>,
-                "scenario<...> names sleeping and continuous_collision, but bodies that are "
-                "followed on their way cannot wake what they strike within the step: keep one of "
-                "them");
-  static_assert(!names<driven> || !names<continuous_collision>,
-                "scenario<...> names driven and continuous_collision, but bodies are followed on "
-                "their way only to what stands still: keep one of them, or use a smaller dt");
+      "contacts: remove continuous_collision and sleeping, or use hard_contact<...>");
   using kept_features =
       std::conditional_t<verlet,
                          detail::list_with<typename features_policy::list, detail::contact_forces>,
                          typename features_policy::list>;
-  static_assert(!detail::divides_the_step<typename solver_policy::type> ||
-                    !names<continuous_collision>,
-                "scenario<...> names solver<small_steps> and continuous_collision, but both divide "
-                "the step: keep one of them");
   static constexpr bool in_double = std::is_same_v<typename precision_policy::type, double>;
   static_assert(in_double || !law_policy::soft,
                 "scenario<...> names soft_contact<...> and a precision other than double, but soft "
@@ -199,11 +186,6 @@ struct scenario final {
                 "scenario<...> names a precision other than double and a solver that works in "
                 "double: remove the precision, or use solver<nonlinear_gauss_seidel> or "
                 "solver<reproducible>");
-  static_assert(!detail::solves_by_colours<typename solver_policy::type> ||
-                    !(names<sleeping> || names<continuous_collision>),
-                "scenario<...> names solver<reproducible> and a feature whose results depend on "
-                "the ranks: remove sleeping and continuous_collision, or use "
-                "solver<nonlinear_gauss_seidel>");
   static_assert(
       detail::rounds_as_written || !detail::solves_by_colours<typename solver_policy::type>,
       "scenario<...> names solver<reproducible> in a program compiled with -ffast-math or "
@@ -218,9 +200,6 @@ struct scenario final {
   static_assert(!periodic || !alone,
                 "scenario<...> names a periodic decomposition and transport<serial>, but a rank "
                 "beside its own image talks to itself: use transport<threads>, on one rank too");
-  static_assert(!periodic || !(names<sleeping> || names<continuous_collision>),
-                "scenario<...> names a periodic decomposition and a feature that does not look "
-                "across its sides: remove sleeping and continuous_collision");
   static constexpr bool midpoint =
       std::is_same_v<typename integrator_policy::type, moreau_midpoint>;
   static_assert(!midpoint || !law_policy::soft,

@@ -57,7 +57,7 @@ class shared_velocities {
   void look_for_shared_islands(Lists& lists) {
     if constexpr (!state_type::islands_across_ranks) return (void)lists;
     const auto all = access_to<solver_type>(lists);
-    s_.islands.look(all, s_.solver, s_.link->rank(), travelling());
+    s_.islands.look(all, s_.solver, s_.link->rank(), travelling(), sees_single_images(s_));
   }
   template <class Lists>
   void solve_shared_islands(Lists& lists) {

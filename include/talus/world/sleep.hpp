@@ -9,6 +9,10 @@
 // alike on all ranks, an island falls asleep on all of them in the same step. Whoever is woken
 // takes over the value of who woke it: all go back to sleep together, and waking ends somewhere
 // even where an island is larger than what can be told in time.
+//
+// With solver<reproducible> nothing may depend on the ranks. There the least value of each whole
+// island, and who wakes, are found by exchanges between neighbours until no rank learns anything
+// new (label propagation over the islands), with one collective call for each round.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +21,7 @@
 
 #include "talus/world/energy_ledger.hpp"
 #include "talus/world/migrate_and_refresh.hpp"
+#include "talus/world/shared_velocities.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/stage_clock.hpp"
 #include "talus/world/state.hpp"
@@ -62,12 +67,17 @@ void meet_disturbed(world_state<Scenario>& s) {
     s.sleep.spreads = s.sleep.spreads || moved(c.key.a) || moved(c.key.b);
 }
 
-/// After contacts were looked for: wakes the islands that something has come near, tells the
-/// neighbours, and looks again where anybody has woken.
+/// Wakes the islands that something has come near, tells the neighbours, and calls detect() where
+/// anybody has woken.
 template <class Scenario, class Detect>
-void wake_disturbed(world_state<Scenario>& s, Detect&& detect) {
+void wake_islands_in_step(world_state<Scenario>& s, Detect&& detect) {
   s.sleep.noted = false;
   meet_disturbed(s);
+  if constexpr (world_state<Scenario>::by_colours) {
+    wake_everywhere(s);
+    if (s.sleep.noted) detect();
+    return;
+  }
   wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
@@ -76,6 +86,14 @@ void wake_disturbed(world_state<Scenario>& s, Detect&& detect) {
     note_sleepers(s);
   }
   if (s.sleep.noted) detect();
+}
+
+/// After contacts were looked for: wakes the islands that something has come near, and looks again.
+/// (Where bodies are followed on their way, this comes before: see wake_ahead() of
+/// world/detect.hpp. To follow them twice would move them twice.)
+template <class Scenario, class Detect>
+void wake_disturbed(world_state<Scenario>& s, Detect&& detect) {
+  if constexpr (!world_state<Scenario>::continuous) wake_islands_in_step(s, detect);
 }
 
 /// Adds the step to the time for which each body owned here has been quiet.
@@ -93,7 +111,9 @@ void count_quiet(world_state<Scenario>& s) {
       store.quiet[i] = rests ? store.quiet[i] + dt : 0;
     }
   });
-  if (!std::exchange(s.sleep.disturbed, false)) return;
+  // Copies of what was disturbed elsewhere keep their mark, which must not depend on the ranks.
+  const bool disturbed = std::exchange(s.sleep.disturbed, false);
+  if (!disturbed && !world_state<Scenario>::by_colours) return;
   const auto forget = [](auto& store) {
     for (auto& flags : store.flags) flags &= static_cast<std::uint8_t>(~flag_disturbed);
   };
@@ -113,8 +133,10 @@ void join_islands(world_state<Scenario>& s) {
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size(); ++i)
       if (b.movable.moves(i))
-        rested[b.first + i] =
-            b.movable.quiet[i] + (i < b.movable.locals ? 0 : static_cast<float>(s.dt));
+        if (i < b.movable.locals)
+          rested[b.first + i] = b.movable.quiet[i];
+        else if (!world_state<Scenario>::by_colours)  // there, owners say it below
+          rested[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
   });
   const auto carried = [&](std::size_t body, std::size_t by) {
     if (bodies[by].v != vec3(0, 0, 0) || bodies[by].w != vec3(0, 0, 0)) rested[body] = 0;
@@ -135,6 +157,19 @@ void join_islands(world_state<Scenario>& s) {
   for (std::uint32_t k = 0; k < parent.size(); ++k) {
     float& all = rested[root_of(parent, k)];
     all = std::min(all, rested[k]);
+  }
+  if constexpr (world_state<Scenario>::by_colours && !world_state<Scenario>::link_type::alone) {
+    plain_vector<real> values(parent.size());
+    for (bool lower = true; lower; lower = anywhere(s, lower)) {
+      for (std::uint32_t k = 0; k < parent.size(); ++k) values[k] = rested[root_of(parent, k)];
+      shared_velocities<Scenario>(s).share_values(values);
+      lower = false;
+      for (std::uint32_t k = 0; k < parent.size(); ++k) {
+        float& all = rested[root_of(parent, k)];
+        if (const auto there = static_cast<float>(values[k]); there < all)
+          all = there, lower = true;
+      }
+    }
   }
 }
 

@@ -14,11 +14,16 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
+#include <vector>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/bytes.hpp"
+#include "talus/core/parcel.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/world/stage_clock.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -49,6 +54,16 @@ template <class StoreA, class StoreB>
   return (a.asleep(i) && !b.moves(j)) || (b.asleep(j) && !a.moves(i));
 }
 
+/// The largest acceleration that gravity and forces give a body in this step.
+template <class Scenario, class Store>
+[[nodiscard]] real acceleration_bound(const world_state<Scenario>& s, const Store& store,
+                                      std::size_t i) {
+  if (!store.moves(i)) return 0;
+  real a = s.gravity.norm();
+  if constexpr (Store::forced) a += store.inverse_mass[i] * store.force[i].norm();
+  return a;
+}
+
 /// Whether two bodies are within the slack of contacts, or soon will be if they go on as they do.
 template <class Scenario, class StoreA, class StoreB>
 [[nodiscard]] bool about_to_touch(const world_state<Scenario>& s, const StoreA& a, std::size_t i,
@@ -60,17 +75,27 @@ template <class Scenario, class StoreA, class StoreB>
     real size = a.shape[i].bounding_radius(), speed = (a.velocity[i] - b.velocity[j]).norm();
     if constexpr (B::finite) size = 2 * std::min(size, b.shape[j].bounding_radius());
     const real slack = contact_slack * size, ahead = steps_of_warning * s.dt;
+    // Where bodies are followed on their way, none may be struck before it is awake: what forces
+    // and rotation add within a step counts too.
+    real further = 0;
+    if constexpr (world_state<Scenario>::continuous) {
+      further = s.dt * s.dt * (acceleration_bound(s, a, i) + acceleration_bound(s, b, j));
+      if constexpr (StoreA::tensor)
+        further += s.dt * a.angular_velocity[i].norm() * a.shape[i].bounding_radius();
+      if constexpr (StoreB::tensor)
+        further += s.dt * b.angular_velocity[j].norm() * b.shape[j].bounding_radius();
+    }
     if constexpr (StoreA::tensor)
       speed += a.angular_velocity[i].norm() * a.shape[i].bounding_radius();
     if constexpr (StoreB::tensor)
       speed += b.angular_velocity[j].norm() * b.shape[j].bounding_radius();
-    collide_pair(a.shape[i], a.pose(i), b.shape[j], b.pose(j), slack + ahead * speed,
-                 [&](const contact_geometry& g) {
-                   const vec3 u =
-                       a.velocity[i] + a.angular_velocity[i].cross(g.point - a.position[i]) -
-                       b.velocity[j] - b.angular_velocity[j].cross(g.point - b.position[j]);
-                   touch = touch || g.gap + ahead * std::min(g.normal.dot(u), real(0)) <= slack;
-                 });
+    collide_pair(
+        a.shape[i], a.pose(i), b.shape[j], b.pose(j), slack + further + ahead * speed,
+        [&](const contact_geometry& g) {
+          const vec3 u = a.velocity[i] + a.angular_velocity[i].cross(g.point - a.position[i]) -
+                         b.velocity[j] - b.angular_velocity[j].cross(g.point - b.position[j]);
+          touch = touch || g.gap + ahead * std::min(g.normal.dot(u), real(0)) <= slack + further;
+        });
   }
   return touch;
 }
@@ -104,8 +129,8 @@ template <class Scenario, class StoreA, class StoreB>
   if (undisturbed(a, i, b, j)) return true;
   const auto note = [&](const auto& sleeper, std::size_t k, const auto& waker, std::size_t l) {
     if constexpr (std::remove_cvref_t<decltype(waker)>::sleeps)
-      if (sleeper.asleep(k) && k < sleeper.locals && wakes_others(s, waker.quiet[l]) &&
-          about_to_touch(s, a, i, b, j))
+      if (sleeper.asleep(k) && (k < sleeper.locals || world_state<Scenario>::periodic) &&
+          wakes_others(s, waker.quiet[l]) && about_to_touch(s, a, i, b, j))
         s.sleep.touched.push_back({sleeper.id[k], waker.quiet[l]});
   };
   note(a, i, b, j);
@@ -122,7 +147,10 @@ struct known_body {
   bool own = false;
   float quiet = 0;
 
-  [[nodiscard]] bool operator<(const known_body& other) const { return id < other.id; }
+  /// By id; of a body and its images, the body itself comes first.
+  [[nodiscard]] bool operator<(const known_body& other) const {
+    return id < other.id || (id == other.id && own && !other.own);
+  }
 };
 
 template <class Scenario>
@@ -133,9 +161,13 @@ class known_bodies {
   explicit known_bodies(world_state<Scenario>& s) {
     s.each_shape([&](const auto& b) { add(b.movable), add(b.global); });
     sort_values(all_);
+    if constexpr (world_state<Scenario>::periodic) {  // a body may be here beside its images
+      const auto same = [](const known_body& x, const known_body& y) { return x.id == y.id; };
+      all_.erase(std::unique(all_.begin(), all_.end(), same), all_.end());
+    }
   }
   [[nodiscard]] std::uint32_t find(system_id id) const {
-    const auto at = std::lower_bound(all_.begin(), all_.end(), known_body{.id = id});
+    const auto at = std::lower_bound(all_.begin(), all_.end(), known_body{.id = id, .own = true});
     return at == all_.end() || at->id != id ? unknown
                                             : static_cast<std::uint32_t>(at - all_.begin());
   }
@@ -172,6 +204,12 @@ class known_bodies {
   plain_vector<known_body> all_;
 };
 
+/// Whether somebody may have to wake.
+template <class Scenario>
+[[nodiscard]] bool wakes_pend(const world_state<Scenario>& s) {
+  return s.sleep.all || s.sleep.spreads || !s.sleep.touched.empty();
+}
+
 /// Root of the tree that `i` is in; shortens the way there.
 template <class Parents>
 [[nodiscard]] std::uint32_t root_of(Parents& parent, std::uint32_t i) {
@@ -179,12 +217,65 @@ template <class Parents>
   return i;
 }
 
+/// Whether something holds on any rank, where sleep must not depend on the ranks.
+template <class Scenario>
+[[nodiscard]] bool anywhere(world_state<Scenario>& s, bool here) {
+  if constexpr (world_state<Scenario>::link_type::alone) return (void)s, here;
+  const stage_clock clock(s.seconds.exchange);
+  double any = here ? 1 : 0;
+  s.link->reduce(reduction::max, std::span(&any, 1));
+  return any != 0;
+}
+
+/// Takes the lower of the values that this rank and its neighbours have for the bodies that both
+/// know. Returns whether any rank has lowered one.
+template <class Scenario>
+[[nodiscard]] bool share_wakes(world_state<Scenario>& s, const known_bodies<Scenario>& known,
+                               plain_vector<float>& wakes) {
+  using code = typename world_state<Scenario>::copy_code;
+  const stage_clock clock(s.seconds.exchange);
+  // Calls f(neighbour, value): of the bodies with a copy there, and of the copies from there. The
+  // neighbour has these two lists the other way round.
+  const auto each = [&](bool own_first, auto&& f) {
+    std::size_t k = 0;
+    s.each_finite_shape([&](const auto& b) {
+      const auto value = [&](std::size_t i) -> float& {
+        return wakes[known.find(b.movable.id[i])];
+      };
+      for (const bool own : {own_first, !own_first}) {
+        std::size_t copy = b.movable.locals;
+        for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
+          if (own)
+            for (const auto i : s.neighbours[n].shadowed[k]) f(n, value(code::body(i)));
+          else
+            for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c) f(n, value(copy++));
+        }
+      }
+      ++k;
+    });
+  };
+  std::vector<parcel> parcels;
+  for (const auto& n : s.neighbours) parcels.push_back({.rank = n.rank});
+  each(true, [&](std::size_t n, float& value) { byte_writer(parcels[n].out).put(value); });
+  s.link->start(parcels);
+  s.link->finish(parcels);
+  std::vector<byte_reader> in;
+  for (const parcel& p : parcels) in.emplace_back(p.in);
+  bool lower = false;
+  each(false, [&](std::size_t n, float& value) {
+    const float there = in[n].template get<float>();
+    if (there < value) value = there, lower = true;
+  });
+  return anywhere(s, lower);
+}
+
 /// Before shadow copies are shared: wakes the bodies owned here whose island something has woken:
 /// what came near, a contact partner that is awake, was disturbed or is no more, or the user.
 template <class Scenario>
 void wake_islands(world_state<Scenario>& s) {
   auto& sleep = s.sleep;
-  if (!sleep.all && !sleep.spreads && sleep.touched.empty()) return;
+  constexpr bool everywhere = world_state<Scenario>::by_colours;  // all ranks are here together
+  if (!everywhere && !wakes_pend(s)) return;
   const bool all = std::exchange(sleep.all, false);
   sleep.spreads = false;
   constexpr float never_rests = std::numeric_limits<float>::infinity();
@@ -213,9 +304,18 @@ void wake_islands(world_state<Scenario>& s) {
   for (const auto& [id, quiet] : sleep.touched)
     if (const auto k = known.find(id); k != known.unknown) wake(k, quiet);
   sleep.touched.clear();
-  for (std::uint32_t k = 0; k < known.size(); ++k) {
-    const std::uint32_t root = root_of(parent, k);
-    wakes[root] = std::min(wakes[root], wakes[k]);
+  const auto spread = [&] {
+    for (std::uint32_t k = 0; k < known.size(); ++k) {
+      const std::uint32_t root = root_of(parent, k);
+      wakes[root] = std::min(wakes[root], wakes[k]);
+    }
+  };
+  spread();
+  if constexpr (everywhere && !world_state<Scenario>::link_type::alone) {
+    const auto give = [&] {  // to all of each island
+      for (std::uint32_t k = 0; k < known.size(); ++k) wakes[k] = wakes[root_of(parent, k)];
+    };
+    for (give(); share_wakes(s, known, wakes); give()) spread();
   }
   s.each_finite_shape([&](auto& b) {
     for (std::size_t i = 0; i < b.movable.locals; ++i) {
@@ -275,7 +375,7 @@ void note_sleepers(world_state<Scenario>& s) {
   sleep.contacts = std::move(frozen);
   s.found.known = false;
   s.found.pause = 0;
-  sleep.spreads = !sleep.asleep.empty();
+  sleep.spreads = world_state<Scenario>::by_colours || !sleep.asleep.empty();
   sleep.noted = true;
 }
 

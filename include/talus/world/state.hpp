@@ -112,6 +112,15 @@ struct impact_times {
   plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
   plain_vector<real> found;
   bool second_round = false;
+
+  /// A body that is held where it is for the rest of the step, and that a driven body reaches, goes
+  /// on with that.
+  struct carried {
+    real from = std::numeric_limits<real>::infinity();
+    vec3 origin{0, 0, 0};  ///< the reference point of the driven body at the start of the step
+    vec3 v{0, 0, 0}, w{0, 0, 0};
+  };
+  plain_vector<carried> carriers;  ///< in solver indices; empty where nothing is driven
 };
 struct no_impact_times {};
 
@@ -227,12 +236,10 @@ struct world_state : response_state<Scenario> {
       return may_use_colours;
   }
 
-  /// Whether small groups of contacts are solved across ranks. (Not where bodies are followed: then
-  /// what a rank finds among bodies of others is not what they find. Nor where space repeats
-  /// itself: the same body may be in an island twice.)
-  static constexpr bool islands_across_ranks = !link_type::alone && !law::soft && !continuous &&
-                                               !domain_type::periodic &&
-                                               solves_shared_islands<typename Scenario::solver>;
+  /// Whether small groups of contacts are solved across ranks. (Where space repeats itself, only on
+  /// ranks that see one image of each body: see sees_single_images().)
+  static constexpr bool islands_across_ranks =
+      !link_type::alone && !law::soft && solves_shared_islands<typename Scenario::solver>;
 
   /// Solves with the second solver from now on.
   void use_solver_on_request() requires(two_solvers) {

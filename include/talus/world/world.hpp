@@ -261,11 +261,9 @@ class world {
           steps());
     state_.use_solver_on_request();
   }
-  /// Iterations that the solver needed, and contact residuals that it reached.
-  [[nodiscard]] const talus::convergence& convergence() const
-      requires(!Scenario::contact_law::soft) {
-    return state_.convergence;
-  }
+  /// Iterations that the solver needed, and contact residuals that it reached; of soft contacts,
+  /// the residuals of features<residual_monitor> and measure_residual().
+  [[nodiscard]] const talus::convergence& convergence() const { return state_.convergence; }
   /// Seed of all random numbers that fill() hands out. Set alike on all ranks.
   void seed(std::uint64_t seed) { seed_ = seed; }
   /// The seed that was set.

@@ -1,0 +1,87 @@
+// plain
+// timeout: 300
+// Islands that sleep and wake, and bodies that are followed on their way: the same bits on any
+// number of ranks, however they share space.
+#include "reproducible.hpp"
+
+#include <atomic>
+#include <talus/scene/lattice.hpp>
+
+namespace {
+
+template <class... Features>
+using heap = scenario<bodies<sphere, box, plane>, solver<reproducible>, transport<threads>,
+                      decomposition<any_decomposition>, features<Features...>>;
+
+/// Separate piles, of which each falls asleep by itself, and walls of boxes through all domains.
+template <class World>
+void piles(World& w) {
+  const auto sites =
+      simple_cubic{.spacing = 0.8, .origin = {-3.6, -3.6, 0.4}} & vertical_cylinder{.radius = 2.6};
+  w.fill(sites.first(90), [](const site& place, random_stream& random) {
+    return body{.shape = sphere{random.uniform(0.2, 0.39)}, .position = place.position};
+  });
+  for (int k = 0; k < 7; ++k)
+    w.add_if_local(body{.shape = box{{0.99, 0.5, 0.5}}, .position = {k - 3.2, 3, 0.25}});
+}
+/// Comes and goes, so that islands wake by a strike, by a loss and by the user's hand.
+template <class World>
+void disturb(World& w, int k) {
+  if (k % 60 == 30)
+    w.add_if_local(body{
+        .shape = sphere{0.3}, .position = {0.05 * k - 3.2, 2.9, 2}, .velocity = {0.5, 0.1, -4}});
+  if (k == 150)
+    w.destroy_if(
+        [](const auto& b) { return b.position()[0] < -1.4 && std::abs(b.position()[1]) < 1; });
+  if (k == 200)
+    w.for_each_local([](auto& b) {
+      if (b.position()[0] > 2.8 && b.position()[1] > 2.5) b.set_velocity({-3, 0, 0});
+    });
+}
+
+}  // namespace
+
+TEST_CASE("islands fall asleep and wake with the same bits on any ranks") {
+  std::atomic<int> slept = 0, woken = 0;
+  check_same<heap<sleeping>>(
+      260,
+      [](auto& w) {
+        w.sleeping({.speed = 0.15, .time = 0.1});
+        piles(w);
+      },
+      [&](auto& w, int k) {
+        int asleep = 0;
+        w.for_each_local([&](const auto& b) { asleep += b.is_asleep(); });
+        if (k == 140) slept += asleep;
+        if (k == 154) woken += asleep;
+        disturb(w, k);
+      });
+  CHECK(slept > 8 * 20);     // in each of the 8 runs
+  CHECK(woken < slept - 8);  // what lay on the bodies that were destroyed
+}
+
+TEST_CASE("bullets that wake what they strike leave the bits the same on any ranks") {
+  std::atomic<int> slept = 0, inside = 0;
+  check_same<heap<sleeping, continuous_collision>>(
+      160,
+      [](auto& w) {
+        w.sleeping({.speed = 0.15, .time = 0.1});
+        piles(w);
+      },
+      [&](auto& w, int k) {
+        if (k == 120) {
+          w.for_each_local([&](const auto& b) { slept += b.is_asleep(); });
+          w.add_if_local(
+              body{.shape = sphere{0.1}, .position = {-3.9, 3, 0.25}, .velocity = {300, 0, 0}});
+          w.add_if_local(
+              body{.shape = sphere{0.1}, .position = {3, 0.1, 3.8}, .velocity = {-20, 0, -500}});
+        }
+        if (k == 159)
+          w.for_each_local([&](const auto& b) {
+            inside += std::abs(b.position()[0]) < 4 && std::abs(b.position()[1]) < 4 &&
+                      b.position()[2] > 0;
+          });
+      });
+  CHECK(slept > 8 * 20);
+  CHECK(inside == 8 * 99);
+}
