@@ -127,6 +127,7 @@ template <class Scenario>
 template <class Scenario>
 std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   require_all_here(s);
+  update_ranges(s);
   plain_vector<std::pair<system_id, std::size_t>> leaving;
   for (std::size_t n = 0; n < s.parcels.size(); ++n) open_message(s, n);
   s.each_finite_shape([&](auto& b) {

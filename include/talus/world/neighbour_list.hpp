@@ -120,6 +120,7 @@ template <class Scenario>
 template <class Scenario>
 [[nodiscard]] bool pairs_still_hold(world_state<Scenario>& s) {
   bool hold = s.found.known;
+  update_ranges(s);
   s.each_shape([&](const auto& b) { hold = hold && !b.globals_changed; });
   s.each_finite_shape([&](auto& b) {
     b.reach.resize(b.movable.size());
