@@ -138,7 +138,7 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
     (look.template operator()<Parts>(), ...);
     fail<std::runtime_error>(
         "bodies of the materials {} and {} touch, and {} has no parameters for that pair: give "
-        "them with world.interaction(a, b, {}::parameters{{...}})",
+        "them to world.interaction, as a value of {}::parameters",
         number(a), number(b), name, name);
   }
 
