@@ -10,7 +10,7 @@ level() {
     core/* | concepts.hpp) echo 0 ;;
     geometry/* | shape/*) echo 1 ;;
     body/* | contact/*) echo 2 ;;
-    detect/* | response/* | parallel/*) echo 3 ;;
+    detect/* | response/* | parallel/* | interaction/*) echo 3 ;;
     world/*) echo 4 ;;
     io/* | observe/*) echo 5 ;;
     scene/*) echo 6 ;;

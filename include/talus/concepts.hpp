@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "talus/core/bytes.hpp"
@@ -19,6 +20,12 @@ struct parcel;
 struct traffic;
 struct launch_settings;
 enum class reduction;
+// What interaction laws take and return; see interaction/contact_kinematics.hpp.
+struct contact_kinematics;
+struct interaction_force;
+struct stored_energy;
+struct bearing;
+struct head_on_impact;
 
 namespace detail {
 
@@ -254,6 +261,75 @@ concept contact_law = requires {
   { Law::friction } -> std::convertible_to<bool>;
   { Law::restitution } -> std::convertible_to<bool>;
   { Law::correction } -> std::convertible_to<bool>;
+};
+
+/// What a part of soft_contact<...> stores: its parameters for each pair of materials, and its
+/// memory for each contact, which goes with the bodies to other ranks and into checkpoints.
+template <class Part>
+concept contact_data = detail::part_for<Part, roles::contact_law> && requires {
+  typename Part::parameters;
+  typename Part::memory;
+  { Part::name } -> std::convertible_to<const char*>;
+} && std::is_trivially_copyable_v<typename Part::parameters> &&
+    std::default_initializable<typename Part::parameters> &&
+    std::equality_comparable<typename Part::parameters> &&
+    std::is_trivially_copyable_v<typename Part::memory> &&
+    std::default_initializable<typename Part::memory> && std::is_class_v<typename Part::memory> &&
+    !std::is_final_v<typename Part::memory>;
+
+/// A force between two bodies at a point where they touch, or nearly do; a part of
+/// soft_contact<...>. All functions are static, and depend on their arguments alone.
+/// - `name`: as messages and checkpoints call it
+/// - `parameters`: of a pair of materials; trivially copyable, with ==
+/// - `memory`: of a contact from step to step; a trivially copyable class, empty if there is none
+/// - `force(c, p, dt, memory)`: force and moment on body a, and which part of them the stored
+///   energy gives; brings the memory forward by dt
+/// - `stored(c, p, memory)`: the energy that the contact gives back
+/// - `longest_step(p, mass)`: the longest stable time step of two bodies of this mass, or infinity
+/// - `duration(p, impact)`: how long an impact lasts, or infinity
+/// and, where a law offers them,
+/// - `range(p, radius)`: the gap up to which it acts, for the effective radius of the two bodies,
+///   not decreasing with it; without it the law acts where bodies overlap
+/// - `combine(material, material, pair_material)`: the parameters of a pair that has none of its
+///   own; without it world.interaction(...) gives them
+/// - `require_material(material)`: throws invalid_argument for a material that it cannot use;
+///   `rigid_by(material)`: the field that makes bodies of it rigid, or null
+/// - `longest_step_of_body(material, radius)`: the same of each body, whatever it meets
+/// - `central`: true if the force is along the normal and there is no moment, which costs less
+/// - `each_column(memory, f)`, of its memory: f(name, member) for the columns of a checkpoint;
+///   without it the memory is stored as bytes
+template <class Law>
+concept interaction_law = contact_data<Law> &&
+    requires(const contact_kinematics& c, const typename Law::parameters& p, real x,
+             typename Law::memory& memory, const typename Law::memory& kept,
+             const head_on_impact& impact) {
+  { Law::force(c, p, x, memory) } -> std::derived_from<interaction_force>;
+  { Law::stored(c, p, kept) } -> std::same_as<stored_energy>;
+  { Law::longest_step(p, x) } -> std::convertible_to<real>;
+  { Law::duration(p, impact) } -> std::convertible_to<real>;
+};
+
+/// An interaction law whose normal force bounds friction and rolling resistance.
+/// - `bears(c, p)`: its stiffnesses, a `bearing`
+/// - what `force` returns is a bearing as well, with the normal force
+template <class Law>
+concept bearing_law = interaction_law<Law> &&
+    requires(const contact_kinematics& c, const typename Law::parameters& p, real x,
+             typename Law::memory& memory) {
+  { Law::bears(c, p) } -> std::derived_from<bearing>;
+  { Law::force(c, p, x, memory) } -> std::derived_from<bearing>;
+};
+
+/// A force or moment that a law with a normal force bears: rolling_resistance, and coulomb_friction
+/// by tangential_spring.
+/// - `force(c, bearing, p, dt, memory)`, `stored(c, bearing, p, memory)`: as for a law; the energy
+///   is held in the memory
+template <class Part>
+concept resistance = contact_data<Part> &&
+    requires(const contact_kinematics& c, const bearing& b, const typename Part::parameters& p,
+             real x, typename Part::memory& memory, const typename Part::memory& kept) {
+  { Part::force(c, b, p, x, memory) } -> std::derived_from<interaction_force>;
+  { Part::stored(c, b, p, kept) } -> std::convertible_to<real>;
 };
 
 /// The part of solver<...>: how the impulses of all contacts are found.

@@ -7,8 +7,8 @@ list.txt names the faults. Each has a title, a file of include/talus, a piece of
 <<right ==> wrong>> marks the fault, and the tests that should see it:
 
   title of the fault
-    response/soft_force.hpp
-    if (<<memory.contact_radius < contact_radius ==> false>>) spring *=
+    interaction/tangential_spring.hpp
+    if (<<memory.contact_radius < b.contact_radius ==> false>>) spring *=
     test_validation_soft_tangential
 
 A piece may go over several lines, and its white space does not matter. The mark stands around an

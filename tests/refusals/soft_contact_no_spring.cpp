@@ -1,4 +1,5 @@
-// expects: soft_contact<...> names no spring: add linear_spring_dashpot or hertz_mindlin
+// expects: soft_contact<...> names no spring: add linear_spring_dashpot or hertz_mindlin, or an
+// expects: interaction law of your own
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

@@ -1,5 +1,5 @@
-// expects: soft_contact<...> takes linear_spring_dashpot or hertz_mindlin, coulomb_friction and
-// expects: rolling_resistance, and this type is none of them
+// expects: soft_contact<...> takes interaction laws, such as linear_spring_dashpot and hertz_mindlin,
+// expects: coulomb_friction and rolling_resistance, and this type is none of them
 #include "talus/world/scenario.hpp"
 using namespace talus;
 

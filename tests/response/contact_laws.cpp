@@ -5,14 +5,12 @@
 #include <cmath>
 #include <talus/body/material.hpp>
 #include <talus/contact/law.hpp>
-#include <talus/contact/soft_law.hpp>
 #include <talus/core/random.hpp>
+#include <talus/interaction/soft_contact.hpp>
 #include <talus/response/contact_list.hpp>
 #include <talus/response/isotropic_contact.hpp>
 #include <talus/response/natural_map.hpp>
 #include <talus/response/rebound.hpp>
-#include <talus/response/soft_force.hpp>
-#include <talus/response/soft_pair.hpp>
 #include <talus/response/stored_impulses.hpp>
 #include <talus/world/contact_conditions.hpp>
 
@@ -34,20 +32,31 @@ contact_conditions ask(const pair_material& pair, const vec3& u, real gap = 0) {
 using hertz = soft_contact<hertz_mindlin, coulomb_friction>;
 using linear = soft_contact<linear_spring_dashpot, coulomb_friction, rolling_resistance>;
 
-soft_touch touch_at(real overlap, const vec3& u = {0, 0, 0}) {
-  return {.normal = up,
-          .overlap = overlap,
-          .u = u,
-          .spin = {0, 0, 0},
-          .mass = 1,
-          .radius = 1,
-          .rolling_inertia = 1};
+contact_kinematics touch_at(real overlap, const vec3& u = {0, 0, 0}) {
+  return {.normal = up, .gap = -overlap, .velocity = u};
+}
+/// Parameters of all parts of a law.
+template <class Law>
+typename Law::law::parameters made_of(const auto&... of_parts) {
+  typename Law::law::parameters all;
+  Law::law::each_part([&]<class Part>() {
+    const auto take = [&](const auto& p) {
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(p)>, typename Part::parameters>)
+        Law::law::template of<Part>(all) = p;
+    };
+    (take(of_parts), ...);
+  });
+  return all;
 }
 template <class Law>
-soft_force force(const soft_touch& t, const soft_pair& pair, typename Law::memory& memory) {
-  no_soft_parts none;
-  return force_of<Law>(t, pair, dt, memory, none);
+interaction_force force(const contact_kinematics& c, const typename Law::law::parameters& p,
+                        typename Law::memory& memory) {
+  not_booked none;
+  return Law::law::force(c, p, dt, memory, none);
 }
+using linear_friction = tangential_spring<bearing>::parameters;
+using hertz_friction = tangential_spring<growing_bearing>::parameters;
+using rolling = rolling_resistance::parameters;
 
 /// What warm starting needs to know of a contact of which a pair has several.
 struct point {
@@ -76,8 +85,9 @@ TEST_CASE("a pair of materials takes the mean of both, whichever comes first") {
       CHECK(p.restitution == doctest::Approx(0.6));
       CHECK(p.friction == doctest::Approx(0.5));
       CHECK(p.dynamic_friction == doctest::Approx(0.35));
-      const auto soft = soft_pair_of<linear>(table[first], table[second], p);
-      CHECK(soft.rolling_friction == doctest::Approx(0.2));
+      CHECK(rolling_resistance::combine(table[first], table[second], p).rolling_friction ==
+            doctest::Approx(0.2));
+      const auto soft = linear_spring_dashpot::combine(table[first], table[second], p);
       CHECK(soft.stiffness == doctest::Approx(1.5e4));  // two springs of 2e4 and 6e4 in a row
       CHECK(soft.damping == doctest::Approx(damping_of_restitution(0.6)));
     }
@@ -188,10 +198,12 @@ TEST_CASE("the nearest point of the cone is in it, and what is left is perpendic
 }
 
 TEST_CASE("Mindlin's force is kept while the overlap grows, and shrinks with it") {
-  const soft_pair pair{
-      .stiffness = 1e4, .tangential = 1e4, .friction = 100, .dynamic_friction = 100};
+  const auto pair = made_of<hertz>(hertz_mindlin::parameters{.modulus = 1e4, .tangential = 1e4},
+                                   hertz_friction{.friction = 100, .dynamic_friction = 100});
   hertz::memory memory;
-  const auto across = [&](const soft_touch& t) { return force<hertz>(t, pair, memory).force[0]; };
+  const auto across = [&](const contact_kinematics& t) {
+    return force<hertz>(t, pair, memory).force[0];
+  };
   const real first = across(touch_at(0.01, {0.1, 0, 0}));
   REQUIRE(first < 0);
   CHECK(across(touch_at(0.01)) == doctest::Approx(first));
@@ -201,8 +213,9 @@ TEST_CASE("Mindlin's force is kept while the overlap grows, and shrinks with it"
 }
 
 TEST_CASE("a soft contact that slides goes on sliding until the dynamic coefficient holds it") {
-  const soft_pair pair{
-      .stiffness = 1e3, .tangential = 1e3, .friction = 0.5, .dynamic_friction = 0.3};
+  const auto pair =
+      made_of<linear>(linear_spring_dashpot::parameters{.stiffness = 1e3, .tangential = 1e3},
+                      linear_friction{.friction = 0.5, .dynamic_friction = 0.3});
   linear::memory memory;
   const real normal = 1e3 * 0.01;
   const auto across = [&](real u) {
@@ -228,10 +241,12 @@ TEST_CASE("springs of soft contacts turn with the bodies about the normal and ke
 }
 
 TEST_CASE("rolling resistance has a spring and a dashpot of 0.3 of critical damping") {
-  const soft_pair pair{.stiffness = 1e3, .tangential = 1e3, .rolling_friction = 0.2};
+  const auto pair =
+      made_of<linear>(linear_spring_dashpot::parameters{.stiffness = 1e3, .tangential = 1e3},
+                      rolling{.rolling_friction = 0.2});
   const real stiffness = 2.25 * 1e3 * 0.2 * 0.2;
   linear::memory memory;
-  soft_touch t = touch_at(0.5);
+  contact_kinematics t = touch_at(0.5);
   t.spin = {0.01, 0, 0};
   const real moment = force<linear>(t, pair, memory).moment[0];
   CHECK(moment == doctest::Approx(-stiffness * 0.01 * dt - 0.6 * std::sqrt(stiffness) * 0.01));

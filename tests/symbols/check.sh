@@ -49,7 +49,7 @@ for pattern in 'nonlinear_gauss_seidel' 'detail::contact_list<' 'isotropic_conta
   'gather_velocities' 'conditions_of' 'solver_state'; do
   only_in spheres soft "$pattern"
 done
-for pattern in 'force_adder' 'tangential_force' 'soft_pair' 'measure_forces' 'gather_motion' \
+for pattern in 'force_adder' 'tangential_spring' 'pair_parameters' 'measure_forces' 'gather_motion' \
   '::kick<'; do
   only_in soft spheres "$pattern"
 done

@@ -53,15 +53,15 @@ struct rows_of_contact {
 template <class Law>
 using contact_rows = rows_of_contact<Law::friction, has_bias<Law>>;
 
-/// Parts that only soft_contact<...> takes; see contact/soft_law.hpp.
+/// Parts that only soft_contact<...> takes: they have parameters of their own.
 template <class Part>
-inline constexpr bool is_soft_part = requires {
-  typename Part::talus_part_of_soft_contact;
+inline constexpr bool is_law_or_resistance = requires {
+  typename Part::parameters;
 };
 
 template <class Part>
 struct part_of_hard_contact {
-  static_assert(is_part<Part, roles::contact_law> && !is_soft_part<Part>,
+  static_assert(is_part<Part, roles::contact_law> && !is_law_or_resistance<Part>,
                 "hard_contact<...> takes coulomb_friction, newton_restitution, split_correction "
                 "and no_correction, and this type is none of them: remove it");
 };

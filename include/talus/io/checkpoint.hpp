@@ -53,6 +53,7 @@ template <class Scenario>
   const checkpoint_reader in(file);
   require_same_scenario<Scenario>(in);
   require_materials(in, s.materials);
+  require_interactions(in, s);
   get_kept(in, w.rank(), keeper.values);
 
   const auto whole = [&](const char* path) { return in.integers(path, 1)[0]; };

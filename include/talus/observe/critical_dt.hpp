@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "talus/core/portable_powers.hpp"
+#include "talus/interaction/soft_state.hpp"
+#include "talus/interaction/time_step.hpp"
 #include "talus/parallel/reduction.hpp"
-#include "talus/response/soft_duration.hpp"
-#include "talus/response/soft_pair.hpp"
-#include "talus/response/soft_state.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -22,7 +21,7 @@ namespace detail {
 struct soft_scales {
   std::vector<real> lightest;  ///< by material: the least mass of a body that moves; else infinite
   std::vector<char> wall;      ///< by material: whether a body of it stays where it is
-  real rayleigh = std::numeric_limits<real>::infinity();  ///< the shortest Rayleigh time
+  real of_bodies = std::numeric_limits<real>::infinity();  ///< the longest step that each allows
   real speed = 0;    ///< estimated, of the fastest impact: of present motion, and of a fall
   real gravity = 0;  ///< its size
 
@@ -46,14 +45,14 @@ template <class Scenario>
 /// Collective.
 template <class Scenario>
 [[nodiscard, gnu::cold]] soft_scales measure_soft_scales(world<Scenario>& w) {
-  using law = typename Scenario::contact_law;
+  using law = typename Scenario::contact_law::law;
   constexpr real never = std::numeric_limits<real>::infinity();
   const material_table& materials = w.materials();
   const std::size_t n = materials.size();
   const real gravity = w.gravity().norm();
   const vec3 down = gravity > 0 ? vec3(w.gravity() / gravity) : vec3(0, 0, 0);
   // Of all ranks the least is taken: first of each material, then of the rest, some with a minus.
-  enum : std::size_t { rayleigh, minus_speed, minus_driven, minus_fall, minus_top, bottom, rest };
+  enum : std::size_t { of_bodies, minus_speed, minus_driven, minus_fall, minus_top, bottom, rest };
   std::vector<real> least(2 * n + rest, never);
   const auto lower = [&](std::size_t which, real value) {
     least[which] = std::min(least[which], value);
@@ -76,8 +75,9 @@ template <class Scenario>
         lower(2 * n + minus_speed, -b.velocity().norm());
         lower(2 * n + minus_top, -(height - below));
         lower(2 * n + minus_fall, -fall_to_planes(w, b.position() + below * down, down));
-        if constexpr (law::hertz)
-          lower(2 * n + rayleigh, rayleigh_time(sphere_radius(b.shape()), materials[b.material()]));
+        if constexpr (law::bounds_each_body)
+          lower(2 * n + of_bodies,
+                law::longest_step_of_body(materials[b.material()], sphere_radius(b.shape())));
         return;
       }
     }
@@ -91,7 +91,7 @@ template <class Scenario>
   s.lightest.assign(least.begin(), least.begin() + static_cast<std::ptrdiff_t>(n));
   for (std::size_t m = 0; m < n; ++m) s.wall.push_back(least[n + m] == 0);
   const auto rest_of = [&](std::size_t which) { return least[2 * n + which]; };
-  s.rayleigh = rest_of(rayleigh);
+  s.of_bodies = rest_of(of_bodies);
   s.gravity = gravity;
   const real closing = -(moving > 1 ? 2 : 1) * rest_of(minus_speed) - rest_of(minus_driven);
   const real spread = moving > 0 ? -rest_of(minus_top) - rest_of(bottom) : 0;
@@ -100,56 +100,56 @@ template <class Scenario>
   return s;
 }
 
+/// Calls f(i, j, parameters) for the materials of bodies that may meet, the first of which moves.
+template <class Scenario, class F>
+void each_meeting_pair(world<Scenario>& w, const soft_scales& s, F&& f) {
+  auto& pairs = w.state().soft.pairs;
+  const material_table& materials = w.materials();
+  pairs.follow(materials);
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (!s.moves(i)) continue;
+    for (std::size_t j = 0; j < materials.size(); ++j) {
+      if (!s.moves(j) && !s.wall[j]) continue;
+      const auto& pair = pairs.pair(static_cast<material_id>(i), static_cast<material_id>(j));
+      if (pair.known) f(i, j, pair);
+    }
+  }
+}
+
 /// The shortest contact of the present bodies at this speed, infinite if there is none; only
 /// impacts, not what comes to rest, count.
-template <class Law>
-[[nodiscard]] real shortest_contact(const soft_scales& s, const material_table& materials,
-                                    real speed) {
+template <class Scenario>
+[[nodiscard]] real shortest_contact(world<Scenario>& w, const soft_scales& s, real speed) {
+  using law = typename Scenario::contact_law::law;
   real shortest = std::numeric_limits<real>::infinity();
   if (!(speed > 0)) return shortest;
   const auto radius_of = [&](std::size_t m) {
-    return portable::cbrt(s.lightest[m] / materials[material_id(m)].density * (3 / (4 * pi)));
+    return portable::cbrt(s.lightest[m] / w.materials()[material_id(m)].density * (3 / (4 * pi)));
   };
-  for (std::size_t i = 0; i < materials.size(); ++i) {
-    if (!s.moves(i)) continue;
-    for (std::size_t j = 0; j < materials.size(); ++j) {
-      if (!s.moves(j) && !s.wall[j]) continue;
-      const auto a = static_cast<material_id>(i), b = static_cast<material_id>(j);
-      const auto pair = soft_pair_of<Law>(materials[a], materials[b], materials.pair(a, b));
-      real of_mass = 1 / s.lightest[i], curvature = 1 / radius_of(i);
-      if (s.moves(j)) of_mass += 1 / s.lightest[j], curvature += 1 / radius_of(j);
-      const real time = contact_duration<Law>(pair, {1 / of_mass, 1 / curvature, speed});
-      if (is_impact(speed, time, s.gravity)) shortest = std::min(shortest, time);
-    }
-  }
+  each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto& pair) {
+    real of_mass = 1 / s.lightest[i], curvature = 1 / radius_of(i);
+    if (s.moves(j)) of_mass += 1 / s.lightest[j], curvature += 1 / radius_of(j);
+    const real time = law::duration(pair, head_on_impact{1 / of_mass, 1 / curvature, speed});
+    if (is_impact(speed, time, s.gravity)) shortest = std::min(shortest, time);
+  });
   return shortest;
 }
 
-/// Beyond it contacts gain energy (linear), or waves in the bodies are missed (Hertz).
-template <class Law>
-[[nodiscard]] real longest_stable_step(const soft_scales& s, const material_table& materials) {
-  if constexpr (Law::hertz) return s.rayleigh;
-  real least = std::numeric_limits<real>::infinity();
-  for (std::size_t i = 0; i < materials.size(); ++i) {
-    if (!s.moves(i)) continue;
-    for (std::size_t j = 0; j < materials.size(); ++j) {
-      if (!s.moves(j) && !s.wall[j]) continue;
-      const auto a = static_cast<material_id>(i), b = static_cast<material_id>(j);
-      const auto pair = soft_pair_of<Law>(materials[a], materials[b], materials.pair(a, b));
-      least = std::min(
-          least, longest_step_of_spring(pair.stiffness, std::min(s.lightest[i], s.lightest[j]),
-                                        pair.damping));
-    }
-  }
+/// Beyond it contacts gain energy, or waves in the bodies are missed (Hertz).
+template <class Scenario>
+[[nodiscard]] real longest_stable_step(world<Scenario>& w, const soft_scales& s) {
+  using law = typename Scenario::contact_law::law;
+  real least = s.of_bodies;
+  each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto& pair) {
+    least = std::min(least, law::longest_step(pair, std::min(s.lightest[i], s.lightest[j])));
+  });
   return least;
 }
 
 /// Of critical_dt(), from what was measured.
-template <class Law>
-[[nodiscard]] real critical_step(const soft_scales& s, const material_table& materials,
-                                 real speed) {
-  return std::min(longest_stable_step<Law>(s, materials),
-                  shortest_contact<Law>(s, materials, speed) / steps_in_critical);
+template <class Scenario>
+[[nodiscard]] real critical_step(world<Scenario>& w, const soft_scales& s, real speed) {
+  return std::min(longest_stable_step(w, s), shortest_contact(w, s, speed) / steps_in_critical);
 }
 
 }  // namespace detail
@@ -171,8 +171,7 @@ template <class Scenario>
         "the impact speed of critical_dt must be finite and not negative, but is {}: give the "
         "largest relative speed at which bodies meet",
         impact_speed);
-  return detail::critical_step<typename Scenario::contact_law>(detail::measure_soft_scales(w),
-                                                               w.materials(), impact_speed);
+  return detail::critical_step(w, detail::measure_soft_scales(w), impact_speed);
 }
 /// The same for the impact speed that present motion and gravity make possible: twice the largest
 /// speed of a body, more by a fall from the highest body to the lowest point of any, or onto a
@@ -181,7 +180,7 @@ template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w) requires(Scenario::contact_law::soft) {
   w.require_all_ranks("critical_dt");
   const auto scales = detail::measure_soft_scales(w);
-  return detail::critical_step<typename Scenario::contact_law>(scales, w.materials(), scales.speed);
+  return detail::critical_step(w, scales, scales.speed);
 }
 
 }  // namespace talus

@@ -49,14 +49,13 @@ template <class Scenario>
 /// What the time step of a soft scenario means for its contacts.
 template <class Scenario>
 [[gnu::cold]] void report_soft_step(world<Scenario>& w, talus::summary& r) {
-  using law = typename Scenario::contact_law;
   const auto& s = w.state();
   const auto scales = measure_soft_scales(w);
   real fastest = s.soft.fastest_approach;
   w.link().reduce(reduction::max, std::span(&fastest, 1));
-  r.critical_dt = longest_stable_step<law>(scales, s.materials);
+  r.critical_dt = longest_stable_step(w, scales);
   r.impact_speed_max = fastest;
-  const real shortest = shortest_contact<law>(scales, s.materials, fastest);
+  const real shortest = shortest_contact(w, scales, fastest);
   if (std::isfinite(shortest) && s.dt > 0) r.steps_per_contact = shortest / s.dt;
 }
 

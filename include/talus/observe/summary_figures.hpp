@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/interaction/time_step.hpp"
 #include "talus/observe/balance.hpp"
 #include "talus/observe/force_balance.hpp"
 #include "talus/observe/islands.hpp"
@@ -14,7 +15,6 @@
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
 #include "talus/observe/residual.hpp"
-#include "talus/response/soft_duration.hpp"
 #include "talus/world/speed_leap.hpp"
 #include "talus/world/world.hpp"
 

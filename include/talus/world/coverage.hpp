@@ -37,13 +37,14 @@ template <class Scenario>
   return "call connect on both";
 }
 
-/// Throws runtime_error if a body in this domain comes as far as the region of a rank that this one
-/// is not connected to. (Where all is connected by hand, nobody here knows of such ranks.)
+/// Throws runtime_error if a body in this domain, which acts `range` beyond touch, comes as far as
+/// the region of a rank that this one is not connected to. (Where all is connected by hand, nobody
+/// here knows of such ranks.)
 template <class Shape, class Scenario>
 void require_reached(const world_state<Scenario>& s, system_id id, const Shape& shape,
-                     const vec3& p) {
+                     const vec3& p, real range = 0) {
   if constexpr (requires { s.own.partition()->neighbours(0, real{}); }) {
-    const real reach = shape.bounding_radius();
+    const real reach = shape.bounding_radius() + range;
     if (reach <= s.own.covered() || !s.own.contains(p)) return;
     const int own = s.own.rank();
     for (const int other : s.own.partition()->neighbours(own, reach)) {

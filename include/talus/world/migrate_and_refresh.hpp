@@ -128,6 +128,7 @@ template <class Scenario>
 template <class Scenario>
 std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   require_all_here(s);
+  update_ranges(s);
   plain_vector<plain_pair<system_id, std::size_t>> leaving;
   for (std::size_t n = 0; n < s.parcels.size(); ++n) open_message(s, n);
   s.each_finite_shape([&](auto& b) {

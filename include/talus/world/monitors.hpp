@@ -77,7 +77,8 @@ struct spring_record {
   /// Energies when forces were last measured: along the normal, and across it (and of rolling)
   /// before and after the springs were brought forward; what yielded between.
   compensated_sum<double> normal, across_before, across, yielded;
-  double start = 0;  ///< energy at the start of the step
+  compensated_sum<double> released;  ///< of `normal`, given up when the memory changed
+  double start = 0;                  ///< energy at the start of the step
   double across_at_start = 0;
   double stored = 0;  ///< and at its end
   double moved = 0;   ///< energy of the bodies that came to this rank within the step
@@ -85,7 +86,7 @@ struct spring_record {
 
   void measure_anew() {
     spring_power = dashpot_power = friction_power = {};
-    normal = across_before = across = yielded = {};
+    normal = across_before = across = yielded = released = {};
   }
 };
 

@@ -10,6 +10,7 @@
 
 #include "talus/detect/narrow.hpp"
 #include "talus/shape/sphere.hpp"
+#include "talus/world/pair_order.hpp"
 #include "talus/world/search.hpp"
 #include "talus/world/state.hpp"
 
@@ -120,6 +121,7 @@ template <class Scenario>
 template <class Scenario>
 [[nodiscard]] bool pairs_still_hold(world_state<Scenario>& s) {
   bool hold = s.found.known;
+  update_ranges(s);
   s.each_shape([&](const auto& b) { hold = hold && !b.globals_changed; });
   s.each_finite_shape([&](auto& b) {
     b.reach.resize(b.movable.size());
@@ -184,6 +186,12 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
           {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), history_place::unknown});
     };
   });
+  if constexpr (world_state<Scenario>::law::soft) {
+    edges_by_partner by_partner;
+    each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
+      order_pairs<A, B, P == partner::moving>(s, by_partner, found.lists[kind]);
+    });
+  }
   found.shapes.resize(world_state<Scenario>::shape_count);
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {

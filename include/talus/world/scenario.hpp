@@ -5,10 +5,10 @@
 #include "talus/body/bodies.hpp"
 #include "talus/body/features.hpp"
 #include "talus/contact/law.hpp"
-#include "talus/contact/soft_law.hpp"
 #include "talus/core/precision.hpp"
 #include "talus/core/rounding.hpp"
 #include "talus/detect/policy.hpp"
+#include "talus/interaction/soft_contact.hpp"
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/policy.hpp"
 #include "talus/response/policy.hpp"
@@ -82,10 +82,10 @@ struct argument_of_scenario {
   static_assert(!bare_transport,
                 "scenario<...> takes a transport inside transport<...>: write transport<threads> "
                 "for a bare threads, and likewise for this type");
-  static_assert(!is_soft_part<Type>,
+  static_assert(!is_law_or_resistance<Type>,
                 "scenario<...> takes the parts of a contact law inside soft_contact<...>: write "
                 "soft_contact<linear_spring_dashpot> for a bare linear_spring_dashpot");
-  static_assert(!is_part<Type, roles::contact_law> || is_soft_part<Type>,
+  static_assert(!is_part<Type, roles::contact_law> || is_law_or_resistance<Type>,
                 "scenario<...> takes the parts of a contact law inside hard_contact<...>: write "
                 "hard_contact<coulomb_friction> for a bare coulomb_friction");
   static_assert(

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/world/acting_range.hpp"
 #include "talus/world/contact_maker.hpp"
 #include "talus/world/driven.hpp"
 #include "talus/world/state.hpp"
@@ -40,7 +41,7 @@ template <class Scenario, class Store>
 [[nodiscard]] real reach_in_step(const world_state<Scenario>& s, const Store& store,
                                  std::size_t i) {
   if constexpr (world_state<Scenario>::law::soft)
-    return store.shape[i].bounding_radius();
+    return store.shape[i].bounding_radius() + acting_range(s, store, i);
   else
     return reach_of(store, i, steps_ahead(s) * s.dt);
 }
@@ -59,6 +60,7 @@ template <class Shape, class Scenario, class Store>
 template <class Scenario, class Reach>
 void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable, bool with_skin = false) {
   count_bodies(s);
+  update_ranges(s);
   if constexpr (world_state<Scenario>::drives)
     each_driven(s, [](auto& b, std::size_t, const driven_body&) { b.globals_changed = true; });
   s.each_finite_shape([&](auto& b) {

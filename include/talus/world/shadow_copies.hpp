@@ -9,6 +9,7 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
+#include "talus/world/acting_range.hpp"
 #include "talus/world/conservation.hpp"
 #include "talus/world/coverage.hpp"
 #include "talus/world/released.hpp"
@@ -80,9 +81,11 @@ template <class Scenario, class Store>
   if constexpr (world_state<Scenario>::sleeps)  // a contact outlives the motion it was found in
     return reach_of(store, i, steps_of_warning * s.dt) + 4 * s.dt * s.sleep.settings.speed;
   else
-    return reach_of(
-        store, i,
-        world_state<Scenario>::law::soft ? 0 : world_state<Scenario>::steps_of_reach * s.dt);
+    return reach_of(store, i,
+                    world_state<Scenario>::law::soft
+                        ? 0
+                        : world_state<Scenario>::steps_of_reach * s.dt) +
+           acting_range(s, store, i);
 }
 
 /// Moves a copy that has come from where it is for its owner to where this rank sees it.
@@ -267,6 +270,7 @@ void choose_copies(world_state<Scenario>& s) {
 /// that it changes rarely.
 template <class Scenario>
 void measure_reach(world_state<Scenario>& s) {
+  update_ranges(s);
   real largest = 0;
   const real covered = s.own.covered();
   s.each_finite_shape([&](auto& b) {
@@ -274,8 +278,9 @@ void measure_reach(world_state<Scenario>& s) {
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
       b.reach[i] = shadow_reach(s, b.movable, i);
       largest = std::max(largest, b.reach[i]);  // what is a copy here may be owned in a step
-      if (i < b.movable.locals && b.movable.shape[i].bounding_radius() > covered)
-        require_reached(s, b.movable.id[i], b.movable.shape[i], b.movable.position[i]);
+      const real range = acting_range(s, b.movable, i);
+      if (i < b.movable.locals && b.movable.shape[i].bounding_radius() + range > covered)
+        require_reached(s, b.movable.id[i], b.movable.shape[i], b.movable.position[i], range);
     }
   });
   real& said = s.choice.announced;

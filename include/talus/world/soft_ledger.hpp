@@ -4,7 +4,7 @@
 // little, and is booked as the scheme's.
 #include <cmath>
 
-#include "talus/response/soft_force.hpp"
+#include "talus/interaction/composed_law.hpp"
 #include "talus/world/energy_ledger.hpp"
 #include "talus/world/momentum_balance.hpp"
 #include "talus/world/state.hpp"
@@ -18,13 +18,12 @@ struct spring_energies {
 };
 
 /// Adds a contact to what springs, dashpots and friction do to a body; `sign` is that of the body.
-inline void add_split(split_forces& to, real sign, const soft_parts& parts, const vec3& normal,
-                      const vec3& arm, bool turns) {
-  const vec3 spring = sign * (parts.spring * normal + parts.tangential_spring);
-  const vec3 dashpot = (sign * parts.dashpot) * normal, friction = sign * parts.tangential_rest;
+inline void add_split(split_forces& to, real sign, const booked_contact& c, const vec3& arm,
+                      bool turns) {
+  const vec3 spring = sign * c.spring, dashpot = sign * c.dashpot, friction = sign * c.friction;
   to.spring += spring, to.dashpot += dashpot, to.friction += friction;
-  to.spring_torque += sign * parts.rolling_spring;
-  to.friction_torque += sign * parts.rolling_rest;
+  to.spring_torque += sign * c.spring_moment;
+  to.friction_torque += sign * c.friction_moment;
   if (!turns) return;
   to.spring_torque += arm.cross(spring);
   to.dashpot_torque += arm.cross(dashpot);
@@ -32,12 +31,11 @@ inline void add_split(split_forces& to, real sign, const soft_parts& parts, cons
 }
 
 /// The power of a fixed body that moves, on what it touches; `sign` is that of the other body.
-inline void add_power(spring_record& r, real sign, const soft_parts& parts, const vec3& normal,
-                      const vec3& u, const vec3& w) {
-  r.spring_power += sign * ((parts.spring * normal + parts.tangential_spring).dot(u) +
-                            parts.rolling_spring.dot(w));
-  r.dashpot_power += sign * parts.dashpot * normal.dot(u);
-  r.friction_power += sign * (parts.tangential_rest.dot(u) + parts.rolling_rest.dot(w));
+inline void add_power(spring_record& r, real sign, const booked_contact& c, const vec3& u,
+                      const vec3& w) {
+  r.spring_power += sign * (c.spring.dot(u) + c.spring_moment.dot(w));
+  r.dashpot_power += sign * c.dashpot.dot(u);
+  r.friction_power += sign * (c.friction.dot(u) + c.friction_moment.dot(w));
 }
 
 /// A change of velocity by forces over the time h: to v and w, before damping keeps its part.

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "talus/core/portable_powers.hpp"
+#include "talus/interaction/composed_law.hpp"
 #include "talus/response/integrate.hpp"
-#include "talus/response/soft_force.hpp"
 #include "talus/world/detect.hpp"
 #include "talus/world/finite_motion.hpp"
 #include "talus/world/neighbour_list.hpp"
@@ -25,7 +25,7 @@ namespace talus::detail {
 template <class Scenario, class ShapeA, class ShapeB, partner Partner, class Observer>
 class force_adder {
   using state_type = world_state<Scenario>;
-  using law = typename state_type::law;
+  using law = typename state_type::law::law;
   static constexpr bool paired = Partner == partner::moving;
   static constexpr bool observed = !std::is_null_pointer_v<Observer>;
   /// An observer of energies only.
@@ -37,9 +37,13 @@ class force_adder {
   };
   /// One that is told the point where the force acts, and both centres as seen from body a.
   static constexpr bool watches_loads =
-      requires(Observer & o, const contact_key& k, const vec3& p, const soft_force& f) {
+      requires(Observer & o, const contact_key& k, const vec3& p, const interaction_force& f) {
     o(k, p, p, p, f, true);
   };
+  static constexpr bool remembers = state_type::law::remembers;
+  /// Whether the force turns a body of this shape.
+  template <class Shape>
+  static constexpr bool turns = !law::central || !Shape::isotropic;
   static constexpr bool booked = !observed && watches<Scenario, energy_ledger>;
   static constexpr bool balanced = !observed && watches<Scenario, momentum_balance>;
   using store_a = body_store<ShapeA, typename Scenario::features>;
@@ -71,16 +75,17 @@ class force_adder {
       if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
     if (!((own_a && moves_a) || (own_b && moves_b))) return;
     const bool boundary = paired && own_a != own_b && moves_a && moves_b;
+    const real range = range_of(i, j);
     collide_pair(a_.shape[i], {at_.a, a_.pose(i).orientation}, b_.shape[j],
-                 {at_.b, b_.pose(j).orientation}, 0, [&](const contact_geometry& g) {
-                   if (!(g.gap < 0)) return;
+                 {at_.b, b_.pose(j).orientation}, range, [&](const contact_geometry& g) {
+                   if (!(g.gap < range)) return;
                    if constexpr (paired)
                      if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
                                              : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
                        return;
                    const contact_key key{a_.id[i], b_.id[j], g.feature};
                    const bool counts = own_a || !boundary;
-                   const soft_force f = add(i, j, g, key, counts);
+                   const interaction_force f = add(i, j, g, key, counts);
                    if constexpr (surveyed) {
                    } else if constexpr (watches_geometry) {
                      observer_(key, g, f.force, counts);
@@ -91,6 +96,7 @@ class force_adder {
                    } else if constexpr (observed) {
                      observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
                    } else {
+                     if (law::reaches && g.gap >= 0 && is_zero(f)) return;
                      auto& count = std::get<soft_contacts>(s_.contacts);
                      ++(counts ? count.here : count.doubled);
                      if constexpr (watches<Scenario, penetration_monitor>)
@@ -100,16 +106,30 @@ class force_adder {
   }
 
  private:
-  soft_force add(std::size_t i, std::size_t j, const contact_geometry& g, const contact_key& key,
-                 bool counts) {
+  /// How far beyond touch the law acts on this pair.
+  [[nodiscard]] real range_of(std::size_t i, std::size_t j) {
+    if constexpr (!law::reaches) {
+      return (void)i, (void)j, 0;
+    } else {
+      real curvature = 1 / s_.soft.bodies[first_a_ + i].radius;
+      if constexpr (paired)
+        curvature += 1 / s_.soft.bodies[first_b_ + at_.body_b].radius;
+      else if constexpr (ShapeB::finite)
+        curvature += 1 / sphere_radius(b_.shape[j]);
+      const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
+      return pair.known ? law::range(pair, 1 / curvature) : 0;
+    }
+  }
+  interaction_force add(std::size_t i, std::size_t j, const contact_geometry& g,
+                        const contact_key& key, bool counts) {
     soft_body& A = s_.soft.bodies[first_a_ + i];
-    soft_touch t;
+    contact_kinematics t;
     t.normal = g.normal;
-    t.overlap = -g.gap;
+    t.gap = g.gap;
     vec3 arm_a = g.point - at_.a, arm_b{0, 0, 0};
     // As for hard contacts: something immovable is met with the surface itself.
     if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
-    t.u = A.v + A.w.cross(arm_a);
+    t.velocity = A.v + A.w.cross(arm_a);
     t.spin = A.w;
     t.mean_spin = 0.5 * g.normal.dot(A.w);
     real inverse_mass = A.inverse_mass, curvature = 1 / A.radius;
@@ -118,7 +138,7 @@ class force_adder {
     if constexpr (paired) {
       B = &s_.soft.bodies[first_b_ + at_.body_b];
       arm_b = g.point - at_.b;
-      t.u -= B->v + B->w.cross(arm_b);
+      t.velocity -= B->v + B->w.cross(arm_b);
       t.spin -= B->w;
       t.mean_spin += 0.5 * g.normal.dot(B->w);
       inverse_mass += B->inverse_mass;
@@ -128,7 +148,7 @@ class force_adder {
       if constexpr (ShapeB::finite) curvature += 1 / sphere_radius(b_.shape[j]);
       if constexpr (state_type::drives) {
         arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
-        t.u -= surface_velocity_of(j, arm_b);
+        t.velocity -= surface_velocity_of(j, arm_b);
         t.spin -= b_.angular_velocity[j];
         t.mean_spin += 0.5 * g.normal.dot(b_.angular_velocity[j]);
       }
@@ -139,31 +159,33 @@ class force_adder {
     t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
 
     typename law::memory memory;
-    if constexpr (law::remembers)
+    if constexpr (remembers)
       if (const auto* old = s_.history.find(key)) memory = *old;
-    const soft_pair& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
+    const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
+    s_.soft.pairs.require_known(pair, a_.material[i], b_.material[j]);
     if constexpr (surveyed) {
-      const auto [normal, across] = stored_energy<law>(t, pair, memory);
-      if (counts) observer_.normal += normal, observer_.across += across;
+      const stored_energy e = law::stored(t, pair, memory);
+      if (counts) observer_.normal += e.normal, observer_.across += e.kept;
       return {};
     }
-    std::conditional_t<booked, soft_parts, no_soft_parts> parts;
-    const soft_force f = force_of<law>(t, pair, observed ? 0 : s_.dt, memory, parts);
+    std::conditional_t<booked, booked_contact, not_booked> books;
+    const interaction_force f = law::force(t, pair, observed ? 0 : s_.dt, memory, books);
     if constexpr (observed) return f;
     (void)counts;
-    s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.u));
-    if constexpr (law::remembers) s_.recorded.add(key, memory);
+    if (!law::reaches || g.gap < 0)
+      s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.velocity));
+    if constexpr (remembers) s_.recorded.add(key, memory);
 
     A.force += f.force;
-    if constexpr (law::friction || !ShapeA::isotropic) A.torque += arm_a.cross(f.force);
-    if constexpr (law::rolling) A.torque += f.moment;
+    if constexpr (turns<ShapeA>) A.torque += arm_a.cross(f.force);
+    if constexpr (law::exerts_moment) A.torque += f.moment;
     if constexpr (paired) {
       B->force -= f.force;
-      if constexpr (law::friction || !ShapeB::isotropic) B->torque -= arm_b.cross(f.force);
-      if constexpr (law::rolling) B->torque -= f.moment;
+      if constexpr (turns<ShapeB>) B->torque -= arm_b.cross(f.force);
+      if constexpr (law::exerts_moment) B->torque -= f.moment;
     }
     if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
-    if constexpr (booked) book(i, at_.body_b, t, parts, arm_a, arm_b, counts);
+    if constexpr (booked) book(i, at_.body_b, books, arm_a, arm_b, counts);
     if constexpr (balanced) {
       vec3& ground = s_.monitors.momentum.ground_force;
       if (B == nullptr || B->inverse_mass == 0)
@@ -173,28 +195,32 @@ class force_adder {
     }
     return f;
   }
-  void book(std::size_t i, std::size_t j, const soft_touch& t, const soft_parts& parts,
-            const vec3& arm_a, const vec3& arm_b, bool counts) {
+  void book(std::size_t i, std::size_t j, const booked_contact& c, const vec3& arm_a,
+            const vec3& arm_b, bool counts) {
     spring_record& r = s_.monitors.springs;
     if (counts) {
-      r.normal += parts.stored, r.across_before += parts.across_before;
-      r.across += parts.across, r.yielded += parts.yielded;
+      r.normal += c.stored, r.released += c.released, r.across_before += c.across_before;
+      r.across += c.across, r.yielded += c.yielded;
     }
     const soft_body& A = s_.soft.bodies[first_a_ + i];
-    add_split(a_.split[i], 1, parts, t.normal, arm_a, law::friction || !ShapeA::isotropic);
+    add_split(a_.split[i], 1, c, arm_a, turns<ShapeA>);
     if constexpr (paired) {
       const soft_body& B = s_.soft.bodies[first_b_ + j];
-      add_split(b_.split[j], -1, parts, t.normal, arm_b, law::friction || !ShapeB::isotropic);
+      add_split(b_.split[j], -1, c, arm_b, turns<ShapeB>);
       if (B.inverse_mass == 0)
-        add_power(r, 1, parts, t.normal, B.v + B.w.cross(arm_b), B.w);
+        add_power(r, 1, c, B.v + B.w.cross(arm_b), B.w);
       else if (A.inverse_mass == 0)
-        add_power(r, -1, parts, t.normal, A.v + A.w.cross(arm_a), A.w);
+        add_power(r, -1, c, A.v + A.w.cross(arm_a), A.w);
     } else if constexpr (state_type::drives) {
-      add_power(r, 1, parts, t.normal, surface_velocity_of(j, arm_b), b_.angular_velocity[j]);
+      add_power(r, 1, c, surface_velocity_of(j, arm_b), b_.angular_velocity[j]);
     }
     (void)j, (void)arm_b;
   }
 
+  [[nodiscard]] static bool is_zero(const interaction_force& f) {
+    const vec3 zero(0, 0, 0);
+    return f.force == zero && f.moment == zero;
+  }
   [[nodiscard]] vec3 surface_velocity_of(std::size_t j, const vec3& arm) const {
     return b_.velocity[j] + b_.angular_velocity[j].cross(arm);
   }
@@ -295,7 +321,7 @@ void measure_forces(world_state<Scenario>& s) {
 template <class Scenario>
 void open_springs_as_measured(world_state<Scenario>& s) {
   const spring_record& r = s.monitors.springs;
-  open_springs(s, r.normal.value() + r.across_before.value());
+  open_springs(s, r.normal.value() + r.released.value() + r.across_before.value());
 }
 template <class Scenario>
 void survey_at_end(world_state<Scenario>& s) {

@@ -132,7 +132,8 @@ class body_view {
           "outside of the global section instead",
           id());
     if constexpr (Scenario::contact_law::soft)
-      detail::require_yielding<typename Scenario::contact_law, Shape>(s_->materials[material()]);
+      detail::require_yielding<typename Scenario::contact_law::law, Shape>(
+          s_->materials[material()]);
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
     store_->inverse_mass[i_] = 1 / mass();
     if constexpr (!state_type::link_type::alone)

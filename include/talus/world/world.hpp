@@ -177,8 +177,7 @@ class world {
   /// invalid_argument for a value out of its range, with the range.
   material_id material(const talus::material& m) {
     sections_.require_all_ranks("material", rank());
-    if constexpr (Scenario::contact_law::soft)
-      detail::require_springs<typename Scenario::contact_law>(m);
+    if constexpr (Scenario::contact_law::soft) Scenario::contact_law::law::require_material(m);
     return state_.materials.add(m);
   }
   /// Refuses other fields.
@@ -193,6 +192,37 @@ class world {
   template <detail::sentence Fields = detail::fields::pair_material>
   detail::fields::no_pair_material<Fields> material_pair(material_id, material_id,
                                                          ...) TALUS_REFUSED;
+  /// Parameters of an interaction law for contacts between two materials, in either order, instead
+  /// of what the law makes of both: `p` is of the type law::parameters. Alike on all ranks. Throws
+  /// invalid_argument for a material of another world.
+  template <class Parameters>
+  void interaction(material_id a, material_id b,
+                   const Parameters& p) requires(Scenario::contact_law::soft) {
+    using law = typename Scenario::contact_law::law;
+    using part = typename detail::part_with<Parameters, typename law::parts>::type;
+    static_assert(!std::is_void_v<part>,
+                  "world.interaction takes the parameters of an interaction law of the scenario, "
+                  "and this type is of none of them: write my_law::parameters{...} for a my_law "
+                  "that soft_contact<...> names");
+    if constexpr (!std::is_void_v<part>) {
+      sections_.require_all_ranks("interaction", rank());
+      state_.soft.pairs.template give<part>(state_.materials, a, b, p);
+      // How far bodies reach may have changed.
+      state_.changed = true, synchronized_ = false;
+    }
+  }
+  /// The parameters of a law of the scenario in contacts between two materials. Throws
+  /// runtime_error where the law needs them from world.interaction(...) and nobody gave them.
+  template <class Law>
+  [[nodiscard]] typename Law::parameters interaction(material_id a, material_id b) requires(
+      Scenario::contact_law::soft) {
+    auto& pairs = state_.soft.pairs;
+    (void)state_.materials[a], (void)state_.materials[b];
+    pairs.follow(state_.materials);
+    const auto& all = pairs.pair(a, b);
+    pairs.require_known(all, a, b);
+    return Scenario::contact_law::law::template of<Law>(all);
+  }
   /// The materials made so far, and the properties of their pairs.
   [[nodiscard]] const material_table& materials() const { return state_.materials; }
   /// Acceleration of all bodies.

@@ -23,7 +23,9 @@ namespace talus::detail {
 /// How a value is stored: what is made of reals as reals, else as its bytes.
 template <class T>
 [[nodiscard]] table_column column_of(const char* name) {
-  if constexpr (std::is_same_v<T, std::uint64_t> || std::is_same_v<T, system_id>)
+  if constexpr (requires { typename T::stored_as_bytes; })
+    return {name, number_type::u8, sizeof(T)};
+  else if constexpr (std::is_same_v<T, std::uint64_t> || std::is_same_v<T, system_id>)
     return {name, number_type::u64, 1};
   else if constexpr (std::is_same_v<T, std::uint32_t>)
     return {name, number_type::u32, 1};

@@ -22,9 +22,7 @@ void each_part_of_memory(Memory& m, F&& f) {
   if constexpr (requires { m.squaredNorm(); }) {
     f("impulse", m);
   } else {
-    if constexpr (requires { m.spring; }) f("spring", m.spring), f("sliding", m.sliding);
-    if constexpr (requires { m.contact_radius; }) f("contact_radius", m.contact_radius);
-    if constexpr (requires { m.turn; }) f("rolling", m.turn);
+    Memory::each_column(m, f);
   }
 }
 template <class Part>

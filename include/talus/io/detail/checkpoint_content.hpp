@@ -12,6 +12,7 @@
 #include "talus/io/detail/checkpoint_bodies.hpp"
 #include "talus/io/detail/checkpoint_contacts.hpp"
 #include "talus/io/detail/checkpoint_course.hpp"
+#include "talus/io/detail/checkpoint_interactions.hpp"
 #include "talus/io/detail/checkpoint_monitors.hpp"
 #include "talus/io/detail/checkpoint_parameters.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
@@ -98,6 +99,7 @@ template <class Scenario>
   const auto materials = numbers_of(s.materials), pairs = numbers_of_pairs(s.materials);
   out.push_back(numbers_dataset<double>("/materials/each", materials, 8));
   out.push_back(numbers_dataset<double>("/materials/own_pairs", pairs, 5));
+  put_interactions(s, out);
   put_kept(team, keeper.values, out);
   put_monitors(team, s, out);
   put_course(keeper.course.parts(s.steps), out);

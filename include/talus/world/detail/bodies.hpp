@@ -40,7 +40,8 @@ system_id world<Scenario>::insert(const body<Shape>& b, system_id id) {
   detail::require_movable(b, rank());
   if constexpr (Scenario::contact_law::soft)
     if (!b.fixed)
-      detail::require_yielding<typename Scenario::contact_law, Shape>(state_.materials[b.material]);
+      detail::require_yielding<typename Scenario::contact_law::law, Shape>(
+          state_.materials[b.material]);
   if constexpr (!link_type::alone) detail::require_reached(state_, id, b.shape, b.position);
   auto& store = state_.template of<Shape>().movable;
   write(store, store.insert_local(), b, id, b.fixed);

@@ -8,7 +8,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/portable_powers.hpp"
-#include "talus/response/soft_pair.hpp"
+#include "talus/interaction/pair_parameters.hpp"
 
 namespace talus::detail {
 
@@ -36,7 +36,7 @@ struct soft_contacts {
 template <class Law>
 struct soft_state {
   plain_vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
-  soft_pairs<Law> pairs;
+  pair_parameters_of<typename Law::law> pairs;
   real fastest_approach = 0;  ///< along the normal of a contact, in all steps so far
 };
 

@@ -1,0 +1,326 @@
+#pragma once
+// Several interaction laws and resistances as one law: their forces and energies add up, each has
+// its own parameters and its own memory.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <limits>
+#include <type_traits>
+
+#include "talus/body/material.hpp"
+#include "talus/concepts.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/type_list.hpp"
+#include "talus/interaction/contact_kinematics.hpp"
+
+namespace talus::detail {
+
+/// What a law bears friction with; a plain bearing where no law does.
+template <class Law>
+struct bearing_of_law {
+  using type = decltype(Law::bears(contact_kinematics{}, typename Law::parameters{}));
+};
+template <>
+struct bearing_of_law<void> {
+  using type = bearing;
+};
+template <class Law>
+using bearing_of = typename bearing_of_law<Law>::type;
+
+// What a part says of itself.
+
+/// Its force is along the normal, and it has no moment.
+template <class Part>
+inline constexpr bool is_central = requires {
+  requires Part::central;
+};
+template <class Part>
+inline constexpr bool has_force = !requires {
+  requires !Part::exerts_force;
+};
+template <class Part>
+inline constexpr bool has_moment = !is_central<Part> && !requires {
+  requires !Part::exerts_moment;
+};
+/// It acts beyond touch.
+template <class Part>
+inline constexpr bool has_range = requires(const typename Part::parameters& p) {
+  Part::range(p, real{});
+};
+/// Two materials make its parameters; else the scenario gives them.
+template <class Part>
+inline constexpr bool combines = requires(const material& m, const pair_material& p) {
+  Part::combine(m, m, p);
+};
+/// It bounds the time step by each body.
+template <class Part>
+inline constexpr bool bounds_bodies = requires(const material& m) {
+  Part::longest_step_of_body(m, real{});
+};
+
+/// A part's own parameters and memory, told apart by the part.
+template <class Part>
+struct parameters_of_part {
+  typename Part::parameters value{};
+};
+template <class Part>
+struct memory_of_part : Part::memory {};
+
+template <class First, class...>
+struct first_type {
+  using type = First;
+};
+template <class... Types>
+using first_of = typename first_type<Types...>::type;
+
+/// A memory without columns of its own is stored as its bytes.
+template <std::size_t Size>
+struct raw_bytes {
+  using stored_as_bytes = void;
+  std::array<std::byte, Size> bytes;
+};
+
+/// Whether all parts have parameters for a pair of materials.
+template <bool Needed>
+struct knowledge {
+  bool known = true;
+};
+template <>
+struct knowledge<false> {
+  static constexpr bool known = true;
+};
+
+/// What the energy ledger books of a contact: forces and moments on body a, and energies.
+struct booked_contact {
+  vec3 spring{0, 0, 0}, dashpot{0, 0, 0}, friction{0, 0, 0};
+  vec3 spring_moment{0, 0, 0}, friction_moment{0, 0, 0};
+  real stored = 0;         ///< stored_energy::normal
+  real released = 0;       ///< how much of that the memory gave up at once
+  real across_before = 0;  ///< stored_energy::kept before the step
+  real across = 0;         ///< the same now
+  real yielded = 0;        ///< what both lost otherwise than by moving bodies
+};
+struct not_booked {};
+
+/// `Bearer` is the law that bears the bodies, or void.
+template <class Bearer, class Laws, class Resistances>
+struct composed_law;
+template <class Bearer, class... Laws, class... Resistances>
+struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
+  using parts = type_list<Laws..., Resistances...>;
+
+  /// Whether the scenario has to give parameters for pairs of materials.
+  static constexpr bool needs_parameters =
+      !(... && combines<Laws>) || !(... && combines<Resistances>);
+
+  struct parameters : parameters_of_part<Laws>...,
+                      parameters_of_part<Resistances>...,
+                      knowledge<needs_parameters> {
+    friend bool operator==(const parameters& x, const parameters& y) {
+      return x.known == y.known && (... && (of<Laws>(x) == of<Laws>(y))) &&
+             (... && (of<Resistances>(x) == of<Resistances>(y)));
+    }
+  };
+  struct memory : memory_of_part<Laws>..., memory_of_part<Resistances>... {
+    /// Calls f(name, value) for the columns of a checkpoint.
+    template <class Memory, class F>
+    static void each_column(Memory& m, F&& f) {
+      each_part([&]<class Part>() { column_of_part<Part>(of<Part>(m), f); });
+    }
+  };
+
+  template <class Part>
+  [[nodiscard]] static const typename Part::parameters& of(const parameters& p) {
+    return static_cast<const parameters_of_part<Part>&>(p).value;
+  }
+  template <class Part>
+  [[nodiscard]] static typename Part::parameters& of(parameters& p) {
+    return static_cast<parameters_of_part<Part>&>(p).value;
+  }
+  template <class Part>
+  [[nodiscard]] static typename Part::memory& of(memory& m) {
+    return static_cast<memory_of_part<Part>&>(m);
+  }
+  template <class Part>
+  [[nodiscard]] static const typename Part::memory& of(const memory& m) {
+    return static_cast<const memory_of_part<Part>&>(m);
+  }
+  /// Calls f.template operator()<Part>() for all parts.
+  template <class F>
+  static void each_part(F&& f) {
+    (f.template operator()<Laws>(), ...);
+    (f.template operator()<Resistances>(), ...);
+  }
+
+  static constexpr bool central = (... && is_central<Laws>)&&sizeof...(Resistances) == 0;
+  static constexpr bool exerts_moment =
+      (... || has_moment<Laws>) || (... || has_moment<Resistances>);
+  static constexpr bool reaches = (... || has_range<Laws>);
+  static constexpr bool bounds_each_body = (... || bounds_bodies<Laws>);
+  /// How far beyond touch the law acts, for these parameters and this effective radius.
+  [[nodiscard]] static real range(const parameters& p, real radius) {
+    real furthest = 0;
+    const auto reach = [&]<class Law>() {
+      if constexpr (has_range<Law>)
+        furthest = std::max(furthest, real(Law::range(of<Law>(p), radius)));
+    };
+    (reach.template operator()<Laws>(), ...);
+    return (void)reach, (void)p, (void)radius, furthest;
+  }
+
+  /// The force of a contact; `memory` is brought forward by `dt`. A booked_contact is filled.
+  template <class Booked>
+  [[nodiscard]] static interaction_force force(const contact_kinematics& c, const parameters& p,
+                                               real dt, memory& m, Booked& books) {
+    interaction_force sum;
+    bearing_of<Bearer> b;
+    bool bears = false;
+    const auto add_law = [&]<class Law>() {
+      if (!acts<Law>(c, p)) {
+        of<Law>(m) = {};
+        return;
+      }
+      stored_energy before;
+      if constexpr (is_booked<Booked>) before = Law::stored(c, of<Law>(p), of<Law>(m));
+      const auto f = Law::force(c, of<Law>(p), dt, of<Law>(m));
+      if constexpr (std::is_same_v<Law, Bearer>) b = f, bears = true;
+      if constexpr (std::is_same_v<Law, first_of<Laws...>>)
+        sum.force = f.force;
+      else
+        sum.force += f.force;
+      if constexpr (has_moment<Law>) sum.moment += f.moment;
+      if constexpr (is_booked<Booked>)
+        book_law<Law>(books, c, f, before, Law::stored(c, of<Law>(p), of<Law>(m)));
+    };
+    (add_law.template operator()<Laws>(), ...);
+    const auto add_resistance = [&]<class Part>() {
+      if (!bears) {
+        of<Part>(m) = {};
+        return;
+      }
+      if constexpr (is_booked<Booked>)
+        books.across_before += Part::stored(c, b, of<Part>(p), of<Part>(m));
+      const interaction_force f = Part::force(c, b, of<Part>(p), dt, of<Part>(m));
+      if constexpr (has_force<Part>) sum.force += f.force;
+      if constexpr (has_moment<Part>) sum.moment += f.moment;
+      if constexpr (is_booked<Booked>) {
+        books.across += Part::stored(c, b, of<Part>(p), of<Part>(m));
+        books.yielded += f.lost;
+        books.spring += f.conserved, books.spring_moment += f.conserved_moment;
+        books.friction += f.force - f.conserved;
+        books.friction_moment += f.moment - f.conserved_moment;
+      }
+    };
+    (add_resistance.template operator()<Resistances>(), ...);
+    return (void)add_resistance, (void)bears, (void)b, sum;
+  }
+  [[nodiscard]] static interaction_force force(const contact_kinematics& c, const parameters& p,
+                                               real dt, memory& m) {
+    booked_contact books;
+    interaction_force f = force(c, p, dt, m, books);
+    f.conserved = books.spring, f.conserved_moment = books.spring_moment;
+    f.lost = books.yielded - books.released;
+    return f;
+  }
+  [[nodiscard]] static stored_energy stored(const contact_kinematics& c, const parameters& p,
+                                            const memory& m) {
+    stored_energy sum;
+    bool bears = false;
+    const auto add_law = [&]<class Law>() {
+      if (!acts<Law>(c, p)) return;
+      const stored_energy e = Law::stored(c, of<Law>(p), of<Law>(m));
+      sum.normal += e.normal, sum.kept += e.kept;
+      bears = bears || std::is_same_v<Law, Bearer>;
+    };
+    (add_law.template operator()<Laws>(), ...);
+    if constexpr (sizeof...(Resistances) > 0)
+      if (bears) {
+        const auto b = Bearer::bears(c, of<Bearer>(p));
+        ((sum.kept += Resistances::stored(c, b, of<Resistances>(p), of<Resistances>(m))), ...);
+      }
+    return sum;
+  }
+
+  /// The longest stable step of two bodies of this mass.
+  [[nodiscard]] static real longest_step(const parameters& p, real mass) {
+    return std::min(
+        {std::numeric_limits<real>::infinity(), real(Laws::longest_step(of<Laws>(p), mass))...});
+  }
+  /// The longest stable step of a body, whatever it meets.
+  [[nodiscard]] static real longest_step_of_body(const material& m, real radius) {
+    real least = std::numeric_limits<real>::infinity();
+    const auto bound = [&]<class Law>() {
+      if constexpr (bounds_bodies<Law>)
+        least = std::min(least, real(Law::longest_step_of_body(m, radius)));
+    };
+    (bound.template operator()<Laws>(), ...);
+    return least;
+  }
+  /// The shortest duration of an impact, of all laws.
+  [[nodiscard]] static real duration(const parameters& p, const head_on_impact& hit) {
+    return std::min(
+        {std::numeric_limits<real>::infinity(), real(Laws::duration(of<Laws>(p), hit))...});
+  }
+  /// Throws invalid_argument for a material that lacks what a part needs.
+  static void require_material(const material& m) {
+    each_part([&]<class Part>() {
+      if constexpr (requires { Part::require_material(m); }) Part::require_material(m);
+    });
+  }
+  /// The field by which a material is rigid, or null.
+  [[nodiscard]] static const char* rigid_by(const material& m) {
+    const char* field = nullptr;
+    each_part([&]<class Part>() {
+      if constexpr (requires { Part::rigid_by(m); })
+        if (field == nullptr) field = Part::rigid_by(m);
+    });
+    return field;
+  }
+
+ private:
+  template <class Booked>
+  static constexpr bool is_booked = std::is_same_v<Booked, booked_contact>;
+
+  template <class Part, class Memory, class F>
+  static void column_of_part(Memory& m, F&& f) {
+    if constexpr (requires { Part::memory::each_column(m, f); }) {
+      Part::memory::each_column(m, f);
+    } else if constexpr (!std::is_empty_v<Memory>) {
+      auto bytes = std::bit_cast<raw_bytes<sizeof(Memory)>>(m);
+      f(Part::name, bytes);
+      if constexpr (!std::is_const_v<Memory>) m = std::bit_cast<typename Part::memory>(bytes);
+    }
+  }
+
+  /// A law acts where bodies overlap, and as far beyond as it says.
+  template <class Law>
+  [[nodiscard]] static bool acts(const contact_kinematics& c, const parameters& p) {
+    if constexpr (!reaches)
+      return (void)c, (void)p, true;
+    else if constexpr (has_range<Law>)
+      return c.gap < 0 || c.gap < Law::range(of<Law>(p), c.radius);
+    else
+      return c.gap < 0;
+  }
+  /// What is not conserved is lost in dashpots along the normal, and in friction across it.
+  template <class Law, class Force>
+  static void book_law(booked_contact& books, const contact_kinematics& c, const Force& f,
+                       const stored_energy& before, const stored_energy& after) {
+    books.spring += f.conserved, books.spring_moment += f.conserved_moment;
+    const vec3 rest = f.force - f.conserved;
+    if constexpr (is_central<Law>) {
+      books.dashpot += rest;
+    } else {
+      const vec3 along = c.normal.dot(rest) * c.normal;
+      books.dashpot += along, books.friction += rest - along;
+      books.friction_moment += f.moment - f.conserved_moment;
+    }
+    const real released = before.normal - after.normal;
+    books.stored += after.normal, books.released += released;
+    books.across_before += before.kept, books.across += after.kept;
+    books.yielded += released + f.lost;
+  }
+};
+
+}  // namespace talus::detail

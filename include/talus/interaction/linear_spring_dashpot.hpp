@@ -1,0 +1,80 @@
+#pragma once
+// The linear spring-dashpot law (Cundall, Strack 1979).
+#include <cmath>
+#include <stdexcept>
+
+#include "talus/body/material.hpp"
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/policy.hpp"
+#include "talus/interaction/contact_kinematics.hpp"
+#include "talus/interaction/normal_spring.hpp"
+
+namespace talus {
+
+/// Interaction law: force proportional to the overlap, and a dashpot that makes two spheres rebound
+/// with the coefficient of restitution of their materials at any speed (Schwager, Poeschel 2007); 0
+/// stands for 0.005. The force never pulls.
+struct linear_spring_dashpot final {
+  using talus_part_of = roles::contact_law;
+  static constexpr const char* name = "linear_spring_dashpot";
+  static constexpr bool central = true;
+
+  /// Of a pair of materials.
+  struct parameters {
+    real stiffness = 0;   ///< force per overlap, along the normal
+    real tangential = 0;  ///< force per displacement, across it
+    real damping = 0;     ///< damping ratio, not negative
+    friend bool operator==(const parameters&, const parameters&) = default;
+  };
+  using memory = no_memory;
+
+  /// Throws invalid_argument for a material without a stiffness.
+  static void require_material(const material& m) {
+    if (!(m.stiffness > 0))
+      detail::fail<std::invalid_argument>(
+          "a material of a scenario with linear_spring_dashpot needs a positive stiffness, but has "
+          "{}: set .stiffness",
+          m.stiffness);
+  }
+  /// The field that makes a material rigid, or null for one that yields.
+  [[nodiscard]] static const char* rigid_by(const material& m) {
+    return m.stiffness == rigid ? ".stiffness" : nullptr;
+  }
+  /// Springs in series, the period of the tangential spring that of the normal one (for solid
+  /// spheres), and the damping of the restitution.
+  [[nodiscard]] static parameters combine(const material& a, const material& b,
+                                          const pair_material& both) {
+    const real k = in_series(a.stiffness, b.stiffness);
+    return {k, 2.0 / 7 * k, detail::damping_of_restitution(both.restitution)};
+  }
+  [[nodiscard, gnu::always_inline]] static inline bearing bears(const contact_kinematics&,
+                                                                const parameters& p) {
+    return {0, p.stiffness, p.tangential, p.damping};
+  }
+  [[nodiscard, gnu::always_inline]] static inline bearing_force<bearing> force(
+      const contact_kinematics& c, const parameters& p, real, memory&) {
+    return detail::normal_force(c, bears(c, p), 2, p.damping);
+  }
+  [[nodiscard]] static stored_energy stored(const contact_kinematics& c, const parameters& p,
+                                            const memory&) {
+    return {.normal = real(0.5) * p.stiffness * c.gap * c.gap};
+  }
+  [[nodiscard]] static real longest_step(const parameters& p, real mass) {
+    return detail::longest_step_of_spring(p.stiffness, mass, p.damping);
+  }
+  /// The time from the first touch until the force is zero.
+  [[nodiscard]] static real duration(const parameters& p, const head_on_impact& hit) {
+    return pi * detail::damped_duration(p.damping) * std::sqrt(hit.mass / p.stiffness);
+  }
+
+ private:
+  /// Each is that of two equal bodies; one of the two may be `rigid`.
+  [[nodiscard]] static real in_series(real a, real b) {
+    if (std::isinf(a)) return 2 * b;
+    if (std::isinf(b)) return 2 * a;
+    return 2 * a * b / (a + b);
+  }
+};
+
+}  // namespace talus
