@@ -275,6 +275,20 @@ template <class Numbers>
 concept precision = std::same_as<Numbers, double> ||
     (detail::part_for<Numbers, roles::precision>&& requires { typename Numbers::solved; });
 
+/// A quantity that bodies carry. One description drives storage, messages, checkpoints, output and
+/// digests (body/column.hpp).
+/// - `value_type`: plain bytes; `name`: of the dataset in checkpoints and outputs
+/// and, where it says so,
+/// - `unit`: as in "K"; `initial`: the value of a new body
+/// - `travel`: how other ranks get it (talus::travels), with every refresh unless it says so
+/// - `in_checkpoint`, `in_output`, `in_digest`: whether files and state_digest() have it, true
+///   unless it says so
+/// - `carried_by<Shape>`: which bodies have it, all unless it says so
+template <class Column>
+concept column = std::semiregular<typename Column::value_type> && requires {
+  { Column::name } -> std::convertible_to<const char*>;
+};
+
 /// A toggle of features<...>.
 template <class Feature>
 concept feature = detail::part_for<Feature, roles::features>;

@@ -3,6 +3,7 @@
 // named costs nothing.
 #include <type_traits>
 
+#include "talus/body/columns.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/core/type_list.hpp"
 
@@ -12,16 +13,19 @@ namespace talus {
 struct orientation final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "orientation";
+  using columns = type_list<detail::columns::orientation>;
 };
 /// Bodies carry accumulators of force and torque.
 struct forces final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "forces";
+  using columns = type_list<detail::columns::force, detail::columns::torque>;
 };
 /// Bodies carry a number of the user's own, not unique, beside the system id.
 struct user_ids final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "user_ids";
+  using columns = type_list<detail::columns::user_id>;
 };
 /// Bodies can be made invisible to pictures.
 struct visibility final {
@@ -43,6 +47,7 @@ struct continuous_collision final {
 struct sleeping final {
   using talus_part_of = roles::features;
   static constexpr const char* name = "sleeping";
+  using columns = type_list<detail::columns::quiet>;
 };
 /// The cuts between domains move during the run, so that all ranks have the same to do:
 /// world::balance, docs/balance.md.
@@ -100,10 +105,12 @@ namespace detail {
 /// integrator asks for it.
 struct contact_forces final {
   using talus_part_of = roles::features;
+  using columns = type_list<columns::contact_force, columns::contact_torque>;
 };
 /// And they keep them in parts: the energy ledger of soft contacts asks for it.
 struct split_contact_forces final {
   using talus_part_of = roles::features;
+  using columns = type_list<columns::split>;
 };
 
 template <class Feature>
