@@ -63,7 +63,15 @@ static_assert(std::tuple_size_v<state_of<serial_world<full_law, sphere, plane>>:
 static_assert(std::tuple_size_v<state_of<boxes>::lists_type> > 2);
 
 // Nobody sleeps, and nothing is kept for it.
-static_assert(std::is_empty_v<decltype(state_of<spheres>::sleep)> && !state_of<spheres>::sleeps);
+template <class State>
+concept keeps_what_features_keep = requires(State& s) {
+  s.sleep;
+}
+|| requires(State& s) { s.driving; }
+|| requires(State& s) { s.impacts; }
+|| requires(State& s) { s.balance; };
+static_assert(!keeps_what_features_keep<state_of<spheres>> && !state_of<spheres>::sleeps &&
+              std::is_empty_v<slots_of_features<spheres::features, spheres>>);
 
 // The domain of a rank that is alone is all of space.
 static_assert(std::is_empty_v<state_of<spheres>::domain_type>);

@@ -13,7 +13,7 @@
 #include "talus/detect/narrow.hpp"
 #include "talus/detect/time_of_impact.hpp"
 #include "talus/response/free_flight.hpp"
-#include "talus/world/energy_ledger.hpp"
+#include "talus/world/features/energy_ledger.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
@@ -190,7 +190,7 @@ void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pai
   require_covered_flights(s);
   std::size_t bodies = 0;
   s.each_finite_shape([&](auto& b) { bodies += b.movable.size(); });
-  impact_times& impacts = s.impacts;
+  auto& impacts = s.impacts;
   impacts.time.assign(bodies, never);
   impacts.found.assign(bodies, never);
   for (const bool second : {false, true}) {
@@ -324,7 +324,7 @@ class flight_stopper {
 /// After the response: until when the bodies that struck something go on, in s.impacts.found.
 template <class Scenario, class EachClosePair>
 void limit_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair) {
-  impact_times& impacts = s.impacts;
+  auto& impacts = s.impacts;
   impacts.found.assign(impacts.time.size(), s.dt);
   if (std::all_of(impacts.time.begin(), impacts.time.end(), [](real t) { return t == never; }))
     return;

@@ -2,6 +2,8 @@
 // First stage of a step: pairs that may touch, and what becomes of them.
 #include "talus/world/contact_maker.hpp"
 #include "talus/world/continuous.hpp"
+#include "talus/world/hooks.hpp"
+#include "talus/world/midpoint.hpp"
 #include "talus/world/neighbour_list.hpp"
 #include "talus/world/search.hpp"
 #include "talus/world/state.hpp"
@@ -12,7 +14,6 @@ namespace talus::detail {
 template <class Scenario>
 void detect(world_state<Scenario>& s) {
   s.each_contact_list([](auto& list) { list.clear(); });
-  if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   if constexpr (world_state<Scenario>::sleeps)
     if (all_rest(s)) return count_bodies(s);
   if constexpr (world_state<Scenario>::continuous) {
@@ -28,6 +29,14 @@ void detect(world_state<Scenario>& s) {
     prepare_detection(s);
     each_neighbour_pair<contact_maker>(s);
   }
+}
+
+/// The stage of detection in a step of hard contacts, as often as contacts are looked for.
+template <class Scenario>
+void find_contacts(world_state<Scenario>& s) {
+  run_hooks<stages::before_detect>(s);
+  if constexpr (world_state<Scenario>::midpoint) forget_earlier_turns(s);
+  detect(s);
 }
 
 }  // namespace talus::detail

@@ -12,6 +12,7 @@
 #include "talus/world/conservation.hpp"
 #include "talus/world/coverage.hpp"
 #include "talus/world/released.hpp"
+#include "talus/world/sleep_state.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 

@@ -19,6 +19,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/world/sleep_state.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
