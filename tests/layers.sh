@@ -15,7 +15,7 @@ level() {
     io/* | observe/*) echo 5 ;;
     scene/*) echo 6 ;;
     talus.hpp) echo 7 ;;
-    mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | observe.hpp) echo 8 ;;
+    mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | observe.hpp | feature.hpp) echo 8 ;;
   esac
 }
 

@@ -342,8 +342,18 @@ template <class Method>
 concept solver = detail::part_for<Method, roles::solver>;
 
 /// The part of integrator<...>: how velocities and positions are stepped.
+/// - `step(state)`, static: the stages of a time step in their order, with the hooks of the
+/// features
+///   at each (world/hooks.hpp)
+/// - `state<Scenario>`: what it keeps on a rank; its members are those of the world's state
+/// - `at_midpoint`: whether contacts are found and solved in the middle of a step; `shares_midway`:
+///   whether bodies go to new owners, and shadow copies are refreshed, before forces are measured
 template <class Method>
-concept integrator = detail::part_for<Method, roles::integrator>;
+concept integrator = detail::part_for<Method, roles::integrator> && requires {
+  { Method::name } -> std::convertible_to<const char*>;
+  { Method::at_midpoint } -> std::convertible_to<bool>;
+  { Method::shares_midway } -> std::convertible_to<bool>;
+};
 
 /// The part of precision<...>: double, or a type that names scalars.
 /// - `solved`: of velocities, and of contacts of round bodies, while contacts are solved
@@ -351,9 +361,36 @@ template <class Numbers>
 concept precision = std::same_as<Numbers, double> ||
     (detail::part_for<Numbers, roles::precision>&& requires { typename Numbers::solved; });
 
-/// A toggle of features<...>.
+/// A quantity that bodies carry. One description drives storage, messages, checkpoints, output and
+/// digests (body/column.hpp).
+/// - `value_type`: plain bytes; `name`: of the dataset in checkpoints and outputs
+/// and, where it says so,
+/// - `unit`: as in "K"; `initial`: the value of a new body
+/// - `travel`: how other ranks get it (talus::travels), with every refresh unless it says so
+/// - `in_checkpoint`, `in_output`, `in_digest`: whether files and state_digest() have it, true
+///   unless it says so
+/// - `carried_by<Shape>`: which bodies have it, all unless it says so
+template <class Column>
+concept column = std::semiregular<typename Column::value_type> && requires {
+  { Column::name } -> std::convertible_to<const char*>;
+};
+
+/// A part of features<...>: a module with one or more of
+/// - `columns`: what bodies carry for it, a type_list of concepts::column
+/// - `state`: what each rank keeps for it, a struct that begins with its defaults, or a template
+///   with the scenario as argument; `each_number(visit)` of it, if there, names what checkpoints
+///   hold (world/monitor_numbers.hpp)
+/// - `hooks`: a struct of static functions named after the stages of a step (body/stages.hpp),
+///   which take a stage_view (world/stage_view.hpp)
+/// and, where it says so,
+/// - `runs_after`: a type_list of the features that act before it at each stage
+/// - `checkpoints_may_differ`: true if a run without it may go on from a checkpoint of one with it
 template <class Feature>
-concept feature = detail::part_for<Feature, roles::features>;
+concept feature = detail::part_for<Feature, roles::features> && requires {
+  { Feature::name } -> std::convertible_to<const char*>;
+} &&(
+    requires { typename Feature::columns; } || requires { typename Feature::state; } ||
+    requires { typename Feature::template state<void>; } || requires { typename Feature::hooks; });
 
 /// Sites to fill with bodies: lattices, rings, lists of points, and parts of them.
 template <class Sites>

@@ -25,9 +25,6 @@ using full_law = hard_contact<coulomb_friction, newton_restitution, split_correc
 using spheres = serial_world<full_law, sphere>;
 using boxes = serial_world<full_law, sphere, box>;
 
-template <class T>
-constexpr bool absent = std::is_same_v<T, no_column>;
-
 template <class Shape, class... Features>
 using store_of = body_store<Shape, type_list<Features...>>;
 
@@ -36,18 +33,22 @@ static_assert(!complete<threads> && !complete<mpi> && !complete<as_launched>,
 
 // Spheres store no orientation, no tensor, no forces unless asked for; boxes have an orientation.
 using ball_store = store_of<sphere>;
-static_assert(absent<decltype(ball_store::orientation_of)> && absent<decltype(ball_store::force)> &&
-              absent<decltype(ball_store::torque)> && absent<decltype(ball_store::user_id)>);
+static_assert(std::is_same_v<ball_store::list,
+                             type_list<columns::id, columns::position, columns::velocity,
+                                       columns::angular_velocity, columns::shape<sphere>,
+                                       columns::inverse_mass, columns::material, columns::flags>>);
 static_assert(!ball_store::tensor && !ball_store::oriented && !ball_store::forced &&
-              !ball_store::numbered);
-static_assert(!absent<decltype(store_of<sphere, orientation>::orientation_of)>);
-static_assert(!store_of<sphere, orientation>::tensor);
-static_assert(!absent<decltype(store_of<sphere, forces>::torque)>);
-static_assert(!absent<decltype(store_of<sphere, user_ids>::user_id)>);
+              !ball_store::numbered && !ball_store::sleeps);
+static_assert(store_of<sphere, orientation>::has<columns::orientation> &&
+              store_of<sphere, orientation>::oriented && !store_of<sphere, orientation>::tensor);
+static_assert(store_of<sphere, forces>::has<columns::force> &&
+              store_of<sphere, forces>::has<columns::torque>);
+static_assert(store_of<sphere, user_ids>::has<columns::user_id>);
 static_assert(store_of<box>::tensor && store_of<box>::oriented);
-static_assert(absent<decltype(ball_store::quiet)> &&
-              !absent<decltype(store_of<sphere, sleeping>::quiet)>);
-static_assert(absent<decltype(store_of<plane, orientation>::orientation_of)>);
+static_assert(store_of<sphere, sleeping>::has<columns::quiet>);
+static_assert(
+    !store_of<plane, orientation, forces, sleeping>::oriented &&
+    std::is_same_v<store_of<plane, orientation, forces, sleeping>::list, store_of<plane>::list>);
 
 // One storage for each shape that is named, and one list for each kind of contact they make.
 template <class Scenario>
@@ -63,7 +64,15 @@ static_assert(std::tuple_size_v<state_of<serial_world<full_law, sphere, plane>>:
 static_assert(std::tuple_size_v<state_of<boxes>::lists_type> > 2);
 
 // Nobody sleeps, and nothing is kept for it.
-static_assert(std::is_empty_v<decltype(state_of<spheres>::sleep)> && !state_of<spheres>::sleeps);
+template <class State>
+concept keeps_what_features_keep = requires(State& s) {
+  s.sleep;
+}
+|| requires(State& s) { s.driving; }
+|| requires(State& s) { s.impacts; }
+|| requires(State& s) { s.balance; };
+static_assert(!keeps_what_features_keep<state_of<spheres>> && !state_of<spheres>::sleeps &&
+              std::is_empty_v<slots_of_features<spheres::features, spheres>>);
 
 // The domain of a rank that is alone is all of space.
 static_assert(std::is_empty_v<state_of<spheres>::domain_type>);

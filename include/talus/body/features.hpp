@@ -1,97 +1,167 @@
 #pragma once
 // features<...>: what bodies can carry and what a run can watch beyond the necessary. What is not
-// named costs nothing.
+// named costs nothing. Here is what a scenario needs of each feature of talus: its name, its
+// columns and its order. Its state, its hooks and what it records are defined in world/features/
+// under its name; `talus_inside` says that these work on the parts of a world directly.
 #include <type_traits>
 
+#include "talus/body/columns.hpp"
+#include "talus/body/stages.hpp"
+#include "talus/concepts.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/core/type_list.hpp"
 
 namespace talus {
 
+struct driven;
+struct energy_ledger;
+struct momentum_balance;
+struct continuous_collision;
+
 /// Spheres carry an orientation too. (Boxes always do.)
 struct orientation final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "orientation";
+  using columns = type_list<detail::columns::orientation>;
 };
 /// Bodies carry accumulators of force and torque.
 struct forces final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "forces";
+  using columns = type_list<detail::columns::force, detail::columns::torque>;
 };
 /// Bodies carry a number of the user's own, not unique, beside the system id.
 struct user_ids final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "user_ids";
+  using columns = type_list<detail::columns::user_id>;
 };
 /// Bodies can be made invisible to pictures.
 struct visibility final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "visibility";
+  using columns = type_list<>;
 };
 /// Velocities are damped: a fraction of them is kept per unit of time.
 struct damping final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "damping";
+  using columns = type_list<>;
 };
 /// Bodies that move far in a step stop at what they meet on their way: see world/continuous.hpp.
 struct continuous_collision final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "continuous_collision";
+  using columns = type_list<>;
+  using runs_after = type_list<driven, energy_ledger, momentum_balance>;
+  template <class Scenario>
+  struct state;
+  struct hooks;
 };
 /// Islands of bodies that have been at rest for a while are left out of the steps until something
 /// touches them: world::sleeping, docs/architecture.md.
 struct sleeping final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "sleeping";
+  using columns = type_list<detail::columns::quiet>;
+  using runs_after = type_list<driven, energy_ledger, momentum_balance, continuous_collision>;
+  template <class Scenario>
+  struct state;
+  struct hooks;
 };
 /// The cuts between domains move during the run, so that all ranks have the same to do:
 /// world::balance, docs/balance.md.
 struct balancing final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "balancing";
+  static constexpr bool checkpoints_may_differ = true;
+  using columns = type_list<>;
+  template <class Scenario>
+  struct state;
 };
 /// Runs write their state to a file and go on from one: <talus/checkpoint.hpp>,
 /// docs/checkpoints.md.
 struct checkpoints final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "checkpoints";
+  static constexpr bool checkpoints_may_differ = true;
+  using columns = type_list<>;
 };
 /// Runs write bodies and contacts for ParaView and Python: <talus/vtk.hpp>, docs/output.md.
 struct vtk_output final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "vtk_output";
+  static constexpr bool checkpoints_may_differ = true;
+  using columns = type_list<>;
 };
 
 /// Global bodies can be moved, as functions of time or so that contacts press on them with a given
 /// force: world::drive, world::hold_force, docs/building_blocks.md.
 struct driven final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "driven";
+  static constexpr bool checkpoints_may_differ = true;
+  using columns = type_list<>;
+  template <class Scenario>
+  struct state;
+  struct hooks;
 };
 
 // Monitors: they watch every step, and change no trajectory by a bit.
 
 /// Books where energy comes from and goes to, entry by entry: observe/energy.hpp.
 struct energy_ledger final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "energy_ledger";
+  static constexpr bool checkpoints_may_differ = true;
+  using columns = type_list<>;
+  using runs_after = type_list<driven>;
+  struct record;
+  struct hooks;
 };
 /// Holds the change of momentum against what changed it, and what the ground bears against the
 /// weight above it: observe/momentum.hpp.
 struct momentum_balance final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "momentum_balance";
+  static constexpr bool checkpoints_may_differ = true;
+  using columns = type_list<>;
+  using runs_after = type_list<driven, energy_ledger>;
+  struct record;
+  struct hooks;
 };
 /// Overlaps of all steps, as detection finds them: observe/overlaps.hpp.
 struct penetration_monitor final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "penetration_monitor";
+  static constexpr bool checkpoints_may_differ = true;
+  using columns = type_list<>;
+  struct record;
+  struct hooks;
 };
 
 /// The contact residual of every step: observe/residual.hpp. Over ranks it is collective.
 struct residual_monitor final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "residual_monitor";
+  static constexpr bool checkpoints_may_differ = true;
+  using columns = type_list<>;
+  struct hooks;
 };
 
 namespace detail {
@@ -99,24 +169,74 @@ namespace detail {
 /// Bodies keep the force and torque of their contacts from step to step. Not for users: the
 /// integrator asks for it.
 struct contact_forces final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
+  using columns = type_list<columns::contact_force, columns::contact_torque>;
 };
 /// And they keep them in parts: the energy ledger of soft contacts asks for it.
 struct split_contact_forces final {
+  using talus_inside = void;
   using talus_part_of = roles::features;
+  using columns = type_list<columns::split>;
+  struct record;
 };
 
 template <class Feature>
-struct is_feature : std::bool_constant<is_part<Feature, roles::features>> {};
+struct is_feature : std::bool_constant<concepts::feature<Feature>> {};
+
+/// A feature of talus, not of the user's own.
+template <class Feature>
+concept built_in = requires {
+  typename Feature::talus_inside;
+};
+template <class Feature>
+concept with_hooks = requires {
+  typename Feature::hooks;
+};
+
+/// Whether a run may go on from the checkpoint of one that has the feature and itself has not.
+template <class Feature>
+inline constexpr bool checkpoints_may_differ = false;
+template <class Feature>
+requires requires { Feature::checkpoints_may_differ; }
+inline constexpr bool checkpoints_may_differ<Feature> = Feature::checkpoints_may_differ;
+
+/// Stands for what a hook is called with.
+struct any_stage {};
+template <class Hooks, class... Stages>
+[[nodiscard]] consteval bool names_a_stage(type_list<Stages...>) {
+  return (requires(any_stage & s) { Stages::template call<Hooks>(s); } || ...);
+}
+template <class Feature>
+[[nodiscard]] consteval bool hooks_are_known() {
+  if constexpr (with_hooks<Feature> && !built_in<Feature>)
+    return names_a_stage<typename Feature::hooks>(stages::all{});
+  else
+    return true;
+}
+template <class Columns>
+inline constexpr bool are_columns = false;
+template <class... Columns>
+inline constexpr bool are_columns<type_list<Columns...>> = (concepts::column<Columns> && ...);
 
 template <class Feature>
 struct part_of_features {
+  static_assert(!is_part<Feature, roles::features> || is_feature<Feature>::value,
+                "features<...> takes a feature with a name and with columns, a state or hooks, and "
+                "this type has not all of that: docs/features.md says how a feature is written");
+  static_assert(!is_feature<Feature>::value || hooks_are_known<Feature>(),
+                "the hooks of a feature are static functions named after the stages of a step, and "
+                "this feature has none of these names: docs/features.md lists them");
+  static_assert(!is_feature<Feature>::value ||
+                    are_columns<typename columns_of_feature<Feature>::type>,
+                "the columns of a feature are a type_list of descriptions with a value_type and a "
+                "name, and this feature has others: docs/features.md says how a column is written");
   static_assert(
-      is_feature<Feature>::value,
+      is_part<Feature, roles::features>,
       "features<...> takes orientation, forces, user_ids, visibility, damping, "
       "continuous_collision, sleeping, balancing, checkpoints, vtk_output, driven and the monitors "
-      "energy_ledger, momentum_balance, penetration_monitor and residual_monitor, and this type is "
-      "none of them: remove it");
+      "energy_ledger, momentum_balance, penetration_monitor and residual_monitor, and features of "
+      "one's own (docs/features.md), and this type is none of them: remove it");
 };
 
 }  // namespace detail

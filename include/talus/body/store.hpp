@@ -6,161 +6,104 @@
 #include <type_traits>
 #include <utility>
 
+#include "talus/body/column.hpp"
+#include "talus/body/columns.hpp"
 #include "talus/body/features.hpp"
-#include "talus/body/material.hpp"
 #include "talus/core/bytes.hpp"
-#include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
 
-enum body_flag : std::uint8_t {
-  flag_fixed = 1,
-  flag_invisible = 2,
-  flag_asleep = 4,     ///< its island is left out of the steps
-  flag_disturbed = 8,  ///< of something immovable: the user put or changed it since the last step
-  flag_released = 16   ///< it was fixed; until all ranks that hold copies have heard of that
-};
+/// Each column of a list as a member.
+template <class Columns>
+struct column_storage;
+template <class... Columns>
+struct column_storage<type_list<Columns...>> : column_member<Columns>::storage... {};
 
-/// Stands for a column that this scenario does not store.
-struct no_column {
-  void clear() {}
-};
-
-template <bool Stored, class T>
-using column = std::conditional_t<Stored, vector_of<T>, no_column>;
-
-/// A value to be overwritten: Eigen's types would leave theirs undefined.
-template <class T>
-[[nodiscard]] T blank() {
-  if constexpr (requires { T::Zero(); })
-    return T::Zero();
-  else if constexpr (requires { T::Identity(); })
-    return T::Identity();
-  else
-    return T{};
-}
-
-/// What springs, dashpots and friction of soft contacts do to a body, each by itself.
-struct split_forces {
-  vec3 spring{0, 0, 0}, spring_torque{0, 0, 0};
-  vec3 dashpot{0, 0, 0}, dashpot_torque{0, 0, 0};
-  vec3 friction{0, 0, 0}, friction_torque{0, 0, 0};
+/// All columns of the bodies of a shape.
+template <class Shape, class Features>
+struct columns_of_bodies;
+template <class Shape, class... Features>
+struct columns_of_bodies<Shape, type_list<Features...>> {
+  using added = sorted_columns<join_lists<typename columns_of_feature<Features>::type...>>;
+  using type = join_lists<columns_of_shape<Shape>, typename columns_carried_by<added, Shape>::type>;
 };
 
 template <class Shape, class Features>
-struct body_store {
+struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::type> {
   using shape_type = Shape;
-  static constexpr bool oriented =
-      Shape::finite && (!Shape::isotropic || contains_type<Features, orientation>);
+  using list = typename columns_of_bodies<Shape, Features>::type;  ///< of columns
+  template <class Column>
+  static constexpr bool has = contains_type<list, Column>;
+
+  static constexpr bool oriented = has<columns::orientation>;
   static constexpr bool tensor =
       Shape::finite && !Shape::isotropic;  ///< inertia is not a multiple of 1
-  static constexpr bool forced = Shape::finite && contains_type<Features, forces>;
-  static constexpr bool keeps_contact_forces =
-      Shape::finite && contains_type<Features, contact_forces>;
-  static constexpr bool splits_forces =
-      Shape::finite && contains_type<Features, split_contact_forces>;
-  static constexpr bool sleeps = Shape::finite && contains_type<Features, sleeping>;
-  static constexpr bool numbered = contains_type<Features, user_ids>;
+  static constexpr bool forced = has<columns::force>;
+  static constexpr bool keeps_contact_forces = has<columns::contact_force>;
+  static constexpr bool splits_forces = has<columns::split>;
+  static constexpr bool sleeps = has<columns::quiet>;
+  static constexpr bool numbered = has<columns::user_id>;
 
-  plain_vector<system_id> id;
-  plain_vector<vec3> position;
-  plain_vector<vec3> velocity;
-  plain_vector<vec3> angular_velocity;
-  vector_of<Shape> shape;
-  plain_vector<real> inverse_mass;  ///< 0 for a fixed body
-  plain_vector<material_id> material;
-  plain_vector<std::uint8_t> flags;
-  column<oriented, quat> orientation_of;
-  column<forced, vec3> force;                         ///< world frame, cleared after each step
-  column<forced, vec3> torque;                        ///< about the centre of mass, world frame
-  column<keeps_contact_forces, vec3> contact_force;   ///< of the present contacts, world frame
-  column<keeps_contact_forces, vec3> contact_torque;  ///< likewise, about the centre of mass
-  column<splits_forces, split_forces> split;          ///< the sum of both, in parts
-  column<numbered, std::uint32_t> user_id;
-  column<sleeps, float> quiet;  ///< for how long the island has been at rest, units of time
-  std::size_t locals = 0;       ///< bodies [0, locals) are owned here, the rest are shadow copies
+  std::size_t locals = 0;  ///< bodies [0, locals) are owned here, the rest are shadow copies
 
-  [[nodiscard]] std::size_t size() const { return id.size(); }
+  [[nodiscard]] std::size_t size() const { return this->id.size(); }
 
-  /// Calls f(column) for every column that exists.
-  template <class F>
+  /// The values of a column, by its type.
+  template <class Column>
+  [[nodiscard]] auto& column() {
+    return this->*column_member<Column>::member;
+  }
+  template <class Column>
+  [[nodiscard]] const auto& column() const {
+    return this->*column_member<Column>::member;
+  }
+
+  /// Calls f(values) for the columns of a list: by default for all.
+  template <class Columns = list, class F>
   void each_column(F&& f) {
-    f(id), f(position), f(velocity), f(angular_velocity), f(shape), f(inverse_mass), f(material),
-        f(flags);
-    if constexpr (oriented) f(orientation_of);
-    if constexpr (forced) f(force), f(torque);
-    if constexpr (keeps_contact_forces) f(contact_force), f(contact_torque);
-    if constexpr (splits_forces) f(split);
-    if constexpr (numbered) f(user_id);
-    if constexpr (sleeps) f(quiet);
+    [&]<class... C>(type_list<C...>) { (f(this->template column<C>()), ...); }(Columns{});
   }
-  template <class F>
+  template <class Columns = list, class F>
   void each_column(F&& f) const {
-    const_cast<body_store*>(this)->each_column([&](const auto& c) { f(c); });
+    [&]<class... C>(type_list<C...>) { (f(this->template column<C>()), ...); }(Columns{});
   }
-
-  /// Calls f(name) for every column that exists, in the same order.
-  template <class F>
-  static void each_column_name(F&& f) {
-    f("id"), f("position"), f("velocity"), f("angular_velocity"), f("shape"), f("inverse_mass"),
-        f("material"), f("flags");
-    if constexpr (oriented) f("orientation");
-    if constexpr (forced) f("force"), f("torque");
-    if constexpr (keeps_contact_forces) f("contact_force"), f("contact_torque");
-    if constexpr (splits_forces) f("split_forces");
-    if constexpr (numbered) f("user_id");
-    if constexpr (sleeps) f("quiet");
+  /// Calls f(values, initial value) for the columns of a list.
+  template <class Columns = list, class F>
+  void each_initial(F&& f) {
+    [&]<class... C>(type_list<C...>) {
+      (f(this->template column<C>(), initial_of<C>()), ...);
+    }(Columns{});
   }
-
-  /// Calls f(column, the same column of `other`).
+  /// Calls f(values, the same column of `other`).
   template <class F>
   void each_column_with(const body_store& other, F&& f) {
-    f(id, other.id), f(position, other.position), f(velocity, other.velocity),
-        f(angular_velocity, other.angular_velocity), f(shape, other.shape),
-        f(inverse_mass, other.inverse_mass), f(material, other.material), f(flags, other.flags);
-    if constexpr (oriented) f(orientation_of, other.orientation_of);
-    if constexpr (forced) f(force, other.force), f(torque, other.torque);
-    if constexpr (keeps_contact_forces)
-      f(contact_force, other.contact_force), f(contact_torque, other.contact_torque);
-    if constexpr (splits_forces) f(split, other.split);
-    if constexpr (numbered) f(user_id, other.user_id);
-    if constexpr (sleeps) f(quiet, other.quiet);
-  }
-
-  /// Likewise for what a step changes of a body.
-  template <class F>
-  void each_moving_column(F&& f) {
-    f(position), f(velocity), f(angular_velocity);
-    if constexpr (oriented) f(orientation_of);
-    if constexpr (forced) f(force), f(torque);
-    if constexpr (keeps_contact_forces) f(contact_force), f(contact_torque);
-    if constexpr (splits_forces) f(split);
-    if constexpr (sleeps) f(quiet);
+    [&]<class... C>(type_list<C...>) {
+      (f(this->template column<C>(), other.template column<C>()), ...);
+    }(list{});
   }
 
   [[nodiscard]] talus::pose pose(std::size_t i) const {
     if constexpr (oriented)
-      return {position[i], orientation_of[i]};
+      return {this->position[i], this->orientation_of[i]};
     else
-      return {position[i], quat{1, 0, 0, 0}};
+      return {this->position[i], quat{1, 0, 0, 0}};
   }
-  [[nodiscard]] bool fixed(std::size_t i) const { return flags[i] & flag_fixed; }
+  [[nodiscard]] bool fixed(std::size_t i) const { return this->flags[i] & flag_fixed; }
   [[nodiscard]] bool asleep(std::size_t i) const {
     if constexpr (sleeps)
-      return flags[i] & flag_asleep;
+      return this->flags[i] & flag_asleep;
     else
       return (void)i, false;
   }
   /// Whether forces and contacts can move it in this step.
-  [[nodiscard]] bool moves(std::size_t i) const { return inverse_mass[i] != 0 && !asleep(i); }
+  [[nodiscard]] bool moves(std::size_t i) const { return this->inverse_mass[i] != 0 && !asleep(i); }
 
   /// Bytes that one body takes in the columns.
-  [[nodiscard]] static std::size_t bytes_per_body() {
-    std::size_t sum = 0;
-    body_store{}.each_column([&](const auto& c) { sum += sizeof(c[0]); });
-    return sum;
+  [[nodiscard]] static constexpr std::size_t bytes_per_body() {
+    return
+        []<class... C>(type_list<C...>) { return (sizeof(typename C::value_type) + ...); }(list{});
   }
 
   void resize(std::size_t n) {
@@ -179,11 +122,16 @@ struct body_store {
   /// keep their order.
   std::size_t insert_local() {
     resize(size() + 1);
-    each_column([&](auto& c) {
+    each_initial([&](auto& c, const auto& initial) {
       for (std::size_t i = c.size() - 1; i > locals; --i) c[i] = c[i - 1];
-      c[locals] = blank<typename std::remove_cvref_t<decltype(c)>::value_type>();
+      c[locals] = initial;
     });
     return locals++;
+  }
+  /// Appends a body with the defaults of all columns, and returns its index.
+  std::size_t append() {
+    each_initial([&](auto& c, const auto& initial) { c.push_back(initial); });
+    return size() - 1;
   }
   /// Removes local `i`: the last local takes its place. The shadow copies keep their order.
   void remove_local(std::size_t i) {
@@ -210,22 +158,43 @@ struct body_store {
     for (std::size_t i = first; i < last; ++i) append_from(other, i);
   }
 
-  void pack(std::size_t i, byte_writer& out) const {
-    each_column([&](const auto& c) { out.put(c[i]); });
-  }
+  /// What goes to a new owner.
+  void pack(std::size_t i, byte_writer& out) const { pack_columns<travels::on_migration>(i, out); }
   /// Appends the next body of a message.
-  void unpack(byte_reader& in) {
-    each_column([&](auto& c) {
-      c.push_back(in.get<typename std::remove_cvref_t<decltype(c)>::value_type>());
-    });
-  }
-  /// The same with what a step changes, for a body that the receiver has.
-  void pack_motion(std::size_t i, byte_writer& out) {
-    each_moving_column([&](const auto& c) { out.put(c[i]); });
+  void unpack(byte_reader& in) { append_columns<travels::on_migration>(in); }
+  /// What a rank gets that makes a shadow copy.
+  void pack_copy(std::size_t i, byte_writer& out) const { pack_columns<of_copies>(i, out); }
+  void unpack_copy(byte_reader& in) { append_columns<of_copies>(in); }
+  /// What a step changes, for a body of which the receiver has a shadow copy.
+  void pack_motion(std::size_t i, byte_writer& out) const {
+    pack_columns<travels::with_every_refresh>(i, out);
   }
   void unpack_motion(std::size_t i, byte_reader& in) {
-    each_moving_column(
+    each_column<sent<travels::with_every_refresh>>(
         [&](auto& c) { c[i] = in.get<typename std::remove_cvref_t<decltype(c)>::value_type>(); });
+  }
+
+ private:
+  template <travels Least>
+  using sent = typename columns_that_travel<list, Least>::sent;
+  template <travels Least>
+  using rest = typename columns_that_travel<list, Least>::rest;
+  /// Where they differ in nothing, copies travel as migrated bodies do.
+  static constexpr travels of_copies =
+      sent<travels::when_changed>::size == sent<travels::on_migration>::size
+          ? travels::on_migration
+          : travels::when_changed;
+
+  template <travels Least>
+  void pack_columns(std::size_t i, byte_writer& out) const {
+    each_column<sent<Least>>([&](const auto& c) { out.put(c[i]); });
+  }
+  template <travels Least>
+  void append_columns(byte_reader& in) {
+    each_column<sent<Least>>([&](auto& c) {
+      c.push_back(in.get<typename std::remove_cvref_t<decltype(c)>::value_type>());
+    });
+    each_initial<rest<Least>>([&](auto& c, const auto& initial) { c.push_back(initial); });
   }
 };
 

@@ -107,6 +107,21 @@ using map_types = typename map_types_in<List, F>::list;
 template <class List, template <class> class F>
 using map_to_tuple = typename map_types_in<List, F>::tuple;
 
+template <class... Lists>
+struct lists_joined {
+  using type = type_list<>;
+};
+template <class... A>
+struct lists_joined<type_list<A...>> {
+  using type = type_list<A...>;
+};
+template <class... A, class... B, class... Rest>
+struct lists_joined<type_list<A...>, type_list<B...>, Rest...>
+    : lists_joined<type_list<A..., B...>, Rest...> {};
+/// One list of the types of several, in order.
+template <class... Lists>
+using join_lists = typename lists_joined<Lists...>::type;
+
 /// Calls f(hana::type_c<A>), f(hana::type_c<B>), ...; `typename decltype(x)::type` is the type.
 template <class List, class F>
 constexpr void for_each_type(F&& f) {

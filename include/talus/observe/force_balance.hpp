@@ -8,9 +8,9 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/response/contact_work.hpp"
+#include "talus/world/features/momentum_balance.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/last_residual.hpp"
-#include "talus/world/momentum_balance.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {

@@ -2,16 +2,27 @@
 // solver<...> and integrator<...>: how contact impulses are found, and how motion is stepped.
 #include <type_traits>
 
+#include "talus/concepts.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/response/nonlinear_gauss_seidel.hpp"
 #include "talus/response/solver_state.hpp"
 
 namespace talus {
 
+namespace detail {
+template <class Scenario>
+struct world_state;
+}
+
 /// Velocities first, from forces and impulses; then positions from the new velocities.
 struct semi_implicit_euler final {
   using talus_part_of = roles::integrator;
   static constexpr const char* name = "semi_implicit_euler";
+  static constexpr bool shares_midway = false, at_midpoint = false;
+  template <class Scenario>
+  struct state {};
+  template <class Scenario>
+  static void step(detail::world_state<Scenario>& s);  // world/integrators/
 };
 
 /// Half of the change of velocity, positions with the velocity at mid-step, and from the forces
@@ -21,6 +32,11 @@ struct semi_implicit_euler final {
 struct velocity_verlet final {
   using talus_part_of = roles::integrator;
   static constexpr const char* name = "velocity_verlet";
+  static constexpr bool shares_midway = true, at_midpoint = false;
+  template <class Scenario>
+  struct state {};
+  template <class Scenario>
+  static void step(detail::world_state<Scenario>& s);  // world/integrators/
 };
 
 /// Half of the way with the old velocities, forces and contacts there, the other half with the new
@@ -30,6 +46,11 @@ struct velocity_verlet final {
 struct moreau_midpoint final {
   using talus_part_of = roles::integrator;
   static constexpr const char* name = "moreau_midpoint";
+  static constexpr bool shares_midway = false, at_midpoint = true;
+  template <class Scenario>
+  struct state;
+  template <class Scenario>
+  static void step(detail::world_state<Scenario>& s);  // world/integrators/
 };
 
 /// Policy: the solver of the contact problem. Default: solver<nonlinear_gauss_seidel>. A program
@@ -55,7 +76,7 @@ struct solver final {
 /// Policy: the time stepping. Default: integrator<semi_implicit_euler>.
 template <class Method>
 struct integrator final {
-  static_assert(detail::is_part<Method, roles::integrator>,
+  static_assert(concepts::integrator<Method>,
                 "integrator<...> takes an integrator, and this type is none: write "
                 "integrator<semi_implicit_euler>, or integrator<velocity_verlet> for soft "
                 "contacts, or integrator<moreau_midpoint> for hard ones");

@@ -70,7 +70,6 @@ struct balance_state {
   }
   [[nodiscard]] bool due(std::uint64_t step) const { return moves && step % settings.every == 0; }
 };
-struct no_balance {};
 
 }  // namespace detail
 }  // namespace talus

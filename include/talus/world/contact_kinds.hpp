@@ -50,28 +50,15 @@ struct contacts_of_one {
   }
 };
 
-template <class... Lists>
-struct join_lists {
-  using type = type_list<>;
-};
-template <class... Ts>
-struct join_lists<type_list<Ts...>> {
-  using type = type_list<Ts...>;
-};
-template <class... Ts, class... Us, class... Rest>
-struct join_lists<type_list<Ts...>, type_list<Us...>, Rest...> {
-  using type = typename join_lists<type_list<Ts..., Us...>, Rest...>::type;
-};
-
 template <class Shapes, class Law, class Real, template <class> class List, bool Driven>
 struct contact_lists_for;
 template <class... Shapes, class Law, class Real, template <class> class List, bool Driven>
 struct contact_lists_for<type_list<Shapes...>, Law, Real, List, Driven> {
   template <class A>
-  using of_one = typename join_lists<
+  using of_one = join_lists<
       decltype(contacts_of_one<Law, Real, List, Driven, A>::template pair_with<Shapes>())...,
-      decltype(contacts_of_one<Law, Real, List, Driven, A>::anchored())>::type;
-  using all = unique_types<typename join_lists<of_one<Shapes>...>::type>;
+      decltype(contacts_of_one<Law, Real, List, Driven, A>::anchored())>;
+  using all = unique_types<join_lists<of_one<Shapes>...>>;
 };
 
 template <class List>

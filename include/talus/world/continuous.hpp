@@ -22,7 +22,7 @@
 #include "talus/response/free_flight.hpp"
 #include "talus/response/moving_frame.hpp"
 #include "talus/world/driven.hpp"
-#include "talus/world/energy_ledger.hpp"
+#include "talus/world/features/energy_ledger.hpp"
 #include "talus/world/shadow_copies.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/solved_velocity.hpp"
@@ -266,7 +266,7 @@ void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pai
   require_covered_flights(s);
   std::size_t bodies = 0;
   s.each_finite_shape([&](auto& b) { bodies += b.movable.size(); });
-  impact_times& impacts = s.impacts;
+  auto& impacts = s.impacts;
   impacts.time.assign(bodies, never);
   impacts.found.assign(bodies, never);
   for (const bool second : {false, true}) {
@@ -449,7 +449,7 @@ class flight_stopper {
 /// After the response: until when the bodies that struck something go on, in s.impacts.found.
 template <class Scenario, class EachClosePair>
 void limit_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair) {
-  impact_times& impacts = s.impacts;
+  auto& impacts = s.impacts;
   // Others end their sweeps with velocities of copies as they were before the last one, which is
   // near enough where results may depend on the ranks.
   if constexpr (world_state<Scenario>::by_colours && !world_state<Scenario>::link_type::alone)

@@ -2,6 +2,8 @@
 // First stage of a step: pairs that may touch, and what becomes of them.
 #include "talus/world/contact_maker.hpp"
 #include "talus/world/continuous.hpp"
+#include "talus/world/hooks.hpp"
+#include "talus/world/midpoint.hpp"
 #include "talus/world/neighbour_list.hpp"
 #include "talus/world/search.hpp"
 #include "talus/world/sleep.hpp"
@@ -41,7 +43,6 @@ void wake_ahead(world_state<Scenario>& s) {
 template <class Scenario>
 void detect(world_state<Scenario>& s) {
   s.each_contact_list([](auto& list) { list.clear(); });
-  if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   constexpr bool continuous = world_state<Scenario>::continuous;
   if constexpr (world_state<Scenario>::sleeps && continuous) wake_ahead(s);
   if constexpr (world_state<Scenario>::sleeps)
@@ -65,6 +66,14 @@ void detect(world_state<Scenario>& s) {
     prepare_detection(s);
     each_neighbour_pair<contact_maker>(s);
   }
+}
+
+/// The stage of detection in a step of hard contacts, as often as contacts are looked for.
+template <class Scenario>
+void find_contacts(world_state<Scenario>& s) {
+  run_hooks<stages::before_detect>(s);
+  if constexpr (world_state<Scenario>::midpoint) forget_earlier_turns(s);
+  detect(s);
 }
 
 }  // namespace talus::detail

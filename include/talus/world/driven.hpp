@@ -18,6 +18,7 @@
 #include "talus/shape/frame.hpp"
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/candidate_pairs.hpp"
+#include "talus/world/driven_bodies.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 

@@ -108,7 +108,6 @@ struct driven_bodies {
   real fastest = 0;                   ///< of what is driven, in the step under way
   speed_leap leap;                    ///< the largest of bodies of this rank
 };
-struct no_driven_bodies {};
 
 }  // namespace detail
 }  // namespace talus

@@ -23,6 +23,7 @@ struct loaded_contact {
   std::uint64_t feature = 0;              ///< names the point within the pair
   vec3 point{0, 0, 0};                    ///< midway between the surfaces, in the world
   vec3 normal{0, 0, 1};                   ///< unit, from b towards a
+  real gap = 0;                           ///< signed distance of the surfaces; overlap < 0
   vec3 force{0, 0, 0};                    ///< on a; on b its opposite
   vec3 centre_a{0, 0, 0};                 ///< centre of mass of a
   vec3 centre_b{0, 0, 0};                 ///< of b; the point itself where b is infinite
@@ -62,17 +63,27 @@ class body_places {
   }
 
   [[nodiscard]] const world_state<Scenario>& state() const { return s_; }
+  /// How many bodies are known here.
+  [[nodiscard]] std::size_t size() const { return places_.size(); }
+  /// Number of a body among these, or id_table::unknown. Where images of a body are known too, that
+  /// of the body itself.
+  [[nodiscard]] std::uint32_t number_of(system_id id) const { return ids_.find(id); }
   /// Calls f(store, index, is global) for the body; false where it is not known.
   template <class F>
   bool visit(system_id id, F&& f) const {
     const std::uint32_t at = ids_.find(id);
     if (at == id_table::unknown) return false;
-    const place p = places_[at];
+    visit_number(at, f);
+    return true;
+  }
+  /// The same for the body of a number.
+  template <class F>
+  void visit_number(std::size_t number, F&& f) const {
+    const place p = places_[number];
     std::uint32_t shape = 0;
-    s_.each_shape([&](const auto& b) {
+    std::as_const(s_).each_shape([&](const auto& b) {
       if (shape++ == p.shape) f(p.global ? b.global : b.movable, std::size_t{p.index}, p.global);
     });
-    return true;
   }
 
  private:
@@ -132,6 +143,7 @@ class pair_points {
     }
     c.normal = best != nullptr && best->normal.dot(c.force) > 0 ? best->normal : unit(c.force);
     c.point = best != nullptr ? best->point : vec3(centre_ - radius_ * c.normal);
+    c.gap = best != nullptr ? best->gap : 0;
   }
 
  private:
@@ -168,14 +180,13 @@ class pair_points {
 /// Calls f(contact, counts_here) for the contacts that carry a force and have a body owned here:
 /// over all ranks each counts once.
 template <class Scenario, class F>
-void each_loaded_contact(world_state<Scenario>& s, F&& f) {
-  const body_places<Scenario> places(s);
+void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& places, F&& f) {
   if constexpr (Scenario::contact_law::soft) {
     const auto tell = [&](const contact_key& key, const contact_geometry& g, const vec3& force,
                           bool counts) {
       if (force[0] == 0 && force[1] == 0 && force[2] == 0) return;
       loaded_contact c{.a = key.a, .b = key.b, .feature = key.feature};
-      c.point = g.point, c.normal = g.normal, c.force = force;
+      c.point = g.point, c.normal = g.normal, c.force = force, c.gap = g.gap;
       bool bounded = true;
       if (!add_ends(places, c, bounded)) return;
       c.point = seen_from(s, c.centre_a, c.point);
@@ -201,6 +212,10 @@ void each_loaded_contact(world_state<Scenario>& s, F&& f) {
     for (const remembered_contact& r : s.history.entries()) tell(r);
     if constexpr (world_state<Scenario>::sleeps) each_frozen_contact(s, tell);
   }
+}
+template <class Scenario, class F>
+void each_loaded_contact(world_state<Scenario>& s, F&& f) {
+  each_loaded_contact(s, body_places<Scenario>(s), f);
 }
 
 }  // namespace detail

@@ -6,7 +6,7 @@
 
 #include "talus/response/integrate.hpp"
 #include "talus/world/driven.hpp"
-#include "talus/world/energy_ledger.hpp"
+#include "talus/world/features/energy_ledger.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {

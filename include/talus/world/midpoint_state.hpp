@@ -21,6 +21,5 @@ template <std::size_t Shapes>
 struct midpoint_state {
   std::array<plain_vector<earlier_turn>, Shapes> earlier;
 };
-struct no_midpoint_state {};
 
 }  // namespace talus::detail

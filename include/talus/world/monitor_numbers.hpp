@@ -1,5 +1,6 @@
 #pragma once
-// The numbers of which the monitors of one rank consist: to store them in a checkpoint.
+// The numbers of which the monitors and the states of features consist on one rank: to store them
+// in a checkpoint.
 #include "talus/world/monitors.hpp"
 
 namespace talus::detail {
@@ -7,7 +8,8 @@ namespace talus::detail {
 /// What all ranks together have: the sum of a number over the ranks, or the largest.
 enum class over_ranks { sum, largest };
 
-/// Calls f(number, over_ranks) for the parts of what is stored.
+/// What `each_number(visit)` of a record is called with: visit.sum(x) and visit.largest(x) name a
+/// number, and what all ranks together have of it.
 template <class F>
 class number_visitor {
  public:
@@ -41,45 +43,21 @@ class number_visitor {
   F& f_;
 };
 
-template <class F>
-void each_number(energy_record& r, F&& f) {
+/// Calls f(number, over_ranks) for what a record, or the state of a feature, gives a visitor.
+template <class Record, class F>
+void each_number(Record& record, F&& f) {
   number_visitor visit(f);
-  for (energy_sums* s : {&r.before, &r.after}) visit.sums(s->kinetic, s->potential, s->scale);
-  for (energy_flows* e : {&r.step, &r.total})
-    visit.sums(e->work, e->friction, e->impact, e->damping, e->correction, e->scheme, e->sleep);
-  visit.sums(r.initial, r.changes, r.closure, r.scale);
-  visit.largest(r.worst);
-  visit.largest(r.started);
-}
-template <class F>
-void each_number(spring_record& r, F&& f) {
-  number_visitor visit(f);
-  visit.sums(r.spring_power, r.dashpot_power, r.friction_power);
-  visit.sums(r.normal, r.across_before, r.across, r.yielded);
-  visit.sums(r.start, r.across_at_start, r.stored, r.moved);
-  visit.largest(r.started);
-}
-template <class F>
-void each_number(momentum_record& r, F&& f) {
-  number_visitor visit(f);
-  visit.sums(r.before, r.after, r.gravity, r.forces, r.damping, r.ground, r.ground_force);
-  visit.sums(r.mass, r.size);
-}
-template <class F>
-void each_number(overlap_record& r, F&& f) {
-  number_visitor visit(f);
-  visit.sums(r.sum, r.count);
-  visit.largest(r.deepest);
-  visit.largest(r.worst);
+  record.each_number(visit);
 }
 
 /// Calls f(name, record) for the monitors that the scenario names.
-template <class Scenario, class F>
-void each_monitor(monitor_records<typename Scenario::features>& all, F&& f) {
-  if constexpr (watches<Scenario, energy_ledger>) f("energy", all.energy);
-  if constexpr (!std::is_empty_v<decltype(all.springs)>) f("springs", all.springs);
-  if constexpr (watches<Scenario, momentum_balance>) f("momentum", all.momentum);
-  if constexpr (watches<Scenario, penetration_monitor>) f("overlaps", all.overlaps);
+template <class... Features, class F>
+void each_record_of(monitor_records<type_list<Features...>>& all, F& f) {
+  const auto visit = [&]<class Feature>(type_list<Feature>) {
+    if constexpr (requires { typename Feature::record; })
+      static_cast<record_slot<Feature>&>(all).each_record(f);
+  };
+  (visit(type_list<Features>{}), ...);
 }
 
 }  // namespace talus::detail

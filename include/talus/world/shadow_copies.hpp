@@ -13,6 +13,7 @@
 #include "talus/world/conservation.hpp"
 #include "talus/world/coverage.hpp"
 #include "talus/world/released.hpp"
+#include "talus/world/sleep_state.hpp"
 #include "talus/world/sleeping_islands.hpp"
 #include "talus/world/state.hpp"
 
@@ -137,7 +138,7 @@ void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>&
       } else {
         const auto copies = in[n]->template get<std::uint64_t>();
         for (std::uint64_t c = 0; c < copies; ++c) {
-          b.movable.unpack(*in[n]);
+          b.movable.unpack_copy(*in[n]);
           if constexpr (world_state<Scenario>::periodic) {
             image_copy& copy = s.copies.of[k].emplace_back();
             copy.image = in[n]->template get<std::uint8_t>();
@@ -312,7 +313,7 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
     if (kind == copy_message::all) {
       out.put(static_cast<std::uint64_t>(shadowed.size()));
       for (const auto copy : shadowed) {
-        b.movable.pack(code::body(copy), out);
+        b.movable.pack_copy(code::body(copy), out);
         if constexpr (world_state<Scenario>::periodic)
           out.put(static_cast<std::uint8_t>(code::image(copy)));
       }

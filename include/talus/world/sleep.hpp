@@ -19,7 +19,7 @@
 #include <numeric>
 #include <utility>
 
-#include "talus/world/energy_ledger.hpp"
+#include "talus/world/features/energy_ledger.hpp"
 #include "talus/world/migrate_and_refresh.hpp"
 #include "talus/world/shared_velocities.hpp"
 #include "talus/world/sleeping_islands.hpp"

@@ -51,7 +51,6 @@ struct sleep_state {
            rested.capacity() * sizeof(float);
   }
 };
-struct no_sleep_state {};
 
 }  // namespace detail
 }  // namespace talus

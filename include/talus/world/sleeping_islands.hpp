@@ -23,6 +23,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/world/sleep_state.hpp"
 #include "talus/world/stage_clock.hpp"
 #include "talus/world/state.hpp"
 

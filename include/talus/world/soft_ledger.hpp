@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "talus/interaction/composed_law.hpp"
-#include "talus/world/energy_ledger.hpp"
-#include "talus/world/momentum_balance.hpp"
+#include "talus/world/features/energy_ledger.hpp"
+#include "talus/world/features/momentum_balance.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
@@ -97,25 +97,7 @@ void book_drift(world_state<Scenario>& s, const Store& store, std::size_t i, rea
                twice_spin_energy(store, i, q, w));
 }
 
-/// Before a step.
-template <class Scenario>
-void open_soft(world_state<Scenario>& s) {
-  if constexpr (watches<Scenario, energy_ledger>) {
-    open_energy(s);
-    s.monitors.springs.moved = 0;
-  }
-  if constexpr (watches<Scenario, momentum_balance>) {
-    momentum_record& r = s.monitors.momentum;
-    const vec3 force = r.ground_force;
-    r = {};
-    r.ground_force = force;
-    each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
-      r.before += vec3(store.velocity[i] / store.inverse_mass[i]);
-      r.mass += 1 / store.inverse_mass[i];
-    });
-  }
-}
-/// And then: `energy` is what the springs hold.
+/// At the start of a step: `energy` is what the springs hold.
 template <class Scenario>
 void open_springs(world_state<Scenario>& s, double energy) {
   spring_record& r = s.monitors.springs;
@@ -132,13 +114,7 @@ void book_migration(world_state<Scenario>& s, real sign) {
   s.monitors.springs.moved += sign * (now.kinetic + now.potential);
 }
 
-/// After the last change of velocities and positions in a step, before bodies are migrated.
-template <class Scenario>
-void close_soft(world_state<Scenario>& s) {
-  if constexpr (watches<Scenario, energy_ledger>) s.monitors.energy.after = energy_of(s);
-  if constexpr (watches<Scenario, momentum_balance>) close_momentum(s);
-}
-/// And then: `energy` is what the springs hold; `opened` what those across the normal held in
+/// At the end: `energy` is what the springs hold; `opened` what those across the normal held in
 /// contacts that opened. That is lost, and so is what yields: springs gave it, but not to motion.
 template <class Scenario>
 void close_springs(world_state<Scenario>& s, double energy, double opened) {

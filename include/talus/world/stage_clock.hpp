@@ -42,4 +42,15 @@ class stage_clock {
   Total start_ = now();
 };
 
+/// Runs a stage and adds its wall time to `total`, without the time spent in exchanges.
+template <class State, class Stage>
+void timed(State& s, double& total, Stage&& stage) {
+  const double exchanged = s.seconds.exchange;
+  {
+    const stage_clock clock(total);
+    stage();
+  }
+  total -= s.seconds.exchange - exchanged;
+}
+
 }  // namespace talus::detail

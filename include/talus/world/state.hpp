@@ -18,18 +18,15 @@
 #include "talus/parallel/lone_domain.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
-#include "talus/world/balance_state.hpp"
 #include "talus/world/bodies_of_shape.hpp"
 #include "talus/world/body_count.hpp"
 #include "talus/world/candidate_pairs.hpp"
 #include "talus/world/counted_time.hpp"
-#include "talus/world/driven_bodies.hpp"
-#include "talus/world/midpoint_state.hpp"
+#include "talus/world/feature_states.hpp"
 #include "talus/world/monitors.hpp"
 #include "talus/world/periodic_ghosts.hpp"
 #include "talus/world/response_state.hpp"
 #include "talus/world/scenario.hpp"
-#include "talus/world/sleep_state.hpp"
 #include "talus/world/stage_clock.hpp"
 
 namespace talus {
@@ -107,23 +104,6 @@ struct no_copy_choice {};
 /// Stands for the choice of a solver where there is one.
 struct no_choice {};
 
-/// When bodies strike something in the step under way; see world/continuous.hpp.
-struct impact_times {
-  plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
-  plain_vector<real> found;
-  bool second_round = false;
-
-  /// A body that is held where it is for the rest of the step, and that a driven body reaches, goes
-  /// on with that.
-  struct carried {
-    real from = std::numeric_limits<real>::infinity();
-    vec3 origin{0, 0, 0};  ///< the reference point of the driven body at the start of the step
-    vec3 v{0, 0, 0}, w{0, 0, 0};
-  };
-  plain_vector<carried> carriers;  ///< in solver indices; empty where nothing is driven
-};
-struct no_impact_times {};
-
 template <class Shape>
 struct is_finite : std::bool_constant<Shape::finite> {};
 template <class Shape>
@@ -131,8 +111,7 @@ struct shares_data : std::bool_constant<packs_itself<Shape>> {};
 
 /// Whether contacts are found and solved in the middle of a step.
 template <class Scenario>
-inline constexpr bool steps_by_midpoint =
-    std::is_same_v<typename Scenario::integrator, moreau_midpoint>;
+inline constexpr bool steps_by_midpoint = Scenario::integrator::at_midpoint;
 /// The contact law of a scenario, as its contacts are compiled.
 template <class Scenario>
 using law_of =
@@ -166,7 +145,9 @@ struct link_of<Transport, true> {
 
 /// The contacts and what finds their impulses or forces are in the base.
 template <class Scenario>
-struct world_state : response_state<Scenario> {
+struct world_state : response_state<Scenario>,
+                     slots_of_features<typename Scenario::features, Scenario>,
+                     Scenario::integrator::template state<Scenario> {
   static_assert(complete<typename Scenario::transport>,
                 "a world needs the transport of its scenario, which is threads unless it names "
                 "another: write #include <talus/parallel/threads.hpp>");
@@ -200,22 +181,14 @@ struct world_state : response_state<Scenario> {
   /// Whether bodies are followed on their way through a step.
   static constexpr bool continuous =
       contains_type<typename Scenario::features, continuous_collision>;
-  [[no_unique_address]] std::conditional_t<continuous, impact_times, no_impact_times> impacts;
 
   /// Whether islands at rest are left out of the steps.
   static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
-  [[no_unique_address]] std::conditional_t<sleeps, sleep_state<history_type>, no_sleep_state> sleep;
 
   /// Whether cuts between domains move.
   static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
-  [[no_unique_address]] std::conditional_t<
-      balances, balance_state<typename Scenario::decomposition>, no_balance>
-      balance;
   /// Whether global bodies may be moved.
   static constexpr bool drives = contains_type<typename Scenario::features, driven>;
-  [[no_unique_address]] std::conditional_t<drives, driven_bodies<Scenario::shapes::size>,
-                                           no_driven_bodies>
-      driving;
 
   /// Whether contacts are found and solved in the middle of a step.
   static constexpr bool midpoint = steps_by_midpoint<Scenario>;
@@ -253,8 +226,6 @@ struct world_state : response_state<Scenario> {
                                          shared_memory, no_shared_memory>;
   /// Whether space repeats itself: then some shadow copies are images, and have been moved.
   static constexpr bool periodic = domain_type::periodic;
-  [[no_unique_address]] std::conditional_t<midpoint, midpoint_state<shape_count>, no_midpoint_state>
-      midpoints;
   using copy_code = detail::copy_code<periodic>;
   [[no_unique_address]] std::conditional_t<periodic, periodic_ghosts<shape_count>,
                                            no_periodic_ghosts>

@@ -18,6 +18,7 @@
 #include "talus/detect/narrow.hpp"
 #include "talus/response/integrate.hpp"
 #include "talus/world/driven.hpp"
+#include "talus/world/midpoint_state.hpp"
 #include "talus/world/state.hpp"
 
 namespace talus::detail {

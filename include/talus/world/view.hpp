@@ -22,6 +22,7 @@ class body_view {
 
  public:
   using shape_type = Shape;
+  using columns = typename store_type::list;
 
   body_view(state_type& s, const detail::open_sections& open, store_type& store, std::size_t index,
             bool global)
@@ -71,11 +72,29 @@ class body_view {
     return 0;
   }
 
+  /// The value of a column, such as one of a feature of one's own: docs/features.md.
+  template <class Column>
+  [[nodiscard]] const typename Column::value_type& get() const {
+    static_assert(store_type::template has<Column>,
+                  "bodies of this shape carry no such column: add the feature that has it to the "
+                  "features<...> of the scenario");
+    return store_->template column<Column>()[i_];
+  }
+
   // Changes. They are made by the owner: on a shadow copy they would be lost at the next migration,
   // so they throw logic_error there. A global body is changed alike on all ranks: logic_error in an
   // exclusive section. It takes no velocity: logic_error. Values that are not finite:
   // invalid_argument.
 
+  /// Sets the value of a column of a feature of one's own.
+  template <class Column>
+  void set(const typename Column::value_type& value) {
+    static_assert(store_type::template has<Column> && !detail::named_column<Column>,
+                  "bodies of this shape carry no such column that can be set: add the feature that "
+                  "has it to the features<...> of the scenario");
+    prepare_change(Column::name, vec3(0, 0, 0));
+    store_->template column<Column>()[i_] = value;
+  }
   /// A fixed body stays where it is, but carries along what it rubs against, as a belt does.
   void set_velocity(const vec3& v) {
     prepare_change("velocity", v);

@@ -43,16 +43,19 @@ template <class T>
     return {name, number_type::u8, sizeof(T)};
 }
 
+/// The columns of a store that checkpoints hold, and those that they do not.
+template <class Store>
+using saved_columns = typename columns_by_use<typename Store::list>::saved;
+template <class Store>
+using unsaved_columns = typename columns_by_use<typename Store::list>::unsaved;
+
+template <class... Columns>
+[[nodiscard]] std::vector<table_column> table_columns(type_list<Columns...>) {
+  return {column_of<typename Columns::value_type>(Columns::name)...};
+}
 template <class Store>
 [[nodiscard]] std::vector<table_column> columns_of() {
-  std::vector<const char*> names;
-  Store::each_column_name([&](const char* name) { names.push_back(name); });
-  std::vector<table_column> columns;
-  Store().each_column([&](const auto& c) {
-    using value = typename std::remove_cvref_t<decltype(c)>::value_type;
-    columns.push_back(column_of<value>(names.at(columns.size())));
-  });
-  return columns;
+  return table_columns(saved_columns<Store>{});
 }
 
 /// Tables of the shapes of a scenario: bodies/sphere, and bodies/union_of_2 for a second shape of
@@ -80,7 +83,7 @@ template <class Store>
   t.extras = packs_itself<typename Store::shape_type>;
   cut_into_pieces(t);
   std::size_t k = 0;
-  store.each_column([&](const auto& c) {
+  store.template each_column<saved_columns<Store>>([&](const auto& c) {
     using value = typename std::remove_cvref_t<decltype(c)>::value_type;
     if constexpr (packs_itself<value>) {
       byte_buffer references;
@@ -156,7 +159,7 @@ void require_sane(const Store& s, std::size_t i, std::size_t materials) {
       flag_fixed | flag_invisible | flag_asleep | flag_disturbed | flag_released;
   bool sane = s.id[i] != no_id && s.inverse_mass[i] >= 0 && (s.flags[i] & ~all_flags) == 0 &&
               static_cast<std::size_t>(s.material[i]) < materials;
-  s.each_column([&](const auto& c) {
+  s.template each_column<named_columns<typename Store::list>>([&](const auto& c) {
     using value = typename std::remove_cvref_t<decltype(c)>::value_type;
     if constexpr (!std::is_same_v<value, typename Store::shape_type>)
       sane = sane && all_finite(c[i]);
@@ -177,6 +180,8 @@ void require_sane(const Store& s, std::size_t i, std::size_t materials) {
   return rows;
 }
 
+struct no_forms {};
+
 /// Appends the bodies for which takes(position) to the locals of a store that has no shadow copies.
 /// Pieces outside of a box are not read.
 template <class Store, class Takes>
@@ -184,7 +189,7 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
                  std::size_t materials, Takes&& takes) {
   using shape = typename Store::shape_type;
   constexpr std::size_t column_of_position = 1;
-  [[maybe_unused]] std::conditional_t<packs_itself<shape>, form_reader<shape>, no_column> forms;
+  [[maybe_unused]] std::conditional_t<packs_itself<shape>, form_reader<shape>, no_forms> forms;
   plain_vector<std::uint32_t> kept;
   const std::size_t room = store.size() + rows_within(table, bounds);
   store.each_column([&](auto& c) { c.reserve(room); });
@@ -197,7 +202,7 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
         kept.push_back(static_cast<std::uint32_t>(i));
     const std::size_t first = store.size();
     std::size_t k = 0;
-    store.each_column([&](auto& c) {
+    store.template each_column<saved_columns<Store>>([&](auto& c) {
       using value = typename std::remove_cvref_t<decltype(c)>::value_type;
       for (const std::uint32_t i : kept) {
         if constexpr (packs_itself<shape>) {  // without it there are no forms
@@ -208,6 +213,8 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
       }
       ++k;
     });
+    store.template each_initial<unsaved_columns<Store>>(
+        [&](auto& c, const auto& initial) { c.resize(store.size(), initial); });
     store.locals = store.size();
     for (std::size_t i = first; i < store.size(); ++i) require_sane(store, i, materials);
   }

@@ -1,6 +1,7 @@
 #pragma once
-// Sums of monitors in a checkpoint: one row for each rank, so that a run on as many ranks goes on
-// with the same sums to the bit. On another number of ranks the first one takes all.
+// Sums of monitors, and of features of one's own, in a checkpoint: one row for each rank, so that a
+// run on as many ranks goes on with the same sums to the bit. On another number of ranks the first
+// one takes all.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -14,11 +15,31 @@
 
 namespace talus::detail {
 
+/// Calls f(path, record) for what checkpoints hold of the features of a scenario: the records of
+/// its monitors, and of its own features the states that say so.
+template <class Scenario, class F>
+void each_stored_record(world_state<Scenario>& s, F&& f) {
+  const auto of_monitor = [&](const char* name, auto& record) {
+    f(std::string("/monitors/") + name, record);
+  };
+  each_record_of(s.monitors, of_monitor);
+  [&]<class... Features>(type_list<Features...>) {
+    const auto of_own = [&]<class Feature>(type_list<Feature>) {
+      if constexpr (has_own_state<Feature, Scenario>)
+        if constexpr (requires(number_visitor<F> & visit) {
+                        own_state<Feature>(s).each_number(visit);
+                      })
+          f(std::string("/features/") + Feature::name, own_state<Feature>(s));
+    };
+    (of_own(type_list<Features>{}), ...);
+  }(typename Scenario::features{});
+}
+
 /// Collective.
 template <class Scenario>
 [[gnu::cold]] void put_monitors(checkpoint_team& team, world_state<Scenario>& s,
                                 std::vector<small_dataset>& out) {
-  each_monitor<Scenario>(s.monitors, [&](const char* name, auto& record) {
+  each_stored_record(s, [&](const std::string& path, auto& record) {
     byte_buffer mine;
     std::uint32_t width = 0;
     each_number(record, [&](double& x, over_ranks) { byte_writer(mine).put(x), ++width; });
@@ -27,15 +48,14 @@ template <class Scenario>
       byte_reader from(each);
       for (std::uint32_t k = 0; k < width; ++k) rows.push_back(from.get<double>());
     }
-    out.push_back(numbers_dataset<double>(std::string("/monitors/") + name, rows, width));
+    out.push_back(numbers_dataset<double>(path, rows, width));
   });
 }
 
 /// A monitor that the run that wrote did not have begins anew.
 template <class Scenario>
 [[gnu::cold]] void get_monitors(const checkpoint_reader& in, world_state<Scenario>& s) {
-  each_monitor<Scenario>(s.monitors, [&](const char* name, auto& record) {
-    const std::string path = std::string("/monitors/") + name;
+  each_stored_record(s, [&](const std::string& path, auto& record) {
     if (!in.has(path)) return;
     std::uint32_t width = 0;
     each_number(record, [&](double&, over_ranks) { ++width; });

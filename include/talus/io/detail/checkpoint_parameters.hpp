@@ -87,11 +87,9 @@ template <class Scenario>
   for_each_type<typename Scenario::features>([&](auto type) {
     using feature = typename decltype(type)::type;
     constexpr bool of_bodies =
-        contains_type<type_list<orientation, forces, user_ids, visibility, damping,
-                                continuous_collision, sleeping>,
-                      feature> ||
+        !checkpoints_may_differ<feature> ||
         (Scenario::contact_law::soft && std::is_same_v<feature, energy_ledger>);
-    if constexpr (of_bodies) features.push_back(feature::name);
+    if constexpr (of_bodies && concepts::feature<feature>) features.push_back(feature::name);
   });
   std::sort(features.begin(), features.end());
   std::string named;

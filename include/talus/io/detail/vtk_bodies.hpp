@@ -40,6 +40,37 @@ template <class Shape>
     return s.bounding_radius();
 }
 
+/// How the values of a column are output: as numbers, or as vectors of three.
+template <class Column>
+[[nodiscard]] consteval number_type vtk_type_of() {
+  using value = typename Column::value_type;
+  if constexpr (std::is_same_v<value, double> || std::is_same_v<value, vec3>)
+    return number_type::f64;
+  else if constexpr (std::is_same_v<value, float>)
+    return number_type::f32;
+  else if constexpr (std::is_same_v<value, std::uint64_t>)
+    return number_type::u64;
+  else if constexpr (std::is_same_v<value, std::int64_t>)
+    return number_type::i64;
+  else if constexpr (std::is_same_v<value, std::uint32_t>)
+    return number_type::u32;
+  else if constexpr (std::is_same_v<value, std::uint16_t>)
+    return number_type::u16;
+  else
+    return number_type::u8;
+}
+template <class Column>
+[[nodiscard]] consteval std::uint32_t vtk_width_of() {
+  using value = typename Column::value_type;
+  static_assert(std::is_same_v<value, double> || std::is_same_v<value, vec3> ||
+                    std::is_same_v<value, float> || std::is_same_v<value, std::uint64_t> ||
+                    std::is_same_v<value, std::int64_t> || std::is_same_v<value, std::uint32_t> ||
+                    std::is_same_v<value, std::uint16_t> || std::is_same_v<value, std::uint8_t>,
+                "this column cannot be output, since its values are neither numbers nor vec3: give "
+                "it `static constexpr bool in_output = false`");
+  return std::is_same_v<value, vec3> ? 3 : 1;
+}
+
 /// What of bodies an output of this scenario has: fewer columns where there is nothing to tell.
 template <class Scenario>
 struct vtk_columns {
@@ -57,7 +88,16 @@ struct vtk_columns {
 
   static constexpr bool oriented = filter_types<shapes, is_oriented>::size > 0;
   static constexpr bool in_parts = filter_types<shapes, is_in_parts>::size > 0;
-  static constexpr bool numbered = Scenario::template has_feature<user_ids>;
+  /// Columns that are output as they are, of any shape.
+  template <class Shape>
+  using shown_of = typename columns_by_use<typename of_shape<Shape>::store::list>::shown;
+  template <class Shapes>
+  struct shown_of_shapes;
+  template <class... Shapes>
+  struct shown_of_shapes<type_list<Shapes...>> {
+    using type = sorted_columns<join_lists<shown_of<Shapes>...>>;
+  };
+  using shown = typename shown_of_shapes<shapes>::type;
   static constexpr bool sleeps = Scenario::template has_feature<sleeping>;
 };
 
@@ -94,7 +134,7 @@ class vtk_bodies {
         .column("angular_velocity", number_type::f64, 3);
     if constexpr (columns::oriented) data.column("orientation", number_type::f64, 4);
     if constexpr (columns::in_parts) data.column("part", number_type::u32);
-    if constexpr (columns::numbered) data.column("user_id", number_type::u32);
+    add_columns(typename columns::shown{});
     if constexpr (columns::sleeps) data.column("asleep", number_type::u8);
   }
 
@@ -111,6 +151,21 @@ class vtk_bodies {
   row_table points{"/VTKHDF"}, data{"/VTKHDF/PointData"};
 
  private:
+  template <class... Columns>
+  void add_columns(type_list<Columns...>) {
+    (data.column(Columns::name, vtk_type_of<Columns>(), vtk_width_of<Columns>()), ...);
+  }
+  /// A shape that does not carry the column shows its default.
+  template <class... Columns, class Store>
+  void put_columns(type_list<Columns...>, const Store& store, std::size_t i) {
+    const auto put = [&]<class Column>(type_list<Column>) {
+      if constexpr (Store::template has<Column>)
+        data.put(store.template column<Column>()[i]);
+      else
+        data.put(initial_of<Column>());
+    };
+    (put(type_list<Columns>{}), ...);
+  }
   template <class Store>
   void add(const world_state<Scenario>& s, const Store& store, std::size_t i, std::uint32_t rank) {
     each_part_of(store, i, [&](const auto& shape, const pose& at, std::uint32_t part) {
@@ -142,7 +197,7 @@ class vtk_bodies {
       data.put(q.w(), q.x(), q.y(), q.z());
     }
     if constexpr (columns::in_parts) data.put(part);
-    if constexpr (columns::numbered) data.put(store.user_id[i]);
+    put_columns(typename columns::shown{}, store, i);
     if constexpr (columns::sleeps) data.put(static_cast<std::uint8_t>(store.asleep(i)));
   }
 };

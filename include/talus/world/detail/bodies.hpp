@@ -56,8 +56,7 @@ template <class Shape>
 handle<Shape> world<Scenario>::add_global(const body<Shape>& b) {
   auto& bodies = state_.template of<Shape>();
   const auto id = detail::id_of_attempt(attempts_++);
-  bodies.global.resize(bodies.global.size() + 1);
-  write(bodies.global, bodies.global.size() - 1, b, id, true);
+  write(bodies.global, bodies.global.append(), b, id, true);
   bodies.globals_changed = true;
   return {id};
 }

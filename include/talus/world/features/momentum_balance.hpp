@@ -1,14 +1,30 @@
 #pragma once
-// Keeps the momentum balance during a step: what the bodies gained, and who gave it.
+// features<momentum_balance>: what it records, how it books a step (what the bodies gained, and who
+// gave it), and at which stages.
 #include <cmath>
 
 #include "talus/core/portable_powers.hpp"
 #include "talus/response/contact_work.hpp"
-#include "talus/world/energy_ledger.hpp"
+#include "talus/world/features/energy_ledger.hpp"
 #include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 
-namespace talus::detail {
+namespace talus {
+namespace detail {
+
+struct momentum_record {
+  compensated_sum<vec3> before, after;  ///< momentum of the bodies owned here
+  compensated_sum<vec3> gravity, forces, damping;
+  compensated_sum<vec3> ground;  ///< from global and fixed bodies
+  vec3 ground_force{0, 0, 0};    ///< of soft contacts, now
+  double mass = 0, size = 0;     ///< of the bodies that can move; sum of |m v|
+
+  template <class Visitor>
+  void each_number(Visitor& visit) {
+    visit.sums(before, after, gravity, forces, damping, ground, ground_force);
+    visit.sums(mass, size);
+  }
+};
 
 /// The impulse that global and fixed bodies gave in the last step to those of this rank.
 template <class Scenario>
@@ -67,4 +83,48 @@ void close_momentum(world_state<Scenario>& s) {
   });
 }
 
-}  // namespace talus::detail
+/// Of soft contacts, before a step.
+template <class Scenario>
+void open_momentum(world_state<Scenario>& s) {
+  momentum_record& r = s.monitors.momentum;
+  const vec3 force = r.ground_force;
+  r = {};
+  r.ground_force = force;
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
+    r.before += vec3(store.velocity[i] / store.inverse_mass[i]);
+    r.mass += 1 / store.inverse_mass[i];
+  });
+}
+
+}  // namespace detail
+
+struct momentum_balance::record {
+  detail::momentum_record momentum;
+
+  template <class F>
+  void each_record(F&& f) {
+    f("momentum", momentum);
+  }
+};
+
+struct momentum_balance::hooks {
+  template <class Scenario>
+  static void at_start(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::contact_law::soft) open_momentum(s);
+  }
+  template <class Scenario>
+  static void after_solve(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft) book_momentum(s);
+  }
+  /// Before islands at rest lose what is left of their motion.
+  template <class Scenario>
+  static void after_move(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft) close_momentum(s);
+  }
+  template <class Scenario>
+  static void at_close(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::contact_law::soft) close_momentum(s);
+  }
+};
+
+}  // namespace talus

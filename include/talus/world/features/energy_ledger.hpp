@@ -1,14 +1,114 @@
 #pragma once
-// Keeps the energy ledger during a step: every entry from what happened, none as the remainder.
+// features<energy_ledger>: what it records, how it books a step (every entry from what happened,
+// none as the remainder), and at which stages.
+#include <algorithm>
 #include <cmath>
 
+#include "talus/core/compensated_sum.hpp"
+#include "talus/core/plain_vector.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/response/contact_work.hpp"
 #include "talus/response/integrate.hpp"
+#include "talus/world/monitors.hpp"
 #include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 
-namespace talus::detail {
+namespace talus {
+
+/// Energy that came into the motion of the bodies, or left it. Each entry is computed by itself.
+struct energy_flows {
+  double work = 0;        ///< done by forces and torques of the user, and by fixed bodies with a
+                          ///< velocity on what they carry along
+  double friction = 0;    ///< dissipated by tangential impulses
+  double impact = 0;      ///< dissipated by normal impulses
+  double damping = 0;     ///< dissipated by damping
+  double correction = 0;  ///< added by the correction of overlaps
+  double scheme = 0;      ///< added by the time stepping: -m g^2 dt^2/2 per step of a free fall,
+                          ///< and what the scheme of rotation does
+  double sleep = 0;       ///< dissipated where islands went to sleep
+
+  [[nodiscard]] double net() const {
+    return work + correction + scheme - friction - impact - damping - sleep;
+  }
+  energy_flows& operator+=(const energy_flows& x) {
+    work += x.work, friction += x.friction, impact += x.impact;
+    damping += x.damping, correction += x.correction, scheme += x.scheme;
+    sleep += x.sleep;
+    return *this;
+  }
+};
+
+namespace detail {
+
+/// Kinetic and potential energy, and the sum of their absolute values over the bodies.
+struct energy_sums {
+  double kinetic = 0, potential = 0, scale = 0;
+};
+
+struct energy_record {
+  /// Of one body over a step: half the sum of its velocities before and after. With it the work of
+  /// impulses that act together is the sum of their works.
+  struct mean_velocity {
+    vec3 v, w;
+  };
+  struct running_flows {
+    compensated_sum<double> work, friction, impact, damping, correction, scheme, sleep;
+    [[nodiscard]] energy_flows value() const {
+      return {work.value(),       friction.value(), impact.value(), damping.value(),
+              correction.value(), scheme.value(),   sleep.value()};
+    }
+  };
+
+  running_flows running;      ///< of the step under way
+  double exchanged = 0;       ///< sum of the absolute values of what contacts give, in this step
+  energy_sums before, after;  ///< of the last step
+  energy_flows step, total;
+  double initial = 0;  ///< energy at the start of the first step
+  double changes = 0;  ///< of energy by the user, between the steps
+  double closure = 0;  ///< what the last step's entries leave open
+  double scale = 0;    ///< of the energies that met in the last step
+  double worst = 0;    ///< largest |closure| over scale of all steps
+  bool started = false;
+  plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
+
+  template <class Visitor>
+  void each_number(Visitor& visit) {
+    for (energy_sums* s : {&before, &after}) visit.sums(s->kinetic, s->potential, s->scale);
+    for (energy_flows* e : {&step, &total})
+      visit.sums(e->work, e->friction, e->impact, e->damping, e->correction, e->scheme, e->sleep);
+    visit.sums(initial, changes, closure, scale);
+    visit.largest(worst);
+    visit.largest(started);
+  }
+};
+
+/// Of soft contacts, beside the energy_record: what their springs hold, of contacts that count
+/// here.
+struct spring_record {
+  /// Of fixed bodies that move, on others; for the present forces.
+  compensated_sum<double> spring_power, dashpot_power, friction_power;
+  /// Energies when forces were last measured: along the normal, and across it (and of rolling)
+  /// before and after the springs were brought forward; what yielded between.
+  compensated_sum<double> normal, across_before, across, yielded;
+  compensated_sum<double> released;  ///< of `normal`, given up when the memory changed
+  double start = 0;                  ///< energy at the start of the step
+  double across_at_start = 0;
+  double stored = 0;  ///< and at its end
+  double moved = 0;   ///< energy of the bodies that came to this rank within the step
+  bool started = false;
+
+  void measure_anew() {
+    spring_power = dashpot_power = friction_power = {};
+    normal = across_before = across = yielded = released = {};
+  }
+  template <class Visitor>
+  void each_number(Visitor& visit) {
+    visit.sums(spring_power, dashpot_power, friction_power);
+    visit.sums(normal, across_before, across, yielded, released);
+    visit.sums(start, across_at_start, stored, moved);
+    visit.largest(started);
+  }
+};
 
 /// Calls f(store, i, index in the solver's arrays) for each body owned here that can move.
 template <class Scenario, class F>
@@ -198,4 +298,70 @@ void close_energy(world_state<Scenario>& s) {
   if (r.scale > 0) r.worst = std::max(r.worst, std::abs(r.closure) / r.scale);
 }
 
-}  // namespace talus::detail
+}  // namespace detail
+
+struct energy_ledger::record {
+  detail::energy_record energy;
+
+  template <class F>
+  void each_record(F&& f) {
+    f("energy", energy);
+  }
+};
+struct detail::split_contact_forces::record {
+  spring_record springs;
+
+  template <class F>
+  void each_record(F&& f) {
+    f("springs", springs);
+  }
+};
+
+// Where contacts are soft, energies are measured when the last velocities of a step are known, and
+// what springs hold is that of the places where forces are measured: at the start of a step, or at
+// its end where the integrator shares bodies midway.
+struct energy_ledger::hooks {
+  template <class Scenario>
+  static void at_start(detail::world_state<Scenario>& s) {
+    open_energy(s);
+    if constexpr (Scenario::contact_law::soft) {
+      s.monitors.springs.moved = 0;
+      if constexpr (Scenario::integrator::shares_midway) survey_at_start(s);
+    }
+  }
+  template <class Scenario>
+  static void after_solve(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft)
+      book_response(s);
+    else if constexpr (!Scenario::integrator::shares_midway)
+      open_springs_as_measured(s);
+  }
+  template <class Scenario>
+  static void after_move(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft) book_motion(s);
+  }
+  template <class Scenario>
+  static void at_close(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft) {
+      close_energy(s);
+    } else {
+      s.monitors.energy.after = energy_of(s);
+      if constexpr (Scenario::integrator::shares_midway) close_springs_as_measured(s);
+    }
+  }
+  template <class Scenario>
+  static void before_share(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::integrator::shares_midway) book_migration(s, -1);
+  }
+  template <class Scenario>
+  static void after_share(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::integrator::shares_midway) book_migration(s, 1);
+  }
+  template <class Scenario>
+  static void at_end(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::contact_law::soft && !Scenario::integrator::shares_midway)
+      survey_at_end(s);
+  }
+};
+
+}  // namespace talus

@@ -1,0 +1,210 @@
+#pragma once
+// The columns of talus: what bodies always carry, and what its features add.
+#include <cstdint>
+
+#include "talus/body/column.hpp"
+#include "talus/body/material.hpp"
+#include "talus/core/id.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+
+namespace talus::detail {
+
+enum body_flag : std::uint8_t {
+  flag_fixed = 1,
+  flag_invisible = 2,
+  flag_asleep = 4,     ///< its island is left out of the steps
+  flag_disturbed = 8,  ///< of something immovable: the user put or changed it since the last step
+  flag_released = 16   ///< it was fixed; until all ranks that hold copies have heard of that
+};
+
+/// What springs, dashpots and friction of soft contacts do to a body, each by itself.
+struct split_forces {
+  vec3 spring{0, 0, 0}, spring_torque{0, 0, 0};
+  vec3 dashpot{0, 0, 0}, dashpot_torque{0, 0, 0};
+  vec3 friction{0, 0, 0}, friction_torque{0, 0, 0};
+};
+
+namespace columns {
+
+struct id {
+  using value_type = system_id;
+  static constexpr const char* name = "id";
+  static constexpr travels travel = travels::when_changed;
+  struct storage {
+    plain_vector<system_id> id;
+  };
+  static constexpr auto member = &storage::id;
+};
+struct position {
+  using value_type = vec3;
+  static constexpr const char *name = "position", *unit = "L";
+  struct storage {
+    plain_vector<vec3> position;
+  };
+  static constexpr auto member = &storage::position;
+};
+struct velocity {
+  using value_type = vec3;
+  static constexpr const char *name = "velocity", *unit = "L/T";
+  struct storage {
+    plain_vector<vec3> velocity;
+  };
+  static constexpr auto member = &storage::velocity;
+};
+struct angular_velocity {
+  using value_type = vec3;
+  static constexpr const char *name = "angular_velocity", *unit = "1/T";
+  struct storage {
+    plain_vector<vec3> angular_velocity;
+  };
+  static constexpr auto member = &storage::angular_velocity;
+};
+template <class Shape>
+struct shape {
+  using value_type = Shape;
+  static constexpr const char* name = "shape";
+  static constexpr travels travel = travels::when_changed;
+  struct storage {
+    vector_of<Shape> shape;
+  };
+  static constexpr auto member = &storage::shape;
+};
+/// 0 for a fixed body.
+struct inverse_mass {
+  using value_type = real;
+  static constexpr const char *name = "inverse_mass", *unit = "1/M";
+  static constexpr travels travel = travels::when_changed;
+  struct storage {
+    plain_vector<real> inverse_mass;
+  };
+  static constexpr auto member = &storage::inverse_mass;
+};
+struct material {
+  using value_type = material_id;
+  static constexpr const char* name = "material";
+  static constexpr travels travel = travels::when_changed;
+  struct storage {
+    plain_vector<material_id> material;
+  };
+  static constexpr auto member = &storage::material;
+};
+struct flags {
+  using value_type = std::uint8_t;
+  static constexpr const char* name = "flags";
+  static constexpr travels travel = travels::when_changed;
+  struct storage {
+    plain_vector<std::uint8_t> flags;
+  };
+  static constexpr auto member = &storage::flags;
+};
+/// Bodies that are no balls always carry it; balls carry it with features<orientation>.
+struct orientation {
+  using value_type = quat;
+  static constexpr const char* name = "orientation";
+  static constexpr int place = 0;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite&& Shape::isotropic;  // by the feature
+  struct storage {
+    plain_vector<quat> orientation_of;
+  };
+  static constexpr auto member = &storage::orientation_of;
+};
+
+// Of features. `place` orders them in messages and checkpoints.
+
+/// By the user, world frame; cleared after each step.
+struct force {
+  using value_type = vec3;
+  static constexpr const char *name = "force", *unit = "M L/T^2";
+  static constexpr int place = 1;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<vec3> force;
+  };
+  static constexpr auto member = &storage::force;
+};
+/// Likewise, about the centre of mass.
+struct torque {
+  using value_type = vec3;
+  static constexpr const char *name = "torque", *unit = "M L^2/T^2";
+  static constexpr int place = 2;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<vec3> torque;
+  };
+  static constexpr auto member = &storage::torque;
+};
+/// Of the present contacts, world frame.
+struct contact_force {
+  using value_type = vec3;
+  static constexpr const char *name = "contact_force", *unit = "M L/T^2";
+  static constexpr int place = 3;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<vec3> contact_force;
+  };
+  static constexpr auto member = &storage::contact_force;
+};
+/// Likewise, about the centre of mass.
+struct contact_torque {
+  using value_type = vec3;
+  static constexpr const char *name = "contact_torque", *unit = "M L^2/T^2";
+  static constexpr int place = 4;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<vec3> contact_torque;
+  };
+  static constexpr auto member = &storage::contact_torque;
+};
+/// The sum of both, in parts.
+struct split {
+  using value_type = split_forces;
+  static constexpr const char *name = "split_forces", *unit = "M L/T^2";
+  static constexpr int place = 5;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<split_forces> split;
+  };
+  static constexpr auto member = &storage::split;
+};
+struct user_id {
+  using value_type = std::uint32_t;
+  static constexpr const char* name = "user_id";
+  static constexpr int place = 6;
+  static constexpr travels travel = travels::when_changed;
+  static constexpr bool in_output = true;
+  struct storage {
+    plain_vector<std::uint32_t> user_id;
+  };
+  static constexpr auto member = &storage::user_id;
+};
+/// For how long the island has been at rest.
+struct quiet {
+  using value_type = float;
+  static constexpr const char *name = "quiet", *unit = "T";
+  static constexpr int place = 7;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<float> quiet;
+  };
+  static constexpr auto member = &storage::quiet;
+};
+
+}  // namespace columns
+
+/// What a body of a shape carries in every scenario.
+template <class Shape>
+using columns_of_shape = join_lists<
+    type_list<columns::id, columns::position, columns::velocity, columns::angular_velocity,
+              columns::shape<Shape>, columns::inverse_mass, columns::material, columns::flags>,
+    std::conditional_t<Shape::finite && !Shape::isotropic, type_list<columns::orientation>,
+                       type_list<>>>;
+
+}  // namespace talus::detail

@@ -1,0 +1,49 @@
+#pragma once
+// features<continuous_collision>: what it keeps, and at which stage it acts (world/continuous.hpp);
+// detection (world/detect.hpp) follows flights to their first impact.
+#include <limits>
+
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/world/continuous.hpp"
+#include "talus/world/neighbour_list.hpp"
+#include "talus/world/stage_clock.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus {
+namespace detail {
+
+/// When bodies strike something in the step under way; see world/continuous.hpp.
+struct impact_times {
+  plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
+  plain_vector<real> found;
+  bool second_round = false;
+
+  /// A body that is held where it is for the rest of the step, and that a driven body reaches,
+  /// moves on with that.
+  struct carried {
+    real from = std::numeric_limits<real>::infinity();
+    vec3 origin{0, 0, 0};  ///< the reference point of the driven body at the start of the step
+    vec3 v{0, 0, 0}, w{0, 0, 0};
+  };
+  plain_vector<carried> carriers;  ///< in solver indices; empty where nothing is driven
+};
+
+}  // namespace detail
+
+template <class Scenario>
+struct continuous_collision::state {
+  detail::impact_times impacts;
+};
+
+struct continuous_collision::hooks {
+  /// Until when bodies that struck something go on.
+  template <class Scenario>
+  static void after_solve(detail::world_state<Scenario>& s) {
+    timed(s, s.seconds.detect, [&] {
+      limit_flights(s, [&] { detail::each_neighbour_pair<detail::flight_stopper>(s); });
+    });
+  }
+};
+
+}  // namespace talus

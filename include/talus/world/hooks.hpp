@@ -1,0 +1,129 @@
+#pragma once
+// Calls what the features of a scenario do at a stage of the step.
+#include <array>
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "talus/body/features.hpp"
+#include "talus/body/stages.hpp"
+#include "talus/concepts.hpp"
+#include "talus/core/type_list.hpp"
+#include "talus/world/state.hpp"
+
+namespace talus {
+
+/// What a feature of one's own sees of a world at a stage of the step: world/stage_view.hpp.
+template <class Scenario, class Feature>
+class stage_view;
+
+namespace detail {
+
+template <class Feature>
+struct order_of_feature {
+  using type = type_list<>;
+};
+template <class Feature>
+requires requires { typename Feature::runs_after; }
+struct order_of_feature<Feature> {
+  using type = typename Feature::runs_after;
+};
+
+template <class... Features>
+struct feature_order {
+  static constexpr std::size_t size = sizeof...(Features);
+  std::array<std::size_t, size> at{};
+  bool possible = true;  ///< false where features wait for each other
+};
+/// Each feature after those that it names in `runs_after`, else as the user wrote them.
+template <class... Features>
+[[nodiscard]] consteval feature_order<Features...> order_features() {
+  constexpr std::size_t n = sizeof...(Features);
+  std::array<std::array<bool, n>, n> waits{};  // [i][j]: i waits for j
+  std::size_t i = 0;
+  const auto note = [&]<class... After>(type_list<After...>) {
+    const bool named[] = {false, contains_type<type_list<After...>, Features>...};
+    for (std::size_t j = 0; j < n; ++j) waits[i][j] = named[j + 1];
+    ++i;
+  };
+  (note(typename order_of_feature<Features>::type{}), ...);
+  feature_order<Features...> order;
+  std::array<bool, n> done{};
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t next = n;
+    for (std::size_t f = 0; f < n && next == n; ++f) {
+      bool ready = !done[f];
+      for (std::size_t j = 0; j < n; ++j) ready = ready && (done[j] || !waits[f][j]);
+      if (ready) next = f;
+    }
+    if (next == n) {
+      order.possible = false;
+      return order;
+    }
+    done[next] = true;
+    order.at[k] = next;
+  }
+  return order;
+}
+
+/// The features of a list that act in a step, in the order in which they do.
+template <class Features>
+struct acting_features;
+template <>
+struct acting_features<type_list<>> {
+  using type = type_list<>;
+};
+template <class Feature>
+struct acting_features<type_list<Feature>> {
+  using type = type_list<Feature>;
+};
+template <class... Features>
+requires(sizeof...(Features) > 1) struct acting_features<type_list<Features...>> {
+  static constexpr auto order = order_features<Features...>();
+  static_assert(
+      order.possible,
+      "features<...> names features that run after each other, by their runs_after: leave "
+      "one of these out");
+  template <std::size_t... I>
+  static auto in_order(std::index_sequence<I...>)
+      -> type_list<std::tuple_element_t<order.at[I], std::tuple<Features...>>...>;
+  using type = decltype(in_order(std::make_index_sequence<sizeof...(Features)>{}));
+};
+template <class... Features>
+using features_with_hooks =
+    join_lists<std::conditional_t<with_hooks<Features>, type_list<Features>, type_list<>>...>;
+
+template <class Stage, class Feature, class Scenario>
+void run_hook(world_state<Scenario>& s) {
+  using hooks = typename Feature::hooks;
+  static_assert(complete<hooks>, "the hooks of this feature are declared and not defined");
+  if constexpr (built_in<Feature>) {
+    if constexpr (requires { Stage::template call<hooks>(s); }) Stage::template call<hooks>(s);
+  } else {
+    using view = stage_view<Scenario, Feature>;
+    constexpr bool seen = complete<view>;
+    static_assert(seen,
+                  "a world with a feature of one's own needs what its hooks see: write "
+                  "#include <talus/feature.hpp>");
+    if constexpr (seen)
+      if constexpr (requires(view & v) { Stage::template call<hooks>(v); }) {
+        view v(s);
+        Stage::template call<hooks>(v);
+      }
+  }
+}
+
+/// What the features of the scenario do at a stage, one after the other.
+template <class Stage, class Scenario>
+void run_hooks(world_state<Scenario>& s) {
+  [&]<class... Listed>(type_list<Listed...>) {
+    [&]<class... Features>(type_list<Features...>) {
+      (run_hook<Stage, Features>(s), ...);
+    }(typename acting_features<features_with_hooks<Listed...>>::type{});
+  }(typename Scenario::features{});
+  (void)s;
+}
+
+}  // namespace detail
+}  // namespace talus
