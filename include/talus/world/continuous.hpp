@@ -439,8 +439,8 @@ class flight_stopper {
 };
 
 /// Where a body is at the end of the step that was held at `position` and is carried along.
-[[nodiscard]] inline vec3 carried_to(const impact_times::carried& by, const vec3& position,
-                                     real dt) {
+template <class Carried>
+[[nodiscard]] vec3 carried_to(const Carried& by, const vec3& position, real dt) {
   const real turn = (dt - by.from) * by.w.norm();
   const vec3 arm = position - by.origin - by.from * by.v;
   return by.origin + dt * by.v + (turn > 0 ? rotated(rotation(by.w, turn), arm) : arm);
@@ -452,8 +452,8 @@ void limit_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair
   auto& impacts = s.impacts;
   // Others end their sweeps with velocities of copies as they were before the last one, which is
   // near enough where results may depend on the ranks.
-  if constexpr (world_state<Scenario>::by_colours && !world_state<Scenario>::link_type::alone)
-    shared_velocities<Scenario>(s).share_velocities();
+  if constexpr (world_state<Scenario>::may_use_colours && !world_state<Scenario>::link_type::alone)
+    if (s.by_colours()) shared_velocities<Scenario>(s).share_velocities();
   impacts.found.assign(impacts.time.size(), s.dt);
   if (std::all_of(impacts.time.begin(), impacts.time.end(), [](real t) { return t == never; }))
     return;

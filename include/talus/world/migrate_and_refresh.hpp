@@ -255,8 +255,8 @@ void wake_everywhere(world_state<Scenario>& s) {
 template <class Scenario>
 void migrate_and_refresh(world_state<Scenario>& s) {
   constexpr bool sleeps = world_state<Scenario>::sleeps;
-  constexpr bool by_colours = world_state<Scenario>::by_colours;
-  if constexpr (sleeps && !by_colours) wake_islands(s);
+  if constexpr (sleeps)
+    if (!s.by_colours()) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
@@ -270,15 +270,16 @@ void migrate_and_refresh(world_state<Scenario>& s) {
       if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
-  if constexpr (sleeps && by_colours) wake_everywhere(s);
+  if constexpr (sleeps && world_state<Scenario>::may_use_colours)
+    if (s.by_colours()) wake_everywhere(s);
 }
 
 /// At the beginning of a step: tells the neighbours what the user has changed since the last one.
 template <class Scenario>
 void notify_neighbours(world_state<Scenario>& s) {
   constexpr bool sleeps = world_state<Scenario>::sleeps;
-  constexpr bool by_colours = world_state<Scenario>::by_colours;
-  if constexpr (sleeps && !by_colours) wake_islands(s);
+  if constexpr (sleeps)
+    if (!s.by_colours()) wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
@@ -310,7 +311,8 @@ void notify_neighbours(world_state<Scenario>& s) {
     if (std::exchange(s.sleep.changed, false)) note_sleepers(s);
   }
   s.changed = false;
-  if constexpr (sleeps && by_colours) wake_everywhere(s);
+  if constexpr (sleeps && world_state<Scenario>::may_use_colours)
+    if (s.by_colours()) wake_everywhere(s);
 }
 
 }  // namespace talus::detail

@@ -93,9 +93,9 @@ void solve_contacts(world_state<Scenario>& s) {
 /// Solves the contact problem: afterwards the solver's velocities fulfil the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
-  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger> &&
-                !world_state<Scenario>::by_colours)
-    if (s.settings.tolerance == 0 && all_rest(s)) return;  // no rank waits for this one
+  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
+    if (s.settings.tolerance == 0 && !s.by_colours() && all_rest(s))
+      return;  // no rank waits for this one
   gather_velocities(s);
   if constexpr (world_state<Scenario>::two_solvers)
     s.by_colours() ? solve_contacts<typename Scenario::solver_on_request>(s)

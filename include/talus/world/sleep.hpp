@@ -73,11 +73,12 @@ template <class Scenario, class Detect>
 void wake_islands_in_step(world_state<Scenario>& s, Detect&& detect) {
   s.sleep.noted = false;
   meet_disturbed(s);
-  if constexpr (world_state<Scenario>::by_colours) {
-    wake_everywhere(s);
-    if (s.sleep.noted) detect();
-    return;
-  }
+  if constexpr (world_state<Scenario>::may_use_colours)
+    if (s.by_colours()) {
+      wake_everywhere(s);
+      if (s.sleep.noted) detect();
+      return;
+    }
   wake_islands(s);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
@@ -113,7 +114,7 @@ void count_quiet(world_state<Scenario>& s) {
   });
   // Copies of what was disturbed elsewhere keep their mark, which must not depend on the ranks.
   const bool disturbed = std::exchange(s.sleep.disturbed, false);
-  if (!disturbed && !world_state<Scenario>::by_colours) return;
+  if (!disturbed && !s.by_colours()) return;
   const auto forget = [](auto& store) {
     for (auto& flags : store.flags) flags &= static_cast<std::uint8_t>(~flag_disturbed);
   };
@@ -135,7 +136,7 @@ void join_islands(world_state<Scenario>& s) {
       if (b.movable.moves(i))
         if (i < b.movable.locals)
           rested[b.first + i] = b.movable.quiet[i];
-        else if (!world_state<Scenario>::by_colours)  // there, owners say it below
+        else if (!s.by_colours())  // there, owners say it below
           rested[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
   });
   const auto carried = [&](std::size_t body, std::size_t by) {
@@ -158,7 +159,9 @@ void join_islands(world_state<Scenario>& s) {
     float& all = rested[root_of(parent, k)];
     all = std::min(all, rested[k]);
   }
-  if constexpr (world_state<Scenario>::by_colours && !world_state<Scenario>::link_type::alone) {
+  if constexpr (world_state<Scenario>::may_use_colours &&
+                !world_state<Scenario>::link_type::alone) {
+    if (!s.by_colours()) return;
     plain_vector<real> values(parent.size());
     for (bool lower = true; lower; lower = anywhere(s, lower)) {
       for (std::uint32_t k = 0; k < parent.size(); ++k) values[k] = rested[root_of(parent, k)];

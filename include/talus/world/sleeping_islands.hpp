@@ -275,7 +275,7 @@ template <class Scenario>
 template <class Scenario>
 void wake_islands(world_state<Scenario>& s) {
   auto& sleep = s.sleep;
-  constexpr bool everywhere = world_state<Scenario>::by_colours;  // all ranks are here together
+  const bool everywhere = s.by_colours();  // all ranks are here together
   if (!everywhere && !wakes_pend(s)) return;
   const bool all = std::exchange(sleep.all, false);
   sleep.spreads = false;
@@ -312,11 +312,13 @@ void wake_islands(world_state<Scenario>& s) {
     }
   };
   spread();
-  if constexpr (everywhere && !world_state<Scenario>::link_type::alone) {
+  if constexpr (world_state<Scenario>::may_use_colours &&
+                !world_state<Scenario>::link_type::alone) {
     const auto give = [&] {  // to all of each island
       for (std::uint32_t k = 0; k < known.size(); ++k) wakes[k] = wakes[root_of(parent, k)];
     };
-    for (give(); share_wakes(s, known, wakes); give()) spread();
+    if (everywhere)
+      for (give(); share_wakes(s, known, wakes); give()) spread();
   }
   s.each_finite_shape([&](auto& b) {
     for (std::size_t i = 0; i < b.movable.locals; ++i) {
@@ -376,7 +378,7 @@ void note_sleepers(world_state<Scenario>& s) {
   sleep.contacts = std::move(frozen);
   s.found.known = false;
   s.found.pause = 0;
-  sleep.spreads = world_state<Scenario>::by_colours || !sleep.asleep.empty();
+  sleep.spreads = s.by_colours() || !sleep.asleep.empty();
   sleep.noted = true;
 }
 

@@ -289,6 +289,7 @@ class world {
           "use_solver_on_request() is called after {} steps: call it before the first step, so "
           "that one solver makes all of them",
           steps());
+    detail::require_rounding_as_written();
     state_.use_solver_on_request();
   }
   /// Iterations that the solver needed, and contact residuals that it reached; of soft contacts,
@@ -591,7 +592,7 @@ class world {
   friend struct detail::checkpoint_access;
   static constexpr bool keeps = Scenario::template has_feature<checkpoints>;
   static constexpr bool balances = Scenario::template has_feature<balancing>;
-  static constexpr bool by_colours = detail::world_state<Scenario>::by_colours;
+  static constexpr bool by_colours = detail::solves_by_colours<typename Scenario::solver>;
 
   static consteval void refuse_by_hand() {
     static_assert(

@@ -36,17 +36,20 @@ template <class Part>
   return std::string("/materials/interactions_") + Part::name;
 }
 
-/// Calls f.template operator()<Part>() for the parts of the contact law, if it has any.
+/// Calls f.template operator()<Part>(parameters of all pairs) for the parts of the contact law, if
+/// it has any.
 template <class Scenario, class F>
-void each_part_of_law(F&& f) {
-  if constexpr (Scenario::contact_law::soft) Scenario::contact_law::law::each_part(f);
+void each_part_of_law(const world_state<Scenario>& s, F&& f) {
+  if constexpr (Scenario::contact_law::soft)
+    Scenario::contact_law::law::each_part(
+        [&]<class Part>() { f.template operator()<Part>(s.soft.pairs); });
 }
 
 template <class Scenario>
 [[gnu::cold]] void put_interactions(const world_state<Scenario>& s,
                                     std::vector<small_dataset>& out) {
-  each_part_of_law<Scenario>([&]<class Part>() {
-    const auto mine = given_interactions<Part>(s.soft.pairs);
+  each_part_of_law(s, [&]<class Part>(const auto& pairs) {
+    const auto mine = given_interactions<Part>(pairs);
     if (mine.empty()) return;
     constexpr std::size_t size = sizeof(interaction_entry<Part>);
     byte_buffer bytes(mine.size() * size);
@@ -59,8 +62,8 @@ template <class Scenario>
 template <class Scenario>
 [[gnu::cold]] void require_interactions(const checkpoint_reader& in,
                                         const world_state<Scenario>& s) {
-  each_part_of_law<Scenario>([&]<class Part>() {
-    const auto mine = given_interactions<Part>(s.soft.pairs);
+  each_part_of_law(s, [&]<class Part>(const auto& pairs) {
+    const auto mine = given_interactions<Part>(pairs);
     const std::string path = path_of_interactions<Part>();
     std::vector<std::byte> bytes;
     if (in.has(path)) bytes = in.numbers<std::byte>(path, number_type::u8);
