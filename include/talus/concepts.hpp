@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -27,7 +28,16 @@ struct stored_energy;
 struct bearing;
 struct head_on_impact;
 
+// What solvers work on; see response/.
+struct solver_settings;
+
 namespace detail {
+
+template <class Real>
+struct solver_state_of;
+struct solved;
+struct contact_key;
+enum class history_place : std::uint32_t;
 
 /// Whether a type is defined here, or only known by name. (A constant, not a concept: compilers say
 /// less about it when it is false.)
@@ -48,6 +58,12 @@ struct any_sink {
   template <class HalfSpace>
   void plane(const HalfSpace&);
   void close();
+};
+
+/// Stands for the ghost exchange of a world that has one rank.
+struct any_ghost_exchange {
+  static constexpr bool alone = true, coloured = true;
+  [[nodiscard]] std::uint32_t colours() const;
 };
 
 }  // namespace detail
@@ -332,14 +348,116 @@ concept resistance = contact_data<Part> &&
   { Part::stored(c, b, p, kept) } -> std::convertible_to<real>;
 };
 
-/// The part of solver<...>: how the impulses of all contacts are found.
+/// What joins two bodies, or a body to something immovable, by impulses: a contact, a joint. Plain
+/// bytes. Impulses act on body `a` and, opposite, on body `b`; velocities are those of a against b.
+/// - `a`, `b`: the bodies, as indices of the solver's arrays; `paired`: whether b can move
+/// - `rows`: of the Delassus operator
+/// - `prepare(s, split_a, split_b)`: finds the effective masses, with the masses of a and b divided
+///   into so many parts
+/// - `relax(s)`: solves this constraint alone for the velocities of `s`; returns the `change` of
+/// its
+///   impulse, in a frame of its own. The change is not applied
+/// - `apply(s, change)`, `apply_to_a(s, change)`: what a change does to both bodies, to a
+/// - `impulse_in_frame()`, `set(change)`, `since(change)`: the impulse in that frame; a new one;
+/// the
+///   difference to an earlier one
+/// - `load_impulse(p)`, `impulse()`: the impulse on a in the world, for warm starts. A loaded one
+/// is
+///   moved into the set of admissible impulses
+/// - `relax_correction(s)`, `correct_a(s, x)`, `correct_b(s, x)`: the same for the
+/// pseudo-velocities
+///   that correct positions
+/// - `relative_velocity(s)`, `delassus_trace(s)`, `axis()`, `mu()`, `target_velocity`: what the
+///   residual is made of; `axes()`, `lever_a()`, `lever_b()`: its frame and arms
+/// - `speed_of(change)`: the change of velocity at the constraint that a change of impulse makes
+template <class Kind>
+concept constraint_kind = std::is_trivially_copyable_v<Kind> &&
+    requires(Kind c, const Kind& k, typename Kind::state& s, const typename Kind::state& seen,
+             const typename Kind::change& d, const vec3& p) {
+  { Kind::paired } -> std::convertible_to<bool>;
+  { Kind::rows } -> std::convertible_to<int>;
+  { k.a } -> std::convertible_to<std::int32_t>;
+  { k.b } -> std::convertible_to<std::int32_t>;
+  c.prepare(seen, 1, 1);
+  { c.relax(seen) } -> std::same_as<typename Kind::change>;
+  k.apply(s, d);
+  k.apply_to_a(s, d);
+  { k.impulse_in_frame() } -> std::convertible_to<typename Kind::change>;
+  c.set(d);
+  { k.since(d) } -> std::same_as<typename Kind::change>;
+  c.load_impulse(p);
+  { k.impulse() } -> std::convertible_to<vec3>;
+  k.correct_a(s, c.relax_correction(s));
+  k.correct_b(s, c.relax_correction(s));
+  { k.relative_velocity(seen) } -> std::convertible_to<vec3>;
+  { k.delassus_trace(seen) } -> std::convertible_to<real>;
+  { k.axis() } -> std::convertible_to<vec3>;
+  { k.mu() } -> std::convertible_to<real>;
+  { k.target_velocity } -> std::convertible_to<real>;
+  { k.axes() } -> std::convertible_to<mat3>;
+  { k.lever_a() } -> std::convertible_to<vec3>;
+  { k.lever_b() } -> std::convertible_to<vec3>;
+  { k.speed_of(d) } -> std::convertible_to<real>;
+};
+
+/// The constraints of one kind on a rank, as a solver keeps them.
+/// - `add(constraint, key, a_moves, b_moves, place, at_border)`: one that this rank solves by
+/// itself
+/// - `add_boundary(constraint, key, owns_a, place)`: one between a body owned here and a ghost
+/// - `each(f)`: f(constraint, counts_here); over all ranks each counts once. `each_acting(f)`:
+///   f(constraint, acts_on_a, acts_on_b); over all ranks each acts once on each of its bodies
+/// - `load_impulses(history)`, `store_impulses(history)`: from the last step, and for the next
+/// - `counted()`: the number of those that count here
+template <class List>
+concept constraint_list = std::default_initializable<List> &&
+    requires(List l, const List& c, const typename List::contact_type& one,
+             const detail::contact_key& key, detail::history_place* place, detail::anything f) {
+  requires constraint_kind<typename List::contact_type>;
+  l.clear();
+  l.add(one, key, true, true, place, false);
+  l.add_boundary(one, key, true, place);
+  { c.size() } -> std::same_as<std::size_t>;
+  { c.counted() } -> std::same_as<std::size_t>;
+  { c.bytes() } -> std::same_as<std::size_t>;
+  c.each(f);
+  c.each_acting(f);
+};
+
+/// How the velocities of bodies reach the ghosts of them on other ranks during a solve.
+/// - `alone`: there is one rank, and nothing to exchange
+/// - `share_velocities()`: refreshes all ghosts; in two halves `start_velocities()` and
+///   `finish_velocities()`, between which own velocities that are sent stay as they are
+/// - `start_corrections()`, `finish_corrections()`: the same for the pseudo-velocities that correct
+///   positions
+/// - `start_reduce(sums)`, `finish_reduce(sums)`: sums over all ranks
+template <class Exchange>
+concept ghost_exchange = requires(Exchange e, std::span<double> sums) {
+  { Exchange::alone } -> std::convertible_to<bool>;
+  e.share_velocities();
+  e.start_velocities();
+  e.finish_velocities();
+  e.start_corrections();
+  e.finish_corrections();
+  e.start_reduce(sums);
+  e.finish_reduce(sums);
+};
+
+/// The part of solver<...>: how the impulses of all constraints are found.
 /// - `solve(lists, state, settings, correct, ranks)`, static: changes the velocities in `state` and
-///   the impulses in `lists` (a tuple of contact lists), and returns what it took. Impulses end in
-///   their cones, and each acts on both of its bodies alike; over ranks it exchanges velocities
-///   with the neighbours by `ranks`, and reduces over all only where a tolerance is asked for
+///   the impulses in `lists` (a tuple of constraint lists), and returns the iterations and the
+///   residual. Impulses end in their admissible sets, and each acts on both of its bodies alike;
+///   over ranks it refreshes ghosts by `ranks`, and reduces over all only where a tolerance is
+///   asked for
 /// - `divides_the_step`, if it is offered and true: positions follow solver_state::drift besides
+/// - `by_colours`, if it is offered and true: it sweeps colour by colour, in an order that follows
+///   from the ids of bodies
 template <class Method>
-concept solver = detail::part_for<Method, roles::solver>;
+concept solver = detail::part_for<Method, roles::solver> &&
+    requires(std::tuple<>& lists, detail::solver_state_of<double>& s,
+             const solver_settings& settings, detail::any_ghost_exchange& ranks) {
+  { Method::name } -> std::convertible_to<const char*>;
+  { Method::solve(lists, s, settings, true, ranks) } -> std::same_as<detail::solved>;
+};
 
 /// The part of integrator<...>: how velocities and positions are stepped.
 /// - `step(state)`, static: the stages of a time step in their order, with the hooks of the

@@ -12,7 +12,7 @@ namespace talus::detail {
   const real along = n.dot(r);
   const vec3 across = r - along * n;
   const real length = across.norm();
-  if (length <= mu * along) return r;
+  if (along >= 0 && length <= mu * along) return r;
   if (mu * length <= -along) return {0, 0, 0};
   const real height = (along + mu * length) / (1 + mu * mu);
   if (length == 0) return height * n;

@@ -67,6 +67,10 @@ struct solver final {
                 "solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>, "
                 "solver<accelerated_jacobi> or solver<small_steps> (each in talus/response/ under "
                 "its name)");
+  static_assert(!detail::is_part<Method, roles::solver> || concepts::solver<Method>,
+                "solver<...> takes a solver, and this type lacks the static function "
+                "solve(lists, state, settings, correct, ranks) or its name: see "
+                "talus::concepts::solver");
   using talus_role = roles::solver;
   using type = Method;
   using on_request = OnRequest;
