@@ -31,16 +31,33 @@ using quad = quad_of<real>;
 template <class Lanes>
 using lane_of = std::remove_cvref_t<decltype(std::declval<const Lanes&>()[0])>;
 
-/// The three components at `xyz` and the number that follows them in memory.
-template <class Real>
-[[nodiscard]] inline quad_of<Real> load(const vector3<Real>& xyz) {
+/// Where four numbers begin that follow each other in one object.
+template <class Real, class Byte>
+struct row_at {
+  Byte* begin;
+};
+/// The three components of a vector, or a number, and what follows in the object that it is part
+/// of: bytes of that object, so that nothing is read beyond it.
+template <class Real, class Whole, class Part>
+[[nodiscard]] [[gnu::always_inline]] inline auto row_from(Whole& whole, const Part& part) {
+  static_assert(std::is_trivially_copyable_v<Whole>, "its bytes are copied");
+  using byte = std::conditional_t<std::is_const_v<Whole>, const char, char>;
+  const auto offset = reinterpret_cast<const char*>(&part) - reinterpret_cast<const char*>(&whole);
+  return row_at<Real, byte>{reinterpret_cast<byte*>(&whole) + offset};
+}
+template <class Whole, class Real>
+[[nodiscard]] [[gnu::always_inline]] inline auto row_of(Whole& whole, const vector3<Real>& part) {
+  return row_from<Real>(whole, part);
+}
+template <class Real, class Byte>
+[[nodiscard]] [[gnu::always_inline]] inline quad_of<Real> load(const row_at<Real, Byte>& row) {
   quad_of<Real> q;
-  std::memcpy(&q, reinterpret_cast<const char*>(&xyz), sizeof q);
+  std::memcpy(&q, row.begin, sizeof q);
   return q;
 }
 template <class Real>
-inline void store(vector3<Real>& xyz, const quad_of<Real>& q) {
-  std::memcpy(reinterpret_cast<char*>(&xyz), &q, sizeof q);
+[[gnu::always_inline]] inline void store(const row_at<Real, char>& row, const quad_of<Real>& q) {
+  std::memcpy(row.begin, &q, sizeof q);
 }
 template <class Quad>
 [[nodiscard]] inline vector3<lane_of<Quad>> xyz(const Quad& q) {

@@ -157,7 +157,7 @@ template <class Wide>
 #endif
 }
 
-/// `at(i)` is where the quad of thing i begins: a vector and the number behind it.
+/// `at(i)` is the row of thing i: a vector and the number behind it.
 template <class Real, class At>
 [[nodiscard]] [[gnu::always_inline]] inline wide_rows<Real> gather(At&& at) {
   wide<Real> pairs[4];
@@ -176,11 +176,11 @@ template <class Real, class At>
   for (int i = 3; i >= 0; --i) {
     const auto& x = pairs[i];
     if constexpr (lanes_in<Real> == 16) {
-      store<Real>(at(i + 12), __builtin_shufflevector(x, x, 12, 13, 14, 15));
-      store<Real>(at(i + 8), __builtin_shufflevector(x, x, 8, 9, 10, 11));
+      store(at(i + 12), __builtin_shufflevector(x, x, 12, 13, 14, 15));
+      store(at(i + 8), __builtin_shufflevector(x, x, 8, 9, 10, 11));
     }
-    store<Real>(at(i + 4), __builtin_shufflevector(x, x, 4, 5, 6, 7));
-    store<Real>(at(i), __builtin_shufflevector(x, x, 0, 1, 2, 3));
+    store(at(i + 4), __builtin_shufflevector(x, x, 4, 5, 6, 7));
+    store(at(i), __builtin_shufflevector(x, x, 0, 1, 2, 3));
   }
 }
 

@@ -243,10 +243,16 @@ class isotropic_blocks {
 
   // Velocities of a lane's bodies, each followed by its inverse mass or inertia.
   static auto v(state& s, const std::int32_t (&of)[lanes]) {
-    return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].v; };
+    return [&](int i) {
+      auto& body = s.bodies[static_cast<std::size_t>(of[i])];
+      return row_of(body, body.v);
+    };
   }
   static auto w(state& s, const std::int32_t (&of)[lanes]) {
-    return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
+    return [&](int i) {
+      auto& body = s.bodies[static_cast<std::size_t>(of[i])];
+      return row_of(body, body.w);
+    };
   }
 
   // The same as isotropic_contact::warm; the impulse is where the tangential one will be.
@@ -371,8 +377,14 @@ class isotropic_blocks {
 
   // The same as isotropic_contact::relax_push, push_a and push_b.
   static void relax_correction(const block& x, push_of_block& p, state& s) {
-    const auto at_a = [&](int i) -> vector& { return s.shift[std::size_t(x.a[i])].v; };
-    const auto at_b = [&](int i) -> vector& { return s.shift[std::size_t(x.b[i])].v; };
+    const auto at_a = [&](int i) {
+      auto& shift = s.shift[static_cast<std::size_t>(x.a[i])];
+      return row_of(shift, shift.v);
+    };
+    const auto at_b = [&](int i) {
+      auto& shift = s.shift[static_cast<std::size_t>(x.b[i])];
+      return row_of(shift, shift.v);
+    };
     rows a = gather<number>(at_a), b;
     wide rate = x.nx * a.x + x.ny * a.y + x.nz * a.z;
     if constexpr (paired) {

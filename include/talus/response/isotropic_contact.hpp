@@ -204,21 +204,21 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
   change relax(const state& s) {
     const body& A = s.bodies[a];
     const quad n = normal_quad();
-    quad u = load(A.v);
-    if constexpr (paired) u -= load(s.bodies[b].v);
+    quad u = velocity(A);
+    if constexpr (paired) u -= velocity(s.bodies[b]);
     if constexpr (isotropic_contact::biased) u -= bias_quad();
     const Real un = sum_of_products(n, u);
     const Real before = rn;
     rn = std::max(Real{0}, rn - (un - target_velocity) * inverse_wn);
     if constexpr (Law::friction) {
-      quad spin = this->arm_a * load(A.w);
-      if constexpr (paired) spin += this->arm_b * load(s.bodies[b].w);
-      const quad old = load(this->rt);
+      quad spin = this->arm_a * spin_of(A);
+      if constexpr (paired) spin += this->arm_b * spin_of(s.bodies[b]);
+      const quad old = load(row_of(*this, this->rt));
       quad t = without_fourth(old - old[3] * (u - un * n + cross(n, spin)));
       // No branch: whether a contact slides is hard to predict.
       const Real limit = this->friction * rn;
       t *= limit / std::max({limit, std::sqrt(sum_of_products(t, t)), tiny});
-      store(this->rt, __builtin_shufflevector(t, old, 0, 1, 2, 7));
+      store(row_of(*this, this->rt), __builtin_shufflevector(t, old, 0, 1, 2, 7));
       return {t - without_fourth(old), rn - before};
     } else {
       return {rn - before};
@@ -261,20 +261,22 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
  private:
   using body = solver_body_of<Real>;
 
+  [[nodiscard]] static quad velocity(const body& x) { return load(row_of(x, x.v)); }
+  [[nodiscard]] static quad spin_of(const body& x) { return load(row_of(x, x.w)); }
   [[nodiscard]] quad bias_quad() const requires(isotropic_contact::biased) {
     const Real x = Real(this->bias[0]), y = Real(this->bias[1]), z = Real(this->bias[2]);
     return quad{x, y, z, 0};
   }
-  [[nodiscard]] quad normal_quad() const { return without_fourth(load(normal)); }
-  [[nodiscard]] quad tangent() const { return without_fourth(load(this->rt)); }
+  [[nodiscard]] quad normal_quad() const { return without_fourth(load(row_of(*this, normal))); }
+  [[nodiscard]] quad tangent() const { return without_fourth(load(row_of(*this, this->rt))); }
 
   void apply_impulse(body& x, const change& d, Real inverse_mass, Real spin) const {
     const quad n = normal_quad();
     if constexpr (Law::friction) {
-      store(x.v, load(x.v) + inverse_mass * (d.n * n + d.t));
-      store(x.w, load(x.w) - spin * cross(n, d.t));
+      store(row_of(x, x.v), velocity(x) + inverse_mass * (d.n * n + d.t));
+      store(row_of(x, x.w), spin_of(x) - spin * cross(n, d.t));
     } else {
-      store(x.v, load(x.v) + (inverse_mass * d.n) * n);
+      store(row_of(x, x.v), velocity(x) + (inverse_mass * d.n) * n);
     }
   }
 };

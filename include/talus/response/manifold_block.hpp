@@ -72,7 +72,7 @@ struct patch_block_work {
   static void prepare(block& p, layer* layers, const solver_state& s) {
     const auto& at = layers[0].at;
     const auto vector = [](const octet_rows& r) { return octet_vector{r.x, r.y, r.z}; };
-    p.frame = frames_around(vector(gather([&](int i) -> const vec3& { return at[i]->normal; })));
+    p.frame = frames_around(vector(gather([&](int i) { return row_of(*at[i], at[i]->normal); })));
     octet mass;
     const auto tensors = [&](const std::int32_t(&of)[8], octet_matrix& t) {
       const auto number = [&](int i) {
@@ -80,9 +80,7 @@ struct patch_block_work {
       };
       // Its nine numbers are xx yx zx xy yy zy xz yz zz.
       const auto from = [&](int first) {
-        return gather([&](int i) -> const vec3& {
-          return *reinterpret_cast<const vec3*>(number(i)->data() + first);
-        });
+        return gather([&](int i) { return row_from<real>(*number(i), number(i)->data()[first]); });
       };
       const octet_rows low = from(1), high = from(5);
       for (int i = 0; i < 8; ++i) t.x.x[i] = (*number(i))(0, 0);
@@ -96,8 +94,8 @@ struct patch_block_work {
     if constexpr (paired) {
       for (int i = 0; i < 8; ++i)
         mass[i] += s.bodies[static_cast<std::size_t>(p.b[i])].inverse_mass;
-      p.offset = vector(gather([&](int i) -> const vec3& { return at[i]->arm_b; })) -
-                 vector(gather([&](int i) -> const vec3& { return at[i]->arm_a; }));
+      p.offset = vector(gather([&](int i) { return row_of(*at[i], at[i]->arm_b); })) -
+                 vector(gather([&](int i) { return row_of(*at[i], at[i]->arm_a); }));
       tensors(p.b, p.tensor_b);
       const octet_matrix g = turned_tensors(p.frame, p.tensor_b);
       p.ww.x += g.x, p.ww.y += g.y, p.ww.z += g.z;
@@ -119,10 +117,16 @@ struct patch_block_work {
   template <bool Forward, bool Watched, class Note>
   static void sweep(const block& p, layer* layers, solver_state& s, Note&& note) {
     const auto v_of = [&](const std::int32_t(&of)[8]) {
-      return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].v; };
+      return [&](int i) {
+        auto& body = s.bodies[static_cast<std::size_t>(of[i])];
+        return row_of(body, body.v);
+      };
     };
     const auto w_of = [&](const std::int32_t(&of)[8]) {
-      return [&](int i) -> vec3& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
+      return [&](int i) {
+        auto& body = s.bodies[static_cast<std::size_t>(of[i])];
+        return row_of(body, body.w);
+      };
     };
     ends_of_pairs ends;
     auto [v, w] = ends.read(p, v_of, w_of);
@@ -149,11 +153,15 @@ struct patch_block_work {
   /// The correction of overlaps, which presses along the normal alone.
   static void correct(const block& p, layer* layers, solver_state& s) {
     const auto v_of = [&](const std::int32_t(&of)[8]) {
-      return [&](int i) -> vec3& { return s.shift[static_cast<std::size_t>(of[i])].v; };
+      return [&](int i) {
+        auto& shift = s.shift[static_cast<std::size_t>(of[i])];
+        return row_of(shift, shift.v);
+      };
     };
     const auto w_of = [&](const std::int32_t(&of)[8]) {
-      return [&](int i) -> vec3& {
-        return s.turn[static_cast<std::size_t>(of[i]) - s.first_tensor].w;
+      return [&](int i) {
+        auto& turn = s.turn[static_cast<std::size_t>(of[i]) - s.first_tensor];
+        return row_of(turn, turn.w);
       };
     };
     ends_of_pairs ends;
@@ -164,7 +172,7 @@ struct patch_block_work {
     octet impulse = zero, moment_y = zero, moment_z = zero;
     for (std::uint32_t k = 0; k < p.depth; ++k) {
       layer& c = layers[k];
-      const octet_rows held = gather([&](int i) -> const vec3& { return c.at[i]->r; });
+      const octet_rows held = gather([&](int i) { return row_of(*c.at[i], c.at[i]->r); });
       const octet rate = n + (y * c.arm.z - z * c.arm.y);
       const octet free = c.correction_impulse - (rate - c.correction_rate) * c.inverse_nn;
       const octet next =
@@ -224,13 +232,13 @@ struct patch_block_work {
   /// The same as general_contact::prepare(contact_manifold).
   static void prepare_layer(const block& p, layer& c) {
     const octet zero = eight(0);
-    const octet_rows arm = gather([&](int i) -> const vec3& { return c.at[i]->arm_a; });
+    const octet_rows arm = gather([&](int i) { return row_of(*c.at[i], c.at[i]->arm_a); });
     const octet_vector r = c.arm = p.frame.times({arm.x, arm.y, arm.z});
     for (int i = 0; i < 8; ++i)
       c.friction[i] = c.at[i]->friction, c.correction_rate[i] = c.at[i]->correction_rate;
     c.correction_impulse = zero;
     if constexpr (Contact::biased) {
-      const octet_rows bias = gather([&](int i) -> const vec3& { return c.at[i]->bias; });
+      const octet_rows bias = gather([&](int i) { return row_of(*c.at[i], c.at[i]->bias); });
       c.bias = p.frame.times({bias.x, bias.y, bias.z});
     }
     // The motion that each component of an impulse at the arm makes, and the velocity there.
@@ -264,7 +272,7 @@ struct patch_block_work {
   /// The same as coulomb_block::solve, where the velocity is u; returns the changes.
   template <bool Watched, class Note>
   [[gnu::always_inline]] static octet_vector solve(layer& c, octet_vector u, Note& note) {
-    const auto impulse = [&](int i) -> vec3& { return c.at[i]->r; };
+    const auto impulse = [&](int i) { return row_of(*c.at[i], c.at[i]->r); };
     const octet zero = eight(0);
     octet_rows r = gather(impulse);  // and the target
     u.x -= r.w;
