@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "talus/core/math.hpp"
+#include "talus/core/pack.hpp"
 #include "talus/response/frame_around.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -18,7 +19,7 @@ namespace talus::detail {
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 /// A velocity and an angular velocity, or an impulse and its moment, and two numbers of no meaning.
-using twist = real __attribute__((vector_size(8 * sizeof(real))));
+using twist = pack<real, 8>;
 
 /// A contact that can be solved in the frame of its manifold; see general_contact.
 template <class Contact>
