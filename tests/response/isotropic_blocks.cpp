@@ -208,3 +208,20 @@ TEST_CASE_TEMPLATE("contacts that share no body are solved in blocks as one by o
     CHECK((s.shift[i].v - t.shift[i].v).norm() < allowed(1e-13));
   }
 }
+
+TEST_CASE_TEMPLATE("rows of four numbers end within the object that they are read from", Real,
+                   double, float) {
+  const auto inside = [](const auto& whole, const auto& part) {
+    const auto row = row_of(whole, part);
+    const char* const begin = reinterpret_cast<const char*>(&whole);
+    return row.begin >= begin && row.begin + 4 * sizeof(Real) <= begin + sizeof whole;
+  };
+  const isotropic_contact<law, partner::moving, Real> c;
+  CHECK(inside(c, c.normal));
+  CHECK(inside(c, c.rt));
+  const solver_body_of<Real> b;
+  CHECK(inside(b, b.v));
+  CHECK(inside(b, b.w));
+  const body_shift_of<Real> shift;
+  CHECK(inside(shift, shift.v));
+}

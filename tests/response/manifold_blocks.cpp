@@ -212,3 +212,27 @@ TEST_CASE("impulses are remembered in the world, whatever the sign of a zero in 
   store_impulses(history, keys, plain_vector<history_place*>(3, nullptr), row);
   for (const auto& kept : history.entries()) CHECK(kept.memory == vec3(2, 0.5, 0.25));
 }
+
+TEST_CASE("rows of four numbers end within the object that they are read from") {
+  const auto inside = [](const auto& whole, const auto& part) {
+    const auto row = row_of(whole, part);
+    const char* const begin = reinterpret_cast<const char*>(&whole);
+    return row.begin >= begin && row.begin + 4 * sizeof(part[0]) <= begin + sizeof(whole);
+  };
+  const contact_of<true> c;
+  CHECK(inside(c, c.normal));
+  CHECK(inside(c, c.arm_a));
+  CHECK(inside(c, c.arm_b));
+  CHECK(inside(c, c.r));
+  CHECK(&c.target_velocity == &c.r[0] + 3);
+  const solver_body b;
+  CHECK(inside(b, b.v));
+  CHECK(inside(b, b.w));
+  const body_shift shift;
+  CHECK(inside(shift, shift.v));
+  const body_turn turn;
+  CHECK(inside(turn, turn.w));
+  const contact_manifold m{};
+  CHECK(reinterpret_cast<const char*>(m.columns) == reinterpret_cast<const char*>(&m));
+  CHECK(5 * sizeof m.columns[0] + sizeof(twist) <= sizeof m);
+}

@@ -93,8 +93,8 @@ TEST_CASE("velocities and contacts of spheres take half the bytes") {
   CHECK(2 * sizeof(body_shift_of<float>) == sizeof(body_shift));
   const auto per_contact = []<class Contact>(const Contact&) {
     return (sizeof(round_block<Contact>) +
-            sizeof(round_block_push<wide<typename Contact::number>>)) /
-           static_cast<std::size_t>(lanes_in<typename Contact::number>);
+            sizeof(round_block_push<wide_pack<typename Contact::number>>)) /
+           static_cast<std::size_t>(lanes_of<wide_pack<typename Contact::number>>);
   };
   CHECK(per_contact(in_double{}) == 128);
   CHECK(per_contact(in_float{}) == 68);  // 8 of them are the two bodies' indices

@@ -14,7 +14,7 @@ namespace talus::detail {
 /// depend on the others.
 template <class Real>
 class box_batch {
-  using number = typename eight_of<Real>::type;
+  using number = pack<Real, 8>;
 
  public:
   static constexpr unsigned capacity = 8;

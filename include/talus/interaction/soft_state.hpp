@@ -19,7 +19,7 @@ struct alignas(64) soft_body {
   vec3 w{0, 0, 0};
   real radius = 0;  ///< of the sphere that it is, or of one of its volume
   vec3 force{0, 0, 0};
-  real unused_1 = 0;  ///< room for the fourth number of a quad
+  real unused_1 = 0;  ///< room for the fourth number of a row
   vec3 torque{0, 0, 0};
   real unused_2 = 0;
 };

@@ -30,7 +30,8 @@ struct row_of_colour<Contact> {
 template <class Contact>
 requires requires { typename Contact::blocks; }
 struct row_of_colour<Contact> {
-  using type = isotropic_blocks<Contact, in_sequence<lanes_in<typename Contact::number>>>;
+  using type =
+      isotropic_blocks<Contact, in_sequence<lanes_of<wide_pack<typename Contact::number>>>>;
 };
 
 /// What contact_list is for other solvers. No two pairs of one colour share a body that can move,

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "talus/core/math.hpp"
+#include "talus/core/pack.hpp"
 #include "talus/response/frame_around.hpp"
 #include "talus/response/solver_state.hpp"
 
@@ -18,7 +19,7 @@ namespace talus::detail {
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 /// A velocity and an angular velocity, or an impulse and its moment, and two numbers of no meaning.
-using twist = real __attribute__((vector_size(8 * sizeof(real))));
+using twist = pack<real, 8>;
 
 /// A contact that can be solved in the frame of its manifold; see general_contact.
 template <class Contact>
@@ -46,15 +47,15 @@ concept swept_in_manifolds = requires {
 /// with r at arm from the centre of a, its velocity is V + W x arm, and (V, W) changes by
 /// mobility (r, arm x r).
 struct contact_manifold {
-  real columns[6][6];    ///< of the mobility, which is symmetric
+  real columns[6][6];    ///< of the mobility, which is symmetric; first, for mobility()
   mat3 frame;            ///< rows: normal, tangent, tangent
   vec3 offset{0, 0, 0};  ///< from the centre of b to that of a
   std::uint32_t first = 0, last = 0;
   std::int32_t a = 0, b = -1;
 
   [[nodiscard]] [[gnu::always_inline]] twist mobility(int k) const {
-    twist column;  // and two numbers of what follows
-    std::memcpy(&column, reinterpret_cast<const char*>(columns) + k * sizeof columns[0],
+    twist column;  // and two numbers of what follows in this object
+    std::memcpy(&column, reinterpret_cast<const char*>(this) + k * sizeof columns[0],
                 sizeof column);
     return column;
   }

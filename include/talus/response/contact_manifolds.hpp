@@ -142,7 +142,7 @@ class contact_manifolds {
     }
     if (layers_.size() < count) layers_.resize(count);
     for (std::size_t k = 0; k < count; ++k) {
-      layers_[k].present = octet_mask{};
+      layers_[k].present = mask_of<eight>{};
       for (Contact*& c : layers_[k].at) c = &spare_;
     }
     for (const run& r : runs_) {

@@ -8,15 +8,15 @@
 #include <span>
 
 #include "talus/core/math.hpp"
+#include "talus/core/pack_rows.hpp"
 #include "talus/core/plain_vector.hpp"
-#include "talus/core/wide.hpp"
 #include "talus/response/block_planner.hpp"
 #include "talus/response/solver_state.hpp"
 #include "talus/response/stored_impulses.hpp"
 
 namespace talus::detail {
 
-// As with quads: all functions that are given one are inlined.
+// All functions that are given packs are inlined.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -37,11 +37,11 @@ struct round_block_bias<false, Wide> {};
 /// The contacts of a block. Lanes that are not filled repeat the bodies of the first and do
 /// nothing, since their normals are zero.
 template <class Contact>
-struct round_block : round_block_friction<(Contact::rows > 1), wide<typename Contact::number>>,
-                     round_block_bias<Contact::biased, wide<typename Contact::number>> {
-  static constexpr int lanes = lanes_in<typename Contact::number>;
+struct round_block : round_block_friction<(Contact::rows > 1), wide_pack<typename Contact::number>>,
+                     round_block_bias<Contact::biased, wide_pack<typename Contact::number>> {
+  static constexpr int lanes = lanes_of<wide_pack<typename Contact::number>>;
 
-  wide<typename Contact::number> nx, ny, nz, inverse_wn, target_velocity, rn;
+  wide_pack<typename Contact::number> nx, ny, nz, inverse_wn, target_velocity, rn;
   std::int32_t a[lanes], b[lanes];
 };
 
@@ -53,17 +53,18 @@ struct round_block_push {
 };
 
 /// What contact_row is for other contacts. `Planner` says which contacts share a block.
-template <class Contact, class Planner = block_planner<lanes_in<typename Contact::number>>>
+template <class Contact,
+          class Planner = block_planner<lanes_of<wide_pack<typename Contact::number>>>>
 class isotropic_blocks {
   using number = typename Contact::number;
   using state = typename Contact::state;
-  using wide = detail::wide<number>;
-  using rows = wide_rows<number>;
+  using wide = wide_pack<number>;
+  using rows = pack_rows<wide>;
   using vector = vector3<number>;
   using push_of_block = round_block_push<wide>;
   static constexpr bool paired = Contact::paired;
   static constexpr bool friction = Contact::rows > 1;
-  static constexpr int lanes = lanes_in<number>;
+  static constexpr int lanes = lanes_of<wide>;
   using block = round_block<Contact>;
 
  public:
@@ -189,11 +190,13 @@ class isotropic_blocks {
 
   void make_empty(std::size_t at, const Contact& first) {
     block& x = blocks_[at];
-    x.nx = x.ny = x.nz = x.inverse_wn = x.target_velocity = x.rn = every_lane(number(0));
-    corrections_[at].correction_rate = corrections_[at].correction_impulse = every_lane(number(0));
+    x.nx = x.ny = x.nz = x.inverse_wn = x.target_velocity = x.rn = every_lane<wide>(number(0));
+    corrections_[at].correction_rate = corrections_[at].correction_impulse =
+        every_lane<wide>(number(0));
     if constexpr (friction)
-      x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction = every_lane(number(0));
-    if constexpr (Contact::biased) x.bx = x.by = x.bz = every_lane(number(0));
+      x.tx = x.ty = x.tz = x.inverse_wt = x.arm_a = x.arm_b = x.friction =
+          every_lane<wide>(number(0));
+    if constexpr (Contact::biased) x.bx = x.by = x.bz = every_lane<wide>(number(0));
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
@@ -243,24 +246,30 @@ class isotropic_blocks {
 
   // Velocities of a lane's bodies, each followed by its inverse mass or inertia.
   static auto v(state& s, const std::int32_t (&of)[lanes]) {
-    return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].v; };
+    return [&](int i) {
+      auto& body = s.bodies[static_cast<std::size_t>(of[i])];
+      return row_of(body, body.v);
+    };
   }
   static auto w(state& s, const std::int32_t (&of)[lanes]) {
-    return [&](int i) -> vector& { return s.bodies[static_cast<std::size_t>(of[i])].w; };
+    return [&](int i) {
+      auto& body = s.bodies[static_cast<std::size_t>(of[i])];
+      return row_of(body, body.w);
+    };
   }
 
   // The same as isotropic_contact::warm; the impulse is where the tangential one will be.
   static void load_impulse(block& x) {
     if constexpr (friction) {
       const wide n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
-      x.rn = larger(n, every_lane(number(0)));
+      x.rn = larger(n, every_lane<wide>(number(0)));
       x.tx -= n * x.nx, x.ty -= n * x.ny, x.tz -= n * x.nz;
       const wide limit = x.friction * x.rn;
       const wide length = square_root(x.tx * x.tx + x.ty * x.ty + x.tz * x.tz);
-      const wide part = limit / larger(larger(length, limit), every_lane(Contact::tiny));
+      const wide part = limit / larger(larger(length, limit), every_lane<wide>(Contact::tiny));
       x.tx *= part, x.ty *= part, x.tz *= part;
     } else {
-      x.rn = larger(x.rn, every_lane(number(0)));
+      x.rn = larger(x.rn, every_lane<wide>(number(0)));
     }
   }
   // The same as isotropic_contact::prepare, with undivided masses.
@@ -291,23 +300,23 @@ class isotropic_blocks {
       hit_spin(x, x.tx, x.ty, x.tz, s);
       dx += x.tx, dy += x.ty, dz += x.tz;
     }
-    rows a = gather<number>(v(s, x.a));
+    rows a = gather<wide>(v(s, x.a));
     a.x += a.w * dx, a.y += a.w * dy, a.z += a.w * dz;
     scatter(a, v(s, x.a));
     if constexpr (paired) {
-      rows b = gather<number>(v(s, x.b));
+      rows b = gather<wide>(v(s, x.b));
       b.x -= b.w * dx, b.y -= b.w * dy, b.z -= b.w * dz;
       scatter(b, v(s, x.b));
     }
   }
   static void hit_spin(const block& x, const wide& ex, const wide& ey, const wide& ez, state& s) {
     const wide cx = x.ny * ez - x.nz * ey, cy = x.nz * ex - x.nx * ez, cz = x.nx * ey - x.ny * ex;
-    rows a = gather<number>(w(s, x.a));
+    rows a = gather<wide>(w(s, x.a));
     const wide spin_a = x.arm_a * a.w;
     a.x -= spin_a * cx, a.y -= spin_a * cy, a.z -= spin_a * cz;
     scatter(a, w(s, x.a));
     if constexpr (paired) {
-      rows b = gather<number>(w(s, x.b));
+      rows b = gather<wide>(w(s, x.b));
       const wide spin_b = x.arm_b * b.w;
       b.x -= spin_b * cx, b.y -= spin_b * cy, b.z -= spin_b * cz;
       scatter(b, w(s, x.b));
@@ -318,25 +327,26 @@ class isotropic_blocks {
   static wide relax(block& x, state& s) {
     const auto va = v(s, x.a), vb = v(s, x.b);
     const auto wa = w(s, x.a), wb = w(s, x.b);
-    rows v_a = gather<number>(va), v_b;
+    rows v_a = gather<wide>(va), v_b;
     wide ux = v_a.x, uy = v_a.y, uz = v_a.z;
     if constexpr (paired) {
-      v_b = gather<number>(vb);
+      v_b = gather<wide>(vb);
       ux -= v_b.x, uy -= v_b.y, uz -= v_b.z;
     }
     if constexpr (Contact::biased) ux -= x.bx, uy -= x.by, uz -= x.bz;
     const wide nx = x.nx, ny = x.ny, nz = x.nz;
     const wide un = nx * ux + ny * uy + nz * uz;
-    const wide rn = larger(x.rn - (un - x.target_velocity) * x.inverse_wn, every_lane(number(0)));
+    const wide rn =
+        larger(x.rn - (un - x.target_velocity) * x.inverse_wn, every_lane<wide>(number(0)));
     const wide dn = rn - x.rn;
     x.rn = rn;
     wide dx = dn * nx, dy = dn * ny, dz = dn * nz;
     wide square = dn * dn;
     if constexpr (friction) {
-      rows w_a = gather<number>(wa), w_b;
+      rows w_a = gather<wide>(wa), w_b;
       wide sx = x.arm_a * w_a.x, sy = x.arm_a * w_a.y, sz = x.arm_a * w_a.z;
       if constexpr (paired) {
-        w_b = gather<number>(wb);
+        w_b = gather<wide>(wb);
         sx += x.arm_b * w_b.x, sy += x.arm_b * w_b.y, sz += x.arm_b * w_b.z;
       }
       wide tx = x.tx - x.inverse_wt * (ux - un * nx + (ny * sz - nz * sy));
@@ -344,7 +354,7 @@ class isotropic_blocks {
       wide tz = x.tz - x.inverse_wt * (uz - un * nz + (nx * sy - ny * sx));
       const wide limit = x.friction * rn;
       const wide length = square_root(tx * tx + ty * ty + tz * tz);
-      const wide part = limit / larger(larger(length, limit), every_lane(Contact::tiny));
+      const wide part = limit / larger(larger(length, limit), every_lane<wide>(Contact::tiny));
       tx *= part, ty *= part, tz *= part;
       const wide ex = tx - x.tx, ey = ty - x.ty, ez = tz - x.tz;
       x.tx = tx, x.ty = ty, x.tz = tz;
@@ -371,19 +381,25 @@ class isotropic_blocks {
 
   // The same as isotropic_contact::relax_push, push_a and push_b.
   static void relax_correction(const block& x, push_of_block& p, state& s) {
-    const auto at_a = [&](int i) -> vector& { return s.shift[std::size_t(x.a[i])].v; };
-    const auto at_b = [&](int i) -> vector& { return s.shift[std::size_t(x.b[i])].v; };
-    rows a = gather<number>(at_a), b;
+    const auto at_a = [&](int i) {
+      auto& shift = s.shift[static_cast<std::size_t>(x.a[i])];
+      return row_of(shift, shift.v);
+    };
+    const auto at_b = [&](int i) {
+      auto& shift = s.shift[static_cast<std::size_t>(x.b[i])];
+      return row_of(shift, shift.v);
+    };
+    rows a = gather<wide>(at_a), b;
     wide rate = x.nx * a.x + x.ny * a.y + x.nz * a.z;
     if constexpr (paired) {
-      b = gather<number>(at_b);
+      b = gather<wide>(at_b);
       rate -= x.nx * b.x + x.ny * b.y + x.nz * b.z;
     }
     const wide free = p.correction_impulse - (rate - p.correction_rate) * x.inverse_wn;
-    const auto open =
-        ((x.target_velocity == every_lane(number(0))) & (x.rn > every_lane(number(0)))) |
-        (free > every_lane(number(0)));
-    const wide next = open ? free : every_lane(number(0));
+    const auto open = ((x.target_velocity == every_lane<wide>(number(0))) &
+                       (x.rn > every_lane<wide>(number(0)))) |
+                      (free > every_lane<wide>(number(0)));
+    const wide next = open ? free : every_lane<wide>(number(0));
     const wide d = next - p.correction_impulse;
     p.correction_impulse = next;
     const wide da = d * a.w;

@@ -9,7 +9,7 @@
 
 #include "talus/contact/law.hpp"
 #include "talus/core/math.hpp"
-#include "talus/core/quad.hpp"
+#include "talus/core/pack_rows.hpp"
 #include "talus/response/contact_bias.hpp"
 #include "talus/response/frame_around.hpp"
 #include "talus/response/isotropic_blocks.hpp"
@@ -34,7 +34,7 @@ struct round_friction<false, Real> {};
 
 template <bool Friction, class Real>
 struct isotropic_change {
-  quad_of<Real> t{0, 0, 0, 0};
+  row_pack<Real> t{0, 0, 0, 0};
   Real n = 0;
 
   friend isotropic_change operator+(const isotropic_change& x, const isotropic_change& y) {
@@ -68,13 +68,14 @@ struct isotropic_change<false, Real> {
 /// w_t = w_n + arm_a^2/I_a + arm_b^2/I_b across it. So the exact local solution of Coulomb's law
 /// needs no tangent basis and no tensor: r_n = max(0, r_n - (u_n - target)/w_n), and r_t - u_t/w_t
 /// is clipped radially to mu r_n. Velocities are those of a relative to b, impulses act on a.
-/// Without friction nothing tangential is stored or computed. Vectors are worked on as quads, which
-/// is why a number follows each of them in memory. What others ask of a contact is told in reals.
+/// Without friction nothing tangential is stored or computed. Vectors are worked on as rows of
+/// four, which is why a number follows each of them in memory. What others ask of a contact is told
+/// in reals.
 template <class Law, partner Partner, class Real = real>
 struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has_bias<Law>> {
   using number = Real;
   using state = solver_state_of<Real>;
-  using quad = quad_of<Real>;
+  using row = row_pack<Real>;
   static constexpr bool paired = Partner == partner::moving;
   static constexpr int rows = Law::friction ? 3 : 1;  ///< of the Delassus operator
   /// Contacts that follow each other in the list share a body, so that each would wait for the one
@@ -203,22 +204,22 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
   /// Solves this contact with all others held; the change is still to be applied.
   change relax(const state& s) {
     const body& A = s.bodies[a];
-    const quad n = normal_quad();
-    quad u = load(A.v);
-    if constexpr (paired) u -= load(s.bodies[b].v);
-    if constexpr (isotropic_contact::biased) u -= bias_quad();
+    const row n = normal_row();
+    row u = velocity(A);
+    if constexpr (paired) u -= velocity(s.bodies[b]);
+    if constexpr (isotropic_contact::biased) u -= bias_row();
     const Real un = sum_of_products(n, u);
     const Real before = rn;
     rn = std::max(Real{0}, rn - (un - target_velocity) * inverse_wn);
     if constexpr (Law::friction) {
-      quad spin = this->arm_a * load(A.w);
-      if constexpr (paired) spin += this->arm_b * load(s.bodies[b].w);
-      const quad old = load(this->rt);
-      quad t = without_fourth(old - old[3] * (u - un * n + cross(n, spin)));
+      row spin = this->arm_a * spin_of(A);
+      if constexpr (paired) spin += this->arm_b * spin_of(s.bodies[b]);
+      const row old = load(row_of(*this, this->rt));
+      row t = without_fourth(old - old[3] * (u - un * n + cross(n, spin)));
       // No branch: whether a contact slides is hard to predict.
       const Real limit = this->friction * rn;
       t *= limit / std::max({limit, std::sqrt(sum_of_products(t, t)), tiny});
-      store(this->rt, __builtin_shufflevector(t, old, 0, 1, 2, 7));
+      store(row_of(*this, this->rt), __builtin_shufflevector(t, old, 0, 1, 2, 7));
       return {t - without_fourth(old), rn - before};
     } else {
       return {rn - before};
@@ -261,20 +262,22 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
  private:
   using body = solver_body_of<Real>;
 
-  [[nodiscard]] quad bias_quad() const requires(isotropic_contact::biased) {
+  [[nodiscard]] static row velocity(const body& x) { return load(row_of(x, x.v)); }
+  [[nodiscard]] static row spin_of(const body& x) { return load(row_of(x, x.w)); }
+  [[nodiscard]] row bias_row() const requires(isotropic_contact::biased) {
     const Real x = Real(this->bias[0]), y = Real(this->bias[1]), z = Real(this->bias[2]);
-    return quad{x, y, z, 0};
+    return row{x, y, z, 0};
   }
-  [[nodiscard]] quad normal_quad() const { return without_fourth(load(normal)); }
-  [[nodiscard]] quad tangent() const { return without_fourth(load(this->rt)); }
+  [[nodiscard]] row normal_row() const { return without_fourth(load(row_of(*this, normal))); }
+  [[nodiscard]] row tangent() const { return without_fourth(load(row_of(*this, this->rt))); }
 
   void apply_impulse(body& x, const change& d, Real inverse_mass, Real spin) const {
-    const quad n = normal_quad();
+    const row n = normal_row();
     if constexpr (Law::friction) {
-      store(x.v, load(x.v) + inverse_mass * (d.n * n + d.t));
-      store(x.w, load(x.w) - spin * cross(n, d.t));
+      store(row_of(x, x.v), velocity(x) + inverse_mass * (d.n * n + d.t));
+      store(row_of(x, x.w), spin_of(x) - spin * cross(n, d.t));
     } else {
-      store(x.v, load(x.v) + (inverse_mass * d.n) * n);
+      store(row_of(x, x.v), velocity(x) + (inverse_mass * d.n) * n);
     }
   }
 };

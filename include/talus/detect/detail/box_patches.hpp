@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "talus/core/octet.hpp"
+#include "talus/core/pack.hpp"
 #include "talus/detect/box_place.hpp"
 #include "talus/detect/detail/box_axes.hpp"
 #include "talus/detect/detail/box_manifold.hpp"
@@ -15,15 +15,6 @@ namespace talus::detail {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-/// Eight numbers in registers.
-template <class Real>
-struct eight_of;
-template <>
-struct eight_of<double> {
-  using type = double __attribute__((vector_size(8 * sizeof(double))));
-  using mask = std::int64_t __attribute__((vector_size(8 * sizeof(std::int64_t))));
-};
-
 /// The incident face is clipped to the outline of the reference face without a polygon: what is
 /// left of it has corners of three kinds, its own that lie inside, crossings of its edges with the
 /// outline, and corners of the reference face that lie in it. Which face is the reference, which
@@ -32,8 +23,8 @@ struct eight_of<double> {
 /// found may be another one within that distance.
 template <class Real>
 class box_patches {
-  using number = typename eight_of<Real>::type;
-  using mask = typename eight_of<Real>::mask;
+  using number = pack<Real, 8>;
+  using mask = mask_of<number>;
 
  public:
   /// Boxes as for find_box_gaps(), whose results are `gaps`.

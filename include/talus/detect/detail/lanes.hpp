@@ -19,31 +19,33 @@ struct ball {
 
 // The register and the comparison whose answer is a bit for each lane.
 #if defined(__AVX512F__)
-using pack = __m512d;
-inline std::uint32_t not_above(pack a, pack b) { return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ); }
+using ball_register = __m512d;
+inline std::uint32_t not_above(ball_register a, ball_register b) {
+  return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
+}
 #elif defined(__AVX__)
-using pack = __m256d;
-inline std::uint32_t not_above(pack a, pack b) {
+using ball_register = __m256d;
+inline std::uint32_t not_above(ball_register a, ball_register b) {
   return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LE_OQ)));
 }
 #elif defined(__SSE2__)
-using pack = __m128d;
-inline std::uint32_t not_above(pack a, pack b) {
+using ball_register = __m128d;
+inline std::uint32_t not_above(ball_register a, ball_register b) {
   return static_cast<std::uint32_t>(_mm_movemask_pd(_mm_cmple_pd(a, b)));
 }
 #else
-using pack = real;
-inline std::uint32_t not_above(pack a, pack b) { return a <= b; }
+using ball_register = real;
+inline std::uint32_t not_above(ball_register a, ball_register b) { return a <= b; }
 #endif
 
 /// Bit q is set if the ball touches the q-th of eight balls given as arrays of their coordinates.
 /// The same arithmetic, to the bit, whatever the width.
 inline std::uint32_t touching(const ball& a, const real* x, const real* y, const real* z,
                               const real* reach) {
-  constexpr std::uint32_t width = sizeof(pack) / sizeof(real);
+  constexpr std::uint32_t width = sizeof(ball_register) / sizeof(real);
   std::uint32_t bits = 0;
   for (std::uint32_t q = 0; q < lanes; q += width) {
-    pack dx, dy, dz, sum;
+    ball_register dx, dy, dz, sum;
     std::memcpy(&dx, x + q, sizeof dx);
     std::memcpy(&dy, y + q, sizeof dy);
     std::memcpy(&dz, z + q, sizeof dz);
