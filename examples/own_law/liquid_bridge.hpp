@@ -5,9 +5,10 @@
 #include <limits>
 #include <talus/talus.hpp>
 
-/// A bridge forms where two wet surfaces touch, pulls them together while they part, and ruptures at
-/// a distance. Force after Willett, Adams, Johnson, Seville 2000 (Langmuir 16, 9396), rupture after
-/// Lian, Thornton, Adams 1993 (J. Colloid Interface Sci. 161, 138). The liquid itself is not moved.
+/// A bridge forms where two wet surfaces touch, pulls them together while they part, and ruptures
+/// at a distance. Force after Willett, Adams, Johnson, Seville 2000 (Langmuir 16, 9396), rupture
+/// after Lian, Thornton, Adams 1993 (J. Colloid Interface Sci. 161, 138). The liquid itself is not
+/// moved.
 struct liquid_bridge {
   using talus_part_of = talus::roles::contact_law;  // it stands inside soft_contact<...>
   static constexpr const char* name = "liquid_bridge";

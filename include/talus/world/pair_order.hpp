@@ -1,6 +1,6 @@
 #pragma once
-// The order in which forces of pairs are added to bodies: for each body by the id of its partner, so
-// that the sums have the same bits on any number of ranks.
+// The order in which forces of pairs are added to bodies: for each body by the id of its partner,
+// so that the sums have the same bits on any number of ranks.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -115,8 +115,8 @@ void order_pairs(const world_state<Scenario>& s, edges_by_partner& by_partner,
   for (const close_pair& p : pairs) {
     pair_edge e{body.template operator()<A>(p.i), nobody, a.id[p.i], b.id[p.j]};
     if constexpr (Moving)
-      e.b = body.template operator()<B>(p.j) +
-            (one_shape ? 0 : static_cast<std::uint32_t>(a.size()));
+      e.b =
+          body.template operator()<B>(p.j) + (one_shape ? 0 : static_cast<std::uint32_t>(a.size()));
     edges.push_back(e);
   }
   const std::size_t bodies = a.size() + (Moving && !one_shape ? b.size() : 0);
