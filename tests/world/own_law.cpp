@@ -125,7 +125,7 @@ void compare_ranks() {
       CHECK(many.closure < 1e-10);
       CHECK(many.scheme == doctest::Approx(one.scheme));
       CHECK(many.dissipated == doctest::Approx(one.dissipated));
-      CHECK(std::abs(one.scheme) < 0.1 * one.dissipated);
+      CHECK(std::abs(one.scheme) < 0.2 * one.dissipated);  // of first order in dt
     }
   }
 }
