@@ -16,7 +16,7 @@ using moist = scenario<
 struct moist_options : options {
   double volume = 0.02;
 
-  moist_options() { steps = 6000, dt = 2e-5; }
+  moist_options() { steps = 8000, dt = 1e-5; }
   void describe(auto& line) {
     options::describe(line);
     line.add("--volume", volume, "volume of liquid in a bridge, in cubic millimetres", 0.0, 0.1);
@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
     const material glass{.density = density,
                          .restitution = 0.5,
                          .friction = 0.4,
-                         .stiffness = 200,
+                         .stiffness = 50,
                          .rolling_friction = 0.02};
     const auto bead = world.material(glass), plate = world.material(glass);
     // What the law needs of each pair of materials. The ceiling is nearly clean of liquid.

@@ -31,14 +31,16 @@ struct cohesion final {
   template <class T>
   struct refusal {
     static_assert(detail::is_there<T>,
-                  "talus has no cohesion: docs/not_there.md says which code has");
+                  "talus has no cohesion: docs/not_there.md says which code has, and "
+                  "docs/interaction_laws.md how to write such a law");
   };
 };
 struct liquid_bridges final {
   template <class T>
   struct refusal {
     static_assert(detail::is_there<T>,
-                  "talus has no liquid bridges: docs/not_there.md says which code has");
+                  "talus has no liquid bridges: docs/not_there.md says which code has, and "
+                  "docs/interaction_laws.md how to write such a law");
   };
 };
 struct bonds final {

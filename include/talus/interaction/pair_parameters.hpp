@@ -87,7 +87,17 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
       if (row[j].known) furthest = std::max(furthest, Law::range(row[j], radius));
     return furthest;
   }
-  /// Throws runtime_error for a pair whose parameters nobody gave.
+  /// Throws runtime_error if this part has no parameters for a pair.
+  template <class Part>
+  void require_part(material_id a, material_id b) const {
+    if constexpr (!combines<Part>)
+      if (given<Part>().find(number(a), number(b)) == nullptr)
+        fail<std::runtime_error>(
+            "{} has no parameters for the materials {} and {}: give them to world.interaction, as "
+            "a value of {}::parameters",
+            Part::name, number(a), number(b), Part::name);
+  }
+  /// Throws runtime_error for a pair of bodies that touch and whose parameters nobody gave.
   static void require_known(const parameters& p, material_id a, material_id b) {
     if constexpr (Law::needs_parameters)
       if (!p.known) refuse_unknown(a, b);

@@ -218,10 +218,9 @@ class world {
       Scenario::contact_law::soft) {
     auto& pairs = state_.soft.pairs;
     (void)state_.materials[a], (void)state_.materials[b];
+    pairs.template require_part<Law>(a, b);
     pairs.follow(state_.materials);
-    const auto& all = pairs.pair(a, b);
-    pairs.require_known(all, a, b);
-    return Scenario::contact_law::law::template of<Law>(all);
+    return Scenario::contact_law::law::template of<Law>(pairs.pair(a, b));
   }
   /// The materials made so far, and the properties of their pairs.
   [[nodiscard]] const material_table& materials() const { return state_.materials; }
