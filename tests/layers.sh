@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Checks that headers include only from layers below their own, by the one spelling
-# "talus/<layer>/<file>.hpp", and that only the MPI transport includes MPI.
+# "talus/<layer>/<file>.hpp", that only the MPI transport includes MPI, and that the step and the
+# integrators name no feature.
 #   layers.sh INCLUDE_DIR | --self-test
 set -euo pipefail
 
@@ -73,6 +74,13 @@ check() {
       fi
     done < <(grep -nE '^[[:space:]]*#[[:space:]]*include[[:space:]]*(<(talus|mpi|boost/mpi)|")' \
       "$header" || true)
+    if [[ $from == world/step.hpp || $from == world/integrators/* ]]; then
+      while IFS=: read -r line what; do
+        echo "$header:$line: $what: features act by their hooks, at stages: no step names one"
+        faults=$((faults + 1))
+      done < <(grep -nE 'watches<|has_feature|world_state<.*>::(sleeps|drives|continuous|balances)' \
+        "$header" || true)
+    fi
   done < <(find "$tree/talus" -name '*.hpp' | sort)
   echo "$files headers, $faults faults"
   ((faults == 0 && files > 0))
@@ -91,12 +99,13 @@ self_test() {
   printf '#include "talus/core/none.hpp"\n#include "g.hpp"\n' >geometry/detail/h.hpp
   printf '#include "talus/geometry/detail/h.hpp"\n# include <boost/mpi.hpp>\n' >world/w.hpp
   echo '#include <mpi.h>' >parallel/mpi.hpp
+  printf '\n  if constexpr (watches<Scenario, energy_ledger>) book(s);\n' >world/step.hpp
   touch odd/o.hpp
   out=$(check "$tree") && { echo "a tree full of faults passed"; exit 1; }
   echo "$out"
   local place
   for place in core/a.hpp:1 shape/b.hpp:3 geometry/g.hpp:1 geometry/detail/h.hpp:1 \
-    geometry/detail/h.hpp:2 world/w.hpp:1 world/w.hpp:2 odd/o.hpp:1 '7 headers, 8 faults'; do
+    geometry/detail/h.hpp:2 world/w.hpp:1 world/w.hpp:2 world/step.hpp:2 odd/o.hpp:1 '8 headers, 9 faults'; do
     grep -q "$place" <<<"$out" || { echo "missed: $place"; exit 1; }
   done
 }

@@ -121,8 +121,9 @@ class stage_view {
     std::size_t number = 0;
     s_.each_shape([&](auto& b) {
       using store = std::remove_reference_t<decltype(b.movable)>;
-      for (std::size_t i = 0; i < b.movable.locals; ++i)
-        f(stage_body<Scenario, store, columns>(s_, b.movable, i, false, number + i));
+      if constexpr (store::shape_type::finite)
+        for (std::size_t i = 0; i < b.movable.locals; ++i)
+          f(stage_body<Scenario, store, columns>(s_, b.movable, i, false, number + i));
       number += b.movable.size() + b.global.size();
     });
   }

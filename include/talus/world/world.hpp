@@ -271,6 +271,13 @@ class world {
       state_.sleep.all = true;
     }
   }
+  /// What a feature of one's own keeps on this rank; settings are to be alike on all ranks.
+  template <class Feature>
+  [[nodiscard]] auto& feature() requires(!detail::built_in<Feature>) {
+    static_assert(Scenario::template has_feature<Feature>,
+                  "this scenario does not have this feature: add it to its features<...>");
+    return detail::own_state<Feature>(state_);
+  }
   /// Settings of the contact solver, to be changed alike on all ranks.
   [[nodiscard]] solver_settings& solver() requires(!Scenario::contact_law::soft) {
     return state_.settings;
