@@ -372,7 +372,7 @@ def sentences():
                   f"  static constexpr auto says = {name};",
                   f"  template <sentence S> using refused = no_{name}<S>;", "};"]
     lines += ["// clang-format on", "",
-              "/// Those of a decomposition: its own, or where it names none a sentence that says where they are.",
+              "/// The fields of a decomposition: its own, or a sentence that refers to them.",
               "template <class Decomposition>", "struct of_decomposition {", "  using type = decomposition_fields;",
               "};", "template <class Decomposition>", "requires requires { typename Decomposition::talus_fields; }",
               "struct of_decomposition<Decomposition> {", "  using type = typename Decomposition::talus_fields;",

@@ -1,5 +1,5 @@
-// A long agglomerate over five domains (pe tutorial, figure 10): its centre is in the third, its
-// ends are in the first and the last one, where spheres hit it from both sides, so that it turns.
+// A long agglomerate over five domains (pe tutorial, figure 10). Its centre is in the third domain,
+// its ends are in the first and the last, where spheres hit it from both sides and make it rotate.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
         world.simulate({.steps = options.steps, .dt = options.dt});
 
         const motion after = measure_motion(world);
-        std::array<double, 2> sums{};  // spin of the agglomerate, ranks that know it
+        std::array<double, 2> sums{};  // spin of the agglomerate, ranks with a copy of it
         world.for_each_known([&](const auto& b) {
           if constexpr (requires { b.shape().parts(); }) {
             ++sums[1];

@@ -1,4 +1,5 @@
-// A house of cards: it stands where friction holds the feet of its cards, and falls where not.
+// A house of cards stands if friction is large enough to hold the feet of its cards, and falls
+// otherwise.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
@@ -44,11 +45,11 @@ int main(int argc, char** argv) {
                               .orientation = rotation({0, 1, 0}, turned)});
     };
 
-    // Less friction than this, and it must fall: of each pair, one card takes half its weight W and
-    // all the load P on its top as a push H against the other one, which acts L cos a above its
-    // foot, so that about the foot H L cos a = (W / 2 + P) (L sin a - e cos a). The foot, under
-    // W + P, must hold H. Where loads are spread unevenly some pair needs more than this, and so
-    // does a ridge whose two edges do not push level.
+    // The house falls with less friction than this. One card of each pair converts half its weight
+    // W and the load P on its top into a force H against the other card, which acts L cos a above
+    // its foot. The moments about the foot give H L cos a = (W / 2 + P) (L sin a - e cos a). The
+    // foot carries W + P and must hold H. Uneven loads, or a ridge whose two edges do not push
+    // horizontally, need more friction.
     double needed = 0, above = 0;  // cards above a storey
     for (int pairs = 1; pairs <= options.storeys; ++pairs) {
       const double load = above / (2 * pairs);
@@ -63,7 +64,7 @@ int main(int argc, char** argv) {
               {(k - 0.5 * (pairs - 1)) * pitch + 0.5 * side * (foot + ridge), 0, z + 0.5 * high},
               -side * a);
       z += high;
-      // One long card: single ones would load but one card of the outer pairs, and only friction
+      // One long card: single cards would load only one card of the outer pairs, and only friction
       // above 1 / tan a could hold their ridges.
       if (pairs > 1) add({pairs * pitch, w, e}, {0, 0, z + 0.5 * e}, 0);
       if (pairs > 1) z += e;

@@ -1,6 +1,6 @@
-// A chute without end: spheres flow down a bumpy slope in a box that is periodic along the slope
-// and across it, until friction holds the balance to gravity: steadily at 25 degrees, not at all
-// at 18.
+// An endless chute: spheres flow down a bumpy slope in a box that is periodic along the slope and
+// across it. At 25 degrees friction balances gravity in a steady flow; at 18 degrees the spheres
+// stop.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
     take_pictures(world, options,
                   {.from = {0.5 * L, -24, 9}, .at = {0.5 * L, 0.5 * W, 5}, .angle = 38});
 
-    // Velocities by height, in the mean over the last third.
+    // Velocities by height, averaged over the last third.
     constexpr std::size_t rows = 24;
     std::array<double, 2 * rows> sums{};  // numbers, velocities
     for (std::size_t k = 0; k < sums.size(); ++k)
@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
     world.link().reduce(reduction::sum, std::span<double>(sums));
     double number = 0, flow = 0;
     for (std::size_t k = 0; k < rows; ++k) number += sums[k], flow += sums[rows + k];
-    // The row above which a tenth of the spheres is: the surface.
+    // The surface is the row with a tenth of the spheres above it.
     double above_it = 0, surface = 0;
     for (std::size_t k = rows; k-- > 0 && above_it < 0.1 * number;)
       above_it += sums[k], surface += sums[rows + k];

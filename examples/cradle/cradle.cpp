@@ -1,5 +1,6 @@
-// Newton's cradle: a row of equal spheres, each in a harmonic well of its own (a pendulum that
-// swings little). As many as are drawn aside and let go swing out at the other end, as far.
+// Newton's cradle: a row of equal spheres, each in its own harmonic well (a pendulum of small
+// amplitude). The number of spheres drawn aside and released equals the number that swing out at
+// the other end, equally far.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
@@ -28,9 +29,9 @@ int main(int argc, char** argv) {
   return run<cradle, cradle_options>(argc, argv, [](auto& world, const cradle_options& options) {
     const double radius = 0.05, drawn = 0.15, length = 1, gravity = 9.81;  // m, of a pendulum
     const double frequency = std::sqrt(gravity / length), fastest = drawn * frequency;
-    // In a row that touches, all impacts are at once, and Newton's law then has no unique answer:
-    // energy and momentum are kept also where all spheres move. Apart by more than the way of a
-    // step they strike one after the other, and each pair exchanges its velocities.
+    // If the spheres touch, all impacts are simultaneous and Newton's law has no unique solution:
+    // energy and momentum are also conserved if all spheres move. With gaps larger than the motion
+    // in a step, the spheres collide one after the other, and each pair exchanges its velocities.
     const double pitch = 2 * radius + options.gap, end = (options.spheres - 1) * pitch;
     world.decompose({.axis = {1, 0, 0}, .lower = -drawn, .upper = end + drawn});
     const auto steel = world.material({.density = 7800, .restitution = 1});
@@ -54,8 +55,9 @@ int main(int argc, char** argv) {
     take_pictures(world, options,
                   {.from = {0.5 * end, -1.1, 0.3}, .at = {0.5 * end, 0, 0}, .angle = 46});
 
-    // How far a sphere swings follows from its place and velocity at any time (that of the scheme
-    // is the true one half a step before). Least of the last ones, furthest of the others; energy.
+    // The amplitude of a sphere follows from its position and velocity at any time (the velocity of
+    // the scheme is that half a step before). Smallest of the last spheres, largest of the others;
+    // energy.
     const auto swings = [&] {
       std::array<double, 2> least_and_most{-drawn, 0};
       double energy = 0;
@@ -75,7 +77,7 @@ int main(int argc, char** argv) {
       const auto last = std::min<std::uint64_t>(std::llround(time / options.dt), options.steps);
       if (last > world.steps()) world.simulate({.steps = last - world.steps(), .dt = options.dt});
     };
-    std::array<double, 2> momentum{};  // before and after all have struck
+    std::array<double, 2> momentum{};  // before and after all impacts
     std::array<double, 3> out{};
     world.keep("momentum", momentum);
     world.keep("out", out);

@@ -1,5 +1,5 @@
-// A row of dominoes topples, and the speed of the wave against the theory of J. M. J. van Leeuwen,
-// The domino effect, Am. J. Phys. 78, 721 (2010).
+// A row of dominoes topples. The speed of the wave is compared with the theory of J. M. J. van
+// Leeuwen, The domino effect, Am. J. Phys. 78, 721 (2010).
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
@@ -24,16 +24,16 @@ struct domino_options : options {
   }
 };
 
-/// Speed of the wave over sqrt(g h), far down the row, of dominoes of height 1 that turn about
-/// their lower edge, lean on the next one without friction, and strike the one in front without
-/// rebound. All follow from the first one's angle: the corner of one that leans by b is on the face
-/// of the next, at a, where sin(b - a) = (s + d) cos a - d. Between impacts energy is conserved,
-/// and in an impact the momentum that belongs to that angle.
+/// Speed of the wave over sqrt(g h), far down the row. The dominoes of height 1 rotate about their
+/// lower edge, lean on the next one without friction, and hit the one in front without rebound. The
+/// angle of the first determines all others: the corner of a domino at angle b lies on the face of
+/// the next at angle a if sin(b - a) = (s + d) cos a - d. Energy is conserved between impacts, and
+/// the momentum conjugate to that angle in an impact.
 double speed_without_friction(double s, double d) {
   const int parts = 100, dominoes = 40;
   const double inertia = (1 + d * d) / 3, contact = std::asin(s);
-  // Of n dominoes, the first one at `angle`: sum of squares of speeds, the other ones' momentum
-  // against the angle in front, and height, for unit speed of the first.
+  // For n dominoes, the first at `angle`: sum of squares of speeds, momentum of the others with
+  // respect to the front angle, and height, for unit speed of the first.
   const auto row = [&](double angle, int n) {
     double a = angle, speed = 1, behind = 1;
     vec3 sums{0, 0, 0};
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
     world.material_pair(bone, bone,
                         {.friction = options.friction, .dynamic_friction = options.friction});
     world.global([&](auto& scope) { scope.add(plane{}, floor); });
-    const double push = 1.5;  // the first one turns about its lower edge
+    const double push = 1.5;  // angular velocity of the first domino about its lower edge
     for (int k = 0; k < options.dominoes; ++k)
       world.add_if_local(body{.shape = box{{d, w, h}},
                               .position = {k * pitch, 0, 0.5 * h},
@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
                               .user_id = static_cast<std::uint32_t>(k)});
     world.synchronize();
 
-    // Steps for which a domino in the middle, and one near the end, have stood.
+    // Numbers of steps before a domino in the middle, and one near the end, falls.
     const std::array<int, 2> marked{options.dominoes / 2, options.dominoes - 6};
     std::array<std::uint64_t, 2> stood{};
     world.keep_sum("stood_first", stood[0]);

@@ -1,5 +1,5 @@
-// A rotating drum: spheres, capsules and boxes come in while it stands, and then it turns. The
-// angle of their heap against the horizontal is the dynamic angle of repose.
+// A rotating drum: spheres, capsules and boxes enter while it stands, then it rotates. The angle of
+// their heap against the horizontal is the dynamic angle of repose.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 #include <talus/vtk.hpp>
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     take_pictures(world, options,
                   {.from = {0, -26, 3}, .at = {0, 0, 0}, .angle = 42, .ground = false});
 
-    // Of the centre of mass about the axis, in the mean over the second half of the turning.
+    // Angle of the centre of mass about the axis, averaged over the second half of the rotation.
     double angles = 0, looks = 0;
     world.keep("angles", angles);
     world.keep("looks", looks);

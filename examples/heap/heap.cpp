@@ -1,4 +1,4 @@
-// A block of spheres falls onto a floor, as a heap that spreads.
+// A block of spheres falls onto a floor and spreads into a heap.
 #include <talus/mpi.hpp>
 using namespace talus;
 

@@ -1,5 +1,5 @@
-// The heap of docs/first_hour.md for many ranks: as large as one asks for, on hexagonal domains,
-// with its books kept and its state on the disk.
+// The heap of docs/first_hour.md for many ranks: of any size, on hexagonal domains, with an energy
+// ledger and checkpoints.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;

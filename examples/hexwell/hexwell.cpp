@@ -23,8 +23,8 @@ struct hexwell_options : options {
 
 int main(int argc, char** argv) {
   return run<hexwell, hexwell_options>(argc, argv, [](auto& world, const hexwell_options& options) {
-    // The bodies fill the well to three quarters: a heap of them is about five times as large as
-    // the cubes of their mean radius.
+    // The bodies fill three quarters of the well: the volume of a heap is about five times the sum
+    // of the cubes of the mean radius.
     const int B = 200, H = 15;                          // bricks per level, levels
     const double R = std::cbrt(12.0 * options.bodies);  // radius of the well
     const double brick_x = 2 * R * std::sin(pi / B);

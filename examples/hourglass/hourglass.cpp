@@ -1,5 +1,5 @@
-// An hourglass: spheres run through the neck of a surface of triangles, as fast while there are
-// many above as while there are few.
+// An hourglass: spheres run through the neck of a surface of triangles. The flow does not depend on
+// the number of spheres above.
 #include <talus/checkpoint.hpp>
 #include <talus/mesh.hpp>
 #include <talus/mpi.hpp>
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
                    .angle = 36,
                    .ground = false});
 
-    // Times when quarters of the spheres have run through, looked at every tenth step.
+    // Times at which quarters of the spheres have run through, checked every tenth step.
     std::array<double, 3> quarters{};
     world.keep("quarters", quarters);
     world.after_each_step([&] {

@@ -1,6 +1,6 @@
-// A heavy sphere falls into a bed of spheres, and its depth against the law of J. S. Uehara, M. A.
-// Ambroso, R. P. Ojha, D. J. Durian, Low-speed impact craters in loose granular media, Phys. Rev.
-// Lett. 90, 194301 (2003).
+// A heavy sphere falls into a bed of spheres. Its depth is compared with the law of J. S. Uehara,
+// M. A. Ambroso, R. P. Ojha, D. J. Durian, Low-speed impact craters in loose granular media, Phys.
+// Rev. Lett. 90, 194301 (2003).
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
     world.keep("bed", bed);
     simulate_until(options.settle);
     bed = survey();
-    // Begins at a round height: sums over ranks differ in their last bit.
+    // Starts at a rounded height, because sums over ranks differ in their last bit.
     world.add_if_local(body{.shape = sphere{D / 2},
                             .position = {0, 0, std::ceil(bed[1]) + 0.5 + D / 2},
                             .material = heavy,
@@ -81,7 +81,8 @@ int main(int argc, char** argv) {
       if (b.shape().radius > 1) depth = top - (b.position()[2] - D / 2);
     });
     world.link().reduce(reduction::max, std::span(&depth, 1));
-    // All the way that it fell counts; of the bed the bulk density, and the slope of its repose.
+    // The law needs the total height of fall, the bulk density of the bed, and its angle of
+    // repose.
     const double bulk = bed[0] / (W * W * top), repose = 0.4;
     const double law =
         0.14 / repose * std::sqrt(options.density / bulk) * std::pow(D, 2.0 / 3) *

@@ -1,5 +1,5 @@
-// The landslide: spheres lie evenly on a floor that is tilted, and slide into its lowest corner.
-// The cuts between the ranks' domains follow them (docs/balance.md).
+// The landslide: spheres lie evenly on a tilted floor and slide into its lowest corner. The cuts
+// between the domains of the ranks follow them (docs/balance.md).
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;

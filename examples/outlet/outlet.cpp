@@ -1,6 +1,6 @@
-// Granular medium leaves a silo through a slot (pe tutorial, figures 2 to 4), and the mass flow
-// rate against Beverloo's law. Domains: nine by seven rectangles in x and z, and all below the
-// outlet. With --spheres 108570 it is the scene of those figures.
+// A granular medium leaves a silo through a slot (pe tutorial, figures 2 to 4). The mass flow rate
+// is compared with Beverloo's law. Domains: nine by seven rectangles in x and z, and the space
+// below the outlet. With --spheres 108570 it is the scene of those figures.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
     world.keep("before", before);
     world.keep("from", from);
     simulate_until(time_open);
-    double mass = 0;  // of what lies in a slice above the outlet
+    double mass = 0;  // of the spheres in a slice above the outlet
     world.for_each_local([&](const auto& b) {
       const double z = b.position()[2];
       if (!b.is_fixed() && z > 2 * d && z < 8 * scale) mass += b.mass();

@@ -1,8 +1,8 @@
-// A rubble pile: spheres of many sizes, read from a table that another program wrote, lie as two
-// lobes, turn, and fall together in the gravity that a ball of their mass has inside. What contacts
-// bear in the end is known from the virial theorem (R. Clausius, On a mechanical theorem applicable
-// to heat, Phil. Mag. 40, 122, 1870): sums of force times place over contacts and over gravity, and
-// twice the kinetic energy, cancel.
+// A rubble pile: spheres of many sizes, read from a table of another program, form two rotating
+// lobes and collapse in the gravity field inside a ball of their mass. The virial theorem gives the
+// final contact stress (R. Clausius, On a mechanical theorem applicable to heat, Phil. Mag. 40,
+// 122, 1870): the sums of force times position over contacts and over gravity, and twice the
+// kinetic energy, cancel.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 #include <talus/observe.hpp>

@@ -1,6 +1,6 @@
-// A screw conveyor: a screw from an STL file turns in a trough, and takes gravel along that falls
-// in at one end and off at the other. Where so little lies in it that nothing comes over the shaft
-// into the next turn, it goes by one pitch in each turn.
+// A screw conveyor: a screw from an STL file rotates in a trough and conveys gravel, which falls in
+// at one end and out at the other. At low filling, with no gravel passing over the shaft into the
+// next turn, the gravel advances by one pitch per turn.
 #include <talus/checkpoint.hpp>
 #include <talus/mesh.hpp>
 #include <talus/mpi.hpp>
@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
         world, options,
         {.from = {0.6 * L, -28, 20}, .at = {0.5 * L, 0, -0.5}, .angle = 44, .ground = false});
 
-    // Speed along the screw, where it has found its pace, since the first have come through.
+    // Speed along the screw in the steady part, after the first grains have passed through.
     const double through = L / pitch * 2 * pi / options.speed;
     std::array<double, 2> pace{};  // momentum, mass
     world.keep("pace", pace);

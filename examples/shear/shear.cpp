@@ -1,6 +1,6 @@
-// A shear cell without end: gravel between two rough plates, of which the lower one runs and the
-// upper one presses with a given force, in a box that is periodic along both. What the plates
-// exert along themselves over what they press with is the friction of the whole.
+// An endless shear cell: gravel between two rough plates in a box that is periodic along both. The
+// lower plate moves, the upper one presses with a given force. The effective friction is the ratio
+// of the tangential to the normal force on the plates.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 #include <talus/observe/force.hpp>
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
         world, options,
         {.from = {0.5 * L, -20, 6}, .at = {0.5 * L, 0.5 * W, 2}, .angle = 36, .ground = false});
 
-    vec3 on_lower{0, 0, 0}, on_upper{0, 0, 0};  // forces, in the mean over the second half
+    vec3 on_lower{0, 0, 0}, on_upper{0, 0, 0};  // forces, averaged over the second half
     double looks = 0;
     for (int k = 0; k < 3; ++k) {
       world.keep("on_lower " + std::to_string(k), on_lower[k]);

@@ -52,8 +52,8 @@ stone steps_around_the_column() {
 
 int main(int argc, char** argv) {
   return run<stair, stair_options>(argc, argv, [](auto& world, const stair_options& options) {
-    // From the top at -x over +y to +x, then down along -y. Rank 0 has the quarter x < 0, y < 0
-    // too, and at the axis, where all ranks meet, is the column.
+    // From the top at -x over +y to +x, then down along -y. Rank 0 also has the quarter x < 0, y <
+    // 0. The column stands on the axis, where all ranks meet.
     const half_space right(1, 0, 0, 0), front(0, -1, 0, 0);
     const auto around = ring<dynamic>{
         .sectors = options.sectors, .axis = {0, 0, -1}, .start = {-1, 0, 0}, .angle = pi};

@@ -23,8 +23,8 @@ class byte_writer;
 class byte_reader;
 class shared_memory;
 
-/// A type that says itself what of it travels: `pack(byte_writer&)`, and a static
-/// `unpack(byte_reader&)` that makes it again.
+/// A type that packs itself: `pack(byte_writer&)`, and a static `unpack(byte_reader&)` that
+/// restores it.
 template <class T>
 concept packs_itself = requires(const T& value, byte_writer& out, byte_reader& in) {
   value.pack(out);
@@ -34,7 +34,7 @@ concept packs_itself = requires(const T& value, byte_writer& out, byte_reader& i
 /// Appends to a buffer. Sender and receiver must be of one architecture.
 class byte_writer {
  public:
-  /// `memory` is that of the line that the message takes; without it shared data always travels.
+  /// `memory` belongs to the channel of the message; without it shared data is always sent.
   explicit byte_writer(byte_buffer& out, shared_memory* memory = nullptr)
       : out_(&out), memory_(memory) {}
 
@@ -54,7 +54,7 @@ class byte_writer {
     put(values.size());
     for (const T& value : values) put(value);
   }
-  /// See core/shared_data.hpp; null where the line has none.
+  /// See core/shared_data.hpp; null if the channel has none.
   [[nodiscard]] shared_memory* memory() const { return memory_; }
 
  private:

@@ -9,9 +9,9 @@ namespace talus::detail {
   clock_gettime(clock, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
-/// Seconds of wall time since some moment; never runs backwards.
+/// Seconds of wall time since an arbitrary moment; monotonic.
 [[nodiscard]] inline double wall_seconds() { return seconds_of(CLOCK_MONOTONIC); }
-/// Processor seconds of this thread: each rank sums up its own.
+/// Processor seconds of this thread; each rank has its own.
 [[nodiscard]] inline double thread_seconds() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
 }  // namespace talus::detail

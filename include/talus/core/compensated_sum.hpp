@@ -4,7 +4,7 @@
 
 namespace talus::detail {
 
-/// Adds up numbers or vectors of numbers, and beside them what each addition rounds off (Knuth's
+/// Adds up numbers or vectors of numbers, and separately the round-off of each addition (Knuth's
 /// exact sum of two numbers).
 template <class Value>
 class compensated_sum {

@@ -15,8 +15,8 @@
 
 namespace talus {
 
-/// Thrown on every other rank when one rank has failed, so that the whole job ends. The rank that
-/// failed first carries the message; this one is never shown.
+/// Thrown on all other ranks when one rank has failed, so that the whole job ends. The rank that
+/// failed first reports the message; this one is never shown.
 struct aborted : std::runtime_error {
   aborted() : std::runtime_error("another rank ended the run") {}
 };
@@ -24,7 +24,7 @@ struct aborted : std::runtime_error {
 namespace detail {
 
 // How values appear in messages.
-// (vformat reads its words when the program runs; reading them before costs every program.)
+// (vformat parses the text at run time; parsing at compile time costs every program.)
 [[nodiscard, gnu::cold]] inline std::string text(real x) {
   return fmt::vformat("{}", fmt::make_format_args(x));
 }
@@ -39,9 +39,9 @@ namespace detail {
   const std::uint64_t number = value_of(id);
   return fmt::vformat("{:#x}", fmt::make_format_args(number));
 }
-/// The words of a message, with a {} for each value, or {0}, {1}, ... where values come twice or
-/// out of order. Words that do not fit their values do not compile. (fmt would check it too, at ten
-/// times the cost: there are a hundred messages, and every program compiles them.)
+/// The text of a message, with a {} for each value, or {0}, {1}, ... for repeated or reordered
+/// values. A text that does not match its values does not compile. (fmt would check this too, at
+/// ten times the cost: every program compiles a hundred messages.)
 template <class... Values>
 struct message_words {
   consteval message_words(const char* words) : words(words) {
@@ -60,7 +60,7 @@ struct message_words {
   const char* words;
 };
 
-/// A value for a gap, by reference: it lasts as long as the call that it is an argument of.
+/// A value for a placeholder, by reference: it is valid during the call.
 class message_value {
  public:
   message_value(const real& x) : kind_(kind::real), at_(&x) {}
@@ -125,7 +125,7 @@ template <class Error>
   throw Error(fill_gaps(words, values));
 }
 
-/// The words, with the values in their gaps.
+/// The text with the values inserted.
 template <class... Values>
 [[nodiscard]] std::string compose(message_words<std::type_identity_t<Values>...> message,
                                   const Values&... values) {

@@ -9,12 +9,12 @@
 
 namespace talus::detail {
 
-/// The sum of finite numbers >= 0, exact whatever their size (a long accumulator: Kulisch 1986), so
-/// that it is the same to the bit however the terms are grouped. Takes up to 2^31 terms. What is
-/// not finite makes the sum NaN.
+/// The exact sum of finite numbers >= 0 of any size (a long accumulator: Kulisch 1986). It is the
+/// same to the bit for any grouping of the terms. Takes up to 2^31 terms. A term that is not finite
+/// makes the sum NaN.
 class exact_sum {
   static constexpr int bits = 32;       ///< of a digit, in words twice as large
-  static constexpr int lowest = -1074;  ///< exponent of the least number there is
+  static constexpr int lowest = -1074;  ///< exponent of the smallest positive number
 
  public:
   static constexpr std::size_t digits = 67;
@@ -54,7 +54,7 @@ class exact_sum {
     exact_sum sum = *this;
     sum.carry();
     double all = 0;
-    for (std::size_t k = digits; k-- > 0;)  // from the highest: what is too small changes nothing
+    for (std::size_t k = digits; k-- > 0;)  // from the highest: small digits have no effect
       all += std::ldexp(static_cast<double>(sum.digits_[k]), static_cast<int>(k) * bits + lowest);
     return all;
   }

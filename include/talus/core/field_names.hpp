@@ -135,7 +135,7 @@ struct decomposition_fields {
 };
 // clang-format on
 
-/// Those of a decomposition: its own, or where it names none a sentence that says where they are.
+/// The fields of a decomposition: its own, or a sentence that refers to them.
 template <class Decomposition>
 struct of_decomposition {
   using type = decomposition_fields;

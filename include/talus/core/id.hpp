@@ -7,22 +7,22 @@
 
 namespace talus {
 
-/// Identity of a body, the same on every rank that knows the body. The two highest bits say where
-/// the number came from, so that the three sources never collide.
+/// Identity of a body, the same on every rank. The two highest bits encode the source of the
+/// number, so that ids from the three sources never collide.
 enum class system_id : std::uint64_t {};
 
 inline constexpr system_id no_id{~std::uint64_t{0}};
 
 namespace detail {
 
-/// How many calls of fill there are ids for.
+/// The largest number of calls of fill.
 inline constexpr std::uint64_t most_fills = 1 << 14;
 
 /// Id of the body at site `site` of the `fill`-th call of fill: the same for every rank count.
 constexpr system_id id_of_site(std::uint64_t fill, std::uint64_t site) {
   return system_id{(fill & (most_fills - 1)) << 48 | (site & 0xffff'ffff'ffffull)};
 }
-/// Id of the `attempt`-th creation that all ranks of an SPMD program attempt alike.
+/// Id of the `attempt`-th creation that all ranks of an SPMD program attempt together.
 constexpr system_id id_of_attempt(std::uint64_t attempt) {
   return system_id{std::uint64_t{1} << 62 | attempt};
 }

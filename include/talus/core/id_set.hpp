@@ -1,6 +1,6 @@
 #pragma once
-// A set of ids: open addressing in twice as many places as it has members (Knuth, The Art of
-// Computer Programming, volume 3, 6.4), so that asking costs about as much as reading the id.
+// A set of ids: open addressing with at least twice as many slots as members (Knuth, The Art of
+// Computer Programming, volume 3, 6.4), so that a look-up costs about as much as reading the id.
 #include <bit>
 #include <cstddef>
 
@@ -11,12 +11,12 @@ namespace talus::detail {
 
 class id_set {
  public:
-  /// Makes room for that many members.
+  /// Reserves slots for that many members.
   explicit id_set(std::size_t members)
       : places_(std::bit_ceil(2 * members + 2), no_id),
         shift_(64 - std::countr_zero(places_.size())) {}
 
-  /// False if it was there already.
+  /// Returns false if the id was already a member.
   bool insert(system_id id) {
     system_id& place = places_[find(id)];
     if (place == id) return false;
@@ -26,7 +26,7 @@ class id_set {
   [[nodiscard]] bool contains(system_id id) const { return places_[find(id)] == id; }
 
  private:
-  /// The place of an id, or the empty one where it would come.
+  /// The slot of an id, or the empty slot for it.
   [[nodiscard]] std::size_t find(system_id id) const {
     std::size_t at = (value_of(id) * 0x9e3779b97f4a7c15ull) >> shift_;
     while (places_[at] != id && places_[at] != no_id) at = (at + 1) & (places_.size() - 1);

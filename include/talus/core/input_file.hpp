@@ -1,5 +1,5 @@
 #pragma once
-// What readers of files from elsewhere have in common.
+// Functions shared by the readers of external files.
 #include <sys/stat.h>
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace talus::detail {
 
-/// The first bytes of a text from a program that marks UTF-8.
+/// The byte order mark with which some programs begin UTF-8 texts.
 inline constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
 
-/// A folder can be opened like a file, and then not be read.
+/// A folder can be opened like a file, but not read.
 [[nodiscard, gnu::cold]] inline bool is_folder(const std::string& path) {
   struct stat found {};
   return ::stat(path.c_str(), &found) == 0 && S_ISDIR(found.st_mode);

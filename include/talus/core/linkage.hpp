@@ -1,7 +1,6 @@
 #pragma once
-// Where the definitions of what is no template are compiled: in each program that includes the
-// headers, or once in the compiled part of the package (the target talus::compiled, which defines
-// TALUS_COMPILED).
+// Non-template definitions are compiled in each program that includes the headers, or once in the
+// compiled part of the package (the target talus::compiled, which defines TALUS_COMPILED).
 #ifdef TALUS_COMPILED
 #define TALUS_INLINE
 #else

@@ -11,7 +11,7 @@
 namespace talus {
 
 /// Scalar of positions, shapes and all user-facing values. Lengths, masses and times are in any
-/// consistent system of units; talus itself knows no unit.
+/// consistent system of units; talus has no built-in units.
 using real = double;
 
 using vec3 = vector3<real>;
@@ -21,7 +21,7 @@ using quat = quaternion<real>;
 
 inline constexpr real pi = 3.141592653589793238462643383279502884;
 
-/// `v` turned by `q`, a unit quaternion.
+/// `v` rotated by `q`, a unit quaternion.
 [[nodiscard]] inline vec3 rotated(const quat& q, const vec3& v) {
   const real x = q.x(), y = q.y(), z = q.z(), w = q.w();
   const real a = 2 * (y * v[2] - z * v[1]), b = 2 * (z * v[0] - x * v[2]),
@@ -46,7 +46,7 @@ struct pose {
   }
 };
 
-/// `v` at length one, however long or short it is; the zero vector stays.
+/// `v` normalised, for any length; the zero vector is unchanged.
 [[nodiscard]] inline vec3 unit(const vec3& v) {
   const real largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
   if (!(largest > 0)) return v;

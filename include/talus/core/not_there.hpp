@@ -1,7 +1,7 @@
 #pragma once
-// Well-known things that talus does not have, by the names under which they are looked for: whoever
-// puts one into a scenario gets a sentence and the page docs/not_there.md, not an undeclared name.
-// A name goes from here when the thing comes.
+// Well-known features that talus lacks, under their usual names. A scenario that names one gets a
+// sentence that refers to docs/not_there.md instead of an undeclared name. Remove a name from here
+// when talus gets the feature.
 
 namespace talus {
 

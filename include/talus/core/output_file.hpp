@@ -1,6 +1,6 @@
 #pragma once
-// Files that a run writes. An output replaces a regular file of its own kind, never anything else;
-// it is written beside that file under a name of its own, and renamed when it is whole.
+// Files that a run writes. An output replaces only a regular file of its own kind. It is written
+// beside that file under a temporary name, and renamed when it is complete.
 #include <dirent.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -32,31 +32,31 @@ struct output_kind {
 /// Bytes at the beginning of a file by which its kind is recognised.
 inline constexpr std::size_t output_head_bytes = 4096;
 
-/// What an output finds at its path.
+/// The state of the path of an output.
 struct output_target {
   bool replaces = false;    ///< a file of the same kind is there
   std::string objection{};  ///< why it must not be replaced, as the second half of a sentence
 };
 
-/// Whether a path names a pipe or one of the program's own streams, into which text is written and
-/// which is not replaced.
+/// Whether a path names a pipe or one of the program's own streams, which are written to and not
+/// replaced.
 [[nodiscard, gnu::cold]] bool is_stream(const std::string& path);
 
 [[nodiscard, gnu::cold]] std::string objection_to_link(const std::string& path, bool force);
 [[nodiscard, gnu::cold]] output_target inspect_regular(const std::string& path,
                                                        const output_kind& kind, bool force);
-/// Looks at what lies at the path of an output. With `force` other regular files and symbolic links
-/// may be replaced; folders and devices never.
+/// Checks the path of an output. With `force` it may replace other regular files and symbolic
+/// links, but never folders and devices.
 [[nodiscard, gnu::cold]] output_target inspect_target(const std::string& path,
                                                       const output_kind& kind, bool force);
 
-/// "no room ..." for an output of `needs` bytes more at this path. What is missing is what the disk
-/// lacks; where the disk does not say so (quotas), all of it.
+/// "no room ..." for an output of `needs` more bytes at this path. It gives the number of missing
+/// bytes, or all of them if the disk does not report its free space (quotas).
 [[nodiscard, gnu::cold]] std::string words_of_missing_room(const std::string& path,
                                                            std::uint64_t needs, int error);
 
-/// A new file beside an output, which gets the name of the output when it is whole, and is removed
-/// otherwise. Its name is its own: PATH.part- and six letters.
+/// A temporary file beside an output, PATH.part- and six letters. It gets the name of the output
+/// when it is complete, and is removed otherwise.
 class part_file {
  public:
   static constexpr std::string_view infix = ".part-";
@@ -77,9 +77,9 @@ class part_file {
   [[nodiscard]] bool good() const { return id_ >= 0; }
   [[nodiscard]] int id() const { return id_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Gives it the name `path`. False, with errno, where that fails.
+  /// Renames it to `path`. Returns false, with errno, on failure.
   [[nodiscard, gnu::cold]] bool rename_to(const std::string& path);
-  /// The same, and hands over the open file.
+  /// The same, and returns the open file.
   [[nodiscard, gnu::cold]] int rename_and_keep(const std::string& path);
 
  private:
@@ -87,13 +87,14 @@ class part_file {
   int id_ = -1;
 };
 
-/// Removes what killed runs have left of such files. Only for who holds the lock of the output.
+/// Removes temporary files of killed runs. The caller must hold the lock of the output.
 [[gnu::cold]] void remove_parts_of(const std::string& path);
 
-/// Writes all of a text. False, with errno, where that fails.
+/// Writes a whole text. Returns false, with errno, on failure.
 [[nodiscard, gnu::cold]] bool write_text(int id, std::string_view text);
-/// Replaces a file by a text, or writes it to a stream. Throws runtime_error, the second half of a
-/// sentence, where that fails or something else is there; a file is as it was then.
+/// Replaces a file by a text, or writes it to a stream. Throws runtime_error, with the second half
+/// of a sentence, on failure or if the path must not be replaced; an existing file is then
+/// unchanged.
 [[gnu::cold]] void write_output(const std::string& path, std::string_view text,
                                 const output_kind& kind, bool force);
 

@@ -50,7 +50,7 @@ TALUS_INLINE output_target inspect_regular(const std::string& path, const output
 TALUS_INLINE output_target inspect_target(const std::string& path, const output_kind& kind,
                                           bool force) {
   struct stat found {};
-  if (::lstat(path.c_str(), &found) != 0) return {};  // absent, or found out when it is opened
+  if (::lstat(path.c_str(), &found) != 0) return {};  // absent, or opening it will fail
   if (S_ISREG(found.st_mode)) return inspect_regular(path, kind, force);
   if (S_ISLNK(found.st_mode)) return {.objection = objection_to_link(path, force)};
   if (S_ISDIR(found.st_mode)) return {.objection = "is a folder: name a file in it"};
@@ -153,7 +153,7 @@ TALUS_INLINE void write_output(const std::string& path, std::string_view text,
   part_file part(path);
   if (!part.good() || !write_text(part.id(), text)) {
     const int error = errno;
-    part = {};  // what is free without it
+    part = {};  // its space is free again
     errno = error;
     fail_to_write(text.size());
   }

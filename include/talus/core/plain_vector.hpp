@@ -29,7 +29,7 @@ inline constexpr bool owns_nothing = std::is_trivially_copyable_v<T>;
   return memory;
 }
 
-/// As std::vector, for values that own nothing. Iterators are pointers.
+/// Like std::vector, for values that own nothing. Iterators are pointers.
 template <class T>
 class plain_vector {
   static_assert(owns_nothing<T>, "a plain_vector holds values that own nothing");
@@ -94,7 +94,7 @@ class plain_vector {
   }
   void resize(std::size_t n, const T& value) {
     if (n > size_) {
-      const T copy = value;  // may be one of ours
+      const T copy = value;  // may be an element of this vector
       make_room(n);
       while (size_ < n) ::new (static_cast<void*>(data_ + size_++)) T(copy);
     }
@@ -119,7 +119,7 @@ class plain_vector {
     return back();
   }
   void pop_back() { --size_; }
-  /// `n` values from elsewhere, at the end.
+  /// Appends `n` values from another place.
   void append(const T* values, std::size_t n) {
     if (n == 0) return;
     make_room(size_ + n);
@@ -151,7 +151,7 @@ class plain_vector {
       if (!(a.data_[i] == b.data_[i])) return false;
     return true;
   }
-  /// In the order of a dictionary.
+  /// Lexicographic order.
   friend bool operator<(const plain_vector& a, const plain_vector& b) {
     for (std::size_t i = 0; i < a.size_ && i < b.size_; ++i) {
       if (a.data_[i] < b.data_[i]) return true;
@@ -173,7 +173,7 @@ class plain_vector {
   std::size_t size_ = 0, room_ = 0;
 };
 
-/// A plain_vector where values own nothing, else a std::vector.
+/// A plain_vector if values own nothing, else a std::vector.
 template <class T>
 using vector_of = std::conditional_t<owns_nothing<T>, plain_vector<T>, std::vector<T>>;
 

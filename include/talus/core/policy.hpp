@@ -1,5 +1,5 @@
 #pragma once
-// What a policy is: a type that says which part of a scenario it decides.
+// A policy is a type that decides one part of a scenario.
 #include <concepts>
 #include <initializer_list>
 #include <string>
@@ -22,7 +22,8 @@ struct precision {};
 struct features {};
 }  // namespace roles
 
-/// A policy names its role; `scenario<...>` knows it by that, in any order.
+/// A policy names its role; `scenario<...>` takes policies in any order and recognises them by
+/// their role.
 template <class Type>
 concept policy = requires {
   typename Type::talus_role;
@@ -35,26 +36,27 @@ concept plays = requires {
   requires std::same_as<typename Type::talus_role, Role>;
 };
 
-/// What stands *inside* a policy, such as nonlinear_gauss_seidel in solver<...>, names the role
-/// of that policy, so that a part without its policy is refused with the right advice.
+/// A type *inside* a policy, such as nonlinear_gauss_seidel in solver<...>, names the role of that
+/// policy, so that the refusal of a bare part gives the right advice.
 template <class Type, class Role>
 concept part_for = requires {
   requires std::same_as<typename Type::talus_part_of, Role>;
 };
-/// The same as a plain constant, about which compilers say less when it is false.
+/// The same as a plain constant, for which compilers print less when it is false.
 template <class Type, class Role>
 inline constexpr bool is_part = part_for<Type, Role>;
 
-/// Always true; instantiates a type that is there for its static_assert. The compiler then names
-/// what it refuses in "In instantiation of 'struct talus::detail::...<TYPE>'".
+/// Always true; instantiates a type for its static_assert. The compiler then names the refused type
+/// in "In instantiation of 'struct talus::detail::...<TYPE>'".
 template <class Check>
 inline constexpr bool examined = sizeof(Check) > 0;
-/// What talus does not have is refused by its own sentence alone.
+/// Features that talus lacks are refused by their own sentence alone.
 template <template <class...> class Check, class Type>
 requires is_missing<Type>
 inline constexpr bool examined<Check<Type>> = sizeof(typename Type::template refusal<void>) > 0;
 
-/// The type in what compilers say of a function: "... [with Type = X; ...]", clang: "[Type = X]".
+/// The type in the compiler's description of a function: "... [with Type = X; ...]", clang: "[Type
+/// = X]".
 [[nodiscard, gnu::cold]] inline std::string type_in(std::string_view text) {
   text.remove_prefix(text.find("Type = ") + 7);
   std::string name(text.substr(0, text.find_first_of(";]")));
@@ -79,7 +81,8 @@ template <class Type>
   return all;
 }
 
-/// A policy as the user spelled it: by its describe(), its constexpr name, or else its type.
+/// The name of a policy as the user spells it: its describe(), its constexpr name, or else its
+/// type.
 template <class Type>
 [[gnu::cold]] std::string describe_policy() {
   if constexpr (requires { std::string(Type::describe()); })

@@ -1,5 +1,5 @@
 #pragma once
-// precision<...>: which numbers a scenario is computed with.
+// precision<...>: the number types of a scenario.
 #include <string>
 #include <type_traits>
 
@@ -9,15 +9,15 @@
 
 namespace talus {
 
-/// Positions, orientations, gaps and all that is kept from step to step are doubles; while contacts
-/// are solved, velocities are floats, and so are the contacts of round bodies (their impulses,
-/// normals and masses). A body that touches nothing moves as with doubles, to the bit. Contacts are
-/// solved to 1e-6 of the velocities at hand, so that the solver's tolerance should not be smaller;
-/// masses lie between 1e-12 and 1e12.
+/// Positions, orientations, gaps and all data kept from step to step are doubles. During the
+/// contact solve, velocities and the contacts of isotropic bodies (their impulses, normals and
+/// masses) are floats. A body without contacts moves as with doubles, to the bit. Contacts are
+/// solved to 1e-6 of the current velocities, so the tolerance of the solver should not be smaller.
+/// Masses must lie between 1e-12 and 1e12.
 struct mixed_precision final {
   using talus_part_of = roles::precision;
   static constexpr const char* name = "mixed_precision";
-  using solved = float;  ///< while contacts are solved
+  using solved = float;  ///< during the contact solve
 };
 
 namespace detail {
@@ -31,8 +31,8 @@ template <>
 struct scalars_of<double> {
   using solved = real;
 };
-/// Squares of impulses must neither vanish nor overflow. (A template so that only those who need it
-/// compile it.)
+/// Squares of impulses must neither vanish nor overflow. (A template, so that only programs that
+/// use it compile it.)
 template <class Real>
 [[gnu::cold]] void require_mass_for_float(Real mass, const char* shape) {
   if (mass >= 1e-12 && mass <= 1e12) return;
@@ -47,7 +47,7 @@ using solved_scalar = typename scalars_of<typename Scenario::precision>::solved;
 
 }  // namespace detail
 
-/// Policy: the numbers that a scenario is computed with. Default: precision<double>.
+/// Policy: the number types of a scenario. Default: precision<double>.
 template <class Numbers>
 struct precision final {
   static_assert(std::is_same_v<Numbers, double> || detail::is_part<Numbers, roles::precision>,

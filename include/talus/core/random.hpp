@@ -1,5 +1,5 @@
 #pragma once
-// Random numbers that depend on what they are for, not on who draws them or when.
+// Random numbers that depend on their purpose, not on the rank or the time of the draw.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -30,10 +30,10 @@ constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> count
 
 }  // namespace detail
 
-/// A sequence of random numbers named by a seed, a number (of a site, a body, ...) and a purpose.
-/// Streams of different names never share a counter; a stream holds 2^33 draws. The numbers are
-/// the same on every rank and every platform: nothing here depends on the library of the compiler,
-/// on a function that platforms round differently, or on whether they fuse products and sums.
+/// A sequence of random numbers identified by a seed, a number (of a site, a body, ...) and a
+/// purpose. Different streams never share a counter; a stream holds 2^33 draws. The numbers are the
+/// same on every rank and every platform: they do not depend on the library of the compiler, on
+/// functions that platforms round differently, or on fused products and sums.
 class random_stream {
  public:
   constexpr explicit random_stream(std::uint64_t seed, std::uint64_t number = 0,
@@ -82,20 +82,20 @@ class random_stream {
     }
   }
 
-  /// A direction, all equally likely (Marsaglia 1972).
+  /// A uniformly distributed direction (Marsaglia 1972).
   vec3 unit_vector() {
     const auto [x, y, s] = in_disk();
     const real scale = 2 * std::sqrt(1 - s);
     return {x * scale, y * scale, 1 - 2 * s};
   }
-  /// A point in the ball of `radius` about the origin.
+  /// A uniformly distributed point in the ball of `radius` about the origin.
   vec3 in_ball(real radius = 1) {
     for (;;) {
       const real x = symmetric(), y = symmetric(), z = symmetric();
       if (std::fma(x, x, std::fma(y, y, z * z)) <= 1) return {radius * x, radius * y, radius * z};
     }
   }
-  /// A rotation, all orientations equally likely (Marsaglia 1972).
+  /// A uniformly distributed rotation (Marsaglia 1972).
   quat rotation() {
     const auto [a, b, s] = in_disk();
     auto [c, d, t] = in_disk();

@@ -1,17 +1,16 @@
 #pragma once
-// Braces with a field that an options struct does not have: instead of a list of candidates, one
-// sentence with the fields there are. Beside a function of such a struct stands
+// Refusal of a braced list with a field that an options struct lacks: one sentence lists the
+// fields, instead of a list of candidates. Beside a function of such a struct stands
 //
 //   template <detail::sentence Fields = detail::fields::material>
 //   detail::fields::no_material<Fields> material(...) TALUS_REFUSED;
-//
-// which overload resolution takes only where the braces fit no struct. g++ says the sentence where
-// it refuses the deleted function, clang where it makes the type that is returned.
+// which overload resolution takes only if the braces fit no struct. g++ prints the sentence when it
+// refuses the deleted function, clang when it instantiates the returned type.
 #include <cstddef>
 
 namespace talus::detail {
 
-/// Words that can be an argument of a template.
+/// A text that can be a template argument.
 template <std::size_t N>
 struct sentence {
   char words[N];
@@ -19,7 +18,7 @@ struct sentence {
     for (std::size_t i = 0; i < N; ++i) words[i] = text[i];
   }
 };
-/// Whether the type that says the sentence may be made: with g++, which says it before, and never
+/// Whether the type with the sentence may be instantiated: yes with g++, which prints it before, no
 /// with clang.
 template <sentence>
 #ifdef __clang__

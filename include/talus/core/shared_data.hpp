@@ -1,6 +1,6 @@
 #pragma once
-// Data that many bodies share, such as the surface of a polyhedron: never changed once it is made,
-// held by reference, and sent to a neighbouring rank only when that rank has forgotten it.
+// Immutable data that many bodies share, such as the surface of a polyhedron. Bodies hold it by
+// reference, and it is sent to a neighbouring rank only if that rank does not have it.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -15,7 +15,7 @@
 
 namespace talus::detail {
 
-/// The name of data by its content: 128 bits, so that two contents never meet by chance.
+/// The name of data, a hash of its content: 128 bits, so that collisions do not occur.
 struct content_id {
   std::uint64_t high = 0, low = 0;
   friend bool operator==(const content_id&, const content_id&) = default;
@@ -37,11 +37,12 @@ struct content_id {
   return id;
 }
 
-/// What both ends of a line between two ranks know to be known at the other end. The two ends see
-/// the same messages in the same order, so they remember and forget alike without a word.
+/// The shared data that both ends of a channel between two ranks hold. The two ends see the same
+/// messages in the same order, so their memories stay equal without communication.
 class shared_memory {
  public:
-  /// At the beginning of each exchange on the line: forgets what the last ones did not use.
+  /// Call it at the beginning of each exchange on the channel: removes data that recent exchanges
+  /// did not use.
   void next_exchange() {
     ++exchange_;
     std::size_t kept = 0;
@@ -52,14 +53,14 @@ class shared_memory {
       }
     known_.resize(kept);
   }
-  /// The data, or null where the other end does not have it; if it has, it will not forget it soon.
+  /// The data, or null if the other end does not have it. The call marks the data as used.
   [[nodiscard]] std::shared_ptr<const void> recall(const content_id& id) {
     const std::size_t at = place_of(id);
     if (at == known_.size() || known_[at].id != id) return nullptr;
     known_[at].used = exchange_;
     return known_[at].data;
   }
-  /// Returns what it keeps under this name, which is `data` if it is new.
+  /// Returns the data stored under this name, which is `data` if the name is new.
   std::shared_ptr<const void> learn(const content_id& id, std::shared_ptr<const void> data) {
     if (auto known = recall(id)) return known;
     known_.insert(known_.begin() + static_cast<std::ptrdiff_t>(place_of(id)),
@@ -76,7 +77,7 @@ class shared_memory {
     std::shared_ptr<const void> data;
     std::uint64_t used;
   };
-  /// Of the first entry that is not before `id`.
+  /// Position of the first entry that is not before `id`.
   [[nodiscard]] std::size_t place_of(const content_id& id) const {
     std::size_t low = 0, high = known_.size();
     while (low < high) {
@@ -90,7 +91,7 @@ class shared_memory {
   std::uint64_t exchange_ = 0;
 };
 
-/// Puts the name of shared data, and the data unless the receiver has it. Data says its name by a
+/// Writes the name of shared data, and the data unless the receiver has it. The data type has a
 /// member `id` and packs itself.
 template <class Data>
 void put_shared(byte_writer& out, const std::shared_ptr<const Data>& data) {
@@ -103,7 +104,7 @@ void put_shared(byte_writer& out, const std::shared_ptr<const Data>& data) {
   if (memory != nullptr) memory->learn(data->id, data);
 }
 
-/// Reads what put_shared wrote; who shares data on the line shares it again.
+/// Reads the output of put_shared.
 template <class Data>
 [[nodiscard]] std::shared_ptr<const Data> get_shared(byte_reader& in) {
   shared_memory* memory = in.memory();

@@ -15,7 +15,7 @@ struct ascending {
   }
 };
 
-/// Sorts by `Less`, a type without state. Where neither of two comes first, their order is open.
+/// Sorts by `Less`, a type without state. The sort is not stable.
 template <class T, class Less = ascending>
 void sort_values(plain_vector<T>& list, Less = {}) {
   if (list.size() < 2) return;

@@ -1,6 +1,6 @@
 #pragma once
-// Lists of types. Boost.Hana computes with them; this is the little of it that talus speaks.
-// Only the parts of Hana in use are included: all of it costs four times as much to compile.
+// Lists of types and the operations on them that talus needs, on top of Boost.Hana. Only the used
+// parts of Hana are included: all of it costs four times as much to compile.
 #include <boost/hana/append.hpp>
 #include <boost/hana/bool.hpp>
 #include <boost/hana/contains.hpp>
@@ -50,7 +50,7 @@ inline constexpr bool contains_type<type_list<Types...>, Type> = (std::is_same_v
 template <class HanaValue>
 using plain = std::remove_cvref_t<HanaValue>;
 
-/// Position of the first `Type` in `List`; does not compile when it is not there.
+/// Position of the first `Type` in `List`; does not compile if `List` lacks it.
 template <class List, class Type>
 inline constexpr std::size_t index_of = 0;
 template <class... Types, class Type>
@@ -67,7 +67,7 @@ struct append_new {
     return hana::if_(hana::contains(kept, type), kept, hana::append(kept, type));
   }
 };
-/// `List` without the later ones of equal types; the order stays.
+/// `List` without repeated types; the order of first occurrences stays.
 template <class List>
 using unique_types =
     list_of<decltype(hana::fold_left(to_hana(List{}), hana::tuple<>{}, append_new{}))>;

@@ -10,8 +10,8 @@
 
 namespace talus::detail {
 
-/// Up to eight pairs, taken up one by one and tested together. What becomes of a pair does not
-/// depend on the others.
+/// Up to eight pairs, added one by one and tested together. The result of a pair does not depend on
+/// the others.
 template <class Real>
 class box_batch {
   using number = pack<Real, 8>;
@@ -32,8 +32,8 @@ class box_batch {
     }
     margin_[lane] = margin;
   }
-  /// Bit k is set unless some axis separates pair k by more than its margin. What is in lanes that
-  /// were not set does not matter.
+  /// Bit k is set unless some axis separates pair k by more than its margin. Unused lanes have no
+  /// effect.
   [[nodiscard]] unsigned test() {
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j)
@@ -48,7 +48,7 @@ class box_batch {
     for (unsigned k = 0; k < capacity; ++k) bits |= (near[k] != 0 ? 1u : 0u) << k;
     return bits;
   }
-  /// Looks for the patches of all pairs, after test().
+  /// Computes the manifolds of all pairs, after test().
   void find_patches() { patches_.find(ha_, hb_, c_, d_, gaps_, margin_); }
   [[nodiscard]] const box_patches<Real>& patches() const { return patches_; }
   [[nodiscard]] box_pair<Real> pair(unsigned lane) const {

@@ -1,11 +1,11 @@
 #pragma once
-// Where a box is, as detection wants it: worked out once a step, however many pairs it is in.
+// The position and axes of a box for detection, computed once per step for all its pairs.
 #include "talus/core/math.hpp"
 #include "talus/shape/box.hpp"
 
 namespace talus::detail {
 
-/// A box in the world, its axes worked out.
+/// A box in the world with its axes.
 template <class Real>
 struct box_place {
   vector3<Real> position, half;

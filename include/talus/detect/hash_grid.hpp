@@ -1,7 +1,7 @@
 #pragma once
-// Broad phase: all pairs of balls that touch, from a hierarchy of cell grids built anew each step.
-// A body lives in one cell of the level made for its size, and looks for partners in its own level
-// and in coarser ones only, so that the cost per body depends neither on the number of bodies nor
+// Broad phase: all pairs of balls that touch, from a hierarchy of cell grids rebuilt for each
+// search. A body lies in one cell of the level for its size. The search for its partners covers its
+// own level and coarser ones only, so the cost per body depends neither on the number of bodies nor
 // on the ratio of their sizes.
 #include <algorithm>
 #include <bit>
@@ -23,12 +23,12 @@
 
 namespace talus {
 
-/// Buffers are kept, so that a rebuild allocates only to grow. Every order below is a function of
-/// the input alone.
+/// Buffers are reused, so that a rebuild allocates only to grow. The order of pairs depends on the
+/// input alone.
 class hash_grid {
  public:
-  /// Sorts the balls into cells; forgets what was there before. `reaches` are radii (length), the
-  /// contact margin included. Throws unplaceable, which carries the index of the body.
+  /// Sorts the balls into cells and replaces the previous ones. `reaches` are radii (length) with
+  /// the contact margin. Throws unplaceable, which carries the index of the body.
   void build(std::span<const vec3> centres, std::span<const real> reaches);
 
   [[nodiscard]] std::size_t size() const { return index_.size(); }
@@ -55,7 +55,7 @@ class hash_grid {
     found.flush();
   }
 
-  /// Calls f(i) for every ball i with |ci - centre| <= ri + reach. Any finite reach will do.
+  /// Calls f(i) for every ball i with |ci - centre| <= ri + reach, for any finite reach.
   template <class F>
   void query(const vec3& centre, real reach, F&& f) const {
     auto take = [&](std::uint32_t i, std::uint32_t) { f(i); };
@@ -70,13 +70,13 @@ class hash_grid {
 
   [[nodiscard]] detail::ball ball(std::uint32_t i) const;
 
-  /// Where the partners of one body go, and whether it is the first of these pairs.
+  /// The destination of the partners of one body, and whether the body is the first of the pair.
   struct partners {
     detail::pair_batch& found;
     std::uint32_t body;
     bool first;
   };
-  // Notes the entries from `first` to `last` that touch a ball.
+  // Collects the entries from `first` to `last` that touch a ball.
   void scan(const detail::ball& a, std::uint32_t first, std::uint32_t last,
             const partners& of) const;
   // Bit q: entry k + q touches the ball, and comes before `last`.

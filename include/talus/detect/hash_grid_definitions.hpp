@@ -51,10 +51,10 @@ TALUS_INLINE void hash_grid::find_pairs_with(const hash_grid& other,
       }
 }
 
-// Every pair of neighbouring cells is visited from the one that comes first: the own cell and the
+// Every pair of neighbouring cells is visited from the first of the two: the cell itself and the
 // rest of its row, then the row behind in y and three rows above in z. All bodies of a bucket share
-// these rows. Up to eight candidates are tested at once, and up to 64 before the first answer is
-// looked at, since what costs time here is branches that cannot be foretold.
+// these rows. Up to eight candidates are tested at once, and up to 64 before the first result is
+// read, because unpredictable branches dominate the cost.
 TALUS_INLINE void hash_grid::pairs_within(const level& l, detail::pair_batch& found) const {
   using detail::lanes;
   constexpr std::uint32_t capacity = 64, group = 64 / lanes;
@@ -162,7 +162,7 @@ TALUS_INLINE void hash_grid::build(std::span<const vec3> centres, std::span<cons
   for (std::uint32_t i = 0; i < n; ++i) {
     const vec3& c = centres[i];
     const real r = reaches[i];
-    poison += (c[0] + c[1] + c[2] + r) * 0;  // stays zero unless something is not finite
+    poison += (c[0] + c[1] + c[2] + r) * 0;  // stays zero if all values are finite
     smallest = std::min(smallest, r);
     largest = std::max(largest, r);
     low = detail::lower_of(low, c);

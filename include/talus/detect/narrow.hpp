@@ -1,6 +1,6 @@
 #pragma once
-// The narrow phase as a whole: from two posed shapes of known types to their contact points. A new
-// shape adds its pair functions to pairs/, one order of the two each; the other comes free.
+// The narrow phase computes contact points of two posed shapes of known types. For a new shape, add
+// its pair functions to pairs/, in one order of the two shapes; the other order follows.
 #include "talus/detect/collide_pair.hpp"
 #include "talus/detect/pairs/box_box.hpp"
 #include "talus/detect/pairs/box_sphere.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// What every broad phase refuses: bodies that are nowhere.
+// Every broad phase refuses bodies without a valid position.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace talus {
 
-/// A body that no broad phase can hold: its centre or reach is not a number or infinite, its reach
-/// negative, or its centre so far out that its size is lost in the rounding of the coordinates.
+/// A body that no broad phase can hold: its centre or reach is NaN or infinite, its reach is
+/// negative, or its centre is so far out that rounding of the coordinates exceeds its size.
 struct unplaceable : std::runtime_error {
   unplaceable(std::size_t which, const std::string& what)
       : std::runtime_error(what), index(which) {}

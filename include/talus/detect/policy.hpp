@@ -1,12 +1,12 @@
 #pragma once
-// broad_phase<...>: how pairs of bodies that may touch are found.
+// broad_phase<...>: the search for candidate pairs.
 #include "talus/core/policy.hpp"
 
 namespace talus {
 
 class hash_grid;
 
-/// Cells in a linear hash, one level of cells per decade or so of body size, built each step.
+/// Cells in a linear hash, with one level of cells for each size class, rebuilt for each search.
 struct linear_hash_grid final {
   using talus_part_of = roles::broad_phase;
   using search = hash_grid;

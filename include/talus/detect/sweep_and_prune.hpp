@@ -17,14 +17,14 @@
 
 namespace talus {
 
-/// Balls in the order of their lowest coordinate along the axis on which they are spread the most
-/// (sort and sweep; Baraff 1992, Cohen et al. 1995). Each ball is compared with those that begin
-/// before it ends. The cost of a build is n log n; that of a search grows with the number of balls
-/// that overlap along the axis. The order of pairs follows from the input alone.
+/// Balls in the order of their lowest coordinate along the axis with the largest spread (sort and
+/// sweep; Baraff 1992, Cohen et al. 1995). Each ball is compared with those that begin before it
+/// ends. The cost of a build is n log n; that of a search grows with the number of balls that
+/// overlap along the axis. The order of pairs depends on the input alone.
 class sorted_balls {
  public:
-  /// Sorts the balls; forgets what was there before. `reaches` are radii (length), the contact
-  /// margin included. Throws unplaceable, which carries the index of the body.
+  /// Sorts the balls and replaces the previous ones. `reaches` are radii (length) with the contact
+  /// margin. Throws unplaceable, which carries the index of the body.
   void build(std::span<const vec3> centres, std::span<const real> reaches);
 
   [[nodiscard]] std::size_t size() const { return balls_.size(); }
@@ -45,7 +45,7 @@ class sorted_balls {
       other.each_touching(other.along_axis(a.centre, a.reach, a.index),
                           [&](const ball& b) { f(a.index, b.index); });
   }
-  /// Calls f(i) for every ball i with |ci - centre| <= ri + reach. Any finite reach will do.
+  /// Calls f(i) for every ball i with |ci - centre| <= ri + reach, for any finite reach.
   template <class F>
   void query(const vec3& centre, real reach, F&& f) const {
     each_touching(along_axis(centre, reach, 0), [&](const ball& b) { f(b.index); });
@@ -81,8 +81,8 @@ class sorted_balls {
   std::vector<ball> balls_;
 };
 
-/// Balls sorted along one axis. For few bodies, and for bodies in a row: the cost grows faster than
-/// the number of bodies where many overlap along each axis.
+/// Balls sorted along one axis, for few bodies or bodies in a row: the cost grows faster than the
+/// number of bodies if many overlap along each axis.
 struct sweep_and_prune final {
   using talus_part_of = roles::broad_phase;
   using search = sorted_balls;

@@ -1,5 +1,5 @@
 #pragma once
-// How thick a body is where it is thinnest.
+// The smallest thickness of a body.
 #include <algorithm>
 #include <limits>
 
@@ -8,8 +8,8 @@
 
 namespace talus::detail {
 
-/// Half the thickness of a body where it is thinnest, a length: what depths are measured by. A
-/// union has that of its thinnest part; what is infinite is so in depth, too.
+/// Half the smallest thickness of a body (length), the scale of penetration depths. A union has
+/// that of its thinnest part; it is infinite for infinite bodies.
 template <class Shape>
 [[nodiscard]] real half_thickness(const Shape& s) {
   if constexpr (requires { convex_view<real>(s, pose{}); }) {

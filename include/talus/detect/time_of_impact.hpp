@@ -1,6 +1,6 @@
 #pragma once
-// When two bodies that fly freely meet: conservative advancement. The motion of a body is given by
-// place(t) of its centre, speed(t), at(t) its pose, acceleration and spin.
+// The time of impact of two bodies in free flight by conservative advancement. The motion of a body
+// is given by place(t) of its centre, speed(t), at(t) its pose, acceleration and spin.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +18,7 @@ template <class FlightA, class FlightB>
                               real from, real to) {
   const vec3 acceleration = a.acceleration - b.acceleration;
   const vec3 start = a.place(from) - b.place(from), end = a.place(to) - b.place(to);
-  // No further from the chord than the sag of the parabola.
+  // At most as far from the chord as the sag of the parabola.
   const real span = to - from, sag = acceleration.norm() * span * span / 8;
   const real reach = radius_a + radius_b + sag;
   const vec3 way = end - start;
@@ -31,22 +31,22 @@ template <class FlightA, class FlightB>
   return part <= 1 ? from + part * span : never;
 }
 
-/// What the search needs to know besides the motions.
+/// Parameters of the search besides the motions.
 struct impact_search {
   real from = 0, to = 0;  ///< times
-  real touch = 0;         ///< a gap that counts as met (length, positive)
-  /// Bodies nearer than this at `from` are in contact, and do not meet anew unless they are apart
-  /// and approach faster than `rest`, or would close by more than `plunge` until `to`.
+  real touch = 0;         ///< gap that counts as an impact (length, positive)
+  /// Bodies nearer than this at `from` are in contact. They have no new impact unless they are
+  /// apart and approach faster than `rest`, or would close by more than `plunge` until `to`.
   real zone = 0, rest = 0, plunge = 0;
 };
 
-/// The time at which two bodies meet, within a gap of `touch`; `never` if they do not. Advances by
-/// what the gap and a bound of the closing speed allow (Mirtich 1996): never beyond the impact.
-/// Where the bodies pass by so closely that this does not end, the time is early, not late.
+/// The time at which two bodies come within a gap of `touch`; `never` if they do not. It advances
+/// by the gap over a bound of the closing speed (Mirtich 1996), so never beyond the impact. If the
+/// bodies pass so closely that this does not converge, the time is too early, not too late.
 template <class A, class FlightA, class B, class FlightB>
 [[nodiscard]] real time_of_impact(const A& a, const FlightA& fa, const B& b, const FlightB& fb,
                                   const impact_search& s) {
-  // Of a body in several pieces, the nearest one does not tell how the others approach.
+  // For a body of several pieces, the nearest piece gives no bound for the others.
   constexpr bool convex = !requires { a.parts(); }
   &&!requires { b.parts(); };
   constexpr int most = 100;

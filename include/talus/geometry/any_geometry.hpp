@@ -16,8 +16,8 @@ namespace talus {
 
 namespace detail {
 
-/// A group of half-spaces and groups, brought into canonical form as it closes: nested groups of
-/// one kind are one group, parts are sorted, repeated and redundant parts are dropped.
+/// A group of half-spaces and groups, converted to canonical form when it closes: nested groups of
+/// one kind are merged, parts are sorted, repeated and redundant parts are dropped.
 struct geometry_group {
   bool all_of = true;
   plain_vector<half_space> planes;
@@ -43,9 +43,9 @@ class geometry_builder {
 
 }  // namespace detail
 
-/// Any region that half-spaces, intersect, merge and complement can form. It evaluates without
-/// recursion or allocation. Two compare equal when their canonical forms do (order, repetition and
-/// nesting of like groups do not matter). The default is all of space.
+/// Any region that half-spaces, intersect, merge and complement can form. Its evaluation needs no
+/// recursion or allocation. Two regions compare equal if their canonical forms do (order,
+/// repetition and nesting of like groups do not matter). The default is all of space.
 class any_geometry {
  public:
   any_geometry() = default;
@@ -65,7 +65,7 @@ class any_geometry {
     return g;
   }
 
-  /// See region: positive inside, and never more than the distance to the boundary.
+  /// See region: positive inside, and at most the distance to the boundary.
   [[nodiscard]] real value(const vec3& p) const {
     if (!program_.empty()) return run(p);
     real result = neutral(all_of_);
@@ -88,12 +88,13 @@ class any_geometry {
   [[nodiscard]] std::span<const half_space> planes() const { return planes_; }
   /// Whether the region is an intersection of half-spaces (one or none included).
   [[nodiscard]] bool convex() const { return program_.empty() && all_of_; }
-  /// Fewest half-spaces that a point must lie in to be inside: the more, the more particular.
+  /// The smallest number of half-spaces that a point inside lies in; a larger number is more
+  /// specific.
   [[nodiscard]] int depth() const { return depth_; }
 
   friend bool operator==(const any_geometry&, const any_geometry&) = default;
 
-  /// Everything outside of the region; its value is exactly the negative.
+  /// The complement of the region; its value is exactly the negative.
   friend any_geometry complement(const any_geometry& g);
 
   template <class Sink>
@@ -153,7 +154,7 @@ class any_geometry {
   }
 
   detail::plain_vector<half_space> planes_;
-  detail::plain_vector<token> program_;  // empty while there is but one group
+  detail::plain_vector<token> program_;  // empty if there is only one group
   bool all_of_ = true;
   int depth_ = 0;
 };

@@ -68,7 +68,7 @@ template <concepts::polyhedral... Regions>
 /// The other side of a plane.
 [[nodiscard]] constexpr half_space complement(const half_space& h) { return h.flipped(); }
 
-/// Everything outside of a combination, by De Morgan: its value is exactly the negative.
+/// The complement of a combination, by De Morgan: its value is exactly the negative.
 template <bool All, class... Parts>
 [[nodiscard]] constexpr auto complement(const detail::combination<All, Parts...>& c) {
   return std::apply(

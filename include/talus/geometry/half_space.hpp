@@ -13,7 +13,7 @@ namespace talus {
 namespace detail {
 
 /// A product rounded to a real, never fused into an addition, so that a sum of products has the
-/// same bits wherever it is inlined or folded: all ranks must see one boundary.
+/// same bits in every inlining or constant folding: all ranks must have the same boundary.
 constexpr real rounded(real product) {
 #if defined(__FMA__) && defined(__x86_64__)
   if (!std::is_constant_evaluated()) asm("" : "+x"(product));
@@ -25,8 +25,8 @@ constexpr real rounded(real product) {
 
 constexpr real magnitude(real x) { return x < 0 ? -x : x; }
 
-/// The square root of a number in [1, 4), with the same bits when compiling, where not all
-/// compilers know std::sqrt: there as that of a whole number of 106 bits.
+/// The square root of a number in [1, 4), with the same bits at compile time, where not all
+/// compilers support std::sqrt: computed there as that of an integer of 106 bits.
 constexpr real root(real x) {
   if (!std::is_constant_evaluated()) return __builtin_sqrt(x);
   __extension__ using whole = unsigned __int128;
@@ -41,9 +41,9 @@ constexpr real root(real x) {
 }  // namespace detail
 
 /// All points x with n·x >= d, for a unit normal n that points into the half-space. A normal given
-/// with another length is normalised, the displacement d (a length) is kept. Swapping all signs
-/// yields the other side with exactly the negative value at every point, to the last bit.
-/// Throws invalid_argument for a normal of length zero and for anything not finite.
+/// with another length is normalised; the displacement d (a length) stays. Reversing all signs
+/// yields the other side, with exactly the negative value at every point, to the last bit. Throws
+/// invalid_argument for a normal of length zero and for anything not finite.
 class half_space {
  public:
   /// Normal (a, b, c) and displacement d from the origin.

@@ -14,22 +14,22 @@
 
 namespace talus {
 
-/// How a world is looked at. Lengths and angles in the units of the scene and degrees.
+/// The view of a world. Lengths are in the units of the scene, angles in degrees.
 struct picture {
   enum class colouring { rank, speed };
 
-  vec3 from{10, -20, 10};  ///< where the camera is
-  vec3 at{0, 0, 0};        ///< what it looks at
-  /// what is up in the picture
+  vec3 from{10, -20, 10};  ///< position of the camera
+  vec3 at{0, 0, 0};        ///< point at which it looks
+  /// upward direction in the picture
   vec3 up{0, 0, 1};
   real angle = 40;  ///< of view, horizontally
   /// of bodies: by their rank, or by their speed
   colouring colour = colouring::rank;
   real fastest = 0;      ///< the speed that is red; 0: that of the fastest body
   bool copies = false;   ///< show shadow copies, as thin shells, in the colour of their holder
-  bool domains = false;  ///< show what each rank owns, as glass
+  bool domains = false;  ///< show the domain of each rank, as glass
   bool ground = true;    ///< show planes, those that face the camera
-  bool force = false;    ///< replace a file that is no picture of talus
+  bool force = false;    ///< replace a file that is not a picture of talus
 };
 
 namespace detail {
@@ -53,7 +53,7 @@ class povray_scene {
  public:
   povray_scene(world<Scenario>& w, const picture& look) : world_(w), look_(look) { measure(); }
 
-  /// Of planes, those behind which the camera is would hide everything.
+  /// A plane with the camera behind it would hide everything.
   template <class Shape>
   [[nodiscard]] bool shows(const Shape& shape) const {
     if constexpr (requires { shape.distance(look_.from); })
@@ -61,7 +61,7 @@ class povray_scene {
     else
       return look_.ground;
   }
-  /// What this rank adds to the picture.
+  /// The part of this rank in the picture.
   [[nodiscard]] std::string part() {
     const bool first = world_.rank() == 0;
     const vec3 own = colour_of_number(world_.rank());
@@ -163,9 +163,9 @@ class povray_scene {
 
 }  // namespace detail
 
-/// Collective: writes the present state to one scene file. Bodies are drawn by their owners, and
-/// grey if they are global. Throws runtime_error if the file cannot be written, or if what is there
-/// is no picture.
+/// Collective: writes the present state to one scene file. Owners draw their bodies; global bodies
+/// are grey. Throws runtime_error if the file cannot be written, or if an existing file is not a
+/// picture.
 template <class Scenario>
 void write_povray(world<Scenario>& w, const std::string& file, const picture& look) {
   w.require_all_ranks("write_povray");

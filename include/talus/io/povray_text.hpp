@@ -1,5 +1,5 @@
 #pragma once
-// The words of POV-Ray's scene language that bodies and domains need.
+// The statements of POV-Ray's scene language for bodies and domains.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -16,7 +16,7 @@
 
 namespace talus::detail {
 
-/// Text that grows; numbers have seven digits, enough for any picture.
+/// A growing text; numbers have seven digits.
 class povray_text {
  public:
   povray_text& operator<<(std::string_view s) {
@@ -94,8 +94,8 @@ inline void povray_form(detail::povray_text& out, const capsule& c) {
   out << "merge{cylinder{" << vec3(-end) << "," << end << "," << c.radius << "}sphere{"
       << vec3(-end) << "," << c.radius << "}sphere{" << end << "," << c.radius << "}";
 }
-/// Anything bounded by flat faces, as triangles: an intersection of planes has no bounds for
-/// POV-Ray, so every ray would meet every face.
+/// A shape with flat faces, as triangles: an intersection of planes has no bounds for POV-Ray, so
+/// every ray would be tested against every face.
 template <class Shape>
 requires requires(const Shape& s) { s.mesh().normals; }
 void povray_form(detail::povray_text& out, const Shape& s) {
@@ -118,7 +118,7 @@ void povray_form(detail::povray_text& out, const Shape& s) {
     out << "triangle{" << tree.corner(t, 0) << "," << tree.corner(t, 1) << "," << tree.corner(t, 2)
         << "}";
 }
-/// Anything made of parts.
+/// A shape made of parts.
 template <class Shape>
 requires requires(const Shape& s) {
   s.each_part([](const auto&, const pose&) {});

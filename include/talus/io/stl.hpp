@@ -1,5 +1,5 @@
 #pragma once
-// Surfaces from STL files, the common form in which CAD programs hand them out: text or binary.
+// Surfaces from STL files, the common export format of CAD programs: text or binary.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace talus {
 namespace detail {
 
 /// A binary STL has 80 bytes of title, the number of triangles, and 50 bytes for each: its normal,
-/// which is not used, three corners, and two bytes more. All numbers are little-endian.
+/// which is ignored, three corners, and two further bytes. All numbers are little-endian.
 [[nodiscard]] inline std::vector<triangle_mesh::triangle> triangles_of_binary_stl(
     std::string_view bytes) {
   std::uint32_t count = 0;
@@ -38,7 +38,7 @@ namespace detail {
   return triangles;
 }
 
-/// Throws runtime_error, with the number of the line, for what is no number.
+/// Throws runtime_error, with the number of the line, for an invalid number.
 [[nodiscard]] inline std::vector<triangle_mesh::triangle> triangles_of_text_stl(
     const std::string& text, const std::string& file) {
   std::vector<triangle_mesh::triangle> triangles;
@@ -90,7 +90,7 @@ namespace detail {
   if (bytes.starts_with(detail::byte_order_mark)) bytes.erase(0, detail::byte_order_mark.size());
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
-  // (Some binary files begin with the word by which text is known.)
+  // (Some binary files begin with the keyword of text files.)
   const bool binary = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::size_t{count};
   if (!binary && bytes.compare(0, 5, "solid") != 0)
     detail::fail<std::runtime_error>(

@@ -1,5 +1,5 @@
 #pragma once
-// A decomposition that is chosen when the program runs.
+// A decomposition chosen at run time.
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -11,7 +11,7 @@
 
 namespace talus {
 
-/// The partition of any decomposition. Asking it costs a virtual call.
+/// The partition of any decomposition. Each query costs a virtual call.
 class any_partition {
  public:
   template <class Partition>
@@ -65,12 +65,11 @@ class any_partition {
   std::shared_ptr<const offers> cells_;  // immutable, so copies may share it
 };
 
-/// Any decomposition that generates its connections, as a value: for programs that let the user
-/// choose. Where the choice is known when compiling, the decomposition itself is faster and
-/// smaller.
+/// Any decomposition that generates its connections, as a value, for programs that let the user
+/// choose. If the choice is known at compile time, the decomposition itself is faster and smaller.
 ///   scenario<..., decomposition<any_decomposition>>
 ///   world.decompose(hexagonal ? any_decomposition(hexagonal<dynamic>{...}) : grid<dynamic>{...});
-/// The default fits one rank only. With features<balancing> the choice is to be bisection<dynamic>.
+/// The default fits one rank only. features<balancing> requires bisection<dynamic>.
 class any_decomposition {
  public:
   any_decomposition() = default;
@@ -81,7 +80,7 @@ class any_decomposition {
       : made_of_(std::make_shared<const of<Decomposition>>(std::move(d))) {}
 
   [[nodiscard]] int size() const { return made_of_ ? made_of_->size() : 0; }
-  /// Throws invalid_argument if none was chosen, and what the chosen one throws.
+  /// Throws invalid_argument if none was chosen, and the exceptions of the chosen one.
   [[nodiscard]] any_partition resolve(int ranks) const {
     if (!made_of_)
       detail::fail<std::invalid_argument>(

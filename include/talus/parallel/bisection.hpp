@@ -1,5 +1,5 @@
 #pragma once
-// Recursive bisection: space is cut in two, each part again, until there is one for each rank. The
+// Recursive bisection cuts space in two, and each part again, until there is one for each rank. The
 // cuts can move during a run: features<balancing>.
 #include <array>
 #include <limits>
@@ -18,14 +18,14 @@
 namespace talus {
 
 /// N boxes made by recursive coordinate bisection (Berger and Bokhari, IEEE Transactions on
-/// Computers 36, 1987): a part for n ranks is cut across its longest axis, so that n/2 of them
-/// (rounded down, those of lower numbers) have their share of it below the cut; then each side
-/// likewise. Any number of ranks will do.
+/// Computers 36, 1987): a part for n ranks is cut across its longest axis. The n/2 ranks with
+/// lower numbers (rounded down) have their share of it below the cut; each side is then divided in
+/// the same way. Any number of ranks fits.
 ///   bisection<7>{.lower = {-3, -3}, .upper = {3, 3}}        equal volumes, cut across x and y
 ///   bisection<dynamic>{.lower = {...}, .upper = {...}}      as many as there are ranks
 ///   bisection<3>{.cuts = {{0, -1.5}, {1, 2}}}               cuts where they are given
 /// Axes without bounds are never cut. Outermost domains extend to infinity. All ranks hold all
-/// cuts: 16 bytes for each rank there is.
+/// cuts: 16 bytes per rank.
 template <int N>
 struct bisection {
   using talus_fields = detail::fields::bisection_fields;
@@ -44,8 +44,8 @@ struct bisection {
     return n == 0 && !cuts.empty() ? static_cast<int>(cuts.size()) + 1 : n;
   }
 
-  /// Throws invalid_argument for another number of ranks, for bounds or cuts that make no sense,
-  /// and without any of both.
+  /// Throws invalid_argument for another number of ranks, for invalid bounds or cuts, and if both
+  /// are missing.
   [[nodiscard, gnu::cold]] bisection_cells resolve(int ranks) const {
     require(ranks);
     if (!cuts.empty() || ranks == 1) return bisection_cells(cuts, ranks);
@@ -54,10 +54,10 @@ struct bisection {
     return bisection_cells(equal, ranks);
   }
 
-  /// The same with the cuts moved, so that each rank gets its share of a load: this rank brings
-  /// `places`, each of which weighs `weight`. Collective over `link`; the same cuts on all ranks,
-  /// and where all weigh the same, whoever brings which. Axes stay as they are until another one of
-  /// a part is longer by half. Throws invalid_argument where there are no bounds.
+  /// The same with the cuts moved, so that each rank gets its share of a load. This rank
+  /// contributes `places`, each with the weight `weight`. Collective over `link`; all ranks get the
+  /// same cuts, which for equal weights do not depend on the rank of each place. The axis of a part
+  /// stays until another one is longer by half. Throws invalid_argument without bounds.
   template <class Link>
   [[nodiscard]] bisection shared_out(Link& link, std::span<const vec3> places, std::uint64_t weight,
                                      int ranks) const {
@@ -73,7 +73,7 @@ struct bisection {
     return moved;
   }
 
-  /// Where the cuts are, as numbers, to be kept in a file.
+  /// The positions of the cuts as numbers, for a file.
   [[nodiscard, gnu::cold]] std::vector<real> positions() const {
     std::vector<real> numbers;
     for (const bisection_cut& c : cuts) {
@@ -82,7 +82,7 @@ struct bisection {
     }
     return numbers;
   }
-  /// The same with cuts at such positions. Throws runtime_error for numbers that are none.
+  /// The same with cuts at such positions. Throws runtime_error for invalid numbers.
   [[nodiscard, gnu::cold]] bisection placed(std::span<const real> positions) const {
     bisection moved = *this;
     moved.cuts.clear();

@@ -1,5 +1,5 @@
 #pragma once
-// The boxes that recursive bisection makes, all cuts known.
+// The boxes of recursive bisection with known cuts.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -24,10 +24,10 @@ struct bisection_cut {
 
 namespace detail {
 
-/// Of n ranks of a part, those below its cut.
+/// The number of ranks below the cut of a part with n ranks.
 [[nodiscard]] inline int ranks_below(int n) { return n / 2; }
 
-/// A box of space; infinite where nothing bounds it.
+/// A box of space; infinite on sides without bounds.
 struct part_of_space {
   static constexpr real infinity = std::numeric_limits<real>::infinity();
   std::array<real, 3> lower{-infinity, -infinity, -infinity}, upper{infinity, infinity, infinity};
@@ -42,7 +42,7 @@ struct part_of_space {
     result.lower[static_cast<std::size_t>(c.axis)] = c.at;
     return result;
   }
-  /// Whether a cut leaves something on both of its sides.
+  /// Whether a cut leaves space on both of its sides.
   [[nodiscard]] bool divided_by(const bisection_cut& c) const {
     const auto k = static_cast<std::size_t>(c.axis);
     return std::isfinite(c.at) && lower[k] < c.at && c.at < upper[k];
@@ -58,12 +58,12 @@ struct part_of_space {
 }  // namespace detail
 
 /// The domains of recursive bisection. A part for n ranks has a cut; n/2 of them, rounded down, are
-/// below it, the others above. A point on a cut is above it. So the owner of a point follows from
-/// the cuts alone, and both sides of one see the same number.
+/// below it, the others above. A point on a cut is above it. So the owner of a point depends on the
+/// cuts alone, and both sides of a cut have the same number.
 class bisection_cells {
  public:
   /// The first cut, then those of the part below it, then those of the part above. Throws
-  /// invalid_argument for a cut outside of the part that it is to divide.
+  /// invalid_argument for a cut outside the part that it divides.
   bisection_cells(std::vector<bisection_cut> cuts, int ranks) : cuts_(std::move(cuts)), n_(ranks) {
     for (bisection_cut& c : cuts_) {
       c.at += 0.0;  // -0 becomes 0

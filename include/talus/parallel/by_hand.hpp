@@ -1,8 +1,9 @@
 #pragma once
-// The decomposition that generates nothing: every connection is made by the user.
+// The decomposition without generated connections: the user makes every connection.
 namespace talus {
 
-/// Each rank describes its neighbours by connect(); whatever no connected rank claims is its own.
+/// Each rank describes its neighbours by connect(). It owns the points that no connected rank
+/// claims.
 struct by_hand {
   struct nothing {};
   [[nodiscard]] int size() const { return 0; }

@@ -13,8 +13,8 @@ namespace talus {
 
 namespace detail {
 
-/// The position of the first region that contains a point; where none does (between regions that
-/// leave a gap of round-off), of the one that is nearest by its value.
+/// The position of the first region that contains a point. If none does (in a round-off gap between
+/// regions), the position of the nearest one by its value.
 class first_region {
  public:
   template <class Region>
@@ -60,7 +60,7 @@ inline const std::vector<any_geometry>& as_list(const std::vector<any_geometry>&
 template <class List>
 class region_cells {
  public:
-  /// Throws invalid_argument if the regions leave a gap, or nothing for one of them.
+  /// Throws invalid_argument if the regions leave a gap, or if one of them is empty.
   region_cells(List regions, std::span<const any_geometry> closed) : regions_(std::move(regions)) {
     const std::vector<any_geometry>& all = detail::as_list(regions_);
     std::vector<detail::territory> given, own;
@@ -94,11 +94,11 @@ class region_cells {
       return map_.meet(rank, other, reach) && !map_.meet_on_closed_faces(rank, other);
     });
   }
-  /// Those that the region of a rank touches on closed faces only.
+  /// The ranks that the region of a rank touches on closed faces only.
   [[nodiscard]] std::vector<int> closed(int rank) const {
     return select(rank, [&](int other) { return map_.meet_on_closed_faces(rank, other); });
   }
-  /// What is left of the user's region when the lower ranks have theirs.
+  /// The rest of the user's region without those of the lower ranks.
   [[nodiscard]] any_geometry geometry(int rank) const { return map_.geometry(rank); }
   [[nodiscard]] std::pair<vec3, vec3> bounds(int rank) const { return map_.bounds(rank); }
 
@@ -115,13 +115,12 @@ class region_cells {
   detail::region_map map_;
 };
 
-/// A region for each rank, of half-spaces, intersect, merge and complement: any form that planes
-/// bound, not convex ones included. A point belongs to the lowest rank whose region contains it, so
+/// A region for each rank, of half-spaces, intersect, merge and complement: any form bounded by
+/// planes, also non-convex ones. A point belongs to the lowest rank whose region contains it, so
 /// regions may overlap; they must cover space.
 ///   cells(merge(half_space(-1, 0, 0, -2), half_space(0, -1, 0, -1)),       an L and
 ///         intersect(half_space(1, 0, 0, 2), half_space(0, 1, 0, 1)))       the quarter space in it
-/// cells<> takes a list of regions made when the program runs:
-/// cells(std::vector<any_geometry>{...}).
+/// cells<> takes a list of regions made at run time: cells(std::vector<any_geometry>{...}).
 template <class... Regions>
 class cells {
  public:

@@ -1,13 +1,13 @@
 #pragma once
-// Are the connections of all ranks consistent? Checked by comparing what the ranks told each other,
-// and by sampling points on and around every boundary.
+// Checks that the connections of all ranks are consistent, by comparing the connections of the
+// ranks and by sampling points on and around every boundary.
 #include "talus/parallel/detail/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
 
 namespace talus {
 
 /// The flaws in the connections of a job, element r of `all` being the connections of rank r.
-/// `partition` is what decides about ownership; without one each rank owns what no connected rank
+/// `partition` decides the ownership; without one each rank owns the points that no connected rank
 /// claims. At most one flaw of a kind is reported for a pair of ranks. A pure function.
 template <concepts::partition Partition>
 [[nodiscard]] std::vector<connection_flaw> check_connections(
@@ -16,7 +16,7 @@ template <concepts::partition Partition>
   const detail::partition_rule<Partition> rule{cells};
   return detail::connection_checker(all, rule, settings).run();
 }
-template <class = void>  // so that a program that does not ask does not compile it
+template <class = void>  // compiled only in programs that call it
 [[nodiscard]] std::vector<connection_flaw> check_connections(
     std::span<const std::vector<connection>> all, const connection_check& settings = {}) {
   const detail::hand_rule rule{all};

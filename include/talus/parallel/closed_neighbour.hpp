@@ -7,8 +7,8 @@
 
 namespace talus {
 
-/// What a rank knows of a rank that its region touches on closed faces only. Bodies must keep away
-/// from there.
+/// A rank whose region touches that of this rank on closed faces only. Bodies must keep away from
+/// there.
 class closed_neighbour {
  public:
   closed_neighbour(int rank, any_geometry region)
@@ -17,13 +17,13 @@ class closed_neighbour {
   [[nodiscard]] int rank() const { return rank_; }
   [[nodiscard]] const any_geometry& geometry() const { return region_; }
 
-  /// The place of that rank's region next to a point, if it is not further than `radius`.
+  /// The point of that rank's region nearest to a point, if it is not further than `radius`.
   struct place {
     vec3 nearest;     ///< The point of the region that is nearest; the point itself if inside.
     real distance;    ///< From the point; 0 inside.
     half_space face;  ///< The plane of the region that the point is furthest behind.
   };
-  /// The nearest of all pieces within `radius`; nothing costs next to nothing for points far away.
+  /// The nearest of all pieces within `radius`; cheap for distant points.
   [[nodiscard]] std::optional<place> within(const vec3& p, real radius) const {
     std::optional<place> best;
     if (-region_.value(p) > radius) return best;

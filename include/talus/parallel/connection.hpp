@@ -1,15 +1,15 @@
 #pragma once
-// A channel to one remote rank, and where that rank's region lies.
+// A channel to one remote rank, and the region of that rank.
 #include "talus/core/bytes.hpp"
 #include "talus/geometry/any_geometry.hpp"
 
 namespace talus {
 
-/// What a rank knows of a rank it is connected to.
+/// The connection of a rank to a remote rank.
 struct connection {
   int rank = 0;           ///< The remote rank.
-  any_geometry geometry;  ///< Its region, as the local rank sees it.
-  real overlap = 0;       ///< By how much (a length) that region is widened when copies are placed.
+  any_geometry geometry;  ///< Its region, as given on the local rank.
+  real overlap = 0;  ///< Widening of that region (a length) for the placement of shadow copies.
 
   /// A lower bound of the distance from a point to the widened region; negative well inside it.
   [[nodiscard]] real distance(const vec3& p) const { return -geometry.value(p) - overlap; }
@@ -32,8 +32,9 @@ struct connection {
 
 namespace detail {
 
-/// The connected rank that claims a point, by hand: of several the one with the smallest value
-/// (the innermost region), then the most particular one, then the lowest; -1 if nobody does.
+/// The connected rank that claims a point, for connections by hand: of several the one with the
+/// smallest value (the innermost region), then the most specific one, then the lowest; -1 if none
+/// does.
 [[nodiscard]] inline int claimant(std::span<const connection> connections, const vec3& p) {
   const connection* best = nullptr;
   real value = 0;

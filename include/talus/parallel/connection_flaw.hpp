@@ -1,5 +1,5 @@
 #pragma once
-// What check_connections reports, and how thoroughly it looks.
+// The reports of check_connections, and its sampling parameters.
 #include <cstdint>
 #include <string>
 
@@ -11,13 +11,13 @@ namespace talus {
 enum class flaw : std::uint8_t {
   one_sided,  ///< One rank is connected to the other, but not the reverse.
   missing,    ///< The regions touch or overlap, but neither rank is connected to the other.
-  mismatch,   ///< The two ranks draw their common boundary differently.
+  mismatch,   ///< The two ranks define their common boundary differently.
   gap,        ///< A point that no rank owns.
   overlap     ///< A point that two ranks own.
 };
 
-/// One flaw, with its ranks, a point where it shows, and a message for the user that names both,
-/// the planes involved and the remedy.
+/// One flaw, with its ranks, a point that shows it, and a message for the user with the planes and
+/// the remedy.
 struct connection_flaw {
   flaw kind;
   int rank;

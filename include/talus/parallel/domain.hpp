@@ -14,11 +14,11 @@
 
 namespace talus {
 
-/// The domain of one rank. A decomposition that generates connects every rank to all its
-/// neighbours, those across edges and corners included, by the very connect() that a user may call,
-/// and its owner() decides about every point. By hand, a rank owns what none of its connected ranks
+/// The domain of one rank. A generating decomposition connects every rank to all its neighbours,
+/// also across edges and corners, by the connect() that is public, and its owner() decides about
+/// every point. With connections by hand, a rank owns the points that none of its connected ranks
 /// claims, and points on a shared boundary belong to the side towards +x (then +y, +z), as in a
-/// grid. A job of one rank owns all of space, whatever the decomposition.
+/// grid. A single rank owns all of space with any decomposition.
 template <concepts::decomposition Decomposition>
 class domain {
  public:
@@ -32,7 +32,7 @@ class domain {
           "there is no rank {} in a job of {}: ranks are numbered from 0 to {}", rank, ranks,
           ranks - 1);
     if constexpr (concepts::generating_decomposition<Decomposition>) {
-      // One rank alone takes all of space, but a wrong decomposition is wrong there too.
+      // A single rank owns all of space, but the decomposition is checked there too.
       auto cells = d.resolve(ranks == 1 && d.size() > 0 ? d.size() : ranks);
       if (ranks == 1 && !periodic) return;
       cells_ = std::move(cells);
@@ -56,9 +56,9 @@ class domain {
 
   /// Connects this rank to a remote `rank` whose region lies beyond a plane with the normal
   /// (a, b, c) of any length but zero, pointing towards the remote rank, at the displacement `d`
-  /// from the origin. `dx` (a length, >= 0) widens the region when copies of bodies are placed.
+  /// from the origin. `dx` (a length, >= 0) widens the region for the placement of shadow copies.
   /// All five forms throw invalid_argument for a rank that does not exist, is this one or is
-  /// connected already, and for a normal or `dx` that makes no sense.
+  /// connected already, and for an invalid normal or `dx`.
   void connect(int rank, real a, real b, real c, real d, real dx = 0) {
     connect(rank, any_geometry(half_space(a, b, c, d)), dx);
   }
@@ -75,8 +75,8 @@ class domain {
     connect(rank, any_geometry(half_space(normal, point)), dx);
   }
   /// Connects this rank to a remote `rank` that occupies any region. Regions given to several ranks
-  /// may overlap if the more particular one lies within the others: a corner, drawn as the
-  /// intersection of two half-spaces, beside the half-spaces themselves.
+  /// may overlap if the more specific one lies within the others: a corner, as the intersection of
+  /// two half-spaces, beside the half-spaces themselves.
   void connect(int rank, any_geometry geometry, real dx = 0);
 
   /// Removes the connection to `rank`; throws invalid_argument if there is none.
@@ -90,7 +90,7 @@ class domain {
     return at != connections_.end() && at->rank == rank ? &*at : nullptr;
   }
 
-  /// Whether space repeats itself. Then a rank may be its own neighbour, and no connections are
+  /// Whether space is periodic. Then a rank may be its own neighbour, and connections cannot be
   /// made by hand.
   static constexpr bool periodic = [] {
     if constexpr (concepts::generating_decomposition<Decomposition>)
@@ -98,7 +98,7 @@ class domain {
           1))>;
     return false;
   }();
-  /// The periodic box; to be asked once the decomposition is known.
+  /// The periodic box; valid once the decomposition is known.
   [[nodiscard]] const auto& box() const requires(periodic) { return cells_->box(); }
 
   /// Whether there can be closed faces; only then are bodies tested against them.
@@ -112,7 +112,7 @@ class domain {
     return closed_;
   }
 
-  /// How space is shared out among all ranks; nullptr if there is only one rank or all is by hand.
+  /// The partition of space among all ranks; nullptr for a single rank or connections by hand.
   [[nodiscard]] const auto* partition() const { return cells_ ? &*cells_ : nullptr; }
 
   /// Whether a rank lies behind a closed face, without a connection.
@@ -123,9 +123,9 @@ class domain {
     return false;
   }
 
-  /// A distance from this domain within which there are connected ranks only, and such behind
-  /// closed faces, which bodies keep away from in any case; infinite where all
-  /// is connected by hand, as nobody knows then what lies beyond.
+  /// A distance from this domain within which all ranks are connected or lie behind closed faces,
+  /// which bodies keep away from in any case. Infinite for connections by hand, because the ranks
+  /// beyond are unknown then.
   [[nodiscard]] real covered() const {
     if (covered_ < 0) covered_ = measure_covered();
     return covered_;
@@ -137,7 +137,7 @@ class domain {
       if constexpr (has_cell)
         if (cells_) return cell_.contains(p);
       if (cells_) {
-        // The rule itself is asked only where round-off could tell against the region.
+        // The rule itself is evaluated only if round-off could contradict the region.
         const real inside = own_.value(p), margin = 1e-10 * (size_ + detail::max_norm(p));
         if (inside > margin) return true;
         return !(inside < -margin) && cells_->owner(p) == rank_;
@@ -145,14 +145,14 @@ class domain {
     }
     for (const connection& c : connections_)
       if (c.geometry.owns(p)) return false;
-    return !detail::has_nan(p);  // nobody owns NaN
+    return !detail::has_nan(p);  // no rank owns NaN
   }
-  /// The owner of a point as far as this rank can tell: itself, a connected rank, or -1 if the
-  /// point belongs to a rank that this one is not connected to.
+  /// The owner of a point: this rank, a connected rank, or -1 if the point belongs to a rank
+  /// without a connection to this one.
   [[nodiscard]] int owner(const vec3& p) const;
 
-  /// An axis-aligned box (lower, upper corner; infinite where nothing bounds it) around all that
-  /// this rank owns.
+  /// An axis-aligned box (lower, upper corner; infinite on sides without bounds) around the domain
+  /// of this rank.
   [[nodiscard]] std::pair<vec3, vec3> bounds() const {
     constexpr real infinity = std::numeric_limits<real>::infinity();
     if constexpr (concepts::generating_decomposition<Decomposition>)
@@ -165,8 +165,8 @@ class domain {
     return {detail::thrice<real>(-infinity), detail::thrice<real>(infinity)};
   }
 
-  /// A lower bound of the distance from a point to every connected region, widened as asked:
-  /// bodies with a smaller radius concern no other rank.
+  /// A lower bound of the distance from a point to every connected region, widened by its overlap.
+  /// Bodies with a smaller radius do not reach other ranks.
   [[nodiscard]] real interior_distance(const vec3& p) const {
     if constexpr (concepts::generating_decomposition<Decomposition>)
       if (generated_) {
@@ -262,7 +262,7 @@ class domain {
 
   int rank_;
   int ranks_;
-  bool generated_ = false;  // no connection but the generated ones, none of them widened
+  bool generated_ = false;  // only generated connections, none of them widened
   std::optional<cells_type> cells_;
   typename cell_of<cells_type>::type cell_{};
   any_geometry own_;

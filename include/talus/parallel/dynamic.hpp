@@ -1,8 +1,8 @@
 #pragma once
-// How a decomposition says that a size of it is known only when the program runs.
+// The marker for sizes of a decomposition that are known only at run time.
 namespace talus {
 
-/// In place of a size in a type: chosen when the program runs.
+/// In place of a size in a type: chosen at run time.
 inline constexpr int dynamic = -1;
 
 }  // namespace talus

@@ -13,8 +13,8 @@
 
 namespace talus {
 
-/// The cells of a grid, all cuts known. Cells are half-open: a point on a cut belongs to the upper
-/// cell. Cells at the border reach to infinity.
+/// The cells of a grid with known cuts. Cells are half-open: a point on a cut belongs to the upper
+/// cell. Cells at the border extend to infinity.
 class grid_cells {
  public:
   using cuts_type = std::array<std::vector<real>, 3>;
@@ -33,7 +33,7 @@ class grid_cells {
 
   [[nodiscard]] any_geometry geometry(int rank) const;
 
-  /// The bounds of one cell, for what is asked of every body in every step.
+  /// The bounds of one cell, for queries of every body in every step.
   struct cell_bounds {
     std::array<real, 3> lower, upper;
 
@@ -67,8 +67,8 @@ namespace detail {
 
 inline constexpr int unsaid = -2;
 
-/// Fills in the zeros of `cells` so that their product is `ranks`: as equal as can be, larger
-/// factors first. False if `ranks` is not a multiple of what is given.
+/// Replaces the zeros of `cells` so that their product is `ranks`, with factors as equal as
+/// possible, larger ones first. Returns false if `ranks` is not a multiple of the given numbers.
 bool balance(std::array<int, 3>& cells, int ranks);
 
 }  // namespace detail

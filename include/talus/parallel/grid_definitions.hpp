@@ -19,7 +19,7 @@ TALUS_INLINE std::vector<int> grid_cells::neighbours(int rank, real reach) const
   std::array<int, 3> first, last;
   for (int axis = 0; axis < 3; ++axis) {
     first[axis] = last[axis] = at[axis];
-    // The gap to the next cell but one spans whole cells; the next one always touches.
+    // Adjacent cells always touch; the gap to further cells spans whole cells.
     while (first[axis] > 0 && lower(axis, at[axis]) - upper(axis, first[axis] - 1) <= reach)
       --first[axis];
     while (last[axis] + 1 < n_[axis] &&

@@ -1,5 +1,5 @@
 #pragma once
-// Hexagonal prisms in rings around a centre: round domains with six neighbours and no more.
+// Hexagonal prisms in rings around a centre: round domains with at most six neighbours.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -12,8 +12,8 @@
 
 namespace talus {
 
-/// Each point belongs to the nearest of the cells' centres, of several to the lowest rank. So the
-/// cells at the border extend to infinity. Nothing is stored per cell.
+/// Each point belongs to the nearest cell centre, of several to that of the lowest rank. So the
+/// cells at the border extend to infinity. No data are stored per cell.
 class hexagonal_cells {
  public:
   /// A cell by its steps from the centre along `start` and along the direction 60 degrees from it.
@@ -43,8 +43,8 @@ class hexagonal_cells {
     const real u = detail::exact_dot(frame_.first, p) / spacing_;
     const real w = detail::exact_dot(frame_.second, p) / spacing_ * height_;
 
-    // The nearest centre has the largest score; scores order the cells, so that no two ranks claim
-    // a point, and no point goes round in a circle between three.
+    // The nearest centre has the largest score. Scores order the cells totally, so two ranks never
+    // claim the same point, and three ranks never pass a point in a circle.
     const auto score = [&](const place& at) {
       const real norm = at.q * at.q + at.q * at.r + at.r * at.r;
       return detail::rounded((at.q + at.r / real(2)) * u) + detail::rounded(at.r * w) - norm / 2;
@@ -90,7 +90,8 @@ class hexagonal_cells {
     return detail::bounds_of({&cell, 1});
   }
 
-  /// Ranks count outwards ring by ring, in each ring from `start` on towards the second direction.
+  /// Ranks are numbered outwards ring by ring, in each ring from `start` on towards the second
+  /// direction.
   [[nodiscard]] place place_of(int rank) const {
     if (rank < 0 || rank >= size())
       detail::fail<std::invalid_argument>("there is no rank {} in {} hexagonal cells", rank,
@@ -128,7 +129,7 @@ class hexagonal_cells {
   [[nodiscard]] static int distance(const place& at) {
     return std::max({std::abs(at.q), std::abs(at.r), std::abs(at.q + at.r)});
   }
-  /// A cell near the point: that in which it lies, but for round-off and for points outside.
+  /// A cell near the point: the one in which it lies, except for round-off and points outside.
   [[nodiscard]] place guess(real u, real w) const {
     real r = w / (height_ * height_), q = u - r / 2;
     const real out = std::max({std::abs(q), std::abs(r), std::abs(q + r)});
@@ -143,7 +144,7 @@ class hexagonal_cells {
     const place near{static_cast<int>(nq), static_cast<int>(nr)};
     return distance(near) <= rings_ ? near : place{0, 0};
   }
-  /// One plane for each two neighbours, computed alike by both.
+  /// One plane for each pair of neighbours, computed identically by both.
   [[nodiscard]] detail::convex_piece planes(int rank) const {
     const place at = place_of(rank);
     detail::convex_piece result;

@@ -1,5 +1,5 @@
 #pragma once
-// Decompositions side by side: each rules in its part of space.
+// Decompositions side by side, each in its part of space.
 #include <array>
 #include <string>
 #include <tuple>
@@ -23,8 +23,8 @@ struct within {
 };
 
 /// The partitions of the parts of a join. A point belongs to the last part whose region contains it
-/// (boundaries to the side towards +x, then +y, +z), else to the first part; within the part, as
-/// the part says.
+/// (boundaries to the side towards +x, then +y, +z), else to the first part. The partition of the
+/// part decides within it.
 template <class... Partitions>
 class joined_cells {
   static constexpr std::size_t parts_ = sizeof...(Partitions);
@@ -82,7 +82,7 @@ class joined_cells {
       return map_.meet(rank, other, reach) && !map_.meet_on_closed_faces(rank, other);
     });
   }
-  /// Those that the region of a rank touches on closed faces only, of the join or of a part.
+  /// The ranks that the region of a rank touches on closed faces only, of the join or of a part.
   [[nodiscard]] std::vector<int> closed(int rank) const {
     const std::size_t part = part_of(rank);
     const std::vector<int> own = of_part(rank, [&](const auto& cells, int k) {
@@ -133,9 +133,10 @@ class joined_cells {
   detail::region_map map_;
 };
 
-/// Decompositions side by side. The first one has all of space but for what the others take: each
-/// of these stands in within(region, decomposition), and of several regions that contain a point
-/// the last one counts. Ranks are numbered part by part. One part may leave its size open.
+/// Decompositions side by side. The first one has all of space except for the regions of the
+/// others. Each of the others is given as within(region, decomposition); of several regions that
+/// contain a point the last one counts. Ranks are numbered part by part. One part may leave its
+/// size open.
 ///   join(grid<9, 1, 7>{.lower = {...}, .upper = {...}},
 ///        within(half_space(0, 0, -1, 0), slabs<1>{}))             63 ranks, and one below z = 0
 template <concepts::generating_decomposition First, concepts::generating_decomposition... Rest>

@@ -1,5 +1,5 @@
 #pragma once
-// How a program wants its ranks started.
+// Settings for starting the ranks of a program.
 #include <cstdio>
 #include <functional>
 #include <string>
@@ -10,12 +10,12 @@ struct launch_settings {
   /// The arguments of main(), for an MPI that has to be initialised; may be null.
   int* argc = nullptr;
   char*** argv = nullptr;
-  /// Number of ranks asked for by the user (--ranks); 0: not said.
+  /// Number of ranks requested by the user (--ranks); 0: not given.
   int ranks = 0;
   /// Number of ranks the decomposition was made for; 0: any.
   int default_ranks = 0;
-  /// Seconds that a rank waits for others before it is reported which rank keeps them waiting and
-  /// for what; 0: never.
+  /// Seconds that a rank waits for others before a report names the rank that keeps them waiting
+  /// and the reason; 0: never.
   double patience = 0;
   /// Further seconds after which the run ends, with exit code 1; 0: never.
   double give_up = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Was this process started by mpirun (or its like), seen from the environment alone: MPI need not
-// be linked, let alone initialised.
+// Detects from the environment alone whether mpirun or a similar launcher started this process. MPI
+// need not be linked or initialised.
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,11 +16,11 @@ struct launcher {
   int rank = 0;
 };
 
-/// Ends all processes of the job with this code; null where the job is one process.
+/// Ends all processes of the job with this code; null if the job is one process.
 inline std::atomic<void (*)(int)> end_of_job{nullptr};
 
 [[nodiscard]] inline launcher find_launcher() {
-  // SLURM_PROCID says nothing: a batch script that no srun has multiplied has it as well.
+  // SLURM_PROCID is no evidence: a batch script without srun has it as well.
   constexpr const char* names[][2] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
                                       {"PMI_SIZE", "PMI_RANK"},
                                       {"MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"},
@@ -41,7 +41,7 @@ inline std::atomic<void (*)(int)> end_of_job{nullptr};
 inline void refuse_launcher(const char* transport) {
   const launcher job = find_launcher();
   if (job.size <= 1) return;
-  if (job.rank > 0) {  // the first process says it for all, and its end is the end of the job
+  if (job.rank > 0) {  // the first process reports for all, and its end ends the job
     ::sleep(2);
     throw aborted{};
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The domain of a rank that is alone: all of space, and no code for anything else.
+// The domain of a single rank: all of space, without code for connections.
 #include <limits>
 #include <span>
 #include <utility>
@@ -10,12 +10,12 @@
 
 namespace talus {
 
-/// What domain<...> is to a rank with neighbours, for a link that never has a second rank.
+/// The counterpart of domain<...> for a link that never has a second rank.
 class lone_domain {
  public:
   static constexpr bool periodic = false;
 
-  /// Checks the decomposition, which is to be right even where it is not needed.
+  /// Checks the decomposition, although it is not used.
   template <concepts::decomposition Decomposition>
   lone_domain(const Decomposition& d, int, int, real = 0) {
     if constexpr (concepts::generating_decomposition<Decomposition>)

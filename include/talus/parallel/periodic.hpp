@@ -1,5 +1,5 @@
 #pragma once
-// A grid whose opposite sides are one: what leaves on one side comes in on the other.
+// A grid with periodic sides: bodies that leave on one side enter on the other.
 #include <array>
 #include <cmath>
 #include <string>
@@ -13,11 +13,12 @@
 
 namespace talus {
 
-/// An axis along which space repeats itself.
+/// A periodic axis.
 enum class along { x, y, z };
 
 /// The cells of a periodic grid. Along a periodic axis they fill the box from its lower side up to
-/// its upper one, which belongs to its images; elsewhere those at the border reach to infinity.
+/// its upper one, which belongs to its images. Along other axes the cells at the border extend to
+/// infinity.
 class periodic_cells {
  public:
   periodic_cells(grid_cells cells, const periodic_box& box) : cells_(std::move(cells)), box_(box) {}
@@ -42,7 +43,7 @@ class periodic_cells {
         real gap = std::max(other.lower[k] - own.upper[k], own.lower[k] - other.upper[k]);
         const real period = box_.period()[k];
         if (period > 0) {
-          // The first and the last cell touch, whatever round-off says.
+          // The first and the last cell touch, also after round-off.
           const real around = std::abs(i - at[k]) == n[k] - 1
                                   ? 0
                                   : std::min(other.lower[k] + period - own.upper[k],
@@ -91,8 +92,8 @@ class periodic_cells {
 
 /// A grid with periodic axes, of any number of ranks, one included:
 ///   periodic<grid<dynamic>, along::x, along::y>{{.lower = {0, 0}, .upper = {8, 4}}}
-/// The grid's bounds along these axes are the sides of the box, at which space is joined to itself;
-/// its cells are equal there. A rank that reaches from side to side is its own neighbour.
+/// The bounds of the grid along these axes are the periodic sides of the box; its cells are equal
+/// along them. A rank that reaches from side to side is its own neighbour.
 template <class Grid, along... Axes>
 struct periodic {
   static_assert(sizeof...(Axes) > 0,

@@ -9,8 +9,8 @@
 
 namespace talus {
 
-/// A box that repeats itself along some axes, with the same bits wherever it is asked. An image is
-/// known by a number below 27, of which 0 is the box itself; the image moves a point by whole
+/// A box that is periodic along some axes. Its functions return the same bits on every rank. An
+/// image has a number below 27; number 0 is the box itself. The image moves a point by whole
 /// periods, at most one along each axis.
 class periodic_box {
  public:
@@ -34,7 +34,7 @@ class periodic_box {
     return least;
   }
 
-  /// By what an image moves a point.
+  /// The displacement of an image.
   [[nodiscard]] vec3 shift(number image) const {
     const auto part = [&](int k, number digit) {
       return digit == 0 ? 0 : digit == 1 ? period_[k] : -period_[k];
@@ -82,7 +82,7 @@ class periodic_box {
         p[k] += period;
       else
         p[k] -= period * std::floor((p[k] - low) / period);
-      // What round-off puts on the upper side belongs to the lower one.
+      // A point that round-off puts on the upper side belongs to the lower one.
       if (p[k] >= high || p[k] < low) p[k] = low;
     }
     return p;

@@ -1,24 +1,24 @@
 #pragma once
-// decomposition<...> and transport<...>: who owns which part of space, and how ranks talk.
+// decomposition<...> and transport<...>: the ownership of space, and the communication of ranks.
 #include "talus/concepts.hpp"
 #include "talus/core/policy.hpp"
 
 namespace talus {
 
 namespace detail {
-/// Concepts as plain constants, about which compilers say less when they are false.
+/// Concepts as plain constants, for which compilers print less when they are false.
 template <class Type>
 inline constexpr bool is_decomposition = concepts::decomposition<Type>;
 template <class Type>
 inline constexpr bool is_movable_decomposition = concepts::movable_decomposition<Type>;
-/// Whether it repeats space; see parallel/periodic.hpp.
+/// Whether it is periodic; see parallel/periodic.hpp.
 template <class Type>
 inline constexpr bool is_periodic = false;
 template <class Type>
 inline constexpr bool is_transport = concepts::transport<Type>;
 }  // namespace detail
 
-// Known by name without their headers: what a program does not include costs it nothing, and a
+// Declared without their headers: headers that a program does not include cost nothing, and a
 // missing include is refused with advice.
 struct serial;
 struct threads;
@@ -49,7 +49,7 @@ struct decomposition final {
   }
 };
 
-/// Policy: how ranks talk to each other: serial, threads, mpi or as_launched. Default:
+/// Policy: how ranks communicate: serial, threads, mpi or as_launched. Default:
 /// transport<threads>.
 template <class Transport>
 struct transport final {

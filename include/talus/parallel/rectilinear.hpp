@@ -1,5 +1,5 @@
 #pragma once
-// Cells between given cuts: grid says it all, this is its name where only the cuts matter.
+// Cells between given cuts: a grid given by its cuts alone.
 #include "talus/core/field_names.hpp"
 #include "talus/parallel/grid.hpp"
 
@@ -21,7 +21,7 @@ struct rectilinear {
     const bool given = !(x.empty() && y.empty() && z.empty());
     return given || X * Y * Z > 0 ? as_grid().size() : 0;
   }
-  /// Errors as grid has them.
+  /// Throws the errors of grid.
   [[nodiscard]] grid_cells resolve(int ranks) const { return as_grid().resolve(ranks); }
 
   [[nodiscard]] grid<X, Y, Z> as_grid() const {

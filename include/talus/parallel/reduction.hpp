@@ -1,5 +1,5 @@
 #pragma once
-// How a value per rank becomes one value: the same to the bit on every transport.
+// Reductions of one value per rank to one value, the same to the bit on every transport.
 #include <cmath>
 #include <span>
 #include <type_traits>

@@ -12,15 +12,15 @@
 
 namespace talus {
 
-/// Sectors between half-planes that end at an axis, all half-planes known. Which side of a plane a
-/// point is on follows from one stored half_space per boundary, for both ranks, so that no sine or
-/// cosine is computed twice; a point on a boundary belongs to the side towards +x (then +y, +z).
-/// Sectors meet in sequence; the axis, where all of them meet, is closed.
+/// Sectors between known half-planes that end at an axis. Both ranks test the side of a point
+/// against one stored half_space per boundary, so that no sine or cosine is computed twice; a point
+/// on a boundary belongs to the side towards +x (then +y, +z). Sectors touch in sequence; the axis,
+/// where all of them meet, is closed.
 class ring_cells {
  public:
   /// The half-plane where a sector starts.
   struct boundary {
-    half_space plane;  ///< Points in the direction in which the ranks count.
+    half_space plane;  ///< Its normal points towards higher ranks.
     real angle;        ///< From the first boundary, which has 0.
   };
 
@@ -107,11 +107,11 @@ class ring_cells {
   bool closed_end_;
 };
 
-/// N sectors of equal angle about an axis, counted counter-clockwise for one who looks against the
-/// axis. Each sector is connected to the one before and the one after: a fixed body in the middle
-/// (the hub) keeps bodies away from the axis, where all sectors meet, and a body whose bounds reach
-/// a sector that its own is not connected to ends the run. Of a part of the circle, the first and
-/// the last sector share the rest of space, each up to the middle of it.
+/// N sectors of equal angle about an axis, counter-clockwise seen against the axis. Each sector is
+/// connected to the one before and the one after. A fixed body in the middle (the hub) keeps bodies
+/// away from the axis, where all sectors meet; a body whose bounds reach a sector without a
+/// connection to its own ends the run. If the sectors cover part of the circle, the first and the
+/// last one share the rest of space, each up to its middle.
 ///   ring<6>{}                                                  sixths of the circle about z
 ///   ring<6>{.axis = {0, 0, -1}, .start = {-1, 0, 0}, .angle = pi}      from -x over +y to +x
 ///   ring<dynamic>{.hub = 6}                                    as many sectors as there are ranks
@@ -124,7 +124,7 @@ struct ring {
   int sectors = 0;       ///< Of ring<dynamic>; 0: as follows from the number of ranks.
   vec3 axis{0, 0, 1};    ///< Direction of the axis; any length but zero.
   vec3 centre{0, 0, 0};  ///< A point of the axis.
-  vec3 start{1, 0, 0};   ///< Where sector 0 starts, seen from the axis; made perpendicular to it.
+  vec3 start{1, 0, 0};   ///< Where sector 0 starts, as a direction from the axis.
   real angle = 2 * pi;   ///< Of all sectors together (radians), up to the full circle.
   /// Radius of the body in the middle (length). Distances between sectors, for reach{...}, are
   /// those outside of it.

@@ -1,5 +1,5 @@
 #pragma once
-// One rank and nobody to talk to: the transport that costs nothing, not even a header of MPI.
+// The transport of a single rank: it has no cost and includes no header of MPI.
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -15,7 +15,7 @@ namespace talus {
 struct serial {
   static constexpr const char* name = "serial";
 
-  /// The only rank. A parcel may be addressed to itself (periodic domains do that).
+  /// The only rank. A parcel may be addressed to this rank itself, as in periodic domains.
   class link {
     using byte_buffer = detail::byte_buffer;
     using sizes = detail::open_exchange::sizes;

@@ -1,5 +1,5 @@
 #pragma once
-// What a rank has sent: the evidence that a step talks to neighbours only.
+// Counts of sent messages and bytes, which show that a step communicates with neighbours only.
 #include <cstdint>
 
 namespace talus {
@@ -11,7 +11,7 @@ struct traffic {
   std::uint64_t collectives = 0;
 
   friend bool operator==(const traffic&, const traffic&) = default;
-  /// What was sent between two readings.
+  /// The traffic between two readings.
   friend traffic operator-(const traffic& now, const traffic& before) {
     return {now.messages - before.messages, now.bytes - before.bytes,
             now.collectives - before.collectives};

@@ -1,6 +1,6 @@
 #pragma once
-// The reader of a program's command line. Everything here is compiled once per program and for
-// size: a library for this took longer to compile than a world of spheres.
+// The reader of the command line. It is compiled once per program and optimised for size: a library
+// for this took longer to compile than a world of spheres.
 #include <concepts>
 #include <cstddef>
 #include <functional>
@@ -13,17 +13,17 @@
 
 namespace talus {
 
-/// Thrown by parse() when the user asks for help: what() is the text to print; not a failure.
+/// Thrown by parse() for --help: what() is the text to print; not a failure.
 struct help_requested : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Thrown by parse() for a command line that makes no sense: what() is one line for the user.
+/// Thrown by parse() for an invalid command line: what() is one line for the user.
 struct usage_error : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The options of a program while they are described, and the reader of its command line.
+/// Collects the options of a program and reads its command line.
 class command_line {
   /// Holds the numbers of all types exactly.
   using number = long double;
@@ -82,16 +82,16 @@ class command_line {
     add(name, value, meaning);
     limit_to_positive();
   }
-  /// What is left when the options are read, `name` ("FILES") in the help. Without it nothing may
-  /// be.
+  /// The arguments besides the options, `name` ("FILES") in the help. Without this call they are
+  /// refused.
   void add_rest(std::string_view name, std::vector<std::string>& values, std::string_view meaning);
   /// Whether the command line has the option; for conditions.
   [[nodiscard]] bool given(std::string_view name) {
     const option* o = find(name);
     return o != nullptr && o->given;
   }
-  /// Withdraws an option that does nothing in this program: the help leaves it out, and `refusal`
-  /// is what a user is told who gives it. Nothing happens unless it fills that variable.
+  /// Withdraws an option that has no effect in this program: the help omits it, and its use is
+  /// refused with the message `refusal`. Has no effect unless an option fills that variable.
   void withdraw(std::string_view name, const void* target, std::string_view refusal);
   /// A condition on all values together: a function that throws usage_error.
   void check(std::function<void()> condition) { conditions_.push_back(std::move(condition)); }

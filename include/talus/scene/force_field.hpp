@@ -1,5 +1,5 @@
 #pragma once
-// Accelerations that depend on place and time: gravity of a centre, a wind, a vibrating frame.
+// Accelerations that depend on position and time: gravity of a centre, a wind, a vibrating frame.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -13,12 +13,12 @@
 
 namespace talus {
 
-/// All bodies that can move are accelerated by f(position of the centre, time), beside gravity, in
-/// the steps of simulate(): as a force of the user, for each step by its value at the start.
-/// Nothing travels between ranks for it: f must give the same bits on all of them. Bodies that
-/// sleep go on sleeping. What is added after a step by an observer that runs later than this one
-/// feels it from the next but one on. `name` is that of its state in checkpoints, one for each. All
-/// ranks call it alike. Throws runtime_error where f is not finite. Needs features<forces>.
+/// Accelerates all movable bodies by f(position of the centre, time), in addition to gravity, in
+/// the steps of simulate(). It acts as a force of the user, in each step with its value at the
+/// start. It needs no messages: f must return the same bits on all ranks. It wakes no sleeping
+/// body. Bodies added after a step by an observer that runs later than this one are accelerated
+/// from the next step but one. `name` identifies its state in checkpoints and must be unique. All
+/// ranks make the same call. Throws runtime_error if f is not finite. Needs features<forces>.
 template <class World, class F>
 void add_force_field(World& w, F f, const std::string& name = "force field") {
   using scenario = typename World::scenario_type;

@@ -1,6 +1,6 @@
 #pragma once
-// Bodies that come in while a run goes on: so many, or so much mass, per unit of time, at random
-// places of a region where there is room.
+// Inflow of bodies during a run: a number of bodies, or a mass, per unit of time, at random free
+// places of a region.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -26,17 +26,17 @@
 
 namespace talus {
 
-/// What insert_by_rate is asked for. One of `bodies` and `mass` is positive, the other zero.
+/// Settings of insert_by_rate. One of `bodies` and `mass` is positive, the other zero.
 struct inflow {
   real bodies = 0;                                                 ///< per unit of time
   real mass = 0;                                                   ///< likewise
   real from = 0;                                                   ///< time at which it begins
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();  ///< bodies, in all
-  int tries = 20;               ///< places that are tried for a body in one step
+  int tries = 20;               ///< places tried for a body in one step
   std::string name = "inflow";  ///< of its random numbers and in checkpoints: one for each inflow
 };
 
-/// What has come in so far; alike on all ranks.
+/// Bodies and mass inserted so far; the same on all ranks.
 struct inserted {
   std::uint64_t count = 0;  ///< of bodies
   real mass = 0;            ///< of these
@@ -59,7 +59,7 @@ inline constexpr bool is_made_body<body<Shape>> = true;
 template <class... Bodies>
 inline constexpr bool is_made_body<std::variant<Bodies...>> = (is_made_body<Bodies> && ...);
 
-/// What insert_by_rate is given: a function of a site and random numbers, and what it returns.
+/// The argument of insert_by_rate: a function of a site and random numbers, and its result.
 template <class Make>
 inline constexpr bool takes_site = std::is_invocable_v<Make&, const site&, random_stream&>;
 template <class Make>
@@ -98,11 +98,11 @@ class inserter {
   }
   [[nodiscard]] inserted& count() { return count_; }
 
-  /// Adds the bodies that are due by now, in the order of their numbers, each at the first of its
-  /// places that is free. The first one without room ends the step, so bodies are tried in batches:
-  /// as many as the step before placed and one more, then twice as many. The cost of a step does
-  /// not depend on the number of bodies that wait. Collective where any is due: a reduction for
-  /// each batch.
+  /// Adds the bodies that are due, in the order of their numbers, each at the first of its places
+  /// that is free. The first one without a free place ends the step, so bodies are tried in
+  /// batches: one more than the previous step placed, then twice as many. The cost of a step does
+  /// not depend on the number of waiting bodies. Collective if any is due: one reduction for each
+  /// batch.
   void insert() {
     const real time = w_->time() - how_.from;
     random_stream places(w_->seed(), w_->steps(), purpose_of(how_.name, true));
@@ -127,7 +127,7 @@ class inserter {
 
  private:
   static constexpr std::size_t most_at_once = 20000;  ///< places in a step
-  static constexpr std::uint64_t patience = 1000;     ///< steps without room before it is said
+  static constexpr std::uint64_t patience = 1000;     ///< steps without room before a warning
   struct candidate {
     made what;
     std::uint64_t number;
@@ -191,8 +191,9 @@ class inserter {
     });
     return found;
   }
-  /// Each body at the first of its places that is free. Returns whether all have found one: a body
-  /// that finds none waits, and so do those behind it, or sizes that fit would be preferred.
+  /// Puts each body at the first of its places that is free. Returns whether all have found one. A
+  /// body without a free place waits, and so do those behind it; otherwise small sizes would be
+  /// preferred.
   bool place(std::vector<candidate>& batch, std::vector<candidate>& placed) {
     std::vector<std::uint64_t> taken;
     for (const candidate& c : batch)
@@ -240,16 +241,15 @@ class inserter {
 
 }  // namespace detail
 
-/// Bodies come into a region after the steps of simulate() until as many, or as much mass, are in
-/// as the rate says. f(site, random) makes one with its centre at site.position, or a std::variant
-/// of bodies of several shapes, as in world.fill; it is tried at several random places, with the
-/// same random numbers at each, and added at the first that overlaps nothing. While there is no
-/// room the flow waits, and what is missing comes in later. The bodies, their ids, sizes and places
-/// depend on the seed and the state alone, not on the ranks: where bodies are due the ranks agree
-/// by one reduction; where it finds no room for long, rank 0 says so on standard error. Returns
-/// what came in so far. All ranks call it alike. Throws invalid_argument for rates that make no
-/// sense, a region without bounds, and a body further from its site than its
-/// own radius.
+/// Inserts bodies into a region after the steps of simulate(), at the given rate of bodies or mass.
+/// f(site, random) returns a body with its centre at site.position, or a std::variant of bodies of
+/// several shapes, as in world.fill. It is tried at several random places, with the same random
+/// numbers at each, and added at the first without overlap. Without a free place the inflow waits,
+/// and missing bodies enter later. The bodies, their ids, sizes and places depend on the seed and
+/// the state alone, not on the ranks. If bodies are due, the ranks agree by one reduction; rank 0
+/// warns on standard error if there is no room for long. Returns the total so far. All ranks make
+/// the same call. Throws invalid_argument for invalid rates, a region without bounds, and a body
+/// further from its site than its own radius.
 template <class World, class Region, class F>
 std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, const Region& region,
                                                F f) {

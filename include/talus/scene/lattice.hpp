@@ -1,6 +1,6 @@
 #pragma once
-// Lattices without end, and the part of one that lies in a region. Sites are ordered by layers from
-// the bottom, by rows of rising y in a layer, and by rising x in a row.
+// Infinite lattices, and the part of a lattice in a region. Sites are ordered by layers from the
+// bottom, by rows of rising y in a layer, and by rising x in a row.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -46,7 +46,7 @@ struct face_centred_cubic {
   }
 };
 
-/// Layers of equal spheres as dense as can be, every other one above the gaps of the one below.
+/// Close-packed layers of equal spheres, every other one above the gaps of the one below.
 struct hexagonal_close_packed {
   real spacing = 1;      ///< distance of neighbours (length)
   vec3 origin{0, 0, 0};  ///< one of the sites
@@ -88,16 +88,16 @@ class lattice_sites {
           detail::text(lattice_.origin));
   }
 
-  /// The first n of the sites, from the lowest layer upwards; from the layer of the lattice's
+  /// The first n of the sites, from the lowest layer upwards, or from the layer of the lattice's
   /// origin if the region has no lowest point. In a region that is the same at every height
-  /// (cylinder, box) each rank looks once at one layer, and then at its own part only; in others at
-  /// all sites up to the last one.
+  /// (cylinder, box) each rank enumerates one layer once, and then its own part only; in other
+  /// regions all sites up to the last one.
   [[nodiscard]] lattice_sites first(std::uint64_t n) const {
     lattice_sites sites = *this;
     sites.limit_ = limit_ ? std::min(*limit_, n) : n;
     return sites;
   }
-  /// What `sites & other` gives.
+  /// The result of `sites & other`.
   template <detail::site_filter Other>
   [[nodiscard]] auto within(Other other) const {
     if (limit_)
@@ -164,7 +164,7 @@ class lattice_sites {
 
   [[nodiscard]] vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const {
     const vec3 base = lattice_.origin + lattice_.shift(j & 1, k & 1);
-    // Fused, and said so, the sites are the same to the bit wherever this is compiled.
+    // The explicit fma makes the sites the same to the bit in every build.
     return {std::fma(static_cast<real>(i), step_[0], base[0]),
             std::fma(static_cast<real>(j), step_[1], base[1]),
             std::fma(static_cast<real>(k), step_[2], base[2])};

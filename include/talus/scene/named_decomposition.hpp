@@ -1,5 +1,5 @@
 #pragma once
-// A decomposition by its name, for programs that let their users choose.
+// A decomposition by name, for programs that let their users choose.
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -13,10 +13,10 @@
 
 namespace talus {
 
-/// Shares out the rectangle between two corners (and all space above, below and around it) among
-/// the ranks there are, as "grid" (cells in x and y), "slabs" (along x), "bisection" (cut across x
-/// and y) or "hexagonal" (1, 7, 19, 37, ... ranks). Throws invalid_argument for another name. (A
-/// template, so that only programs that call it compile all of them.)
+/// Divides the rectangle between two corners (and all space above, below and around it) among all
+/// ranks, as "grid" (cells in x and y), "slabs" (along x), "bisection" (cut across x and y) or
+/// "hexagonal" (1, 7, 19, 37, ... ranks). Throws invalid_argument for another name. (A template, so
+/// that only programs that call it compile all of them.)
 template <class Result = any_decomposition>
 [[nodiscard]] Result named_decomposition(const std::string& name, const vec3& lower,
                                          const vec3& upper) {

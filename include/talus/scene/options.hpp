@@ -11,7 +11,8 @@
 
 namespace talus {
 
-/// What every example can be told. A scenario derives from it to set defaults and add its own:
+/// The options of every program made with run. A scenario derives from it to set defaults and add
+/// its own:
 ///   struct well_options : talus::options {
 ///     int spheres = 3000;
 ///     well_options() { steps = 6000; }
@@ -23,7 +24,7 @@ namespace talus {
 struct options {
   std::size_t steps = 1000;          ///< time steps
   double dt = 0.005;                 ///< length of a step, in units of time
-  int ranks = 0;                     ///< ranks to start; 0: as the decomposition says
+  int ranks = 0;                     ///< ranks to start; 0: the number of the decomposition
   int iterations = 10;               ///< of the contact solver, per step
   double tolerance = 0;              ///< contact residual to iterate to; 0: fixed iterations
   int max_iterations = 0;            ///< at most, with a tolerance; 0: the solver's own limit
@@ -37,23 +38,23 @@ struct options {
   double give_up = 0;                ///< further seconds before the run ends; 0: it does not
   std::string frames;                ///< folder for pictures; empty: none
   std::size_t every = 100;           ///< steps between pictures
-  std::string colour;                ///< "rank" or "speed"; empty: as the scene likes it
+  std::string colour;                ///< "rank" or "speed"; empty: the default of the scene
   bool copies = false;               ///< pictures show shadow copies
-  bool domains = false;              ///< pictures show what each rank owns
+  bool domains = false;              ///< pictures show the domain of each rank
   std::string checkpoint;            ///< file for the state of the run; empty: none
   std::size_t checkpoint_every = 0;  ///< steps between its versions; 0: on signals and at the end
-  std::string restart;               ///< checkpoint to go on from; empty: from the beginning
+  std::string restart;               ///< checkpoint to continue from; empty: from the beginning
   std::string output;                ///< files for ParaView begin with it; empty: none
   std::size_t output_every = 100;    ///< steps between them
-  bool output_surfaces = false;      ///< with the faces of bodies that are no spheres
+  bool output_surfaces = false;      ///< with the faces of bodies other than spheres
   bool force = false;                ///< outputs replace files that talus did not write
 
   [[gnu::cold]] void describe(command_line& cli);
 };
 
-/// Reads a command line; `defaults` holds the values of what it does not name. Throws
+/// Reads a command line; `defaults` holds the values of options that it omits. Throws
 /// help_requested and usage_error, and never ends the program. `adapt(line, options)` may withdraw
-/// options that do nothing in this program.
+/// options without effect in this program.
 template <class Options = options, class Adapt = void (*)(command_line&, const Options&)>
 [[nodiscard]] Options parse(
     int argc, const char* const* argv, Options defaults = {}, std::string_view description = "",

@@ -1,5 +1,5 @@
 #pragma once
-// Bodies that leave: those whose centre is in a region after a step are removed and counted.
+// Outflow: bodies whose centre is in a region after a step are removed and counted.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -13,14 +13,14 @@
 
 namespace talus {
 
-/// What has gone out.
+/// The removed bodies.
 struct removed {
   std::uint64_t count = 0;  ///< of bodies
   /// of bodies
   real mass = 0;
 };
 
-/// What one region has removed; made by remove_in().
+/// The outflow through one region; made by remove_in().
 class outflow {
  public:
   explicit outflow(std::shared_ptr<const removed> count) : count_(std::move(count)) {}
@@ -40,8 +40,8 @@ class outflow {
 };
 
 /// Removes the bodies whose centre is in a region (anything with contains(point), such as
-/// box_region or half_space) after each step of simulate(); fixed ones stay. `name` is that of its
-/// counts in checkpoints, one for each. All ranks call it alike.
+/// box_region or half_space) after each step of simulate(); fixed ones stay. `name` identifies its
+/// counts in checkpoints and must be unique. All ranks make the same call.
 template <class World, class Region>
 outflow remove_in(World& w, const Region& region, const std::string& name = "outflow") {
   w.require_all_ranks("remove_in");

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of a run, as its options ask for them.
+// Pictures of a run according to its options.
 #include <sys/stat.h>
 
 #include <cerrno>
@@ -17,7 +17,7 @@ namespace talus {
 
 namespace detail {
 
-/// Makes a folder for pictures and those that it lies in. Ranks may do so at once. (<filesystem>
+/// Makes a folder for pictures and its parents. Ranks may do so at the same time. (<filesystem>
 /// takes the compiler a third of a second.)
 [[gnu::cold]] inline void make_folder(const std::string& path) {
   int problem = 0;
@@ -31,8 +31,8 @@ namespace detail {
                            std::strerror(problem == EEXIST || problem == 0 ? ENOTDIR : problem));
 }
 
-/// Converted from options, so that a call without a third argument prefers what takes them as they
-/// are.
+/// Converted from options, so that a call without a third argument prefers the overload that takes
+/// them directly.
 struct any_options {
   any_options(const options&) {}
 };
@@ -40,8 +40,8 @@ struct any_options {
 }  // namespace detail
 
 /// Collective; call it when the bodies are there: with --frames DIR it writes a picture now and
-/// after every `options.every` steps of simulate(), DIR/frame_00000.pov and so on. `look` is how
-/// the scene likes to be seen; options overrule it. Throws runtime_error if the folder cannot be
+/// after every `options.every` steps of simulate(), DIR/frame_00000.pov and so on. `look` is the
+/// default view of the scene; options overrule it. Throws runtime_error if the folder cannot be
 /// made.
 template <class Scenario>
 void take_pictures(world<Scenario>& w, const options& options, picture look = {}) {

@@ -1,5 +1,5 @@
 #pragma once
-// Regions to fill with sites: boxes, cylinders, balls, and what geometry/ offers; all have bounds.
+// Regions to fill with sites: boxes, cylinders, balls, and those of geometry/; all have bounds.
 #include <limits>
 #include <utility>
 #include <vector>
@@ -20,7 +20,7 @@ struct region_extent {
 
 }  // namespace detail
 
-/// Between two corners, boundary included; a coordinate may be infinite.
+/// A box between two corners, boundary included; a coordinate may be infinite.
 struct box_region {
   vec3 lower;  ///< corner with the smallest coordinates
   vec3 upper;  ///< corner with the largest
@@ -34,7 +34,8 @@ struct box_region {
   [[nodiscard]] detail::region_extent extent() const { return {lower, upper, true}; }
 };
 
-/// Around an axis parallel to z, boundary included; without end unless `lower` and `upper` say.
+/// A cylinder about an axis parallel to z, boundary included; infinite without `lower` and
+/// `upper`.
 struct vertical_cylinder {
   real radius = 1;                  ///< length
   vec3 centre{0, 0, 0};             ///< any point of the axis
@@ -58,7 +59,7 @@ struct vertical_cylinder {
   }
 };
 
-/// Around a point, boundary included.
+/// A ball about a point, boundary included.
 struct ball_region {
   real radius = 1;       ///< length
   vec3 centre{0, 0, 0};  ///< of the ball
@@ -74,7 +75,7 @@ struct ball_region {
 
 namespace detail {
 
-/// Finds bounds of a geometry from those of its planes that are perpendicular to an axis.
+/// Computes the bounds of a geometry from its planes perpendicular to an axis.
 class extent_finder {
  public:
   void open(bool all_of) {
@@ -127,11 +128,11 @@ template <class Region>
     region.describe(finder);
     return finder.extent();
   } else {
-    return {.prism = false};  // nothing is known: another region must give the bounds
+    return {.prism = false};  // unknown: another region must give the bounds
   }
 }
 
-/// In both of two regions.
+/// The intersection of two regions.
 template <class A, class B>
 struct both_regions {
   A a;

@@ -1,5 +1,5 @@
 #pragma once
-// Rings of sites, one above the other: walls of wells and towers.
+// Stacked rings of sites: walls of wells and towers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +21,7 @@ struct ring_of {
   vec3 centre{0, 0, 0};  ///< of the lowest ring's lower side
   real turn = 0.5;       ///< fraction of a site by which levels 0, 2, 4, ... are turned
 
-  /// Throws invalid_argument for numbers that make no ring.
+  /// Throws invalid_argument for invalid numbers.
   void validate() const {
     if (count < 1 || levels < 0)
       detail::fail<std::invalid_argument>(
@@ -63,7 +63,7 @@ struct ring_of {
   [[nodiscard]] auto first(std::uint64_t n) const { return first_sites<ring_of>(*this, n); }
 
  private:
-  /// Sites whose angles the box can cover, seen from the axis; the last may wrap around.
+  /// Sites whose angles about the axis the box can cover; the last may wrap around.
   [[nodiscard]] std::pair<int, int> sites_seen(const vec3& lower, const vec3& upper) const {
     const std::pair<int, int> all{0, count - 1};
     std::array<real, 2> x, y;  // of the box, cut to what the ring can reach

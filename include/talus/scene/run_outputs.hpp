@@ -1,5 +1,5 @@
 #pragma once
-// What is looked at before a run writes its results, its time series, and all else.
+// Checks of output files before a run writes its results, its time series, and other outputs.
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -12,7 +12,7 @@
 
 namespace talus::detail {
 
-/// Throws usage_error where two options name one file.
+/// Throws usage_error if two options name one file.
 [[gnu::cold]] inline void refuse_shared_files(
     std::initializer_list<std::pair<const char*, std::string_view>> files) {
   for (const auto* a = files.begin(); a != files.end(); ++a)
@@ -22,8 +22,8 @@ namespace talus::detail {
                                   b->first, std::string(a->second)));
 }
 
-/// Of one option on rank 0: throws runtime_error where its file must not be replaced or cannot be
-/// written. True where one of its kind is there.
+/// Checks one option on rank 0: throws runtime_error if its file must not be replaced or cannot be
+/// written. Returns true if a file of its kind exists.
 [[gnu::cold]] inline bool inspect_output(const char* option, const std::string& file,
                                          const output_kind& kind, bool force) {
   if (file.empty() || is_stream(file)) return false;
@@ -37,8 +37,8 @@ namespace talus::detail {
   return target.replaces;
 }
 
-/// Of --json and --csv, on rank 0 and before anything is written. Returns what will be replaced, in
-/// words.
+/// Checks --json and --csv on rank 0 before anything is written. Returns a text that lists the
+/// files to be replaced.
 template <class Options>
 [[nodiscard, gnu::cold]] std::string inspect_outputs(const Options& options) {
   std::string words;

@@ -13,11 +13,11 @@ namespace talus {
 
 /// A place for a body.
 struct site {
-  /// where a body may be made
+  /// position for a body
   vec3 position{0, 0, 0};
-  /// how it may be turned
+  /// orientation for a body
   quat orientation{1, 0, 0, 0};
-  std::uint64_t index = 0;  ///< names the site within its set, whoever asks; below 2^48
+  std::uint64_t index = 0;  ///< number of the site in its set, on every rank; below 2^48
 };
 
 /// Calls f(site) for the sites between two corners (which may be infinite) that are in the part of
@@ -50,7 +50,7 @@ inline constexpr real unlimited = std::numeric_limits<real>::infinity();
       wanted, there);
 }
 
-/// Anything that tells inside from outside, and is no site set itself.
+/// A type with contains(point) that is not a site set itself.
 template <class Region>
 concept site_filter = !concepts::site_set<Region> && requires(const Region r, const vec3 p) {
   { r.contains(p) } -> std::convertible_to<bool>;
@@ -58,8 +58,7 @@ concept site_filter = !concepts::site_set<Region> && requires(const Region r, co
 
 }  // namespace detail
 
-/// The first sites of a set in its own order; made by first(n). Finding them costs as much as all
-/// the sites before them, on every rank.
+/// The first sites of a set in its own order; made by first(n). Every rank enumerates all of them.
 template <class Sites>
 class first_sites {
  public:

@@ -1,6 +1,6 @@
 #pragma once
-// Distributions of sizes: called with a random_stream they give the size of one body. Sizes are
-// radii, edges or any other length that the bodies of a distribution have in proportion.
+// Distributions of sizes: a call with a random_stream returns the size of one body. Sizes are
+// radii, edges or any other length proportional to the size of the body.
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
@@ -24,7 +24,7 @@ inline void require_sizes(real lower, real upper, const char* what) {
 
 }  // namespace detail
 
-/// All sizes between two are equally likely.
+/// A uniform distribution between two sizes.
 struct uniform_size {
   real lower = 1;  ///< length
   real upper = 1;  ///< length
@@ -36,9 +36,9 @@ struct uniform_size {
   }
 };
 
-/// Logarithms of sizes are normally distributed, as those of crushed and of grown grains often are;
-/// sizes outside of two bounds are drawn again. By number, not by mass. The last bit of a size
-/// depends on the logarithm and the exponential of the platform.
+/// A lognormal distribution by number, not by mass, which is common for crushed and for grown
+/// grains. Sizes outside two bounds are drawn again. The last bit of a size depends on the
+/// logarithm and the exponential of the platform.
 struct lognormal_size {
   real median = 1;  ///< of all sizes, those outside of the bounds included (length)
   real sigma = 0;   ///< standard deviation of the natural logarithm; 0.1 to 0.5
@@ -46,7 +46,7 @@ struct lognormal_size {
   real upper = 0;   ///< largest size (length)
 
   /// Throws invalid_argument unless 0 < lower <= upper, the median is positive and sigma not
-  /// negative, and where hardly any size lies between the bounds.
+  /// negative, and if hardly any size lies between the bounds.
   real operator()(random_stream& random) const {
     detail::require_sizes(lower, upper, "lognormal sizes");
     detail::require_positive(median, "the median of lognormal sizes");
@@ -67,16 +67,15 @@ struct lognormal_size {
   }
 };
 
-/// A sieve curve: a few sizes, each with its part of the mass. A body gets a size with the
-/// probability by number that follows, mass over size cubed.
+/// A sieve curve: a few sizes, each with its fraction of the mass. The probability of a size by
+/// number is proportional to its mass over size cubed.
 class sieve_curve {
  public:
   struct fraction {
     real size = 1;  ///< length
     real mass = 1;  ///< part of all mass, in any unit
   };
-  /// Throws invalid_argument where there is no fraction, and for a size or a mass that is not
-  /// positive.
+  /// Throws invalid_argument without any fraction, and for a size or a mass that is not positive.
   explicit sieve_curve(std::initializer_list<fraction> fractions) {
     real sum = 0;
     for (const fraction& f : fractions) {

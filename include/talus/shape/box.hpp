@@ -1,5 +1,5 @@
 #pragma once
-// The rectangular block, its edges along the axes of the body frame, its centre at the origin.
+// A rectangular block with edges along the axes of the body frame and its centre at the origin.
 #include <cmath>
 
 #include "talus/core/error.hpp"

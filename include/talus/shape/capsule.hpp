@@ -1,5 +1,5 @@
 #pragma once
-// All points within a radius of a segment of the z axis: a cylinder with half a ball on each end.
+// All points within a radius of a segment of the z axis: a cylinder with a hemisphere on each end.
 #include <cmath>
 
 #include "talus/core/error.hpp"
@@ -8,7 +8,7 @@
 
 namespace talus {
 
-/// A cylinder with half a ball on each end, about its centre.
+/// A cylinder with a hemisphere on each end, about its centre.
 struct capsule {
   real radius = 1;  ///< length, above zero
   real length = 1;  ///< of the segment, without the caps; above zero
@@ -27,8 +27,8 @@ struct capsule {
   [[nodiscard]] real bounding_radius() const { return real(0.5) * length + radius; }
   /// Volume.
   [[nodiscard]] real volume() const { return pi * radius * radius * (length + 4 * radius / 3); }
-  /// Principal moments per unit mass, from those of the cylinder and of the two half balls, whose
-  /// centres of mass lie 3/8 r off the ends of the segment.
+  /// Principal moments per unit mass, from those of the cylinder and of the two hemispheres, whose
+  /// centres of mass lie 3/8 r beyond the ends of the segment.
   [[nodiscard]] vec3 inertia() const {
     const real r = radius, l = length;
     const real balls = 4 * r / (3 * l + 4 * r), middle = 1 - balls;  // parts of the mass

@@ -1,6 +1,6 @@
 #pragma once
-// The convex hull of points: wedges of an arch, grains, anything with flat faces. Bodies of one
-// form share its surface: a copy of the shape costs a reference.
+// The convex hull of points: wedges of an arch, grains, any convex body with flat faces. Bodies of
+// one form share its surface: a copy of the shape costs a reference.
 #include <memory>
 #include <span>
 #include <vector>
@@ -14,21 +14,20 @@ namespace talus {
 
 /// Made from points in any frame; the hull, its volume, centre of mass and inertia are computed
 /// once. The frame of the body has its origin at the centre of mass and its axes along the
-/// principal axes: `frame()` says where that is in the coordinates of the points, and
-/// `placed(shape, pose)` of shape/frame.hpp gives the pose of a body whose points shall lie where
-/// they were given.
+/// principal axes: `frame()` gives it in the coordinates of the points, and `placed(shape, pose)`
+/// of shape/frame.hpp gives the pose of a body whose points lie at the given coordinates.
 class convex_polyhedron {
  public:
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "convex_polyhedron";
 
-  /// No polyhedron yet: to be assigned to.
+  /// An empty value, to be assigned to.
   convex_polyhedron() = default;
-  /// The hull of the points; those inside it, or within half a millionth of the extent of a plane
-  /// or an edge, are no vertices. Throws invalid_argument for points that span no volume, are not
-  /// finite, have an extent below 1e-100 or above 1e100, or make more than 1,000,000 vertices or a
-  /// face of more than 64 corners.
+  /// The hull of the points. Points inside it, or within half a millionth of the extent of a face
+  /// plane or an edge, do not become vertices. Throws invalid_argument for points that span no
+  /// volume, are not finite, have an extent below 1e-100 or above 1e100, or make more than
+  /// 1,000,000 vertices or a face of more than 64 corners.
   template <class Real = real>
   explicit convex_polyhedron(const std::vector<vector3<Real>>& points)
       : mesh_(std::make_shared<const polyhedron_mesh>(

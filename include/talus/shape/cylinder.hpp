@@ -1,5 +1,5 @@
 #pragma once
-// The straight circular cylinder about the z axis, its centre at the origin.
+// A straight circular cylinder about the z axis with its centre at the origin.
 #include <cmath>
 
 #include "talus/core/error.hpp"
@@ -32,7 +32,7 @@ struct cylinder {
     const real across = radius * radius / 4 + length * length / 12;
     return {across, across, radius * radius / 2};
   }
-  /// Furthest point along `direction`, on a rim; where a direction leaves it open, on the positive
+  /// Furthest point along `direction`, on an edge circle; if it is not unique, on the positive
   /// side.
   [[nodiscard]] vec3 support(const vec3& direction) const {
     const real x = direction[0], y = direction[1];

@@ -1,7 +1,7 @@
 #pragma once
-// Where a shape's own coordinates lie in the frame of its body. The two are the same for a sphere
-// or a box; a polyhedron or a union is given in coordinates of the user's choice, but its body
-// turns about the centre of mass, along the principal axes.
+// The pose of a shape's own coordinates in the frame of its body. The two agree for a sphere or a
+// box. A polyhedron or a union is given in coordinates of the user's choice, but the frame of its
+// body lies at the centre of mass, along the principal axes.
 #include "talus/core/math.hpp"
 
 namespace talus {
@@ -26,7 +26,7 @@ namespace detail {
 }  // namespace detail
 
 /// The frame of the body (centre of mass, principal axes) in the coordinates in which the shape was
-/// given: `frame()` of the shape, or no difference where it has none.
+/// given: `frame()` of the shape, or the identity if it has none.
 template <class Shape>
 [[nodiscard]] pose body_frame(const Shape& s) {
   if constexpr (requires { s.frame(); })
@@ -35,15 +35,15 @@ template <class Shape>
     return {};
 }
 
-/// The pose that a body must have for the coordinates in which its shape was given to lie at `at`:
+/// The pose of a body for which the coordinates in which its shape was given lie at `at`:
 /// `const pose p = placed(wedge); body{.shape = wedge, .position = p.position, .orientation =
-/// p.orientation}` puts every vertex where it was written.
+/// p.orientation}` puts every vertex at its given coordinates.
 template <class Shape>
 [[nodiscard]] pose placed(const Shape& s, const pose& at = {}) {
   return detail::combined(at, body_frame(s));
 }
 
-/// The inverse: where the coordinates in which the shape was given lie, for a body at `body`.
+/// The inverse: the pose of the coordinates in which the shape was given, for a body at `body`.
 template <class Shape>
 [[nodiscard]] pose given_frame(const Shape& s, const pose& body) {
   return detail::combined(body, detail::inverse(body_frame(s)));

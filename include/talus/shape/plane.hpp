@@ -8,8 +8,8 @@
 
 namespace talus {
 
-/// Solid where n.x <= offset, n being the normal scaled to length one. Both are in the frame of the
-/// world: a plane takes no notice of any pose, and is itself what is moved.
+/// The half-space n.x <= offset is solid; n is the normalised normal. Both are in the frame of the
+/// world: a plane ignores the pose of its body, and moving the body changes the plane itself.
 struct plane {
   vec3 normal{0, 0, 1};  ///< points out of the solid; any length but zero
   real offset = 0;       ///< distance of the surface from the origin along the normal
@@ -30,7 +30,7 @@ struct plane {
           offset);
   }
 
-  /// The normal at length one; exactly as it is given when it already has it.
+  /// The normalised normal; unchanged to the bit if its length is already one.
   [[nodiscard]] vec3 unit_normal() const {
     constexpr real round_off = 4 * std::numeric_limits<real>::epsilon();
     return std::abs(normal.squaredNorm() - 1) <= round_off ? normal : unit(normal);
@@ -40,7 +40,7 @@ struct plane {
 
   /// Moves the plane.
   void translate(const vec3& by) { offset += unit_normal().dot(by); }
-  /// Turns it by a unit quaternion about a point.
+  /// Rotates it by a unit quaternion about a point.
   void rotate(const quat& by, const vec3& about) {
     const real above = distance(about);
     normal = rotated(by, unit_normal());

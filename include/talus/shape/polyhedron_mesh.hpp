@@ -1,6 +1,6 @@
 #pragma once
-// The surface of a convex polyhedron in the frame of its body: corners, flat faces, edges, and how
-// they hang together. Shared by all bodies of that form.
+// The surface of a convex polyhedron in the frame of its body: corners, flat faces, edges, and
+// their connectivity. All bodies of that form share it.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -67,8 +67,8 @@ struct polyhedron_mesh {
     return best;
   }
 
-  /// Throws runtime_error if numbers of vertices, faces or edges point beyond them: bytes that were
-  /// read from a file may come from anywhere.
+  /// Throws runtime_error for indices of vertices, faces or edges out of range, which a damaged
+  /// file may contain.
   [[gnu::cold]] void require_sound() const {
     const auto parts = [](const auto& begin, std::size_t lists, std::size_t entries) {
       bool good = begin.size() == lists + 1 && begin[0] == 0 && begin[lists] == entries;
@@ -103,8 +103,8 @@ struct polyhedron_mesh {
     if (!good) throw std::runtime_error("is damaged: a convex_polyhedron makes no sense");
   }
 
-  /// Into a message and out of it. (Templates here and in the shapes: compiled where bodies
-  /// travel.)
+  /// Packs it into a message and unpacks it. (Templates here and in the shapes: compiled only in
+  /// programs that send bodies.)
   template <class Writer>
   void pack(Writer& out) const {
     const auto all = [&](const auto& values) { out.put(std::span(values)); };

@@ -1,5 +1,5 @@
 #pragma once
-// The ball about the centre of mass. Nothing here, nor in its pair functions, reads orientation.
+// A ball about the centre of mass. Neither this file nor its pair functions read the orientation.
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 

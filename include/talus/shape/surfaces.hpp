@@ -1,5 +1,5 @@
 #pragma once
-// Walls with an axis: tubes, cones and any surface of revolution, as triangles.
+// Walls of revolution: tubes, cones and any surface of revolution, as triangles.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,10 +13,10 @@
 
 namespace talus {
 
-/// How a line is revolved about the z axis.
+/// Parameters of the revolution of a profile about the z axis.
 struct revolution {
   int sectors = 64;     ///< flat pieces from `from` to `to`; at least 3 for a full circle
-  bool closed = false;  ///< ends of the line that lie off the axis get a flat cap
+  bool closed = false;  ///< ends of the profile that lie off the axis get a flat cap
   real from = 0;        ///< angle at which the surface begins, radians from the x axis
   real to = 2 * pi;     ///< angle at which it ends, above `from`, at most a full circle on
 };
@@ -67,11 +67,11 @@ namespace detail {
 
 /// The triangles of the surface that a line of points {radius, height} makes about the z axis. The
 /// points lie on the surface; between them it is flat, so with n sectors its cross section is a
-/// polygon of n / 2 * sin(2 * pi / n) * radius^2. Normals, by the order of the corners, point to
-/// the right of the line, seen with the axis on its left: away from the axis where the line goes
-/// up, and out of a closed surface whose line begins below. A line whose last point is its first
-/// makes a ring, such as a tube with a thick wall, which needs no caps. Throws invalid_argument
-/// for a line or for angles that make no sense.
+/// polygon of area n / 2 * sin(2 * pi / n) * radius^2. Normals, by the order of the corners, point
+/// to the right of the line, seen with the axis on its left: away from the axis if the line goes
+/// up, and out of a closed surface whose line begins below. A line whose last point equals its
+/// first makes a ring, such as a tube with a thick wall, which needs no caps. Throws
+/// invalid_argument for an invalid line or invalid angles.
 [[nodiscard, gnu::cold]] inline std::vector<triangle_mesh::triangle> triangles_of_revolution(
     const std::vector<std::array<real, 2>>& line, const revolution& how = {}) {
   const int n = how.sectors;
@@ -103,7 +103,7 @@ namespace detail {
   return triangle_mesh(triangles_of_revolution(line, how));
 }
 
-/// A tube about the z axis from z = 0 to its height, open at both ends, or with `.closed` shut by
+/// A tube about the z axis from z = 0 to its height, open at both ends, or with `.closed` closed by
 /// flat caps; normals point outwards. Throws invalid_argument for sizes that are not positive.
 [[nodiscard, gnu::cold]] inline triangle_mesh tube_surface(const tube_form& form,
                                                            const revolution& how = {}) {
@@ -112,9 +112,9 @@ namespace detail {
   return surface_of_revolution({{form.radius, 0}, {form.radius, form.height}}, how);
 }
 
-/// A cone, or a frustum, about the z axis from z = 0 to its height, open where its radius is not
-/// zero, or with `.closed` shut by flat caps; normals point outwards. A funnel has the wider end
-/// above. Throws invalid_argument for sizes that make no sense.
+/// A cone, or a frustum, about the z axis from z = 0 to its height, open at ends with non-zero
+/// radius, or with `.closed` closed by flat caps; normals point outwards. A funnel has the wider
+/// end above. Throws invalid_argument for invalid sizes.
 [[nodiscard, gnu::cold]] inline triangle_mesh cone_surface(const cone_form& form,
                                                            const revolution& how = {}) {
   detail::require_positive(form.height, "the height of a cone");

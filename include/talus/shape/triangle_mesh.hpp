@@ -19,8 +19,8 @@ namespace talus {
 
 /// Made from triangles in any frame. The frame of the body has its origin in the centre of the box
 /// around them, and their axes: `placed(mesh, pose)` of shape/frame.hpp gives the pose of a body
-/// whose triangles shall lie where they were given. Both sides of a triangle hold bodies off;
-/// where a surface goes on flat, or bends inwards, its inner edges are not felt.
+/// whose triangles lie at the given coordinates. Both sides of a triangle repel bodies. Inner edges
+/// have no effect if the surface is flat there or bends inwards.
 class triangle_mesh {
  public:
   static constexpr bool finite = true;
@@ -31,11 +31,11 @@ class triangle_mesh {
 
   using triangle = std::array<vec3, 3>;
 
-  /// No mesh yet: to be assigned to.
+  /// An empty value, to be assigned to.
   triangle_mesh() = default;
-  /// Corners at the same place are one, and triangles without an area are left out. Throws
-  /// invalid_argument, with its number, for a triangle whose corners are not finite, and if none
-  /// is left.
+  /// Corners at the same position are merged, and triangles without an area are dropped. Throws
+  /// invalid_argument, with its number, for a triangle whose corners are not finite, and if no
+  /// triangle is left.
   explicit triangle_mesh(const std::vector<triangle>& triangles)
       : data_(std::make_shared<const detail::triangle_tree>(build(triangles))),
         frame_{centre_of(triangles), {1, 0, 0, 0}} {}
@@ -54,9 +54,9 @@ class triangle_mesh {
   [[nodiscard]] const pose& frame() const { return frame_; }
   /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return data_->bounding_radius; }
-  /// Area of the surface: what a density would be per.
+  /// Area of the surface, used in place of the volume.
   [[nodiscard]] real volume() const { return data_->area; }
-  /// A bound of that of a shell, about each axis: nothing turns by it.
+  /// An upper bound of the inertia of a shell about each axis; no motion uses it.
   [[nodiscard]] vec3 inertia() const {
     const real square = data_->bounding_radius * data_->bounding_radius;
     return {square, square, square};

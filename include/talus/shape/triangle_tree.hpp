@@ -1,6 +1,6 @@
 #pragma once
-// Triangles of a surface, how they hang together, and a tree of boxes around them, by which those
-// near a body are found. Shared by all bodies of that form.
+// Triangles of a surface, their connectivity, and a tree of bounding boxes that finds those near a
+// body. All bodies of that form share it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -77,7 +77,7 @@ struct triangle_tree {
     }
   }
 
-  /// From vertices and triangles that make sense.
+  /// From valid vertices and triangles.
   [[nodiscard]] static triangle_tree build(plain_vector<vec3> points, plain_vector<corners> faces) {
     triangle_tree m;
     m.vertices = std::move(points);
@@ -97,7 +97,7 @@ struct triangle_tree {
   void pack(byte_writer& out) const {
     out.put(std::span<const vec3>(vertices)), out.put(std::span<const corners>(triangles));
   }
-  /// Throws runtime_error for numbers that make no sense: they may come from a file.
+  /// Throws runtime_error for invalid numbers, which a damaged file may contain.
   static triangle_tree unpack(byte_reader& in) {
     auto points = in.get_all<vec3>();
     auto faces = in.get_all<corners>();
@@ -150,7 +150,7 @@ struct triangle_tree {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
         const auto& list = users.at({std::min(a, b), std::max(a, b)});
-        // (Where three meet there is no one side beyond.)
+        // (An edge of three triangles has no unique neighbour.)
         neighbours[t][k] = list.size() != 2 ? none : list[0] == t ? list[1] : list[0];
       }
     for (const auto& list : joined) {

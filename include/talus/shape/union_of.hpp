@@ -38,11 +38,11 @@ inline constexpr bool is_part_of_union = [] {
 /// A union of parts of the named shapes, given in any frame:
 /// `union_of<box, capsule> hammer{{{.shape = box{{1, 1, 2}}, .at = {{0, 0, 3}}}, {.shape =
 /// stick}}}`. Its mass is the sum of those of its parts, each density (relative to that of the
-/// material) times volume; where parts overlap the user decides what that means, by the densities.
-/// Centre of mass and inertia are computed from that. The frame of the body lies at the centre of
-/// mass along the principal axes: `frame()` says where that is in the coordinates of the parts, and
-/// `placed(shape, pose)` of shape/frame.hpp gives the pose of a body whose parts shall lie where
-/// they were given.
+/// material) times volume; overlapping volume counts in each part, so adjust the densities if
+/// needed. Centre of mass and inertia follow from these masses. The frame of the body lies at the
+/// centre of mass along the principal axes: `frame()` gives it in the coordinates of the parts, and
+/// `placed(shape, pose)` of shape/frame.hpp gives the pose of a body whose parts lie at the given
+/// coordinates.
 template <class... Shapes>
 class union_of {
   static_assert(sizeof...(Shapes) > 0,
@@ -58,7 +58,7 @@ class union_of {
   struct part {
     std::variant<Shapes...> shape;
     pose at{};         ///< of the coordinates in which the shape was given
-    real density = 1;  ///< times that of the body's material; 0 for a part without mass
+    real density = 1;  ///< relative to that of the material; 0 for a part without mass
   };
 
   static constexpr bool finite = true;
@@ -66,10 +66,10 @@ class union_of {
   static constexpr const char* name = "union_of";
   static constexpr std::size_t max_parts = 65535;
 
-  /// No union yet: to be assigned to.
+  /// An empty value, to be assigned to.
   union_of() = default;
-  /// Throws invalid_argument for a part that makes no sense, for no mass at all, and for more than
-  /// 65,535 parts.
+  /// Throws invalid_argument for an invalid part, for zero total mass, and for more than 65,535
+  /// parts.
   explicit union_of(const std::vector<part>& parts) : data_(build<real>(parts)) {}
 
   /// Throws invalid_argument if there are no parts.
@@ -100,7 +100,7 @@ class union_of {
   [[nodiscard]] const pose& frame() const { return data_->frame; }
   /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return data_->bounding_radius; }
-  /// Sum over the parts of relative density times volume: what the mass is counted by.
+  /// Sum over the parts of relative density times volume, from which the mass follows.
   [[nodiscard]] real volume() const { return data_->volume; }
   /// Principal moments per unit mass.
   [[nodiscard]] const vec3& inertia() const { return data_->inertia; }
@@ -187,7 +187,7 @@ class union_of {
   template <class Real>
   [[nodiscard]] static std::shared_ptr<const data> build(const std::vector<part>& parts) {
     validate(parts);
-    // Moments about the first part, so that nothing is lost where all is far from the origin.
+    // Moments about the first part, which avoids cancellation for parts far from the origin.
     const vec3 base = parts[0].at.position;
     detail::mass_moments<Real> moments;
     std::vector<pose> places;

@@ -1,6 +1,6 @@
 #pragma once
-// The separating axis test of two boxes (Gottschalk, Lin, Manocha 1996), with the gap along each;
-// of one pair, or of eight side by side.
+// The separating axis test of two boxes (Gottschalk, Lin, Manocha 1996), with the gap along each
+// axis, for one pair or eight side by side.
 #include "talus/detect/detail/box_frame.hpp"
 
 namespace talus::detail {
@@ -54,7 +54,7 @@ template <bool Stop, class Number>
   }
   if constexpr (Stop)
     if (best.face_b > margin) return best;
-  // Squares are compared, by products, so that no root and no quotient is taken for each axis.
+  // Squares are compared by products, without a root or a quotient per axis.
   Number over = zero - 1., under = zero;
   for (int i = 0; i < 3; ++i) {
     const int u = (i + 1) % 3, v = (i + 2) % 3;
@@ -86,7 +86,7 @@ struct box_axis {
   int i = 0, j = 0;               // a face's axis is i; of edges, a's direction is i and b's is j
 };
 
-/// The best axis of each kind of boxes that are not apart.
+/// The best axis of each kind for boxes that are not separated.
 template <class Real>
 struct box_axes {
   box_axis<Real> face_a, face_b, edge;

@@ -1,7 +1,7 @@
 #pragma once
-// Two boxes seen from the frame of one of them, and the names of their corners, edges and faces.
-// Here and in the other box_*.hpp all is a template of the scalar: worlds without boxes do not
-// compile it.
+// Two boxes in the frame of one of them, and the names of their corners, edges and faces.
+// Everything in the box_*.hpp files is a template of the scalar, so that worlds without boxes do
+// not compile it.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace talus::detail {
 
 /// A corner, edge or face of a box: for each axis that it fixes, the side. Bit 2i is the negative
 /// side of axis i, bit 2i + 1 the positive one; a corner has three bits, an edge two, a face one.
-/// What two of them have in common is their bitwise and.
+/// The common part of two of them is their bitwise and.
 using box_part = std::uint32_t;
 
 inline box_part side(int axis, bool positive) { return box_part{1} << (2 * axis + positive); }
@@ -21,7 +21,7 @@ inline box_part side(int axis, bool positive) { return box_part{1} << (2 * axis 
 inline box_part corner_part(unsigned corner) {
   return side(0, corner & 1u) | side(1, corner & 2u) | side(2, corner & 4u);
 }
-/// The corner's place, its bits numbered as in corner_part.
+/// The position of a corner, with bits as in corner_part.
 template <class Real>
 vector3<Real> corner_of(const vector3<Real>& half, unsigned corner) {
   return {corner & 1u ? half[0] : -half[0], corner & 2u ? half[1] : -half[1],

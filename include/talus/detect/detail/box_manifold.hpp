@@ -1,14 +1,14 @@
 #pragma once
-// The patch where a face of one box meets the other: the face opposite is clipped to the outline of
-// the reference face (Sutherland, Hodgman 1974), and at most four of its corners are kept.
+// The manifold of a face of one box and the other box: the opposite face is clipped to the outline
+// of the reference face (Sutherland, Hodgman 1974), and at most four of its corners are kept.
 #include <array>
 
 #include "talus/detect/detail/box_axes.hpp"
 
 namespace talus::detail {
 
-/// Corner of the patch: place in the reference face (u, v), height above it, and the parts of the
-/// two boxes whose crossing it is.
+/// Corner of the manifold: position in the reference face (u, v), height above it, and the parts of
+/// the two boxes that cross there.
 template <class Real>
 struct patch_corner {
   Real u, v, gap;
@@ -20,7 +20,7 @@ class box_manifold {
   using corner = patch_corner<Real>;
 
  public:
-  /// What counts as inside an outline, in its half edges.
+  /// Tolerance for points inside an outline, relative to its half edges.
   static constexpr Real soft = 1.001;
 
   /// Corners with a gap of at most `margin` of the patch over the face of a that looks along
@@ -31,7 +31,7 @@ class box_manifold {
         v_((axis + 2) % 3),
         sign_(positive ? 1 : -1),
         half_(p.ha[axis]) {
-    // The face of b that looks most towards the reference face.
+    // The face of b that faces the reference face most.
     const Real slope[3] = {p.axes(axis, 0), p.axes(axis, 1), p.axes(axis, 2)};
     int m = 0;
     if (std::abs(slope[1]) > std::abs(slope[m])) m = 1;
@@ -57,7 +57,7 @@ class box_manifold {
     lowest_ = corners_[0];
     for (unsigned k = 1; k < 4; ++k)
       if (corners_[k].gap < lowest_.gap) lowest_ = corners_[k];
-    // Only sides that cut need be looked at closely.
+    // Only sides that cut need clipping.
     const Real u_width = std::abs(x[0]) + std::abs(y[0]), v_width = std::abs(x[1]) + std::abs(y[1]);
     constexpr Real most = soft;
     for (const bool far : {false, true}) {
@@ -82,15 +82,15 @@ class box_manifold {
     for (unsigned k = 0; k < size_; ++k) smallest = std::min(smallest, corners_[k].gap);
     return smallest;
   }
-  /// Falls back to the lowest corner of the incident face alone, wherever it is.
+  /// Falls back to the lowest corner of the incident face alone, at any position.
   void use_lowest() {
     corners_[0] = lowest_;
     size_ = 1;
   }
 
-  /// Keeps four corners at most: those that span the largest area, and the deepest, unless one that
-  /// is kept is as deep within `tolerance`. Ties go by small relative steps rather than to the
-  /// last bit, so that the choice stays the same while a box rests.
+  /// Keeps at most four corners: those that span the largest area, and the deepest, unless a kept
+  /// one is as deep within `tolerance`. Ties are decided by small relative differences rather than
+  /// the last bit, so that the choice is stable while a box rests.
   void reduce(Real tolerance) {
     if (size_ <= 4) return;
     std::array<unsigned, 4> best{};
@@ -140,7 +140,7 @@ class box_manifold {
       order[at] = k;
     }
     for (unsigned k = 0; k < size_; ++k) {
-      // (The same corner can be there twice, where it lies on two sides.)
+      // (A corner that lies on two sides can occur twice.)
       if (k > 0 && name(order[k]) == name(order[k - 1])) continue;
       const corner& c = corners_[order[k]];
       box_contact<Real> out;
@@ -157,7 +157,7 @@ class box_manifold {
   }
 
  private:
-  // Cuts off what lies beyond `half` on one side. A corner just outside, within a thousandth of
+  // Cuts off the part beyond `half` on one side. A corner just outside, within a thousandth of
   // `half`, counts as inside, so that boxes of one size stacked flush keep their own corners.
   void clip(Real corner::*along, bool far, Real half, box_part wall) {
     const Real sign = far ? 1 : -1;
@@ -199,9 +199,9 @@ class box_manifold {
   corner lowest_;
 };
 
-/// Names four contacts by the quarter of the patch in which each lies, seen along the axes of a, if
-/// there is clearly one in each; and sorts them. What parts of two boxes cross changes while one
-/// slides on the other, the quarters do not: so impulses are remembered.
+/// Names four contacts by their quarter of the manifold along the axes of a, if each quarter
+/// clearly has one, and sorts them. The crossing parts of two boxes change while one slides on the
+/// other, but the quarters do not, so that warm start finds the impulses.
 template <class Real>
 void name_by_quarters(const box_pair<Real>& p, std::array<box_contact<Real>, 4>& c) {
   const vector3<Real>& normal = c[0].normal;

@@ -5,7 +5,7 @@
 namespace talus::detail {
 
 /// A point of each of two lines, given by a point and a unit direction each, nearest to the other
-/// line; `s` and `t` are their places on the lines. False if the lines are parallel.
+/// line; `s` and `t` are their positions on the lines. Returns false if the lines are parallel.
 template <class Real>
 bool nearest_on_lines(const vector3<Real>& p, const vector3<Real>& u, const vector3<Real>& q,
                       const vector3<Real>& v, Real& s, Real& t) {
@@ -19,10 +19,10 @@ bool nearest_on_lines(const vector3<Real>& p, const vector3<Real>& u, const vect
   return true;
 }
 
-/// Nearest points of two boxes that are apart, `axes.best()` clearly above zero; if they are
-/// farther than the margin, the gap that comes out is too. Nearest points are a corner and whatever
-/// is nearest to it, or the insides of two edges; so trying these is exact. Corners and edges too
-/// far behind the best axis to matter are skipped.
+/// Nearest points of two separated boxes, with `axes.best()` clearly above zero. If the boxes are
+/// farther apart than the margin, so is the returned gap. The nearest points are a corner and the
+/// point nearest to it, or the interiors of two edges, so testing these is exact. Corners and edges
+/// too far behind the best axis are skipped.
 template <class Real>
 box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& axes, Real margin) {
   const box_axis<Real>& axis = axes.edge.gap > std::max(axes.face_a.gap, axes.face_b.gap)

@@ -1,6 +1,6 @@
 #pragma once
-// The patches of eight pairs of boxes at once, where one has four corners at most: what
-// box_manifold is for one of any kind.
+// The manifolds of eight pairs of boxes at once, with at most four corners each. box_manifold
+// computes single ones of any kind.
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -15,12 +15,12 @@ namespace talus::detail {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-/// The incident face is clipped to the outline of the reference face without a polygon: what is
-/// left of it has corners of three kinds, its own that lie inside, crossings of its edges with the
-/// outline, and corners of the reference face that lie in it. Which face is the reference, which
-/// corners count as inside and what a corner is called is as in collide_boxes() and box_manifold.
-/// Where an edge passes a corner of the outline within a thousandth of its half edges, the corner
-/// found may be another one within that distance.
+/// The incident face is clipped to the outline of the reference face without a polygon. The result
+/// has corners of three kinds: its own corners inside, crossings of its edges with the outline, and
+/// corners of the reference face inside it. The choice of the reference face, the tolerance of
+/// corners and their names are as in collide_boxes() and box_manifold. If an edge passes a corner
+/// of the outline within a thousandth of its half edges, the result may be another corner within
+/// that distance.
 template <class Real>
 class box_patches {
   using number = pack<Real, 8>;
@@ -76,7 +76,7 @@ class box_patches {
     half_ = half[0];
     const number hu = half[1], hv = half[2];
 
-    // The face of the other box that looks most towards it, and its centre and half edges.
+    // The face of the other box that faces it most, and its centre and half edges.
     const number s0 = magnitude(row[0][0]), s1 = magnitude(row[0][1]), s2 = magnitude(row[0][2]);
     const mask m_1 = s1 > s0, m_2 = s2 > (m_1 ? s1 : s0);
     incident_ = m_2 ? zero + 2 : m_1 ? zero + 1 : zero;
@@ -115,15 +115,15 @@ class box_patches {
       const number &u = corner[k][0], &v = corner[k][1];
       put(k, u, v, corner[k][2], (magnitude(u) <= limit_u) & (magnitude(v) <= limit_v));
     }
-    // What enters and leaves the outline must fit together: as often the one as the other, and
-    // between leaving by one side and entering by another lie its corners.
+    // Entries into the outline and exits from it must match: their numbers are equal, and its
+    // corners lie between leaving by one side and entering by another.
     mask doubtful{}, entries{}, sides{}, outline{};
     for (int k = 0; k < 4; ++k) {
       const number(&p)[3] = corner[k], (&q)[3] = corner[(k + 1) % 4];
       const number du = q[0] - p[0], dv = q[1] - p[1], dg = q[2] - p[2];
       const number inverse_u = 1 / du, inverse_v = 1 / dv;
-      // An end beyond a side of the outline is cut off. Where the other end is just outside there
-      // is nothing to cut, and where it is as far nothing is left.
+      // An end beyond a side of the outline is cut off. If the other end is just outside, there is
+      // no cut; if it is as far, the edge vanishes.
       const auto cut = [&](const number& out, const number& in, const number& start,
                            const number& h, const number& limit, const number& inverse, mask& cuts,
                            mask& dead, number& wall, number& t) {
@@ -145,7 +145,7 @@ class box_patches {
       const mask last_u = out_u & ~(out_v & (t_out_v < t_out_u));
       const number first = first_u ? t_in_u : t_in_v, last = last_u ? t_out_u : t_out_v;
       const mask enters = (in_u | in_v) & ~dead, leaves = (out_u | out_v) & ~dead;
-      // Past a corner of the outline, within what counts as inside: once.
+      // An edge past a corner of the outline, within the tolerance, counts once.
       const mask crossed = enters & leaves & (first > last);
       const auto put_cut = [&](int slot, const number& t, const mask& there, const mask& by_u,
                                const number& wall_u, const number& wall_v, int sense) {
@@ -163,8 +163,8 @@ class box_patches {
       put_cut(4 + k, first, enters, first_u, wall_in_u, wall_in_v, 1);
       put_cut(8 + k, last, leaves, last_u, wall_out_u, wall_out_v, -1);
     }
-    // A corner of the outline, as (s, t) in the incident face; inside if the outline could be
-    // longer by a thousandth there.
+    // A corner of the outline, as (s, t) in the incident face; inside within a thousandth of the
+    // outline.
     const number area = x[0] * y[1] - x[1] * y[0], scale = 1 / area;
     const number s_u = scale * y[1], s_v = -scale * y[0], t_u = -scale * x[1], t_v = scale * x[0];
     const number more_u = (soft - 1) * hu, more_v = (soft - 1) * hv;
@@ -186,7 +186,7 @@ class box_patches {
     good_ &= (lowest_ <= enough) & ~doubtful;
   }
 
-  /// Whether the patch of a lane is what collide_boxes() would use, and has four corners at most.
+  /// Whether the manifold of a lane equals that of collide_boxes(), and has at most four corners.
   [[nodiscard]] bool good(unsigned lane) const {
     return good_[lane] != 0 && std::popcount(static_cast<unsigned>(found_[lane])) <= 4;
   }

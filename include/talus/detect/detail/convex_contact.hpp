@@ -1,6 +1,6 @@
 #pragma once
-// Contacts of two convex shapes: a patch over a flat face where one serves, which is nearly always
-// when bodies rest; else along two parallel lines, or a single one.
+// Contacts of two convex shapes: a manifold over a flat face if one is suitable, which is nearly
+// always so for resting bodies; else along two parallel lines, or a single point.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,8 +1,8 @@
 #pragma once
-// What the routines for convex shapes in general see of a shape: furthest points, flat faces and
-// straight edges, in one type for all, so that they are compiled once. A capsule is a segment with
-// a distance around it, its rounding. Here and in the other convex_*.hpp all is a template of the
-// scalar: worlds without such shapes do not compile it.
+// The view of a shape for the general convex routines: furthest points, flat faces and straight
+// edges, in one type for all shapes, so that they are compiled once. A capsule is a segment with a
+// distance around it, its rounding. Everything in the convex_*.hpp files is a template of the
+// scalar, so that worlds without such shapes do not compile it.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -68,7 +68,7 @@ class convex_view {
   [[nodiscard]] const vector& centre() const { return centre_; }
   /// Distance of the surface from the core, to which all other functions refer.
   [[nodiscard]] Real rounding() const { return rounding_; }
-  /// The shape's thickness, roughly: what tolerances are measured by.
+  /// The approximate thickness of the shape, the scale of tolerances.
   [[nodiscard]] Real smallest() const { return smallest_; }
   [[nodiscard]] bool curved() const { return kind_ == kind::cylinder; }
 
@@ -99,7 +99,7 @@ class convex_view {
   }
   /// A point in the frame of the body.
   [[nodiscard]] vector local(const vector& p) const { return axes_.transpose() * (p - centre_); }
-  /// How far a point, given in the frame of the body, lies beyond a face's plane.
+  /// Distance of a point, in the frame of the body, beyond the plane of a face.
   [[nodiscard]] Real beyond(int face, const vector& local) const {
     if (kind_ == kind::mesh)
       return mesh_->normals[static_cast<std::size_t>(face)].dot(local) - offset(face);
@@ -127,8 +127,8 @@ class convex_view {
         break;
     }
   }
-  /// The face, or the line, that looks most along a direction; it holds a point furthest along it.
-  /// Of a circle, `rim` corners are taken, a multiple of four and at most 16.
+  /// The face, or the line, that faces a direction most; it holds a point furthest along it. Of a
+  /// circle, `rim` corners are taken, a multiple of four and at most 16.
   void outline_along(const vector& direction, int rim, outline<Real>& out) const {
     const vector d = axes_.transpose() * direction;
     switch (kind_) {
@@ -265,9 +265,9 @@ class convex_view {
       out.add(place(mesh_->vertices[corners[k]]), corner_code(corners[k]), edge_code(edges[k]));
   }
 
-  /// Points of the rim of a flat face of a cylinder. They begin where the rim reaches furthest
-  /// along `d`; when the face is level within 1e-4, at fixed places, so that a cylinder that stands
-  /// keeps its contact points.
+  /// Points of the edge circle of a flat face of a cylinder. They begin at its furthest point along
+  /// `d`, or, if the face is level within 1e-4, at a fixed point, so that a standing cylinder keeps
+  /// its contact points.
   void cap(bool top, const vector& d, int rim, outline<Real>& out) const {
     const Real tilt = portable::hypot(d[0], d[1]);
     const bool level = !(tilt > Real(1e-4) * std::abs(d[2]));

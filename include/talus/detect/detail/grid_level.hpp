@@ -1,5 +1,5 @@
 #pragma once
-// One level of the broad phase: its cell size, and in which bucket the bodies of a cell are found.
+// One level of the broad phase: its cell size, and the bucket of each cell.
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -11,7 +11,7 @@ namespace talus::detail {
 /// One cell size. Cell (x, y, z) is bucket (x + y*row + z*slab + shift) & mask. If the cells in use
 /// span a small box, that numbering is exact (mask all ones, one empty cell between rows, so that
 /// neighbours of border cells exist). Otherwise it is a hash whose 27 neighbour buckets are all
-/// different; what else falls into them is sorted out by the distance test.
+/// different; the distance test rejects other bodies in them.
 struct grid_level {
   struct span3 {
     std::int64_t low[3], high[3];

@@ -17,7 +17,7 @@ struct ball {
   real x, y, z, reach;
 };
 
-// The register and the comparison whose answer is a bit for each lane.
+// The register and the comparison whose result is a bit for each lane.
 #if defined(__AVX512F__)
 using ball_register = __m512d;
 inline std::uint32_t not_above(ball_register a, ball_register b) {
@@ -39,7 +39,7 @@ inline std::uint32_t not_above(ball_register a, ball_register b) { return a <= b
 #endif
 
 /// Bit q is set if the ball touches the q-th of eight balls given as arrays of their coordinates.
-/// The same arithmetic, to the bit, whatever the width.
+/// The same arithmetic, to the bit, for any width.
 inline std::uint32_t touching(const ball& a, const real* x, const real* y, const real* z,
                               const real* reach) {
   constexpr std::uint32_t width = sizeof(ball_register) / sizeof(real);

@@ -1,11 +1,11 @@
 #pragma once
-// Pairs of bodies on their way from the broad phase to whoever wants them.
+// Batches of pairs from the broad phase.
 #include <cstdint>
 
 namespace talus::detail {
 
-/// Hands pairs (i, j) to a callable, some at a time: so the searches are compiled once, whatever is
-/// done with the pairs.
+/// Passes pairs (i, j) to a callable in batches, so that the searches are compiled once for all
+/// uses of the pairs.
 class pair_batch {
  public:
   /// `f` outlives the batch.
@@ -22,7 +22,7 @@ class pair_batch {
     pairs_[count_++] = {i, j};
     if (count_ == capacity) flush();
   }
-  /// To be called after the last pair.
+  /// Call it after the last pair.
   void flush() {
     const std::uint32_t count = count_;
     count_ = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Which bodies share a grid level: reaches are binned by their leading bits, and neighbouring bins
-// are merged as long as that makes the search cheaper.
+// Assigns bodies to grid levels: reaches are binned by their leading bits, and neighbouring bins
+// are merged if that makes the search cheaper.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,8 +12,8 @@
 
 namespace talus::detail {
 
-/// Bins of reaches, two per power of two, counted downwards from the largest reach; what is below
-/// the last bin joins it.
+/// Bins of reaches, two per power of two, counted downwards from the largest reach. Smaller reaches
+/// belong to the last bin.
 class size_classes {
  public:
   static constexpr unsigned bins = 64;

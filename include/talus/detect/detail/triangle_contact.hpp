@@ -1,9 +1,9 @@
 #pragma once
-// A triangle of a surface and what touches it: the nearest point, and which directions of contact
-// at an edge or a corner belong to the surface. A direction in which a neighbouring triangle comes
-// nearer is a corner of this triangle, but none of the surface: a body that slides over it must not
-// feel it (internal edges; van den Bergen 2003, Collision Detection in Interactive 3D Environments,
-// 6.3: normals outside of the Voronoi region of their feature are no contacts).
+// Contacts with a triangle of a surface: the nearest point, and the contact directions at an edge
+// or a corner that belong to the surface. If a neighbouring triangle comes nearer in a direction,
+// it belongs to this triangle but not to the surface, and must have no effect on a sliding body
+// (internal edges; van den Bergen 2003, Collision Detection in Interactive 3D Environments, 6.3:
+// normals outside the Voronoi region of their feature make no contacts).
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -55,10 +55,9 @@ struct triangle_point {
   return (across - along.dot(across) * along).normalized();
 }
 
-inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as none
+inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as zero
 
-/// Whether nothing of the surface that meets at this point comes nearer in the direction (unit)
-/// than the point itself.
+/// Whether this point is the furthest of the surrounding surface in the direction (unit).
 [[nodiscard]] inline bool nearest_of_surface(const triangle_tree& m, std::uint32_t t,
                                              const triangle_point& q, const vec3& direction) {
   if (q.edge >= 0) {
@@ -81,12 +80,12 @@ inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as
   return true;
 }
 
-/// Points of edges and corners that have made a contact, so that the next triangle that has them
-/// makes none.
+/// Points of edges and corners that have made a contact, so that the next triangle with the same
+/// point does not repeat it.
 class felt_points {
  public:
   explicit felt_points(real apart) : square_(apart * apart) {}
-  /// False if there was one at this place.
+  /// Returns false if there was a contact at this place.
   bool add(const vec3& p) {
     for (std::size_t k = 0; k < size_; ++k)
       if ((points_[k] - p).squaredNorm() <= square_) return false;

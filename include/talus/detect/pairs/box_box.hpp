@@ -1,5 +1,5 @@
 #pragma once
-// Two boxes: a patch of up to four contacts where a face is involved, else a single one.
+// Two boxes: a manifold of up to four contacts if a face is involved, else a single contact.
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/box_batch.hpp"
 #include "talus/detect/box_place.hpp"
@@ -52,7 +52,7 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
     const box_pair<Real> turned = face_of_b ? pair.swapped() : pair;
     const bool positive = turned.offset[face.i] > 0 || (turned.offset[face.i] == 0 && !face_of_b);
     box_manifold<Real> patch(turned, face.i, positive, margin);
-    // The patch must hold the nearest points, or nearly so.
+    // The manifold must contain the nearest points, or nearly so.
     const Real enough =
         best + (apart ? Real(0.05) * best + Real(1e-4) * smallest : tolerance(best));
     bool use = patch.smallest_gap() <= enough;
@@ -76,7 +76,7 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
                           single.feature()});
 }
 
-/// The same for one of the pairs of a batch whose patches have been looked for.
+/// The same for one of the pairs of a batch with computed manifolds.
 template <class Sink, class Real>
 void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box_batch<Real>& batch,
                    unsigned lane, Real margin, Sink&& sink) {
@@ -96,9 +96,9 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
 /// their nearest points, unless a face serves as well. Faces of a are preferred to those of b, and
 /// faces to edges, by half a percent of the smallest half edge and five percent of the gap (edges
 /// crossing within 11 degrees of a face's normal count as that face), so that the choice holds
-/// while a box rests on another. A feature names the parts of the two boxes that meet (of four
-/// points, one in each quarter of a patch, the corner of a that looks the same way); it is the same
-/// whichever face is the reference, and below 4096.
+/// while a box rests on another. A feature names the parts of the two boxes that meet (for four
+/// points, one in each quarter of a manifold, the corner of a on the same side). It does not depend
+/// on the reference face, and is below 4096.
 template <class Sink, class Real = real>
 void collide(const box& a, const pose& pa, const box& b, const pose& pb, real margin, Sink&& sink) {
   using namespace detail;

@@ -14,7 +14,7 @@ namespace talus {
 template <class Sink, class Real = real>
 void collide(const box& a, const pose& pa, const sphere& b, const pose& pb, real margin,
              Sink&& sink) {
-  using vector = vector3<Real>;  // known when it is used: worlds without boxes do not compile it
+  using vector = vector3<Real>;  // dependent: worlds without boxes do not compile it
   const vector h = a.half();
   const vector centre = pa.to_body(pb.position);
   const vector nearest = centre.cwiseMax(-h).cwiseMin(h);

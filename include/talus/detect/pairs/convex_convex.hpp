@@ -1,6 +1,6 @@
 #pragma once
-// Boxes, capsules, cylinders and convex polyhedra with each other, but for the pairs that have a
-// routine of their own (two boxes, two capsules).
+// Boxes, capsules, cylinders and convex polyhedra with each other, except for the pairs with a
+// special routine (two boxes, two capsules).
 #include <type_traits>
 
 #include "talus/detect/detail/convex_contact.hpp"
@@ -9,7 +9,7 @@ namespace talus {
 
 namespace detail {
 
-/// Place of a shape in the order in which pairs are computed; 0 for others.
+/// Rank of a shape in the order in which pairs are computed; 0 for other shapes.
 template <class Shape>
 inline constexpr int convex_rank = std::is_same_v<Shape, box>                 ? 1
                                    : std::is_same_v<Shape, capsule>           ? 2

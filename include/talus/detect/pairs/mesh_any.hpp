@@ -37,14 +37,14 @@ class flat_polyhedron {
     mesh_.edges.push_back({2, 0, 0, 1});
     fill(mesh_.around_begin, {0, 2, 4, 6}), fill(mesh_.around, {0, 1, 0, 1, 0, 1});
   }
-  /// Becomes triangle t, about its centroid, which is returned.
+  /// Sets it to triangle t, relative to its centroid, which is returned.
   vec3 become(const triangle_tree& m, std::uint32_t t) {
     const vec3 &a = m.corner(t, 0), &b = m.corner(t, 1), &c = m.corner(t, 2);
     const vec3 centre = (a + b + c) / 3;
     mesh_.vertices[0] = a - centre, mesh_.vertices[1] = b - centre, mesh_.vertices[2] = c - centre;
     mesh_.normals[0] = m.normals[t], mesh_.normals[1] = -m.normals[t];
     mesh_.offsets[0] = mesh_.offsets[1] = 0;
-    // What tolerances are measured by: the radius of the circle inside.
+    // The scale of tolerances: the radius of the inscribed circle.
     mesh_.measured.half_width = triangle_tree::twice_area(a, b, c).norm() /
                                 ((b - a).norm() + (c - b).norm() + (a - c).norm());
     return centre;
@@ -99,8 +99,8 @@ void collide(const triangle_mesh& a, const pose& pa, const sphere& b, const pose
 }
 
 /// Calls `sink(contact_geometry)` for the points of each triangle with a gap of at most `margin`,
-/// up to four each. Inner edges over which the surface goes on flat, or bends towards the body, are
-/// felt as the plane of their triangle.
+/// up to four each. Inner edges over which the surface is flat, or bends towards the body, act as
+/// the plane of their triangle.
 template <class B, class Sink>
 requires(detail::convex_rank<B> > 0) void collide(const triangle_mesh& a, const pose& pa,
                                                   const B& b, const pose& pb, real margin,
@@ -129,8 +129,8 @@ requires(detail::convex_rank<B> > 0) void collide(const triangle_mesh& a, const 
         if (felt.add(q.at))
           sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
       } else {
-        // No direction of the surface. What counts is the body's lowest point, if it is over this
-        // triangle.
+        // The direction does not belong to the surface. Use the lowest point of the body, if it is
+        // over this triangle.
         const bool under = m.normals[t].dot(there.position - m.corner(t, 0)) < 0;
         const vec3 above = rotated(pa.orientation, under ? vec3(-m.normals[t]) : m.normals[t]);
         const vec3 lowest = view_b.support(-above) - view_b.rounding() * above;
@@ -146,7 +146,7 @@ requires(detail::convex_rank<B> > 0) void collide(const triangle_mesh& a, const 
   });
 }
 
-/// What cannot move makes no contacts with its like.
+/// Immovable bodies make no contacts with each other.
 template <class Sink>
 void collide(const triangle_mesh&, const pose&, const triangle_mesh&, const pose&, real, Sink&&) {}
 template <class Sink>

@@ -10,11 +10,11 @@ namespace talus {
 
 /// Calls `sink(contact_geometry)` for the corners of the box with a gap of at most `margin`, in the
 /// order of their numbers; the feature is the number of the corner (bit i: positive side of axis
-/// i). Only the four corners of the face that looks most towards the plane can be contacts: the
-/// lowest is among them, and each of the others lies above one of them.
+/// i). Only the four corners of the face that faces the plane most can be contacts: the lowest is
+/// among them, and each of the others lies above one of them.
 template <class Sink, class Real = real>
 void collide(const plane& a, const pose&, const box& b, const pose& pb, real margin, Sink&& sink) {
-  using vector = vector3<Real>;  // known when it is used: worlds without boxes do not compile it
+  using vector = vector3<Real>;  // dependent: worlds without boxes do not compile it
   const vector up = a.unit_normal();
   const Real height = up.dot(pb.position) - a.offset;
   const vector h = b.half();

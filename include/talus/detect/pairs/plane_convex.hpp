@@ -1,6 +1,6 @@
 #pragma once
 // A half-space with a capsule, a cylinder or a convex polyhedron: the near points of the face or
-// line that looks most towards the plane.
+// line that faces the plane most.
 #include <array>
 #include <cmath>
 
@@ -40,8 +40,8 @@ struct corners_near_plane {
 
 /// Calls `sink(contact_geometry)` for up to four points with a gap of at most `margin`, the lowest
 /// among them (within 1e-4 of the thickness); the feature is the number of the corner. A cylinder
-/// that stands on a flat face has four fixed points of its rim, but as soon as it leans by 1e-4 the
-/// lowest point is one of the four.
+/// that stands on a flat face has four fixed points of its edge circle; if it leans by 1e-4 or
+/// more, the lowest point is one of the four.
 template <class B, class Sink, class Real = real>
 requires(detail::convex_rank<B> > 1) void collide(const plane& a, const pose&, const B& b,
                                                   const pose& pb, real margin, Sink&& sink) {

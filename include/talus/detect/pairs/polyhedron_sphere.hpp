@@ -12,7 +12,7 @@ namespace talus {
 
 namespace detail {
 
-/// The point nearest to a point outside the polyhedron, on one of the faces that look towards it.
+/// The point nearest to a point outside the polyhedron, on one of the faces that face it.
 template <class Real>
 [[nodiscard]] vector3<Real> nearest_on_mesh(const polyhedron_mesh& m, const vector3<Real>& p) {
   using vector = vector3<Real>;

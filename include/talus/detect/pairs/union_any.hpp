@@ -1,5 +1,5 @@
 #pragma once
-// A union and anything else: the contacts of its parts, one after the other.
+// A union and any other shape: the contacts of its parts, one after the other.
 #include <cstdint>
 
 #include "talus/contact/contact_geometry.hpp"
@@ -11,7 +11,7 @@ namespace talus {
 
 namespace detail {
 
-/// Contacts of a part, its number put into their features.
+/// Adds the number of a part to the features of its contacts.
 template <class A, class B, class Sink>
 void collide_parts(const A& a, const pose& pa, const B& b, const pose& pb, real margin,
                    std::uint64_t numbers, Sink& sink) {

@@ -1,5 +1,5 @@
 #pragma once
-// The parts of any_geometry that are not hot: canonical form, nested evaluation, text.
+// The parts of any_geometry outside the hot path: canonical form, nested evaluation, text.
 #include "talus/core/linkage.hpp"
 #include "talus/geometry/any_geometry.hpp"
 
@@ -46,7 +46,7 @@ TALUS_INLINE void geometry_group::settle() {
       return;
     } else {
       for (const half_space& h : group.planes) add(h);
-      // The part of a lone group is a group of this kind again: its parts join this one.
+      // A single nested group is of this kind again: its parts join this group.
       for (auto& inner : group.groups) {
         if (inner.all_of != all_of) {
           add(std::move(inner));
@@ -77,7 +77,7 @@ struct geometry_text {
   }
 };
 
-/// Passes on the complement of what it is told.
+/// Forwards the complement of its input.
 struct geometry_flip {
   geometry_builder& to;
   void open(bool all_of) { to.open(!all_of); }

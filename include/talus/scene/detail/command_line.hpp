@@ -80,7 +80,7 @@ TALUS_INLINE command_line::option* command_line::find(std::string_view name) {
 
 TALUS_INLINE void command_line::parse(int argc, const char* const* argv) {
   const auto name_in = [](std::string_view word) { return word.substr(0, word.find('=')); };
-  // Help is given whatever else is wrong, so the first mistake waits for the last word.
+  // --help takes precedence over errors, so the first error is reported after the last argument.
   std::string mistake;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i], name = name_in(word);
@@ -205,7 +205,7 @@ TALUS_INLINE std::string command_line::help(std::string_view program) const {
   return text;
 }
 
-/// In as few digits as tell it apart; numbers from a `float` by those of a float.
+/// With the fewest digits that identify it; numbers from a `float` with those of a float.
 TALUS_INLINE std::string command_line::print(number value, kind holds) {
   if (holds == kind::real) {
     const auto single = static_cast<float>(value);

@@ -1,6 +1,6 @@
 #pragma once
-// Which of the options do nothing in a program: its scenario decides. They are not offered, and
-// refused with what would make them work.
+// The scenario decides which options have no effect in a program. The help omits these, and their
+// refusal says how to enable them.
 #include <type_traits>
 
 #include "talus/scene/options.hpp"
@@ -9,7 +9,7 @@
 
 namespace talus::detail {
 
-/// Withdraws the options that a program of this scenario has no use for.
+/// Withdraws the options without effect in a program of this scenario.
 template <class Scenario>
 [[gnu::cold]] void withdraw_options(command_line& cli, const options& o) {
   if constexpr (Scenario::contact_law::soft) {

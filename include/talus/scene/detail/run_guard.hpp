@@ -1,5 +1,6 @@
 #pragma once
-// What ends a run without its knowledge: exit() in a callback, and exceptions without words.
+// Guards against exit() in a callback and exceptions without a message, which would end a run
+// silently.
 #include <cxxabi.h>
 #include <unistd.h>
 
@@ -17,7 +18,7 @@
 
 namespace talus::detail {
 
-/// Where a rank is in its run. Trivial, as it is read while the program ends.
+/// The progress of a rank in its run. Trivial, because it is read while the program ends.
 struct run_place {
   int rank = -1;
   std::uint64_t step = 0;  ///< the last that is complete
@@ -38,7 +39,7 @@ struct run_under_way {
 /// that is not 0; otherwise it does nothing.
 [[gnu::cold]] void refuse_exit(int code);
 
-/// While it lives, on each rank, exit() is no way to end the process.
+/// During its lifetime on each rank, exit() ends the process with an error.
 class exit_guard {
  public:
   exit_guard(const run_place& place, const std::string& name, const std::string& json);
@@ -47,7 +48,7 @@ class exit_guard {
   ~exit_guard();
 };
 
-/// In a handler of an exception that is no std::exception: throws one that says so.
+/// In the handler of an exception that is not a std::exception: throws one that reports it.
 [[noreturn, gnu::cold]] void rethrow_with_words(const run_place& place);
 
 }  // namespace talus::detail
