@@ -32,6 +32,11 @@ struct changed {
   static constexpr const char* name = "changed";
   static constexpr travels travel = travels::when_changed;
 };
+struct toggled {
+  using value_type = std::uint64_t;
+  static constexpr const char* name = "toggled";
+  static constexpr travels travel = travels::when_changed;
+};
 struct migrating {
   using value_type = vec3;
   static constexpr const char* name = "migrating";
@@ -54,7 +59,7 @@ double mark_of(system_id id, std::uint64_t steps) {
 struct marks {
   using talus_part_of = roles::features;
   static constexpr const char* name = "marks";
-  using columns = type_list<staying, refreshed, migrating, changed>;
+  using columns = type_list<staying, refreshed, migrating, changed, toggled>;
   struct state {
     std::uint64_t steps = 0;
     void each_number(auto& visit) { visit.largest(largest); }
@@ -65,8 +70,10 @@ struct marks {
       auto& s = stage.state();
       ++s.steps;
       s.largest = static_cast<double>(s.steps);
-      stage.for_each_local(
-          [&](const auto& b) { b.template set<refreshed>(mark_of(b.id(), stage.steps())); });
+      stage.for_each_local([&](const auto& b) {
+        b.template set<refreshed>(mark_of(b.id(), stage.steps()));
+        if (stage.steps() % 7 == 0) b.template set<toggled>(stage.steps() / 7 + 1);
+      });
     }
   };
 };
@@ -209,6 +216,7 @@ TEST_CASE_TEMPLATE("a shadow copy has the columns that travel to it, and the def
         if (b.is_global()) return;
         CHECK(b.template get<refreshed>() == mark_of(b.id(), w.steps() - 1));
         CHECK(b.template get<changed>() == static_cast<std::uint32_t>(value_of(b.id())) + 1);
+        CHECK(b.template get<toggled>() == (w.steps() - 1) / 7 + 1);
         if (!b.is_remote()) return;
         CHECK(b.template get<migrating>() == migrating::initial);
         CHECK(b.template get<staying>() == staying::initial);

@@ -21,12 +21,13 @@ namespace talus {
 template <class Scenario, class Store, class Columns>
 class stage_body {
   using store_type = std::remove_const_t<Store>;
+  using state_type = std::conditional_t<std::is_const_v<Store>, const detail::world_state<Scenario>,
+                                        detail::world_state<Scenario>>;
 
  public:
   using shape_type = typename store_type::shape_type;
 
-  stage_body(const detail::world_state<Scenario>& s, Store& store, std::size_t i, bool global,
-             std::size_t number)
+  stage_body(state_type& s, Store& store, std::size_t i, bool global, std::size_t number)
       : s_(s), store_(store), i_(i), global_(global), number_(number) {}
 
   /// Number of the body, the same on all ranks.
@@ -65,16 +66,18 @@ class stage_body {
     else
       return detail::initial_of<Column>();
   }
-  /// Sets the value of a column of the feature, of a body that this rank owns.
+  /// Sets the value of a column of the feature, of a body that this rank owns. Shadow copies get it
+  /// when bodies are shared next, if the column travels to them.
   template <class Column>
   void set(const typename Column::value_type& value) const requires(!std::is_const_v<Store>) {
     static_assert(detail::contains_type<Columns, Column>,
                   "a hook sets columns of its own feature: add the column to its `columns`");
     store_.template column<Column>()[i_] = value;
+    if constexpr (detail::travel_of<Column>() == travels::when_changed) s_.changed = true;
   }
 
  private:
-  const detail::world_state<Scenario>& s_;
+  state_type& s_;
   Store& store_;
   std::size_t i_;
   bool global_;
