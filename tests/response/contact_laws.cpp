@@ -49,8 +49,8 @@ typename Law::law::parameters made_of(const auto&... of_parts) {
   return all;
 }
 template <class Law>
-interaction_force force(const contact_kinematics& c, const typename Law::law::parameters& p,
-                        typename Law::memory& memory) {
+pair_force force(const contact_kinematics& c, const typename Law::law::parameters& p,
+                 typename Law::memory& memory) {
   not_booked none;
   return Law::law::force(c, p, dt, memory, none);
 }

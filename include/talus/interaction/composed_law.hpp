@@ -91,6 +91,10 @@ struct knowledge<false> {
   static constexpr bool known = true;
 };
 
+/// What a contact does to body a; the opposite acts on body b.
+struct pair_force {
+  vec3 force{0, 0, 0}, moment{0, 0, 0};
+};
 /// What the energy ledger books of a contact: forces and moments on body a, and energies.
 struct booked_contact {
   vec3 spring{0, 0, 0}, dashpot{0, 0, 0}, friction{0, 0, 0};
@@ -171,54 +175,21 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
 
   /// The force of a contact; `memory` is brought forward by `dt`. A booked_contact is filled.
   template <class Booked>
-  [[nodiscard]] static interaction_force force(const contact_kinematics& c, const parameters& p,
-                                               real dt, memory& m, Booked& books) {
-    interaction_force sum;
+  [[nodiscard]] static pair_force force(const contact_kinematics& c, const parameters& p, real dt,
+                                        memory& m, Booked& books) {
+    pair_force sum;
     bearing_of<Bearer> b;
-    bool bears = false;
-    const auto add_law = [&]<class Law>() {
-      if (!acts<Law>(c, p)) {
-        of<Law>(m) = {};
-        return;
-      }
-      stored_energy before;
-      if constexpr (is_booked<Booked>) before = Law::stored(c, of<Law>(p), of<Law>(m));
-      const auto f = Law::force(c, of<Law>(p), dt, of<Law>(m));
-      if constexpr (std::is_same_v<Law, Bearer>) b = f, bears = true;
-      if constexpr (std::is_same_v<Law, first_of<Laws...>>)
-        sum.force = f.force;
-      else
-        sum.force += f.force;
-      if constexpr (has_moment<Law>) sum.moment += f.moment;
-      if constexpr (is_booked<Booked>)
-        book_law<Law>(books, c, f, before, Law::stored(c, of<Law>(p), of<Law>(m)));
-    };
-    (add_law.template operator()<Laws>(), ...);
-    const auto add_resistance = [&]<class Part>() {
-      if (!bears) {
-        of<Part>(m) = {};
-        return;
-      }
-      if constexpr (is_booked<Booked>)
-        books.across_before += Part::stored(c, b, of<Part>(p), of<Part>(m));
-      const interaction_force f = Part::force(c, b, of<Part>(p), dt, of<Part>(m));
-      if constexpr (has_force<Part>) sum.force += f.force;
-      if constexpr (has_moment<Part>) sum.moment += f.moment;
-      if constexpr (is_booked<Booked>) {
-        books.across += Part::stored(c, b, of<Part>(p), of<Part>(m));
-        books.yielded += f.lost;
-        books.spring += f.conserved, books.spring_moment += f.conserved_moment;
-        books.friction += f.force - f.conserved;
-        books.friction_moment += f.moment - f.conserved_moment;
-      }
-    };
-    (add_resistance.template operator()<Resistances>(), ...);
-    return (void)add_resistance, (void)bears, (void)b, sum;
+    bool bears = false;  // whether the law acts that bears
+    (add_law<Laws>(sum, b, bears, c, p, dt, m, books), ...);
+    (add_resistance<Resistances>(sum, b, bears, c, p, dt, m, books), ...);
+    (void)b, (void)bears;
+    return sum;
   }
   [[nodiscard]] static interaction_force force(const contact_kinematics& c, const parameters& p,
                                                real dt, memory& m) {
     booked_contact books;
-    interaction_force f = force(c, p, dt, m, books);
+    const pair_force sum = force(c, p, dt, m, books);
+    interaction_force f{.force = sum.force, .moment = sum.moment};
     f.conserved = books.spring, f.conserved_moment = books.spring_moment;
     f.lost = books.yielded - books.released;
     return f;
@@ -303,6 +274,51 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     else
       return c.gap < 0;
   }
+  template <class Law, class Booked>
+  [[gnu::always_inline]] static inline void add_law(pair_force& sum, bearing_of<Bearer>& b,
+                                                    bool& bears, const contact_kinematics& c,
+                                                    const parameters& p, real dt, memory& m,
+                                                    Booked& books) {
+    if (!acts<Law>(c, p)) {
+      of<Law>(m) = {};
+      return;
+    }
+    stored_energy before;
+    if constexpr (is_booked<Booked>) before = Law::stored(c, of<Law>(p), of<Law>(m));
+    const auto f = Law::force(c, of<Law>(p), dt, of<Law>(m));
+    if constexpr (std::is_same_v<Law, Bearer>) b = f, bears = true;
+    if constexpr (std::is_same_v<Law, first_of<Laws...>>)
+      sum.force = f.force;
+    else
+      sum.force += f.force;
+    if constexpr (has_moment<Law>) sum.moment += f.moment;
+    if constexpr (is_booked<Booked>)
+      book_law<Law>(books, c, f, before, Law::stored(c, of<Law>(p), of<Law>(m)));
+  }
+  template <class Part, class Booked>
+  [[gnu::always_inline]] static inline void add_resistance(pair_force& sum,
+                                                           const bearing_of<Bearer>& b, bool bears,
+                                                           const contact_kinematics& c,
+                                                           const parameters& p, real dt, memory& m,
+                                                           Booked& books) {
+    if (!bears) {
+      of<Part>(m) = {};
+      return;
+    }
+    if constexpr (is_booked<Booked>)
+      books.across_before += Part::stored(c, b, of<Part>(p), of<Part>(m));
+    const interaction_force f = Part::force(c, b, of<Part>(p), dt, of<Part>(m));
+    if constexpr (has_force<Part>) sum.force += f.force;
+    if constexpr (has_moment<Part>) sum.moment += f.moment;
+    if constexpr (is_booked<Booked>) {
+      books.across += Part::stored(c, b, of<Part>(p), of<Part>(m));
+      books.yielded += f.lost;
+      books.spring += f.conserved, books.spring_moment += f.conserved_moment;
+      books.friction += f.force - f.conserved;
+      books.friction_moment += f.moment - f.conserved_moment;
+    }
+  }
+
   /// What is not conserved is lost in dashpots along the normal, and in friction across it.
   template <class Law, class Force>
   static void book_law(booked_contact& books, const contact_kinematics& c, const Force& f,

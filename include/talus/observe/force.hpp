@@ -99,7 +99,7 @@ template <class Scenario, class Shape>
   if constexpr (Scenario::contact_law::soft) {
     detail::observe_forces(
         s, [&](const detail::contact_key& key, const vec3& point, const vec3& centre_a,
-               const vec3& centre_b, const interaction_force& f, bool counts) {
+               const vec3& centre_b, const detail::pair_force& f, bool counts) {
           if (counts) load.add(key.a, key.b, point, centre_a, centre_b, f.force, f.moment);
         });
   } else {

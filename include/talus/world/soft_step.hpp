@@ -37,7 +37,7 @@ class force_adder {
   };
   /// One that is told the point where the force acts, and both centres as seen from body a.
   static constexpr bool watches_loads =
-      requires(Observer & o, const contact_key& k, const vec3& p, const interaction_force& f) {
+      requires(Observer & o, const contact_key& k, const vec3& p, const pair_force& f) {
     o(k, p, p, p, f, true);
   };
   static constexpr bool remembers = state_type::law::remembers;
@@ -64,7 +64,7 @@ class force_adder {
       if (b_.id[j] < a_.id[i]) std::swap(i, j);
     const bool own_a = i < a_.locals;
     bool own_b = !paired || j < b_.locals;
-    at_ = {a_.position[i], b_.position[j], j};
+    at_.a = a_.position[i], at_.b = b_.position[j], at_.body_b = j;
     if constexpr (paired && state_type::periodic) {
       at_ = minimum_image<ShapeA, ShapeB>(s_, i, j);
       if (!at_.known) return;
@@ -85,7 +85,7 @@ class force_adder {
                        return;
                    const contact_key key{a_.id[i], b_.id[j], g.feature};
                    const bool counts = own_a || !boundary;
-                   const interaction_force f = add(i, j, g, key, counts);
+                   const pair_force f = add(i, j, g, key, counts);
                    if constexpr (surveyed) {
                    } else if constexpr (watches_geometry) {
                      observer_(key, g, f.force, counts);
@@ -120,8 +120,9 @@ class force_adder {
       return pair.known ? law::range(pair, 1 / curvature) : 0;
     }
   }
-  interaction_force add(std::size_t i, std::size_t j, const contact_geometry& g,
-                        const contact_key& key, bool counts) {
+  [[gnu::always_inline]] inline pair_force add(std::size_t i, std::size_t j,
+                                               const contact_geometry& g, const contact_key& key,
+                                               bool counts) {
     soft_body& A = s_.soft.bodies[first_a_ + i];
     contact_kinematics t;
     t.normal = g.normal;
@@ -169,7 +170,7 @@ class force_adder {
       return {};
     }
     std::conditional_t<booked, booked_contact, not_booked> books;
-    const interaction_force f = law::force(t, pair, observed ? 0 : s_.dt, memory, books);
+    const pair_force f = law::force(t, pair, observed ? 0 : s_.dt, memory, books);
     if constexpr (observed) return f;
     (void)counts;
     if (!law::reaches || g.gap < 0)
@@ -217,7 +218,7 @@ class force_adder {
     (void)j, (void)arm_b;
   }
 
-  [[nodiscard]] static bool is_zero(const interaction_force& f) {
+  [[nodiscard]] static bool is_zero(const pair_force& f) {
     const vec3 zero(0, 0, 0);
     return f.force == zero && f.moment == zero;
   }
