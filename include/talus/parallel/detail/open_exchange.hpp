@@ -79,7 +79,7 @@ class open_exchange {
   bool reducing_ = false;
 };
 
-/// A neighbour sent a message of another size than agreed.
+/// Throws because the message of a neighbour has another size than expected.
 [[noreturn]] inline void fail_size(int rank, const parcel& p, std::optional<std::size_t> came) {
   fail<std::runtime_error>(
       "rank {} expected {} bytes from rank {}, but {} came: the two ranks disagree about what they "
