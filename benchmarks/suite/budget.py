@@ -64,7 +64,7 @@ def write(results, values):
         rate = bandwidth(limits, first["working_set_bytes"])
         texts.append(
             f"### {count(bodies)} bodies, {count(first['contacts'])} contacts\n\n"
-            f"{number(first['ms_of_step'])} ms per step with 10 iterations; pairs are looked for in "
+            f"{number(first['ms_of_step'])} ms per step with 10 iterations; the neighbour list is rebuilt in "
             f"{100 * first['searches_per_step']:.0f} % of the steps. The sweeps work on "
             f"{number(first['working_set_bytes'] / 2**20)} MiB, for which the triad has {number(rate)} "
             f"GB/s (between the sizes measured).\n\n" + table(

@@ -30,8 +30,8 @@ class convex_contact {
         rounding_(a.rounding() + b.rounding()),
         smallest_(std::min(a.smallest(), b.smallest())) {}
 
-  /// The points with a gap of at most the margin, four at most. (Handed out in a list: so all this
-  /// is compiled once, whatever is done with them.)
+  /// The points with a gap of at most the margin, at most four. (A list, so that this is compiled
+  /// once for all uses of the points.)
   [[nodiscard]] std::span<const contact_geometry> find() {
     size_ = 0;
     search();
@@ -46,8 +46,8 @@ class convex_contact {
     if (of_a.gap > margin_ || of_b.gap > margin_) return;
     const bool by_b = of_a.face < 0 || of_b.gap > of_a.gap + tolerance(of_a.gap);
     const face_axis& face = by_b ? of_b : of_a;
-    // Shapes that touch, or nearly: a face that holds points as near as its plane allows is right,
-    // since no other direction can do better by more than the tolerance.
+    // For shapes that touch, or nearly, a face with points as near as its plane allows is correct,
+    // because no other direction is better by more than the tolerance.
     if (face.gap >= -level_ * smallest_ && by_face(face, by_b, face.gap)) return;
 
     const convex_pair<Real> pair{a_, b_};
@@ -67,15 +67,15 @@ class convex_contact {
     emit(nearest.normal, Real(0.5) * (on_a + on_b), gap, 0, 0);
   }
 
-  /// The face that tells the shapes apart best, and the gap of the surfaces along its normal.
+  /// The face that separates the shapes best, and the gap of the surfaces along its normal.
   struct face_axis {
     int face = -1;
     Real gap = -std::numeric_limits<Real>::infinity();
   };
   [[nodiscard]] face_axis best_face(const convex_view<Real>& one,
                                     const convex_view<Real>& other) const {
-    // A bound for each face, since a ball is inside the other: the most promising first, and only
-    // those that can still be better.
+    // The ball inside the other shape gives a bound for each face. Test the best bounds first, and
+    // only faces that can still be better.
     const int faces = one.faces();
     const vector centre = one.local(other.centre());
     face_axis best, first;
@@ -104,7 +104,7 @@ class convex_contact {
     found_[size_++] = {normal, origin_ + point, gap, of_a | of_b << 16};
   }
 
-  /// The patch over that face, if it holds points with a gap near `wanted`, the smallest there is.
+  /// The manifold over that face, if it holds points with a gap near `wanted`, the smallest gap.
   bool by_face(const face_axis& face, bool by_b, Real wanted) {
     if (face.face < 0) return false;
     const convex_view<Real>&one = by_b ? b_ : a_, &other = by_b ? a_ : b_;
@@ -126,7 +126,7 @@ class convex_contact {
     return true;
   }
 
-  /// Two contacts where a straight line of each shape lies along the other.
+  /// Two contacts if a straight line of each shape lies along the other.
   bool by_lines(const core_distance<Real>& nearest, Real gap) {
     const vector& n = nearest.normal;
     outline<Real> of_a, of_b;

@@ -1,7 +1,7 @@
 #pragma once
-// How deep two convex cores overlap, and along which direction they part soonest: the expanding
-// polytope algorithm (van den Bergen 2001) on the difference of the two. It starts from any
-// tetrahedron in the difference: a face that the origin lies beyond is just the nearest one.
+// The penetration depth of two convex cores and its direction: the expanding polytope algorithm
+// (van den Bergen 2001) on the Minkowski difference of the two. It starts from any tetrahedron in
+// the difference; a face with the origin beyond it is the nearest one.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -100,7 +100,7 @@ class expanding_polytope {
     const vector &a = point_at(i).w, &b = point_at(j).w, &c = point_at(k).w;
     const vector area = (b - a).cross(c - a);
     const Real size = area.norm();
-    // A sliver has no normal: it closes the surface, but is never looked at.
+    // A sliver has no normal: it closes the surface, but is never tested.
     if (size > Real(1e-14) * ((b - a).squaredNorm() + (c - a).squaredNorm())) {
       f.normal = area / size;
       f.offset = f.normal.dot(a);
@@ -114,8 +114,8 @@ class expanding_polytope {
     return best;
   }
 
-  /// Puts a point on top of a face: all faces around it that the point sees go, and their border is
-  /// joined to the point. False if there is no room, or round-off has torn the border.
+  /// Adds a point beyond a face: removes all faces visible from the point, and joins their border
+  /// to it. Returns false if there is no room, or if round-off has broken the border.
   bool insert(const point& p, int seen) {
     border_.size = 0;
     face_at(seen).gone = true;
@@ -160,15 +160,15 @@ class expanding_polytope {
   } border_;
 };
 
-/// Overlap (or mere touch) of two cores of which at least one has a volume. `smallest` is their
-/// thickness, by which tolerances are measured.
+/// Overlap (or touch) of two cores of which at least one has a volume. `smallest` is their
+/// thickness, the scale of tolerances.
 template <class Real>
 [[nodiscard]] core_distance<Real> depth_of(const convex_pair<Real>& pair, Real smallest) {
   using vector = vector3<Real>;
   const bool curved = pair.a.curved() || pair.b.curved();
   expanding_polytope<Real> polytope(pair);
   auto facet = polytope.nearest(Real(curved ? 1e-3 : 1e-10) * smallest);
-  // (Where the iteration below would be slow, the facets do it.)
+  // (The facets solve the cases in which the iteration below would be slow.)
   if (curved && pair.gap_along(-facet.normal) < Real(-0.1) * smallest)
     facet = polytope.nearest(Real(1e-6) * smallest);
   core_distance<Real> best;
@@ -178,10 +178,10 @@ template <class Real>
   simplex<Real> corners;
   for (const auto& p : facet.corners) corners.add(p, true);
   vector moved = vector::Zero();
-  // Seen from a little outside along the right direction, the nearest points are those that part
-  // last. The facets of a round surface only nearly look that way; but then the direction of the
-  // nearest points is a better one: a fixed point, approached by a factor of about depth over
-  // radius of curvature.
+  // If one core is shifted slightly outside along the right direction, the nearest points are those
+  // of deepest penetration. The normals of the facets of a round surface only approximate this
+  // direction, but the direction of the nearest points is a better one: a fixed-point iteration
+  // that converges by a factor of about depth over radius of curvature.
   for (int k = 0; k < (curved ? 6 : 1); ++k) {
     const vector out = (std::max(Real(0), -best.gap) + Real(0.01) * smallest) * best.normal;
     const auto apart =

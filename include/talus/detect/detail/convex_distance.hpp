@@ -29,8 +29,8 @@ struct convex_pair {
     p.w = p.a - p.b;
     return p;
   }
-  /// Gap of the cores along a unit direction from b to a: the larger, the better it tells them
-  /// apart; never more than their distance.
+  /// Gap of the cores along a unit direction from b to a: a larger gap separates them better; it is
+  /// at most their distance.
   [[nodiscard]] Real gap_along(const vector3<Real>& n) const { return n.dot(support(-n).w); }
 };
 
@@ -164,7 +164,7 @@ template <class Real>
   vector v = s.size() > 0 ? s.nearest() : guess;
   if (!(v.squaredNorm() > 0)) v = {1, 0, 0};
   Real square = s.size() > 0 ? v.squaredNorm() : std::numeric_limits<Real>::infinity();
-  bool outside = s.size() > 0;  // some direction has told the two apart
+  bool outside = s.size() > 0;  // some direction separates the two
   for (int k = s.size(); k < 100; ++k) {
     const difference_point<Real> p = pair.support(-v);
     const Real along = v.dot(p.w), length = v.norm();

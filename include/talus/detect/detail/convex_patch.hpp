@@ -1,7 +1,7 @@
 #pragma once
-// The patch where two convex shapes meet, seen along their normal: the face or line of one is cut
-// to the outline of a face of the other (Sutherland, Hodgman 1974), or two parallel lines to their
-// common part. At most four points are kept.
+// The manifold of two convex shapes along their normal: the face or line of one is clipped to the
+// outline of a face of the other (Sutherland, Hodgman 1974), or two parallel lines to their common
+// part. At most four points are kept.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +12,8 @@
 
 namespace talus::detail {
 
-/// Corner of a patch: its place in the plane of the reference face, the height of the other core
-/// above it, and the parts of the two shapes whose crossing it is.
+/// Corner of a manifold: its position in the plane of the reference face, the height of the other
+/// core above it, and the parts of the two shapes that cross there.
 template <class Real>
 struct patch_point {
   Real u, v, height;
@@ -22,8 +22,8 @@ struct patch_point {
 };
 
 /// Of many points, four that span much of their area, the lowest (within `tolerance`) among them.
-/// Ties go by small relative steps rather than to the last bit, so that the choice stays the same
-/// while a body rests. The order stays.
+/// Ties are decided by small relative differences rather than the last bit, so that the choice is
+/// stable while a body rests. The order stays.
 template <class Real>
 [[nodiscard]] int keep_four(patch_point<Real>* p, int size, Real tolerance) {
   if (size <= 4) return size;

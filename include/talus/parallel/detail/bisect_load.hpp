@@ -1,7 +1,7 @@
 #pragma once
-// Where recursive bisection cuts a load that is spread over ranks: level by level, each cut by
-// histograms that become finer around it. No rank ever holds more of the load than its own; what is
-// sent are some reductions per level, of 64 numbers for each part to be cut.
+// Computes the cuts of recursive bisection for a load distributed over ranks, level by level, by
+// histograms that become finer around each cut. Each rank holds only its own part of the load. Each
+// level takes some reductions of 64 numbers for each part.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,13 +17,13 @@
 
 namespace talus::detail {
 
-/// The box that is shared out: axes that are not open are never cut.
+/// The box that is divided: axes that are not open are never cut.
 struct cut_bounds {
   std::array<real, 3> lower{}, upper{};
   std::array<bool, 3> open{};
 };
 
-/// No domain becomes narrower than this part of the bounds.
+/// No domain becomes narrower than this fraction of the bounds.
 inline constexpr real narrowest = 1e-6;
 
 /// A part of space with several ranks.
@@ -39,7 +39,7 @@ struct part_to_cut {
         part_to_cut{number + 1, below(), space.below(cut)},
         part_to_cut{number + static_cast<std::size_t>(below()), ranks - below(), space.above(cut)}};
   }
-  /// Where the volume is shared out: within the bounds, and as wide as they are where the part lies
+  /// The extent whose volume is divided: within the bounds, or as wide as they are if the part lies
   /// beyond them.
   [[nodiscard]] std::array<real, 2> range(const cut_bounds& box, std::size_t axis) const {
     const real width = box.upper[axis] - box.lower[axis], least = narrowest * ranks * width;
@@ -52,8 +52,8 @@ struct part_to_cut {
     const auto [from, to] = range(box, static_cast<std::size_t>(axis));
     cut = {axis, from + (to - from) * below() / ranks};
   }
-  /// Midway between two points, but leaving room for all ranks on each side. Where there is nothing
-  /// on one of the sides the points are infinite, and the volume is cut.
+  /// Midway between two points, with enough width for all ranks on each side. If one of the sides
+  /// is empty, the points are infinite and the volume is cut.
   void cut_between(real last, real next, const cut_bounds& box) {
     if (!std::isfinite(last) || !std::isfinite(next)) return cut_volume(box, cut.axis);
     const auto k = static_cast<std::size_t>(cut.axis);
@@ -64,7 +64,7 @@ struct part_to_cut {
   }
 };
 
-/// The axis of the largest of three extents, of those that are open; the lowest of equal ones.
+/// The open axis with the largest extent; the lowest of equal ones.
 [[nodiscard]] inline int longest_axis(const std::array<real, 3>& extents, const cut_bounds& box) {
   int longest = -1;
   for (int k = 0; k < 3; ++k)
@@ -99,7 +99,7 @@ struct part_to_cut {
   return all;
 }
 
-/// The interval in which a cut lies, and what weighs below it.
+/// The interval in which a cut lies, and the weight below it.
 struct cut_search {
   static constexpr std::size_t bins = 64;
 
@@ -121,8 +121,8 @@ struct cut_search {
     while (k + 1 < bins && x >= edge(k + 1)) ++k;
     return k;
   }
-  /// Goes on in the bin that holds the target; or ends there, if it is the last time or finer bins
-  /// would not matter, with the edge that is nearer to it as `from`.
+  /// Continues in the bin that holds the target. In the last round, or if finer bins have no
+  /// effect, it ends there, with the nearer edge as `from`.
   void narrow(std::span<const std::uint64_t> weights, bool last) {
     std::size_t k = 0;
     while (k + 1 < bins && below + weights[k] < target) below += weights[k++];
@@ -135,14 +135,14 @@ struct cut_search {
   }
 };
 
-/// Cuts a load of which each rank of a link holds some points, all of one weight on a rank.
+/// Cuts a load of which each rank of a link holds some points, with one weight per rank.
 template <class Link>
 class load_bisection {
  public:
   load_bisection(Link& link, std::span<const vec3> places, std::uint64_t weight)
       : link_(link), places_(places), weight_(weight) {}
 
-  /// The cuts for so many ranks; `before` says across which axes it was cut so far. Collective.
+  /// The cuts for the given number of ranks; `before` gives the previous axes. Collective.
   [[nodiscard, gnu::cold]] std::vector<bisection_cut> cuts(const cut_bounds& box,
                                                            const std::vector<bisection_cut>& before,
                                                            int ranks) {
@@ -230,8 +230,8 @@ class load_bisection {
       s.narrow(mine, last);
     }
   }
-  /// A cut goes midway between the points next to it, so that what lies in layers is not cut
-  /// through a layer. Where there is nothing on one of its sides, the volume is cut.
+  /// A cut lies midway between the points next to it, so that it does not cut through a layer of
+  /// bodies. If one of its sides is empty, the volume is cut.
   void move_between_neighbours(plain_vector<part_to_cut>& parts,
                                const plain_vector<cut_search>& searches, const cut_bounds& box) {
     plain_vector<double> next(2 * parts.size(), -part_of_space::infinity);
@@ -244,7 +244,7 @@ class load_bisection {
     for (std::size_t p = 0; p < parts.size(); ++p)
       parts[p].cut_between(next[2 * p], -next[2 * p + 1], box);
   }
-  /// The halves that are to be cut further, and in which of them each point is.
+  /// The halves to be cut further, and the half of each point.
   void divide(plain_vector<part_to_cut>& parts) {
     plain_vector<part_to_cut> next;
     plain_vector<std::uint32_t> number(2 * parts.size(), settled);

@@ -1,5 +1,5 @@
 #pragma once
-// How check_connections finds flaws.
+// The algorithm of check_connections.
 #include <algorithm>
 
 #include "talus/core/id.hpp"
@@ -27,11 +27,11 @@ inline std::string summary(const std::vector<connection_flaw>& flaws) {
   return text;
 }
 
-/// Ownership by hand: a rank owns what no connected rank claims.
+/// Ownership by hand: a rank owns the points that no connected rank claims.
 struct hand_rule {
   static constexpr bool generated = false;
   std::span<const std::vector<connection>> all;
-  /// The owner in the eyes of a rank.
+  /// The owner according to a rank.
   [[nodiscard]] int owner(int rank, const vec3& p) const {
     const int claimed = claimant(all[rank], p);
     return claimed < 0 ? rank : claimed;
@@ -39,7 +39,7 @@ struct hand_rule {
   [[nodiscard]] std::vector<int> neighbours(int) const { return {}; }
 };
 
-/// Ownership by a partition, the same in all eyes.
+/// Ownership by a partition, the same on all ranks.
 template <class Partition>
 struct partition_rule {
   static constexpr bool generated = true;
@@ -78,7 +78,8 @@ class connection_checker {
     flaws_.push_back(std::move(f));
   }
 
-  /// One-sided connections, from the lists alone, and missing ones as far as the rule knows them.
+  /// One-sided connections, from the lists alone, and missing ones as far as the rule determines
+  /// them.
   void compare(int rank) {
     for (const connection& c : all_[rank]) {
       if (find(c.rank, rank)) continue;
@@ -104,7 +105,7 @@ class connection_checker {
   }
 
   void sample(int rank) {
-    // Both pictures of each boundary: that of this rank and those that the others have of it.
+    // Both versions of each boundary: that of this rank and those of the others.
     plain_vector<half_space> planes;
     for (const connection& c : all_[rank]) {
       planes.append(c.geometry.planes());
@@ -148,7 +149,7 @@ class connection_checker {
     }
   }
 
-  /// Moves a point into an intersection of half-spaces, roughly and not onto its boundary.
+  /// Moves a point approximately into an intersection of half-spaces, not onto its boundary.
   void pull(vec3& p, const any_geometry& g) {
     for (int sweep = 0; g.convex() && sweep < 8; ++sweep)
       for (const half_space& h : g.planes())
@@ -172,7 +173,7 @@ class connection_checker {
         exact = exact && max_norm(n) == 1;
       }
     }
-    // Where oblique planes meet, their intersection is known to round-off only: keep clear of it.
+    // The intersection of oblique planes is known to round-off only, so keep a distance from it.
     const real far = std::max(size_, max_norm(p));
     if (exact || across.size() == 1) {
       unique(rank, p);
@@ -195,7 +196,7 @@ class connection_checker {
         if (points[i].second != owner) sees(points[i].second, owner, q);
   }
 
-  /// All ranks that may own points near this one: everybody in a small job.
+  /// All ranks that may own points near this one: all ranks in a small job.
   void gather_candidates(int rank) {
     candidates_.clear();
     if (ranks() <= 64) {
@@ -225,7 +226,7 @@ class connection_checker {
     }
     if (found < 0) {
       for (int r = 0; r < ranks(); ++r)
-        if (rule_.owner(r, p) == r) return -1;  // somebody far away: not for this rank to judge
+        if (rule_.owner(r, p) == r) return -1;  // a distant rank: not checked by this one
       gap(rank, p);
     }
     return found;
@@ -250,7 +251,7 @@ class connection_checker {
   }
 
   void gap(int rank, const vec3& p) {
-    // Follow the opinions until two ranks pass the point to each other, or a circle closes.
+    // Follow the owners until two ranks assign the point to each other, or a circle closes.
     int a = rank, b = rule_.owner(rank, p);
     for (int hops = 0; hops < ranks() && rule_.owner(b, p) != a; ++hops)
       a = std::exchange(b, rule_.owner(b, p));
@@ -264,7 +265,7 @@ class connection_checker {
     });
   }
 
-  /// If one boundary, drawn differently by the two ranks, is to blame near p, says so.
+  /// Reports a boundary near p that the two ranks define differently, if it is the cause.
   bool explain(int a, int b, const vec3& p, const char* consequence) {
     const connection* to = find(a, b);
     const connection* back = find(b, a);
@@ -301,7 +302,8 @@ class connection_checker {
     return false;
   }
 
-  /// A point that belongs to `owner`, right beside `rank`, must be that in the eyes of `rank` too.
+  /// A point that belongs to `owner`, right beside `rank`, must belong to it according to `rank`
+  /// too.
   void sees(int rank, int owner, const vec3& p) {
     const connection* to = find(rank, owner);
     if (!to) {

@@ -1,6 +1,6 @@
 #pragma once
-// What follows from the planes of regions: convex pieces, whether they touch, how far they extend,
-// how far away they are. For set-up, and for the rare body next to a closed face.
+// Computations with the planes of regions: convex pieces, their contact, extent and distance. For
+// the set-up, and for the rare body next to a closed face.
 #include <limits>
 #include <span>
 #include <utility>
@@ -35,7 +35,7 @@ class scaled_planes {
       origin_[k] = low + (high - low) / 2;
       unit_ = std::max(unit_, high - low);
     }
-    // Where all planes meet in a point, any unit is as good, as long as round-off is below it.
+    // If all planes meet in a point, any unit above round-off is suitable.
     const real offset = largest(origin_);
     if (!(unit_ > 1e-12 * offset)) unit_ = std::max(real(1), offset);
   }
@@ -61,8 +61,8 @@ class scaled_planes {
   real unit_;
 };
 
-/// A point that lies as deep inside all half-spaces as can be, up to the size of the whole; the
-/// depth (a length) is negative if they have no point in common.
+/// A point of maximal depth inside all half-spaces, up to the size of the whole; the depth (a
+/// length) is negative if they have no common point.
 struct depth_and_point {
   real depth;
   vec3 point;
@@ -90,8 +90,8 @@ inline convex_piece joined(const convex_piece& a, const convex_piece& b) {
 }
 
 /// Whether two pieces come within `reach` (a length) of each other. Each is widened by half of
-/// that, which widens corners by more: true for some that are further apart, never false for any
-/// that are not.
+/// that, which widens corners by more, so the result can be true for pieces slightly further apart,
+/// but never false for closer ones.
 inline bool come_within(const convex_piece& a, const convex_piece& b, real reach) {
   const convex_piece all = joined(a, b);
   const real unit = scaled_planes(all, reach).unit();
@@ -111,7 +111,7 @@ inline bool touch_only_in(const convex_piece& a, const convex_piece& b, const co
   });
 }
 
-/// Drops planes that bound nothing beyond what the others do.
+/// Drops redundant planes.
 inline void drop_redundant(convex_piece& piece) {
   for (std::size_t i = 0; i < piece.size() && piece.size() > 1;) {
     const scaled_planes scaled(piece);
@@ -136,7 +136,7 @@ inline void drop_redundant(convex_piece& piece) {
   return false;
 }
 
-/// What `taken` leaves of the pieces, in pieces that do not overlap if they did not before.
+/// The pieces without `taken`, in pieces that do not overlap if they did not before.
 inline std::vector<convex_piece> without(std::vector<convex_piece> pieces,
                                          std::span<const convex_piece> taken) {
   for (const convex_piece& cut : taken) {
@@ -211,15 +211,15 @@ std::vector<convex_piece> pieces_of(const Region& region) {
   return collector.take();
 }
 
-/// An axis-aligned box around the pieces (lower, upper corner), a little larger than needed, and
-/// infinite where nothing bounds them.
+/// An axis-aligned box around the pieces (lower, upper corner), slightly larger than needed, and
+/// infinite on sides without bounds.
 inline std::pair<vec3, vec3> bounds_of(std::span<const convex_piece> pieces) {
   constexpr real infinity = std::numeric_limits<real>::infinity();
   vec3 lower{infinity, infinity, infinity}, upper{-infinity, -infinity, -infinity};
   for (const convex_piece& piece : pieces) {
     const scaled_planes scaled(piece);
     const auto bounds = scaled.bounds();
-    auto directions = bounds;  // in which one can walk for ever
+    auto directions = bounds;  // unbounded directions
     for (lp_bound& bound : directions) bound.b = 0;
     for (std::size_t i = 0; i < 6; ++i) {
       const std::size_t axis = i / 2;

@@ -1,5 +1,5 @@
 #pragma once
-// What decompositions about an axis share: a frame, and numbers that all of space can be put into.
+// Functions shared by decompositions about an axis: a frame, and clamping of points at infinity.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,14 +11,14 @@
 
 namespace talus::detail {
 
-/// A point as it is, with the largest numbers there are instead of infinite ones.
+/// The point, with the largest finite numbers instead of infinite ones.
 [[nodiscard]] inline vec3 bounded(const vec3& p) {
   constexpr real most = std::numeric_limits<real>::max();
   return {std::clamp(p[0], -most, most), std::clamp(p[1], -most, most),
           std::clamp(p[2], -most, most)};
 }
 
-/// With the same bits wherever it is inlined.
+/// With the same bits in every inlining.
 [[nodiscard]] inline real exact_dot(const vec3& a, const vec3& b) {
   return rounded(a[0] * b[0]) + rounded(a[1] * b[1]) + rounded(a[2] * b[2]);
 }
@@ -36,8 +36,8 @@ struct turn {
 struct axis_frame {
   vec3 axis, first, second;
 
-  /// `start` is made perpendicular to the axis. Throws invalid_argument for an axis or a start that
-  /// is no direction, and for a start along the axis; `what` has the axis.
+  /// Makes `start` perpendicular to the axis. Throws invalid_argument for an axis or a start that
+  /// is not a direction, and for a start along the axis; `what` names the decomposition.
   axis_frame(const char* what, const vec3& axis_given, const vec3& start)
       : axis(direction(what, "axis", axis_given)) {
     const vec3 along = direction(what, "start", start);
@@ -67,8 +67,8 @@ struct axis_frame {
   }
 };
 
-/// The size that a type says, or a value where the type says dynamic; `open` where neither does.
-/// Throws invalid_argument if both say something and differ.
+/// The size given by a type, or by a value if the type has dynamic; `open` if neither gives one.
+/// Throws invalid_argument if both are given and differ.
 inline int chosen_size(const char* what, const char* field, int given, int asked, int open,
                        int least) {
   if (asked != open && asked < least)

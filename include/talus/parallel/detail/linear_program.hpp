@@ -1,6 +1,6 @@
 #pragma once
-// Linear programs in up to four unknowns: what is known about regions bounded by planes (whether
-// they touch, how far they extend) follows from them. For set-up, not for steps.
+// Linear programs in up to four unknowns, which determine the contact and extent of regions bounded
+// by planes. For the set-up, not for steps.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace talus::detail {
 
-/// Unknowns and the coefficients that belong to them; those beyond the dimension are not looked at.
+/// Unknowns and their coefficients; those beyond the dimension are ignored.
 using lp_vector = std::array<real, 4>;
 
 /// a·x >= b.
@@ -21,12 +21,13 @@ struct lp_bound {
   real b = 0;
 };
 
-/// Numbers in a linear program are of the order of 1; everything further out than this is infinite.
+/// Numbers in a linear program are of the order of 1; larger numbers than this count as infinite.
 inline constexpr real lp_far = 1e4;
 inline constexpr real lp_rounding = 1e-13;
 
 /// The point that maximises c·x under all bounds and |x_k| <= lp_far, by adding one bound after the
-/// other (Seidel 1991); nothing if no point fulfils all. Where c does not tell, x stays small.
+/// other (Seidel 1991); nothing if no point fulfils all. If c leaves x undetermined, x stays
+/// small.
 inline std::optional<lp_vector> maximize(int dimension, const plain_vector<lp_bound>& bounds,
                                          const lp_vector& c) {
   if (dimension == 1) {

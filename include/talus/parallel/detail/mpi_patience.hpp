@@ -1,6 +1,6 @@
 #pragma once
-// Waiting in MPI, but not for ever for a rank whose program has ended: whoever waits for a second
-// begins to ask whether there is anybody left to wait for.
+// Waiting in MPI without hanging on a rank whose program has ended: after a second of waiting a
+// rank begins to check whether the other rank still runs.
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
@@ -26,8 +26,8 @@ class mpi_patience {
 
   /// Calls done() until it is true. Throws runtime_error if `other`, or for a collective call (the
   /// `call`-th) any rank, has ended its program before it came so far, and nothing of it arrived in
-  /// a further second. A wait that is longer than the watch allows is reported, and may end with a
-  /// runtime_error too.
+  /// a further second. A wait longer than the limit of the watch is reported, and may also end
+  /// with a runtime_error.
   template <class Done>
   void wait(int rank, int other, std::uint64_t call, Done&& done) const {
     if (done()) return;
@@ -61,7 +61,7 @@ class mpi_patience {
   }
 
  private:
-  /// What this rank has noted of its wait for the others; undone when the wait is over.
+  /// The published state of this rank's wait; reset when the wait is over.
   struct wait_note {
     mpi_verdict* where;
     bool noted = false, claimed = false;
@@ -71,8 +71,8 @@ class mpi_patience {
       if (noted) where->note_wait(0);
     }
   };
-  /// First notes that this rank waits; a little later, when the others have noted it too, one rank
-  /// says who does not.
+  /// First publishes that this rank waits. Slightly later, when the other waiting ranks have done
+  /// so too, one rank reports the ranks that do not wait.
   [[gnu::cold]] void report(wait_note& note, int other, const wait_clock& waited) const {
     if (!note.noted) {
       who_left_->note_wait(other == all ? 1 : 2 + static_cast<std::uint64_t>(other));

@@ -1,6 +1,6 @@
 #pragma once
-// When processes fail, exactly one of them speaks: the first to raise a flag on rank 0. Beside the
-// flag is written which ranks have ended their program in peace, so that nobody waits for them.
+// If processes fail, exactly one of them reports: the first to set a flag on rank 0. Beside the
+// flag are the ranks that have ended their program normally, so that no rank waits for them.
 #include <mpi.h>
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace talus::detail {
 
 /// The flag, and after it a number for each rank: 0, or 1 plus the collective calls of its program
 /// when that ended. Then whether a long wait is reported, and for each rank what it waits for.
-/// One-sided (C API: Boost.MPI has no windows), as the other ranks are busy or blocked somewhere
-/// else. Made and destroyed by all ranks together.
+/// One-sided (C API: Boost.MPI has no windows), because the other ranks are busy or blocked. All
+/// ranks construct and destroy it together.
 class mpi_verdict {
   using clock = std::chrono::steady_clock;
 
@@ -41,9 +41,9 @@ class mpi_verdict {
     MPI_Win_free(&window_);
   }
 
-  /// True on the first rank that asks. Between machines rank 0 may have to answer while it is
-  /// computing, so after a second without an answer it is true as well: better two messages
-  /// than none.
+  /// True on the first rank that calls it. Between machines rank 0 may have to answer while it is
+  /// computing, so after a second without an answer it is also true: two messages are better than
+  /// none.
   [[nodiscard]] bool first() {
     const int one = 1;
     MPI_Request request = MPI_REQUEST_NULL;
@@ -85,8 +85,7 @@ class mpi_verdict {
     return all;
   }
 
-  /// Writes down for all that this rank waits: 0 not, 1 in a collective call, 2 + r for a message
-  /// of rank r.
+  /// Publishes that this rank waits: 0 not, 1 in a collective call, 2 + r for a message of rank r.
   void note_wait(std::uint64_t what) {
     note_ = what;
     answered([&](MPI_Request* request) {
@@ -95,7 +94,7 @@ class mpi_verdict {
                                  window_, request);
     });
   }
-  /// What the ranks have noted; empty where rank 0 does not answer.
+  /// The published waits of the ranks; empty if rank 0 does not answer.
   [[nodiscard]] const std::vector<std::uint64_t>& waits() {
     if (!answered([&](MPI_Request* request) {
           return MPI_Rget_accumulate(nullptr, 0, MPI_UINT64_T, waits_.data(), ranks_.size(),
@@ -105,8 +104,8 @@ class mpi_verdict {
       waits_.clear();
     return waits_;
   }
-  /// Takes or gives back the right to report a wait. Returns whether this rank has got it; without
-  /// an answer it has.
+  /// Takes or returns the right to report a wait. Returns whether this rank has it; without an
+  /// answer it has.
   bool claim_report(bool wanted) {
     claim_ = wanted;
     const bool known = answered([&](MPI_Request* request) {

@@ -1,6 +1,6 @@
 #pragma once
-// The bookkeeping every link shares: one exchange and one open reduction at a time, finished as
-// they were started, and what is sent is counted.
+// State shared by all links: one exchange and one open reduction at a time, finished in the order
+// of their start, and counts of the traffic.
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -79,7 +79,7 @@ class open_exchange {
   bool reducing_ = false;
 };
 
-/// A neighbour did not send what both sides had agreed on.
+/// Throws because the message of a neighbour has another size than expected.
 [[noreturn]] inline void fail_size(int rank, const parcel& p, std::optional<std::size_t> came) {
   fail<std::runtime_error>(
       "rank {} expected {} bytes from rank {}, but {} came: the two ranks disagree about what they "

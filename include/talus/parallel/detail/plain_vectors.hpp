@@ -1,6 +1,6 @@
 #pragma once
-// The little of vectors that decompositions need, written out: every program compiles it, and
-// Eigen's expressions take long.
+// The vector operations that decompositions need, written out: every program compiles them, and
+// Eigen's expressions are slow to compile.
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +18,7 @@ namespace talus::detail {
 [[nodiscard]] inline vec3 plus(const vec3& p, real factor, const vec3& v) {
   return {p[0] + factor * v[0], p[1] + factor * v[1], p[2] + factor * v[2]};
 }
-/// The largest component, whatever its sign.
+/// The largest absolute value of a component.
 [[nodiscard]] inline real largest(const vec3& v) {
   return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Regions of any form, one for each rank: which of them touch, and on which faces.
+// Regions of any form, one for each rank, and their contacts and faces.
 #include "talus/parallel/detail/convex_pieces.hpp"
 
 namespace talus::detail {
@@ -10,7 +10,8 @@ struct territory {
   std::vector<convex_piece> pieces;
 
   explicit territory(any_geometry g) : region(std::move(g)), pieces(pieces_of(region)) {}
-  /// All but what others have taken. Those that do not overlap it leave it as it is, to the bit.
+  /// The region without those of others. Regions that do not overlap it leave it unchanged, to the
+  /// bit.
   territory(any_geometry g, std::span<const territory> taken) : territory(std::move(g)) {
     bool changed = false;
     // The later ones may contain the earlier ones, which then need not be taken as well.
@@ -22,7 +23,7 @@ struct territory {
     }
     if (changed) simplify();
   }
-  /// One convex piece has a simpler form, without faces beyond its own.
+  /// A single convex piece has a simpler form with its own faces only.
   void simplify() {
     if (pieces.size() != 1) return;
     drop_redundant(pieces.front());

@@ -1,9 +1,9 @@
 #pragma once
-// Ranks inside one process: a mailbox for each, a meeting place for collectives, and the one
-// error that ends them all. Memory grows with ranks and connections, never with their square.
+// Ranks inside one process: a mailbox for each, a barrier for collectives, and the error that ends
+// all ranks. Memory grows linearly with ranks and connections.
 //
-// Blocked ranks sleep. As nothing from outside can wake them, the last rank to fall asleep knows
-// that all of them would sleep for ever, and says so instead of hanging.
+// Blocked ranks sleep. Only other ranks can wake them, so the last rank to block detects the
+// deadlock and reports it.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -33,14 +33,14 @@ class thread_team {
 
   explicit thread_team(int ranks);
   [[nodiscard]] int size() const { return static_cast<int>(boxes_.size()); }
-  /// From now on a rank that waits for longer is reported, as launch_settings say.
+  /// Sets the waiting time after which a rank is reported, see launch_settings.
   void watch(wait_watch how) { watch_ = std::move(how); }
   /// The last step that `rank` has completed.
   void note_step(int rank, std::uint64_t step);
 
   void send(int from, int to, byte_buffer&& bytes);
 
-  /// Waits for one message per parcel, then hands each to take(parcel, buffer).
+  /// Waits for one message per parcel, then passes each to take(parcel, buffer).
   template <class Take>
   void receive(int rank, std::span<parcel> parcels, Take take) {
     mailbox& box = boxes_[static_cast<std::size_t>(rank)];
@@ -68,7 +68,7 @@ class thread_team {
     contribution bring{what, byte_buffer(mine.begin(), mine.end())};
     std::unique_lock lock(meeting_mutex_);
     if (failed_) throw aborted{};
-    // Boards take turns: nobody comes back to one before all have read it and met at the other.
+    // Boards alternate: no rank returns to one before all have read it and met at the other.
     const auto round = round_;
     auto& board = boards_[round % 2];
     board[static_cast<std::size_t>(rank)] = std::move(bring);
@@ -90,8 +90,8 @@ class thread_team {
     read(std::span<const contribution>(board));
   }
 
-  /// A meeting in two parts: bring() leaves this rank's contribution and goes on, take() waits for
-  /// those of all. Each rank takes before it brings again.
+  /// A non-blocking collective: bring() stores the contribution of this rank and returns, take()
+  /// waits for those of all ranks. Each rank takes before it brings again.
   void bring(int rank, std::span<const std::byte> mine);
   template <class Read>
   void take(int rank, Read read) {
@@ -103,7 +103,7 @@ class thread_team {
       sleep(rank, meeting_others, lock, open_bell_, [&] { return open_round_ > mine; });
     }
     lock.unlock();
-    // As above: nobody brings to this board again before all have read it.
+    // As above: no rank writes to this board again before all have read it.
     read(std::span<const contribution>(open_boards_[mine % 2]));
   }
 
@@ -164,7 +164,8 @@ class thread_team {
 
   static void ring(std::mutex& mutex, std::condition_variable& bell) noexcept;
 
-  /// A rank has waited for long: says which ranks keep it and others waiting, once for all ranks.
+  /// A rank has waited for long: reports the ranks that keep it and others waiting, once for all
+  /// ranks.
   [[gnu::cold]] void report_wait(wait_clock& waited);
 
   [[nodiscard]] std::string everyone_waits() const;

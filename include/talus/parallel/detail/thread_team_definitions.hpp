@@ -60,7 +60,7 @@ TALUS_INLINE void thread_team::end_with(std::exception_ptr error) noexcept {
 
 TALUS_INLINE void thread_team::leave(int rank) noexcept {
   doing_[static_cast<std::size_t>(rank)] = ended;
-  ++left_;  // before the other: of ranks that end together the last to say so knows of all
+  ++left_;  // before the other: of ranks that end together the last one counts all
   if (--running_ > 0 || left_ == size() || failed_) return;
   end_with(std::make_exception_ptr(std::logic_error(everyone_waits())));
 }
@@ -70,7 +70,8 @@ TALUS_INLINE void thread_team::rethrow() const {
 }
 
 TALUS_INLINE void thread_team::ring(std::mutex& mutex, std::condition_variable& bell) noexcept {
-  // The empty section keeps the bell from ringing between a sleeper's last look and its sleep.
+  // The empty section prevents a notification between the last check of a waiting thread and its
+  // sleep.
   { const std::lock_guard lock(mutex); }
   bell.notify_all();
 }
@@ -94,7 +95,7 @@ TALUS_INLINE void thread_team::report_wait(wait_clock& waited) {
     else
       list += compose(" for a message of rank {}", why);
   }
-  if (busy_ranks == 0) return;  // that all wait for each other is found otherwise
+  if (busy_ranks == 0) return;  // a deadlock is detected elsewhere
   if (busy_ranks > 4) stuck += compose(" and {} more", busy_ranks - 4);
   if (others > 4) waiting += compose(" and {} more", others - 4);
   watch_.report(stuck, waiting, ends);

@@ -1,6 +1,6 @@
 #pragma once
-// How long ranks wait for each other before the user is told who keeps them waiting, and before the
-// run ends.
+// The time that ranks wait for each other before a report names the rank that keeps them waiting,
+// and before the run ends.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -14,7 +14,7 @@
 
 namespace talus::detail {
 
-/// The settings and what has been reported, for the ranks of a process.
+/// The settings and the last reports, for the ranks of a process.
 class wait_watch {
   using clock = std::chrono::steady_clock;
 
@@ -73,13 +73,14 @@ class wait_clock {
  public:
   explicit wait_clock(const wait_watch& how) : how_(how), began_(clock::now()) {}
 
-  /// Until the next look: first the patience, then to the end of the run or a second.
+  /// Time until the next check: first the patience, then a second or the rest until the end of the
+  /// run.
   [[nodiscard]] std::chrono::duration<double> next() const {
     const double waited = seconds(), end = how_.end_after();
     if (waited < how_.patience()) return std::chrono::duration<double>(how_.patience() - waited);
     return std::chrono::duration<double>(end > 0 ? std::clamp(end - waited, 0.01, 1.0) : 1.0);
   }
-  /// Whether the wait has taken as long as the run may.
+  /// Whether the wait has exceeded the limit of the run.
   [[nodiscard]] bool passed() const {
     return how_.end_after() > 0 && seconds() >= how_.end_after();
   }

@@ -108,8 +108,8 @@ void scale_mesh(polyhedron_mesh& mesh, Real by) {
 /// Extents of polyhedra lie between these, so that their volumes are normal numbers.
 inline constexpr real smallest_extent = 1e-100, largest_extent = 1e100;
 
-/// Throws invalid_argument where a hull of the points could not be measured. Returns the power of
-/// two by which lengths are to be divided, so that products of them are normal numbers.
+/// Throws invalid_argument if a hull of the points would be too large or too small. Returns the
+/// power of two by which lengths are to be divided, so that products of them are normal numbers.
 template <class Real>
 [[nodiscard]] Real require_measurable(const plain_vector<vector3<Real>>& points) {
   if (points.empty()) return 1;

@@ -28,11 +28,11 @@ class hull_wrapper {
   using polygon = plain_vector<std::uint32_t>;
 
  public:
-  /// `tolerance` is the distance (of points about one unit apart) that counts as none.
+  /// `tolerance` is the distance (of points about one unit apart) that counts as zero.
   hull_wrapper(const plain_vector<vector>& points, Real tolerance)
       : points_(points), tree_(points), tolerance_(tolerance) {}
 
-  /// Nothing where the points lie in a plane, or where the tolerance leads to contradictions.
+  /// Returns nothing if the points lie in a plane, or if the tolerance leads to contradictions.
   [[nodiscard]] std::optional<hull_faces> wrap() {
     const auto start = first_face();
     if (!start || !take(*start)) return {};
@@ -199,7 +199,7 @@ class hull_wrapper {
     return true;
   }
 
-  /// Heights of points about one unit away are not known any better.
+  /// Precision of the heights of points about one unit away.
   static constexpr Real rounding = 4 * std::numeric_limits<Real>::epsilon();
 
   const plain_vector<vector>& points_;
@@ -210,7 +210,7 @@ class hull_wrapper {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> directed_;  ///< edges of the faces so far
 };
 
-/// The hull of any points; empty where they do not span space. Points closer to each other than two
+/// The hull of any points; empty if they do not span space. Points closer to each other than two
 /// millionths of the extent are one, and faces flat within half a millionth are one.
 template <class Real>
 [[nodiscard]] hull_faces convex_hull(const plain_vector<vector3<Real>>& points) {

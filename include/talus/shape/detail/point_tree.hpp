@@ -1,6 +1,6 @@
 #pragma once
-// A tree of bounding boxes over points, for searches that would look at every point otherwise: the
-// furthest along a direction, those beyond a plane, those near a point.
+// A tree of bounding boxes over points that avoids testing every point in searches for the furthest
+// along a direction, those beyond a plane, those near a point.
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -8,8 +8,8 @@
 
 namespace talus::detail {
 
-/// Axes (columns, right-handed) in which `m`, symmetric, is diagonal, by Jacobi's rotations. Axes
-/// that are principal already stay, to the bit; round-off beside the diagonal counts as zero.
+/// Axes (columns, right-handed) in which `m`, symmetric, is diagonal, by Jacobi's rotations.
+/// Principal axes are kept to the bit; round-off beside the diagonal counts as zero.
 template <class Real>
 [[nodiscard]] matrix3<Real> principal_axes(matrix3<Real> m) {
   matrix3<Real> axes = matrix3<Real>::Identity();

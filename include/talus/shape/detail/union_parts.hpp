@@ -1,6 +1,6 @@
 #pragma once
-// The parts of a union in the frame of its body, with what is computed from them. Shared by all
-// bodies of that form.
+// The parts of a union in the frame of its body, and the values computed from them. All bodies of
+// that form share them.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -61,7 +61,7 @@ struct union_parts {
     visit_kind(n, f, std::index_sequence_for<Shapes...>{});
   }
   /// Calls f(n) for the parts whose balls come within `reach` of a point of the body's frame: of
-  /// the parts sorted along the axis in which they spread most, only those beside it are looked at.
+  /// the parts sorted along the axis with the largest spread, only those beside it are tested.
   template <class F>
   void near(const vec3& point, real reach, F&& f) const {
     const real low = point[axis] - reach - furthest, high = point[axis] + reach + furthest;
@@ -135,7 +135,7 @@ struct union_parts {
   }
 
  private:
-  /// Bytes that were read from a file may come from anywhere.
+  /// Throws runtime_error for invalid bytes, which a damaged file may contain.
   [[noreturn, gnu::cold]] static void refuse() {
     throw std::runtime_error("is damaged: a union_of makes no sense");
   }
