@@ -140,7 +140,7 @@ void join_islands(world_state<Scenario>& s) {
           rested[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
   });
   const auto carried = [&](std::size_t body, std::size_t by) {
-    if (bodies[by].v != vec3(0, 0, 0) || bodies[by].w != vec3(0, 0, 0)) rested[body] = 0;
+    if (v_of(bodies[by]) != vec3(0, 0, 0) || w_of(bodies[by]) != vec3(0, 0, 0)) rested[body] = 0;
   };
   s.each_contact_list([&](const auto& list) {
     list.each([&](const auto& c, bool) {
