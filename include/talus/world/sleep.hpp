@@ -133,11 +133,13 @@ void join_islands(world_state<Scenario>& s) {
   rested.assign(bodies.size(), std::numeric_limits<float>::infinity());
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size(); ++i)
-      if (b.movable.moves(i))
-        if (i < b.movable.locals)
-          rested[b.first + i] = b.movable.quiet[i];
-        else if (!s.by_colours())  // there, owners say it below
-          rested[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
+      if (!b.movable.moves(i)) {
+        continue;
+      } else if (i < b.movable.locals) {
+        rested[b.first + i] = b.movable.quiet[i];
+      } else if (!s.by_colours()) {  // there owners send it below
+        rested[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
+      }
   });
   const auto carried = [&](std::size_t body, std::size_t by) {
     if (v_of(bodies[by]) != vec3(0, 0, 0) || w_of(bodies[by]) != vec3(0, 0, 0)) rested[body] = 0;
