@@ -158,7 +158,7 @@ class vtk_bodies {
   /// A shape that does not carry the column shows its default.
   template <class... Columns, class Store>
   void put_columns(type_list<Columns...>, const Store& store, std::size_t i) {
-    const auto put = [&]<class Column>(type_list<Column>) {
+    [[maybe_unused]] const auto put = [&]<class Column>(type_list<Column>) {
       if constexpr (Store::template has<Column>)
         data.put(store.template column<Column>()[i]);
       else
