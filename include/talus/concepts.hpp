@@ -1,6 +1,6 @@
 #pragma once
-// Every role a policy can play, on one page. A type plays a role by what it offers, not by what it
-// derives from; the law suite of its role (tests/*/*_laws.hpp) says what the offers must mean.
+// Every role of a policy, on one page. A type plays a role by its members, not by its base class;
+// the law suite of the role (tests/*/*_laws.hpp) defines the meaning of the members.
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -16,19 +16,19 @@
 
 namespace talus {
 
-// What links and transports are asked to carry; see parallel/.
+// Arguments of links and transports; see parallel/.
 struct parcel;
 struct traffic;
 struct launch_settings;
 enum class reduction;
-// What interaction laws take and return; see interaction/contact_kinematics.hpp.
+// Arguments and results of interaction laws; see interaction/contact_kinematics.hpp.
 struct contact_kinematics;
 struct interaction_force;
 struct stored_energy;
 struct bearing;
 struct head_on_impact;
 
-// What solvers work on; see response/.
+// Arguments of solvers; see response/.
 struct solver_settings;
 
 namespace detail {
@@ -39,8 +39,8 @@ struct solved;
 struct contact_key;
 enum class history_place : std::uint32_t;
 
-/// Whether a type is defined here, or only known by name. (A constant, not a concept: compilers say
-/// less about it when it is false.)
+/// Whether a type is defined here, or only declared. (A constant instead of a concept, because the
+/// diagnostics of compilers are shorter if it is false.)
 template <class Type>
 inline constexpr bool complete = requires {
   sizeof(Type);
@@ -52,7 +52,7 @@ struct anything {
   void operator()(Arguments&&...) const;
 };
 
-/// Receives a region part by part: groups open and close, half-spaces lie between.
+/// Receives a region part by part: groups open and close, and contain half-spaces.
 struct any_sink {
   void open(bool all_of);
   template <class HalfSpace>
@@ -71,14 +71,14 @@ struct any_ghost_exchange {
 namespace concepts {
 
 /// A body's form: sphere, box, plane. Data with functions in its own frame, whose origin is the
-/// centre of mass and whose axes are the principal axes of inertia. Plain data; or it says itself
-/// how it travels (`packs_itself` of core/bytes.hpp), and shares what is large
+/// centre of mass and whose axes are the principal axes of inertia. Plain data, or a type that
+/// defines its own serialization (`packs_itself` of core/bytes.hpp) and shares large data
 /// (core/shared_data.hpp).
 /// - `finite`: has a volume, and so a mass
-/// - `isotropic`: isotropic inertia, every contact normal through the centre: orientation never
-/// matters
-/// - `name`: as messages call it
-/// - `validate()`: throws invalid_argument naming the value that is wrong
+/// - `isotropic`: isotropic inertia, and every contact normal goes through the centre: the
+///   orientation has no effect
+/// - `name`: its name in messages
+/// - `validate()`: throws invalid_argument that names the wrong value
 template <class Shape>
 concept shape = requires(const Shape& s) {
   { Shape::finite } -> std::convertible_to<bool>;
@@ -94,11 +94,11 @@ concept shape = requires(const Shape& s) {
 /// - `support(direction)`: a point furthest along a direction of any length
 /// - `half_extents(pose)`: half edges of the axis-aligned box around the posed shape, with the
 ///   centre of mass in its middle
-/// and, where a shape offers them,
-/// - `frame()`: the frame of the body in the coordinates that the shape was given in; the same
-///   without it (see shape/frame.hpp)
-/// - `reach_from(point)`: distance of the furthest point; bounds unions, which without it are
-/// larger
+/// and optionally
+/// - `frame()`: the frame of the body in the coordinates in which the shape was given; without it
+///   the two are the same (see shape/frame.hpp)
+/// - `reach_from(point)`: distance of the furthest point; bounds unions, whose bounds are larger
+///   without it
 template <class Shape>
 concept finite_shape = shape<Shape> && Shape::finite &&
     requires(const Shape& s, const vec3& v, const pose& p) {
@@ -110,8 +110,8 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 };
 
 /// A part of space, as a value.
-/// - `value(p)`: positive inside, 0 on the boundary, negative outside, and never larger than the
-///   distance of p from the boundary: -value is a lower bound of the distance from the region
+/// - `value(p)`: positive inside, 0 on the boundary, negative outside, and at most the distance of
+///   p from the boundary: -value is a lower bound of the distance from the region
 /// - `contains(p)`: value(p) >= 0; regions are closed
 template <class Region>
 concept region = requires(const Region& r, const vec3& p) {
@@ -119,10 +119,10 @@ concept region = requires(const Region& r, const vec3& p) {
   { r.contains(p) } -> std::same_as<bool>;
 };
 
-/// A region bounded by planes: half-spaces and what intersect, merge and complement make of them.
-/// - `owns(p)`: contains(p) but for the boundary, which goes to exactly one of a region and its
-///   complement, the side towards +x (where that does not tell +y, then +z): regions that tile
-///   space share out every point exactly once
+/// A region bounded by planes: half-spaces and their intersections, unions and complements.
+/// - `owns(p)`: contains(p), except that each point of the boundary belongs to exactly one of a
+///   region and its complement, the side towards +x (if that is undecided +y, then +z): regions
+///   that tile space assign every point exactly once
 /// - `describe(sink)`: its parts
 template <class Region>
 concept polyhedral = region<Region> &&
@@ -131,11 +131,11 @@ concept polyhedral = region<Region> &&
   r.describe(sink);
 };
 
-/// A way to share out space among ranks, as the user writes it: a plain value. by_hand, which
-/// leaves all to connect(), is the one without a partition.
-/// - `size()`: the number of ranks it wants, 0 if it fits any
-/// - `resolve(ranks)`: fixes what is open; throws invalid_argument with both numbers if they do not
-///   go together
+/// A partition of space among ranks, as the user writes it: a plain value. by_hand, which leaves
+/// all connections to connect(), is the decomposition without a partition.
+/// - `size()`: the number of ranks it needs, 0 if it fits any
+/// - `resolve(ranks)`: sets open values; throws invalid_argument with both numbers if they do not
+///   match
 template <class Decomposition>
 concept decomposition = requires(const Decomposition& d, int ranks) {
   { d.size() } -> std::same_as<int>;
@@ -143,13 +143,13 @@ concept decomposition = requires(const Decomposition& d, int ranks) {
 }
 &&std::copyable<Decomposition>;
 
-/// What a decomposition becomes once the number of ranks is known.
-/// - `owner(p)`: total (every point has exactly one owner, by one transitive rule; only NaN has
-///   none: -1), and equal to the bit on all ranks
+/// A decomposition after the number of ranks is known.
+/// - `owner(p)`: total (every point has exactly one owner, by one transitive rule; only NaN has no
+///   owner: -1), and equal to the bit on all ranks
 /// - `neighbours(rank, reach)`: in ascending order, without `rank`, all ranks whose region comes
-///   within reach (a length) of that of `rank`; more are allowed, at a price
-/// - `geometry(rank)`: its closed region, which differs from what owner() says by round-off only
-/// - `bounds(rank)`, if it is offered: an axis-aligned box around that (lower, upper corner)
+///   within reach (a length) of that of `rank`; more ranks are allowed, but cost messages
+/// - `geometry(rank)`: its closed region, which differs from owner() by round-off only
+/// - `bounds(rank)`, optional: an axis-aligned box around that (lower, upper corner)
 template <class Partition>
 concept partition = std::copyable<Partition> &&
     requires(const Partition& cells, int rank, real reach, const vec3& p) {
@@ -159,15 +159,16 @@ concept partition = std::copyable<Partition> &&
   { cells.geometry(rank) } -> polyhedral;
 };
 
-/// A partition some of whose faces are closed: bodies never cross there, so that ranks that touch
-/// there only are not connected, and a body that reaches such a face ends the run.
-/// - `closed(rank)`: in ascending order, those ranks; symmetric, and no neighbours(rank, 0)
+/// A partition some of whose faces are closed: bodies never cross them, so ranks that touch only
+/// there are not connected, and a body that reaches such a face ends the run.
+/// - `closed(rank)`: those ranks in ascending order; symmetric, and disjoint from neighbours(rank,
+///   0)
 template <class Partition>
 concept closing_partition = partition<Partition> && requires(const Partition& cells, int rank) {
   { cells.closed(rank) } -> std::same_as<std::vector<int>>;
 };
 
-/// A partition of a box that repeats itself along some axes.
+/// A partition of a periodic box.
 /// - `box()`: its images; owner() is that of the image in the box, geometry() lies in it
 /// - `neighbours(rank, reach)` counts images of regions, those of `rank` itself included
 template <class Partition>
@@ -175,19 +176,19 @@ concept periodic_partition = partition<Partition> && requires(const Partition& c
   cells.box().wrapped(vec3{});
 };
 
-/// A decomposition that knows the owner of every point and generates all connections.
+/// A decomposition that determines the owner of every point and generates all connections.
 template <class Decomposition>
 concept generating_decomposition = decomposition<Decomposition> &&
     requires(const Decomposition& d) {
   { d.resolve(1) } -> partition;
 };
 
-/// A generating decomposition whose cuts can move while bodies do: features<balancing>.
-/// - `shared_out(link, places, weight, ranks)`: the same with cuts that give each rank its share of
-/// a
-///   load. Collective; alike on all ranks. Each brings the places of its bodies, and what one of
-///   them weighs
-/// - `positions()`: where the cuts are, as numbers; `placed(positions)`: the same with cuts there
+/// A generating decomposition whose cuts can move during the run: features<balancing>.
+/// - `shared_out(link, places, weight, ranks)`: the same with cuts that give each rank an equal
+///   share of a load. Collective; equal on all ranks. Each rank passes the places of its bodies,
+///   and the weight of one of them
+/// - `positions()`: the positions of the cuts, as numbers; `placed(positions)`: the same with cuts
+///   there
 template <class Decomposition>
 concept movable_decomposition = generating_decomposition<Decomposition> &&
     requires(const Decomposition& d, detail::anything& link, std::span<const vec3> places,
@@ -197,20 +198,20 @@ concept movable_decomposition = generating_decomposition<Decomposition> &&
   { d.placed(positions) } -> std::same_as<Decomposition>;
 };
 
-/// One rank's end of all its lines. Used by one thread at a time.
-/// - `alone`: there never is a second rank
+/// One rank's end of all its connections. Used by one thread at a time.
+/// - `alone`: there is never a second rank
 /// - `start(parcels)` posts one message per parcel and returns at once, `finish(parcels)` waits for
-///   one per parcel. Both sides of a pair list each other, and their exchanges pair up in the order
+///   one per parcel. Both sides of a pair list each other, and their exchanges match in the order
 ///   in which they are made; ranks may otherwise drift apart. One exchange is open at a time
-/// - `start_fixed`, `finish_fixed`: the same where each parcel's `in` is sized to what will come
-///   (else runtime_error), for the iterations of a solver
-/// - `start_reduce(how, values)` brings this rank's values and returns at once,
-///   `finish_reduce(values)` waits for those of all ranks and combines them, as reduce() does.
-///   The values stay as they are in between, where exchanges may lie; one such reduction is open at
-///   a time
-/// - the rest is collective, for set-up and outputs only: every rank calls the same ones in the
-///   same order. `gather` has its result on rank 0 alone, `broadcast` comes from there
-/// - `counters()`: what this rank has sent so far
+/// - `start_fixed`, `finish_fixed`: the same if each parcel's `in` already has the size of the
+///   incoming message (else runtime_error), for the iterations of a solver
+/// - `start_reduce(how, values)` contributes this rank's values and returns at once,
+///   `finish_reduce(values)` waits for those of all ranks and combines them, as reduce() does. The
+///   values stay unchanged in between, when exchanges are allowed; one such reduction is open at a
+///   time
+/// - the rest is collective, for set-up and outputs only: every rank calls the same functions in
+///   the same order. `gather` has its result on rank 0 alone, `broadcast` sends from there
+/// - `counters()`: the traffic that this rank has sent so far
 template <class Link>
 concept link = std::movable<Link> &&
     requires(Link l, const Link& c, std::span<parcel> parcels, detail::byte_buffer& bytes,
@@ -233,19 +234,19 @@ concept link = std::movable<Link> &&
   l.finish_reduce(reals);
 };
 
-/// How ranks talk: starts ranks and runs main(link&) on each. An exception on any rank ends all of
-/// them: one error reaches the caller (ranks inside the process) or the user (processes).
+/// The communication of ranks: starts ranks and runs main(link&) on each. An exception on any rank
+/// ends all of them: one error reaches the caller (ranks inside the process) or the user
+/// (processes).
 template <class Transport>
 concept transport = link<typename Transport::link> && requires(const launch_settings& settings) {
   { Transport::name } -> std::convertible_to<const char*>;
   Transport::launch(settings, detail::anything{});
 };
 
-/// What a broad phase does: finds pairs of balls that touch, each once, in an order that follows
-/// from the input alone.
+/// A broad phase finds pairs of balls that touch, each once, in an order that depends on the input
+/// alone.
 /// - `build`: takes the centres and the reaches of all balls; throws unplaceable for one that is
-/// not
-///   finite
+///   not finite
 /// - `pairs(f)`: f(i, j) for each unordered pair; `pairs_with(other, f)`: f(i, j of other)
 /// - `query(centre, reach, f)`: f(i) for each ball that touches this one
 template <class Search>
@@ -260,16 +261,16 @@ concept pair_search = std::default_initializable<Search> &&
   c.query(centre, real{}, f);
 };
 
-/// The part of broad_phase<...>: how pairs that may touch are found. Its `search` is a pair_search.
+/// The part of broad_phase<...>: how candidate pairs are found. Its `search` is a pair_search.
 template <class Method>
 concept broad_phase = detail::part_for<Method, roles::broad_phase> && requires {
   typename Method::search;
 };
 
-/// What holds at a contact.
+/// The law that holds at a contact.
 /// - `soft`: bodies overlap and springs push them apart; otherwise impulses keep them apart
-/// - `friction`, `restitution`, `correction`: whether each is there
-/// - `memory`: what a contact keeps from step to step, found by its key
+/// - `friction`, `restitution`, `correction`: whether each is present
+/// - `memory`: the state that a contact keeps from step to step, found by its key
 template <class Law>
 concept contact_law = requires {
   typename Law::memory;
@@ -279,8 +280,8 @@ concept contact_law = requires {
   { Law::correction } -> std::convertible_to<bool>;
 };
 
-/// What a part of soft_contact<...> stores: its parameters for each pair of materials, and its
-/// memory for each contact, which goes with the bodies to other ranks and into checkpoints.
+/// The stored data of a part of soft_contact<...>: its parameters for each pair of materials, and
+/// its memory for each contact, which migrates with the bodies and is written to checkpoints.
 template <class Part>
 concept contact_data = detail::part_for<Part, roles::contact_law> && requires {
   typename Part::parameters;
@@ -293,25 +294,25 @@ concept contact_data = detail::part_for<Part, roles::contact_law> && requires {
     std::default_initializable<typename Part::memory> && std::is_class_v<typename Part::memory> &&
     !std::is_final_v<typename Part::memory>;
 
-/// A force between two bodies at a point where they touch, or nearly do; a part of
+/// A force between two bodies at a point where they touch or nearly touch; a part of
 /// soft_contact<...>. All functions are static, and depend on their arguments alone.
-/// - `name`: as messages and checkpoints call it
+/// - `name`: its name in messages and checkpoints
 /// - `parameters`: of a pair of materials; trivially copyable, with ==
-/// - `memory`: of a contact from step to step; a trivially copyable class, empty if there is none
-/// - `force(c, p, dt, memory)`: force and moment on body a, and which part of them the stored
-///   energy gives; brings the memory forward by dt
-/// - `stored(c, p, memory)`: the energy that the contact gives back
+/// - `memory`: of a contact from step to step; a trivially copyable class, empty if the law has no
+///   memory
+/// - `force(c, p, dt, memory)`: force and moment on body a, and the part of them that comes from
+///   the stored energy; advances the memory by dt
+/// - `stored(c, p, memory)`: the energy that the contact can return
 /// - `longest_step(p, mass)`: the longest stable time step of two bodies of this mass, or infinity
-/// - `duration(p, impact)`: how long an impact lasts, or infinity
-/// and, where a law offers them,
+/// - `duration(p, impact)`: the duration of an impact, or infinity and, optionally,
 /// - `range(p, radius)`: the gap up to which it acts, for the effective radius of the two bodies,
 ///   not decreasing with it; without it the law acts where bodies overlap
-/// - `combine(material, material, pair_material)`: the parameters of a pair that has none of its
-///   own; without it world.interaction(...) gives them
+/// - `combine(material, material, pair_material)`: the parameters of a pair for which the user set
+///   none; without it world.interaction(...) sets them
 /// - `require_material(material)`: throws invalid_argument for a material that it cannot use;
 ///   `rigid_by(material)`: the field that makes bodies of it rigid, or null
-/// - `longest_step_of_body(material, radius)`: the same of each body, whatever it meets
-/// - `central`: true if the force is along the normal and there is no moment, which costs less
+/// - `longest_step_of_body(material, radius)`: the same of each body, for any partner
+/// - `central`: true if the force is along the normal and the moment is zero, which costs less
 /// - `each_column(memory, f)`, of its memory: f(name, member) for the columns of a checkpoint;
 ///   without it the memory is stored as bytes
 template <class Law>
@@ -327,7 +328,7 @@ concept interaction_law = contact_data<Law> &&
 
 /// An interaction law whose normal force bounds friction and rolling resistance.
 /// - `bears(c, p)`: its stiffnesses, a `bearing`
-/// - what `force` returns is a bearing as well, with the normal force
+/// - `force` also returns a bearing, with the normal force
 template <class Law>
 concept bearing_law = interaction_law<Law> &&
     requires(const contact_kinematics& c, const typename Law::parameters& p, real x,
@@ -336,7 +337,7 @@ concept bearing_law = interaction_law<Law> &&
   { Law::force(c, p, x, memory) } -> std::derived_from<bearing>;
 };
 
-/// A force or moment that a law with a normal force bears: rolling_resistance, and coulomb_friction
+/// A force or moment bounded by the normal force of a law: rolling_resistance, and coulomb_friction
 /// by tangential_spring.
 /// - `force(c, bearing, p, dt, memory)`, `stored(c, bearing, p, memory)`: as for a law; the energy
 ///   is held in the memory
@@ -348,28 +349,25 @@ concept resistance = contact_data<Part> &&
   { Part::stored(c, b, p, kept) } -> std::convertible_to<real>;
 };
 
-/// What joins two bodies, or a body to something immovable, by impulses: a contact, a joint. Plain
-/// bytes. Impulses act on body `a` and, opposite, on body `b`; velocities are those of a against b.
+/// A constraint that joins two bodies, or a body and something immovable, by impulses: a contact, a
+/// joint. Plain bytes. Impulses act on body `a` and, opposite, on body `b`; velocities are those of
+/// a relative to b.
 /// - `a`, `b`: the bodies, as indices of the solver's arrays; `paired`: whether b can move
 /// - `rows`: of the Delassus operator
-/// - `prepare(s, split_a, split_b)`: finds the effective masses, with the masses of a and b divided
-///   into so many parts
+/// - `prepare(s, split_a, split_b)`: computes the effective masses, with the masses of a and b
+///   divided into so many parts
 /// - `relax(s)`: solves this constraint alone for the velocities of `s`; returns the `change` of
-/// its
-///   impulse, in a frame of its own. The change is not applied
-/// - `apply(s, change)`, `apply_to_a(s, change)`: what a change does to both bodies, to a
-/// - `impulse_in_frame()`, `set(change)`, `since(change)`: the impulse in that frame; a new one;
-/// the
-///   difference to an earlier one
-/// - `load_impulse(p)`, `impulse()`: the impulse on a in the world, for warm starts. A loaded one
-/// is
-///   moved into the set of admissible impulses
+///   its impulse, in a frame of its own. The change is not applied
+/// - `apply(s, change)`, `apply_to_a(s, change)`: applies a change to both bodies, to a
+/// - `impulse_in_frame()`, `set(change)`, `since(change)`: the impulse in that frame; sets a new
+///   one; the difference to an earlier one
+/// - `load_impulse(p)`, `impulse()`: the impulse on a in the world, for warm starts. A loaded
+///   impulse is projected into the set of admissible impulses
 /// - `relax_correction(s)`, `correct_a(s, x)`, `correct_b(s, x)`: the same for the
-/// pseudo-velocities
-///   that correct positions
-/// - `relative_velocity(s)`, `delassus_trace(s)`, `axis()`, `mu()`, `target_velocity`: what the
-///   residual is made of; `axes()`, `lever_a()`, `lever_b()`: its frame and arms
-/// - `speed_of(change)`: the change of velocity at the constraint that a change of impulse makes
+///   pseudo-velocities of the position correction
+/// - `relative_velocity(s)`, `delassus_trace(s)`, `axis()`, `mu()`, `target_velocity`: the terms of
+///   the residual; `axes()`, `lever_a()`, `lever_b()`: its frame and arms
+/// - `speed_of(change)`: the change of velocity at the constraint that a change of impulse causes
 template <class Kind>
 concept constraint_kind = std::is_trivially_copyable_v<Kind> &&
     requires(Kind c, const Kind& k, typename Kind::state& s, const typename Kind::state& seen,
@@ -400,9 +398,9 @@ concept constraint_kind = std::is_trivially_copyable_v<Kind> &&
   { k.speed_of(d) } -> std::convertible_to<real>;
 };
 
-/// The constraints of one kind on a rank, as a solver keeps them.
+/// The constraints of one kind on a rank, as a solver stores them.
 /// - `add(constraint, key, a_moves, b_moves, place, at_border)`: one that this rank solves by
-/// itself
+///   itself
 /// - `add_boundary(constraint, key, owns_a, place)`: one between a body owned here and a ghost
 /// - `each(f)`: f(constraint, counts_here); over all ranks each counts once. `each_acting(f)`:
 ///   f(constraint, acts_on_a, acts_on_b); over all ranks each acts once on each of its bodies
@@ -423,12 +421,12 @@ concept constraint_list = std::default_initializable<List> &&
   c.each_acting(f);
 };
 
-/// How the velocities of bodies reach the ghosts of them on other ranks during a solve.
+/// How the velocities of bodies reach their ghosts on other ranks during a solve.
 /// - `alone`: there is one rank, and nothing to exchange
 /// - `share_velocities()`: refreshes all ghosts; in two halves `start_velocities()` and
-///   `finish_velocities()`, between which own velocities that are sent stay as they are
-/// - `start_corrections()`, `finish_corrections()`: the same for the pseudo-velocities that correct
-///   positions
+///   `finish_velocities()`, between which own velocities that are sent must not change
+/// - `start_corrections()`, `finish_corrections()`: the same for the pseudo-velocities of the
+///   position correction
 /// - `start_reduce(sums)`, `finish_reduce(sums)`: sums over all ranks
 template <class Exchange>
 concept ghost_exchange = requires(Exchange e, std::span<double> sums) {
@@ -442,15 +440,15 @@ concept ghost_exchange = requires(Exchange e, std::span<double> sums) {
   e.finish_reduce(sums);
 };
 
-/// The part of solver<...>: how the impulses of all constraints are found.
+/// The part of solver<...>: how the impulses of all constraints are computed.
 /// - `solve(lists, state, settings, correct, ranks)`, static: changes the velocities in `state` and
 ///   the impulses in `lists` (a tuple of constraint lists), and returns the iterations and the
-///   residual. Impulses end in their admissible sets, and each acts on both of its bodies alike;
-///   over ranks it refreshes ghosts by `ranks`, and reduces over all only where a tolerance is
-///   asked for
-/// - `divides_the_step`, if it is offered and true: positions follow solver_state::drift besides
-/// - `by_colours`, if it is offered and true: it sweeps colour by colour, in an order that follows
-///   from the ids of bodies
+///   residual. Impulses end in their admissible sets, and each acts on its two bodies with opposite
+///   sign; over ranks it refreshes ghosts by `ranks`, and reduces over all ranks only if a
+///   tolerance is set
+/// - `divides_the_step`, optional: if true, positions also follow solver_state::drift
+/// - `by_colours`, optional: if true, it sweeps colour by colour, in an order that depends on the
+///   ids of bodies
 template <class Method>
 concept solver = detail::part_for<Method, roles::solver> &&
     requires(std::tuple<>& lists, detail::solver_state_of<double>& s,
@@ -459,13 +457,12 @@ concept solver = detail::part_for<Method, roles::solver> &&
   { Method::solve(lists, s, settings, true, ranks) } -> std::same_as<detail::solved>;
 };
 
-/// The part of integrator<...>: how velocities and positions are stepped.
+/// The part of integrator<...>: how velocities and positions are advanced.
 /// - `step(state)`, static: the stages of a time step in their order, with the hooks of the
-/// features
-///   at each (world/hooks.hpp)
-/// - `state<Scenario>`: what it keeps on a rank; its members are those of the world's state
+///   features at each (world/hooks.hpp)
+/// - `state<Scenario>`: its data on a rank; its members are those of the world's state
 /// - `at_midpoint`: whether contacts are found and solved in the middle of a step; `shares_midway`:
-///   whether bodies go to new owners, and shadow copies are refreshed, before forces are measured
+///   whether bodies migrate, and shadow copies are refreshed, before forces are computed
 template <class Method>
 concept integrator = detail::part_for<Method, roles::integrator> && requires {
   { Method::name } -> std::convertible_to<const char*>;
@@ -474,35 +471,36 @@ concept integrator = detail::part_for<Method, roles::integrator> && requires {
 };
 
 /// The part of precision<...>: double, or a type that names scalars.
-/// - `solved`: of velocities, and of contacts of round bodies, while contacts are solved
+/// - `solved`: the scalar of velocities, and of contacts of isotropic bodies, while contacts are
+///   solved
 template <class Numbers>
 concept precision = std::same_as<Numbers, double> ||
     (detail::part_for<Numbers, roles::precision>&& requires { typename Numbers::solved; });
 
 /// A quantity that bodies carry. One description drives storage, messages, checkpoints, output and
 /// digests (body/column.hpp).
-/// - `value_type`: plain bytes; `name`: of the dataset in checkpoints and outputs
-/// and, where it says so,
+/// - `value_type`: plain bytes; `name`: of the dataset in checkpoints and outputs, and optionally
 /// - `unit`: as in "K"; `initial`: the value of a new body
-/// - `travel`: how other ranks get it (talus::travels), with every refresh unless it says so
-/// - `in_checkpoint`, `in_output`, `in_digest`: whether files and state_digest() have it, true
-///   unless it says so
-/// - `carried_by<Shape>`: which bodies have it, all unless it says so
+/// - `travel`: when it is sent to other ranks (talus::travels), by default with every refresh
+/// - `in_checkpoint`, `in_output`, `in_digest`: whether files and state_digest() contain it, by
+///   default true
+/// - `carried_by<Shape>`: which bodies have it, by default all
 template <class Column>
 concept column = std::semiregular<typename Column::value_type> && requires {
   { Column::name } -> std::convertible_to<const char*>;
 };
 
 /// A part of features<...>: a module with one or more of
-/// - `columns`: what bodies carry for it, a type_list of concepts::column
-/// - `state`: what each rank keeps for it, a struct that begins with its defaults, or a template
-///   with the scenario as argument; `each_number(visit)` of it, if there, names what checkpoints
-///   hold (world/monitor_numbers.hpp)
+/// - `columns`: its columns of the bodies, a type_list of concepts::column
+/// - `state`: its data on each rank, a struct with default values, or a template with the scenario
+///   as argument; the optional `each_number(visit)` of it names the numbers in checkpoints
+///   (world/monitor_numbers.hpp)
 /// - `hooks`: a struct of static functions named after the stages of a step (body/stages.hpp),
 ///   which take a stage_view (world/stage_view.hpp)
-/// and, where it says so,
+/// and optionally
 /// - `runs_after`: a type_list of the features that act before it at each stage
-/// - `checkpoints_may_differ`: true if a run without it may go on from a checkpoint of one with it
+/// - `checkpoints_may_differ`: true if a run without it may continue from a checkpoint of one with
+///   it
 template <class Feature>
 concept feature = detail::part_for<Feature, roles::features> && requires {
   { Feature::name } -> std::convertible_to<const char*>;

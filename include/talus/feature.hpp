@@ -1,4 +1,4 @@
 #pragma once
-// For features of one's own: what their hooks see of a world. docs/features.md.
+// For user-defined features: the view of the world that their hooks take. docs/features.md.
 #include "talus/world/stage_view.hpp"
 #include "talus/world/world.hpp"

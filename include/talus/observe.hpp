@@ -1,5 +1,5 @@
 #pragma once
-// Observers that a program asks for by themselves: the contact network (for_each_contact),
+// Observers that a program calls directly: the contact network (for_each_contact),
 // measure_coordination, measure_fields, flow_meter. docs/output.md.
 #include "talus/observe/coordination.hpp"
 #include "talus/observe/fields.hpp"

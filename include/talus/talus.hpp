@@ -1,5 +1,5 @@
 #pragma once
-// The one include: everything but the transport over MPI, which is <talus/mpi.hpp>.
+// The one include: everything except the transport over MPI, which is <talus/mpi.hpp>.
 #if !__has_include(<Eigen/Core>) || !__has_include(<fmt/core.h>) || !__has_include(<boost/hana.hpp>)
 #error \
     "talus needs Eigen 3.4, fmt and Boost.Hana: in CMake write find_package(talus) and link talus::talus"

@@ -1,4 +1,4 @@
-// The compiled part: what finds pairs, colours contacts and solves islands.
+// The compiled part: pair search, colouring of contacts, and solution of islands.
 #include "talus/detect/hash_grid_definitions.hpp"
 #include "talus/detect/sweep_and_prune_definitions.hpp"
 #include "talus/response/colouring_definitions.hpp"

@@ -1,4 +1,4 @@
-// The compiled part: what runs over lists of contacts with friction, in double.
+// The compiled part: functions over lists of contacts with friction, in double.
 #include "talus/response/usual_contacts.hpp"
 
 namespace talus::detail {

@@ -5,8 +5,8 @@
 
 namespace talus {
 
-/// Before a step: moves the cuts where shares have become uneven, and connects ranks anew where
-/// bodies have come to reach farther than ranks are connected. Collective.
+/// Before a step: moves the cuts if shares have become uneven, and connects ranks again if the
+/// reach of bodies exceeds that of the connections. Collective.
 template <class Scenario>
 void world<Scenario>::look_at_balance_if_due() {
   if constexpr (!link_type::alone) {
@@ -22,7 +22,7 @@ void world<Scenario>::look_at_balance_if_due() {
     b.cost = detail::cost_of_body(b.cost, mine, all);
     b.seconds = 0;
     if (!uneven && 2 * all.max.reach <= b.reach) return;
-    synchronize();  // neighbours hear of what the user has changed as long as they are neighbours
+    synchronize();  // sends the user's changes to neighbours while they are still neighbours
     if (uneven) {
       b.note_move(now);
       const auto places = detail::places_of_own(state_);

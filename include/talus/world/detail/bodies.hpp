@@ -1,5 +1,5 @@
 #pragma once
-// How bodies come into a world, are found in it, and leave. Member functions of world.
+// Adding, finding and removing bodies. Member functions of world.
 #include <variant>
 
 #include "talus/world/world.hpp"

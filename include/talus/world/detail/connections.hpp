@@ -1,5 +1,5 @@
 #pragma once
-// Connections of a world, checked. Member functions of world.
+// Checks of the connections of a world. Member functions of world.
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -8,7 +8,7 @@ template <class Scenario>
 void world<Scenario>::check_connections() {
   sections_.require_all_ranks("check_connections", rank());
   if constexpr (domain_type::periodic) {
-    require_two_sided_connections();  // none were made by hand, so there is nothing else to ask
+    require_two_sided_connections();  // no connection was made by hand: nothing else to check
   } else if constexpr (!link_type::alone) {
     require_two_sided_connections();
     talus::check_connections(
@@ -17,7 +17,7 @@ void world<Scenario>::check_connections() {
 }
 
 /// Throws alike on all ranks if a rank is connected to one that is not connected to it: the two
-/// would wait for each other for ever. Costs one reduction where nothing was connected by hand.
+/// would wait for each other for ever. Costs one reduction if nothing was connected by hand.
 template <class Scenario>
 void world<Scenario>::require_two_sided_connections() {
   std::uint64_t rewired = rewired_;

@@ -1,10 +1,10 @@
 #pragma once
-// Global bodies that are moved. Member functions of world.
+// Motion of global bodies. Member functions of world.
 #include "talus/world/world.hpp"
 
 namespace talus {
 
-/// The record of a global body that is to be driven, from where it is now.
+/// The record of a global body that is to be driven, from its present position.
 template <class Scenario>
 template <class Shape>
 detail::driven_body& world<Scenario>::driven_body_of(handle<Shape> h, const char* what) {

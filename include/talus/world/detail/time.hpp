@@ -1,5 +1,5 @@
 #pragma once
-// How a world goes on. Member functions of world.
+// Time stepping of a world. Member functions of world.
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -46,7 +46,7 @@ void world<Scenario>::synchronize() {
     }
     detail::refuse_closed_faces(state_, false);
     state_.choice.reach.clear();  // domains may have changed
-    // The first round tells every neighbour how far bodies reach, the second one acts on it.
+    // The first round sends the reach of bodies to every neighbour, the second uses it.
     detail::share_shadow_copies(state_, true);
     detail::share_shadow_copies(state_, true);
   }
@@ -79,7 +79,7 @@ void world<Scenario>::step(real dt) {
           "in "
           "[0, 1] to correct, but has {}, {} and {}",
           how.iterations, how.correction_iterations, how.correction);
-    // How far bodies reach in a step is told to the neighbours before it.
+    // Neighbours receive the reach of bodies in a step before the step.
     if (dt > state_.dt) state_.dt = dt, state_.changed = true;
   }
   if (!synchronized_) synchronize();
@@ -110,7 +110,7 @@ void world<Scenario>::stop() {
   stop_asked_ = true;
 }
 
-/// Whether the call of simulate() ends with the present step, on all ranks alike.
+/// Whether the call of simulate() ends with the present step, alike on all ranks.
 template <class Scenario>
 bool world<Scenario>::ends_now(const simulation& s) {
   if (s.stop_when && state_.steps % s.check_every == 0) {
@@ -159,7 +159,7 @@ void world<Scenario>::simulate(const simulation& s) {
     }
   }
   if (!restarted) synchronize();
-  // It ends by an exception, too.
+  // An exception ends it, too.
   struct mark {
     bool& set;
     explicit mark(bool& b) : set(b) { set = true; }

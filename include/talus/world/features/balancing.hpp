@@ -1,6 +1,6 @@
 #pragma once
-// features<balancing>: what it keeps (world/balance_state.hpp). Cuts move between steps, where
-// world::step() looks (world/balance.hpp).
+// features<balancing>: its state (world/balance_state.hpp). Cuts move between steps, when
+// world::step() checks the shares (world/balance.hpp).
 #include "talus/world/balance_state.hpp"
 #include "talus/world/state.hpp"
 

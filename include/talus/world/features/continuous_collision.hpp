@@ -1,5 +1,5 @@
 #pragma once
-// features<continuous_collision>: what it keeps, and at which stage it acts (world/continuous.hpp);
+// features<continuous_collision>: its state, and the stage at which it acts (world/continuous.hpp);
 // detection (world/detect.hpp) follows flights to their first impact.
 #include <limits>
 
@@ -13,20 +13,21 @@
 namespace talus {
 namespace detail {
 
-/// When bodies strike something in the step under way; see world/continuous.hpp.
+/// Times of impact of bodies in the step under way; see world/continuous.hpp.
 struct impact_times {
-  plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: none
+  plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: no
+                            ///< impact
   plain_vector<real> found;
   bool second_round = false;
 
-  /// A body that is held where it is for the rest of the step, and that a driven body reaches,
-  /// moves on with that.
+  /// A body that stays at its impact for the rest of the step and that a driven body reaches moves
+  /// on with the driven body.
   struct carried {
     real from = std::numeric_limits<real>::infinity();
     vec3 origin{0, 0, 0};  ///< the reference point of the driven body at the start of the step
     vec3 v{0, 0, 0}, w{0, 0, 0};
   };
-  plain_vector<carried> carriers;  ///< in solver indices; empty where nothing is driven
+  plain_vector<carried> carriers;  ///< in solver indices; empty if nothing is driven
 };
 
 }  // namespace detail
@@ -37,7 +38,7 @@ struct continuous_collision::state {
 };
 
 struct continuous_collision::hooks {
-  /// Until when bodies that struck something go on.
+  /// Until when bodies continue after their impact.
   template <class Scenario>
   static void after_solve(detail::world_state<Scenario>& s) {
     timed(s, s.seconds.detect, [&] {

@@ -1,5 +1,5 @@
 #pragma once
-// features<driven>: what it keeps (world/driven_bodies.hpp), and at which stages it acts
+// features<driven>: its state (world/driven_bodies.hpp), and the stages at which it acts
 // (world/driven.hpp, world/servo.hpp).
 #include "talus/world/driven.hpp"
 #include "talus/world/driven_bodies.hpp"

@@ -1,6 +1,6 @@
 #pragma once
-// features<energy_ledger>: what it records, how it books a step (every entry from what happened,
-// none as the remainder), and at which stages.
+// features<energy_ledger>: its record, how it books a step (every entry is computed on its own,
+// none as the remainder), and its stages.
 #include <algorithm>
 #include <cmath>
 
@@ -15,17 +15,17 @@
 
 namespace talus {
 
-/// Energy that came into the motion of the bodies, or left it. Each entry is computed by itself.
+/// Energy that entered or left the motion of the bodies. Each entry is computed on its own.
 struct energy_flows {
   double work = 0;        ///< done by forces and torques of the user, and by fixed bodies with a
-                          ///< velocity on what they carry along
+                          ///< velocity on the bodies that they carry along
   double friction = 0;    ///< dissipated by tangential impulses
   double impact = 0;      ///< dissipated by normal impulses
   double damping = 0;     ///< dissipated by damping
-  double correction = 0;  ///< added by the correction of overlaps
+  double correction = 0;  ///< added by the position correction
   double scheme = 0;      ///< added by the time stepping: -m g^2 dt^2/2 per step of a free fall,
-                          ///< and what the scheme of rotation does
-  double sleep = 0;       ///< dissipated where islands went to sleep
+                          ///< and the error of the rotation scheme
+  double sleep = 0;       ///< dissipated when islands were put to sleep
 
   [[nodiscard]] double net() const {
     return work + correction + scheme - friction - impact - damping - sleep;
@@ -60,13 +60,13 @@ struct energy_record {
   };
 
   running_flows running;      ///< of the step under way
-  double exchanged = 0;       ///< sum of the absolute values of what contacts give, in this step
+  double exchanged = 0;       ///< sum of the absolute values of the works of contacts in this step
   energy_sums before, after;  ///< of the last step
   energy_flows step, total;
   double initial = 0;  ///< energy at the start of the first step
   double changes = 0;  ///< of energy by the user, between the steps
-  double closure = 0;  ///< what the last step's entries leave open
-  double scale = 0;    ///< of the energies that met in the last step
+  double closure = 0;  ///< the difference that the last step's entries leave
+  double scale = 0;    ///< sum of the energies of the last step
   double worst = 0;    ///< largest |closure| over scale of all steps
   bool started = false;
   plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
@@ -82,19 +82,19 @@ struct energy_record {
   }
 };
 
-/// Of soft contacts, beside the energy_record: what their springs hold, of contacts that count
-/// here.
+/// Of soft contacts, in addition to the energy_record: energy of the springs, of contacts that
+/// count here.
 struct spring_record {
-  /// Of fixed bodies that move, on others; for the present forces.
+  /// Power of moving fixed bodies on others; for the present forces.
   compensated_sum<double> spring_power, dashpot_power, friction_power;
-  /// Energies when forces were last measured: along the normal, and across it (and of rolling)
-  /// before and after the springs were brought forward; what yielded between.
+  /// Energies at the last computation of forces: along the normal, and across it (and of rolling)
+  /// before and after the springs were advanced; energy lost by slip between.
   compensated_sum<double> normal, across_before, across, yielded;
-  compensated_sum<double> released;  ///< of `normal`, given up when the memory changed
+  compensated_sum<double> released;  ///< of `normal`, released when the memory changed
   double start = 0;                  ///< energy at the start of the step
   double across_at_start = 0;
   double stored = 0;  ///< and at its end
-  double moved = 0;   ///< energy of the bodies that came to this rank within the step
+  double moved = 0;   ///< energy of the bodies that migrated to this rank within the step
   bool started = false;
 
   void measure_anew() {
@@ -119,7 +119,7 @@ void each_moving_local(world_state<Scenario>& s, F&& f) {
   });
 }
 
-/// Twice the energy of rotation of body i, turned by q, at angular velocity w.
+/// Twice the rotational energy of body i, rotated by q, at angular velocity w.
 template <class Store>
 [[nodiscard]] real twice_spin_energy(const Store& store, std::size_t i, const quat& q,
                                      const vec3& w) {
@@ -148,7 +148,7 @@ template <class Scenario>
   return {kinetic.value(), potential.value(), kinetic.value() + height};
 }
 
-/// Before a step: what the user has changed since the last one.
+/// Before a step: the user's changes since the last one.
 template <class Scenario>
 void open_energy(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
@@ -164,10 +164,10 @@ void open_energy(world_state<Scenario>& s) {
 }
 
 /// Works of the contacts. Impulses change the velocities together, and the change of m v^2/2 is
-/// that of m v times the mean of v before and after. So each impulse, all of it from the remembered
-/// part on, does the work of meeting the mean velocity of its point, and these works add up to the
-/// change of kinetic energy exactly. A rank books the work on the bodies it moves; what a contact
-/// across ranks dissipates is the sum of what both ranks book.
+/// that of m v times the mean of v before and after. So each impulse, including the warm start,
+/// does work on the mean velocity of its point, and these works add up to the change of kinetic
+/// energy exactly. A rank books the work on the bodies it moves; the dissipation of a contact
+/// across ranks is the sum of the entries of both ranks.
 template <class Scenario>
 void book_contacts(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
@@ -226,8 +226,8 @@ void book_response(world_state<Scenario>& s) {
     const vec3& v = solved_velocity(s, store, i, k);
     const vec3& w = solved_spin(s, store, i, k);
     const vec3 pull = (s.dt * mass) * s.gravity;
-    // Gravity speeds up at the mean velocity and falls at the last one.
-    if constexpr (world_state<Scenario>::midpoint)  // and falls at both, half of the time each
+    // Gravity changes the speed at the mean velocity and the height at the last one.
+    if constexpr (world_state<Scenario>::midpoint)  // and the height at both, half of the time each
       r.running.scheme += (real(0.5) * (1 - kept)) * pull.dot(v);
     else
       r.running.scheme += pull.dot(mean.v - kept * v);
@@ -246,7 +246,7 @@ void book_response(world_state<Scenario>& s) {
   book_contacts(s);
 }
 
-/// Of continuous collision: a body was brought to its impact, before the response. `from`, `turned`
+/// Of continuous collision: a body was moved to its impact, before the response. `from`, `turned`
 /// and `w` are its pose and angular velocity before.
 template <class Scenario, class Store>
 void book_flight(world_state<Scenario>& s, const Store& store, std::size_t i, const pose& from,
@@ -258,14 +258,14 @@ void book_flight(world_state<Scenario>& s, const Store& store, std::size_t i, co
         0.5 * (twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]) -
                twice_spin_energy(store, i, from.orientation, w));
 }
-/// And then it went on by less than its last velocity times the step: by `missing`.
+/// After the impact it moved by less than its last velocity times the step: by `missing`.
 template <class Scenario, class Store>
 void book_stop(world_state<Scenario>& s, const Store& store, std::size_t i, const vec3& missing) {
   s.monitors.energy.running.scheme += s.gravity.dot(missing) / store.inverse_mass[i];
 }
 
-/// After positions have moved: what free rotation and the correction of overlaps did to the energy
-/// of rotation. The correction turns bodies last and leaves their angular velocity.
+/// After positions have moved: the change of rotational energy by free rotation and by the position
+/// correction. The correction rotates bodies last and does not change their angular velocity.
 template <class Scenario>
 void book_motion(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
@@ -285,7 +285,7 @@ void book_motion(world_state<Scenario>& s) {
   });
 }
 
-/// At the end of a step, before bodies are migrated: what the entries leave open.
+/// At the end of a step, before bodies are migrated: the difference that the entries leave.
 template <class Scenario>
 void close_energy(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
@@ -317,9 +317,9 @@ struct detail::split_contact_forces::record {
   }
 };
 
-// Where contacts are soft, energies are measured when the last velocities of a step are known, and
-// what springs hold is that of the places where forces are measured: at the start of a step, or at
-// its end where the integrator shares bodies midway.
+// With soft contacts, energies are measured once the last velocities of a step are known, and the
+// spring energy is that of the positions at which forces are computed: at the start of a step, or
+// at its end if the integrator shares bodies midway.
 struct energy_ledger::hooks {
   template <class Scenario>
   static void at_start(detail::world_state<Scenario>& s) {

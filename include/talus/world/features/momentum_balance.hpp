@@ -1,6 +1,6 @@
 #pragma once
-// features<momentum_balance>: what it records, how it books a step (what the bodies gained, and who
-// gave it), and at which stages.
+// features<momentum_balance>: its record, how it books a step (the momentum gained by the bodies,
+// and its sources), and its stages.
 #include <cmath>
 
 #include "talus/core/portable_powers.hpp"
@@ -26,7 +26,7 @@ struct momentum_record {
   }
 };
 
-/// The impulse that global and fixed bodies gave in the last step to those of this rank.
+/// The impulse that global and fixed bodies exerted in the last step on the bodies of this rank.
 template <class Scenario>
 [[nodiscard]] vec3 impulse_of_ground(const world_state<Scenario>& s) {
   const auto& solver = s.solver;
@@ -52,8 +52,9 @@ template <class Scenario>
   return sum.value();
 }
 
-/// After the response, before positions move. Contacts between bodies that move give nothing in
-/// sum; if the two sides of a contact across ranks gave differently, the balance would show it.
+/// After the response, before positions move. Contacts between movable bodies contribute nothing in
+/// sum; the balance would show it if the two sides of a contact across ranks contributed
+/// differently.
 template <class Scenario>
 void book_momentum(world_state<Scenario>& s) {
   momentum_record& r = s.monitors.momentum;
@@ -116,7 +117,7 @@ struct momentum_balance::hooks {
   static void after_solve(detail::world_state<Scenario>& s) {
     if constexpr (!Scenario::contact_law::soft) book_momentum(s);
   }
-  /// Before islands at rest lose what is left of their motion.
+  /// Before resting islands lose the rest of their motion.
   template <class Scenario>
   static void after_move(detail::world_state<Scenario>& s) {
     if constexpr (!Scenario::contact_law::soft) close_momentum(s);

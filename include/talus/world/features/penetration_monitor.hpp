@@ -1,5 +1,5 @@
 #pragma once
-// features<penetration_monitor>: what it records. Overlaps are noted where contacts are made.
+// features<penetration_monitor>: its record. Overlaps are recorded when contacts are made.
 #include <algorithm>
 #include <cstdint>
 

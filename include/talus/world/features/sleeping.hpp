@@ -1,5 +1,5 @@
 #pragma once
-// features<sleeping>: what it keeps (world/sleep_state.hpp), and at which stages it acts
+// features<sleeping>: its state (world/sleep_state.hpp), and the stages at which it acts
 // (world/sleep.hpp).
 #include "talus/world/detect.hpp"
 #include "talus/world/sleep.hpp"
@@ -15,7 +15,7 @@ struct sleeping::state {
 };
 
 struct sleeping::hooks {
-  /// Islands that something comes near wake.
+  /// Wakes islands that something approaches.
   template <class Scenario>
   static void after_detect(detail::world_state<Scenario>& s) {
     timed(s, s.seconds.detect, [&] { wake_disturbed(s, [&] { detail::find_contacts(s); }); });

@@ -17,14 +17,15 @@ template <class Scenario>
 void step_with_contacts(world_state<Scenario>& s) {
   timed(s, s.seconds.detect, [&] { find_contacts(s); });
   run_hooks<stages::after_detect>(s);
-  timed(s, s.seconds.respond, [&] { respond(s); });  // velocities that fulfil the contact law
+  timed(s, s.seconds.respond, [&] { respond(s); });  // velocities that satisfy the contact law
   run_hooks<stages::after_solve>(s);
   timed(s, s.seconds.integrate, [&] { integrate(s); });  // positions of the bodies owned here
   run_hooks<stages::after_move>(s);
   run_hooks<stages::at_close>(s);
   run_hooks<stages::before_share>(s);
   advance(s);
-  migrate_and_refresh(s);  // bodies that left go to their new owner, shadow copies are refreshed
+  migrate_and_refresh(s);  // bodies that left migrate to their new owner, and shadow copies are
+                           // refreshed
   run_hooks<stages::after_share>(s);
 }
 

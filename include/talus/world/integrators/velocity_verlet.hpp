@@ -1,6 +1,6 @@
 #pragma once
 // The stages of a step of integrator<velocity_verlet>: bodies are shared between its halves, so
-// that forces are measured where all ranks see them.
+// that forces are computed after all ranks have the new positions.
 #include "talus/world/advance.hpp"
 #include "talus/world/hooks.hpp"
 #include "talus/world/migrate_and_refresh.hpp"
