@@ -1,6 +1,6 @@
 #pragma once
-// How far beyond touch the contact law of a scenario acts: detection and shadow copies reach that
-// much farther. Laws that act by touch alone add nothing.
+// The range beyond touch of the contact law of a scenario: detection and shadow copies reach that
+// much farther. Laws without range add nothing.
 #include <cstddef>
 
 #include "talus/interaction/soft_state.hpp"
@@ -13,13 +13,13 @@ inline constexpr bool acts_beyond_touch = requires {
   requires world_state<Scenario>::law::law::reaches;
 };
 
-/// Derives the parameters of pairs anew where materials have changed, before ranges are looked up.
+/// Derives the parameters of pairs again if materials have changed, before ranges are read.
 template <class Scenario>
 void update_ranges(world_state<Scenario>& s) {
   if constexpr (acts_beyond_touch<Scenario>) s.soft.pairs.follow(s.materials);
 }
 
-/// The distance from its surface within which a body may act on others.
+/// The distance from its surface within which a body can act on others.
 template <class Scenario, class Store>
 [[nodiscard]] real acting_range(const world_state<Scenario>& s, const Store& store, std::size_t i) {
   if constexpr (acts_beyond_touch<Scenario>)

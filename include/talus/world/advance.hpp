@@ -1,5 +1,5 @@
 #pragma once
-// The end of a time step: time goes on.
+// The end of a time step: the time advances.
 #include "talus/world/state.hpp"
 
 namespace talus::detail {

@@ -1,7 +1,7 @@
 #pragma once
-// features<balancing>: what a world knows of how its work is shared, and what becomes of that when
-// cuts move. How cuts are found is the decomposition's business (parallel/bisection.hpp); that all
-// bodies go to their new owners, with what their contacts remember, is synchronize()'s.
+// features<balancing>: how a world measures the shares of its ranks, and moves the cuts. The
+// decomposition computes the cuts (parallel/bisection.hpp); synchronize() migrates all bodies, with
+// the memory of their contacts.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +18,7 @@
 
 namespace talus::detail {
 
-/// What one rank has to do, and how far its bodies reach.
+/// The load of one rank, and the reach of its bodies.
 struct rank_load {
   double bodies = 0, contacts = 0, seconds = 0;
   real reach = 0;
@@ -46,8 +46,8 @@ template <class Link>
   return {{sums[0], sums[1], sums[2], 0}, {most[0], most[1], most[2], most[3]}, link.size()};
 }
 
-/// What a body here takes, 1 for the mean one of all ranks: half of what was found before and half
-/// of what is found now, as times scatter. A rank without bodies says nothing.
+/// Cost of a body here, 1 for the mean one of all ranks: half of the old value and half of the new
+/// one, because times scatter. A rank without bodies has no value.
 inline constexpr double most_uneven_cost = 32;
 [[nodiscard]] inline double cost_of_body(double before, const rank_load& mine,
                                          const whole_load& all) {
@@ -55,19 +55,19 @@ inline constexpr double most_uneven_cost = 32;
   const double now = mine.seconds / mine.bodies / (all.sum.seconds / all.sum.bodies);
   return 0.5 * (before + std::clamp(now, 1 / most_uneven_cost, most_uneven_cost));
 }
-/// Weights are whole numbers, so that their sums are the same whoever brings which.
+/// Weights are whole numbers, so that their sums do not depend on their distribution over ranks.
 [[nodiscard]] inline std::uint64_t weight_of_cost(double cost) {
   return static_cast<std::uint64_t>(4096 * cost);
 }
 
-/// Copies are needed as far as two bodies reach that touch; with room for what becomes faster until
-/// cuts move again.
+/// Copies are needed as far as the reaches of two bodies that touch, with a margin for bodies that
+/// become faster until cuts move again.
 inline constexpr real room_for_reach = 1.25;
 [[nodiscard]] inline real reach_of_connections(real largest_reach, real asked) {
   return std::max(asked, 2 * room_for_reach * largest_reach);
 }
 
-/// Throws invalid_argument for settings that make no sense.
+/// Throws invalid_argument for settings out of range.
 [[gnu::cold]] inline void require_sane(const balance_settings& how) {
   if (how.every < 1 || !(how.above >= 1) || !std::isfinite(how.above))
     fail<std::invalid_argument>(
@@ -77,7 +77,7 @@ inline constexpr real room_for_reach = 1.25;
         how.every, how.above);
 }
 
-/// What this rank has to do: its bodies, the contacts of its last step, and what it took.
+/// The load of this rank: its bodies, the contacts of its last step, and its time.
 template <class Scenario>
 [[nodiscard]] rank_load load_of(const world_state<Scenario>& s, double seconds) {
   rank_load mine{.contacts = static_cast<double>(count_contacts(s)), .seconds = seconds};
@@ -99,7 +99,7 @@ template <class Scenario>
   return places;
 }
 
-/// Books what is collective while it lives.
+/// Counts collective calls during its lifetime.
 template <class Scenario>
 class collectives_counted {
  public:
@@ -113,7 +113,7 @@ class collectives_counted {
   std::uint64_t before_ = s_.link->counters().collectives;
 };
 
-/// A step, and what this rank worked in it.
+/// A step, and the time that this rank worked in it.
 template <class Scenario>
 void step_with_clock(world_state<Scenario>& s, real dt) {
   const double began = thread_seconds(), exchanged = s.seconds.exchange.processor;

@@ -1,5 +1,5 @@
 #pragma once
-// What a world keeps for features<balancing>; see world/balance.hpp.
+// State of a world for features<balancing>; see world/balance.hpp.
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -9,46 +9,47 @@
 
 namespace talus {
 
-/// What domains are to have in equal shares.
+/// The quantity that domains share equally.
 enum class balance_by {
-  time,  ///< processor time of the steps, without exchanges; a body counts for what its rank's
-         ///< take. For thousands of bodies per rank: with few, what a step costs without bodies
-         ///< counts too
-  count  ///< bodies: the same cuts in each run
+  time,  ///< processor time of the steps, without exchanges; each body has the mean cost of its
+         ///< rank's bodies. For thousands of bodies per rank: with few, the cost of a step without
+         ///< bodies counts too
+  count  ///< number of bodies: the same cuts in each run
 };
 
 /// When cuts move; see world::balance.
 struct balance_settings {
-  std::uint64_t every = 1000;  ///< steps from one look to the next, which is collective
+  std::uint64_t every = 1000;  ///< steps between checks, which are collective
   double above = 1.2;          ///< largest share over the mean one up to which cuts stay, >= 1
-  /// what a share is: of bodies, or of time
+  /// the quantity that is shared: number of bodies, or time
   balance_by by = balance_by::count;
 };
 
-/// How evenly ranks share: the largest share over the mean one, 1 at best.
+/// Evenness of the shares of ranks: the largest share over the mean one, 1 at best.
 struct imbalance {
   double bodies = 1;    ///< of the bodies owned
-  double contacts = 1;  ///< of those in the last step; NaN where there were none
-  double time = 1;      ///< of processor time in the steps, without exchanges; NaN without any
+  double contacts = 1;  ///< of those in the last step; NaN if there were none
+  double time = 1;      ///< of processor time in the steps, without exchanges; NaN if none was
+                        ///< measured
 };
 
 namespace detail {
 
 inline constexpr double unknown_share = std::numeric_limits<double>::quiet_NaN();
 
-/// How a world with this feature shares out space, and how even that is.
+/// How a world with this feature divides space, and how even the shares are.
 template <class Decomposition>
 struct balance_state {
   balance_settings settings;
   bool moves = false;       ///< world::balance was called
-  Decomposition divided;    ///< with the cuts as they are
-  real asked = 0;           ///< reach of the connections, as the user wants it
-  real reach = 0;           ///< and as it is
-  double seconds = 0;       ///< of work here since the last look
-  double cost = 1;          ///< time that a body here takes, over that of the mean one
-  double since_move = 0;    ///< since cuts were moved last
-  imbalance before;         ///< when cuts were to be moved for the first time
-  std::uint64_t moved = 0;  ///< how often they were
+  Decomposition divided;    ///< with the present cuts
+  real asked = 0;           ///< reach of the connections set by the user
+  real reach = 0;           ///< and the present one
+  double seconds = 0;       ///< of work here since the last check
+  double cost = 1;          ///< processor time of a body here, over that of the mean one
+  double since_move = 0;    ///< since the last move of the cuts
+  imbalance before;         ///< at the first check that moved cuts
+  std::uint64_t moved = 0;  ///< number of moves of the cuts
 
   void divide(const Decomposition& d, real reach_asked) {
     if (moves) require_movable(d);

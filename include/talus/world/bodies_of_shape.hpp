@@ -1,5 +1,5 @@
 #pragma once
-// All bodies of one shape that a rank knows, and what detection needs to find their neighbours.
+// All bodies of one shape known to a rank, and the search structures that find their neighbours.
 #include <algorithm>
 #include <limits>
 
@@ -16,7 +16,7 @@ namespace talus::detail {
 /// that are about to close keep their impulse and their place.
 inline constexpr real contact_slack = 0.01;
 
-/// Where the bodies of a shape are, worked out once for the detection of a step.
+/// Poses of the bodies of a shape, computed once for the detection of a step.
 template <class Shape>
 struct places_of {};
 template <>
@@ -36,14 +36,14 @@ struct bodies_of_shape : places_of<Shape> {
   store_type global;      ///< known on every rank, immovable
   std::size_t first = 0;  ///< index of this shape's first body in the solver's arrays
 
-  Search grid;  ///< of the movable bodies, built each step
+  Search grid;  ///< of the movable bodies, rebuilt each step
   plain_vector<real> reach;
-  Search global_grid;  ///< of the global bodies, built when they change
+  Search global_grid;  ///< of the global bodies, rebuilt when they change
   plain_vector<real> global_reach;
   bool globals_changed = false;
 };
 
-/// Bounding radius plus slack plus the way that the surface can go in `dt`.
+/// Bounding radius plus slack plus the distance that the surface can move in `dt`.
 template <class Store>
 [[nodiscard]] real reach_of(const Store& s, std::size_t i, real dt) {
   const real radius = s.shape[i].bounding_radius();
@@ -51,7 +51,7 @@ template <class Store>
   if constexpr (Store::tensor) speed += radius * s.angular_velocity[i].norm();
   return (1 + contact_slack) * radius + speed * dt;
 }
-/// How far the turning of a body can bring a point of its surface.
+/// How far the rotation of a body can move a point of its surface.
 template <class Store>
 [[nodiscard]] real way_of_turning(const Store& s, std::size_t i, real dt) {
   if constexpr (Store::tensor)

@@ -1,5 +1,5 @@
 #pragma once
-// What a body must be like to be added.
+// Requirements on a body that is added.
 #include <cmath>
 
 #include "talus/body/body.hpp"
@@ -12,7 +12,7 @@ inline void require_finite(const char* what, const vec3& v) {
   if (!finite(v)) fail<std::invalid_argument>("{} must be finite, but is {}", what, text(v));
 }
 
-/// Throws invalid_argument, with the value, for a body that makes no sense, or none in numbers.
+/// Throws invalid_argument, with the value, for a body with values out of range or not finite.
 template <class Shape>
 void require_sane(const body<Shape>& b, const material_table& materials) {
   b.shape.validate();
@@ -44,7 +44,7 @@ void require_sane(const body<Shape>& b, const material_table& materials) {
   }
 }
 
-/// Throws logic_error for a body without mass that is to move.
+/// Throws logic_error for a movable body without mass.
 template <class Shape>
 void require_movable(const body<Shape>& b, int rank) {
   if constexpr (requires { Shape::immovable; })

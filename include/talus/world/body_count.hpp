@@ -1,7 +1,6 @@
 #pragma once
-// A number of bodies that tells one from another: beside it goes the sum of their ids, modulo 2^64.
-// Two such sums that differ by one body differ by its id, so a body that is missing or there twice
-// is known by name, whatever the order in which they were added up.
+// A number of bodies with the sum of their ids, modulo 2^64. Two such sums that differ by one body
+// differ by its id, so the id of a missing or duplicate body is known, in any order of summation.
 #include <cstdint>
 #include <string>
 
@@ -10,7 +9,7 @@
 
 namespace talus {
 
-/// How many bodies there are, and a check sum of which.
+/// A number of bodies, and a check sum of their ids.
 struct body_count {
   /// number of bodies
   std::uint64_t bodies = 0;
@@ -19,7 +18,7 @@ struct body_count {
   void add(system_id id) { ++bodies, ids += value_of(id); }
   void remove(system_id id) { --bodies, ids -= value_of(id); }
   friend bool operator==(const body_count&, const body_count&) = default;
-  /// Modulo 2^64, as all of it.
+  /// Modulo 2^64, as all sums here.
   friend body_count operator-(const body_count& a, const body_count& b) {
     return {a.bodies - b.bodies, a.ids - b.ids};
   }
@@ -30,7 +29,7 @@ struct body_count {
 
 namespace detail {
 
-/// What is there too much in `count` (or too little), and which body if it is one.
+/// The excess (or deficit) of `count`, and the id of the body if it is a single one.
 struct surplus {
   std::int64_t bodies;
   system_id id;  ///< of a single one

@@ -1,5 +1,5 @@
 #pragma once
-// Pairs of bodies that may touch, as they were found last; see world/close_pairs.hpp.
+// Candidate pairs of the last search; see world/neighbour_list.hpp.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -16,9 +16,9 @@
 
 namespace talus::detail {
 
-/// What is found out about the surroundings of a body holds while the body moves by this part of
-/// its bounding radius, or of the mean one if that is less; and by what it moves in some steps, or
-/// few fast ones would have it found out all the time.
+/// The recorded surroundings of a body are valid while the body moves by at most this fraction of
+/// its bounding radius, or of the mean radius if that is less; and by at most its motion in some
+/// steps, so that a few fast bodies do not force a search in every step.
 inline constexpr real skin_part = 0.1;
 inline constexpr int skin_steps = 8;
 
@@ -26,13 +26,13 @@ inline constexpr int skin_steps = 8;
   return skin_part * std::min(mean, radius) + std::min(skin_steps * dt * speed, radius);
 }
 
-/// Where a body was when its surroundings were looked at, and how far around.
+/// The position of a body at its last search, and the reach of that search.
 struct noted_body {
   system_id id = no_id;
   vec3 position{0, 0, 0};
-  real reach = 0;  ///< with its skin
+  real reach = 0;  ///< including its skin
 
-  /// Whether what was found holds for a body with this reach.
+  /// Whether the found pairs are complete for a body with this reach.
   [[nodiscard]] bool covers(system_id now, const vec3& p, real reach_now) const {
     const real left = reach - reach_now;
     return id == now && left >= 0 && (p - position).squaredNorm() <= left * left;
@@ -41,7 +41,7 @@ struct noted_body {
 
 inline constexpr std::uint32_t nobody = 0xffffffffu;
 
-/// The numbers that bodies had before, or `nobody`; most have kept theirs.
+/// The previous indices of bodies, or `nobody`; most are unchanged.
 [[nodiscard]] inline plain_vector<std::uint32_t> numbers_before(
     const plain_vector<noted_body>& before, std::span<const system_id> now) {
   plain_vector<plain_pair<system_id, std::uint32_t>> others;
@@ -61,7 +61,7 @@ inline constexpr std::uint32_t nobody = 0xffffffffu;
   }
   return was;
 }
-/// The reverse: what number each of `count` bodies has now.
+/// The reverse: the present index of each of `count` bodies.
 [[nodiscard]] inline plain_vector<std::uint32_t> numbers_now(const plain_vector<std::uint32_t>& was,
                                                              std::size_t count) {
   plain_vector<std::uint32_t> now(count, nobody);
@@ -72,11 +72,10 @@ inline constexpr std::uint32_t nobody = 0xffffffffu;
 
 struct close_pair {
   std::uint32_t i, j;  ///< indices into the bodies of two shapes
-  history_place last;  ///< where the history keeps what their contacts had in the last step
+  history_place last;  ///< where the history stores the last step's values of their contacts
 };
 
-/// One list for each pair of shapes, and where the bodies of each shape were when the pairs were
-/// found.
+/// One list for each pair of shapes, and the positions of the bodies of each shape at the search.
 struct candidate_pairs {
   struct shape {
     plain_vector<noted_body> bodies;
@@ -85,9 +84,9 @@ struct candidate_pairs {
   std::vector<plain_vector<close_pair>> lists;
   std::vector<shape> shapes;
   bool known = false;
-  int steps = 0;     ///< for which they have held
-  int failures = 0;  ///< searches in a row that held for less than two steps
-  int pause = 0;     ///< steps for which keeping pairs is not worth it: bodies move too fast
+  int steps = 0;     ///< for which they have been valid
+  int failures = 0;  ///< searches in a row that were valid for less than two steps
+  int pause = 0;     ///< steps without a kept neighbour list: bodies move too fast
 
   [[nodiscard]] std::size_t bytes() const {
     std::size_t sum = 0;

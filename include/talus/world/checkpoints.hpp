@@ -1,7 +1,7 @@
 #pragma once
-// features<checkpoints>: what a world knows of them. How files are written and read is in io/,
-// which a program includes by <talus/checkpoint.hpp>; here is what the user wants to be kept, and
-// where in simulate() files come into it.
+// features<checkpoints>: its part of a world. io/ writes and reads files, and a program includes it
+// by <talus/checkpoint.hpp>; this file holds the state that the user adds, and the points of
+// simulate() at which files are written or read.
 #include <array>
 #include <concepts>
 #include <cstddef>
@@ -21,27 +21,27 @@
 
 namespace talus {
 
-/// What simulate() is asked for.
+/// Arguments of simulate().
 struct simulation {
-  std::size_t steps = 0;  ///< number of time steps; with a restart those before it count
+  std::size_t steps = 0;  ///< number of time steps; after a restart, earlier ones count
   real dt = 0;            ///< length of a step, in units of time
-  /// Ends this call early: asked on all ranks after each step, and ends it if it holds on any. A
-  /// checkpoint keeps that it did.
+  /// Ends this call early: evaluated on all ranks after each step; the call ends if it holds on
+  /// any. A checkpoint records the end.
   std::function<bool()> stop_when{};
-  std::uint64_t check_every = 1;  ///< steps of the world from one question to the next
+  std::uint64_t check_every = 1;  ///< steps of the world between evaluations
 };
 
 namespace detail {
 
-/// What becomes of a call of simulate() when a run goes on from a file.
+/// Changes to a call of simulate() when a run continues from a file.
 struct restart_plan {
-  std::size_t steps = 0;  ///< to be taken
-  bool skips = false;     ///< all of them were taken before the file was written
-  bool restarts = false;  ///< the state is now that of the file
-  bool stopped = false;   ///< this call had been ended by stop() or by a condition
+  std::size_t steps = 0;  ///< to be made
+  bool skips = false;     ///< all of them were made before the file was written
+  bool restarts = false;  ///< the state is now the state of the file
+  bool stopped = false;   ///< stop() or a condition ended this call
 };
 
-/// What simulate() calls where checkpoints are in use. All functions are collective.
+/// Functions that simulate() calls if checkpoints are in use. All functions are collective.
 struct checkpoint_hooks {
   checkpoint_hooks() = default;
   checkpoint_hooks(const checkpoint_hooks&) = delete;
@@ -52,15 +52,15 @@ struct checkpoint_hooks {
   virtual void after_step() = 0;
   /// `ends`: this call of simulate() makes no further step; `stopped`: by a condition.
   virtual void after_observers(bool ends, bool stopped) = 0;
-  /// Whether the run keeps its state in that file. On rank 0 alone.
+  /// Whether the run writes its state to that file. On rank 0 alone.
   [[nodiscard]] virtual bool writes(const std::string& file) const = 0;
-  /// Throws runtime_error where simulate() has not come to the step of the file.
+  /// Throws runtime_error if simulate() has not reached the step of the file.
   virtual void require_restarted() const = 0;
-  /// A step by hand has no place among those that a restart leaves out.
+  /// Throws if a step is made by hand among those that a restart skips.
   virtual void refuse_step_before_restart() const = 0;
 };
 
-/// State of the user's own: the bytes of a value, or a number of which the ranks' sum is meant.
+/// User-defined state: the bytes of a value, or a number that is summed over the ranks.
 struct kept_value {
   enum class kind : std::uint8_t { alike, sum_of_reals, sum_of_integers };
   std::string name;
@@ -75,12 +75,12 @@ struct kept_value {
 
 struct checkpoint_keeper {
   std::vector<kept_value> values;
-  std::vector<std::uint64_t> added_elsewhere;  ///< by ranks that a run before this one had
-  std::optional<std::array<double, 12>> first_parameters;  ///< as the set-up gave them
+  std::vector<std::uint64_t> added_elsewhere;              ///< by ranks of an earlier run
+  std::optional<std::array<double, 12>> first_parameters;  ///< of the set-up
   std::uint64_t restarted_at = 0;                          ///< step of the file that was read
-  std::unique_ptr<checkpoint_hooks> hooks;                 ///< null where no file is asked for
+  std::unique_ptr<checkpoint_hooks> hooks;                 ///< null if no file is requested
   detail::course course;                                   ///< the calls of simulate()
-  mutable bool read = false;  ///< bodies have been looked at since simulate() was called last
+  mutable bool read = false;  ///< bodies were read since the last call of simulate()
 
   template <class T>
   void add(const std::string& name, T& value) {
@@ -124,26 +124,26 @@ struct checkpoint_keeper {
 };
 struct keeps_nothing {};
 
-/// The checkpoints that a run is asked for.
+/// The checkpoint files of a run.
 struct checkpoint_plan {
   std::string to;          ///< file to write; empty: none
-  std::size_t every = 0;   ///< steps from one to the next; 0: on signals and at the end
-  std::uint64_t last = 0;  ///< the step after which the run ends, if that is known
-  std::string from;        ///< file to go on from; empty: none
-  bool force = false;      ///< replaces what is no checkpoint too
-  bool quiet = false;      ///< does not tell that it replaces a checkpoint
+  std::size_t every = 0;   ///< steps between checkpoints; 0: on signals and at the end
+  std::uint64_t last = 0;  ///< the step after which the run ends, if known
+  std::string from;        ///< file to continue from; empty: none
+  bool force = false;      ///< also replaces a file that is not a checkpoint
+  bool quiet = false;      ///< no message when it replaces a checkpoint
   std::function<void(const std::string&)> tell;    ///< takes a message for the user, on rank 0
   std::function<void(std::uint64_t)> restarted{};  ///< takes the step of the file, when it is read
 };
 
-/// The run was asked to end (SIGTERM, or SIGINT by Ctrl-C), and its state is written. Thrown alike
-/// on all ranks.
+/// Thrown after a signal to end (SIGTERM, or SIGINT by Ctrl-C), when the state is written. Thrown
+/// alike on all ranks.
 struct ended_by_signal {
   std::uint64_t step = 0;
   int signal = 0;
 };
 
-/// What io/ may reach of a world.
+/// The parts of a world that io/ may use.
 struct checkpoint_access;
 
 /// The files of a run; defined by <talus/checkpoint.hpp>.

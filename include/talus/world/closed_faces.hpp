@@ -1,13 +1,13 @@
 #pragma once
-// Bodies must not reach ranks that theirs is not connected to by decision of the decomposition.
+// Bodies must not reach ranks that the decomposition does not connect to theirs on purpose.
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
 
 /// Throws runtime_error for the first body owned here whose bounds reach a closed face. Only bodies
-/// next to the boundary of the domain are looked at closely: of these the shape counts, not just
-/// the ball around it. Bodies whose centre is elsewhere are on their way (`departed`: they have
-/// just left, and must not have done so through a closed face).
+/// next to the boundary of the domain are tested exactly, by their shape instead of the ball around
+/// it. Bodies whose centre is elsewhere are about to migrate (`departed`: they have just left, and
+/// must not have crossed a closed face).
 template <class Scenario>
 void refuse_closed_faces(const world_state<Scenario>& s, bool departed) {
   using domain_type = typename world_state<Scenario>::domain_type;

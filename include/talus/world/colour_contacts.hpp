@@ -12,7 +12,7 @@
 
 namespace talus::detail {
 
-/// Gives all contacts found in this step their colours, and puts them where these are.
+/// Assigns colours to all contacts of this step, and moves them to their colours.
 template <class Scenario>
 void colour_contacts(world_state<Scenario>& s) {
   colouring& all = s.colours.all;
@@ -73,7 +73,7 @@ void colour_contacts(world_state<Scenario>& s) {
   }
 }
 
-/// What shared_velocities is for other solvers.
+/// The ghost exchange of solvers by colours; shared_velocities is that of the other solvers.
 template <class Scenario>
 class coloured_velocities : public shared_velocities<Scenario> {
   using base = shared_velocities<Scenario>;
@@ -92,7 +92,7 @@ class coloured_velocities : public shared_velocities<Scenario> {
     finish<6, number>(colour,
                       [&](std::uint32_t i, const number* in) { base::get_velocity(i, in); });
   }
-  /// Likewise what overlaps move them by.
+  /// Likewise the position corrections.
   void start_corrections(std::uint32_t colour) {
     start<base::of_correction, correction>(
         colour, [&](std::uint32_t i, correction* out) { base::put_correction(i, out); });

@@ -1,8 +1,8 @@
 #pragma once
-// Nothing lost: what a rank owns is what it owned before and what it was told of since, a body that
-// comes is not here yet and has come to its owner, and copies are those that their owner speaks of.
-// Looked at in every step, by each rank for itself; the first body that is missing or there twice
-// ends the run by name.
+// Conservation of bodies: the bodies of a rank are those that it owned before and those that
+// arrived since; an arriving body is new here and has reached its owner; and copies match the list
+// of their owner. Each rank checks this on its own in every step; the first missing or duplicate
+// body ends the run with its id.
 #include <cstdint>
 #include <string>
 #include <type_traits>
@@ -25,8 +25,8 @@ template <class Scenario>
   return here;
 }
 
-/// Bodies came here by other means than those of the world, as from a file, on all ranks: those
-/// that are here now are those that should be.
+/// Bodies came here by other means than those of the world, as from a file, on all ranks: the
+/// bodies here become the reference.
 template <class Scenario>
 void take_stock(world_state<Scenario>& s) {
   s.owned = s.made = count_owned(s);
@@ -44,7 +44,7 @@ template <class Scenario>
   return twice;
 }
 
-/// Throws runtime_error unless this rank owns the bodies that it should.
+/// Throws runtime_error unless this rank owns the expected bodies.
 template <class Scenario>
 void require_all_here(const world_state<Scenario>& s) {
   const body_count here = count_owned(s);
@@ -62,7 +62,7 @@ void require_all_here(const world_state<Scenario>& s) {
       s.steps, s.link->rank(), s.owned.bodies, here.bodies);
 }
 
-/// Who owns a body, and where, of all ranks. Collective; for messages.
+/// The owner of a body, and its position, over all ranks. Collective; for messages.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string owners_text(const world_state<Scenario>& s, system_id id) {
   if constexpr (world_state<Scenario>::link_type::alone)
@@ -86,7 +86,7 @@ template <class Scenario>
   }
 }
 
-/// The bodies that came in a migration, and from which neighbour.
+/// The bodies that arrived in a migration, and the neighbour that sent them.
 struct arrivals {
   struct one {
     system_id id;
@@ -95,7 +95,7 @@ struct arrivals {
   plain_vector<one> all;
 };
 
-/// Throws runtime_error if one of the bodies that came is owned here twice now.
+/// Throws runtime_error if one of the arrived bodies is now owned here twice.
 template <class Scenario>
 void require_new(const world_state<Scenario>& s, const arrivals& came) {
   if (came.all.empty()) return;
@@ -118,9 +118,9 @@ void require_new(const world_state<Scenario>& s, const arrivals& came) {
       twice, last_seen(s, twice), from, s.link->rank(), s.steps);
 }
 
-/// Throws runtime_error for a body that was sent to this rank as its owner, which it is not by the
-/// decomposition. (Where connections are made by hand, two ranks may see the boundary between them
-/// in different places. Then the body goes back, and is neither lost nor doubled.)
+/// Throws runtime_error for a body that was sent to this rank as its owner although the
+/// decomposition assigns it elsewhere. (If connections are made by hand, two ranks may place the
+/// boundary between them differently. Then the body goes back, and is neither lost nor duplicated.)
 template <class Scenario>
 [[gnu::cold]] void refuse_foreign(const world_state<Scenario>& s, system_id id, const vec3& p,
                                   std::size_t from) {
@@ -135,7 +135,7 @@ template <class Scenario>
                 : "rank " + std::to_string(owner));
 }
 
-/// What a rank tells of the copies that a neighbour should have: which, and in which order.
+/// The description of the copies that a neighbour should have: which bodies, and in which order.
 struct copies_told {
   body_count count;
   std::uint64_t order = 0;
@@ -147,7 +147,7 @@ struct copies_told {
   friend bool operator==(const copies_told&, const copies_told&) = default;
 };
 
-/// Throws runtime_error unless the copies here are those that the neighbours tell of.
+/// Throws runtime_error unless the copies here match the descriptions of the neighbours.
 template <class Scenario>
 void require_copies(const world_state<Scenario>& s, const plain_vector<copies_told>& told) {
   plain_vector<copies_told> here(s.neighbours.size());
@@ -172,8 +172,8 @@ void require_copies(const world_state<Scenario>& s, const plain_vector<copies_to
   }
 }
 
-/// Throws runtime_error if a copy is one of a body that is owned here, or came from two ranks:
-/// the body has two owners.
+/// Throws runtime_error if a copy belongs to a body that is owned here, or came from two ranks: the
+/// body has two owners.
 template <class Scenario>
 void require_one_owner(const world_state<Scenario>& s) {
   std::size_t copies = 0;
@@ -188,7 +188,7 @@ void require_one_owner(const world_state<Scenario>& s) {
       for (std::size_t c = 0; c < n.copies[shape] && i < b.movable.size(); ++c, ++i) {
         if constexpr (world_state<Scenario>::periodic)
           if (s.copies.of[shape][i - b.movable.locals].image != 0)
-            continue;  // the body itself may well be here
+            continue;  // the body itself may be owned here
         if (!ids.insert(b.movable.id[i])) twice = b.movable.id[i];
       }
     ++shape;

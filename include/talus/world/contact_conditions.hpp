@@ -1,5 +1,5 @@
 #pragma once
-// What the contact law asks of a new contact point: target velocity, correction, friction.
+// The conditions of the contact law at a new contact point: target velocity, correction, friction.
 #include <algorithm>
 
 #include "talus/body/material.hpp"
@@ -8,27 +8,27 @@
 
 namespace talus::detail {
 
-/// What the contact law asks of a new contact point. `u` is the velocity of a relative to b at the
-/// point before the step, `gap` the distance of the surfaces.
+/// The conditions of the contact law at a new contact point. `u` is the velocity of a relative to b
+/// at the point before the step, `gap` the distance of the surfaces.
 struct contact_conditions {
   real target_velocity = 0, correction_rate = 0, friction = 0;
 };
 
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
-/// - A gap that gravity closes within a step is none: surfaces hold there, u_n >= 0, and the
-///   correction draws loaded ones together. (Were bodies let fall into it, positions would act on
-///   velocities, and stacks would sway: iterations that are cut short answer only a part c < 1 of a
-///   velocity that is slow to converge, and with impulses that are remembered the motion dv = y,
-///   dy = -c (v + y + gap/dt) swings up unless c is nearly 1.)
-/// - Of an overlap or a gap that is held, a part is corrected; other gaps may close.
-/// - An impact faster than what gravity adds in two steps, and due within this step, rebounds with
-///   -e u_n (Newton), see rebound(); a slower one is resting contact, which must not jitter.
-///   Without rebound, e = 0, the surfaces still meet. A solver that divides the step (`Divided`)
-///   finds the moment itself, and is told -e u_n.
-/// - Sliding faster than what gravity adds in a step, and than `creep`, meets the dynamic
+/// - Gaps that gravity would close within a step count as closed: surfaces hold there, u_n >= 0,
+///   and the correction draws loaded ones together. (If bodies fell into such gaps, positions would
+///   act on velocities, and stacks would sway: truncated iterations answer only a part c < 1 of a
+///   velocity that converges slowly, and with warm starts the motion dv = y, dy = -c (v + y +
+///   gap/dt) is unstable unless c is nearly 1.)
+/// - A part of an overlap, or of a gap that is held, is corrected; other gaps may close.
+/// - An impact faster than the gain by gravity in two steps, and due within this step, rebounds
+///   with -e u_n (Newton), see rebound(); a slower one is resting contact, which must not jitter.
+///   Without rebound, e = 0, the surfaces still meet. A solver with substeps (`Divided`) finds the
+///   time of impact itself, and takes -e u_n.
+/// - Sliding faster than the gain by gravity in a step, and than `creep`, has the dynamic
 ///   coefficient, else the static.
-/// `gravity` is the acceleration that the bodies would have without contacts; fall() is the part of
-/// it by which the surfaces approach.
+/// `gravity` is the acceleration of the bodies without contacts; fall() is the part of it by which
+/// the surfaces approach.
 template <class Law, bool Divided, class Fall>
 [[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
                                                const vec3& u, real gap, real dt, real gravity,

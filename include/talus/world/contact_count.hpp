@@ -1,12 +1,12 @@
 #pragma once
-// How many contacts the last step looked at.
+// The number of contacts in the last step.
 #include <cstdint>
 
 #include "talus/world/state.hpp"
 
 namespace talus::detail {
 
-/// Those that count on this rank: each on one of all ranks.
+/// Those that count on this rank: each counts on exactly one rank.
 template <class Scenario>
 [[nodiscard]] std::uint64_t count_contacts(const world_state<Scenario>& s) {
   std::uint64_t contacts = 0;

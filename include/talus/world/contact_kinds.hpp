@@ -1,5 +1,5 @@
 #pragma once
-// Which kind of contact two shapes make: decided at compile time, per pair of shapes.
+// The kind of contact of two shapes, decided at compile time, per pair of shapes.
 #include <tuple>
 #include <type_traits>
 
@@ -28,8 +28,8 @@ using anchored_contact = std::conditional_t<
     A::isotropic, isotropic_contact<contact_rows<Law>, partner::immovable, Real>,
     general_contact<contact_rows<Law>, side_of<A>, contact_side::immovable, Real>>;
 
-/// The same where global bodies may have velocities, which stand in the solver's arrays then. It is
-/// one of the kinds of contacts among bodies that can move.
+/// The same if global bodies may have velocities; the solver's arrays then contain these. It is one
+/// of the kinds of contacts between movable bodies.
 template <class Law, class A, class Real = real>
 using driven_contact = moving_contact<Law, A, A, Real>;
 
@@ -68,8 +68,8 @@ struct as_tuple<type_list<Ts...>> {
   using type = std::tuple<Ts...>;
 };
 
-/// std::tuple of the contact lists that the shapes of a scenario need, each kind once. `Real` is
-/// the scalar in which they are solved, `List` keeps the contacts of one kind.
+/// std::tuple of the contact lists for the shapes of a scenario, each kind once. `Real` is the
+/// scalar in which they are solved, `List` stores the contacts of one kind.
 template <class Shapes, class Law, class Real = real, template <class> class List = contact_list,
           bool Driven = false>
 using contact_lists_of =

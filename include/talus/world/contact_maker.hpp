@@ -1,5 +1,5 @@
 #pragma once
-// From two bodies that may touch to the contacts that the solver works on.
+// From candidate pairs of bodies to the contacts of the solver.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +19,7 @@
 namespace talus::detail {
 
 /// Whether the owner of shadow copy `copy` has a copy of the body `own`, so that both ranks compute
-/// their contact. (It has not in the one step after the user put a body where none was expected.)
+/// their contact. (It has none in the one step after the user put a body at an unexpected place.)
 template <class Own, class Other, class Scenario>
 [[nodiscard]] bool copied_to_owner(const world_state<Scenario>& s, std::size_t own,
                                    std::size_t copy) {
@@ -39,7 +39,7 @@ template <class Own, class Other, class Scenario>
   return false;
 }
 
-/// Whether this rank also looks for the contacts among bodies of other ranks.
+/// Whether this rank also searches for the contacts between bodies of other ranks.
 template <class Scenario>
 [[nodiscard]] bool shares_islands(const world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::islands_across_ranks)
@@ -48,7 +48,7 @@ template <class Scenario>
     return (void)s, false;
 }
 
-/// Turns the contact points of one pair of shapes into contacts for the solver.
+/// Converts the contact points of one pair of shapes to contacts of the solver.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class contact_maker {
   using state_type = world_state<Scenario>;
@@ -95,11 +95,11 @@ class contact_maker {
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b) {
     make(i, j, margin_a, margin_b, nullptr);
   }
-  /// The same for a pair that is kept from step to step.
+  /// The same for a kept candidate pair.
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
     make(i, j, margin_a, margin_b, &last);
   }
-  /// To be called after the last pair: some wait until there are enough to be tested together.
+  /// To be called after the last pair: some pairs wait until a batch is full.
   void finish() requires(batched) {
     const unsigned count = waiting_.count, near = waiting_.tests.test();
     waiting_.count = 0;
@@ -114,7 +114,7 @@ class contact_maker {
   }
 
  private:
-  /// Of a global body: what a contact of this normal meets, in the solver's arrays.
+  /// Of a global body: the index in the solver's arrays for contacts of this normal.
   struct met_body {
     std::int32_t number = -1;
     vec3 normal{0, 0, 0};
@@ -181,12 +181,11 @@ class contact_maker {
     x.radius = a_.shape[i].bounding_radius();
     x.slack = contact_slack * x.radius;
     x.margin = margin_a + margin_b;
-    // Ranks look ahead as they know sleepers, but agree on contacts.
+    // Ranks know different sleepers ahead, but agree on contacts.
     if constexpr (store_a::sleeps && !state_type::continuous)
       x.margin = motion_.margin_in_step(i, j);
     if constexpr (ShapeB::finite) {
-      // The slack of a large body that is none of a small one beside it: both have that of the
-      // small.
+      // For a large body beside a small one, both use the slack of the small one.
       const real other = b_.shape[j].bounding_radius();
       const real excess = contact_slack * std::abs(x.radius - other);
       x.slack += contact_slack * other - excess;
@@ -219,8 +218,8 @@ class contact_maker {
     forget_unless_made(x);
   }
 
-  /// Where bodies are followed: the time in this step at which a body that struck something meets
-  /// a driven one, which goes on until then; 0 for all others.
+  /// If bodies are followed: the time in this step at which a body at its impact meets a driven
+  /// one, which moves on until then; 0 for all others.
   [[nodiscard]] real time_of_meeting(const pair_at_hand& x) const {
     if constexpr (driven && state_type::continuous)
       if (const real t = s_.impacts.time[first_a_ + x.i];
@@ -228,7 +227,7 @@ class contact_maker {
         return t;
     return (void)x, 0;
   }
-  /// The reference point of a global body where a contact meets it.
+  /// The reference point of a global body for a contact with it.
   [[nodiscard]] vec3 reference_of(const pair_at_hand& x) const {
     if constexpr (driven && state_type::continuous)
       return b_.position[x.j] + time_of_meeting(x) * b_.velocity[x.j];
@@ -240,8 +239,8 @@ class contact_maker {
   [[gnu::always_inline]] void add(pair_at_hand& x, const contact_geometry& g) {
     const std::size_t i = x.i, j = x.j;
     vec3 arm_a = g.point - position_a(x);
-    // Only where both bodies move must the forces on them share a line; something immovable is met
-    // with the surface itself.
+    // The forces must share a line only if both bodies move; for something immovable the contact
+    // point is on its surface.
     if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
     vec3 arm_b{0, 0, 0}, v_b{0, 0, 0};
     vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
@@ -276,7 +275,7 @@ class contact_maker {
     place(c, g, arm_a, arm_b);
     if constexpr (state_type::midpoint) {
       c.bias = bias_of(x, g, u, pulled);
-      u += g.normal.dot(c.bias) * g.normal;  // what is left of it may be an impact
+      u += g.normal.dot(c.bias) * g.normal;  // the rest may be an impact
     }
     const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
@@ -298,7 +297,7 @@ class contact_maker {
       list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_border(i, body_b(x)));
   }
 
-  /// What a contact that lasts leaves at the end of the step; see velocity_bias.hpp.
+  /// The relative velocity of a lasting contact at the end of the step; see velocity_bias.hpp.
   vec3 bias_of(const pair_at_hand& x, const contact_geometry& g, const vec3& u, real pulled) {
     const real held = std::max(pulled * s_.dt * s_.dt, x.slack);
     if (g.gap > held || turns_slowly(x, pulled)) return {0, 0, 0};
@@ -318,7 +317,7 @@ class contact_maker {
     if constexpr (!law::friction) bias = g.normal.dot(bias) * g.normal;
     return bias;
   }
-  /// Whether the accelerations that a bias answers are below 1e-4 of what pulls at the
+  /// Whether the accelerations that a bias compensates are below 1e-4 of the acceleration of the
   /// bodies.
   [[nodiscard]] bool turns_slowly(const pair_at_hand& x, real pulled) const {
     vec3 v = a_.velocity[x.i];
@@ -369,14 +368,14 @@ class contact_maker {
     }
   }
 
-  /// The second body itself, which may be an image of one that is owned here.
+  /// The second body itself, of which this may be an image of one that is owned here.
   [[nodiscard]] std::size_t body_b(const pair_at_hand& x) const {
     if constexpr (imaged)
       return x.at.body_b;
     else
       return x.j;
   }
-  /// Where the two bodies are, for this pair.
+  /// Poses of the two bodies, for this pair.
   [[nodiscard]] const vec3& position_a(const pair_at_hand& x) const {
     if constexpr (imaged)
       return x.at.a;
@@ -411,15 +410,15 @@ class contact_maker {
       return (void)there, ((*waiting_.places)[i]);
     }
   }
-  /// Whether the other end of a contact is a part of a servo.
+  /// Whether the second body of a contact is a part of a servo.
   [[nodiscard]] bool moves_too(std::int32_t b) const {
     if constexpr (driven)
       return s_.solver.bodies[static_cast<std::size_t>(b)].inverse_mass != 0;
     else
       return (void)b, false;
   }
-  /// Sets the other end of a contact with a global body that may move. Round bodies meet its
-  /// surface as if that did not turn.
+  /// Sets the second body of a contact with a global body that may move. For isotropic bodies its
+  /// surface does not rotate.
   void meet_global(contact_type& c, pair_at_hand& x, const vec3& normal, const vec3& v_b,
                    vec3& arm_b) {
     vec3 v = v_b, w = b_.angular_velocity[x.j];
@@ -442,8 +441,8 @@ class contact_maker {
       return !s_.at_border.empty() &&
              (s_.at_border[first_a_ + i] || (paired && s_.at_border[first_b_ + j]));
   }
-  /// What iterations leave of the velocity of something that sticks: a millionth of its size in a
-  /// step. (Where others press, the bodies themselves may feel neither gravity nor forces.)
+  /// The velocity that iterations leave to a sticking body: a millionth of its size in a step. (If
+  /// other bodies press, the bodies themselves may have neither gravity nor forces.)
   real creep(real radius) const { return 1e-6 * radius / s_.dt; }
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {

@@ -1,18 +1,17 @@
 #pragma once
-// features<continuous_collision>: a body that strikes something in a step is first brought to the
-// time of its first impact in that step. Contacts are found and solved there, with the true normal
-// and nothing at a distance, and it goes the rest of the step with its new velocity, but only until
-// it meets something else, and no further than half its inner radius, beyond which nobody has
-// looked. So nothing passes through anything, however thin, nobody is deflected by what it passes,
-// and bodies rebound where they are struck. All this is for bodies faster than what gravity adds in
-// a step or two; slower ones are in contact, or nearly so.
+// features<continuous_collision>: a body with an impact in a step is first moved to the time of its
+// first impact in that step. Contacts are found and solved there, with the true normal and no
+// contacts at a distance. The body moves through the rest of the step with its new velocity, but
+// only until its next impact, and by at most half its inner radius, beyond which nothing was
+// tested. So nothing tunnels, however thin, nothing deflects a body that only passes by, and bodies
+// rebound where they meet. All this is for bodies faster than the gain by gravity in a step or two;
+// slower ones are in contact, or nearly so.
 //
-// A driven body (features<driven>) goes on through the whole step. Impacts with it are looked for
-// in the frame that moves with it, and a body that is held in its way is carried along.
+// A driven body (features<driven>) moves through the whole step. Impacts with it are computed in
+// the frame that moves with it, and a stopped body in its way is carried along.
 //
-// A solver that divides the step divides what is left of it for each body: of a body that was
-// brought to its impact, the rest of the step, in which it gains the rest of what gravity and
-// forces give.
+// A solver with substeps divides the remaining step of each body: of a body that was moved to its
+// impact, the rest of the step, in which it gains the rest of the velocity from gravity and forces.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -40,8 +39,7 @@ template <class Scenario, class Store>
   return a;
 }
 
-/// Half of the step, or of its first part where it is divided: a velocity is the true one that
-/// much earlier.
+/// Half of the step, or of its first substep: a velocity is the true one that much earlier.
 template <class Scenario>
 [[nodiscard]] real half_part(const world_state<Scenario>& s) {
   if constexpr (divides_the_step<typename Scenario::solver>)
@@ -50,7 +48,7 @@ template <class Scenario>
     return real(0.5) * s.dt;
 }
 
-/// The flight of a body in this step. (What torques add in the step is not in it.)
+/// The flight of a body in this step. (Rotation by torques in the step is neglected.)
 template <class Scenario, class Store>
 [[nodiscard]] auto flight_of(const world_state<Scenario>& s, const Store& store, std::size_t i) {
   free_flight<Store::tensor> f;
@@ -66,7 +64,7 @@ template <class Scenario, class Store>
   return f;
 }
 
-/// How far a point of a body can come in this step.
+/// How far a point of a body can move in this step.
 template <class Scenario, class Store>
 [[nodiscard]] real way_of(const world_state<Scenario>& s, const Store& store, std::size_t i) {
   if (store.inverse_mass[i] == 0) return 0;
@@ -76,7 +74,7 @@ template <class Scenario, class Store>
   return s.dt * speed;
 }
 
-/// Radius of the ball about the centre that fits into a convex shape, or about that.
+/// Radius of the ball about the centre that fits into a convex shape, or an estimate of it.
 template <class Shape>
 [[nodiscard]] real inner_radius(const Shape& shape) {
   if constexpr (Shape::isotropic) {
@@ -99,13 +97,13 @@ template <class A, class B>
     return contact_slack * a.bounding_radius();
 }
 
-/// A way in a step up to which a body counts as slow.
+/// A distance per step up to which a body counts as slow.
 template <class Scenario>
 [[nodiscard]] real slow_way(const world_state<Scenario>& s, real zone) {
   return 3 * s.gravity.norm() * s.dt * s.dt + real(1e-3) * zone;
 }
 
-/// What counts as an impact of two shapes.
+/// The definition of an impact of two shapes.
 template <class Scenario, class A, class B>
 [[nodiscard]] impact_search search_for(const world_state<Scenario>& s, const A& a, const B& b) {
   real thickness = inner_radius(a), size = a.bounding_radius();
@@ -121,8 +119,8 @@ template <class Scenario, class A, class B>
           .plunge = real(0.5) * thickness};
 }
 
-/// The driven body that global body j of a shape is and that goes somewhere in this step, or null.
-/// (A belt has a velocity, but stays.)
+/// The driven body of global body j of a shape if it moves in this step, or null. (A belt has a
+/// velocity, but stays.)
 template <class Shape, class Scenario>
 [[nodiscard]] const driven_body* going_body(const world_state<Scenario>& s, std::size_t j) {
   if constexpr (world_state<Scenario>::drives) {
@@ -132,7 +130,7 @@ template <class Shape, class Scenario>
   return (void)s, (void)j, nullptr;
 }
 
-/// How far the surface of a global body comes in this step where it may meet body i.
+/// How far the surface of a global body moves in this step near body i.
 template <class Shape, class Scenario, class Store>
 [[nodiscard]] real way_of_driven(const world_state<Scenario>& s, const Store& store, std::size_t i,
                                  std::size_t j) {
@@ -143,8 +141,8 @@ template <class Shape, class Scenario, class Store>
   return s.dt * (one->next.v.norm() + arm * one->next.w.norm());
 }
 
-/// When two bodies meet. The impact with a driven body is looked for in the frame that moves with
-/// it: there it stands still, and the other body flies along a curve.
+/// The time at which two bodies meet. The impact with a driven body is computed in the frame that
+/// moves with it: there it stands still, and the other body flies along a curve.
 template <class ShapeB, bool Paired, class Scenario, class ShapeA, class FlightA, class StoreB,
           class FlightB>
 [[nodiscard]] real meeting_of(const world_state<Scenario>& s, const ShapeA& shape,
@@ -159,8 +157,8 @@ template <class ShapeB, bool Paired, class Scenario, class ShapeA, class FlightA
 }
 
 /// Finds the first impacts of two bodies and keeps the earliest of each body in `impacts.found`. In
-/// the first round all fly as they were going to. In the second those that were stopped stand where
-/// they are, in the way of the others.
+/// the first round all bodies fly freely. In the second round stopped bodies stay at their
+/// position, in the way of the others.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class impact_finder {
   using state_type = world_state<Scenario>;
@@ -200,7 +198,7 @@ class impact_finder {
     impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
     real& time_a = s_.impacts.found[first_a_ + i];
     if (s_.impacts.second_round) {
-      // Whoever stops first is in the way of the other from then on.
+      // The body that stops first is in the way of the other from then on.
       const real until_a = std::min(s_.impacts.time[first_a_ + i], s_.dt);
       const real until_b = paired ? std::min(s_.impacts.time[first_b_ + body_b], s_.dt) : s_.dt;
       search.from = std::min(until_a, until_b);
@@ -211,7 +209,7 @@ class impact_finder {
       else if (paired)
         fb = fb.stopped(until_b);
       else
-        return;  // what is global stands there anyway
+        return;  // global bodies stand there anyway
     }
     const real t = meeting_of<ShapeB, paired>(s_, a_.shape[i], fa, b_, j, fb, search);
     if (t == never) return;
@@ -229,7 +227,7 @@ class impact_finder {
   std::size_t first_a_, first_b_;
 };
 
-/// Gives the images of the bodies owned here the value of the body itself.
+/// Copies the value of each body owned here to its images.
 template <class Scenario>
 void give_to_images(world_state<Scenario>& s, plain_vector<real>& values) {
   std::size_t k = 0;
@@ -259,8 +257,8 @@ void require_covered_flights(const world_state<Scenario>& s) {
   }
 }
 
-/// Brings the bodies that strike something in this step, and the shadow copies of such bodies, to
-/// the time of their first impact; s.impacts.time says when, `never` for all others.
+/// Moves bodies with an impact in this step, and the shadow copies of such bodies, to the time of
+/// their first impact; s.impacts.time holds the times, `never` for all others.
 template <class Scenario, class EachClosePair>
 void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair) {
   require_covered_flights(s);
@@ -309,8 +307,8 @@ void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pai
   });
 }
 
-/// How far a body reaches for its contacts, once its flight is known. (A body that turns in place
-/// or flies slowly was not followed; one that struck something goes half its inner radius at most.)
+/// The reach of a body for its contacts, when its flight is known. (A body that rotates in place or
+/// flies slowly was not followed; one with an impact moves by half its inner radius at most.)
 template <class Scenario, class Store>
 [[nodiscard]] real reach_after_flight(const world_state<Scenario>& s, const Store& store,
                                       std::size_t i, std::size_t body) {
@@ -321,7 +319,7 @@ template <class Scenario, class Store>
   return radius + slack + std::min(way_of(s, store, i), furthest);
 }
 
-/// After an impact: how a body goes on, and until when.
+/// After an impact: the further flight of a body, and its end.
 template <class Scenario, class Store>
 [[nodiscard]] auto rest_of_flight(const world_state<Scenario>& s, const Store& store, std::size_t i,
                                   std::size_t body) {
@@ -333,7 +331,7 @@ template <class Scenario, class Store>
   f.velocity = solved_velocity(s, store, i, body);
   constexpr bool divided = divides_the_step<typename Scenario::solver>;
   if constexpr (divided)
-    f.velocity += s.solver.drift[body].v;  // the mean of its parts
+    f.velocity += s.solver.drift[body].v;  // the mean of its substeps
   else if (t != never)
     f.velocity += (real(0.5) * t) * acceleration_of(s, store, i);
   if constexpr (Store::tensor) {
@@ -344,10 +342,10 @@ template <class Scenario, class Store>
   return f;
 }
 
-/// A body that is held for the last `lost` units of a step has a velocity with all of the step's
-/// acceleration, but no way on which that worked: it gets the speed that goes with its way, or
-/// under gravity its energy would grow with every hold. The direction is that which contacts have
-/// found.
+/// A body that is stopped for the last `lost` units of a step has a velocity with all of the step's
+/// acceleration, but has not moved in that time: it gets the speed that matches its path, otherwise
+/// under gravity its energy would grow with every stop. The direction is that of the contact
+/// solution.
 template <class Scenario, class Store>
 void end_flight(world_state<Scenario>& s, Store& store, std::size_t i, real lost) {
   const vec3 v = store.velocity[i];
@@ -362,7 +360,7 @@ void end_flight(world_state<Scenario>& s, Store& store, std::size_t i, real lost
     s.monitors.momentum.gravity += (store.velocity[i] - v) / store.inverse_mass[i];
 }
 
-/// Ends the rest of the step of a body that struck something where it meets something else.
+/// Ends the rest of the step of a body with an impact at its next impact.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class flight_stopper {
   using state_type = world_state<Scenario>;
@@ -394,7 +392,7 @@ class flight_stopper {
     const bool stops_a = i < a_.locals && time[a] != never;
     const bool stops_b = paired && at.body_b < b_.locals && time[b] != never;
     if (!stops_a && !stops_b) return;
-    // From the later of the two impacts on; who is not struck is still where it began.
+    // From the later of the two impacts on; a body without impact is still at its start.
     impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
     auto fa = rest_of_flight(s_, a_, i, a);
     free_flight<store_b::tensor> fb;
@@ -415,7 +413,7 @@ class flight_stopper {
   }
 
  private:
-  /// Whether the driven body reaches body i where that is held, and when.
+  /// Whether the driven body reaches the stopped body i, and when.
   void carry(std::size_t i, std::size_t j) {
     const std::size_t a = first_a_ + i;
     const driven_body* one = going_body<ShapeB>(s_, j);
@@ -438,7 +436,7 @@ class flight_stopper {
   std::size_t first_a_, first_b_;
 };
 
-/// Where a body is at the end of the step that was held at `position` and is carried along.
+/// The pose at the end of the step of a body that was stopped at `position` and is carried along.
 template <class Carried>
 [[nodiscard]] vec3 carried_to(const Carried& by, const vec3& position, real dt) {
   const real turn = (dt - by.from) * by.w.norm();
@@ -446,12 +444,12 @@ template <class Carried>
   return by.origin + dt * by.v + (turn > 0 ? rotated(rotation(by.w, turn), arm) : arm);
 }
 
-/// After the response: until when the bodies that struck something go on, in s.impacts.found.
+/// After the response: the end of the flight of bodies with an impact, in s.impacts.found.
 template <class Scenario, class EachClosePair>
 void limit_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair) {
   auto& impacts = s.impacts;
-  // Others end their sweeps with velocities of copies as they were before the last one, which is
-  // near enough where results may depend on the ranks.
+  // Other solvers end their sweeps with velocities of copies from before the last sweep, which is
+  // near enough if results may depend on the ranks.
   if constexpr (world_state<Scenario>::may_use_colours && !world_state<Scenario>::link_type::alone)
     if (s.by_colours()) shared_velocities<Scenario>(s).share_velocities();
   impacts.found.assign(impacts.time.size(), s.dt);

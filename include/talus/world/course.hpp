@@ -1,5 +1,5 @@
 #pragma once
-// The calls of simulate() of a run, one after the other: a restart finds its place among them.
+// The calls of simulate() of a run, in sequence: a restart finds its position among them.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace talus::detail {
 
-/// Calls of simulate() that were alike and followed each other.
+/// Consecutive equal calls of simulate().
 struct course_part {
-  std::uint64_t asked = 0;  ///< steps that each call was asked for
-  std::uint64_t taken = 0;  ///< steps that each took
-  std::uint64_t calls = 0;  ///< 0: one call, which had not come to its end
-  bool stopped = false;     ///< whether it was ended by stop() or by a condition
+  std::uint64_t asked = 0;  ///< requested steps of each call
+  std::uint64_t taken = 0;  ///< steps that each made
+  std::uint64_t calls = 0;  ///< 0: one call that had not ended
+  bool stopped = false;     ///< whether stop() or a condition ended it
 
   [[nodiscard]] bool alike(const course_part& x) const {
     return asked == x.asked && taken == x.taken && stopped == x.stopped;
@@ -41,7 +41,7 @@ class course {
       past_.push_back(*now_);
     now_.reset();
   }
-  /// All calls so far, with the one under way as it is after that step.
+  /// All calls so far; the present one ends after that step.
   [[nodiscard]] std::vector<course_part> parts(std::uint64_t steps) const {
     std::vector<course_part> all = past_;
     if (now_) all.push_back({now_->asked, steps - from_, now_->stopped ? 1u : 0u, now_->stopped});
@@ -51,7 +51,7 @@ class course {
  private:
   std::vector<course_part> past_;
   std::optional<course_part> now_;
-  std::uint64_t from_ = 0;  ///< the step in which the call under way began
+  std::uint64_t from_ = 0;  ///< the first step of the present call
 };
 
 /// The calls of the run that wrote a checkpoint, in their order.
@@ -61,13 +61,13 @@ class past_course {
   explicit past_course(std::vector<course_part> parts) : parts_(std::move(parts)) {}
 
   [[nodiscard]] bool known() const { return !parts_.empty(); }
-  /// The calls that it made, the last one included.
+  /// The calls of that run, including the last one.
   [[nodiscard]] std::uint64_t calls() const {
     std::uint64_t n = 0;
     for (const course_part& p : parts_) n += std::max<std::uint64_t>(p.calls, 1);
     return n;
   }
-  /// The call of that number, from 0; nothing beyond the last.
+  /// The call of that number, from 0; nothing after the last.
   [[nodiscard]] const course_part* find(std::uint64_t call) const {
     for (const course_part& p : parts_) {
       const std::uint64_t n = std::max<std::uint64_t>(p.calls, 1);

@@ -1,6 +1,6 @@
 #pragma once
-// Large bodies: whether the connections cover what a body can touch. Contacts between ranks that
-// do not know each other would be lost without a word.
+// Large bodies: whether the connections cover everything that a body can touch. Contacts between
+// unconnected ranks would be lost silently.
 #include <algorithm>
 #include <limits>
 
@@ -25,7 +25,7 @@ template <class Partition>
   return high;
 }
 
-/// What to do so that two ranks are connected.
+/// The advice that connects two ranks.
 template <class Scenario>
 [[nodiscard]] std::string way_to_connect(const world_state<Scenario>& s, int a, int b) {
   if constexpr (requires { s.own.partition()->neighbours(0, real{}); })
@@ -37,9 +37,9 @@ template <class Scenario>
   return "call connect on both";
 }
 
-/// Throws runtime_error if a body in this domain, which acts `range` beyond touch, comes as far as
-/// the region of a rank that this one is not connected to. (Where all is connected by hand, nobody
-/// here knows of such ranks.)
+/// Throws runtime_error if a body in this domain, which acts `range` beyond touch, reaches the
+/// region of a rank that is not connected to this one. (With connections made by hand, such ranks
+/// are unknown here.)
 template <class Shape, class Scenario>
 void require_reached(const world_state<Scenario>& s, system_id id, const Shape& shape,
                      const vec3& p, real range = 0) {
@@ -60,7 +60,7 @@ void require_reached(const world_state<Scenario>& s, system_id id, const Shape& 
   }
 }
 
-/// Neighbours tell each other whom they are connected to. Collective among neighbours.
+/// Neighbours exchange the lists of their connections. Collective among neighbours.
 template <class Scenario>
 void share_connections(world_state<Scenario>& s) {
   std::vector<int> ranks;
@@ -92,8 +92,8 @@ template <class Shape, class Scenario>
   return n;
 }
 
-/// Throws runtime_error if two shadow copies touch whose owners are not connected, or come to touch
-/// in this step, over at most `way`.
+/// Throws runtime_error if two shadow copies touch, or will touch in this step by motion of at most
+/// `way`, and their owners are not connected.
 template <class Scenario, class A, class B>
 void require_acquainted(const world_state<Scenario>& s, std::size_t i, std::size_t j,
                         real way = 0) {

@@ -1,5 +1,5 @@
 #pragma once
-// First stage of a step: pairs that may touch, and what becomes of them.
+// First stage of a step: candidate pairs, and the contacts made from them.
 #include "talus/world/contact_maker.hpp"
 #include "talus/world/continuous.hpp"
 #include "talus/world/hooks.hpp"
@@ -11,7 +11,7 @@
 
 namespace talus::detail {
 
-/// Notes the sleeping bodies of a pair of shapes that something awake comes near.
+/// Records the sleeping bodies of a pair of shapes that an awake body approaches.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class sleeper_finder {
   static constexpr bool paired = Partner == partner::moving;
@@ -28,8 +28,8 @@ class sleeper_finder {
   world_state<Scenario>& s_;
 };
 
-/// Before bodies are followed on their way: wakes what they will strike, so that it is awake when
-/// it is struck.
+/// Before bodies are followed: wakes bodies that they will strike, so that these are awake at the
+/// impact.
 template <class Scenario>
 void wake_ahead(world_state<Scenario>& s) {
   if (!all_rest(s) && !s.sleep.asleep.empty()) {
@@ -52,7 +52,7 @@ void detect(world_state<Scenario>& s) {
       return;
     }
   if constexpr (continuous) {
-    // (Where some sleep, reach is that of several steps.)
+    // (If some sleep, the reach covers several steps.)
     prepare_detection(
         s, [&](const auto& store, std::size_t i, std::size_t) { return reach_of(store, i, s.dt); });
     follow_flights(s, [&] { each_neighbour_pair<impact_finder>(s); });
@@ -68,7 +68,7 @@ void detect(world_state<Scenario>& s) {
   }
 }
 
-/// The stage of detection in a step of hard contacts, as often as contacts are looked for.
+/// The stage of detection in a step of hard contacts, repeated for each search of contacts.
 template <class Scenario>
 void find_contacts(world_state<Scenario>& s) {
   run_hooks<stages::before_detect>(s);

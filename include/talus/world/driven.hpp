@@ -1,12 +1,12 @@
 #pragma once
-// features<driven>: global bodies that move. In a step such a body goes from its pose at the start
-// to its pose at the end, and contacts see the constant velocity that leads from the one to the
-// other. So what sticks to it is carried along with it, and there is no drift between what moves
-// and what contacts see, however long the steps are.
+// features<driven>: kinematic global bodies. In a step such a body moves from its pose at the start
+// to its pose at the end, and contacts use the constant velocity that connects the two poses. So
+// bodies that stick to it are carried along, and its motion agrees with the velocity in the
+// contacts, for any length of steps.
 //
-// Every rank knows the motion and the body, so nothing travels. For the solver a driven body is
-// what a fixed one is: no inverse mass, and a velocity. Where it turns, contacts meet bodies of
-// their own, one for each pair and normal: round bodies have no lever arm on the other side.
+// Every rank knows the motion and the body, so no messages are needed. For the solver a driven body
+// equals a fixed one: zero inverse mass, and a velocity. If it rotates, contacts use bodies of
+// their own, one for each pair and normal: isotropic bodies have no lever arm on the other side.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -29,7 +29,7 @@ namespace talus::detail {
   return combined({{0, 0, 0}, second}, {{0, 0, 0}, first}).orientation;
 }
 
-/// The constant angular velocity that turns `from` into `to` within `dt`, by less than half a turn.
+/// The constant angular velocity that rotates `from` to `to` within `dt`, by less than half a turn.
 [[nodiscard]] inline vec3 angular_velocity_between(const quat& from, const quat& to, real dt) {
   const quat by = after(to, inverse({{0, 0, 0}, from}).orientation);
   const vec3 axis = by.w() < 0 ? vec3(-by.x(), -by.y(), -by.z()) : vec3(by.x(), by.y(), by.z());
@@ -38,14 +38,14 @@ namespace talus::detail {
   return (2 * portable::atan2(sine, std::abs(by.w())) / (sine * dt)) * axis;
 }
 
-/// The place of a reference point that starts at `origin`.
+/// The position of a reference point that starts at `origin`.
 [[nodiscard]] inline rigid_place place_of(const vec3& origin, const rigid_displacement& d) {
   return {d.about + rotated(d.turn, vec3(origin - d.about)) + d.shift, d.turn};
 }
 
 // The three kinds of motion, for one step.
 
-/// By a function of the time: now, a small part of the step later, and at its end.
+/// By a function of the time: at the start of the step, a small part of it later, and at its end.
 inline constexpr real instant = 1. / 1024;
 [[nodiscard]] inline driven_step step_to(const driven_state& s, const rigid_displacement& now,
                                          const rigid_displacement& next,
@@ -53,8 +53,8 @@ inline constexpr real instant = 1. / 1024;
   driven_step step{.end = place_of(s.origin, end)};
   step.v = (step.end.point - s.at.point) / dt;
   step.w = angular_velocity_between(s.at.turn, step.end.turn, dt);
-  // A first run adds its time up, one that is restarted may not: they differ by roundings, and so
-  // do the places at it, by parts of the way of a step.
+  // A first run may add up its time, a restarted one may not: they differ by rounding, and so do
+  // the positions at that time, by a fraction of the motion in a step.
   const rigid_place from = place_of(s.origin, now);
   const real off = (from.point - s.at.point).norm(), way = (step.end.point - from.point).norm();
   const real far = (from.point - s.origin).norm() + (s.at.point - s.origin).norm();
@@ -62,7 +62,7 @@ inline constexpr real instant = 1. / 1024;
   const real turns = angular_velocity_between(from.turn, step.end.turn, 1).norm();
   step.goes_on = off <= real(0.01) * way + real(1e-6) * far + real(1e-9) * s.origin.norm() &&
                  turned <= real(0.01) * turns + real(1e-6);
-  // Of more than half a turn the end shows no more than what is left over.
+  // Of more than half a turn the end shows only the remainder.
   const vec3 rate =
       angular_velocity_between(from.turn, place_of(s.origin, next).turn, instant * dt);
   step.too_fast = rate.norm() * dt > pi;
@@ -99,7 +99,7 @@ void motion_of_body() {
                 "turning, gliding and belt, and this type is none");
 }
 
-/// Calls f(bodies of a shape, index among them, driven body) for those that are there.
+/// Calls f(bodies of a shape, index among them, driven body) for those that exist.
 template <class Scenario, class F>
 void each_driven(world_state<Scenario>& s, F&& f) {
   std::size_t k = 0;
@@ -110,7 +110,7 @@ void each_driven(world_state<Scenario>& s, F&& f) {
   });
 }
 
-/// Whether the driven bodies are where they were found among the global ones.
+/// Whether the driven bodies still have their recorded indices among the global ones.
 template <class Scenario>
 [[nodiscard]] bool driven_are_found(const world_state<Scenario>& s) {
   const auto& d = s.driving;
@@ -125,7 +125,7 @@ template <class Scenario>
   });
   return found;
 }
-/// Finds them: global bodies may have come or gone.
+/// Finds them: global bodies may have been added or removed.
 template <class Scenario>
 void find_driven(world_state<Scenario>& s) {
   if (driven_are_found(s)) return;
@@ -159,7 +159,7 @@ void put_driven(Bodies& b, std::size_t i, const driven_state& state) {
   }
 }
 
-/// At the start of a step: where all driven bodies will go in it.
+/// At the start of a step: the motion of all driven bodies in it.
 template <class Scenario>
 void aim_driven(world_state<Scenario>& s) {
   find_driven(s);
@@ -199,7 +199,7 @@ void aim_driven(world_state<Scenario>& s) {
   });
 }
 
-/// And then, with all other bodies, they go there.
+/// Moves them, together with all other bodies.
 template <class Scenario>
 void move_driven(world_state<Scenario>& s) {
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
@@ -211,7 +211,7 @@ void move_driven(world_state<Scenario>& s) {
 
 // For contacts.
 
-/// Makes room for what does not move behind all bodies that may.
+/// Makes room for immovable bodies behind all movable ones.
 template <class Scenario>
 void number_driven(world_state<Scenario>& s) {
   using body = solver_body_of<solved_scalar<Scenario>>;
@@ -229,9 +229,9 @@ void number_driven(world_state<Scenario>& s) {
     add(d.all[n]->next.v, d.all[n]->next.w, static_cast<std::int32_t>(n));
 }
 
-/// What sticks to something that turns goes along a chord of its circle, and the velocity at the
-/// start of the step leads off it. The difference, for a centre at `r` from the reference point, as
-/// far as it is along the surface: along the normal the surface itself is met.
+/// A body that sticks to a rotating surface moves along a chord of its circle, but the velocity at
+/// the start of the step is tangential. The difference, for a centre at `r` from the reference
+/// point, along the surface only: along the normal the contact is with the surface itself.
 [[nodiscard]] inline vec3 along_chord(const vec3& w, const vec3& r, const vec3& normal, real dt) {
   const real angle = w.norm() * dt;
   if (angle == 0) return {0, 0, 0};
@@ -242,14 +242,13 @@ void number_driven(world_state<Scenario>& s) {
   return e - normal.dot(e) * normal;
 }
 
-/// A servo is some times as heavy as what it touches: enough to move it, and not so heavy that
-/// sweeps no longer converge.
+/// The mass of a servo is a multiple of the mass of its contact partners: large enough to move
+/// them, and small enough that sweeps converge.
 inline constexpr real servo_ratio = 10;
 
-/// Number in the solver's arrays of global body j of a shape as one contact, or those of one
-/// normal, see it: moving with v and turning with w about its position. `last` is what was found
-/// before for the same two bodies and the same normal, or -1; `inverse_mass` that of the other
-/// body.
+/// Index in the solver's arrays of global body j of a shape for one contact, or for those of one
+/// normal: moving with v and rotating with w about its position. `last` is the index found before
+/// for the same two bodies and the same normal, or -1; `inverse_mass` that of the other body.
 template <class Shape, class Scenario>
 [[nodiscard]] std::int32_t number_of_global(world_state<Scenario>& s, std::size_t j, vec3 v,
                                             const vec3& w, std::int32_t last, real inverse_mass) {
@@ -271,7 +270,7 @@ template <class Shape, class Scenario>
   return static_cast<std::int32_t>(s.solver.bodies.size() - 1);
 }
 
-/// The driven body that global body i of a shape is, or null.
+/// The driven body of global body i of a shape, or null.
 template <class Shape, class Scenario>
 [[nodiscard]] const driven_body* driven_at(const world_state<Scenario>& s, std::size_t i) {
   const auto& numbers = s.driving.numbers[index_of<typename Scenario::shapes, Shape>];
@@ -279,7 +278,7 @@ template <class Shape, class Scenario>
   return s.driving.all[static_cast<std::size_t>(numbers[i])].get();
 }
 
-/// What `arm` of global body j has changed its velocity by since the last step.
+/// The change of velocity of global body j, at `arm` from its position, since the last step.
 template <class Shape, class Scenario>
 [[nodiscard]] vec3 change_of_global(const world_state<Scenario>& s, std::size_t j,
                                     const vec3& arm) {
@@ -287,17 +286,17 @@ template <class Shape, class Scenario>
   return one == nullptr ? vec3(0, 0, 0) : vec3(one->dv + one->dw.cross(arm));
 }
 
-// For pairs that are kept.
+// For kept pairs.
 
-/// How far the surface of an infinite body comes in this step to a body at `p`.
+/// How far the surface of an infinite body moves in this step towards a body at `p`.
 template <class Store>
 [[nodiscard]] real way_of_plane(const Store& store, std::size_t j, const vec3& p, real dt) {
   return dt * std::abs(store.shape[j].unit_normal().dot(
                   store.velocity[j] + store.angular_velocity[j].cross(p - store.position[j])));
 }
 
-/// Notes where driven bodies are when pairs are looked for, and how far around they are looked for:
-/// for a plane that turns everywhere, which its skin says by being negative.
+/// Records the poses of driven bodies at a pair search, and the reach of the search: unlimited for
+/// a rotating plane, marked by a negative skin.
 template <class Scenario>
 void give_skins(world_state<Scenario>& s, real mean) {
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
@@ -315,8 +314,7 @@ void give_skins(world_state<Scenario>& s, real mean) {
     }
   });
 }
-/// Whether the pairs of driven bodies that were found are all that can touch now; measures their
-/// reach.
+/// Whether the found pairs of driven bodies are complete at present; measures their reach.
 template <class Scenario>
 [[nodiscard]] bool driven_within_skin(world_state<Scenario>& s) {
   bool hold = true;

@@ -1,5 +1,5 @@
 #pragma once
-// What a world keeps for features<driven>; see world/driven.hpp.
+// State of a world for features<driven>; see world/driven.hpp.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,18 +16,17 @@
 
 namespace talus {
 
-/// How a global body is moved so that contacts press on it with a given force; see
-/// world::hold_force.
+/// Motion of a global body so that contacts press on it with a given force; see world::hold_force.
 struct servo {
-  real force = 0;      ///< that contacts shall exert against `axis`: mass times length over time^2
-  real max_speed = 0;  ///< at most, either way: length over time
+  real force = 0;      ///< that contacts exert against `axis`: mass times length over time^2
+  real max_speed = 0;  ///< upper limit, in both directions: length over time
   /// Direction in which the body presses; any length. Zero, the default: the normal of a plane.
   vec3 axis{0, 0, 0};
 };
 
 namespace detail {
 
-/// Where the reference point of a driven body is, and how it has turned since it was driven.
+/// The position of the reference point of a driven body, and its rotation since it was driven.
 struct rigid_place {
   vec3 point{0, 0, 0};
   quat turn{1, 0, 0, 0};
@@ -37,7 +36,7 @@ struct rigid_place {
   }
 };
 
-/// What follows from no function of time; checkpoints hold it.
+/// State that does not follow from a function of time; checkpoints hold it.
 struct driven_state {
   vec3 origin{0, 0, 0};  ///< the position of the body when it was driven, and its orientation
   quat orientation{1, 0, 0, 0};
@@ -47,8 +46,8 @@ struct driven_state {
   vec3 v{0, 0, 0}, w{0, 0, 0};  ///< in the last step
   real force = 0;               ///< of a servo: of its contacts in the last step
   real speed = 0;               ///< likewise: along its axis
-  real mass = 0;                ///< likewise: of what it pressed with when it last did
-  real gain = 0, error = 1;     ///< likewise, of soft contacts: speed over error, and that
+  real mass = 0;                ///< likewise: of its last contact partners
+  real gain = 0, error = 1;     ///< likewise, of soft contacts: speed over error, and that error
   bool begun = false;           ///< a step has been taken
 };
 
@@ -56,8 +55,8 @@ struct driven_state {
 struct driven_step {
   rigid_place end;
   vec3 v{0, 0, 0}, w{0, 0, 0};
-  bool goes_on = true;    ///< it begins where the body is, or nearly so
-  bool too_fast = false;  ///< it turns by half a turn or more
+  bool goes_on = true;    ///< it begins at the pose of the body, or nearly so
+  bool too_fast = false;  ///< it rotates by half a turn or more
 };
 
 /// A sum of numbers of either sign, exact in its parts.
@@ -73,7 +72,7 @@ struct signed_sum {
   }
   [[nodiscard]] real value() const { return plus.value() - minus.value(); }
 };
-/// Of what a servo presses with: its parts, and the forces of their contacts.
+/// Of the contact partners of a servo: its parts, and the forces of their contacts.
 struct servo_sums {
   signed_sum force, momentum, shift;
   exact_sum mass;
@@ -82,16 +81,17 @@ struct servo_sums {
 struct driven_body {
   system_id id = no_id;
   driven_state state;
-  std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< none: it stays
+  std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< empty: the body
+                                                                             ///< stays
   servo holds;  ///< with an axis of length one
   bool is_servo = false;
-  bool followed = false;          ///< this run has taken a step with it
+  bool followed = false;          ///< this run has made a step with it
   servo_sums sums;                ///< of the step under way
   driven_step next;               ///< the step under way
-  vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< what the velocity has changed by since the last one
-  // Since pairs were looked for:
-  vec3 looked{0, 0, 0};  ///< where it was
-  real skin = 0;         ///< and how far around; see give_skins()
+  vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< change of the velocity since the last one
+  // Since the last pair search:
+  vec3 looked{0, 0, 0};  ///< its position
+  real skin = 0;         ///< and the reach of the search; see give_skins()
 };
 
 /// `Shapes` is the number of shapes, planes included.
@@ -100,12 +100,12 @@ struct driven_bodies {
   std::vector<std::unique_ptr<driven_body>> all;
   /// Number in `all` of each global body of a shape, or -1.
   std::array<plain_vector<std::int32_t>, Shapes> numbers;
-  std::size_t looked_for = 0;  ///< how many of `all` these are of
-  /// Immovable bodies come last in the solver's arrays: what rests, one for each of `all`, and what
-  /// contacts meet of those that turn.
+  std::size_t looked_for = 0;  ///< how many of `all` have an index there
+  /// Immovable bodies come last in the solver's arrays: resting ones, one for each of `all`, and
+  /// the bodies that contacts with rotating ones use.
   std::size_t first = 0;
-  plain_vector<std::int32_t> owners;  ///< number in `all` of each of them, or -1
-  real fastest = 0;                   ///< of what is driven, in the step under way
+  plain_vector<std::int32_t> owners;  ///< index in `all` of each of them, or -1
+  real fastest = 0;                   ///< of driven bodies, in the step under way
   speed_leap leap;                    ///< the largest of bodies of this rank
 };
 

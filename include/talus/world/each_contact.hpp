@@ -1,6 +1,6 @@
 #pragma once
-// The contacts of the present state that carry a force, as outputs and observers see them: alike
-// for hard and soft ones, and each of them once, whatever ranks its bodies live on.
+// The contacts of the present state that carry a force, for outputs and observers: alike for hard
+// and soft ones, and each of them once, on any ranks of its bodies.
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -15,22 +15,22 @@
 
 namespace talus {
 
-/// A contact that carries a force. Of a hard one the force is its impulse in the last step over the
-/// length of that step, and point and normal are where the surfaces are now, after the step; of a
-/// soft one all is of the present state.
+/// A contact that carries a force. For a hard one the force is its impulse in the last step over
+/// the length of that step, and point and normal are those of the present surfaces, after the step;
+/// for a soft one everything is of the present state.
 struct loaded_contact {
   system_id a = no_id, b = no_id;         ///< the bodies; b may be global
-  std::uint64_t feature = 0;              ///< names the point within the pair
+  std::uint64_t feature = 0;              ///< identifies the point within the pair
   vec3 point{0, 0, 0};                    ///< midway between the surfaces, in the world
   vec3 normal{0, 0, 1};                   ///< unit, from b towards a
   real gap = 0;                           ///< signed distance of the surfaces; overlap < 0
   vec3 force{0, 0, 0};                    ///< on a; on b its opposite
   vec3 centre_a{0, 0, 0};                 ///< centre of mass of a
-  vec3 centre_b{0, 0, 0};                 ///< of b; the point itself where b is infinite
+  vec3 centre_b{0, 0, 0};                 ///< of b; the point itself if b is infinite
   bool moves_a = true, moves_b = true;    ///< whether the body can move: neither fixed nor global
   bool owned_a = false, owned_b = false;  ///< whether this rank owns the body; false if global
 
-  /// Positive where the bodies push each other apart.
+  /// Positive if the bodies push each other apart.
   [[nodiscard]] real normal_force() const { return normal.dot(force); }
   /// Force of friction on a.
   [[nodiscard]] vec3 tangential_force() const { return force - normal_force() * normal; }
@@ -38,7 +38,7 @@ struct loaded_contact {
 
 namespace detail {
 
-/// Where this rank keeps the bodies that it knows.
+/// The index of the bodies known to this rank.
 template <class Scenario>
 class body_places {
  public:
@@ -63,12 +63,12 @@ class body_places {
   }
 
   [[nodiscard]] const world_state<Scenario>& state() const { return s_; }
-  /// How many bodies are known here.
+  /// Number of bodies known here.
   [[nodiscard]] std::size_t size() const { return places_.size(); }
-  /// Number of a body among these, or id_table::unknown. Where images of a body are known too, that
-  /// of the body itself.
+  /// Index of a body among these, or id_table::unknown. If images of a body are known too, the
+  /// index of the body itself.
   [[nodiscard]] std::uint32_t number_of(system_id id) const { return ids_.find(id); }
-  /// Calls f(store, index, is global) for the body; false where it is not known.
+  /// Calls f(store, index, is global) for the body; false if it is unknown.
   template <class F>
   bool visit(system_id id, F&& f) const {
     const std::uint32_t at = ids_.find(id);
@@ -76,7 +76,7 @@ class body_places {
     visit_number(at, f);
     return true;
   }
-  /// The same for the body of a number.
+  /// The same for a body by its index.
   template <class F>
   void visit_number(std::size_t number, F&& f) const {
     const place p = places_[number];
@@ -92,8 +92,8 @@ class body_places {
   plain_vector<place> places_;
 };
 
-/// Fills in what a contact says of its bodies, and whether b has a centre; false where one of them
-/// is gone.
+/// Fills in the data of the contact's bodies, and whether b has a centre; false if one of them no
+/// longer exists.
 template <class Scenario>
 [[nodiscard]] bool add_ends(const body_places<Scenario>& places, loaded_contact& c, bool& bounded) {
   bool images = false;
@@ -112,7 +112,7 @@ template <class Scenario>
   return true;
 }
 
-/// How far the surfaces of a pair may have parted in the last step.
+/// How far the surfaces of a pair may have separated in the last step.
 template <class Store>
 [[nodiscard]] real way_of_surface(const Store& s, std::size_t i, real dt) {
   if constexpr (!Store::shape_type::finite)
@@ -121,16 +121,16 @@ template <class Store>
     return 2 * (reach_of(s, i, dt) - s.shape[i].bounding_radius());
 }
 
-/// The contact points of one pair after another, found anew where the bodies are now.
+/// The contact points of one pair after another, computed at the present poses.
 template <class Scenario>
 class pair_points {
  public:
   pair_points(const world_state<Scenario>& s, const body_places<Scenario>& places)
       : s_(s), places_(places) {}
 
-  /// Point and normal of a contact whose key and force are known. Where the surfaces have parted
-  /// or turned since, the nearest point of the pair; where there is none, the force through the
-  /// centre of a tells. Hard contacts never pull: where they would, the force tells the normal.
+  /// Point and normal of a contact with known key and force. If the surfaces have separated or
+  /// rotated since, the nearest point of the pair; if there is none, the line of the force through
+  /// the centre of a. Hard contacts never pull: if this one would, the force defines the normal.
   void place(loaded_contact& c) {
     if (c.a != a_ || c.b != b_) find(c.a, c.b);
     const contact_geometry* best = nullptr;
@@ -203,7 +203,7 @@ void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& 
       c.force = r.memory / s.dt;
       bool bounded = true;
       if (!add_ends(places, c, bounded)) return;
-      // Both owners of a body that moves remember its contacts; other ranks may, too.
+      // Both owners of a movable body store its contacts; other ranks may, too.
       if (!(c.owned_a && c.moves_a) && !(c.owned_b && c.moves_b)) return;
       points.place(c);
       if (!bounded) c.centre_b = c.point;
@@ -221,7 +221,7 @@ void each_loaded_contact(world_state<Scenario>& s, F&& f) {
 }  // namespace detail
 
 /// Calls f(contact) for the contacts of the present state that carry a force: over all ranks once
-/// for each, on the rank that owns its body a, or b where a cannot move. No rank waits for another.
+/// for each, on the rank that owns its body a, or b if a cannot move. No rank waits for another.
 /// There are none before the first step.
 template <class Scenario, class F>
 void for_each_contact(world<Scenario>& w, F&& f) {

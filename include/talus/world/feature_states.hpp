@@ -1,5 +1,5 @@
 #pragma once
-// What the features of a scenario keep on each rank.
+// The states of the features of a scenario on each rank.
 #include <type_traits>
 
 #include "talus/body/features.hpp"
@@ -12,14 +12,14 @@ template <class Feature, class Scenario>
 concept with_state_of_scenario = requires {
   typename Feature::template state<Scenario>;
 };
-/// One that does not: `struct state`.
+/// A state that does not: `struct state`.
 template <class Feature>
 concept with_state = requires {
   typename Feature::state;
 };
 
-/// What one feature keeps. That of a feature of talus is a base, whose members the stages of a step
-/// use by name; that of a feature of one's own is a member.
+/// The state of one feature. That of a feature of talus is a base, whose members the stages of a
+/// step use by name; that of a user-defined feature is a member.
 template <class Feature, class Scenario>
 struct feature_slot {};
 template <class Feature, class Scenario>
@@ -42,7 +42,7 @@ struct slots_of_features;
 template <class... Features, class Scenario>
 struct slots_of_features<type_list<Features...>, Scenario> : feature_slot<Features, Scenario>... {};
 
-/// Whether a feature of one's own has a state, and that state.
+/// Whether a user-defined feature has a state, and that state.
 template <class Feature, class Scenario>
 inline constexpr bool has_own_state =
     !built_in<Feature> && (with_state_of_scenario<Feature, Scenario> || with_state<Feature>);

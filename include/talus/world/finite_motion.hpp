@@ -1,6 +1,6 @@
 #pragma once
-// Motion that is no longer finite ends the run in the step in which that happened, with the body,
-// before it reaches anything else.
+// Motion that is no longer finite ends the run in that step, with the id of the body, before it
+// affects anything else.
 #include <cmath>
 #include <string>
 #include <type_traits>
@@ -10,8 +10,8 @@
 
 namespace talus::detail {
 
-/// Looks at numbers as they are written, at the price of an addition each: what it adds up is 0 as
-/// long as all are finite (and their sums).
+/// Tests numbers as they are written, at the cost of one addition each: the sum of their products
+/// with 0 is 0 as long as all are finite (and their sums).
 class finite_watch {
  public:
   void look(const vec3& v) { sum_ += 0 * (v[0] + v[1] + v[2]); }

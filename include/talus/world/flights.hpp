@@ -1,6 +1,6 @@
 #pragma once
-// What bodies can reach in a step lies in domains that theirs is connected to. Farther away, they
-// would meet bodies that nobody there or here has heard of, and contacts would be lost.
+// Bodies can reach only domains that are connected to theirs in a step. Farther away, ranks there
+// and here do not know each other's bodies, and contacts would be lost.
 #include <string>
 
 #include "talus/world/coverage.hpp"
@@ -8,8 +8,8 @@
 
 namespace talus::detail {
 
-/// Throws runtime_error for a body that left this domain in the step under way, for one that is
-/// farther away than any connection. (Others were put there by the user, and are on their way.)
+/// Throws runtime_error for a body that left this domain in the step under way to a place farther
+/// away than any connection. (Other such bodies were placed by the user, and are migrating.)
 template <class Scenario, class Store>
 [[gnu::cold]] void refuse_long_flight(const world_state<Scenario>& s, const Store& store,
                                       std::size_t i) {
@@ -29,8 +29,8 @@ template <class Scenario, class Store>
       store.id[i], s.link->rank(), before, p, s.steps, v, s.dt, where, s.link->rank());
 }
 
-/// At the start of a step: throws runtime_error for a body whose way in it leads as far as a domain
-/// to which this one is not connected.
+/// At the start of a step: throws runtime_error for a body whose path in it leads to a domain that
+/// is not connected to this one.
 template <class Scenario>
 void refuse_uncovered_flights(const world_state<Scenario>& s) {
   if constexpr (!world_state<Scenario>::continuous && !world_state<Scenario>::law::soft &&
@@ -39,7 +39,7 @@ void refuse_uncovered_flights(const world_state<Scenario>& s) {
     s.each_finite_shape([&](const auto& b) {
       const auto& store = b.movable;
       for (std::size_t i = 0; i < store.locals; ++i) {
-        if (!store.moves(i)) continue;  // a belt has a speed, and stays
+        if (!store.moves(i)) continue;  // a belt has a speed, but stays
         const vec3 &p = store.position[i], &v = store.velocity[i];
         const real radius = store.shape[i].bounding_radius(),
                    way = world_state<Scenario>::steps_of_reach * s.dt * v.norm();

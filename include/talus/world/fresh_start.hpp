@@ -1,8 +1,8 @@
 #pragma once
-// A world whose future follows from its bodies and what their contacts remember alone: all that is
-// found out from step to step to save work (pairs, copies, pauses) is forgotten, and made anew.
-// Both the run that writes a checkpoint and the one that reads it begin afresh there, so they go on
-// alike to the bit, where the order of contacts counts as well.
+// A world whose future depends on its bodies and the memory of their contacts alone: all derived
+// data that saves work from step to step (pairs, copies, pauses) is discarded, and rebuilt. Both
+// the run that writes a checkpoint and the one that reads it restart from this state there, so they
+// continue alike to the bit, although the order of contacts matters.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -37,7 +37,7 @@ struct checkpoint_access {
   [[nodiscard]] static std::uint64_t& added_here(World& w) {
     return w.added_here_;
   }
-  /// How far ranks are connected, and where the cuts are, of a world that moves them.
+  /// The reach of the connections, and the positions of the cuts, of a world that moves them.
   template <class World>
   [[nodiscard]] static std::vector<real> cuts(const World& w) {
     const auto& balance = w.state_.balance;
@@ -45,7 +45,7 @@ struct checkpoint_access {
     numbers.insert(numbers.begin(), balance.reach);
     return numbers;
   }
-  /// Divides space as those numbers say; it is not synchronized yet.
+  /// Divides space by those numbers; the caller synchronizes.
   template <class World>
   static void place_cuts(World& w, std::span<const real> numbers) {
     auto& balance = w.state_.balance;
@@ -76,7 +76,7 @@ class id_table {
     ids_.push_back(id);
     slots_[free_slot(id)] = static_cast<std::uint32_t>(ids_.size());
   }
-  /// In the order in which they were added; `unknown` if it was not.
+  /// In the order of insertion; `unknown` if it is absent.
   [[nodiscard]] std::uint32_t find(system_id id) const {
     for (std::size_t s = first_slot(id); slots_[s] != 0; s = next(s))
       if (ids_[slots_[s] - 1] == id) return slots_[s] - 1;
@@ -113,7 +113,7 @@ template <class Scenario>
   return own;
 }
 
-/// What contacts remember, of the bodies owned here alone.
+/// The memory of contacts, of the bodies owned here alone.
 template <class History>
 [[nodiscard]] History of_own_bodies(const History& all, const id_table& own) {
   History kept;
@@ -135,7 +135,7 @@ template <class Scenario>
   return all;
 }
 
-/// What is under way of sleeping and waking; alike on all ranks.
+/// The pending state of sleeping and waking; alike on all ranks.
 struct pending_wakes {
   std::uint64_t all = 0, spreads = 0, disturbed = 0;
 };
@@ -151,8 +151,8 @@ template <class Scenario>
   }
 }
 
-/// Collective: forgets what is derived, and makes the shadow copies anew. All bodies are with
-/// their owners.
+/// Collective: discards derived data, and rebuilds the shadow copies. All bodies are with their
+/// owners.
 template <class Scenario>
 void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
   using state = world_state<Scenario>;

@@ -1,5 +1,5 @@
 #pragma once
-// Calls what the features of a scenario do at a stage of the step.
+// Calls the hooks of the features of a scenario at a stage of the step.
 #include <array>
 #include <cstddef>
 #include <tuple>
@@ -14,7 +14,7 @@
 
 namespace talus {
 
-/// What a feature of one's own sees of a world at a stage of the step: world/stage_view.hpp.
+/// The view that hooks of user-defined features take at a stage of the step: world/stage_view.hpp.
 template <class Scenario, class Feature>
 class stage_view;
 
@@ -34,9 +34,9 @@ template <class... Features>
 struct feature_order {
   static constexpr std::size_t size = sizeof...(Features);
   std::array<std::size_t, size> at{};
-  bool possible = true;  ///< false where features wait for each other
+  bool possible = true;  ///< false if features wait for each other
 };
-/// Each feature after those that it names in `runs_after`, else as the user wrote them.
+/// Each feature after those of its `runs_after`, else in the order of the user.
 template <class... Features>
 [[nodiscard]] consteval feature_order<Features...> order_features() {
   constexpr std::size_t n = sizeof...(Features);
@@ -67,7 +67,7 @@ template <class... Features>
   return order;
 }
 
-/// The features of a list that act in a step, in the order in which they do.
+/// The features of a list that act in a step, in their order.
 template <class Features>
 struct acting_features;
 template <>
@@ -114,7 +114,7 @@ void run_hook(world_state<Scenario>& s) {
   }
 }
 
-/// What the features of the scenario do at a stage, one after the other.
+/// Calls the hooks of the features of the scenario at a stage, one after the other.
 template <class Stage, class Scenario>
 void run_hooks(world_state<Scenario>& s) {
   [&]<class... Listed>(type_list<Listed...>) {

@@ -1,5 +1,5 @@
 #pragma once
-// The contact residual of the step that has just been made.
+// The contact residual of the last step.
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -11,17 +11,17 @@
 
 namespace talus {
 
-/// The contact residual, without dimension: |r - P_K(r - rho u^)| / max(|r|, rho |q|, rho |u|), the
-/// natural map of the frictional contact problem in De Saxce's form (Acary, Bremond, Huber 2018).
-/// r are the impulses, u = W r + q the relative velocities less what gaps and restitution ask for,
-/// u^ = u + mu |u_t| n, K the Coulomb cones, rho = 1 / mean diagonal of W.
+/// The contact residual, dimensionless: |r - P_K(r - rho u^)| / max(|r|, rho |q|, rho |u|), the
+/// natural map of the frictional contact problem in De Saxce's form (Acary, Bremond, Huber 2018). r
+/// are the impulses, u = W r + q the relative velocities minus the targets from gaps and
+/// restitution, u^ = u + mu |u_t| n, K the Coulomb cones, rho = 1 / mean diagonal of W.
 ///
-/// Of soft contacts, which have no problem to solve, the ratio of unbalanced force (Cundall): the
-/// root mean square of the resultant of contact forces and weight over the bodies that touch
-/// something, over the root mean square of the contact forces. It tends to 0 as bodies come to
-/// rest, and is of the order of 1 where they collide.
+/// For soft contacts, which pose no such problem, the ratio of unbalanced force (Cundall): the root
+/// mean square of the resultant of contact forces and weight over the bodies that touch something,
+/// over the root mean square of the contact forces. It tends to 0 as bodies come to rest, and is of
+/// the order of 1 where they collide.
 struct contact_residual {
-  double value = 0;  ///< of all contacts; 0 where nothing touches
+  double value = 0;  ///< of all contacts; 0 without contacts
   /// Of the worst contact, over the root mean square of the scale: `value` is the root mean square
   /// of such values. Of soft contacts: of the worst body.
   double max = 0;
@@ -30,7 +30,7 @@ struct contact_residual {
 
 namespace detail {
 
-/// Gives shadow copies what their owners have, in two solver states of the last step.
+/// Copies the values of the owners to shadow copies, in two solver states of the last step.
 template <class Scenario, class Real>
 void refresh_last_step(world_state<Scenario>& s, solver_state_of<Real>& x,
                        solver_state_of<Real>& y) {
@@ -57,11 +57,11 @@ void refresh_last_step(world_state<Scenario>& s, solver_state_of<Real>& x,
   }
 }
 
-/// Collective. The solver's arrays and the lists of what travelled stay as the last step left them
-/// until the next one begins, whatever happens to bodies and connections in between.
+/// Collective. The solver's arrays and the lists of exchanged velocities keep the state of the last
+/// step until the next one begins, whatever happens to bodies and connections in between.
 template <class Scenario>
 contact_residual last_hard_residual(world_state<Scenario>& s) {
-  // Velocities at the end, and what the impulses gave to them: u and W r are read from these.
+  // Velocities at the end, and the part of them from impulses: u and W r are computed from these.
   auto after = s.solver, given = s.solver;
   for (auto& body : given.bodies) body.v = body.w = {0, 0, 0};
   s.each_contact_list([&](const auto& list) {
@@ -82,7 +82,7 @@ contact_residual last_hard_residual(world_state<Scenario>& s) {
   return r;
 }
 
-/// Collective: the residual of the last step, which is also noted in the world's convergence.
+/// Collective: the residual of the last step, also recorded in the world's convergence.
 template <class Scenario>
 contact_residual last_residual(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::law::soft) {

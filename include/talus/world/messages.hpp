@@ -1,8 +1,8 @@
 #pragma once
-// The head of every message that carries bodies: its number on its way between two ranks, and how
-// many bodies have been handed over on that way so far. A message that is lost, comes twice, is cut
-// or changed is found when the next one is read, and the body that went with it is known by its id.
-// No message is sent for that, and nothing is collective.
+// The header of every message that carries bodies: its sequence number between two ranks, and the
+// number of bodies migrated in that direction so far. A lost, duplicate, truncated or altered
+// message is detected when the next one is read, and the body in it is known by its id. This needs
+// no further message and no collective call.
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -18,7 +18,7 @@ namespace talus::detail {
 struct message_header {
   std::uint64_t number = 0;  ///< from 1 on, in each direction
   body_count handed_over{};  ///< in this direction, up to and with this message
-  std::uint64_t sum = 0;     ///< of the content, where bodies change hands
+  std::uint64_t sum = 0;     ///< of the content, if bodies migrate
 };
 
 /// A checksum of bytes: rounds of multiplication and rotation, as in FNV-1a with words of 8 bytes
@@ -35,8 +35,8 @@ struct message_header {
   return sum;
 }
 
-/// Where a body was when it was seen here last: as one of this rank's, as a copy, or when copies or
-/// pairs were chosen.
+/// The last position of a body here: as one of this rank's, as a copy, or when copies or pairs were
+/// chosen.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string last_seen(const world_state<Scenario>& s, system_id id) {
   std::string place;
@@ -72,7 +72,7 @@ void open_message(world_state<Scenario>& s, std::size_t n) {
   s.parcels[n].out.assign(sizeof(message_header), std::byte{});
 }
 
-/// Writes the head of a message that is complete; `migration`: with a checksum.
+/// Writes the header of a complete message; `migration`: with a checksum.
 template <class Scenario>
 void seal_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
   auto& channel = s.neighbours[n].channel;
@@ -82,9 +82,8 @@ void seal_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
   std::memcpy(out.data(), &head, sizeof head);
 }
 
-/// Opens the message that came from neighbour `n`; its content is to be read from what is returned.
-/// Throws runtime_error, with the ranks, the step, and the body if it is one, unless the message is
-/// the next of those that were sent.
+/// Opens the message from neighbour `n`, and returns a reader of its content. Throws runtime_error,
+/// with the ranks, the step, and the body if it is one, unless the message is the next in sequence.
 template <class Scenario>
 [[nodiscard]] byte_reader read_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
   auto& channel = s.neighbours[n].channel;
@@ -120,8 +119,8 @@ template <class Scenario>
   return byte_reader(content, s.neighbours[n].shared());
 }
 
-/// After the content has been read: throws runtime_error unless all of it was, and as many bodies
-/// came as were sent.
+/// After the content has been read: throws runtime_error unless all of it was read, and as many
+/// bodies arrived as were sent.
 template <class Scenario>
 void close_message(const world_state<Scenario>& s, std::size_t n, const byte_reader& rest) {
   const auto& channel = s.neighbours[n].channel;

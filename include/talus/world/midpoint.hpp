@@ -1,7 +1,7 @@
 #pragma once
-// The first half of a step of integrator<moreau_midpoint>: all bodies go to the middle of the step,
-// where contacts are found and solved. Every rank moves its shadow copies as their owners do, with
-// the same bits.
+// The first half of a step of integrator<moreau_midpoint>: all bodies move to the middle of the
+// step, where contacts are found and solved. Every rank moves its shadow copies as their owners do,
+// with the same bits.
 #include <cstddef>
 
 #include "talus/response/integrate.hpp"
@@ -11,7 +11,7 @@
 
 namespace talus::detail {
 
-/// Moves body i of a shape by `dt`, with the velocity that it has.
+/// Moves body i of a shape by `dt`, with its present velocity.
 template <class Store>
 void drift_freely(Store& store, std::size_t i, real dt) {
   store.position[i] += dt * store.velocity[i];
@@ -22,7 +22,7 @@ void drift_freely(Store& store, std::size_t i, real dt) {
     store.orientation_of[i] = turned<real>(store.orientation_of[i], dt * store.angular_velocity[i]);
 }
 
-/// Driven bodies go half of their way.
+/// Driven bodies move by half of their step.
 template <class Scenario>
 void drift_driven(world_state<Scenario>& s) {
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
@@ -35,7 +35,7 @@ void drift_driven(world_state<Scenario>& s) {
   });
 }
 
-/// All bodies go to the middle of the step.
+/// Moves all bodies to the middle of the step.
 template <class Scenario>
 void drift_to_midpoint(world_state<Scenario>& s) {
   const real half = real(0.5) * s.dt;
@@ -57,7 +57,8 @@ void drift_to_midpoint(world_state<Scenario>& s) {
         drift_freely(store, i, half);
       }
       if constexpr (world_state<Scenario>::periodic)
-        if (i >= store.locals) {  // an image is where its body is for its owner, and then moved
+        if (i >= store.locals) {  // the image takes the position of its body at the owner, and is
+                                  // then shifted
           image_copy& copy = s.copies.of[k][i - store.locals];
           copy.home += half * store.velocity[i];
           store.position[i] = copy.home;
@@ -69,7 +70,7 @@ void drift_to_midpoint(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::drives) drift_driven(s);
 }
 
-/// Before contacts are looked for: how bodies were turned in the last step is found anew.
+/// Before contacts are searched: resets the rotations of the last step.
 template <class Scenario>
 void forget_earlier_turns(world_state<Scenario>& s) {
   std::size_t k = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What a world keeps for integrator<moreau_midpoint>.
+// State of a world for integrator<moreau_midpoint>.
 #include <array>
 #include <cstddef>
 
@@ -8,15 +8,15 @@
 
 namespace talus::detail {
 
-/// How a body with an inertia tensor was turned in the middle of the last step, with the spin that
-/// it had right after it.
+/// The orientation of a body with an inertia tensor in the middle of the last step, and its spin
+/// right after it.
 struct earlier_turn {
   quat orientation{1, 0, 0, 0};
   vec3 spin{0, 0, 0};
-  bool known = false;  ///< it is found when a contact asks for it
+  bool known = false;  ///< computed when a contact needs it
 };
-/// Of the bodies of each finite shape, in the order of their store; empty for round shapes. It
-/// lasts for one search for contacts.
+/// Of the bodies of each finite shape, in the order of their store; empty for isotropic shapes.
+/// Valid for one search of contacts.
 template <std::size_t Shapes>
 struct midpoint_state {
   std::array<plain_vector<earlier_turn>, Shapes> earlier;

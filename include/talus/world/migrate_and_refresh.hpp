@@ -1,6 +1,6 @@
 #pragma once
-// Last stage of a step: bodies whose centre has left go to their new owner, and shadow copies are
-// refreshed on every rank whose bodies they may touch.
+// Last stage of a step: bodies whose centre has left migrate to their new owner, and shadow copies
+// are refreshed on every rank whose bodies they may touch.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -20,7 +20,7 @@
 namespace talus::detail {
 
 /// Applies the connections made or removed since the last migration. Removes the copies of bodies
-/// of ranks that are no longer connected, and sends the other copies again.
+/// of ranks that are no longer connected, and sends the other copies in full.
 template <class Scenario>
 void match_connections(world_state<Scenario>& s) {
   const auto connections = s.own.connections();
@@ -62,7 +62,7 @@ struct way {
   bool ends_there;
 };
 
-/// The way to the owner of `p`: to itself, or to a neighbour nearer to it.
+/// The rank to send to for the owner of `p`: the owner itself, or a neighbour nearer to it.
 template <class Scenario>
 [[nodiscard]] way way_to(const world_state<Scenario>& s, const vec3& p) {
   const auto connections = s.own.connections();
@@ -88,8 +88,8 @@ template <class Scenario>
                   "the start");
 }
 
-/// Which movable bodies each neighbour owns, as far as there are copies here: their contacts with
-/// bodies of this rank are remembered there too.
+/// The movable bodies of each neighbour that have copies here: it stores their contacts with bodies
+/// of this rank, too.
 class bodies_elsewhere {
  public:
   explicit bodies_elsewhere(std::size_t neighbours) : ids_(neighbours) {}
@@ -108,7 +108,7 @@ class bodies_elsewhere {
 template <class Scenario>
 [[nodiscard]] bodies_elsewhere movable_copies(const world_state<Scenario>& s) {
   bodies_elsewhere all(s.neighbours.size());
-  // Of what sleeps, only one rank may remember.
+  // The memory of a sleeping contact may be on one rank only.
   if constexpr (world_state<Scenario>::sleeps) return all;
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
@@ -123,8 +123,8 @@ template <class Scenario>
 }
 
 /// Sends bodies whose centre has left to their new owner, with the memory of their contacts.
-/// Returns the number of bodies that this rank still holds for others (only where the way to their
-/// owner is longer than one connection). Nobody flies such a way in a step (`after_step`).
+/// Returns the number of bodies that this rank still forwards (only if the path to their owner is
+/// longer than one connection). No body moves that far in a step (`after_step`).
 template <class Scenario>
 std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   require_all_here(s);
@@ -235,9 +235,9 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   return passing;
 }
 
-/// Wakes all islands that something has woken, on all ranks in this step, however many ranks an
-/// island lies on: for solvers whose results must not depend on the ranks. Shadow copies are as
-/// their owners are.
+/// Wakes all islands with a waking body, on all ranks in this step, on however many ranks an island
+/// lies: for solvers whose results must not depend on the ranks. Shadow copies equal their owners'
+/// bodies.
 template <class Scenario>
 void wake_everywhere(world_state<Scenario>& s) {
   while (anywhere(s, wakes_pend(s))) {
@@ -274,7 +274,7 @@ void migrate_and_refresh(world_state<Scenario>& s) {
     if (s.by_colours()) wake_everywhere(s);
 }
 
-/// At the beginning of a step: tells the neighbours what the user has changed since the last one.
+/// At the beginning of a step: sends the user's changes since the last one to the neighbours.
 template <class Scenario>
 void notify_neighbours(world_state<Scenario>& s) {
   constexpr bool sleeps = world_state<Scenario>::sleeps;
@@ -284,7 +284,7 @@ void notify_neighbours(world_state<Scenario>& s) {
     const stage_clock clock(s.seconds.exchange);
     match_connections(s);
     if (s.changed) refuse_closed_faces(s, false);
-    // What the user has moved far goes to its owner, so that it meets what is there.
+    // A body that the user moved far goes to its owner, so that contacts there are found.
     if (s.by_colours()) {
       const body_count before = s.owned;
       if (const std::size_t passing = migrate(s, false); passing > 0)
@@ -294,9 +294,9 @@ void notify_neighbours(world_state<Scenario>& s) {
             passing, s.link->rank());
       s.changed = s.changed || !(s.owned == before);
     }
-    // The first round tells how far bodies fly now, or how large those are that the user added, the
-    // second acts on it. (Elsewhere contacts with these may come a step late, as those with bodies
-    // that a collision has made faster than anything here.)
+    // The first round sends how far bodies fly now, or how large the user's new bodies are; the
+    // second uses it. (In other places contacts with these may start a step late, as those with
+    // bodies that a collision made faster than any known body.)
     if (world_state<Scenario>::continuous || s.by_colours()) {
       plain_vector<real> before;
       for (const auto& n : s.neighbours) before.push_back(n.reach);

@@ -1,15 +1,15 @@
 #pragma once
-// The numbers of which the monitors and the states of features consist on one rank: to store them
-// in a checkpoint.
+// The numbers of the monitors and of the states of features on one rank, to store them in a
+// checkpoint.
 #include "talus/world/monitors.hpp"
 
 namespace talus::detail {
 
-/// What all ranks together have: the sum of a number over the ranks, or the largest.
+/// The value over all ranks: the sum of a number over the ranks, or the largest.
 enum class over_ranks { sum, largest };
 
-/// What `each_number(visit)` of a record is called with: visit.sum(x) and visit.largest(x) name a
-/// number, and what all ranks together have of it.
+/// The argument of `each_number(visit)` of a record: visit.sum(x) and visit.largest(x) name a
+/// number, and its reduction over all ranks.
 template <class F>
 class number_visitor {
  public:
@@ -43,7 +43,8 @@ class number_visitor {
   F& f_;
 };
 
-/// Calls f(number, over_ranks) for what a record, or the state of a feature, gives a visitor.
+/// Calls f(number, over_ranks) for the numbers that a record, or the state of a feature, passes to
+/// a visitor.
 template <class Record, class F>
 void each_number(Record& record, F&& f) {
   number_visitor visit(f);

@@ -1,6 +1,6 @@
 #pragma once
-// What the monitors of a scenario hold on one rank. Sums over ranks are made when somebody asks
-// (observe/), never in a step.
+// Records of the monitors of a scenario on one rank. observe/ sums them over ranks on request,
+// never in a step.
 #include <algorithm>
 #include <cstdint>
 
@@ -14,14 +14,14 @@ namespace talus {
 
 namespace detail {
 
-/// What a monitor records; nothing of other features.
+/// The record of a monitor; other features have none.
 template <class Feature>
 struct record_slot {};
 template <class Feature>
 requires requires { typename Feature::record; }
 struct record_slot<Feature> : Feature::record {};
 
-/// One record for each monitor that is named; empty without any.
+/// One record for each monitor of the scenario; empty without any.
 template <class Features>
 struct monitor_records;
 template <class... Features>

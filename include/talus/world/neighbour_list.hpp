@@ -1,7 +1,7 @@
 #pragma once
-// Pairs that may touch, kept from step to step while bodies move by little (neighbour lists, Verlet
-// 1967). What is done with them depends on who is within reach at present, so that keeping them
-// changes nothing but the order of the contacts.
+// Candidate pairs, kept from step to step while bodies move little (neighbour lists, Verlet 1967).
+// Each step uses only pairs within their present reach, so that keeping the list changes nothing
+// but the order of the contacts.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -33,7 +33,7 @@ void each_kind_of_pair(world_state<Scenario>& s, Visit&& visit) {
   });
 }
 
-/// Whether no body reaches out of its skin, all are known and have kept their numbers.
+/// Whether no body leaves its skin, and all are known with unchanged indices.
 template <class Scenario>
 [[nodiscard]] bool all_within_skin(const world_state<Scenario>& s) {
   bool hold = true;
@@ -48,8 +48,7 @@ template <class Scenario>
   return hold;
 }
 
-/// Whether other bodies are here than when the pairs were found, in another order, or with other
-/// owners.
+/// Whether other bodies are here than at the search, in another order, or with other owners.
 template <class Scenario>
 [[nodiscard]] bool numbers_changed(const world_state<Scenario>& s) {
   bool changed = false;
@@ -63,8 +62,8 @@ template <class Scenario>
   return changed;
 }
 
-/// Gives the pairs the numbers that bodies have now, after some have changed their owner or have
-/// gone. False if there are bodies that were not there.
+/// Updates the pairs to the present indices of bodies, after some have migrated or were removed.
+/// False if there are new bodies.
 template <class Scenario>
 [[nodiscard]] bool renumber_pairs(world_state<Scenario>& s) {
   constexpr std::size_t shapes = world_state<Scenario>::shape_count;
@@ -79,7 +78,7 @@ template <class Scenario>
   });
   if (!known) return false;
 
-  std::array<plain_vector<char>, shapes> came;  // or went: by the number now
+  std::array<plain_vector<char>, shapes> came;  // added or removed, by the present index
   k = 0;
   s.each_finite_shape([&](const auto& b) {
     candidate_pairs::shape& found = s.found.shapes[k];
@@ -116,8 +115,8 @@ template <class Scenario>
   return true;
 }
 
-/// Measures the present reach of all bodies, and tells whether the pairs found last are all that
-/// can touch now.
+/// Measures the present reach of all bodies; returns whether the candidate pairs of the last search
+/// are still complete.
 template <class Scenario>
 [[nodiscard]] bool pairs_still_hold(world_state<Scenario>& s) {
   bool hold = s.found.known;
@@ -132,12 +131,12 @@ template <class Scenario>
     if (!driven_within_skin(s)) return false;
   if (all_within_skin(s)) return true;
   if constexpr (world_state<Scenario>::link_type::alone || world_state<Scenario>::periodic)
-    return false;  // bodies come and go by the user's hand alone, or several have one id
+    return false;  // the user adds and removes bodies, or several have one id
   else
     return numbers_changed(s) && renumber_pairs(s) && all_within_skin(s);
 }
 
-/// Looks for all pairs that are within reach of each other, or within the skin around.
+/// Searches for all pairs that are within reach of each other, or within the skin around.
 template <class Scenario>
 void find_pairs_with_skin(world_state<Scenario>& s) {
   real sum = 0;
@@ -208,7 +207,7 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
   found.known = true;
 }
 
-/// Looks for all pairs within reach of each other, unless those found before still hold.
+/// Searches for all pairs within reach of each other, unless the last search is still valid.
 template <class Scenario>
 void find_close_pairs(world_state<Scenario>& s) {
   if (pairs_still_hold(s))
@@ -217,7 +216,7 @@ void find_close_pairs(world_state<Scenario>& s) {
     find_pairs_with_skin(s);
 }
 
-/// The same, unless bodies move so fast that pairs do not hold for long: then false.
+/// The same, unless bodies move so fast that a search is not valid for long: then false.
 template <class Scenario>
 [[nodiscard]] bool keep_close_pairs(world_state<Scenario>& s) {
   candidate_pairs& found = s.found;

@@ -1,6 +1,6 @@
 #pragma once
-// How the two bodies of a pair come nearer to each other in this step: by their velocities, their
-// turning, what pulls at them, and, where bodies are followed on their way, their flight.
+// The approach of the two bodies of a pair in this step: by their velocities, their rotation, their
+// accelerations, and, if bodies are followed, their flight.
 #include <cstddef>
 
 #include "talus/detect/narrow.hpp"
@@ -9,7 +9,8 @@
 
 namespace talus::detail {
 
-/// Of pairs of two shapes. The second bodies move too (`Paired`), or are global and may be driven.
+/// Of pairs of two shapes. The second bodies are movable too (`Paired`), or are global and may be
+/// driven.
 template <class Scenario, class ShapeA, class ShapeB, bool Paired>
 class pair_motion {
   using state_type = world_state<Scenario>;
@@ -27,8 +28,8 @@ class pair_motion {
         first_b_(Paired ? s.template of<ShapeB>().first : 0),
         gravity_(s.gravity.norm()) {}
 
-  /// A contact that is farther than the slack and does not close within the step is no contact.
-  /// `u` is its relative velocity; `radius` that of the first body.
+  /// A contact with a gap above the slack that does not close within the step is left out. `u` is
+  /// its relative velocity; `radius` that of the first body.
   [[nodiscard]] bool parts_before_touching(std::size_t i, std::size_t j, real radius, real slack,
                                            const contact_geometry& g, const vec3& u) const {
     if (g.gap <= slack) return false;
@@ -38,7 +39,7 @@ class pair_motion {
     if constexpr (driven) closing -= b_.angular_velocity[j].norm() * radius * s_.dt;
     return g.gap + closing > slack;
   }
-  /// How far each of them may come in this step, together.
+  /// How far both may move in this step, in sum.
   [[nodiscard]] real margin_in_step(std::size_t i, std::size_t j) const {
     return margin_of(a_, i) + margin_of(b_, j);
   }
@@ -49,7 +50,7 @@ class pair_motion {
     if constexpr (Paired && store_b::forced) sum += pull_on(b_, j);
     return sum;
   }
-  /// The part of it by which they approach; none for bodies at their impact, whose velocities are
+  /// The part of it by which they approach; zero for bodies at their impact, whose velocities are
   /// true.
   [[nodiscard]] real fall(std::size_t i, std::size_t j, const vec3& normal) const {
     vec3 a = acceleration_of(s_, a_, i);
@@ -62,11 +63,11 @@ class pair_motion {
     return (void)j, -normal.dot(a);
   }
 
-  // Where bodies are followed on their way.
+  // Where bodies are followed.
 
-  /// Bodies apart that were followed and do not meet in this step. (Where one of them struck
-  /// something its way is another one from then on: as without following, it is kept from entering
-  /// the other, unless that would be a rebound at a distance.)
+  /// Separated bodies that were followed and do not meet in this step. (If one of them had an
+  /// impact, its path changes: as without continuous collision, it must not enter the other, unless
+  /// that would be a rebound at a distance.)
   [[nodiscard]] bool not_met(std::size_t i, std::size_t j, real gap,
                              const pair_material& pair) const {
     const real zone = contact_zone(a_.shape[i], b_.shape[j]);
@@ -81,13 +82,13 @@ class pair_motion {
     }
     return way > slow_way(s_, zone) && !(struck && !(law::restitution && pair.restitution > 0));
   }
-  /// Makes a relative velocity that of their impact.
+  /// Converts a relative velocity to that at the impact.
   void add_flight(vec3& u, std::size_t i, std::size_t j) const {
     u += flown(a_, i, first_a_);
     if constexpr (Paired) u -= flown(b_, j, first_b_);
   }
-  /// Makes the normal velocity that the impact is to leave that at the end of the step. (A solver
-  /// that divides the step finds that by itself.)
+  /// Converts the normal velocity after the impact to that at the end of the step. (A solver with
+  /// substeps computes that itself.)
   void add_flight_after(real& target, std::size_t i, std::size_t j, const vec3& normal) const {
     if constexpr (divides_the_step<typename Scenario::solver>) return;
     const bool rebounds = target > 0;
@@ -97,15 +98,15 @@ class pair_motion {
 
  private:
   [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }
-  /// What the true velocity of a body at its impact is above the stored one.
+  /// The true velocity of a body at its impact minus the stored one.
   template <class Store>
   [[nodiscard]] vec3 flown(const Store& store, std::size_t i, std::size_t first) const {
     const real t = impact_time(first + i);
     if (t == never) return {0, 0, 0};
     return (half_part(s_) + t) * acceleration_of(s_, store, i);
   }
-  /// The same at the end of the step above what the velocity is after the impact: of a body that
-  /// rebounds and flies on, or else of one that stays.
+  /// The same at the end of the step minus the velocity after the impact: of a body that rebounds
+  /// and flies on, or else of one that stays.
   template <class Store>
   [[nodiscard]] vec3 to_fly(const Store& store, std::size_t i, std::size_t first,
                             bool rebounds) const {

@@ -1,6 +1,6 @@
 #pragma once
-// The order in which forces of pairs are added to bodies: for each body by the id of its partner,
-// so that the sums have the same bits on any number of ranks.
+// The order in which pair forces are added to bodies: for each body by the id of its partner, so
+// that the sums have the same bits on any number of ranks.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -21,12 +21,12 @@ struct pair_edge {
   system_id id_a{}, id_b{};
 };
 
-/// Orders edges so that each body has its own by ascending ids of their other ends. Ordering all
+/// Orders edges so that each body has its edges by ascending ids of their other ends. Sorting all
 /// edges by both ids would do; this order follows the neighbourhood of the bodies instead: an edge
-/// is next when it is the next one of both its bodies, and the search goes on from there.
+/// is next if it is the next one of both its bodies, and the search continues from there.
 class edges_by_partner {
  public:
-  /// The order: numbers of the edges.
+  /// The order: indices of the edges.
   [[nodiscard]] const plain_vector<std::uint32_t>& order(std::span<const pair_edge> edges,
                                                          std::size_t bodies) {
     list_edges_of_bodies(edges, bodies);
@@ -44,7 +44,7 @@ class edges_by_partner {
         const std::uint32_t other = edges[e].a == v ? edges[e].b : edges[e].a;
         const bool ready = other == nobody || other == v || next_of(other) == e;
         if (!ready) {
-          open_.pop_back();  // comes back when the other body is as far
+          open_.pop_back();  // revisited when the other body has reached this edge
           continue;
         }
         order_.push_back(e);
@@ -86,7 +86,7 @@ class edges_by_partner {
   [[nodiscard]] bool is_finished(std::uint32_t v) const {
     return first_[v] + next_[v] == first_[v + 1];
   }
-  /// The edge that a body has next; none if it is finished.
+  /// The next edge of a body; none if it is finished.
   [[nodiscard]] std::uint32_t next_of(std::uint32_t v) const {
     return is_finished(v) ? nobody : ends_[first_[v] + next_[v]].edge;
   }

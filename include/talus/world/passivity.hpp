@@ -1,5 +1,5 @@
 #pragma once
-// Keeps the impulses of a step from adding energy, whatever a solver has left undone.
+// Keeps the impulses of a step from adding energy, however incomplete the solution.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -28,18 +28,18 @@ template <class Store>
 }
 
 /// A body that takes part in contacts adds m v'^2/2 - m v^2/2 to the energy, of which its contact
-/// impulse p = m (v' - v) - m g dt gives p (v + v')/2. The sum over the bodies is the work of all
+/// impulse p = m (v' - v) - m g dt adds p (v + v')/2. The sum over the bodies is the work of all
 /// contacts. It is at most 0 in an exact solution with one coefficient of restitution. It can be
-/// positive where iterations are cut short after a warm start, and where several coefficients or
-/// friction meet in one impact. Then the impulses are scaled by the largest common factor below 1
-/// that makes the work 0. A scaled impulse stays in its friction cone, and momentum is conserved.
-/// Where bodies rest, that factor is also the best one: it minimises the energy that the impulses
-/// are to minimise.
+/// positive if iterations are truncated after a warm start, and if several coefficients or friction
+/// meet in one impact. Then the impulses are scaled by the largest common factor below 1 that makes
+/// the work 0. A scaled impulse stays in its friction cone, and momentum is conserved. For resting
+/// bodies that factor is also the best one: it minimises the energy that the impulses are to
+/// minimise.
 ///
-/// The factor belongs to an island of contacts of this rank. The power that a boundary contact
-/// carries from one rank to the other is computed on both from the last velocities that both hold,
-/// so that the works of the ranks add up to that of all contacts without a message. Each rank
-/// scales its interior contacts, with its boundary contacts as they are.
+/// The factor belongs to an island of contacts of this rank. Both ranks of a boundary contact
+/// compute the power that it transfers from the last velocities that both hold, so that the works
+/// of the ranks add up to that of all contacts without a message. Each rank scales its interior
+/// contacts, and leaves its boundary contacts as they are.
 template <class Scenario, class Ranks>
 class passivity {
   using state_type = world_state<Scenario>;
@@ -54,8 +54,8 @@ class passivity {
 
   /// After the solver, before the impulses are stored for the next step.
   void keep() {
-    if (s_.settings.tolerance > 0) return;     // what is left is within it
-    if constexpr (state_type::drives) return;  // driven bodies add energy without bound
+    if (s_.settings.tolerance > 0) return;     // the remaining work is within it
+    if constexpr (state_type::drives) return;  // driven bodies may add unlimited energy
     if constexpr (by_colours) {
       if (!presses(s_)) keep_everywhere();  // other steps are not collective
     } else {
@@ -109,16 +109,16 @@ class passivity {
             if (received[k].v != vec3(0, 0, 0)) of.fall = real(0.5) * mass * pull.dot(dv);
           }
         of.square = mass * own_dv.squaredNorm() + own_spin.dot(own_dw);
-        if constexpr (!state_type::midpoint)  // the mean velocity of a divided step stays
+        if constexpr (!state_type::midpoint)  // the mean velocity over substeps stays
           of.rise_slope = real(divided ? 0.5 : -0.5) * mass * pull.dot(own_dv);
-        // The mean velocity changes by half of what the impulses change, and the work by both.
+        // The mean velocity changes by half of the change of the impulses, and the work by both.
         of.slope = mass * own_dv.dot(mean + real(0.5) * dv) + own_spin.dot(mean_w + real(0.5) * dw);
         f(of, k);
       }
     });
   }
-  /// The potential energy changes by the velocity that moves the body: the last one, but the mean
-  /// one in the midpoint of a step, and that of the parts of a divided step.
+  /// The potential energy changes with the velocity that moves the body: the last one, but the mean
+  /// one in the midpoint of a step, and that of the substeps of a step with substeps.
   [[nodiscard]] real rise_of(const vec3& pull, const vec3& slowed, std::size_t k) const {
     if constexpr (state_type::midpoint) return 0;
     real rise = real(0.5) * pull.dot(slowed);
@@ -133,7 +133,7 @@ class passivity {
     return (void)store, (void)i, (void)k, vec3(0, 0, 0);
   }
 
-  /// Calls f(power, body) for what bodies of given velocity do to body: they may add energy.
+  /// Calls f(power, body) for contacts of bodies with prescribed velocity: they may add energy.
   template <class F>
   void subtract_walls(F&& f) {
     each_list([&](const auto& list) {
@@ -151,12 +151,13 @@ class passivity {
     });
   }
 
-  /// The part that the impulses of each body's island have to lose, if any has to.
+  /// The fraction that the impulses of each body's island must lose, if any island must.
   void find_excess() {
     auto& excess = s_.passive.excess;
     if constexpr (!alone) excess.assign(solver_.bodies.size(), 0);
     found_ = false;
-    // In an island that gains there is a body on which impulses do work, and one that gains energy.
+    // An island that gains energy contains a body on which impulses do work, and one that gains
+    // energy.
     bool worked = false, rose = false;
     each_body([&](const impulse_work& w, std::size_t) {
       const real round_off = impulse_work::round_off(w.size);
@@ -217,8 +218,8 @@ class passivity {
       });
     });
   }
-  /// Solves each interior contact as a plastic one, which takes energy, in islands that boundary
-  /// contacts leave too much of it.
+  /// Solves each interior contact as a plastic one, which dissipates energy, in islands that gain
+  /// too much of it from boundary contacts.
   void sweep_plastically() {
     add_up_islands();
     found_ = false;
@@ -239,7 +240,7 @@ class passivity {
       });
     });
   }
-  /// Calls f(work, body) for what bodies of another rank or of given velocity do to a body.
+  /// Calls f(work, body) for contacts with bodies of another rank or of prescribed velocity.
   template <class F>
   void each_exchange(F&& f) {
     if (walls_)
@@ -258,8 +259,8 @@ class passivity {
           f({.work = owns_a ? -carried : carried, .shared = q != vec3(0, 0, 0)}, owns_a ? a : b);
         });
   }
-  /// Takes the part d of its impulse from a contact, and applies the change. Positions follow the
-  /// mean velocity of a divided step, which stays.
+  /// Removes the fraction d of the impulse of a contact, and applies the change. Positions follow
+  /// the mean velocity over substeps, which stays.
   template <class Contact, class Apply>
   void shrink(Contact& c, real d, Apply&& apply) {
     const auto before = c.impulse_in_frame();
@@ -296,7 +297,7 @@ class passivity {
     const auto& p = s_.passive;
     return p.refreshed.empty() || p.refreshed[copy] ? p.common : p.common_before;
   }
-  /// What own bodies receive from boundary contacts, and the velocities before the step.
+  /// The impulses of boundary contacts on own bodies, and the velocities before the step.
   void meet_boundary() {
     auto& p = s_.passive;
     p.received.clear();
@@ -329,9 +330,9 @@ class passivity {
     return real(solver_.bodies[k].inverse_inertia) * twist;
   }
 
-  /// Where nothing may depend on the ranks: one factor for all contacts, from exact sums.
+  /// If nothing may depend on the ranks: one factor for all contacts, from exact sums.
   void keep_everywhere() {
-    std::array<exact_sum, 5> sums;  // of what is positive, and of what is negative
+    std::array<exact_sum, 5> sums;  // of positive and of negative terms
     const auto add = [&](std::size_t at, real x) { sums[x < 0 ? at + 1 : at] += std::abs(x); };
     each_body([&](const impulse_work& w, std::size_t) {
       add(0, w.work), add(2, w.slope);

@@ -1,5 +1,6 @@
 #pragma once
-// Shadow copies that are images of a periodic box: their owner knows them elsewhere, perhaps here.
+// Shadow copies that are images of a periodic box: their owner has them at another place, perhaps
+// here.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -12,8 +13,8 @@
 
 namespace talus::detail {
 
-/// Shadow copies as their owner lists them: which body, and which image of it. In the order of the
-/// bodies; where space does not repeat itself, the number of the body.
+/// Shadow copies as their owner lists them: the body, and its image. In the order of the bodies;
+/// without periodic axes, the index of the body.
 template <bool Periodic>
 struct copy_code {
   static constexpr std::uint32_t images = Periodic ? 32 : 1;
@@ -25,9 +26,9 @@ struct copy_code {
   [[nodiscard]] static constexpr std::uint32_t image(std::uint32_t code) { return code % images; }
 };
 
-/// What is known of a shadow copy besides its place.
+/// The data of a shadow copy besides its pose.
 struct image_copy {
-  vec3 home{0, 0, 0};  ///< where the body is for its owner
+  vec3 home{0, 0, 0};  ///< the position of the body at its owner
   periodic_box::number image = 0;
   std::uint32_t own = not_own;  ///< the body itself, if it is owned here
 
@@ -40,14 +41,14 @@ struct periodic_ghosts {
 };
 struct no_periodic_ghosts {};
 
-/// Where something is seen from another place: the nearest of its images, if it has any.
+/// The nearest image of a position, seen from another one, if there are images.
 template <class State>
 [[nodiscard]] vec3 seen_from(const State& s, const vec3& place, const vec3& thing) {
   if constexpr (State::periodic) return s.own.box().nearest(thing, place);
   return (void)s, (void)place, thing;
 }
 
-/// What is known of a body as a shadow copy, or null.
+/// The data of a body as a shadow copy, or null.
 template <class Shape, class State>
 [[nodiscard]] auto* copy_of(State& s, std::size_t i) {
   const std::size_t locals = s.template of<Shape>().movable.locals;
@@ -55,9 +56,9 @@ template <class Shape, class State>
   return i < locals ? nullptr : &copies[i - locals];
 }
 
-/// Whether this rank sees at most one image of each body, and all images of an island on the same
-/// side of the box: its domain and what reaches into it are shorter than each period. True where
-/// space does not repeat itself.
+/// Whether this rank holds at most one image of each body, and all images of an island on the same
+/// side of the box: its domain and the reach around it are shorter than each period. True without
+/// periodic axes.
 template <class State>
 [[nodiscard]] bool sees_single_images(const State& s) {
   if constexpr (State::periodic) {
@@ -73,14 +74,14 @@ template <class State>
   return (void)s, true;
 }
 
-/// A pair of bodies as all see it, to the bit, on whichever side of the box they are themselves:
-/// where the first one is at home, and where the second one is seen from there.
+/// A pair of bodies in the same coordinates on all ranks, to the bit, on whichever side of the box
+/// they are: the first one at its own position, and the second one at its minimum image.
 struct image_pair {
   vec3 a{0, 0, 0}, b{0, 0, 0};
   std::size_t body_b =
-      0;              ///< the number of the second one; of the body itself, not of its image here
-  bool known = true;  ///< false: with an image of a body that is owned here; the pair is seen
-                      ///< from the body itself, too
+      0;              ///< the index of the second one; of the body itself, not of its image here
+  bool known = true;  ///< false: with an image of a body that is owned here; the pair is also found
+                      ///< with the body itself
 };
 template <class A, class B, class State>
 [[nodiscard]] image_pair minimum_image(const State& s, std::size_t i, std::size_t j) {

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers of the user's own that a run writes down: world.record(name, value).
+// User-defined numbers that a run writes to its table: world.record(name, value).
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@ struct recorded_value {
   double value = 0;
 };
 
-/// In the order in which they were recorded first.
+/// In the order of their first record.
 class recorded_values {
  public:
   /// Throws invalid_argument for a name that cannot be the head of a column.

@@ -1,7 +1,7 @@
 #pragma once
-// Bodies that were fixed and can move again. What touched them was a matter of the other body's
-// rank alone, so that rank alone remembers impulses. From now on both ranks compute these contacts,
-// and have to start from the same: from nothing.
+// Fixed bodies that can move again. The contacts of a fixed body were computed by the other body's
+// rank alone, so only that rank stores their impulses. From now on both ranks compute these
+// contacts, and must start from the same impulse: zero.
 #include <type_traits>
 
 #include "talus/world/state.hpp"
@@ -14,7 +14,8 @@ void forget_contacts(world_state<Scenario>& s, system_id id) {
   if constexpr (world_state<Scenario>::sleeps) s.sleep.contacts.forget(id);
 }
 
-/// Body `i` of this rank was released, here or, if it has just arrived, where it came from.
+/// Body `i` of this rank was released, here or, if it has just arrived, on the rank that it came
+/// from.
 template <class Scenario, class Store>
 [[gnu::cold]] void note_release(world_state<Scenario>& s, Store& store, std::size_t i) {
   store.flags[i] |= flag_released;
@@ -22,7 +23,7 @@ template <class Scenario, class Store>
   forget_contacts(s, store.id[i]);
 }
 
-/// All neighbours have been told of the bodies released here.
+/// All neighbours have the list of the bodies released here.
 template <class Scenario>
 void end_releases(world_state<Scenario>& s) {
   if (s.released.empty()) return;

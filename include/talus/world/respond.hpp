@@ -66,7 +66,8 @@ void gather_velocities(world_state<Scenario>& s) {
       if constexpr (divided) {
         auto& gain = solver.gain[b.first + i];
         gain = {body.v - store.velocity[i], body.w - store.angular_velocity[i]};
-        if constexpr (world_state<Scenario>::continuous)  // the first part was gained on its way
+        if constexpr (world_state<Scenario>::continuous)  // the first part was gained before its
+                                                          // impact
           if (const real t = s.impacts.time[b.first + i]; t != never) {
             const real left = (s.dt - t) / s.dt;
             gain = {left * gain.v, left * gain.w};
@@ -90,7 +91,7 @@ void solve_contacts(world_state<Scenario>& s) {
   passivity(s, ranks).keep();
 }
 
-/// Solves the contact problem: afterwards the solver's velocities fulfil the contact law.
+/// Solves the contact problem: afterwards the solver's velocities satisfy the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
@@ -170,7 +171,7 @@ void integrate(world_state<Scenario>& s) {
           store.orientation_of[i] =
               turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
       }
-      watch.look(store.position[i]);  // where the velocity is in
+      watch.look(store.position[i]);  // while the velocity is in a register
       watch.look(store.angular_velocity[i]);
       if constexpr (store_type::oriented) watch.look(store.orientation_of[i]);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// What a world holds for its contacts: hard and soft ones share nothing but the history.
+// State of a world for its contacts: hard and soft ones share only the history.
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -22,14 +22,14 @@
 
 namespace talus {
 
-/// What the contact solver needed and reached in the steps so far; alike on all ranks. Residuals
-/// are NaN until one is measured: in every step where a tolerance is asked for, else where
-/// measure_residual() is called.
+/// Iterations and residuals of the contact solver in the steps so far; alike on all ranks.
+/// Residuals are NaN until one is measured: in every step if a tolerance is set, else by
+/// measure_residual().
 struct convergence {
   std::uint64_t iterations = 0;                                      ///< of all steps
   std::uint64_t iterations_max = 0;                                  ///< of a step
   double residual = std::numeric_limits<double>::quiet_NaN();        ///< the last measured
-  double residual_worst = std::numeric_limits<double>::quiet_NaN();  ///< of those measured
+  double residual_worst = std::numeric_limits<double>::quiet_NaN();  ///< of all measured
   std::uint64_t steps_above = 0;  ///< steps that ended above the tolerance
 
   void add(const detail::solved& done, double tolerance) {
@@ -47,15 +47,15 @@ struct convergence {
 
 namespace detail {
 
-/// The bodies whose velocities travel between this rank and one of its neighbours, in solver
-/// indices: fixed from one migration to the next, so that they travel without ids.
+/// The bodies whose velocities are exchanged between this rank and one of its neighbours, in solver
+/// indices: fixed from one migration to the next, so that messages need no ids.
 struct travelling_velocities {
   int rank = 0;
   plain_vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move
   plain_vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
 };
 
-/// How a solver keeps the contacts of one kind.
+/// How a solver stores the contacts of one kind.
 template <class Solver>
 struct lists_for {
   template <class Contact>
@@ -78,11 +78,11 @@ inline constexpr bool may_sweep_by_colours = solves_by_colours<Solver>;
 template <class First, class Second>
 inline constexpr bool may_sweep_by_colours<either_solver<First, Second>> = true;
 
-/// The colours of the contacts, and the messages that go with them.
+/// The colours of the contacts, and the messages of each colour.
 struct shared_colours {
   colouring all;
-  /// For each colour a message to each neighbour that shares contacts of it, and to which of the
-  /// lines it belongs.
+  /// For each colour a message to each neighbour that shares contacts of it, and the index of its
+  /// connection.
   struct messages {
     std::vector<parcel> parcels;
     plain_vector<std::uint32_t> lines;
@@ -91,16 +91,16 @@ struct shared_colours {
 };
 struct no_colours {};
 
-/// What world/passivity.hpp works with, for each body in solver indices.
+/// Work space of world/passivity.hpp, for each body in solver indices.
 struct passivity_scratch {
   plain_vector<std::uint32_t> root;  ///< of its island
   plain_vector<impulse_work> works;  ///< of the island of a root
-  plain_vector<real> excess;         ///< part that its impulses lose
+  plain_vector<real> excess;         ///< fraction that its impulses lose
   // Across ranks:
-  plain_vector<body_motion> common;   ///< velocities that were sent or received last
+  plain_vector<body_motion> common;   ///< velocities that were last sent or received
   plain_vector<body_motion> earlier;  ///< those before the step
-  /// Where gathered islands were solved: which copies have been refreshed since by their owners,
-  /// and the velocities that all others hold.
+  /// After gathered islands were solved: the copies that their owners have refreshed since, and the
+  /// velocities that all other ranks hold.
   plain_vector<char> refreshed;
   plain_vector<body_motion> common_before;
   plain_vector<body_motion> received;  ///< the part of it that is from boundary contacts
@@ -122,10 +122,12 @@ struct hard_response {
   talus::convergence convergence;
   [[no_unique_address]] std::conditional_t<may_sweep_by_colours<Solver>, shared_colours, no_colours>
       colours;
-  std::vector<travelling_velocities> travelling;  ///< in the coming step: where any do
+  std::vector<travelling_velocities> travelling;  ///< in the coming step, for neighbours that
+                                                  ///< exchange any
   std::vector<travelling_velocities> travelled;   ///< in the last step
   std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
-  plain_vector<char> at_border;  ///< of the bodies in solver indices: whether any velocity is sent
+  plain_vector<char> at_border;  ///< of the bodies in solver indices: whether their velocity is
+                                 ///< sent
 };
 
 template <class Law>

@@ -1,5 +1,5 @@
 #pragma once
-// scenario<...>: everything that is decided before the run, as one type.
+// scenario<...>: all decisions before the run, as one type.
 #include <string>
 
 #include "talus/body/bodies.hpp"
@@ -34,14 +34,14 @@ struct list_and<type_list<Types...>, Type> {
 template <class List, class Type>
 using list_with = typename list_and<List, Type>::type;
 
-/// The first policy of a role, or its default. Later ones have been refused.
+/// The first policy of a role, or its default. Later ones were refused before.
 template <class Role, class Default, class... Policies>
 using policy_for = find_type<type_list<Policies...>, in_role<Role>::template played_by, Default>;
 
 template <class Role, class... Policies>
 inline constexpr bool at_most_one = (std::size_t{0} + ... + plays<Policies, Role>) <= 1;
 
-/// A policy of talus, known by its spelling: nothing of it is instantiated to find that out.
+/// A policy of talus, recognised by its spelling, without instantiating any of it.
 template <class Type>
 inline constexpr bool spelled_as_policy = false;
 template <class... Parts>
@@ -65,7 +65,7 @@ inline constexpr bool spelled_as_policy<transport<Part>> = true;
 template <class Part>
 inline constexpr bool spelled_as_policy<precision<Part>> = true;
 
-/// Refuses what is not a policy, with the advice that fits.
+/// Refuses a type that is not a policy, with matching advice.
 template <class Type>
 struct argument_of_scenario {
   static constexpr bool bare_shape = concepts::shape<Type>;
@@ -112,8 +112,8 @@ struct argument_of_scenario {
       "transport, precision, features");
 };
 
-/// A policy refuses by itself what is wrong in it; outside of concepts, in which compilers say
-/// more.
+/// A policy refuses its own wrong arguments; outside of concepts, because compilers print more in
+/// them.
 template <class Type>
 requires spelled_as_policy<Type>
 struct argument_of_scenario<Type> {
@@ -122,8 +122,8 @@ struct argument_of_scenario<Type> {
 
 }  // namespace detail
 
-/// All that is decided before the run. Policies in any order, each role at most once; the comment
-/// at each member is what holds when no policy is given for it.
+/// All decisions before the run. Policies in any order, each role at most once; the comment at each
+/// member names the default.
 template <class... Policies>
 struct scenario final {
   static_assert((... && detail::examined<detail::argument_of_scenario<Policies>>));
@@ -237,7 +237,7 @@ struct scenario final {
   template <class Feature>
   static constexpr bool has_feature = detail::contains_type<features, Feature>;
 
-  /// Every policy in use, given or default, as scenarios spell them, separated by spaces.
+  /// Every policy in use, given or default, spelled as in scenarios, separated by spaces.
   [[gnu::cold]] static std::string describe() {
     using detail::describe_policy;
     return detail::joined_text(
@@ -270,8 +270,8 @@ std::string describe() {
 
 namespace detail {
 
-// The sentences of refusals, by themselves: where they fail within what is to be constant, clang
-// goes on to say that it is not.
+// The sentences of refusals, on their own: if they fail within a constant expression, clang adds
+// that the expression is not constant.
 template <class Shape, class Scenario>
 void body_of_scenario() {
   static_assert(Scenario::template has_shape<Shape>,
@@ -294,14 +294,14 @@ void body_that_is_added() {
       "= place.position, .material = stone}");
 }
 
-/// Refuses a shape that the scenario does not name, in one sentence. False after a refusal, so
-/// that `if constexpr (require_shape<Scenario, Shape>())` keeps further errors away.
+/// Refuses a shape that is absent from the scenario, in one sentence. False after a refusal, so
+/// that `if constexpr (require_shape<Scenario, Shape>())` suppresses further errors.
 template <class Scenario, class Shape>
 consteval bool require_shape() {
   if (false) body_of_scenario<Shape, Scenario>();  // compiled, not called
   return Scenario::template has_shape<Shape>;
 }
-/// The same for what is added as a body, and is perhaps a bare shape.
+/// The same for an argument that is added as a body, and may be a bare shape.
 template <class Scenario, class Body>
 consteval bool require_body() {
   if (false) body_that_is_added<Body>();

@@ -1,5 +1,6 @@
 #pragma once
-// The search for pairs that may touch: every body in its grid, then all pairs within reach.
+// The search for candidate pairs: every body is put into its grid, then all pairs within reach are
+// found.
 #include <stdexcept>
 #include <type_traits>
 
@@ -11,7 +12,7 @@
 
 namespace talus::detail {
 
-/// The rank that owns body `i` of a shape's movable bodies, whether that is a shadow copy or not.
+/// The rank that owns body `i` of a shape's movable bodies, also if it is a shadow copy.
 template <class Scenario, class Bodies>
 [[nodiscard]] int owner_of_index(const world_state<Scenario>& s, const Bodies& bodies,
                                  std::size_t i) {
@@ -23,7 +24,7 @@ template <class Scenario, class Bodies>
   return s.link->rank();
 }
 
-/// Makes room for all bodies where the response works on them.
+/// Makes room for all bodies in the arrays of the response.
 template <class Scenario>
 void count_bodies(world_state<Scenario>& s) {
   const body_counts count = number_bodies(s);
@@ -36,7 +37,7 @@ void count_bodies(world_state<Scenario>& s) {
   }
 }
 
-/// How far a body reaches in the step under way.
+/// The reach of a body in the step under way.
 template <class Scenario, class Store>
 [[nodiscard]] real reach_in_step(const world_state<Scenario>& s, const Store& store,
                                  std::size_t i) {
@@ -46,7 +47,7 @@ template <class Scenario, class Store>
     return reach_of(store, i, steps_ahead(s) * s.dt);
 }
 
-/// How far a global body reaches; with its skin if it is driven and pairs are to be kept.
+/// The reach of a global body; with its skin if it is driven and pairs are to be kept.
 template <class Shape, class Scenario, class Store>
 [[nodiscard]] real reach_of_global(const world_state<Scenario>& s, const Store& store,
                                    std::size_t i, bool with_skin) {
@@ -55,8 +56,8 @@ template <class Shape, class Scenario, class Store>
   return (void)with_skin, reach_of(store, i, s.dt);
 }
 
-/// Sorts the bodies of each shape into its grid; reach(store, i, index in the solver's arrays) says
-/// how far a movable body reaches.
+/// Sorts the bodies of each shape into its grid; reach(store, i, index in the solver's arrays) is
+/// the reach of a movable body.
 template <class Scenario, class Reach>
 void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable, bool with_skin = false) {
   count_bodies(s);
@@ -94,8 +95,8 @@ void prepare_detection(world_state<Scenario>& s) {
       s, [&](const auto& store, std::size_t i, std::size_t) { return reach_in_step(s, store, i); });
 }
 
-/// Finds all pairs of bodies within reach of each other: make<A, B, partner>() makes what takes the
-/// pairs of the shapes A and B, as (index of a, index of b, margin of a, margin of b).
+/// Finds all pairs of bodies within reach of each other: make<A, B, partner>() returns the receiver
+/// of the pairs of the shapes A and B, as (index of a, index of b, margin of a, margin of b).
 template <class Scenario, class Make>
 void each_neighbour_pair(world_state<Scenario>& s, Make&& make) {
   const auto margin = [](const auto& store, const plain_vector<real>& reach, std::size_t i) {
@@ -127,7 +128,7 @@ void each_neighbour_pair(world_state<Scenario>& s, Make&& make) {
             against(i, j, margin(a.movable, a.reach, i), margin(b.global, b.global_reach, j));
           });
       } else {
-        // Those of other ranks too: pairs that are kept may come to be owned here.
+        // Pairs of other ranks too: kept pairs may come to be owned here.
         for (std::size_t j = 0; j < b.global.size(); ++j)
           for (std::size_t i = 0; i < a.movable.size(); ++i)
             against(i, j, margin(a.movable, a.reach, i), 0);

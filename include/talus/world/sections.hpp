@@ -8,13 +8,13 @@ namespace talus {
 
 namespace detail {
 
-/// Which sections this rank is in.
+/// The sections that this rank is in.
 struct open_sections {
   bool exclusive = false;
   bool global = false;
 
-  /// Throws runtime_error in an exclusive section: `what` involves all ranks, so that calling it
-  /// on one of them would wait for the others for ever. A serial program is told so too.
+  /// Throws runtime_error in an exclusive section: `what` involves all ranks, so that calling it on
+  /// one of them would wait for the others for ever. This also holds in a serial program.
   void require_all_ranks(const char* what, int rank) const {
     if (exclusive)
       fail<std::runtime_error>(
@@ -35,7 +35,7 @@ struct open_sections {
 
 }  // namespace detail
 
-/// While it lives, the code behind `if (section)` runs on one rank only; see world::exclusive.
+/// In its lifetime, the code behind `if (section)` runs on one rank only; see world::exclusive.
 class exclusive_section {
  public:
   /// Throws runtime_error inside another exclusive section, logic_error inside a global section,
@@ -65,7 +65,7 @@ class exclusive_section {
   ~exclusive_section() {
     if (active_) open_.exclusive = false;
   }
-  /// Whether this is the rank that the section is for.
+  /// Whether the section is for this rank.
   explicit operator bool() const { return active_; }
 
  private:
@@ -73,7 +73,7 @@ class exclusive_section {
   bool active_ = false;
 };
 
-/// While it lives, added bodies are global: known on all ranks, and fixed; see world::global.
+/// In its lifetime, added bodies are global: known on all ranks, and fixed; see world::global.
 class global_section {
  public:
   /// Throws runtime_error inside another global section and logic_error inside an exclusive one.

@@ -1,12 +1,12 @@
 #pragma once
-// Bodies that are held at a force. Rigid contacts have no stiffness from which the gain of a
-// controller could follow: a wall at any speed into a packing that is jammed meets a force without
-// bounds. So a servo is a piston. It consists of parts, one for each pair of bodies that touches
-// it, of some times the mass of the other body; each presses with its part of the force, and is
-// moved by its contacts as any body is. At the end of the step they all go at their mean velocity,
-// and by the mean of what the correction of overlaps moved them by. (A body split into parts that
-// agree from time to time: Tonge, Benevolenski, Voroshilov 2012.) Which rank has which contact
-// plays no role, and at rest the contacts bear the force exactly.
+// Bodies that are held at a force. Rigid contacts have no stiffness that could determine the gain
+// of a controller: a wall that moves at any speed into a jammed packing meets an unbounded force.
+// So a servo is a piston. It consists of parts, one for each pair of bodies that touches it, with a
+// multiple of the mass of the other body; each part presses with its share of the force, and its
+// contacts move it like any body. At the end of the step all parts move at their mean velocity, and
+// by the mean of their position corrections. (Splitting a body into parts that are averaged: Tonge,
+// Benevolenski, Voroshilov 2012.) The distribution of contacts over ranks has no effect, and at
+// rest the contacts bear the force exactly.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,7 +34,7 @@ void forget_forces(world_state<Scenario>& s) {
   for (auto& one : s.driving.all) one->sums = {};
 }
 
-/// Over all ranks, exactly, so that the bits do not depend on them: one reduction a step for each
+/// Over all ranks, exactly, so that the bits do not depend on them: one reduction per step and
 /// servo. Then calls f(servo, mass of its parts).
 template <class Scenario, class F>
 void agree_on_servos(world_state<Scenario>& s, F&& f) {
@@ -56,7 +56,7 @@ void agree_on_servos(world_state<Scenario>& s, F&& f) {
     driven_state& state = one->state;
     state.force = mine.force.value();
     f(*one, mine.mass.value());
-    // A servo that has met nothing yet has no mass.
+    // A servo without contacts so far has no mass.
     state.speed = state.mass > 0 ? std::clamp(state.speed, -most, most) : most;
   }
 }
@@ -110,14 +110,14 @@ void settle_servos(world_state<Scenario>& s) {
     } else {
       state.speed = state.mass > 0 ? state.speed + s.dt * how.force / state.mass : how.max_speed;
     }
-    // With the midpoint it has gone half of its way already.
+    // With the midpoint it has already moved by half of its step.
     const real left = world_state<Scenario>::midpoint ? real(0.5) : real(1);
     const real way = std::clamp(left * state.speed + shift, -how.max_speed, how.max_speed);
     one.next.end.point = state.at.point + (s.dt * way) * how.axis;
   });
 }
 
-/// The force of a soft contact on what meets global body j of a shape.
+/// The force of a soft contact on the contact partner of global body j of a shape.
 template <class Shape, class Scenario>
 void press(world_state<Scenario>& s, std::size_t j, const vec3& force, real inverse_mass) {
   const auto n = s.driving.numbers[index_of<typename Scenario::shapes, Shape>][j];
@@ -127,9 +127,9 @@ void press(world_state<Scenario>& s, std::size_t j, const vec3& force, real inve
   one.sums.force += force.dot(one.holds.axis);
   one.sums.mass += servo_ratio / inverse_mass;
 }
-/// After the forces of soft contacts, which a wall that goes slowly enough follows. Its speed is
-/// the error of the force, times a gain that grows while that is far from what is wanted, and is
-/// halved when it crosses it, as the step of Rprop is (Riedmiller, Braun 1993).
+/// After the forces of soft contacts, for a wall that moves slowly enough that they follow. Its
+/// speed is the error of the force, times a gain that grows while the force is far from its target,
+/// and is halved when the error changes sign, as the step of Rprop (Riedmiller, Braun 1993).
 template <class Scenario>
 void push_servos(world_state<Scenario>& s) {
   if (!any_servo(s)) return;
@@ -138,7 +138,7 @@ void push_servos(world_state<Scenario>& s) {
     driven_state& state = one.state;
     if (state.mass == 0) {
       state.mass = mass;
-      return;  // it comes at its greatest speed
+      return;  // it approaches at its greatest speed
     }
     const real most = one.holds.max_speed;
     const real error = std::clamp(1 - state.force / one.holds.force, real(-1), real(1));

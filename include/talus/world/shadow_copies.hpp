@@ -1,5 +1,5 @@
 #pragma once
-// Shadow copies: of which bodies the neighbours need to know, and how they come to know it.
+// Shadow copies: which bodies the neighbours need, and how they receive them.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -24,7 +24,7 @@ struct body_counts {
 };
 
 /// Gives each shape its range in the arrays of the response: scalar inertia first, then tensors.
-/// The arrays themselves keep what the last step left until the next one begins.
+/// The arrays keep the values of the last step until the next one begins.
 template <class Scenario>
 body_counts number_bodies(world_state<Scenario>& s) {
   std::size_t next = 0;
@@ -39,7 +39,7 @@ body_counts number_bodies(world_state<Scenario>& s) {
   return {scalar, next};
 }
 
-/// Lists the solver indices of the bodies whose velocities travel in each iteration.
+/// Lists the solver indices of the bodies whose velocities are exchanged in each iteration.
 template <class Scenario>
 void list_travelling_velocities(world_state<Scenario>& s) {
   s.at_border.assign(number_bodies(s).all, false);
@@ -68,18 +68,19 @@ void list_travelling_velocities(world_state<Scenario>& s) {
     }
     ++k;
   });
-  // Where there is nothing to say, there is nothing to say on the other side either.
+  // If there is nothing to send, the other side has nothing to send either.
   std::erase_if(s.travelling,
                 [](const auto& other) { return other.sent.empty() && other.received.empty(); });
   s.velocity_parcels.clear();
   for (const auto& other : s.travelling) s.velocity_parcels.push_back({.rank = other.rank});
 }
 
-/// How far a body reaches until the next copies are made. Soft contacts are found where the copies
-/// are, hard ones where they might be a step later.
+/// The reach of a body until the next copies are made. Soft contacts are found at the positions of
+/// the copies, hard ones after up to one more step.
 template <class Scenario, class Store>
 [[nodiscard]] real shadow_reach(const world_state<Scenario>& s, const Store& store, std::size_t i) {
-  if constexpr (world_state<Scenario>::sleeps)  // a contact outlives the motion it was found in
+  if constexpr (world_state<Scenario>::sleeps)  // a contact outlives the motion in which it was
+                                                // found
     return reach_of(store, i, steps_of_warning * s.dt) + 4 * s.dt * s.sleep.settings.speed;
   else
     return reach_of(store, i,
@@ -89,14 +90,14 @@ template <class Scenario, class Store>
            acting_range(s, store, i);
 }
 
-/// Moves a copy that has come from where it is for its owner to where this rank sees it.
+/// Shifts a received copy from its position at the owner to its image on this rank.
 template <class Scenario>
 void put_image(const world_state<Scenario>& s, vec3& position, image_copy& copy) {
   copy.home = position;
   if (copy.image != 0) position += s.own.box().shift(copy.image);
 }
 
-/// Takes up the motion of the copies of neighbour n from `in[n]`, unless that is null.
+/// Reads the motion of the copies of neighbour n from `in[n]`, unless that is null.
 template <class Scenario>
 void move_shadow_copies(world_state<Scenario>& s, const std::vector<byte_reader*>& in) {
   std::size_t k = 0;
@@ -113,8 +114,8 @@ void move_shadow_copies(world_state<Scenario>& s, const std::vector<byte_reader*
   });
 }
 
-/// Rebuilds the shadow copies of all shapes: those of neighbour n are taken from `in[n]`, or stay
-/// as they are where `in[n]` is null; `before[n]` says how many there were, by shape.
+/// Rebuilds the shadow copies of all shapes: those of neighbour n are read from `in[n]`, or kept if
+/// `in[n]` is null; `before[n]` is their number, by shape.
 template <class Scenario, class Counts>
 void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>& before,
                            const std::vector<byte_reader*>& in) {
@@ -156,10 +157,10 @@ void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>&
   });
 }
 
-/// How much a rank says of its bodies to those that hold copies of them.
+/// How much of its bodies a rank sends to the holders of their copies.
 enum class copy_message : std::uint8_t { nothing, motion, all };
 
-/// Whether nothing on other ranks reaches farther than it did when copies were chosen.
+/// Whether no reach on other ranks exceeds that at the last choice of copies.
 template <class Scenario>
 [[nodiscard]] bool reach_still_holds(const world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::continuous) return false;  // reach is that of each flight
@@ -168,8 +169,8 @@ template <class Scenario>
                     [](const auto& n, real reach) { return n.reach <= reach; });
 }
 
-/// Whether the copies chosen last are all that can be needed now: the same bodies in the same
-/// order, none of which reaches out of its skin.
+/// Whether the copies chosen last are still complete: the same bodies in the same order, none of
+/// which leaves its skin.
 template <class Scenario>
 [[nodiscard]] bool copies_still_hold(const world_state<Scenario>& s) {
   bool hold = reach_still_holds(s);
@@ -185,7 +186,7 @@ template <class Scenario>
   return hold;
 }
 
-/// Throws runtime_error for a body that might meet another one in two images, or itself.
+/// Throws runtime_error for a body that could touch another one in two images, or itself.
 template <class Scenario, class Store>
 void require_room_for_images(const world_state<Scenario>& s, const Store& store, std::size_t i,
                              real reach) {
@@ -199,10 +200,10 @@ void require_room_for_images(const world_state<Scenario>& s, const Store& store,
       s.steps, text(store.shape[i].bounding_radius(), 4), store.velocity[i], room);
 }
 
-/// Chooses for every neighbour the copies it needs: of each body here that may touch one of its
-/// bodies, that is, whose distance from its domain is within the sum of its own reach and the
-/// largest reach there. (So both owners of a pair that touches hold a copy of the other, wherever
-/// the contact point lies.) What has been said of bodies that are within their skin stays.
+/// Chooses for every neighbour the copies it needs: each body here that may touch one of its
+/// bodies, that is, whose distance from its domain is at most the sum of its own reach and the
+/// largest reach there. (So both owners of a touching pair hold a copy of the other body, wherever
+/// the contact point lies.) Earlier choices stay for bodies that are within their skin.
 template <class Scenario>
 void choose_copies(world_state<Scenario>& s) {
   using code = typename world_state<Scenario>::copy_code;
@@ -250,7 +251,7 @@ void choose_copies(world_state<Scenario>& s) {
       }
       const auto copy = [&](std::size_t n, std::uint32_t image, const vec3& place) {
         auto& other = s.neighbours[n];
-        // A force that is missing for a step is an error: a large body may just have gone there.
+        // A force that is missing for a step is an error: a large body may just have arrived there.
         const real there = world_state<Scenario>::law::soft ? furthest : other.reach;
         if (s.own.connections()[n].distance(place) <= reach + there)
           other.shadowed[k].push_back(code::of(i, image));
@@ -267,7 +268,7 @@ void choose_copies(world_state<Scenario>& s) {
   });
 }
 
-/// Measures how far bodies reach, and what neighbours have to know of that: more than there is, so
+/// Measures the reach of bodies, and the value that neighbours receive: above the present reach, so
 /// that it changes rarely.
 template <class Scenario>
 void measure_reach(world_state<Scenario>& s) {
@@ -291,7 +292,7 @@ void measure_reach(world_state<Scenario>& s) {
     said = real(1.05) * largest;
 }
 
-/// What neighbour `n` is told of the bodies of which it holds copies.
+/// The message to neighbour `n` about the bodies of which it holds copies.
 template <class Scenario>
 void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
   using code = typename world_state<Scenario>::copy_code;
@@ -324,9 +325,9 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
   seal_letter(s, n, false);
 }
 
-/// Refreshes the copies that neighbours hold. Which these are is chosen anew only when that is
-/// necessary, so that they keep their order, and all but what a step changes of them need not be
-/// sent again. With `anew` false nothing has changed here, and only that is said.
+/// Refreshes the copies that neighbours hold. The choice of copies changes only when necessary, so
+/// that they keep their order, and only the data that a step changes are sent again. With `anew`
+/// false nothing has changed here, and the message contains only that.
 template <class Scenario>
 void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   bool changed = s.changed;

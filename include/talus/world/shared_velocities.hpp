@@ -1,6 +1,6 @@
 #pragma once
-// How the iterations of a solver see bodies owned by other ranks: shadow velocities, refreshed
-// from their owners by one message per neighbour, velocities only, in a fixed order.
+// The ghost exchange of a solver: in its iterations, shadow velocities are refreshed from their
+// owners by one message per neighbour, velocities only, in a fixed order.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -24,14 +24,14 @@ class shared_velocities {
   using solver_type = solver_state_of<number>;
   static constexpr bool alone = state_type::link_type::alone;
   static constexpr bool coloured = false;
-  /// Whether the correction of overlaps turns bodies: some have a tensor of inertia.
+  /// Whether the position correction rotates bodies: some have a tensor of inertia.
   static constexpr bool turning =
       filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;
 
   explicit shared_velocities(state_type& s) : s_(s) {}
 
-  /// Besides the velocities: into how many parts each body's mass is split at the boundary, and
-  /// what shared islands need to know of it.
+  /// Besides the velocities: the number of parts into which each body's mass is split at the
+  /// boundary, and data for shared islands.
   void share_velocities_and_counts() {
     s_.passive.refreshed.clear();
     exchange<11, real>(
@@ -52,7 +52,7 @@ class shared_velocities {
           if (in[10] != 0) s_.islands.add_hub(i);
         });
   }
-  /// To be called before any impulse acts, and after share_velocities_and_counts().
+  /// To be called before any impulse is applied, and after share_velocities_and_counts().
   template <class Lists>
   void look_for_shared_islands(Lists& lists) {
     if constexpr (!state_type::islands_across_ranks) return (void)lists;
@@ -77,7 +77,7 @@ class shared_velocities {
     s_.islands.solve_gathered(access_to<solver_type>(lists), s_.solver, s_.link->rank(),
                               travelling(), parcels, exchange);
     if (parcels.empty()) return;
-    // The new velocities of what these ranks have copies of.
+    // Receives the new velocities of the copies from these ranks.
     const auto with = [&](int rank) -> const auto& {
       return *std::find_if(s_.travelling.begin(), s_.travelling.end(),
                            [&](const auto& other) { return other.rank == rank; });
@@ -99,8 +99,8 @@ class shared_velocities {
     }
   }
   void share_velocities() { start_velocities(), finish_velocities(); }
-  /// The same in two halves: in between what is sent may not change, and what is received is not
-  /// there yet.
+  /// The same in two halves: in between, sent values must not change, and received values are not
+  /// yet available.
   void start_velocities() {
     start<6, number>([&](std::uint32_t i, number* out) { put_velocity(i, out); });
   }
@@ -113,7 +113,7 @@ class shared_velocities {
     const stage_clock clock(s_.seconds.exchange);
     s_.link->finish_reduce(sums);
   }
-  /// Makes sums those over all ranks, whatever their number.
+  /// Replaces sums by those over all ranks, whatever their number.
   template <std::size_t N>
   void sum_exactly(std::array<exact_sum, N>& sums) {
     constexpr std::size_t size = exact_sum::digits + 1;
@@ -121,7 +121,7 @@ class shared_velocities {
     for (std::size_t k = 0; k < N; ++k)
       sums[k].write(std::span<double, size>(digits.data() + k * size, size));
     const stage_clock clock(s_.seconds.exchange);
-    s_.link->reduce(reduction::sum, digits);  // beside a reduction that may be open around the step
+    s_.link->reduce(reduction::sum, digits);  // while a reduction around the step may be open
     for (std::size_t k = 0; k < N; ++k)
       sums[k].read(std::span<const double, size>(digits.data() + k * size, size));
   }

@@ -1,18 +1,18 @@
 #pragma once
-// features<sleeping> in a step: who has rested for long enough falls asleep, and what comes near
-// to a sleeping island wakes it before it touches.
+// features<sleeping> in a step: islands that have rested long enough are put to sleep, and a body
+// that approaches a sleeping island wakes it before they touch.
 //
-// A body carries for how long its island has been quiet. In every step its owner adds dt, or begins
-// anew if the body was too fast; every fourth step a rank takes the least over each part of an
-// island that it sees, shadow copies included, whose value is that of the last step. So one fast
-// body is known everywhere after some steps, without a collective call; and as the value grows
-// alike on all ranks, an island falls asleep on all of them in the same step. Whoever is woken
-// takes over the value of who woke it: all go back to sleep together, and waking ends somewhere
-// even where an island is larger than what can be told in time.
+// A body carries the time for which its island has rested. In every step its owner adds dt, or
+// resets the time if the body was too fast; every fourth step a rank takes the minimum over each
+// part of an island that it sees, shadow copies included, whose value is that of the last step. So
+// one fast body is known everywhere after some steps, without a collective call; and as the value
+// grows alike on all ranks, an island is put to sleep on all of them in the same step. A woken body
+// takes over the value of the body that woke it: all go back to sleep together, and waking ends
+// even if an island is too large to notify in time.
 //
-// With solver<reproducible> nothing may depend on the ranks. There the least value of each whole
-// island, and who wakes, are found by exchanges between neighbours until no rank learns anything
-// new (label propagation over the islands), with one collective call for each round.
+// With solver<reproducible> nothing may depend on the ranks. There the minimum of each whole
+// island, and the waking bodies, are found by exchanges between neighbours until no value changes
+// (label propagation over the islands), with one collective call for each round.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,8 +28,8 @@
 
 namespace talus::detail {
 
-/// Notes the sleeping bodies owned here that something immovable has come near that was put there,
-/// moved or changed by the user.
+/// Records the sleeping bodies owned here near an immovable body that the user added, moved or
+/// changed.
 template <class Scenario>
 void meet_disturbed(world_state<Scenario>& s) {
   const auto meet = [&](const auto& store, std::size_t j) {
@@ -63,12 +63,12 @@ void meet_disturbed(world_state<Scenario>& s) {
   const auto moved = [&](system_id id) {
     return std::binary_search(disturbed.begin(), disturbed.end(), id);
   };
-  for (const auto& c : s.sleep.contacts.entries())  // what it touched has lost its hold
+  for (const auto& c : s.sleep.contacts.entries())  // the bodies that touched it lose their support
     s.sleep.spreads = s.sleep.spreads || moved(c.key.a) || moved(c.key.b);
 }
 
-/// Wakes the islands that something has come near, tells the neighbours, and calls detect() where
-/// anybody has woken.
+/// Wakes the islands that something approaches, notifies the neighbours, and calls detect() again
+/// if any body has woken.
 template <class Scenario, class Detect>
 void wake_islands_in_step(world_state<Scenario>& s, Detect&& detect) {
   s.sleep.noted = false;
@@ -89,15 +89,15 @@ void wake_islands_in_step(world_state<Scenario>& s, Detect&& detect) {
   if (s.sleep.noted) detect();
 }
 
-/// After contacts were looked for: wakes the islands that something has come near, and looks again.
-/// (Where bodies are followed on their way, this comes before: see wake_ahead() of
-/// world/detect.hpp. To follow them twice would move them twice.)
+/// After the search for contacts: wakes the islands that something approaches, and searches again.
+/// (If bodies are followed, this is done before: see wake_ahead() of world/detect.hpp. Following
+/// them twice would move them twice.)
 template <class Scenario, class Detect>
 void wake_disturbed(world_state<Scenario>& s, Detect&& detect) {
   if constexpr (!world_state<Scenario>::continuous) wake_islands_in_step(s, detect);
 }
 
-/// Adds the step to the time for which each body owned here has been quiet.
+/// Adds the step to the rest time of each body owned here.
 template <class Scenario>
 void count_quiet(world_state<Scenario>& s) {
   const auto dt = static_cast<float>(s.dt);
@@ -112,7 +112,7 @@ void count_quiet(world_state<Scenario>& s) {
       store.quiet[i] = rests ? store.quiet[i] + dt : 0;
     }
   });
-  // Copies of what was disturbed elsewhere keep their mark, which must not depend on the ranks.
+  // Copies of bodies disturbed elsewhere keep their mark, which must not depend on the ranks.
   const bool disturbed = std::exchange(s.sleep.disturbed, false);
   if (!disturbed && !s.by_colours()) return;
   const auto forget = [](auto& store) {
@@ -121,8 +121,8 @@ void count_quiet(world_state<Scenario>& s) {
   s.each_shape([&](auto& b) { forget(b.movable), forget(b.global); });
 }
 
-/// The bodies that contacts join have been quiet for as long as the least quiet of them; those that
-/// touch a fixed body with a velocity, as on a belt, not at all.
+/// Bodies joined by contacts have the rest time of the least rested of them; for those that touch a
+/// fixed body with a velocity, as on a belt, it is zero.
 template <class Scenario>
 void join_islands(world_state<Scenario>& s) {
   auto& parent = s.sleep.roots;
@@ -137,7 +137,7 @@ void join_islands(world_state<Scenario>& s) {
         continue;
       } else if (i < b.movable.locals) {
         rested[b.first + i] = b.movable.quiet[i];
-      } else if (!s.by_colours()) {  // there owners send it below
+      } else if (!s.by_colours()) {  // otherwise, owners send it below
         rested[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
       }
   });
@@ -178,7 +178,7 @@ void join_islands(world_state<Scenario>& s) {
   }
 }
 
-/// After positions have moved: the islands that have been quiet for long enough fall asleep.
+/// After positions have moved: puts to sleep the islands that have rested long enough.
 template <class Scenario>
 void put_to_sleep(world_state<Scenario>& s) {
   count_quiet(s);

@@ -1,5 +1,5 @@
 #pragma once
-// What a world keeps for features<sleeping>; see world/sleeping_islands.hpp.
+// State of a world for features<sleeping>; see world/sleeping_islands.hpp.
 #include <cstdint>
 #include <utility>
 
@@ -10,11 +10,11 @@
 
 namespace talus {
 
-/// When islands go to sleep; see world::sleeping.
+/// When islands are put to sleep; see world::sleeping.
 struct sleep_settings {
   /// Speed below which a body counts as resting, in units of length over time; its angular speed
-  /// times its bounding radius as well. Typical: a fiftieth of what it reaches when it falls its
-  /// own size; 0.05 for bodies of size 1 in gravity of 10.
+  /// times its bounding radius as well. Typical: a fiftieth of its speed after a fall by its own
+  /// size; 0.05 for bodies of size 1 in gravity of 10.
   real speed = 0.05;
   /// How long all bodies of an island must have rested, in units of time.
   real time = 0.5;
@@ -22,27 +22,28 @@ struct sleep_settings {
 
 namespace detail {
 
-/// Steps of its present motion by which a body is looked for ahead, so that an island is awake on
-/// all ranks when it is struck.
+/// Steps of its present motion for which a body searches ahead, so that an island is awake on all
+/// ranks at the impact.
 inline constexpr int steps_of_warning = 4;
-/// Islands go to sleep in every fourth step only, many at once.
+/// Islands are put to sleep in every fourth step only, many at once.
 inline constexpr int steps_between_rests = 4;
 
 template <class History>
 struct sleep_state {
-  using waker =
-      plain_pair<system_id, float>;  ///< a sleeping body, for how long its waker has rested
+  using waker = plain_pair<system_id, float>;  ///< a sleeping body, and the rest time of the body
+                                               ///< that wakes it
 
   sleep_settings settings;
-  History contacts;                ///< of the bodies that sleep: what they remember until they wake
+  History contacts;                ///< of sleeping bodies: memory of their contacts until they wake
   plain_vector<system_id> asleep;  ///< all that are known here, sorted
-  plain_vector<waker> touched;     ///< own bodies that something awake has come near
+  plain_vector<waker> touched;     ///< own bodies that an awake body approaches
   plain_vector<std::uint32_t> roots;  ///< of the islands, in the solver's indices
   plain_vector<float> rested;         ///< by root
   bool all = false;                   ///< all are to wake
-  bool changed = false;  ///< own bodies fell asleep or awoke, and the neighbours do not know it yet
-  bool noted = false;    ///< what is remembered was put in order, since wake_disturbed() began
-  bool spreads = false;  ///< somebody known here awoke: others of its island may have to
+  bool changed = false;    ///< own bodies fell asleep or woke, and the neighbours are not yet
+                           ///< notified
+  bool noted = false;      ///< the memory was sorted after wake_disturbed() began
+  bool spreads = false;    ///< a body known here woke: others of its island may have to
   bool disturbed = false;  ///< own immovable bodies are marked as disturbed
 
   [[nodiscard]] std::size_t bytes() const {

@@ -1,15 +1,15 @@
 #pragma once
 // features<sleeping>: islands, that is bodies joined by contacts (immovable ones do not join), that
-// have been at rest for a while are left out of the steps. Who falls asleep or wakes is in
-// world/sleep.hpp; here is what an island remembers, and how waking spreads through it.
+// have rested for a while are left out of the steps. world/sleep.hpp decides which bodies sleep or
+// wake; this file holds the memory of an island, and spreads waking through it.
 //
-// The flag of a body is changed by its owner alone, and only right before a handover of shadow
-// copies, so that at any time all ranks that know the body agree on it. In a step a body that
-// sleeps is as immovable as a fixed one.
+// The flag of a body is changed by its owner alone, and only right before the exchange of shadow
+// copies, so that at any time all ranks that know the body agree on it. In a step a sleeping body
+// is as immovable as a fixed one.
 //
-// What the contacts of a sleeping body had is frozen in `sleep.contacts`, on each rank that owns
-// one of their bodies, when the first of the two falls asleep, and thawed when both are awake
-// again: both ranks of a contact then go on from the same impulse.
+// The memory of the contacts of a sleeping body is frozen in `sleep.contacts`, on each rank that
+// owns one of their bodies, when the first of the two is put to sleep, and restored when both are
+// awake again: both ranks of a contact then continue from the same impulse.
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -29,7 +29,7 @@
 
 namespace talus::detail {
 
-/// By how many steps of their motion bodies are looked for ahead.
+/// The number of steps of their motion for which bodies search ahead.
 template <class Scenario>
 [[nodiscard]] int steps_ahead(const world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps)
@@ -38,7 +38,7 @@ template <class Scenario>
     return (void)s, 1;
 }
 
-/// Whether nothing that this rank knows can move in this step.
+/// Whether nothing known to this rank can move in this step.
 template <class Scenario>
 [[nodiscard]] bool all_rest(const world_state<Scenario>& s) {
   if constexpr (!world_state<Scenario>::sleeps) return (void)s, false;
@@ -49,13 +49,13 @@ template <class Scenario>
   return rest;
 }
 
-/// Whether a pair is left alone: one sleeps, and the other cannot move either.
+/// Whether a pair is skipped: one sleeps, and the other cannot move either.
 template <class StoreA, class StoreB>
 [[nodiscard]] bool undisturbed(const StoreA& a, std::size_t i, const StoreB& b, std::size_t j) {
   return (a.asleep(i) && !b.moves(j)) || (b.asleep(j) && !a.moves(i));
 }
 
-/// The largest acceleration that gravity and forces give a body in this step.
+/// The largest acceleration of a body by gravity and forces in this step.
 template <class Scenario, class Store>
 [[nodiscard]] real acceleration_bound(const world_state<Scenario>& s, const Store& store,
                                       std::size_t i) {
@@ -65,7 +65,7 @@ template <class Scenario, class Store>
   return a;
 }
 
-/// Whether two bodies are within the slack of contacts, or soon will be if they go on as they do.
+/// Whether two bodies are within the slack of contacts, or soon will be at their present motion.
 template <class Scenario, class StoreA, class StoreB>
 [[nodiscard]] bool about_to_touch(const world_state<Scenario>& s, const StoreA& a, std::size_t i,
                                   const StoreB& b, std::size_t j) {
@@ -76,8 +76,8 @@ template <class Scenario, class StoreA, class StoreB>
     real size = a.shape[i].bounding_radius(), speed = (a.velocity[i] - b.velocity[j]).norm();
     if constexpr (B::finite) size = 2 * std::min(size, b.shape[j].bounding_radius());
     const real slack = contact_slack * size, ahead = steps_of_warning * s.dt;
-    // Where bodies are followed on their way, none may be struck before it is awake: what forces
-    // and rotation add within a step counts too.
+    // If bodies are followed, a struck body must be awake before the impact: the change of motion
+    // by forces and rotation within a step counts too.
     real further = 0;
     if constexpr (world_state<Scenario>::continuous) {
       further = s.dt * s.dt * (acceleration_bound(s, a, i) + acceleration_bound(s, b, j));
@@ -101,7 +101,7 @@ template <class Scenario, class StoreA, class StoreB>
   return touch;
 }
 
-/// The user changes a body: its island wakes, or what it holds, in the next step.
+/// The user changes a body: its island, or the island that it supports, wakes in the next step.
 template <class Scenario, class Store>
 void disturb(world_state<Scenario>& s, Store& store, std::size_t i) {
   if (store.inverse_mass[i] == 0) {
@@ -116,13 +116,13 @@ void disturb(world_state<Scenario>& s, Store& store, std::size_t i) {
   }
 }
 
-/// Who is about to fall asleep wakes nobody: islands would keep each other awake.
+/// A body that is about to fall asleep wakes no other body: islands would keep each other awake.
 template <class Scenario>
 [[nodiscard]] bool wakes_others(const world_state<Scenario>& s, float quiet) {
   return quiet == 0 || quiet < static_cast<float>(s.sleep.settings.time);
 }
 
-/// Notes whom to wake of a close pair; true if there is no contact to be made of it.
+/// Records the bodies of a close pair that must wake; true if no contact is to be made of it.
 template <class Scenario, class StoreA, class StoreB>
 [[nodiscard]] bool meet_sleeper(world_state<Scenario>& s, const StoreA& a, std::size_t i,
                                 const StoreB& b, std::size_t j) {
@@ -139,8 +139,8 @@ template <class Scenario, class StoreA, class StoreB>
   return false;
 }
 
-/// All bodies that a rank knows, in the order of their ids, for what is done when islands fall
-/// asleep or wake.
+/// All bodies known to a rank, in the order of their ids, for putting islands to sleep and waking
+/// them.
 struct known_body {
   enum state : std::uint8_t { awake, asleep, immovable, disturbed };
   system_id id = no_id;
@@ -162,7 +162,7 @@ class known_bodies {
   explicit known_bodies(world_state<Scenario>& s) {
     s.each_shape([&](const auto& b) { add(b.movable), add(b.global); });
     sort_values(all_);
-    if constexpr (world_state<Scenario>::periodic) {  // a body may be here beside its images
+    if constexpr (world_state<Scenario>::periodic) {  // a body and its images may both be here
       const auto same = [](const known_body& x, const known_body& y) { return x.id == y.id; };
       all_.erase(std::unique(all_.begin(), all_.end(), same), all_.end());
     }
@@ -205,20 +205,20 @@ class known_bodies {
   plain_vector<known_body> all_;
 };
 
-/// Whether somebody may have to wake.
+/// Whether any body may have to wake.
 template <class Scenario>
 [[nodiscard]] bool wakes_pend(const world_state<Scenario>& s) {
   return s.sleep.all || s.sleep.spreads || !s.sleep.touched.empty();
 }
 
-/// Root of the tree that `i` is in; shortens the way there.
+/// Root of the tree of `i`; shortens the path to it.
 template <class Parents>
 [[nodiscard]] std::uint32_t root_of(Parents& parent, std::uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
 }
 
-/// Whether something holds on any rank, where sleep must not depend on the ranks.
+/// Whether a condition holds on any rank, if sleep must not depend on the ranks.
 template <class Scenario>
 [[nodiscard]] bool anywhere(world_state<Scenario>& s, bool here) {
   if constexpr (world_state<Scenario>::link_type::alone) return (void)s, here;
@@ -228,15 +228,15 @@ template <class Scenario>
   return any != 0;
 }
 
-/// Takes the lower of the values that this rank and its neighbours have for the bodies that both
-/// know. Returns whether any rank has lowered one.
+/// Takes the lower of the values of this rank and its neighbours for the bodies that both know.
+/// Returns whether any rank has lowered one.
 template <class Scenario>
 [[nodiscard]] bool share_wakes(world_state<Scenario>& s, const known_bodies<Scenario>& known,
                                plain_vector<float>& wakes) {
   using code = typename world_state<Scenario>::copy_code;
   const stage_clock clock(s.seconds.exchange);
   // Calls f(neighbour, value): of the bodies with a copy there, and of the copies from there. The
-  // neighbour has these two lists the other way round.
+  // neighbour has these two lists in reverse roles.
   const auto each = [&](bool own_first, auto&& f) {
     std::size_t k = 0;
     s.each_finite_shape([&](const auto& b) {
@@ -270,12 +270,13 @@ template <class Scenario>
   return anywhere(s, lower);
 }
 
-/// Before shadow copies are shared: wakes the bodies owned here whose island something has woken:
-/// what came near, a contact partner that is awake, was disturbed or is no more, or the user.
+/// Before shadow copies are shared: wakes the bodies owned here whose island something has
+/// disturbed: an approaching body, a contact partner that is awake, was disturbed or was removed,
+/// or the user.
 template <class Scenario>
 void wake_islands(world_state<Scenario>& s) {
   auto& sleep = s.sleep;
-  const bool everywhere = s.by_colours();  // all ranks are here together
+  const bool everywhere = s.by_colours();  // all ranks take part together
   if (!everywhere && !wakes_pend(s)) return;
   const bool all = std::exchange(sleep.all, false);
   sleep.spreads = false;
@@ -332,8 +333,8 @@ void wake_islands(world_state<Scenario>& s) {
   });
 }
 
-/// After shadow copies were shared and some body known here fell asleep, awoke or went: freezes and
-/// thaws what contacts remember.
+/// After shadow copies were shared and a body known here fell asleep, woke or left: freezes and
+/// restores the memory of contacts.
 template <class Scenario>
 void note_sleepers(world_state<Scenario>& s) {
   auto& sleep = s.sleep;
@@ -354,11 +355,11 @@ void note_sleepers(world_state<Scenario>& s) {
            (in(before, k.b) && !in(sleep.asleep, k.b));
   };
   using history = std::remove_cvref_t<decltype(s.history)>;
-  // What a contact with a sleeping body remembers from steps in which that slept is known to one
-  // of its two ranks only: it ends when the body wakes.
+  // Only one of its two ranks has the memory of a contact with a sleeping body from steps in which
+  // that slept: it ends when the body wakes.
   history awake, frozen;
   for (const auto& c : sleep.contacts.entries()) {
-    if (!known.own(c.key)) continue;  // handed over
+    if (!known.own(c.key)) continue;  // migrated
     if (woke(c.key) || !sleeps(c.key)) awake.add(c.key, c.memory);
     if (sleeps(c.key)) frozen.add(c.key, c.memory);
   }
@@ -382,7 +383,7 @@ void note_sleepers(world_state<Scenario>& s) {
   sleep.noted = true;
 }
 
-/// Calls f(contact) for what contacts of sleeping bodies remember while they are left out.
+/// Calls f(contact) for the memory of contacts of sleeping bodies while they are left out.
 template <class Scenario, class F>
 void each_frozen_contact(world_state<Scenario>& s, F&& f) {
   const known_bodies<Scenario> known(s);

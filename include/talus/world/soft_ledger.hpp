@@ -1,7 +1,7 @@
 #pragma once
-// Keeps the energy ledger and the momentum balance where contacts are soft. Springs hold energy of
-// their own; what the motion of the bodies and the springs exchange in finite steps differs a
-// little, and is booked as the scheme's.
+// Books the energy ledger and the momentum balance with soft contacts. Springs hold energy of their
+// own; in finite steps the energies exchanged by bodies and springs differ slightly, and the
+// difference is booked as the scheme's.
 #include <cmath>
 
 #include "talus/interaction/composed_law.hpp"
@@ -17,7 +17,8 @@ struct spring_energies {
   [[nodiscard]] double sum() const { return normal.value() + across.value(); }
 };
 
-/// Adds a contact to what springs, dashpots and friction do to a body; `sign` is that of the body.
+/// Adds the effect of a contact's springs, dashpots and friction on a body; `sign` is that of the
+/// body.
 inline void add_split(split_forces& to, real sign, const booked_contact& c, const vec3& arm,
                       bool turns) {
   const vec3 spring = sign * c.spring, dashpot = sign * c.dashpot, friction = sign * c.friction;
@@ -30,7 +31,7 @@ inline void add_split(split_forces& to, real sign, const booked_contact& c, cons
   to.friction_torque += arm.cross(friction);
 }
 
-/// The power of a fixed body that moves, on what it touches; `sign` is that of the other body.
+/// The power of a moving fixed body on its contact partner; `sign` is that of the other body.
 inline void add_power(spring_record& r, real sign, const booked_contact& c, const vec3& u,
                       const vec3& w) {
   r.spring_power += sign * (c.spring.dot(u) + c.spring_moment.dot(w));
@@ -38,7 +39,7 @@ inline void add_power(spring_record& r, real sign, const booked_contact& c, cons
   r.friction_power += sign * (c.friction.dot(u) + c.friction_moment.dot(w));
 }
 
-/// A change of velocity by forces over the time h: to v and w, before damping keeps its part.
+/// A change of velocity by forces over the time h: to v and w, before damping.
 template <class Scenario, class Store>
 void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real h, real kept,
                const vec3& v, const vec3& w) {
@@ -68,7 +69,7 @@ void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real
     r.damping += vec3(-(1 - kept) * mass * v);
   }
 }
-/// The same of fixed bodies that move, and of what they and the global ones give.
+/// The same of moving fixed bodies, and of the forces of fixed and global bodies.
 template <class Scenario>
 void book_kick_of_fixed(world_state<Scenario>& s, real h) {
   if constexpr (watches<Scenario, energy_ledger>) {
@@ -97,7 +98,7 @@ void book_drift(world_state<Scenario>& s, const Store& store, std::size_t i, rea
                twice_spin_energy(store, i, q, w));
 }
 
-/// At the start of a step: `energy` is what the springs hold.
+/// At the start of a step: `energy` is that of the springs.
 template <class Scenario>
 void open_springs(world_state<Scenario>& s, double energy) {
   spring_record& r = s.monitors.springs;
@@ -107,15 +108,15 @@ void open_springs(world_state<Scenario>& s, double energy) {
   r.start = energy;
 }
 
-/// Before and after bodies go to other ranks within a step: their energy goes with them.
+/// Before and after bodies migrate within a step: their energy goes with them.
 template <class Scenario>
 void book_migration(world_state<Scenario>& s, real sign) {
   const energy_sums now = energy_of(s);
   s.monitors.springs.moved += sign * (now.kinetic + now.potential);
 }
 
-/// At the end: `energy` is what the springs hold; `opened` what those across the normal held in
-/// contacts that opened. That is lost, and so is what yields: springs gave it, but not to motion.
+/// At the end: `energy` is that of the springs; `opened` that of the tangential springs of contacts
+/// that opened. It is lost, as is the energy of slip: the springs released it, but not to motion.
 template <class Scenario>
 void close_springs(world_state<Scenario>& s, double energy, double opened) {
   energy_record& r = s.monitors.energy;

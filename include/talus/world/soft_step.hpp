@@ -20,8 +20,8 @@
 
 namespace talus::detail {
 
-/// The forces of the contact points of one pair of shapes: added up, the springs brought forward by
-/// a step; or, if there is an observer, only told to it, for the present state.
+/// The forces of the contact points of one pair of shapes: added up, with the springs advanced by a
+/// step; or, with an observer, only passed to it, for the present state.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner, class Observer>
 class force_adder {
   using state_type = world_state<Scenario>;
@@ -30,18 +30,18 @@ class force_adder {
   static constexpr bool observed = !std::is_null_pointer_v<Observer>;
   /// An observer of energies only.
   static constexpr bool surveyed = std::is_same_v<Observer, spring_energies>;
-  /// One that is told where the surfaces touch.
+  /// An observer that takes the geometry of the contact.
   static constexpr bool watches_geometry =
       requires(Observer & o, const contact_key& k, const contact_geometry& g, const vec3& f) {
     o(k, g, f, true);
   };
-  /// One that is told the point where the force acts, and both centres as seen from body a.
+  /// An observer that takes the point of the force, and both centres as seen from body a.
   static constexpr bool watches_loads =
       requires(Observer & o, const contact_key& k, const vec3& p, const pair_force& f) {
     o(k, p, p, p, f, true);
   };
   static constexpr bool remembers = state_type::law::remembers;
-  /// Whether the force turns a body of this shape.
+  /// Whether the force rotates a body of this shape.
   template <class Shape>
   static constexpr bool turns = !law::central || !Shape::isotropic;
   static constexpr bool booked = !observed && watches<Scenario, energy_ledger>;
@@ -90,7 +90,7 @@ class force_adder {
                    } else if constexpr (watches_geometry) {
                      observer_(key, g, f.force, counts);
                    } else if constexpr (watches_loads) {
-                     // As in add(): what is immovable is met with the surface itself.
+                     // As in add(): for immovable bodies the point is on their surface.
                      const real inwards = paired ? 0 : real(0.5) * g.gap;
                      observer_(key, vec3(g.point + inwards * g.normal), at_.a, at_.b, f, counts);
                    } else if constexpr (observed) {
@@ -106,7 +106,7 @@ class force_adder {
   }
 
  private:
-  /// How far beyond touch the law acts on this pair.
+  /// The range beyond touch of the law for this pair.
   [[nodiscard]] real range_of(std::size_t i, std::size_t j) {
     if constexpr (!law::reaches) {
       return (void)i, (void)j, 0;
@@ -128,7 +128,7 @@ class force_adder {
     t.normal = g.normal;
     t.gap = g.gap;
     vec3 arm_a = g.point - at_.a, arm_b{0, 0, 0};
-    // As for hard contacts: something immovable is met with the surface itself.
+    // As for hard contacts: for immovable bodies the point is on their surface.
     if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
     t.velocity = A.v + A.w.cross(arm_a);
     t.spin = A.w;
@@ -231,7 +231,7 @@ class force_adder {
   store_a& a_;
   store_b& b_;
   std::size_t first_a_, first_b_;
-  image_pair at_;  ///< the pair at hand
+  image_pair at_;  ///< the present pair
 };
 
 /// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.
@@ -240,7 +240,7 @@ void each_movable_store(world_state<Scenario>& s, F&& f) {
   s.each_finite_shape([&](auto& b) { f(b.movable, b.first); });
 }
 
-/// Reads the motion of all bodies, and sets the sums of their forces to zero.
+/// Reads the motion of all bodies, and resets the sums of their forces to zero.
 template <class Scenario>
 void gather_motion(world_state<Scenario>& s) {
   s.soft.pairs.follow(s.materials);
@@ -262,7 +262,7 @@ void gather_motion(world_state<Scenario>& s) {
 /// force and moment on a, counts_here). Changes nothing that a step depends on.
 template <class Scenario, class Observer>
 void observe_forces(world_state<Scenario>& s, Observer&& observer) {
-  std::vector<bool> changed;  // is for the next step to know
+  std::vector<bool> changed;  // for the next step to read
   s.each_shape([&](const auto& b) { changed.push_back(b.globals_changed); });
   prepare_detection(s);
   std::size_t k = 0;
@@ -274,7 +274,7 @@ void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   });
 }
 
-/// The energies that springs hold in the present state.
+/// The energies of the springs in the present state.
 template <class Scenario>
 [[nodiscard]] spring_energies survey_springs(world_state<Scenario>& s) {
   spring_energies e;
@@ -283,7 +283,7 @@ template <class Scenario>
 }
 
 /// Forces and torques of all contacts, from the present positions and velocities; the springs of
-/// the contacts are brought forward by dt. Needs the pairs of find_close_pairs().
+/// the contacts are advanced by dt. Needs the pairs of find_close_pairs().
 template <class Scenario>
 void measure_forces(world_state<Scenario>& s) {
   using law = typename world_state<Scenario>::law;
@@ -316,8 +316,9 @@ void measure_forces(world_state<Scenario>& s) {
   });
 }
 
-// What the springs hold at both ends of a step, for the energy ledger. Forces are measured at one
-// of them, at the start or (Verlet) at the end; the other one is surveyed.
+// The energy of the springs at both ends of a step, for the energy ledger. Forces are computed at
+// one of them, at the start or (Verlet) at the end; the energy at the other one is computed
+// separately.
 
 template <class Scenario>
 void open_springs_as_measured(world_state<Scenario>& s) {
@@ -409,7 +410,7 @@ void drift(world_state<Scenario>& s, real h) {
   });
 }
 
-/// The user's forces have acted for a step.
+/// Resets the user's forces after a step.
 template <class Scenario>
 void end_forces(world_state<Scenario>& s) {
   each_movable_store(s, [&](auto& store, std::size_t) {

@@ -8,8 +8,8 @@
 
 namespace talus::detail {
 
-/// Whether contacts bear loads. Without gravity, forces or driven bodies their impulses are those
-/// of impacts.
+/// Whether contacts bear loads. Without gravity, forces or driven bodies their impulses are impacts
+/// only.
 template <class Scenario>
 [[nodiscard]] bool presses(const world_state<Scenario>& s) {
   constexpr bool forced =
@@ -17,7 +17,7 @@ template <class Scenario>
   return forced || s.gravity != vec3(0, 0, 0);
 }
 
-// Inlined always: each is a line or two of the loops that call it.
+// Always inlined: each is a line or two of the loops that call it.
 
 /// After forces.
 template <class Scenario, class Store>
@@ -45,9 +45,9 @@ template <class Scenario, class Store>
   return (void)k, w;
 }
 
-/// `before` and what the contacts have changed it by: what they do not touch keeps all its digits,
-/// although they are solved in fewer. (The difference is one of floats: where GCC 12 vectorises
-/// (double)(float)x, it forgets to round.)
+/// `before` plus its change by the contacts: velocities without contacts keep all digits, although
+/// the solve is in lower precision. (The difference is one of floats: when GCC 12 vectorises
+/// (double)(float)x, it omits the rounding.)
 template <class Real>
 [[nodiscard]] [[gnu::always_inline]] inline vec3 changed_from(const vec3& before,
                                                               const vector3<Real>& after) {

@@ -1,6 +1,6 @@
 #pragma once
-// Bodies that are neighbours in space become neighbours in memory, where they no longer are: along
-// Morton's curve (Morton 1966). Nothing but the order of bodies and contacts changes.
+// Sorts bodies so that neighbours in space are neighbours in memory, if they no longer are: along
+// Morton's curve (Morton 1966). Only the order of bodies and contacts changes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,13 +17,13 @@
 namespace talus::detail {
 
 inline constexpr std::uint64_t steps_between_sorts = 256;
-/// Fewer bodies are in the nearest memory in any order.
+/// Fewer bodies fit the nearest cache in any order.
 inline constexpr std::size_t fewest_to_sort = 4096;
-/// Bodies that follow each other are about two mean spacings apart when they are in order, and a
-/// third of the scene otherwise.
+/// Consecutive bodies are about two mean spacings apart when sorted, and a third of the scene
+/// otherwise.
 inline constexpr real most_scattered = 4;
 
-/// The place of a point on the curve: bits of the three coordinates in turns.
+/// The position of a point on the curve: interleaved bits of the three coordinates.
 [[nodiscard]] inline std::uint64_t along_curve(const std::array<std::uint32_t, 3>& cell) {
   std::uint64_t code = 0;
   for (int k = 0; k < 3; ++k) {
@@ -38,7 +38,7 @@ inline constexpr real most_scattered = 4;
   return code;
 }
 
-/// Mean distance, in mean spacings, of points that follow each other.
+/// Mean distance, in mean spacings, of consecutive points.
 [[nodiscard]] inline real scatter_of(std::span<const vec3> points) {
   real sum[3] = {}, square[3] = {}, way = 0, last[3] = {};
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -57,12 +57,12 @@ inline constexpr real most_scattered = 4;
     width[k] = std::sqrt(std::max(12 * (square[k] / n - mean * mean), real(0)));
     widest = std::max(widest, width[k]);
   }
-  real volume = 1;  // something flat is at least as thick as its bodies are apart
+  real volume = 1;  // a flat scene has at least the thickness of its spacing
   for (const real w : width) volume *= std::max(w, widest / std::sqrt(n));
   return volume > 0 ? way / n / portable::cbrt(volume / n) : 0;
 }
 
-/// For each place, the number of the point that comes there.
+/// For each place, the index of the point that moves there.
 [[nodiscard]] inline plain_vector<std::uint32_t> order_along_curve(std::span<const vec3> points) {
   real low[3], widest = 1e-300;
   for (int k = 0; k < 3; ++k) {
@@ -84,8 +84,7 @@ inline constexpr real most_scattered = 4;
   return order;
 }
 
-/// Sorts the bodies owned here where that will pay. What refers to bodies by their numbers is found
-/// anew by their ids.
+/// Sorts the bodies owned here if that will pay. References to bodies by index are rebuilt by id.
 template <class Scenario>
 void sort_bodies(world_state<Scenario>& s) {
   s.each_finite_shape([&](auto& b) {

@@ -12,7 +12,7 @@ struct both_times {
   operator double() const { return wall; }  // NOLINT: a time as the others, with more to it
 };
 
-/// `Total` is a number, or both_times where the processor's time counts too.
+/// `Total` is a number, or both_times if the processor's time counts too.
 template <class Total>
 class stage_clock {
   static constexpr bool both = std::is_same_v<Total, both_times>;

@@ -1,7 +1,7 @@
 #pragma once
-// What a feature of one's own sees of a world at a stage of the step: bodies with their columns,
-// the contacts of the step, and its own state. It writes its own columns and its state, and nothing
-// else.
+// The view of a world that a user-defined feature has at a stage of the step: bodies with their
+// columns, the contacts of the step, and its own state. It writes its own columns and its state,
+// and nothing else.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +32,7 @@ class stage_body {
 
   /// Number of the body, the same on all ranks.
   [[nodiscard]] system_id id() const { return store_.id[i_]; }
-  /// Its place in a list of all bodies known here, from 0 to stage_view::bodies() - 1.
+  /// Its index in a list of all bodies known here, from 0 to stage_view::bodies() - 1.
   [[nodiscard]] std::size_t number() const { return number_; }
   /// Whether this rank owns it.
   [[nodiscard]] bool is_local() const { return !global_ && i_ < store_.locals; }
@@ -50,15 +50,15 @@ class stage_body {
   [[nodiscard]] const vec3& angular_velocity() const { return store_.angular_velocity[i_]; }
   /// Position and orientation.
   [[nodiscard]] talus::pose pose() const { return store_.pose(i_); }
-  /// What it is made of.
+  /// The material of the body.
   [[nodiscard]] const talus::material& material() const {
     return s_.materials[store_.material[i_]];
   }
-  /// By density and volume, also of what is fixed.
+  /// By density and volume, also of a fixed body.
   [[nodiscard]] real mass() const requires(shape_type::finite) {
     return material().density * shape().volume();
   }
-  /// The value of a column; its default where this shape does not carry it.
+  /// The value of a column; its default if this shape does not carry it.
   template <class Column>
   [[nodiscard]] typename Column::value_type get() const {
     if constexpr (store_type::template has<Column>)
@@ -84,7 +84,7 @@ class stage_body {
   std::size_t number_;
 };
 
-/// A contact of the step, with the numbers of its bodies in the list of all known here.
+/// A contact of the step, with the indices of its bodies in the list of all known here.
 struct stage_contact : loaded_contact {
   std::size_t body_a = 0, body_b = 0;
   /// True on one rank for each contact: for sums over contacts.
@@ -109,10 +109,10 @@ class stage_view {
   [[nodiscard]] std::uint64_t steps() const { return s_.steps; }
   [[nodiscard]] int rank() const { return s_.link->rank(); }
   [[nodiscard]] int ranks() const { return s_.link->size(); }
-  /// What the feature keeps on this rank.
+  /// The state of the feature on this rank.
   [[nodiscard]] auto& state() { return detail::own_state<Feature>(s_); }
 
-  /// How many bodies this rank knows: its own, shadow copies and global ones.
+  /// Number of bodies that this rank knows: its own, shadow copies and global ones.
   [[nodiscard]] std::size_t bodies() const {
     std::size_t n = 0;
     s_.each_shape([&](const auto& b) { n += b.movable.size() + b.global.size(); });
@@ -143,10 +143,10 @@ class stage_view {
       each(b.movable, false), each(b.global, true);
     });
   }
-  /// Calls f(contact) for each contact of the step that carries a force and touches a body that
-  /// this rank owns, in an order that follows from the ids of the bodies: sums over the contacts of
-  /// a body have the same bits on any ranks. A contact across ranks is seen by both. At after_solve
-  /// the contacts are those that were solved, where they were found.
+  /// Calls f(body) for each contact of the step that carries a force and touches a body that this
+  /// rank owns, in an order that depends on the ids of the bodies: sums over the contacts of a body
+  /// have the same bits on any ranks. Both ranks see a contact across ranks. At after_solve the
+  /// contacts are those that were solved, at the positions where they were found.
   template <class F>
   void for_each_contact(F&& f) {
     find_contacts();

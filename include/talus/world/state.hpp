@@ -1,6 +1,5 @@
 #pragma once
-// Everything a world consists of on one rank. The stages of a step work on it, the world is its
-// public face.
+// The state of a world on one rank. The stages of a step work on it, the world is its public face.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -38,7 +37,7 @@ struct stage_seconds {
 
 namespace detail {
 
-/// The same where ranks balance their work, which is what they do between exchanges.
+/// The same if ranks balance their work, which is measured between exchanges.
 struct balanced_seconds {
   double detect = 0, respond = 0, integrate = 0;
   both_times exchange;
@@ -46,7 +45,7 @@ struct balanced_seconds {
 
 }  // namespace detail
 
-/// What this rank sent in the steps so far.
+/// The messages that this rank sent in the steps so far.
 struct step_traffic {
   std::uint64_t messages_max = 0;  ///< in one step
   std::uint64_t bytes_max = 0;     ///< in one step
@@ -58,24 +57,24 @@ namespace detail {
 /// Stands for shared_memory where no shape shares data.
 struct no_shared_memory {};
 
-/// Messages between this rank and one of its neighbours, and bodies handed over; see
+/// Messages between this rank and one of its neighbours, and migrated bodies; see
 /// world/messages.hpp.
 struct message_channel {
   std::uint64_t sent = 0, received = 0;
   body_count given;        ///< to the neighbour
   body_count taken;        ///< from it
   body_count before_last;  ///< taken before the last migration of any
-  body_count told;         ///< how many should have come, by its last message
+  body_count told;         ///< number that should have arrived, by its last message
 };
 
-/// What this rank and one of its neighbours know of each other's bodies.
+/// The data that this rank and one of its neighbours hold about each other's bodies.
 template <std::size_t Shapes, class Memory>
 struct neighbour {
   int rank = 0;
   plain_vector<int> connected;  ///< the ranks it is connected to
   real reach = 0;               ///< largest reach of the bodies there
   std::array<plain_vector<std::uint32_t>, Shapes>
-      shadowed;  ///< own bodies with a copy there, by shape, as copy_code says it
+      shadowed;  ///< own bodies with a copy there, by shape, as copy_code encodes them
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
   message_channel channel;
   [[no_unique_address]] Memory memory;  ///< of the shared data of shapes
@@ -92,16 +91,16 @@ struct neighbour {
   }
 };
 
-/// Where the own bodies were when those were chosen of which the neighbours hold copies, and how
-/// far that reached; see world/shadow_copies.hpp.
+/// The positions of own bodies at the last choice of the copies for neighbours, and the reach of
+/// that choice; see world/shadow_copies.hpp.
 template <std::size_t Shapes>
 struct copy_choice {
   std::array<plain_vector<noted_body>, Shapes> bodies;  ///< by shape
-  plain_vector<real> reach;  ///< of each neighbour's bodies, as it was then
-  real announced = 0;        ///< reach of the bodies here, as neighbours know it
+  plain_vector<real> reach;                             ///< of each neighbour's bodies at that time
+  real announced = 0;  ///< reach of the bodies here that neighbours hold
 };
 struct no_copy_choice {};
-/// Stands for the choice of a solver where there is one.
+/// Stands for the choice of a solver if there is only one.
 struct no_choice {};
 
 template <class Shape>
@@ -130,7 +129,7 @@ using response_state =
                          solved_scalar<Scenario>,
                          contains_type<typename Scenario::features, driven>>::type;
 
-/// The link of a transport; of one that is refused, something that causes no further errors.
+/// The link of a transport; of a refused one, a type that causes no further errors.
 struct no_link {
   static constexpr bool alone = true;
 };
@@ -143,7 +142,7 @@ struct link_of<Transport, true> {
   using type = typename Transport::link;
 };
 
-/// The contacts and what finds their impulses or forces are in the base.
+/// The base holds the contacts and their solver or forces.
 template <class Scenario>
 struct world_state : response_state<Scenario>,
                      slots_of_features<typename Scenario::features, Scenario>,
@@ -176,9 +175,9 @@ struct world_state : response_state<Scenario>,
   real time = 0;
   counted_time clock;  ///< from which `time` follows
   body_count owned;    ///< the bodies that should be owned here; see world/conservation.hpp
-  body_count made;     ///< created by this rank, without those that it destroyed
+  body_count made;     ///< created by this rank, minus those that it destroyed
 
-  /// Whether bodies are followed on their way through a step.
+  /// Whether bodies are followed through a step.
   static constexpr bool continuous =
       contains_type<typename Scenario::features, continuous_collision>;
 
@@ -192,8 +191,8 @@ struct world_state : response_state<Scenario>,
 
   /// Whether contacts are found and solved in the middle of a step.
   static constexpr bool midpoint = steps_by_midpoint<Scenario>;
-  /// Steps, or parts of them, for which a body moves until those contacts act that are found where
-  /// shadow copies are.
+  /// Steps, or parts of them, for which a body moves between the exchange of shadow copies and the
+  /// action of the contacts found from them.
   static constexpr real steps_of_reach = midpoint ? 1.5 : 1;
 
   /// Whether there are two solvers, of which each run uses one.
@@ -201,7 +200,7 @@ struct world_state : response_state<Scenario>,
   [[no_unique_address]] std::conditional_t<two_solvers, bool, no_choice> solver_on_request{};
   /// Whether contacts may be solved colour by colour, so that nothing depends on the ranks.
   static constexpr bool may_use_colours = may_sweep_by_colours<solvers_of<Scenario>>;
-  /// Whether they are.
+  /// Whether the contacts of this run are.
   [[nodiscard]] constexpr bool by_colours() const {
     if constexpr (two_solvers)
       return solver_on_request;
@@ -209,8 +208,8 @@ struct world_state : response_state<Scenario>,
       return may_use_colours;
   }
 
-  /// Whether small groups of contacts are solved across ranks. (Where space repeats itself, only on
-  /// ranks that see one image of each body: see sees_single_images().)
+  /// Whether small groups of contacts are solved across ranks. (With periodic axes, only on ranks
+  /// that hold one image of each body: see sees_single_images().)
   static constexpr bool islands_across_ranks =
       !link_type::alone && !law::soft && solves_shared_islands<typename Scenario::solver>;
 
@@ -224,7 +223,7 @@ struct world_state : response_state<Scenario>,
   static constexpr std::size_t shape_count = finite_shapes::size;
   using memory_type = std::conditional_t<(filter_types<finite_shapes, shares_data>::size > 0),
                                          shared_memory, no_shared_memory>;
-  /// Whether space repeats itself: then some shadow copies are images, and have been moved.
+  /// Whether space is periodic: then some shadow copies are images, and are shifted.
   static constexpr bool periodic = domain_type::periodic;
   using copy_code = detail::copy_code<periodic>;
   [[no_unique_address]] std::conditional_t<periodic, periodic_ghosts<shape_count>,
@@ -235,7 +234,7 @@ struct world_state : response_state<Scenario>,
   std::vector<parcel> parcels;  ///< likewise: migrations
   bool strangers = false;       ///< some neighbours are not connected to each other
   bool changed = true;          ///< bodies were added, removed or changed since the last migration
-  plain_vector<system_id> released;  ///< by the user, before neighbours have heard of it
+  plain_vector<system_id> released;  ///< by the user, before neighbours were notified
 
   [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
                                            copy_choice<shape_count>>
@@ -285,7 +284,7 @@ struct world_state : response_state<Scenario>,
   }
 };
 
-/// Every policy in use, with the solver that solves the contacts; see describe().
+/// Every policy in use, with the active solver; see describe().
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string policies_in_use(const world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::two_solvers)

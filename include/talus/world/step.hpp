@@ -1,6 +1,6 @@
 #pragma once
-// One time step: its integrator says in which order the stages follow, and at each the features of
-// the scenario act (body/stages.hpp).
+// One time step: the integrator defines the order of the stages, and the features of the scenario
+// act at each (body/stages.hpp).
 #include "talus/world/features/balancing.hpp"
 #include "talus/world/features/continuous_collision.hpp"
 #include "talus/world/features/driven.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// The residual of soft contacts: how far the bodies are from a balance of forces.
+// The residual of soft contacts: the deviation of the bodies from force balance.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,8 +28,8 @@ struct unbalanced_sums {
   [[nodiscard]] double worst() const { return scale() > 0 ? std::sqrt(largest) / scale() : 0; }
 };
 
-/// Collective: adds up the contact forces on each body that touches something and can move, and
-/// gravity. The step's forces of the user have acted, and are no part of it.
+/// Collective: adds up the contact forces on each movable body in contact, and gravity. The user's
+/// forces of the step are already applied, and are excluded.
 template <class Scenario>
 [[nodiscard]] unbalanced_sums measure_unbalanced_force(world_state<Scenario>& s) {
   unbalanced_sums u;
@@ -65,7 +65,7 @@ template <class Scenario>
     const double square = vec3(l.force + l.mass * s.gravity).squaredNorm();
     u.sums[0] += square;
     u.sums[1] += 1;
-    if (!(square <= u.largest)) u.largest = square;  // a NaN is not lost
+    if (!(square <= u.largest)) u.largest = square;  // keeps a NaN
   }
   s.link->reduce(reduction::sum, u.sums);
   s.link->reduce(reduction::max, std::span(&u.largest, 1));

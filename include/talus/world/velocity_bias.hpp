@@ -1,12 +1,13 @@
 #pragma once
-// What integrator<moreau_midpoint> asks of contacts that last. Contacts are found in the middle of
-// a step, and a rolling body fulfils G v = 0 there at neither end of it: while G changes by dG from
-// one step to the next, G v is dG v / 2 before the impulses, and has to be -dG v / 2 after them, so
-// that the mean of both is zero, the step is symmetric in time, and contacts do no work (implicit
-// midpoint rule). dG v follows from the geometry in the middle of the last step, found anew.
+// The velocity bias of lasting contacts for integrator<moreau_midpoint>. Contacts are found in the
+// middle of a step, and a rolling body satisfies G v = 0 there at neither end of it: while G
+// changes by dG from one step to the next, G v is dG v / 2 before the impulses, and must be -dG v /
+// 2 after them, so that the mean of both is zero, the step is symmetric in time, and contacts do no
+// work (implicit midpoint rule). dG v follows from the geometry in the middle of the last step,
+// which is recomputed.
 //
-// A bias never asks for more than the relative velocity before the impulses, and for the opposite
-// direction: so contacts that are not in steady motion lose energy, and gain none.
+// A bias is at most the relative velocity before the impulses, with the opposite sign: so contacts
+// that are not in steady motion lose energy, and gain none.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -47,7 +48,7 @@ class earlier_contacts {
 };
 
 /// The bias of a contact whose relative velocity was `last` at the middle of the last step, with
-/// the normal of then, and is `u` in the middle of this one.
+/// the normal at that time, and is `u` in the middle of this one.
 [[nodiscard]] inline vec3 midpoint_bias(const vec3& normal, const vec3& u, const vec3& last_normal,
                                         const vec3& last) {
   const real un = normal.dot(u);
@@ -62,7 +63,7 @@ class earlier_contacts {
   return bias - std::clamp(part, real(0), real(1)) * ut;
 }
 
-/// How body i was turned `dt` before, and its spin, if nothing acted on it since.
+/// The orientation of body i `dt` before, and its spin, if nothing acted on it since.
 template <class Store>
 void find_earlier_turn(earlier_turn& last, const Store& store, std::size_t i, real dt) {
   last = {store.orientation_of[i], store.angular_velocity[i], true};
@@ -70,7 +71,7 @@ void find_earlier_turn(earlier_turn& last, const Store& store, std::size_t i, re
     last.spin = rotate_freely(last.orientation, last.spin, store.shape[i].inertia(), -dt);
 }
 
-/// A global body where it was `dt` before, moving as it does now.
+/// The pose of a global body `dt` before, at its present velocity.
 template <class Shape, class Store>
 [[nodiscard]] std::pair<Shape, pose> global_before(const Store& store, std::size_t j, real dt) {
   Shape shape = store.shape[j];

@@ -1,6 +1,6 @@
 #pragma once
 // A body as the user sees it: a light reference into the storage of its world, valid until bodies
-// are added, removed, handed over or stepped.
+// are added, removed, migrated or stepped.
 #include <cmath>
 #include <type_traits>
 
@@ -30,7 +30,7 @@ class body_view {
 
   /// Number of the body, the same on all ranks.
   [[nodiscard]] system_id id() const { return store_->id[i_]; }
-  /// What refers to the body from step to step.
+  /// A handle that refers to the body from step to step.
   [[nodiscard]] talus::handle<Shape> handle() const { return {id()}; }
   /// Whether this is a shadow copy of a body that another rank owns. False on exactly one rank for
   /// each body that is not global.
@@ -39,8 +39,8 @@ class body_view {
   [[nodiscard]] bool is_global() const { return global_; }
   /// Whether the body cannot move.
   [[nodiscard]] bool is_fixed() const { return store_->fixed(i_); }
-  /// Whether the body sleeps: its island is at rest and left out of the steps. Known on every rank
-  /// that knows the body.
+  /// Whether the body sleeps: its island is at rest and left out of the steps. Every rank that
+  /// knows the body has this flag.
   [[nodiscard]] bool is_asleep() const {
     if constexpr (detail::require_feature<Scenario, sleeping>()) return store_->asleep(i_);
     return false;
@@ -54,11 +54,11 @@ class body_view {
   [[nodiscard]] const vec3& velocity() const { return store_->velocity[i_]; }
   /// Angular velocity in the world frame, radians per time.
   [[nodiscard]] const vec3& angular_velocity() const { return store_->angular_velocity[i_]; }
-  /// The identity where this shape stores no orientation (see features<orientation>).
+  /// The identity if this shape stores no orientation (see features<orientation>).
   [[nodiscard]] quat orientation() const { return store_->pose(i_).orientation; }
   /// Position and orientation.
   [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
-  /// What it is made of: see world.materials().
+  /// Its material: see world.materials().
   [[nodiscard]] material_id material() const { return store_->material[i_]; }
   /// Mass by density and volume, also of a fixed body.
   [[nodiscard]] real mass() const requires(Shape::finite) {
@@ -66,13 +66,13 @@ class body_view {
   }
   /// Principal moments of inertia in the frame of the body, also of a fixed body.
   [[nodiscard]] vec3 inertia() const requires(Shape::finite) { return mass() * shape().inertia(); }
-  /// The number that the user gave it; features<user_ids>.
+  /// The number that the user assigned to it; features<user_ids>.
   [[nodiscard]] std::uint32_t user_id() const {
     if constexpr (detail::require_feature<Scenario, user_ids>()) return store_->user_id[i_];
     return 0;
   }
 
-  /// The value of a column, such as one of a feature of one's own: docs/features.md.
+  /// The value of a column, such as one of a user-defined feature: docs/features.md.
   template <class Column>
   [[nodiscard]] const typename Column::value_type& get() const {
     static_assert(store_type::template has<Column>,
@@ -81,12 +81,12 @@ class body_view {
     return store_->template column<Column>()[i_];
   }
 
-  // Changes. They are made by the owner: on a shadow copy they would be lost at the next migration,
+  // Changes. Only the owner makes them: on a shadow copy they would be lost at the next migration,
   // so they throw logic_error there. A global body is changed alike on all ranks: logic_error in an
-  // exclusive section. It takes no velocity: logic_error. Values that are not finite:
-  // invalid_argument.
+  // exclusive section. It has no velocity: setting one throws logic_error. Values that are not
+  // finite: invalid_argument.
 
-  /// Sets the value of a column of a feature of one's own.
+  /// Sets the value of a column of a user-defined feature.
   template <class Column>
   void set(const typename Column::value_type& value) {
     static_assert(store_type::template has<Column> && !detail::named_column<Column>,
@@ -95,7 +95,7 @@ class body_view {
     prepare_change(Column::name, vec3(0, 0, 0));
     store_->template column<Column>()[i_] = value;
   }
-  /// A fixed body stays where it is, but carries along what it rubs against, as a belt does.
+  /// A fixed body stays in place, but carries along the bodies that touch it, as a belt does.
   void set_velocity(const vec3& v) {
     prepare_change("velocity", v);
     refuse_velocity();
@@ -107,7 +107,7 @@ class body_view {
     refuse_velocity();
     store_->angular_velocity[i_] = w;
   }
-  /// Moves the centre of mass; it may land in the domain of any rank, which takes the body over at
+  /// Moves the centre of mass; it may land in the domain of any rank, to which the body migrates at
   /// the next migration.
   void translate(const vec3& by) {
     prepare_change("translation", by);
@@ -116,8 +116,8 @@ class body_view {
       store_->shape[i_].translate(by);
     s_->template of<Shape>().globals_changed |= global_;
   }
-  /// Turns the body about its centre of mass, an infinite one about its position. The length of the
-  /// quaternion does not matter, unless it is zero: invalid_argument.
+  /// Rotates the body about its centre of mass, an infinite one about its position. The length of
+  /// the quaternion has no effect, unless it is zero: invalid_argument.
   void rotate(const quat& by) {
     prepare_change("rotation", by.vec());
     if (!(by.norm() > 0) || !std::isfinite(by.norm()))
@@ -161,13 +161,13 @@ class body_view {
       detail::forget_contacts(*s_, id());
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
-  /// Wakes the island of the body, and begins its time of rest anew. (So does every change of a
-  /// body but that of its visibility.)
+  /// Wakes the island of the body, and resets its rest time. (So does every change of a body except
+  /// of its visibility.)
   void wake() requires(Shape::finite) {
     if constexpr (detail::require_feature<Scenario, sleeping>())
       prepare_change("rest", vec3(0, 0, 0));
   }
-  /// Pictures leave invisible bodies out; nothing else changes.
+  /// Pictures omit invisible bodies; nothing else changes.
   void set_visible(bool visible) {
     if constexpr (detail::require_feature<Scenario, visibility>()) {
       prepare_change("visibility", vec3(0, 0, 0), false);

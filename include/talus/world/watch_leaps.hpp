@@ -1,5 +1,6 @@
 #pragma once
-// With features<driven>: notes in each step what contacts make far too fast; see speed_leap.hpp.
+// With features<driven>: records in each step bodies that contacts make far too fast; see
+// speed_leap.hpp.
 #include <algorithm>
 #include <cstddef>
 #include <type_traits>
@@ -10,13 +11,12 @@
 
 namespace talus::detail {
 
-/// How many times as fast as anything was contacts may make a body: collisions of bodies of unlike
-/// masses do so by 2, in a row of a few by more.
+/// The largest plausible ratio of a speed after contacts to any before: collisions of bodies of
+/// unlike masses reach 2, in a row of a few more.
 inline constexpr real largest_leap = 10;
 
-/// Notes if contacts have made a body of this rank faster than anything that it knows could make
-/// it: what is caught between a driven body and a wall holds impulses without bound, and lets them
-/// loose.
+/// Records if contacts have made a body of this rank faster than any body known to it could: bodies
+/// caught between a driven body and a wall hold unbounded impulses, and release them.
 template <class Scenario>
 void watch_leaps(world_state<Scenario>& s) {
   real before = s.driving.fastest, after = 0;
@@ -37,7 +37,7 @@ void watch_leaps(world_state<Scenario>& s) {
         const vec3 v = b.global.velocity[j], w = b.global.angular_velocity[j];
         before = std::max(before, v.norm());
         if (w == vec3(0, 0, 0)) continue;
-        s.each_finite_shape([&](const auto& other) {  // a plane meets them wherever they are
+        s.each_finite_shape([&](const auto& other) {  // a plane meets them at any place
           for (const vec3& p : other.movable.position)
             before = std::max(before, (v + w.cross(p - b.global.position[j])).norm());
         });

@@ -46,17 +46,17 @@ class world {
   template <class Shape>
   using view = body_view<Scenario, Shape>;
 
-  /// A world on this rank, with the domain that `d` gives it, connected to all ranks within reach.
-  /// Throws invalid_argument, with both numbers, if `d` is meant for another number of ranks, and
+  /// A world on this rank, with its domain in `d`, connected to all ranks within reach. Throws
+  /// invalid_argument, with both numbers, if `d` is meant for another number of ranks, and
   /// runtime_error for solver<reproducible> in a program compiled without -ffp-contract=off.
   world(link_type& link, const decomposition_type& d, const reach& within = {})
       : state_(link, domain_type(d, link.rank(), link.size(), within.distance)) {
     if constexpr (by_colours) detail::require_rounding_as_written();
     if constexpr (balances) state_.balance.divide(d, within.distance);
   }
-  /// The same with the decomposition's default values. Where it has none for this number of ranks,
-  /// decompose() must give them first: what needs the domain throws invalid_argument until then. A
-  /// decomposition for another number of ranks is refused at once.
+  /// The same with the decomposition's default values. If it has none for this number of ranks,
+  /// decompose() must set them first: functions that need the domain throw invalid_argument until
+  /// then. A decomposition for another number of ranks is refused at once.
   explicit world(link_type& link) : state_(link, domain_type::undivided(link.rank(), link.size())) {
     if constexpr (by_colours) detail::require_rounding_as_written();
     try {
@@ -64,7 +64,7 @@ class world {
       if constexpr (balances) state_.balance.divide({}, 0);
     } catch (const std::invalid_argument& e) {
       const int wanted = decomposition_type{}.size();
-      if (wanted > 0 && ranks() > 1 && wanted != ranks()) throw;  // no values can cure that
+      if (wanted > 0 && ranks() > 1 && wanted != ranks()) throw;  // no values can change that
       undivided_ = std::string(e.what()) + "; world.decompose(...) takes them";
     }
   }
@@ -78,9 +78,9 @@ class world {
 
   // --- Domain --------------------------------------------------------------------------------
 
-  /// Divides space anew: extents, cuts, and how far connections reach. Collective; bodies in
-  /// foreign domains are migrated by the next synchronize(). Connections made by hand before are
-  /// gone.
+  /// Divides space again: extents, cuts, and the reach of connections. Collective; bodies in
+  /// foreign domains migrate at the next synchronize(). Connections made by hand before are
+  /// removed.
   void decompose(const decomposition_type& d, const reach& within = {}) {
     sections_.require_all_ranks("decompose", rank());
     domain_type own(d, rank(), ranks(), within.distance);
@@ -107,10 +107,10 @@ class world {
     state_.own.disconnect(rank);
     rewired_ = true;
   }
-  /// The ranks that this one is connected to, and where their domains are.
+  /// The ranks that this one is connected to, and their domains.
   [[nodiscard]] std::span<const connection> connections() const { return state_.own.connections(); }
   /// Collective: throws runtime_error, alike on all ranks, if connections are missing, one-sided,
-  /// or if domains leave a gap or overlap; the message lists what was found.
+  /// or if domains leave a gap or overlap; the message lists all findings.
   void check_connections();
   /// Whether this rank owns the point; true on exactly one rank.
   [[nodiscard]] bool contains(const vec3& p) const {
@@ -120,10 +120,10 @@ class world {
 
   /// From now on cuts move when the ranks' shares have become uneven: before the first step and
   /// then before each that follows a multiple of `every`, if the largest share is more than `above`
-  /// times the mean one. Bodies go to their new owners with all that belongs to them; ranks are
-  /// connected as far as the bodies there are then reach (give decompose() the reach of larger ones
-  /// to come). All ranks call it alike; throws invalid_argument for settings that make no sense,
-  /// and where the decomposition chosen cannot move its cuts. Needs features<balancing>.
+  /// times the mean one. Bodies migrate to their new owners with all their data; ranks are
+  /// connected as far as the present bodies then reach (pass the reach of larger bodies to come to
+  /// decompose()). All ranks call it alike; throws invalid_argument for settings out of range, and
+  /// if the chosen decomposition cannot move its cuts. Needs features<balancing>.
   void balance(const balance_settings& how) {
     if constexpr (detail::require_feature<Scenario, balancing>()) {
       sections_.require_all_ranks("balance", rank());
@@ -136,7 +136,7 @@ class world {
   /// Refuses other fields.
   template <detail::sentence Fields = detail::fields::balance_settings>
   detail::fields::no_balance_settings<Fields> balance(...) TALUS_REFUSED;
-  /// The decomposition as it is now, its cuts where they have been moved to.
+  /// The present decomposition, with the present cuts.
   [[nodiscard]] const decomposition_type& divided() const {
     static_assert(balances,
                   "world.divided() tells where cuts have been moved: add balancing to the "
@@ -164,8 +164,8 @@ class world {
     f(*this);
   }
 
-  /// Throws runtime_error in an exclusive section: for functions that talk over link() with all
-  /// ranks, which `what` names.
+  /// Throws runtime_error in an exclusive section: for functions, named by `what`, that communicate
+  /// over link() with all ranks.
   void require_all_ranks(const char* what) const {
     note_reading();
     sections_.require_all_ranks(what, rank());
@@ -183,7 +183,7 @@ class world {
   /// Refuses other fields.
   template <detail::sentence Fields = detail::fields::material>
   detail::fields::no_material<Fields> material(...) TALUS_REFUSED;
-  /// Properties of contacts between two materials, instead of the mean of theirs.
+  /// Properties of contacts between two materials, instead of the mean of the two.
   void material_pair(material_id a, material_id b, const pair_material& p) {
     state_.materials.set_pair(a, b, p);
     if constexpr (detail::world_state<Scenario>::sleeps) state_.sleep.all = true;
@@ -193,8 +193,8 @@ class world {
   detail::fields::no_pair_material<Fields> material_pair(material_id, material_id,
                                                          ...) TALUS_REFUSED;
   /// Parameters of an interaction law for contacts between two materials, in either order, instead
-  /// of what the law makes of both: `p` is of the type law::parameters. Alike on all ranks. Throws
-  /// invalid_argument for a material of another world.
+  /// of those that the law combines from both: `p` is of the type law::parameters. Alike on all
+  /// ranks. Throws invalid_argument for a material of another world.
   template <class Parameters>
   void interaction(material_id a, material_id b,
                    const Parameters& p) requires(Scenario::contact_law::soft) {
@@ -207,12 +207,12 @@ class world {
     if constexpr (!std::is_void_v<part>) {
       sections_.require_all_ranks("interaction", rank());
       state_.soft.pairs.template give<part>(state_.materials, a, b, p);
-      // How far bodies reach may have changed.
+      // The reach of bodies may have changed.
       state_.changed = true, synchronized_ = false;
     }
   }
   /// The parameters of a law of the scenario in contacts between two materials. Throws
-  /// runtime_error where the law needs them from world.interaction(...) and nobody gave them.
+  /// runtime_error if the law needs them from world.interaction(...) and they were not set.
   template <class Law>
   [[nodiscard]] typename Law::parameters interaction(material_id a, material_id b) requires(
       Scenario::contact_law::soft) {
@@ -232,7 +232,7 @@ class world {
       state_.sleep.all = state_.sleep.all || g != state_.gravity;
     state_.gravity = g;
   }
-  /// The acceleration that was set; zero at the beginning.
+  /// The acceleration that was set; initially zero.
   [[nodiscard]] const vec3& gravity() const { return state_.gravity; }
   /// Part of all velocities that is kept per unit of time, in (0, 1].
   void damping(real kept) {
@@ -244,11 +244,11 @@ class world {
       state_.damping = kept;
     }
   }
-  /// When islands go to sleep: bodies joined by contacts, all of which have been slow for a while.
-  /// They stand still, and are left out of the steps, until something awake comes near, or the
-  /// user changes one of them, what they touch, gravity, or a pair of materials. Alike on all
-  /// ranks; throws invalid_argument for values that are not finite, a speed that is not positive,
-  /// or a negative time. Needs features<sleeping>.
+  /// When islands are put to sleep: bodies joined by contacts, all of which have been slow for a
+  /// while. They stand still, and are left out of the steps, until an awake body approaches, or the
+  /// user changes one of them, a body that they touch, gravity, or a pair of materials. Alike on
+  /// all ranks; throws invalid_argument for values that are not finite, a speed that is not
+  /// positive, or a negative time. Needs features<sleeping>.
   void sleeping(const sleep_settings& how) {
     if constexpr (detail::require_feature<Scenario, talus::sleeping>()) {
       if (!(how.speed > 0) || !std::isfinite(how.speed) || !(how.time >= 0) ||
@@ -271,7 +271,7 @@ class world {
       state_.sleep.all = true;
     }
   }
-  /// What a feature of one's own keeps on this rank; settings are to be alike on all ranks.
+  /// The state of a user-defined feature on this rank; settings must be alike on all ranks.
   template <class Feature>
   [[nodiscard]] auto& feature() requires(!detail::built_in<Feature>) {
     static_assert(Scenario::template has_feature<Feature>,
@@ -298,10 +298,10 @@ class world {
     detail::require_rounding_as_written();
     state_.use_solver_on_request();
   }
-  /// Iterations that the solver needed, and contact residuals that it reached; of soft contacts,
-  /// the residuals of features<residual_monitor> and measure_residual().
+  /// Iterations of the solver, and contact residuals at their end; for soft contacts, the residuals
+  /// of features<residual_monitor> and measure_residual().
   [[nodiscard]] const talus::convergence& convergence() const { return state_.convergence; }
-  /// Seed of all random numbers that fill() hands out. Set alike on all ranks.
+  /// Seed of all random numbers that fill() passes. Set alike on all ranks.
   void seed(std::uint64_t seed) { seed_ = seed; }
   /// The seed that was set.
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
@@ -309,7 +309,7 @@ class world {
   // --- Bodies --------------------------------------------------------------------------------
 
   /// Adds a body. In a global section it becomes global; elsewhere this rank must own its centre.
-  /// Throws invalid_argument for values that make no sense and for a place in a foreign domain, and
+  /// Throws invalid_argument for values out of range and for a position in a foreign domain, and
   /// logic_error for an infinite body outside of a global section.
   template <class Shape>
   handle<Shape> add(const body<Shape>& b) {
@@ -374,45 +374,45 @@ class world {
     }
     return std::nullopt;
   }
-  /// Creates bodies on the sites that this rank owns, and visits no others: f(site) or
-  /// f(site, random), with random numbers that depend on seed and site alone, returns a body, an
-  /// optional one, or a std::variant of bodies of several shapes. Collective in the sense that all
-  /// ranks call it alike; returns the number of bodies made here.
+  /// Creates bodies on the sites that this rank owns, and visits no others: f(site) or f(site,
+  /// random), with random numbers that depend on seed and site alone, returns a body, an optional
+  /// one, or a std::variant of bodies of several shapes. All ranks call it alike, without
+  /// communication; returns the number of bodies made here.
   template <class Sites, class F>
   std::size_t fill(const Sites& sites, F&& f);
 
   /// Moves a global body along, from now on: `motion` is a function of the time of the world that
   /// returns a rigid_displacement, a rigid_velocity or a surface_velocity (body/motion.hpp), such
-  /// as oscillation, turning, gliding and belt. Displacements count from where the body is now; one
-  /// that is not zero now puts it there at once. It replaces the motion, or the servo, that the
-  /// body had; translate() and rotate() are undone by it. All ranks call it alike, with motions
-  /// that give the same bits; a restart calls it again. Throws invalid_argument for a body that is
-  /// not known or not global, and runtime_error in an exclusive section; a step throws
-  /// runtime_error where the motion is not finite. Needs features<driven>.
+  /// as oscillation, turning, gliding and belt. Displacements count from the present position of
+  /// the body; a displacement that is not zero now is applied at once. The motion replaces an
+  /// earlier motion or servo of the body; translate() and rotate() are undone by it. All ranks call
+  /// it alike, with motions that return the same bits; a restart calls it again. Throws
+  /// invalid_argument for a body that is unknown or not global, and runtime_error in an exclusive
+  /// section; a step throws runtime_error if the motion is not finite. Needs features<driven>.
   template <class Shape, class Motion>
   void drive(handle<Shape> h, Motion motion);
   /// Moves a global body along an axis so that its contacts exert a force against it: a plane
-  /// presses on a packing. Until it meets something it goes at its greatest speed. It costs one
+  /// presses on a packing. Without contacts so far it moves at its greatest speed. It costs one
   /// reduction over all ranks in each step. All ranks call it alike; throws as drive(), and
-  /// invalid_argument for a force or a speed that is not positive, or where there is no axis.
+  /// invalid_argument for a force or a speed that is not positive, or without an axis.
   template <class Shape>
   void hold_force(handle<Shape> h, const servo& how);
   /// Refuses other fields.
   template <class Shape, detail::sentence Fields = detail::fields::servo>
   detail::fields::no_servo<Fields> hold_force(handle<Shape>, ...) TALUS_REFUSED;
-  /// A driven body stays where it is, from now on. Likewise for all ranks.
+  /// Stops a driven body at its present position. All ranks call it alike.
   template <class Shape>
   void halt(handle<Shape> h);
 
   /// Removes a body that this rank owns, or a global one (on all ranks alike). Throws
-  /// invalid_argument where it is not known and logic_error where it is a shadow copy.
+  /// invalid_argument if it is unknown and logic_error if it is a shadow copy.
   template <class Shape>
   void destroy(handle<Shape> h);
 
   /// The body if this rank knows it: as owner, as shadow copy or as a global body.
   template <class Shape>
   [[nodiscard]] std::optional<view<Shape>> find(handle<Shape> h);
-  /// The same; throws invalid_argument where the body is not known.
+  /// The same; throws invalid_argument if the body is unknown.
   template <class Shape>
   [[nodiscard]] view<Shape> operator[](handle<Shape> h) {
     note_reading();
@@ -441,7 +441,7 @@ class world {
   template <class Predicate>
   std::size_t destroy_if(Predicate&& predicate);
 
-  /// Whether a shape at that place overlaps any body this rank knows, except for `except`.
+  /// Whether a shape at that pose overlaps any body this rank knows, except for `except`.
   template <class Shape>
   [[nodiscard]] bool overlaps(const Shape& shape, const vec3& position,
                               const quat& orientation = {1, 0, 0, 0},
@@ -454,34 +454,34 @@ class world {
     return n;
   }
 
-  /// Collective: whether all bodies are there. Returns how many the ranks own together, and the sum
-  /// of their ids; throws runtime_error, alike on all ranks, if that is not what was created
-  /// without what was destroyed. Each step looks at every migration by itself, without a collective
-  /// call; simulate() ends with an audit.
+  /// Collective: whether all bodies are present. Returns the number of bodies of all ranks, and the
+  /// sum of their ids; throws runtime_error, alike on all ranks, if they differ from those created
+  /// minus those destroyed. Each step checks every migration on its own, without a collective call;
+  /// simulate() ends with an audit.
   body_count audit();
 
   // --- Time ----------------------------------------------------------------------------------
 
-  /// Collective: bodies go to the ranks that own their centres, however far, and shadow copies are
-  /// made anew. The first step does so by itself.
+  /// Collective: bodies migrate to the ranks that own their centres, however far, and shadow copies
+  /// are rebuilt. The first step does so by itself.
   void synchronize();
   /// Collective: advances time by `dt`.
   void step(real dt);
-  /// Collective: many steps; the observers are called after each. Ends early by stop(), or where a
-  /// condition holds. Throws invalid_argument for a dt that is not positive.
+  /// Collective: many steps; the observers are called after each. stop() or a condition ends it
+  /// early. Throws invalid_argument for a dt that is not positive.
   void simulate(const simulation& s);
   /// Refuses other fields.
   template <detail::sentence Fields = detail::fields::simulation>
   detail::fields::no_simulation<Fields> simulate(...) TALUS_REFUSED;
-  /// Ends the call of simulate() that is under way, after the present step; a later call goes on.
-  /// In a function given to observe() any rank may call it: the ranks agree after the function, by
-  /// one reduction where there are several. Elsewhere all ranks call it after the same step. A
-  /// checkpoint keeps that the call was ended. Throws logic_error outside of simulate().
+  /// Ends the present call of simulate() after the present step; a later call continues. In a
+  /// function passed to observe() any rank may call it: the ranks agree after the function, by one
+  /// reduction if there are several. Elsewhere all ranks call it after the same step. A checkpoint
+  /// records that the call was ended. Throws logic_error outside of simulate().
   void stop();
-  /// Ends each call of simulate() where `condition(world)`, or `condition()`, is true on any rank:
+  /// Ends each call of simulate() if `condition(world)`, or `condition()`, is true on any rank:
   /// `world.stop_when(every{100}, [](auto& world) { return measure_motion(world).max_speed < 1e-3;
-  /// })`. It is asked on all ranks after the steps whose number is a multiple of `when.steps`, so
-  /// what it asks of the world may be collective; several ranks agree by one reduction. Throws
+  /// })`. It is evaluated on all ranks after the steps whose number is a multiple of `when.steps`,
+  /// so it may call collective functions of the world; several ranks agree by one reduction. Throws
   /// invalid_argument for a multiple of 0.
   template <class F>
   void stop_when(every when, F condition) {
@@ -504,30 +504,30 @@ class world {
   void stop_when(F condition) {
     stop_when(every{1}, std::move(condition));
   }
-  /// Whether the last call of simulate() was ended by stop() or by a condition, also where a
-  /// restart found it so.
+  /// Whether stop() or a condition ended the last call of simulate(), also if a checkpoint recorded
+  /// it.
   [[nodiscard]] bool stopped() const { return stopped_; }
-  /// A number of the user's own, a column of the table of --csv: the last value that rank 0 has
-  /// given it stands in each line, empty before the first. A checkpoint keeps it. `dimension` is
-  /// what the head of the column says, as in "M L^2/T^2" (M mass, L length, T time). Throws
+  /// A user-defined number, a column of the table of --csv: each line contains the last value that
+  /// rank 0 has set, or is empty there before the first. A checkpoint stores it. `dimension` is
+  /// written in the head of the column, as in "M L^2/T^2" (M mass, L length, T time). Throws
   /// invalid_argument for a name that is empty or has a comma, a quote or a line feed.
   void record(const std::string& name, double value, const std::string& dimension = "") {
     records_.set(name, value, dimension);
   }
-  /// The numbers that record() was given.
+  /// The numbers passed to record().
   [[nodiscard]] const detail::recorded_values& records() const { return records_; }
   /// The same, for checkpoints to fill in.
   [[nodiscard]] detail::recorded_values& records() { return records_; }
-  /// State of the user's own that checkpoints hold: a value of which all ranks have the same, or
-  /// that rank 0 alone uses, such as a number or a random_stream; rank 0's is stored, and at a
-  /// restart all ranks get it. The variable must outlive all calls of simulate(); all ranks name
-  /// the same. Throws invalid_argument for a name that is empty or taken. Needs
+  /// User-defined state that checkpoints hold: a value that is equal on all ranks, or that rank 0
+  /// alone uses, such as a number or a random_stream; rank 0's value is stored, and at a restart
+  /// all ranks get it. The variable must outlive all calls of simulate(); all ranks name the same.
+  /// Throws invalid_argument for a name that is empty or already in use. Needs
   /// features<checkpoints>.
   template <class T>
   void keep(const std::string& name, T& value) {
     if constexpr (detail::require_feature<Scenario, checkpoints>()) keeper_.add(name, value);
   }
-  /// The same for a number that each rank counts by itself and of which the sum is meant: the sum
+  /// The same for a number that each rank counts on its own and that is summed over ranks: the sum
   /// is stored, and at a restart rank 0 gets it, the others 0.
   template <class T>
   void keep_sum(const std::string& name, T& value) {
@@ -536,8 +536,8 @@ class world {
   /// Calls f() after each step of simulate().
   void after_each_step(std::function<void()> f) { observers_.push_back(std::move(f)); }
   /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
-  /// all ranks: `world.observe(every{100}, [](auto& world) { ... })`. What f asks of the world may
-  /// be collective. Throws invalid_argument for a multiple of 0.
+  /// all ranks: `world.observe(every{100}, [](auto& world) { ... })`. f may call collective
+  /// functions of the world. Throws invalid_argument for a multiple of 0.
   template <class When = every, class F>
   void observe(When when, F f) {
     constexpr bool well = std::is_same_v<When, every> && std::is_invocable_v<F&, world&>;
@@ -555,43 +555,42 @@ class world {
       });
     }
   }
-  /// Calls f() after each step of simulate(), when all functions of after_each_step() and observe()
-  /// have been called: for what writes down what these have found.
+  /// Calls f() after each step of simulate(), after all functions of after_each_step() and
+  /// observe(): for output of their results.
   void after_observers(std::function<void()> f) { writers_.push_back(std::move(f)); }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
 
-  /// Time steps made so far, those before a restart included.
+  /// Number of time steps made so far, including those before a restart.
   [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
   /// The step with which the present call of simulate() ends, or the last one ended.
   [[nodiscard]] std::uint64_t last_step() const { return last_step_; }
-  /// Pictures are taken of this world, by take_pictures() or in another way: run() accepts
-  /// --frames then.
+  /// Notes that pictures are taken of this world, by take_pictures() or in another way: run() then
+  /// accepts --frames.
   void note_pictures() { takes_pictures_ = true; }
   /// Whether note_pictures() was called.
   [[nodiscard]] bool takes_pictures() const { return takes_pictures_; }
   /// Calls of simulate() so far.
   [[nodiscard]] std::uint64_t simulations() const { return simulations_; }
-  /// Throws runtime_error where a checkpoint was to be read, and no simulate() has come to its
-  /// step.
+  /// Throws runtime_error if a checkpoint was to be read, and no simulate() has reached its step.
   void require_restarted() const {
     if constexpr (keeps)
       if (keeper_.hooks != nullptr) keeper_.hooks->require_restarted();
   }
-  /// The step of the checkpoint from which this run went on; 0 if it began at the beginning.
+  /// The step of the checkpoint from which this run continued; 0 if it did not restart.
   [[nodiscard]] std::uint64_t restarted_at() const {
     if constexpr (keeps)
       return keeper_.restarted_at;
     else
       return 0;
   }
-  /// Time that has passed, in units of time.
+  /// Elapsed time, in units of time.
   [[nodiscard]] real time() const { return state_.time; }
 
   /// The parts of this world, for observers and outputs.
   [[nodiscard]] const detail::world_state<Scenario>& state() const { return state_; }
   [[nodiscard]] detail::world_state<Scenario>& state() { return state_; }
-  /// What sends messages between the ranks, for reductions of one's own.
+  /// The link that sends messages between the ranks, for user-defined reductions.
   [[nodiscard]] link_type& link() { return *state_.link; }
 
  private:
@@ -636,7 +635,7 @@ class world {
     state_.owned.remove(id);
     state_.made.remove(id);
   }
-  /// What sleeps on a body that is no more has to wake.
+  /// Removing a body wakes the island that rests on it.
   void note_removal() {
     if constexpr (detail::world_state<Scenario>::sleeps) {
       if (!state_.sleep.asleep.empty()) state_.sleep.changed = state_.sleep.spreads = true;
