@@ -1,5 +1,6 @@
 #pragma once
-// Accelerated Jacobi iterations with mass splitting: simultaneous, so that ranks need no order.
+// Accelerated Jacobi iterations with mass splitting: all contacts simultaneously, so that ranks
+// need no order.
 #include <algorithm>
 #include <cstddef>
 #include <tuple>
@@ -19,15 +20,15 @@ namespace talus {
 /// the mass of each body split among its contacts so that their sum cannot overshoot (Tonge,
 /// Benevolenski, Voroshilov 2012). The next iteration starts ahead of the impulses, by a part of
 /// their last change: Nesterov's momentum as in APGD (Mazhar, Heyn, Negrut, Tasora 2015), with the
-/// gradient restart of O'Donoghue and Candes (2015) taken contact by contact, so that ranks need
+/// gradient restart of O'Donoghue and Candes (2015) applied contact by contact, so that ranks need
 /// not agree on it. As each contact is solved for Coulomb's law itself, De Saxce's term is always
-/// that of the present velocities, and what is solved is Coulomb's problem and no convex
-/// relaxation. That problem has no potential, on which full momentum would rest, so that momentum
-/// is bounded; where the residual stops falling (known only with a tolerance), it is reduced.
+/// that of the present velocities, and the iteration solves Coulomb's problem instead of a convex
+/// relaxation. That problem has no potential, which full momentum would require, so the momentum is
+/// bounded; if the residual stops falling (known only with a tolerance), the momentum is reduced.
 ///
-/// Ranks exchange velocities once per iteration, and nothing depends on how contacts are shared
-/// out but the order of sums. Gauss-Seidel is better up to about 20 iterations; at 50 they are
-/// level (docs/architecture.md).
+/// Ranks exchange velocities once per iteration, and only the order of sums depends on the
+/// distribution of contacts. Gauss-Seidel is better up to about 20 iterations; at 50 they are equal
+/// (docs/architecture.md).
 struct accelerated_jacobi final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "accelerated_jacobi";
@@ -53,7 +54,7 @@ struct accelerated_jacobi final {
         if (k > 0) ranks.share_velocities();
       if (watch.reached(k)) break;
       ahead.adapt(watch.residual());
-      // Impulses that are checked or kept lie in their cones: nothing is added to those.
+      // Impulses that are checked or kept lie in their cones: without momentum.
       const bool kept = k + 1 == watch.limit() || watch.due(k + 1);
       const real part = kept ? 0 : ahead.part(k);
       each([&](auto& list) { list.relax_ahead(s, part); });
@@ -70,7 +71,7 @@ struct accelerated_jacobi final {
   }
 
  private:
-  /// How far ahead of the impulses an iteration starts, in parts of their last change.
+  /// How far ahead of the impulses an iteration starts, as a fraction of their last change.
   class momentum {
    public:
     [[nodiscard]] real part(int k) const { return std::min(most_, k / (k + real{3})); }

@@ -1,5 +1,5 @@
 #pragma once
-// How fast bodies go on into what they touch after the contacts have been solved.
+// The speed with which bodies penetrate their contact partners after the contact solution.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace talus::detail {
 
 /// Raises `speeds` of the two bodies of a contact to the speed at which each moves into the other,
-/// beyond what gap and restitution allow. The motion of the other body does not count.
+/// beyond the limits of gap and restitution. The motion of the other body does not count.
 template <class Contact, class State>
 void add_approach(const Contact& c, const State& after, plain_vector<real>& speeds) {
   const vec3 n = c.axis();

@@ -1,6 +1,6 @@
 #pragma once
-// A contact problem with its Delassus operator written out: u = W r + q, Coulomb's law at each
-// contact. The time step never needs it; problems from elsewhere and direct solvers do.
+// A contact problem with its Delassus operator assembled: u = W r + q, Coulomb's law at each
+// contact. The time step never needs it; external problems and direct solvers do.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -17,17 +17,17 @@
 
 namespace talus::detail {
 
-/// The block of W that tells the velocity of contact `row` for an impulse at contact `column`.
+/// The block of W that gives the velocity of contact `row` for an impulse at contact `column`.
 struct delassus_block {
   std::int32_t row = 0;
   std::int32_t column = 0;
   mat3 value;
 };
 
-/// Contacts in local frames (normal, tangent, tangent): u = W r + q, û = u + mu |u_t| e_n, and
-/// K* contains û, orthogonal to r in K, the Coulomb cone |r_t| <= mu r_n (De Saxcé's form of
-/// Coulomb's law with Signorini's condition). W is sparse by blocks of 3 x 3, in compressed rows;
-/// every diagonal block is there. W need be neither regular nor quite symmetric.
+/// Contacts in local frames (normal, tangent, tangent): u = W r + q, û = u + mu |u_t| e_n, and K*
+/// contains û, orthogonal to r in K, the Coulomb cone |r_t| <= mu r_n (De Saxcé's form of Coulomb's
+/// law with Signorini's condition). W is sparse by blocks of 3 x 3, in compressed rows, with all
+/// diagonal blocks. W may be singular and not quite symmetric.
 struct assembled_problem {
   plain_vector<std::int32_t> start{0};  ///< of each row in `column` and `block`, and the end
   plain_vector<std::int32_t> column;    ///< ascending in each row
@@ -50,7 +50,7 @@ struct assembled_problem {
     u.resize(q.contacts());
     for (int i = 0; i < contacts(); ++i) u(i) = q(i) + row_product(i, r);
   }
-  /// Mean of the diagonal of W: the scale of an inverse mass. 1 where that says nothing.
+  /// Mean of the diagonal of W: the scale of an inverse mass. 1 if it is not usable as a scale.
   [[nodiscard]] real mean_diagonal() const {
     real sum = 0;
     for (int i = 0; i < contacts(); ++i) sum += trace(own(i));
@@ -117,7 +117,7 @@ struct assembled_problem {
   return {n, scale * x[1], scale * x[2]};
 }
 
-/// How wrong an r is: the residual of the natural map, with û from u = W r + q.
+/// The error of an r: the residual of the natural map, with û from u = W r + q.
 struct contact_error {
   real scaled = 0;    ///< |r - P(r - rho û)| / max(|r|, rho |q|, rho |u|), rho = 1/mean_diagonal()
   real by_q = 0;      ///< |r - P(r - û)| / |q| (Acary, Brémond, Huber 2018)
@@ -137,14 +137,14 @@ struct contact_error {
   return std::sqrt(sum);
 }
 
-/// 0 / 0 is no error; anything else over 0, and what is not a number, is an infinite one.
+/// 0 / 0 counts as no error; any other quotient by 0, and NaN, as an infinite one.
 [[nodiscard]] inline real error_ratio(real residual, real size) {
   if (residual == 0 && size >= 0) return 0;
   const real ratio = residual / size;
   return ratio >= 0 ? ratio : HUGE_VAL;
 }
 
-/// The error measure that solvers stop at; `u` is W r + q.
+/// The error measure of the solvers' stopping criterion; `u` is W r + q.
 [[nodiscard]] inline real scaled_error(const assembled_problem& p, const contact_vector& r,
                                        const contact_vector& u, real rho) {
   return error_ratio(natural_residual(p, r, u, rho),

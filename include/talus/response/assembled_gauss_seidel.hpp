@@ -7,9 +7,9 @@
 
 namespace talus::detail {
 
-/// Each contact in turn solved exactly for its cone with all others held (Jourdan, Alart, Jean
-/// 1998). A contact whose own block is (nearly) singular is held by a proximal term, which keeps
-/// the solutions of the whole what they are.
+/// Each contact in turn is solved exactly for its cone with all others held (Jourdan, Alart, Jean
+/// 1998). A proximal term regularizes a contact with a (nearly) singular block, and does not change
+/// the solutions of the whole problem.
 class assembled_sweeps {
  public:
   explicit assembled_sweeps(const assembled_problem& p) : p_(&p) {

@@ -10,7 +10,7 @@ namespace talus::detail {
 
 /// Primal-dual interior-point method for r in K, û in K*, both scaled to Lorentz cones: the
 /// direction of Nesterov and Todd (1998) for the cones, Newton's for De Saxcé's term in û. It needs
-/// no guess of which contacts stick, slide or open, and so does well where impulses are not unique
+/// no guess of which contacts stick, slide or open, and so works well if impulses are not unique
 /// and masses differ by orders of magnitude; it cannot use a warm start.
 class assembled_interior_point {
  public:
@@ -31,7 +31,7 @@ class assembled_interior_point {
     }
   }
 
-  /// One step; whether it was possible.
+  /// One step; returns whether it was possible.
   bool step() {
     const int n = p_->contacts();
     // g = W r + q + |u_t| - u
@@ -65,7 +65,8 @@ class assembled_interior_point {
     }
     if (!system_.factorize()) return false;
 
-    // Towards the solution alone first; how far that gets tells how much to centre.
+    // First the direction to the solution alone; the length of its step determines the amount of
+    // centring.
     real centring = 0, length = 0;
     for (int pass = 0; pass < 2; ++pass) {
       contact_vector target(n);
@@ -97,7 +98,7 @@ class assembled_interior_point {
     return r_.is_finite() && u_.is_finite() && length_ > 1e-10;
   }
 
-  /// The impulses so far, within their cones.
+  /// The present impulses, within their cones.
   [[nodiscard]] contact_vector impulses() const {
     contact_vector r(r_.contacts());
     for (int i = 0; i < p_->contacts(); ++i) r(i) = scale_[i].cwiseProduct(r_(i));
@@ -106,7 +107,7 @@ class assembled_interior_point {
   [[nodiscard]] real length() const { return length_; }
 
  private:
-  static constexpr real smooth = 1e-7;  ///< less friction is none here
+  static constexpr real smooth = 1e-7;  ///< smaller friction counts as zero here
   [[nodiscard]] bool smooth_at(int i) const { return scale_[i][1] == 0; }
 
   static bool inside(const vec3& x) { return x[0] > 0 && determinant(x) > 0; }
@@ -128,7 +129,7 @@ class assembled_interior_point {
     p -= diagonal_matrix(vec3(1, -1, -1));
     return b / a * p;
   }
-  /// How far x + length d stays in the Lorentz cone.
+  /// The length for which x + length d stays in the Lorentz cone.
   static real reach(const vec3& x, const vec3& d) {
     const real a = d[0] * d[0] - d[1] * d[1] - d[2] * d[2];
     const real b = x[0] * d[0] - x[1] * d[1] - x[2] * d[2];

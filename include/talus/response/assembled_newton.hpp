@@ -7,10 +7,10 @@
 
 namespace talus::detail {
 
-/// Semi-smooth Newton steps on the function of Alart and Curnier (1991) for the problem with
-/// u = W r + q + alpha (r - centre). The proximal term makes the linear systems regular where W is
-/// not; with the centre moved to each solution it does not change what is converged to. System
-/// solves the linear systems: block_system, or band_system.
+/// Semi-smooth Newton steps on the function of Alart and Curnier (1991) for the problem with u = W
+/// r + q + alpha (r - centre). The proximal term makes the linear systems regular if W is singular;
+/// with the centre moved to each solution it does not change the limit. System solves the linear
+/// systems: block_system, or band_system.
 template <class System>
 class assembled_newton {
  public:
@@ -18,8 +18,8 @@ class assembled_newton {
       : p_(&p), sweep_(&sweep), place_(p.contacts()) {}
 
   /// Moves r towards the solution of the problem with the proximal term, until its residual is
-  /// within `accuracy` times |r - centre| or after `steps` linear systems. Where a Newton step
-  /// gains little, sweeps sort out which contacts stick, slide and open. Whether it got there.
+  /// within `accuracy` times |r - centre| or after `steps` linear systems. If a Newton step gains
+  /// little, sweeps determine which contacts stick, slide and open. Returns whether it converged.
   template <class GoOn>
   bool solve(contact_vector& r, const contact_vector& centre, real alpha, real accuracy, int steps,
              GoOn&& go_on) {
@@ -32,7 +32,7 @@ class assembled_newton {
       ++steps_;
       const real before = now;
       if (direction(r)) {
-        // The first length that does well, else the best of all.
+        // The first length that gains enough, else the best of all.
         real least = HUGE_VAL, length = 1;
         for (int trial = 0; trial < 8; ++trial, length *= 0.5) {
           trial_ = r;
@@ -59,10 +59,10 @@ class assembled_newton {
     return best <= aim;
   }
 
-  /// Whole Newton steps, whatever they do to the residual: where many contacts share a load, the
-  /// way to the right choice of those that carry it leads through large residuals. Ends when the
-  /// residual is within `accuracy` times |r - centre|, else hands back the best of `steps`. Whether
-  /// it got there.
+  /// Full Newton steps, without regard to the residual: if many contacts share a load, the path to
+  /// the right set of loaded contacts leads through large residuals. Ends when the residual is
+  /// within `accuracy` times |r - centre|, else returns the best of `steps`. Returns whether it
+  /// converged.
   bool solve_by_whole_steps(contact_vector& r, const contact_vector& centre, real alpha,
                             real accuracy, int steps) {
     alpha_ = alpha;
@@ -121,7 +121,8 @@ class assembled_newton {
     return f.norm();
   }
 
-  /// The Newton step from r; u_ and f_ belong to it. Open contacts drop out: theirs is -r.
+  /// The Newton step from r; u_ and f_ belong to it. Open contacts are eliminated: their step is
+  /// -r.
   bool direction(const contact_vector& r) {
     const int n = p_->contacts();
     vec3 y;

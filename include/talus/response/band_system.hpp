@@ -29,7 +29,7 @@ class band_system {
     half_ = std::max(half_, 3 * off + 2);
     entries_.push_back({row, column, value});
   }
-  /// False where a pivot vanishes.
+  /// False if a pivot vanishes.
   [[nodiscard]] bool factorize() {
     width_ = 3 * half_ + 1;  // row exchanges widen the upper part
     a_.assign(n_ * width_, 0);
@@ -56,7 +56,7 @@ class band_system {
     }
     return true;
   }
-  /// Solves with the last factors; false where the solution is not finite.
+  /// Solves with the last factors; false if the solution is not finite.
   [[nodiscard]] bool solve(const contact_vector& right, contact_vector& x) const {
     x = right;
     real* v = x.data();

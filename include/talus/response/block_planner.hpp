@@ -9,9 +9,9 @@
 
 namespace talus::detail {
 
-/// Finds for each contact the first block of `Lanes` that has room and none of its bodies. Blocks
-/// are open for a while only, so that they hold neighbours in the list, which are neighbours in
-/// space.
+/// Finds for each contact the first block of `Lanes` that has room and contains none of its bodies.
+/// Blocks are open for a limited time only, so that they hold neighbours in the list, which are
+/// neighbours in space.
 template <int Lanes>
 class block_planner {
  public:
@@ -21,8 +21,8 @@ class block_planner {
     first_ = 0;
     full_ = 0;
   }
-  /// Slot (block * Lanes + lane) for a contact of a and b, -1 where b cannot move; or -1 if all
-  /// open blocks hold one of its bodies.
+  /// Slot (block * Lanes + lane) for a contact of a and b, -1 if b cannot move; or -1 if all open
+  /// blocks contain one of its bodies.
   [[nodiscard]] std::int64_t place(std::int32_t a, std::int32_t b) {
     const auto highest = static_cast<std::size_t>(std::max(a, b));
     if (highest >= used_.size()) used_.resize(highest + highest / 2 + 1);
@@ -49,7 +49,7 @@ class block_planner {
 
  private:
   static constexpr int open = 64;
-  /// In which of the open blocks a body is, as it was when block `first` was the first of these.
+  /// The set of open blocks that contain a body, when block `first` was the first of these.
   struct use {
     std::size_t first = 0;
     std::uint64_t blocks = 0;
@@ -59,7 +59,7 @@ class block_planner {
     const use& u = used_[static_cast<std::size_t>(body)];
     const std::size_t passed = first_ - u.first;
     const std::uint64_t in = passed < open ? u.blocks >> passed : 0;
-    return in | in << 1;  // blocks that follow each other share no body, or one would wait
+    return in | in << 1;  // consecutive blocks share no body, or one would wait
   }
   void mark(std::int32_t body, int at) {
     use& u = used_[static_cast<std::size_t>(body)];

@@ -12,19 +12,19 @@
 
 namespace talus::detail {
 
-/// A linear system of 3 x 3 blocks, not symmetric, solved by LU: dense where it is small or full,
-/// else sparse.
+/// A linear system of 3 x 3 blocks, not symmetric, solved by LU: dense if it is small or full, else
+/// sparse.
 class block_system {
  public:
   void reset(int rows) {
     rows_ = rows;
     entries_.clear();
   }
-  /// Blocks of one place are added up.
+  /// Blocks at the same position are added up.
   void add(std::int32_t row, std::int32_t column, const mat3& value) {
     entries_.push_back({row, column, value});
   }
-  /// Whether it went well; a matrix that is singular to round-off may show only in solve().
+  /// Whether it succeeded; a matrix that is singular to round-off may be detected only in solve().
   [[nodiscard]] bool factorize() {
     const auto size = 3 * static_cast<Eigen::Index>(rows_);
     const real fill = 9 * static_cast<real>(entries_.size()) / (static_cast<real>(size) * size);
@@ -64,7 +64,7 @@ class block_system {
     mat3 value;
   };
 
-  /// The entries by columns; `place_` says which blocks there are.
+  /// The entries by columns; `place_` holds the positions of the blocks.
   void compress() {
     plain_vector<std::int32_t> start(rows_ + 1, 0), by_row(entries_.size()), order(entries_.size());
     const auto sort = [&](auto&& key, auto&& from, plain_vector<std::int32_t>& to) {

@@ -25,7 +25,7 @@ struct alignas(16) body_block {
   real& operator()(int i, int j) { return at[static_cast<std::size_t>(6 * i + j)]; }
   real operator()(int i, int j) const { return at[static_cast<std::size_t>(6 * i + j)]; }
 
-  /// Takes the product of a and b from it.
+  /// Subtracts the product of a and b from it.
   void take(const body_block& a, const body_block& b) {
     using two = real __attribute__((vector_size(2 * sizeof(real)), may_alias));
     const two* const from = reinterpret_cast<const two*>(b.at.data());
@@ -39,7 +39,7 @@ struct alignas(16) body_block {
       to[0] = x, to[1] = y, to[2] = z;
     }
   }
-  /// Takes the product of it and x from y.
+  /// Subtracts the product of it and x from y.
   void take_from(body_vector& y, const body_vector& x) const {
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < 6; ++j)
@@ -91,7 +91,7 @@ class body_pivot {
 };
 
 /// Solved by block LU in an order of small fill, without exchanges between bodies: meant for I + a
-/// matrix whose symmetric part is not far from positive. Rows and columns are numbers of bodies.
+/// matrix whose symmetric part is nearly positive. Rows and columns are numbers of bodies.
 class body_elimination {
  public:
   body_elimination() = default;
@@ -130,7 +130,7 @@ class body_elimination {
   [[nodiscard]] body_block& diagonal(std::int32_t body) {
     return diagonal_[index(place_[index(body)])];
   }
-  /// The blocks (a, b) and (b, a); none where these bodies are not known to touch.
+  /// The blocks (a, b) and (b, a); null if these bodies are not known to touch.
   [[nodiscard]] std::pair<body_block*, body_block*> pair(std::int32_t a, std::int32_t b) {
     const std::int32_t i = place_[index(a)], j = place_[index(b)];
     const std::size_t e = entry(std::min(i, j), std::max(i, j));
@@ -149,7 +149,7 @@ class body_elimination {
     }
   }
 
-  /// Replaces the blocks by the factors; false where a pivot vanishes.
+  /// Replaces the blocks by the factors; false if a pivot vanishes.
   [[nodiscard]] bool factorize() {
     for (std::size_t k = 0; k < n_; ++k) {
       if (!pivot_[k].factorize(diagonal_[k])) return false;
@@ -168,7 +168,7 @@ class body_elimination {
     }
     return true;
   }
-  /// Replaces the right side, by bodies, by the solution.
+  /// Replaces the right-hand side, by bodies, by the solution.
   void solve(plain_vector<body_vector>& x) const {
     for (std::size_t k = 0; k < n_; ++k)
       for (std::size_t e = start_[k]; e < start_[k + 1]; ++e) {

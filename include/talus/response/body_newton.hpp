@@ -1,6 +1,6 @@
 #pragma once
-// Newton's method for a contact problem by bodies: what is factorized grows with the bodies and the
-// pairs that touch, not with the pairs of contacts that share a body.
+// Newton's method for a contact problem by bodies: the size of the factorization grows with the
+// bodies and the pairs that touch, instead of the pairs of contacts that share a body.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,24 +16,25 @@
 
 namespace talus::detail {
 
-/// Semi-smooth Newton steps on the function of Alart and Curnier (1991) for the problem with
-/// u = W r + q + alpha (r - centre), as assembled_newton makes them. The changes of impulse are
-/// eliminated contact by contact, which the proximal term permits: left are the changes of
-/// velocity, (I + M^-1 J^T D J) dv = M^-1 J^T d with blocks D of 3 x 3.
+/// Semi-smooth Newton steps on the function of Alart and Curnier (1991) for the problem with u = W
+/// r + q + alpha (r - centre), like those of assembled_newton. The changes of impulse are
+/// eliminated contact by contact, which the proximal term permits: the remaining unknowns are the
+/// changes of velocity, (I + M^-1 J^T D J) dv = M^-1 J^T d with blocks D of 3 x 3.
 class body_newton {
  public:
-  /// Floating-point operations of a step for each contact, beside the factorization.
+  /// Floating-point operations of a step for each contact, besides the factorization.
   static constexpr double per_contact = 2500;
 
-  /// `budget`: floating-point operations that may be spent on linear systems; becomes what is left.
+  /// `budget`: floating-point operations available for linear systems; decreases by the operations
+  /// used.
   body_newton(const body_problem& p, double& budget)
       : p_(&p),
         budget_(&budget),
         open_(static_cast<std::size_t>(p.contacts_count()), 1),
         weak_(open_.size(), 0) {}
 
-  /// Whole Newton steps from r, until the residual is at most `enough` or `accuracy` times
-  /// |r - centre|; else hands back the best of `steps`. Whether it got there.
+  /// Full Newton steps from r, until the residual is at most `enough` or `accuracy` times |r -
+  /// centre|; else returns the best of `steps`. Returns whether it converged.
   bool solve(contact_vector& r, const contact_vector& centre, real alpha, real accuracy,
              real enough, int steps) {
     alpha_ = alpha;
@@ -51,9 +52,10 @@ class body_newton {
     r = best_r;
     return false;
   }
-  /// Whether weak contacts keep their impulses, since the system with all of them is too dear.
+  /// Whether weak contacts keep their impulses, because the system with all of them is too
+  /// expensive.
   [[nodiscard]] bool keeps_weak() const { return keeps_weak_; }
-  /// Whether the last system was too dear for the budget.
+  /// Whether the last system was too expensive for the budget.
   [[nodiscard]] bool too_dear() const { return too_dear_; }
   /// Linear systems solved by the last call.
   [[nodiscard]] int steps() const { return steps_; }
@@ -94,7 +96,7 @@ class body_newton {
     return std::sqrt(sum);
   }
 
-  /// How a contact's change of impulse follows from that of its velocity: dr = d - D du.
+  /// The change of a contact's impulse for a change of its velocity: dr = d - D du.
   void response_of(int i, const law& l, vec3& d, mat3& D) const {
     D = diagonal_matrix(1 / alpha_);
     d = -(1 / (alpha_ * rho(i))) * l.f;
@@ -149,7 +151,7 @@ class body_newton {
     }
     p_->times_inverse_mass(moved_);
   }
-  /// Finds an order for the contacts that enter; false where the system is too dear.
+  /// Finds an order for the contacts in the system; false if the system is too expensive.
   bool analyse() {
     plain_vector<char> out = open_;
     for (std::size_t k = 0; k < out.size(); ++k) out[k] |= weak_[k];
@@ -158,8 +160,8 @@ class body_newton {
     if (!too_dear_) system_ = body_elimination(order);
     return !too_dear_;
   }
-  /// Leaves out contacts that bear little of what both of their bodies bear, as between spheres
-  /// side by side under a plate: sweeps do for these. False where that has been done.
+  /// Removes contacts that bear little of the load of both their bodies, as between spheres side by
+  /// side under a plate: sweeps suffice for these. False if they are already removed.
   bool keep_weak(const contact_vector& r) {
     if (std::exchange(keeps_weak_, true)) return false;
     plain_vector<real> most(p_->bodies().size(), 0);
@@ -172,7 +174,7 @@ class body_newton {
     }
     return true;
   }
-  /// I + M^-1 J^T D J; false where bodies touch that are not known to.
+  /// I + M^-1 J^T D J; false if bodies touch that are not known to touch.
   bool assemble() {
     if (system_.bodies() == 0) return false;
     system_.clear();

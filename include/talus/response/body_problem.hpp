@@ -20,14 +20,14 @@
 namespace talus::detail {
 
 /// The problem of assembled_problem, u = W r + q with W = J M^-1 J^T, where each row of J belongs
-/// to one or two bodies that move. Contacts are those of an island, bodies their numbers from 0.
+/// to one or two movable bodies. Contacts are those of an island, bodies their numbers from 0.
 class body_problem {
  public:
   struct contact {
-    std::int32_t a, b;  ///< bodies that move, else -1
+    std::int32_t a, b;  ///< movable bodies, else -1
     mat3 axes;          ///< rows: normal, two tangents
     vec3 arm_a, arm_b;
-    vec3 offset;  ///< velocity at the contact that no body here makes
+    vec3 offset;  ///< velocity at the contact from bodies outside the problem
     real mu;
     mat3 own;  ///< its block of W
   };
@@ -36,8 +36,8 @@ class body_problem {
     mat3 inverse_inertia;
   };
 
-  /// At the velocities of `s`, which contain the impulses of the contacts; `r` becomes those in the
-  /// axes of the contacts.
+  /// At the velocities of `s`, which contain the impulses of the contacts; `r` becomes those
+  /// impulses in the axes of the contacts.
   template <class State>
   body_problem(const plain_vector<island_contact>& contacts, const State& s, contact_vector& r) {
     plain_vector<plain_pair<std::int32_t, std::int32_t>> numbers;  // in the state, here
@@ -108,7 +108,7 @@ class body_problem {
   [[nodiscard]] const contact_vector& q() const { return q_; }
   [[nodiscard]] real mean_diagonal() const { return mean_; }
 
-  /// Which bodies touch by contacts that are not `open`.
+  /// The pairs of bodies that touch by contacts that are not `open`.
   [[nodiscard]] sparse_graph graph(const plain_vector<char>& open) const {
     plain_vector<plain_pair<std::int32_t, std::int32_t>> pairs;
     for (std::size_t i = 0; i < contacts_.size(); ++i)
@@ -145,7 +145,7 @@ class body_problem {
     return std::sqrt(sum);
   }
 
-  /// J^T r, added to what is there.
+  /// Adds J^T r.
   void impulses(const contact_vector& r, plain_vector<body_vector>& p) const {
     for (int i = 0; i < contacts_count(); ++i) add_force(i, r(i), p);
   }
@@ -155,7 +155,7 @@ class body_problem {
     if (c.a >= 0) add_force(p[at(c.a)], force, c.arm_a);
     if (c.b >= 0) add_force(p[at(c.b)], -force, c.arm_b);
   }
-  /// Turns impulses into changes of velocity.
+  /// Converts impulses to changes of velocity.
   void times_inverse_mass(plain_vector<body_vector>& p) const {
     for (std::size_t k = 0; k < bodies_.size(); ++k) times_inverse_mass(k, p[k]);
   }
@@ -164,7 +164,7 @@ class body_problem {
     for (std::size_t j = 0; j < 3; ++j)
       p[j] *= bodies_[k].inverse_mass, p[3 + j] = turn[static_cast<int>(j)];
   }
-  /// J v, without what no body here makes.
+  /// J v, without the velocity from bodies outside the problem.
   [[nodiscard]] vec3 relative(int i, const plain_vector<body_vector>& v) const {
     const contact& c = contacts_[at(i)];
     vec3 u{0, 0, 0};
@@ -211,7 +211,7 @@ class body_problem {
   [[nodiscard]] vec3 velocity_at(int i, const plain_vector<body_vector>& v) const {
     return relative(i, v) + contacts_[at(i)].offset;
   }
-  /// Lets impulses act on velocities.
+  /// Applies impulses to velocities.
   void act(const contact_vector& r, plain_vector<body_vector>& v) const {
     p_.assign(bodies_.size(), body_vector{});
     impulses(r, p_);

@@ -1,5 +1,5 @@
 #pragma once
-// What ranks say to each other of the bodies that they share.
+// Data that ranks exchange about the bodies that they share.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace talus::detail {
 
-/// The ranks that know a body, besides its owner: at most four, else nobody may rely on it.
+/// The ranks that know a body, besides its owner: at most four, otherwise the list is unusable.
 class body_holders {
  public:
   void add(int rank) {
@@ -26,7 +26,8 @@ class body_holders {
       if ((bits_ >> place & 0xffff) == static_cast<std::uint64_t>(rank + 1)) return true;
     return false;
   }
-  // How it travels among numbers: in two halves, since some bits would make no number.
+  // Its encoding among numbers of a message: in two halves, because some bit patterns are not
+  // numbers.
   [[nodiscard]] std::array<real, 2> packed() const {
     return {static_cast<real>(bits_ >> 32), static_cast<real>(bits_ & 0xffffffffu)};
   }
@@ -39,16 +40,17 @@ class body_holders {
   std::uint64_t bits_ = 0;
 };
 
-/// The bodies whose copies travel between this rank and another one, as indices into the solver's.
+/// The bodies whose copies are exchanged between this rank and another one, as indices into the
+/// solver's arrays.
 struct travelling_bodies {
   int rank = 0;
   std::span<const std::uint32_t> sent, received;
 };
 
-/// What a rank says of a body to those that hold a copy of it.
+/// The data that a rank sends of a body to the holders of its copies.
 struct body_ties {
-  std::uint32_t contacts = 0;  ///< that this rank knows of
-  std::int32_t of_owner = -1;  ///< that its owner knows of; -1 if that takes no part
+  std::uint32_t contacts = 0;  ///< known to this rank
+  std::int32_t of_owner = -1;  ///< known to its owner; -1 if that takes no part
   std::int32_t owner = -1;
   body_holders holders;
 };

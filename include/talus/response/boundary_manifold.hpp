@@ -1,6 +1,6 @@
 #pragma once
-// What all contacts of one pair of bodies do to it, the rest of the world held: how contacts
-// between ranks are solved, where a pair has several.
+// The joint solution of all contacts of one pair of bodies, with all other bodies held: for
+// contacts between ranks, if a pair has several.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,8 +20,8 @@ void each_manifold(const plain_vector<contact_key>& keys, F&& f) {
   }
 }
 
-/// For as long as it lives, two bodies are by themselves and their masses divided into parts; then
-/// all is as it was before.
+/// In its lifetime, two bodies are isolated and their masses divided into parts; its end restores
+/// the former state.
 template <class Real>
 class split_pair {
   using state = solver_state_of<Real>;

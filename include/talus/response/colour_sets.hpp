@@ -1,5 +1,5 @@
 #pragma once
-// Which colours the contacts of each body have.
+// The colours of the contacts of each body.
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace talus::detail {
 
-/// A set of colours for each body, without a limit: the first 64 in a word of its own, more only
-/// for bodies that have so many contacts.
+/// A set of colours for each body, without a limit: the first 64 in a word of its own, further ones
+/// only for bodies with so many contacts.
 class colour_sets {
  public:
   static constexpr std::uint32_t in_word = 64;
@@ -30,7 +30,8 @@ class colour_sets {
     if (words.size() < colour / in_word) words.resize(colour / in_word, 0);
     words[colour / in_word - 1] |= std::uint64_t{1} << colour % in_word;
   }
-  /// The lowest colour that neither of two bodies has (b may be -1: none), nor is in `others`.
+  /// The lowest colour that neither of two bodies has (b may be -1: no body), and that is not in
+  /// `others`.
   [[nodiscard]] std::uint32_t lowest_free(std::int32_t a, std::int32_t b,
                                           std::span<const std::uint64_t> others = {}) const {
     for (std::uint32_t k = 0;; ++k) {

@@ -1,5 +1,5 @@
 #pragma once
-// Gauss-Seidel in an order that follows from ids alone: the same bits on any number of ranks.
+// Gauss-Seidel in an order that depends on ids alone: the same bits on any number of ranks.
 #include <cstdint>
 #include <type_traits>
 
@@ -13,21 +13,21 @@
 
 namespace talus {
 
-/// Sweeps over the contacts colour by colour, each solved exactly for its cone with all others
-/// held (nonlinear block Gauss-Seidel; Jourdan, Alart, Jean 1998). No two pairs of one colour share
-/// a body, so their order does not matter, and colours follow from the ids of the bodies alone
-/// (see response/colouring.hpp). Contacts between bodies of two ranks are computed on both, to the
-/// last bit alike, from velocities that travel before each colour that needs them. So the
-/// trajectory does not depend on the number of ranks, on how they share space, or on where bodies
-/// lie in memory, and momentum is conserved as on one rank. The price is a message for each colour
-/// with contacts between two ranks, where nonlinear_gauss_seidel has one for each iteration.
+/// Sweeps over the contacts colour by colour, each solved exactly for its cone with all others held
+/// (nonlinear block Gauss-Seidel; Jourdan, Alart, Jean 1998). No two pairs of one colour share a
+/// body, so their order has no effect, and colours depend on the ids of the bodies alone (see
+/// response/colouring.hpp). Both ranks compute the contacts between their bodies, equal to the last
+/// bit, from velocities that are exchanged before each colour that needs them. So the trajectory
+/// does not depend on the number of ranks, on the decomposition, or on the position of bodies in
+/// memory, and momentum is conserved as on one rank. The cost is a message for each colour with
+/// contacts between two ranks, while nonlinear_gauss_seidel sends one for each iteration.
 struct coloured_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "coloured_gauss_seidel";
   static constexpr bool by_colours = true;
 
-  /// As nonlinear_gauss_seidel::solve; the contacts in `lists` have been coloured. `ranks` knows
-  /// how many colours there are.
+  /// As nonlinear_gauss_seidel::solve; the contacts in `lists` are coloured. `ranks` has the number
+  /// of colours.
   template <class Lists, class State, class Ranks>
   static detail::solved solve(Lists& lists, State& s, const solver_settings& settings, bool correct,
                               Ranks&& ranks) {

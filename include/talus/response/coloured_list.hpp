@@ -34,9 +34,10 @@ struct row_of_colour<Contact> {
       isotropic_blocks<Contact, in_sequence<lanes_of<wide_pack<typename Contact::number>>>>;
 };
 
-/// What contact_list is for other solvers. No two pairs of one colour share a body that can move,
-/// so that their order does not matter. Contacts with a body of another rank (shared ones) are
-/// computed alike on both ranks, and apart from the others: what they need has to travel.
+/// The constraint list of solvers by colours; contact_list is that of other solvers. No two pairs
+/// of one colour share a movable body, so that their order has no effect. Contacts with a body of
+/// another rank (shared ones) are computed alike on both ranks, and separately from the others:
+/// their velocities are exchanged first.
 template <class Contact>
 class coloured_list {
  public:
@@ -62,7 +63,7 @@ class coloured_list {
     waiting_.add(contact, key, last, {true, true, true, owns_a});
   }
 
-  /// Calls f(unit, shared) for each pair of bodies; what the unit says of its list is left open.
+  /// Calls f(unit, shared) for each pair of bodies; the caller sets the unit's list.
   template <class F>
   void each_unit(F&& f) const {
     const auto& w = waiting_;
@@ -83,7 +84,8 @@ class coloured_list {
   }
   /// The colour of the unit whose first contact is `first`.
   void set_colour(std::uint32_t first, std::uint32_t colour) { waiting_.colour[first] = colour; }
-  /// When all units have a colour below `colours`: from then on contacts are where these are.
+  /// Called when all units have a colour below `colours`: from then on contacts are stored by
+  /// colour.
   void arrange(std::uint32_t colours);
 
   [[nodiscard]] std::size_t size() const { return count_ + waiting_.contacts.size(); }
@@ -110,7 +112,7 @@ class coloured_list {
     });
   }
 
-  /// Takes up the impulses of the last step.
+  /// Loads the impulses of the last step.
   void load_impulses(const contact_history& history);
   void store_impulses(contact_history& history) const;
   /// Calls f(contact), which may change it, for all contacts.
@@ -121,7 +123,8 @@ class coloured_list {
     });
   }
   void prepare(const state& s);
-  /// In the order of the colours, so that each body gets its impulses in the same order anywhere.
+  /// In the order of the colours, so that the impulses on each body have the same order on any
+  /// ranks.
   void warm_start(state& s, std::uint32_t colour) const;
   void warm_start(state& s) const {
     for (std::uint32_t k = 0; k < used_; ++k) warm_start(s, k);
@@ -129,15 +132,16 @@ class coloured_list {
   void sweep(state& s, std::uint32_t colour, bool shared);
   void correct(state& s, std::uint32_t colour, bool shared);
 
-  // What the contact residual is made of, in double or in sums that do not depend on an order.
+  // The terms of the contact residual, in double or in sums that do not depend on an order.
 
   void add_to(residual_scale_of<double>& scale, const state& s) const;
   void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
   void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
   void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
-  /// The same as the first for velocities `after` the step, of which impulses gave `given`.
+  /// The same as the first for velocities `after` the step, of which `given` is the part from
+  /// impulses.
   void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
-  /// Raises the speeds at which bodies go on into what they touch; see approach.hpp.
+  /// Raises the speeds at which bodies penetrate their contact partners; see approach.hpp.
   void add_approach(const state& after, plain_vector<real>& speeds) const;
   /// The number of contacts that count on this rank.
   [[nodiscard]] std::size_t counted() const;

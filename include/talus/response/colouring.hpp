@@ -1,5 +1,5 @@
 #pragma once
-// Colours of contacts that follow from the ids of their bodies alone, whichever ranks see them.
+// Colours of contacts that depend on the ids of their bodies alone, whichever ranks see them.
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -21,12 +21,12 @@ namespace talus::detail {
 struct contact_unit {
   std::uint64_t priority = 0;  ///< a hash of the ids
   system_id id_a = no_id, id_b = no_id;
-  std::int32_t a = -1, b = -1;  ///< those that can move, in solver indices; owned here first
+  std::int32_t a = -1, b = -1;  ///< the movable ones, in solver indices; owned here first
   std::uint32_t first = 0;      ///< of its contacts in their list
-  std::int32_t line = -1;       ///< to the neighbour that has it too
+  std::int32_t line = -1;       ///< index of the connection to the neighbour that has it too
 };
 
-/// What two neighbours say to each other about the contacts between their bodies, and then in each
+/// The data that two neighbours exchange about the contacts between their bodies, and then in each
 /// colour about the velocities of these. All contacts in the same order on both sides.
 struct colour_line {
   int rank = 0;
@@ -40,11 +40,11 @@ struct colour_line {
   std::size_t told = 0, heard = 0, telling = 0;
 };
 
-/// Colours the contacts of all ranks so that no two of one body have the same one: each gets the
-/// lowest that is free when it comes, those of higher priority first (greedy colouring in the
-/// order of random priorities; across ranks as Jones and Plassmann 1993: a contact waits only for
-/// contacts of its own bodies). Each rank knows all contacts of its own bodies; of a contact
-/// between bodies of two ranks each tells the other which colours are taken on its side.
+/// Colours the contacts of all ranks so that no two of one body have the same colour: each gets the
+/// lowest free colour, in order of descending priority (greedy colouring in the order of random
+/// priorities; across ranks as Jones and Plassmann 1993: a contact waits only for contacts of its
+/// own bodies). Each rank has all contacts of its own bodies; of a contact between bodies of two
+/// ranks each sends the other the colours in use on its side.
 class colouring {
  public:
   std::vector<colour_line> lines;
@@ -52,7 +52,7 @@ class colouring {
   void start(std::size_t bodies);
   void add(const contact_unit& unit) { units_.push_back(unit); }
 
-  /// `exchange(first)` sends `out` of all lines (if `first`) or of those that are open, and fills
+  /// `exchange(first)` sends `out` of all connections (if `first`) or of the open ones, and fills
   /// `in`. Throws runtime_error if neighbours do not have the same contacts.
   template <class Exchange>
   void colour(Exchange&& exchange) {
@@ -65,7 +65,7 @@ class colouring {
     across_lines(exchange);
     for (colour_line& l : lines) schedule(l);
   }
-  /// How many colours there are here.
+  /// The number of colours here.
   [[nodiscard]] std::uint32_t colours() const { return colours_; }
   /// The units, in the order in which they were added.
   [[nodiscard]] std::size_t size() const { return units_.size(); }
@@ -115,7 +115,7 @@ class colouring {
     }
   }
   [[nodiscard]] std::size_t colour_sets_size() const;
-  /// Colours what can be coloured, and tells what the neighbours need for it.
+  /// Colours the contacts that are ready, and writes the data that the neighbours need for it.
   void go_on(std::uint32_t round);
   void tell(colour_line& l, std::uint32_t n);
   void poll(colour_line& l, bool first);
@@ -123,7 +123,7 @@ class colouring {
 
   plain_vector<contact_unit> units_;
   plain_vector<std::uint32_t> order_, starts_, colour_of_, remaining_, number_, waits_;
-  std::vector<taken_there> there_;  ///< of the units across lines
+  std::vector<taken_there> there_;  ///< of the units across connections
   colour_sets sets_;
   std::uint32_t colours_ = 0;
 };

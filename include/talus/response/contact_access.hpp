@@ -1,5 +1,5 @@
 #pragma once
-// Contact lists of any kind behind one face: what is solved rarely need not be compiled for each
+// Contact lists of any kind behind one interface: rarely used solvers need not be compiled for each
 // kind of contact.
 #include <array>
 #include <cstddef>
@@ -15,15 +15,15 @@
 
 namespace talus::detail {
 
-/// Which contacts of a list.
+/// The selected contacts of a list.
 enum class contact_part : std::uint8_t { interior, boundary, foreign };
 
-/// The bodies of a contact; b = -1 where that is a global one.
+/// The bodies of a contact; b = -1 if that is a global one.
 struct contact_ends {
   std::int32_t a, b;
 };
 
-/// The functions of a list of any kind. A list gives the address of its own by calls().
+/// The functions of a list of any kind. calls() of a list returns the address of its own.
 template <class State>
 struct contact_calls {
   std::size_t (*size)(void*, contact_part);
@@ -52,7 +52,7 @@ class contact_access {
   [[nodiscard]] island_contact contact(contact_part p, std::size_t i) const {
     return calls_->contact(list_, p, i);
   }
-  /// Gives it an impulse on a, in the world; the velocities are not changed.
+  /// Sets its impulse on a, in the world; the velocities are not changed.
   void set(contact_part p, std::size_t i, const vec3& impulse) const {
     calls_->set(list_, p, i, impulse);
   }
@@ -64,7 +64,8 @@ class contact_access {
   void set_at_boundary(std::size_t i, const vec3& impulse, State& s) const {
     calls_->set_at_boundary(list_, i, impulse, s);
   }
-  /// A sweep that notes which interior contacts still change by more than `speed`: (index, change).
+  /// A sweep that records the interior contacts that still change by more than `speed`: (index,
+  /// change).
   const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
     return calls_->sweep_watched(list_, s, speed);
   }

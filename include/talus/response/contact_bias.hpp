@@ -1,11 +1,11 @@
 #pragma once
-// The velocity bias of a contact: the solver finds the relative velocity less this one.
+// The velocity bias of a contact: the solver works with the relative velocity minus the bias.
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
 
-/// Relative velocity of a against b, in the world, that a contact at rest leaves. Integrators ask
-/// for it; with others nothing is stored.
+/// Relative velocity of a against b, in the world, that a resting contact must leave. Some
+/// integrators need it; with others nothing is stored.
 template <bool Biased>
 struct contact_bias {
   static constexpr bool biased = true;

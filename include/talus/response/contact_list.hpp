@@ -1,5 +1,5 @@
 #pragma once
-// The contacts of one kind on this rank, and what is done with them.
+// The contacts of one kind on this rank, and the operations on them.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -27,14 +27,14 @@ template <swept_in_manifolds Contact>
 struct interior_contacts<Contact> {
   using type = manifold_row<Contact>;
 };
-/// Some kinds of contacts have a way of their own to be kept.
+/// Some kinds of contacts have a container of their own.
 template <class Contact>
 requires requires { typename Contact::blocks; }
 struct interior_contacts<Contact> {
   using type = typename Contact::blocks;
 };
 
-/// Interior contacts, with what finds the impulses that they had.
+/// Interior contacts, with the search for their last impulses.
 template <class Contact>
 struct keyed_contacts {
   typename interior_contacts<Contact>::type row;
@@ -48,12 +48,12 @@ struct keyed_contacts {
   }
 };
 
-/// Contacts between bodies that this rank can move by itself (interior), and contacts between a
-/// body owned here and a movable body owned elsewhere (boundary): each of those is computed alike
-/// on both ranks, from the same velocities, and moves only the body owned here. Interior contacts
-/// of bodies that other ranks need to know (the border) are apart from the others: when they have
-/// been swept, these velocities can travel while the others are. What runs over the list is
-/// compiled once for a kind of contact: inlined into solvers it would be many times.
+/// Contacts between bodies that this rank alone can move (interior), and contacts between a body
+/// owned here and a movable body owned elsewhere (boundary): each of those is computed alike on
+/// both ranks, from the same velocities, and changes only the body owned here. Interior contacts of
+/// bodies that other ranks have copies of (the border) are separate from the others: after their
+/// sweep, these velocities are sent while the others are swept. Loops over the list are compiled
+/// once for a kind of contact: inlined into solvers they would be compiled many times.
 template <class Contact>
 class contact_list {
  public:
@@ -69,8 +69,8 @@ class contact_list {
     boundary_places_.clear();
     owns_a_.clear();
   }
-  /// `last` says where the history keeps the contacts of its pair; nobody knows if it is null. It
-  /// is kept up to date. `at_border`: whether other ranks need to know one of the bodies.
+  /// `last` is the position in the history of the contacts of its pair, unknown if null. It is kept
+  /// up to date. `at_border`: whether other ranks need the velocity of one of the bodies.
   void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
            history_place* last, bool at_border = false) {
     auto& p = at_border ? border_ : inner_;
@@ -85,7 +85,7 @@ class contact_list {
     boundary_keys_.push_back(key);
     owns_a_.push_back(owns_a);
   }
-  /// A contact of bodies of other ranks, which acts on nothing here; see shared_islands.hpp.
+  /// A contact of bodies of other ranks, without effect here; see shared_islands.hpp.
   void add_foreign(const Contact& contact, const contact_key& key) {
     foreign_.push_back(contact);
     foreign_keys_.push_back(key);
@@ -113,11 +113,12 @@ class contact_list {
       f(boundary_[i], bool(owns_a_[i]), !owns_a_[i]);
   }
 
-  /// Takes up the impulses of the last step.
+  /// Loads the impulses of the last step.
   void load_impulses(const contact_history& history);
   void store_impulses(contact_history& history) const;
 
-  /// Into how many parts the mass of each body owned here is divided: one for each pair it is in.
+  /// The number of parts into which the mass of each body owned here is divided: one for each pair
+  /// it is in.
   void count_boundary(state& s) const;
   void prepare_interior(const state& s);
   void prepare_boundary(const state& s);
@@ -126,7 +127,7 @@ class contact_list {
   /// Sweeps over the interior contacts. The border comes first in either direction.
   void sweep_border(state& s, bool forward);
   void sweep_inner(state& s, bool forward);
-  /// A sweep backward that notes which interior contacts still change by more than `speed`:
+  /// A backward sweep that records the interior contacts that still change by more than `speed`:
   /// (index, change).
   const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(state& s, real speed);
 
@@ -160,7 +161,7 @@ class contact_list {
   void relax_boundary(state& s);
   void apply_boundary(state& s) const;
 
-  /// Gives a boundary contact an impulse on a; the change is applied to the body owned here.
+  /// Sets an impulse on a of a boundary contact; the change is applied to the body owned here.
   void set_at_boundary(std::size_t i, const vec3& impulse, state& s) {
     Contact& c = boundary_[i];
     const auto before = c.impulse_in_frame();
@@ -168,7 +169,7 @@ class contact_list {
     apply_to_owned(s, i, c.since(before));
   }
 
-  // For what makes sure that impulses add no energy; see world/passivity.hpp.
+  // For the test that impulses add no energy; see world/passivity.hpp.
 
   template <class F>
   void each_interior_contact(F&& f) const {
@@ -185,7 +186,7 @@ class contact_list {
     for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
   }
 
-  // For other solvers than Gauss-Seidel. What a solver does not call is not compiled.
+  // For solvers other than Gauss-Seidel. Functions that a solver does not call are not compiled.
 
   /// Calls f(contact, number) for all contacts, numbered from 0.
   template <class F>
@@ -194,7 +195,7 @@ class contact_list {
     for (; i < interior(); ++i) edit_interior(i, [&](Contact& c) { f(c, i); });
     for (Contact& c : boundary_) f(c, i++);
   }
-  // For those that treat all contacts simultaneously.
+  // For solvers that treat all contacts simultaneously.
 
   void count_all(state& s) const {
     each_acting([&](const Contact& c, bool on_a, bool on_b) {
@@ -208,8 +209,8 @@ class contact_list {
     before_.clear();
     each([&](const Contact& c, bool) { before_.push_back(c.impulse_in_frame()); });
   }
-  /// Solves each contact from one and the same state. Its impulse goes ahead by `part` of what it
-  /// has changed by since the last time, unless that leads back; the changes are applied later.
+  /// Solves each contact from one and the same state. Its impulse is extrapolated by `part` of its
+  /// last change, unless that leads back; the changes are applied later.
   void relax_ahead(const state& s, real part);
   void apply_all(state& s) const;
 
@@ -218,15 +219,16 @@ class contact_list {
   void relax_boundary_correction(state& s);
   void apply_boundary_correction(state& s) const;
 
-  // What the contact residual is made of, in double or in sums that do not depend on an order.
+  // The terms of the contact residual, in double or in sums that do not depend on an order.
 
   void add_to(residual_scale_of<double>& scale, const state& s) const;
   void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
   void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
   void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
-  /// The same as the first for velocities `after` the step, of which impulses gave `given`.
+  /// The same as the first for velocities `after` the step, of which `given` is the part from
+  /// impulses.
   void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
-  /// Raises the speeds at which bodies go on into what they touch; see approach.hpp.
+  /// Raises the speeds at which bodies penetrate their contact partners; see approach.hpp.
   void add_approach(const state& after, plain_vector<real>& speeds) const;
   /// The number of contacts that count on this rank.
   [[nodiscard]] std::size_t counted() const;
@@ -256,8 +258,8 @@ class contact_list {
     return static_cast<typename state::number>(
         std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]));
   }
-  /// Sweeps f(contact, again) forward and backward through the contacts of one pair, which sees
-  /// nothing else and is left as it was.
+  /// Sweeps f(contact, again) forward and backward through the contacts of one pair, isolated from
+  /// all others; the pair's bodies are restored afterwards.
   template <class F>
   void by_themselves(state& s, std::size_t first, std::size_t last, F&& f) {
     const Contact& c = boundary_[first];

@@ -1,7 +1,6 @@
 #pragma once
-// The contacts of one pair of bodies with one normal, swept together: what the bodies do to each
-// other is written once, in the frame of the contacts, and their velocities are read and written
-// once.
+// The contacts of one pair of bodies with one normal, swept together: the coupling of the bodies is
+// computed once, in the frame of the contacts, and their velocities are read and written once.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -13,12 +12,12 @@
 
 namespace talus::detail {
 
-// Without AVX-512 such a value is several registers, and compilers remark on how such arguments are
-// passed; all functions here are inlined.
+// Without AVX-512 such a value takes several registers, and compilers warn about how such arguments
+// are passed; all functions here are inlined.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-/// A velocity and an angular velocity, or an impulse and its moment, and two numbers of no meaning.
+/// A velocity and an angular velocity, or an impulse and its moment, and two padding numbers.
 using twist = pack<real, 8>;
 
 /// A contact that can be solved in the frame of its manifold; see general_contact.
@@ -27,7 +26,7 @@ concept swept_in_manifolds = requires {
   requires Contact::swept_in_manifolds;
 };
 
-// Written out, for they are all that a sweep consists of.
+// Written out, because a sweep consists of them alone.
 [[nodiscard]] [[gnu::always_inline]] inline vec3 seen_in(const mat3& f, const vec3& v) {
   return {f(0, 0) * v[0] + f(0, 1) * v[1] + f(0, 2) * v[2],
           f(1, 0) * v[0] + f(1, 1) * v[1] + f(1, 2) * v[2],
@@ -43,8 +42,8 @@ concept swept_in_manifolds = requires {
 }
 
 /// Contacts [first, last) of a list. The motion of body a relative to b, at the centre of a and in
-/// the frame of the contacts, is (V, W) with V = v_a - v_b - w_b x offset; where a contact presses
-/// with r at arm from the centre of a, its velocity is V + W x arm, and (V, W) changes by
+/// the frame of the contacts, is (V, W) with V = v_a - v_b - w_b x offset; for a contact with
+/// impulse r at arm from the centre of a, its velocity is V + W x arm, and (V, W) changes by
 /// mobility (r, arm x r).
 struct contact_manifold {
   real columns[6][6];    ///< of the mobility, which is symmetric; first, for mobility()
@@ -54,7 +53,7 @@ struct contact_manifold {
   std::int32_t a = 0, b = -1;
 
   [[nodiscard]] [[gnu::always_inline]] twist mobility(int k) const {
-    twist column;  // and two numbers of what follows in this object
+    twist column;  // and two padding numbers
     std::memcpy(&column, reinterpret_cast<const char*>(this) + k * sizeof columns[0],
                 sizeof column);
     return column;
@@ -107,7 +106,7 @@ class manifold_motion {
                (p_.mobility(4) * y + p_.mobility(5) * z);
     total_ += twist{r[0], r[1], r[2], x, y, z};
   }
-  /// Gives the bodies the impulses that acted.
+  /// Applies the accumulated impulses to the bodies.
   template <class State>
   void apply(State& s) const {
     give(p_, s, {total_[0], total_[1], total_[2]}, {total_[3], total_[4], total_[5]});
@@ -123,8 +122,8 @@ class manifold_motion {
   twist motion_{}, total_{};
 };
 
-/// The same for the correction of overlaps, which presses along the normal alone: the rate of
-/// approach at an arm needs three numbers of (V, W).
+/// The same for the position correction, which acts along the normal alone: the rate of approach at
+/// an arm needs three numbers of (V, W).
 template <bool Paired>
 class patch_shift {
  public:
@@ -188,7 +187,7 @@ struct turned_tensor {
   }
 };
 
-/// Fills in what the bodies of a manifold do to each other.
+/// Computes the coupling of the bodies of a manifold.
 template <bool Paired, class State>
 void prepare_manifold(contact_manifold& p, const State& s) {
   const auto a = static_cast<std::size_t>(p.a);
@@ -203,7 +202,7 @@ void prepare_manifold(contact_manifold& p, const State& s) {
     const turned_tensor of_b(p.frame, s.tensor(b));
     turning.x += of_b.x, turning.y += of_b.y, turning.z += of_b.z;
     const vec3 c = seen_in(p.frame, p.offset);
-    // What an impulse turns, seen from a; and how that moves the centre of a.
+    // The rotation by an impulse, seen from a; and the motion of the centre of a by it.
     const vec3 x = c[2] * of_b.y - c[1] * of_b.z, y = c[0] * of_b.z - c[2] * of_b.x,
                z = c[1] * of_b.x - c[0] * of_b.y;
     const vec3 mx = crossed(c, x), my = crossed(c, y), mz = crossed(c, z);

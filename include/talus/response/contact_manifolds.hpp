@@ -1,6 +1,6 @@
 #pragma once
-// All patches of a list of contacts: eight at a time where they share no body that can move, and
-// one by one where they do.
+// All manifolds of a list of contacts: eight at a time if they share no movable body, and one by
+// one if they do.
 #include <cstddef>
 #include <cstdint>
 
@@ -12,10 +12,9 @@
 namespace talus::detail {
 
 /// The manifolds of a list of contacts. Sweeps visit contacts in the order of the list, as if each
-/// were solved by itself: of two that share a body the first comes in an earlier block, for stacks
-/// converge much faster when the impulses travel along them. (Manifolds of more contacts than a
-/// block has room for come last.) The contacts hold the impulses; what they are prepared with is
-/// kept here.
+/// were solved alone: of two that share a body the first is in an earlier block, because stacks
+/// converge much faster if the impulses propagate along them. (Manifolds with more contacts than
+/// fit a block come last.) The contacts hold the impulses; the prepared data are stored here.
 template <class Contact, class Planner = ordered_planner>
 class contact_manifolds {
   static constexpr bool paired = Contact::paired;
@@ -25,8 +24,8 @@ class contact_manifolds {
   using layer = patch_layer<Contact>;
 
  public:
-  /// Finds the manifolds and prepares their contacts. `contacts` of one pair lie together, and stay
-  /// where they are until they are prepared anew.
+  /// Finds the manifolds and prepares their contacts. `contacts` of one pair are adjacent, and stay
+  /// in place until they are prepared again.
   void prepare(plain_vector<Contact>& contacts, const solver_state& s) {
     manifolds_.clear(), runs_.clear();
     plan_.clear();
@@ -59,7 +58,7 @@ class contact_manifolds {
     for (std::size_t k = 0; k < used_; ++k)
       if (blocks_[k].filled > 0) work::prepare(blocks_[k], layers_of(blocks_[k]), s);
   }
-  /// Gives the bodies all impulses of the contacts, which need not have been prepared.
+  /// Applies all impulses of the contacts, which need not be prepared, to the bodies.
   static void apply_all(const plain_vector<Contact>& contacts, solver_state& s) {
     for (std::size_t first = 0, i = 0; first < contacts.size(); first = i) {
       const Contact& c = contacts[first];
@@ -90,7 +89,7 @@ class contact_manifolds {
   void sweep_backward(plain_vector<Contact>& contacts, solver_state& s) {
     backward<false>(contacts, s, [](auto&&...) {});
   }
-  /// note(index, change) with the change of velocity that each contact's own impulse makes.
+  /// note(index, change) with the change of velocity that each contact's own impulse causes.
   template <class Note>
   void sweep_watched(plain_vector<Contact>& contacts, solver_state& s, Note&& note) {
     backward<true>(contacts, s, note);
@@ -133,7 +132,7 @@ class contact_manifolds {
     prepare_manifold<paired>(p, s);
     for (std::size_t i = first; i < last; ++i) contacts[i].prepare(p);
   }
-  /// Notes in the blocks which contacts are theirs.
+  /// Records in the blocks which contacts are theirs.
   void fill(plain_vector<Contact>& contacts) {
     std::size_t count = 0;
     for (std::size_t k = 0; k < used_; ++k) {
@@ -186,18 +185,19 @@ class contact_manifolds {
     u[0] -= c.target_velocity;
     c.r = c.block.solve(before, u, c.friction);
     const vec3 d = c.r - before;
-    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return false;  // as open contacts stay
+    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return false;  // for contacts that stay open
     motion.apply_impulse(c.arm, d);
     return true;
   }
 
   Planner plan_;
-  plain_vector<block> blocks_;  ///< of which the first so many are in use
+  plain_vector<block> blocks_;  ///< of which only the first are in use
   std::size_t used_ = 0;
   plain_vector<layer> layers_;  ///< of all blocks
   plain_vector<run> runs_;
-  plain_vector<contact_manifold> manifolds_;  ///< with more contacts than a block has room for
-  Contact spare_;                             ///< where a block has none; its impulse stays zero
+  plain_vector<contact_manifold> manifolds_;  ///< with more contacts than fit a block
+  Contact spare_;                             ///< for a block without a contact there; its impulse
+                                              ///< stays zero
 };
 
 }  // namespace talus::detail

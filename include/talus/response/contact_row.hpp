@@ -14,7 +14,7 @@ class contact_row {
   using state = typename Contact::state;
 
   void clear() { contacts_.clear(); }
-  /// Which of its bodies can move matters to blocks only.
+  /// Only blocks depend on which of its bodies can move.
   void add(const Contact& c, bool, bool) { contacts_.push_back(c); }
   [[nodiscard]] std::size_t size() const { return contacts_.size(); }
   [[nodiscard]] std::size_t bytes() const { return contacts_.capacity() * sizeof(Contact); }

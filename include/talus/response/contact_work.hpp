@@ -1,5 +1,5 @@
 #pragma once
-// What a contact gives to its two bodies, in parts: for monitors of energy and momentum.
+// The work of a contact on its two bodies, in parts: for monitors of energy and momentum.
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
@@ -23,8 +23,8 @@ template <class Contact>
   return p;
 }
 
-/// Velocity of the contact point on body a, which moves with v and turns with w. With the impulse
-/// on a it makes the work done on that body, to round-off: it is what the solver's velocities meet.
+/// Velocity of the contact point on body a, which moves with v and rotates with w. Its product with
+/// the impulse on a is the work on that body, to round-off: it is the velocity of the solver.
 template <class Contact>
 [[nodiscard]] vec3 velocity_on_a(const Contact& c, const vec3& v, const vec3& w) {
   if constexpr (requires { c.r; })

@@ -1,5 +1,5 @@
 #pragma once
-// When a solver stops: after a number of iterations, or when the contact residual is small enough.
+// The stopping criterion of a solver: a number of iterations, or a small enough contact residual.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -15,18 +15,18 @@
 
 namespace talus::detail {
 
-/// What a solver has done in one step; alike on all ranks.
+/// The result of a solver in one step; alike on all ranks.
 struct solved {
   int iterations = 0;
-  /// Contact residual of the solution, NaN where no tolerance asked for it.
+  /// Contact residual of the solution, NaN without a tolerance.
   double residual = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Watches the residual while a solver iterates, if a tolerance is asked for; otherwise it counts
-/// and nothing else. Ranks agree by one reduction per check, so that all stop after the same
-/// iteration; all but the last of them run beside an iteration. Checks grow rarer with the
-/// iterations (every eighth of their number), which keeps their cost below that of the iterations.
-/// `Sum` is double, or exact_sum where nothing may depend on how contacts are shared out.
+/// Checks the residual while a solver iterates, if a tolerance is set; otherwise it only counts.
+/// Ranks agree by one reduction per check, so that all stop after the same iteration; all but the
+/// last reduction overlap with an iteration. Checks become rarer with the iterations (every eighth
+/// of their number), which keeps their cost below that of the iterations. `Sum` is double, or
+/// exact_sum if the result must not depend on the distribution of contacts.
 ///
 ///   // before any impulse acts:
 ///   convergence<Lists, Ranks, State> watch(lists, state, settings, ranks);
@@ -40,7 +40,7 @@ struct solved {
 template <class Lists, class Ranks, class State = solver_state, class Sum = double>
 class convergence {
   static constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
-  /// Where nothing may depend on the ranks, a rank alone learns as late as others.
+  /// If nothing may depend on the ranks, a single rank gets the result as late as several.
   static constexpr bool at_once = alone && std::is_same_v<Sum, double>;
 
  public:
@@ -67,7 +67,8 @@ class convergence {
   /// Whether the velocities after `k` iterations will be checked.
   [[nodiscard]] bool due(int k) const { return watches_ && k >= next_; }
 
-  /// Checks the velocities after `k` iterations, if that is due: whether they are the solution.
+  /// Checks the velocities after `k` iterations, if that is due: returns whether they are the
+  /// solution.
   bool reached(int k) {
     if (!due(k)) return false;
     looked_ = k;
@@ -80,9 +81,9 @@ class convergence {
   /// The last one found, by all ranks; NaN before.
   [[nodiscard]] double residual() const { return residual_; }
 
-  /// Takes in what the ranks have found, one iteration ago. If that was small enough, the next
-  /// check is made at once, or after `grace` more iterations, and waited for, so that the
-  /// velocities that are kept are those that passed.
+  /// Receives the ranks' residual of one iteration ago. If it was small enough, the next check is
+  /// made at once, or after `grace` more iterations, and awaited, so that the final velocities are
+  /// those that passed.
   void poll(int grace = 0) {
     if constexpr (!at_once) {
       if (!looking_) return;
@@ -90,8 +91,8 @@ class convergence {
       if (hopeful_) next_ = looked_ + 1 + grace;
     }
   }
-  /// After the last of `k` iterations. Where the tolerance was not reached, `refresh` is called to
-  /// give all ranks the velocities, and the residual is that of what was reached.
+  /// After the last of `k` iterations. If the tolerance was not reached, `refresh` is called to
+  /// send the velocities to all ranks, and the residual is that of the final velocities.
   template <class Refresh>
   [[nodiscard]] solved end(int k, Refresh&& refresh) {
     if (watches_ && !settled_) {
@@ -117,7 +118,7 @@ class convergence {
     return residual_ <= settings_.tolerance;
   }
 
-  /// Over all ranks; exact sums travel digit by digit.
+  /// Over all ranks; exact sums are sent digit by digit.
   template <std::size_t N>
   void start_sum(std::array<Sum, N>& sums) {
     if constexpr (alone) {

@@ -1,5 +1,5 @@
 #pragma once
-// The correction of overlaps: displacements of bodies that never enter their velocities.
+// The position correction: displacements of bodies that never enter their velocities.
 #include <tuple>
 #include <type_traits>
 
@@ -9,8 +9,8 @@
 
 namespace talus::detail {
 
-/// Gauss-Seidel on the contacts' `push`; between ranks simultaneously, with divided masses, as the
-/// contacts have been prepared. `ranks` has shared corrections of zero.
+/// Gauss-Seidel on the contacts' `relax_correction`; between ranks simultaneously, with divided
+/// masses, as the contacts are prepared. `ranks` has shared corrections of zero.
 template <class Lists, class State, class Ranks>
 void correct_overlaps(Lists& lists, State& s, const solver_settings& settings, Ranks&& ranks) {
   const auto each = [&](auto&& f) { each_of(lists, f); };

@@ -8,11 +8,11 @@
 namespace talus::detail {
 
 /// Finds the impulse r of one contact with friction coefficient mu >= 0 such that u = W r + b
-/// fulfils u_n >= 0, r_n >= 0, u_n r_n = 0, |r_t| <= mu r_n, and u_t = -lambda r_t with lambda >= 0
-/// and lambda (mu r_n - |r_t|) = 0 (component 0 is the normal one). W is positive definite and
-/// need not be quite symmetric. When the contact slides, r_t = -(S + lambda)^-1 c with the Schur
-/// complement S of W_nn turns the law into one scalar equation for lambda, which is bracketed and
-/// solved by Newton's method; it has a solution whenever the impulse that sticks lies outside the
+/// satisfies u_n >= 0, r_n >= 0, u_n r_n = 0, |r_t| <= mu r_n, and u_t = -lambda r_t with lambda >=
+/// 0 and lambda (mu r_n - |r_t|) = 0 (component 0 is the normal one). W is positive definite and
+/// need not be quite symmetric. If the contact slides, r_t = -(S + lambda)^-1 c with the Schur
+/// complement S of W_nn reduces the law to one scalar equation for lambda, which is bracketed and
+/// solved by Newton's method; it has a solution whenever the sticking impulse lies outside the
 /// cone.
 [[nodiscard]] inline vec3 solve_coulomb(const mat3& W, const vec3& b, real mu) {
   if (b[0] >= 0) return {0, 0, 0};
@@ -42,7 +42,7 @@ namespace talus::detail {
   state r = at(0);
   if (r.n >= 0 && excess(r) <= 0) return {r.n, r.t1, r.t2};  // sticks
 
-  // Where lambda is large, r_t = -c / lambda and r_n = -b_n / W_nn.
+  // For large lambda, r_t = -c / lambda and r_n = -b_n / W_nn.
   real low = 0, high = std::max(s11 + s22, -length_of(c1, c2) * wn / (mu * b[0]));
   while (excess(r = at(high)) > 0 && high < 1e150 * wn) low = high, high *= 4;
   real lambda = high;
@@ -61,7 +61,7 @@ namespace talus::detail {
     lambda = next;
     r = at(lambda);
   }
-  // Put the impulse on the cone to the last bit that matters, by the component known better.
+  // Project the impulse onto the cone to the last relevant bit, by the more precise component.
   const real length = length_of(r.t1, r.t2);
   if (mu > 1) return {length / mu, r.t1, r.t2};
   const real n = std::max(r.n, real{0});

@@ -1,5 +1,5 @@
 #pragma once
-// A contact's own block of the Delassus operator, ready for many solutions of Coulomb's law.
+// A contact's own block of the Delassus operator, prepared for many solutions of Coulomb's law.
 #include <cmath>
 
 #include "talus/core/math.hpp"
@@ -8,7 +8,7 @@
 namespace talus::detail {
 
 /// The symmetric block W in the frame (normal, tangent, tangent), and its inverse: most contacts
-/// stick or are open, and need no more than a product.
+/// stick or are open, and need only a product.
 struct coulomb_block {
   real nn = 0, n1 = 0, n2 = 0, t11 = 0, t12 = 0, t22 = 0;           ///< W
   real i_nn = 0, i_n1 = 0, i_n2 = 0, i_11 = 0, i_12 = 0, i_22 = 0;  ///< its inverse
@@ -34,8 +34,8 @@ struct coulomb_block {
             n2 * r[0] + t12 * r[1] + t22 * r[2]};
   }
 
-  /// The impulse that fulfils Coulomb's law (see solve_coulomb), where the impulse `r` leaves the
-  /// velocity `u`, that of a separation as fast as the contact asks for counting as zero.
+  /// The impulse that satisfies Coulomb's law (see solve_coulomb), if the impulse `r` leaves the
+  /// velocity `u`, relative to the target velocity of separation.
   [[nodiscard]] vec3 solve(const vec3& r, const vec3& u, real mu) const {
     const real n = r[0] - (i_nn * u[0] + i_n1 * u[1] + i_n2 * u[2]),
                x = r[1] - (i_n1 * u[0] + i_11 * u[1] + i_12 * u[2]),
@@ -48,11 +48,11 @@ struct coulomb_block {
     return slide(r, u, un, mu);
   }
 
-  /// The same where it is known to slide; uses W and inverse_nn alone. `un` is the normal velocity
-  /// without the impulse. Eliminating the normal leaves the law as (S + lambda) r_t = -c with the
-  /// Schur complement S, and mu r_n / |r_t| = 1, which is nearly linear in lambda: Newton's method
-  /// starts from what lambda was before, and mostly takes a step or two. Where it leads astray, the
-  /// general solution is asked.
+  /// The same for a contact known to slide; uses W and inverse_nn alone. `un` is the normal
+  /// velocity without the impulse. Eliminating the normal leaves the law as (S + lambda) r_t = -c
+  /// with the Schur complement S, and mu r_n / |r_t| = 1, which is nearly linear in lambda:
+  /// Newton's method starts from the previous lambda, and mostly takes a step or two. If it
+  /// diverges, the general solution is used.
   [[nodiscard]] [[gnu::noinline]] vec3 slide(const vec3& r, const vec3& u, real un, real mu) const {
     const real inverse = inverse_nn;
     if (mu == 0) return {-un * inverse, 0, 0};
@@ -78,7 +78,7 @@ struct coulomb_block {
       const real ratio = mu / std::sqrt(square), miss = ratio * n - 1;
       if (last || std::abs(miss) < 1e-14) {
         if (!(n >= 0) || !(std::abs(miss) < 1e-9)) break;
-        const real fit = ratio * n;  // on the cone to the last bit that matters
+        const real fit = ratio * n;  // on the cone to the last relevant bit
         if (mu > 1) return {n / fit, x, y};
         return {n, fit * x, fit * y};
       }

@@ -1,6 +1,6 @@
 #pragma once
-// Groups of contacts that sweeps do not solve, behind one face: what finds and solves them is no
-// template of a scenario and can be compiled once.
+// Groups of contacts that sweeps do not solve, behind one interface: the code that finds and solves
+// them is independent of the scenario and can be compiled once.
 #include <functional>
 #include <memory>
 #include <span>
@@ -30,13 +30,13 @@ class direct_islands {
   direct_islands(direct_islands&&) noexcept;
   direct_islands& operator=(direct_islands&&) noexcept;
 
-  // `own` is this rank; `travelling` holds, for each other rank, the bodies that it
-  // has copies of and those that this rank has copies of.
+  // `own` is this rank; `travelling` holds, for each other rank, the bodies with copies there and
+  // the copies here of its bodies.
 
-  /// Whether contacts between copies of bodies of other ranks are wanted.
+  /// Whether contacts between copies of bodies of other ranks are needed.
   [[nodiscard]] bool wants_foreign_contacts() const;
-  /// Before any impulse acts. Without `shares` this rank takes no part in islands that several
-  /// ranks solve alike, and says so to the others with the ties of its bodies.
+  /// Before any impulse is applied. Without `shares` this rank takes no part in islands that
+  /// several ranks solve alike, and sends that with the ties of its bodies.
   void look(std::span<const access> lists, State& s, int own,
             std::span<const travelling_bodies> travelling, bool shares = true);
   /// Of a body, for sending and receiving.
@@ -45,8 +45,8 @@ class direct_islands {
   void add_hub(std::uint32_t body);
   /// After the ties of all bodies have been shared.
   void solve_shared(std::span<const access> lists, State& s);
-  /// After the last sweep. `parcels` becomes one for each rank that takes part besides this one;
-  /// `exchange()` sends and receives them.
+  /// After the last sweep. `parcels` becomes one for each other rank that takes part; `exchange()`
+  /// sends and receives them.
   void solve_gathered(std::span<const access> lists, State& s, int own,
                       std::span<const travelling_bodies> travelling, std::vector<parcel>& parcels,
                       const std::function<void()>& exchange);

@@ -1,5 +1,5 @@
 #pragma once
-// The contacts of one kind in a world that has two solvers, of which each run uses one.
+// The contacts of one kind in a world with two solvers, of which each run uses one.
 #include <cstddef>
 #include <tuple>
 
@@ -9,8 +9,8 @@
 
 namespace talus::detail {
 
-/// Keeps contacts as the solver in use wants them. It offers what both kinds of lists offer, so
-/// that all stages of a step but the solvers are compiled once.
+/// Stores contacts in the list of the solver in use. It has the common interface of both kinds of
+/// lists, so that all stages of a step except the solvers are compiled once.
 template <class Contact>
 class either_list {
  public:
@@ -38,7 +38,7 @@ class either_list {
     by_colours_ ? coloured_.add_boundary(contact, key, owns_a, last)
                 : swept_.add_boundary(contact, key, owns_a, last);
   }
-  /// Only where the solver in use asks for contacts of bodies of other ranks.
+  /// Only if the solver in use needs contacts of bodies of other ranks.
   void add_foreign(const Contact& contact, const contact_key& key) {
     swept_.add_foreign(contact, key);
   }

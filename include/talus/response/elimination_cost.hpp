@@ -1,5 +1,6 @@
 #pragma once
-// What it costs to factorize the Delassus operator of an assembled problem, before it is tried.
+// The cost of a factorization of the Delassus operator of an assembled problem, estimated before
+// it.
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <vector>

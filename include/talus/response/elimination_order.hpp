@@ -1,5 +1,5 @@
 #pragma once
-// The order in which the unknowns of bodies are eliminated, so that little fills in.
+// The order of elimination of the unknowns of bodies, for little fill-in.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -24,11 +24,11 @@ struct sparse_graph {
 };
 
 /// Approximate minimum degree (Amestoy, Davis, Duff 1996) without mass elimination. Unknowns with
-/// very many neighbours, such as a plate on thousands of spheres, come last. What is eliminated
-/// together with each unknown comes out of it as well, so that no further symbolic phase is needed.
+/// very many neighbours, such as a plate on thousands of spheres, come last. The result includes
+/// the unknowns that each elimination touches, so that no further symbolic phase is needed.
 class elimination_order {
  public:
-  /// Gives up where the factors would have more than `most` products of blocks.
+  /// Stops if the factors would have more than `most` products of blocks.
   elimination_order(const sparse_graph& g, double most)
       : n_(g.rows()),
         most_(most),
@@ -54,19 +54,19 @@ class elimination_order {
         put(i, static_cast<std::int32_t>(row.size()));
     }
     for (std::int32_t i = take(); i >= 0 && possible(); i = take()) eliminate(i);
-    // They touch each other, if not at first, then by what was eliminated.
+    // They touch each other, initially or by fill-in.
     for (std::size_t k = 0; k < crowded.size(); ++k)
       finish(crowded[k], {crowded.data() + k + 1, crowded.size() - k - 1});
   }
 
   /// Whether the factors stay within the limit.
   [[nodiscard]] bool possible() const { return cost_ <= most_; }
-  /// Products of blocks that the factors take.
+  /// Products of blocks of the factorization.
   [[nodiscard]] double cost() const { return cost_; }
   [[nodiscard]] std::span<const std::int32_t> order() const {
     return {order_.data(), order_.size()};
   }
-  /// What is still there, and touched by it, when the unknown is eliminated.
+  /// The remaining unknowns that the unknown touches when it is eliminated.
   [[nodiscard]] std::span<const std::int32_t> touched(std::int32_t i) const {
     return {structure_[at(i)].data(), structure_[at(i)].size()};
   }
@@ -127,7 +127,7 @@ class elimination_order {
     touched.append(crowd_.data(), crowd_.size());
     finish(p, {touched.data(), touched.size()});
 
-    // How much of each other element lies outside of what is touched here.
+    // How much of each other element lies outside of the unknowns touched here.
     base_ += n_ + 1;
     for (const std::int32_t i : touched) {
       if (state_[at(i)] == last) continue;
@@ -155,7 +155,7 @@ class elimination_order {
       kept = 0;
       for (const std::int32_t e : of) {
         const std::int64_t outside = weight_[at(e)] - base_;
-        if (outside == 0 && crowd_is_marked(e)) continue;  // within what is touched here
+        if (outside == 0 && crowd_is_marked(e)) continue;  // within the unknowns touched here
         of[kept++] = e;
         degree += outside;
       }
@@ -177,7 +177,7 @@ class elimination_order {
   std::int32_t n_;
   double most_, cost_ = 0;
   vector_of<plain_vector<std::int32_t>> variables_, elements_, structure_;
-  plain_vector<std::int32_t> size_;  ///< of the elements, without what is crowded
+  plain_vector<std::int32_t> size_;  ///< of the elements, without crowded unknowns
   plain_vector<std::int32_t> mark_;
   plain_vector<std::int64_t> weight_;
   plain_vector<state> state_;

@@ -7,7 +7,7 @@
 namespace talus::detail {
 
 /// Rows (n, t1, t2): an orthonormal frame around the unit normal n (Duff et al. 2017). Equal
-/// normals have one frame: the sign of a zero does not matter.
+/// normals have one frame: the sign of a zero has no effect.
 template <class Real>
 [[nodiscard]] matrix3<Real> frame_around(const vector3<Real>& n) {
   const Real sign = n[2] < 0 ? Real{-1} : Real{1}, p = -1 / (sign + n[2]), q = n[0] * n[1] * p;

@@ -1,13 +1,13 @@
 #pragma once
-// Where a body goes in a step if nothing is in its way.
+// The path of a body in a step without contacts.
 #include "talus/core/math.hpp"
 #include "talus/response/free_rotation.hpp"
 
 namespace talus::detail {
 
-/// A parabola through the places that semi-implicit Euler reaches: x + (v + a dt/2) t + a t^2/2 is
-/// there after any number of steps of constant acceleration, so that a velocity of that scheme is
-/// the true one half a step before. A body whose orientation matters turns as a free one does.
+/// A parabola through the positions of semi-implicit Euler: x + (v + a dt/2) t + a t^2/2 coincides
+/// with it after any number of steps of constant acceleration, so that a velocity of that scheme is
+/// the true one half a step before. A body with an orientation rotates freely.
 template <bool Turns>
 struct free_flight {
   vec3 position{0, 0, 0};
@@ -28,7 +28,7 @@ struct free_flight {
       if (spin.squaredNorm() > 0) (void)rotate_freely(p.orientation, spin, inertia, t - turned);
     return p;
   }
-  /// The body at rest where it is at time t.
+  /// The body at rest at its position at time t.
   [[nodiscard]] free_flight stopped(real t) const {
     const pose p = at(t);
     free_flight f;

@@ -1,6 +1,6 @@
 #pragma once
 // Free rotation of a rigid body over a time step, of fourth order. A template of the scalar, so
-// that only programs with bodies that turn compile it.
+// that only programs with rotating bodies compile it.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,7 +10,7 @@
 
 namespace talus::detail {
 
-/// Cosine and sine of half an angle, fast where it is small.
+/// Cosine and sine of half an angle, fast if it is small.
 template <class Real>
 struct half_angle {
   Real cosine, sine;
@@ -28,10 +28,10 @@ struct half_angle {
 };
 
 /// A free body with angular momentum m in its own frame and principal inverse moments p. Of the
-/// kinetic energy, sum p_k m_k^2 / 2, the part p_mid |m|^2 / 2 turns the body about its angular
-/// momentum, which is fixed in the world, and commutes with all else; what is left are turns about
-/// the two other axes, at the rates (p_k - p_mid) m_k, each of which leaves m_k as it is. If two
-/// moments are equal only one of these is left, and the motion is exact.
+/// kinetic energy, sum p_k m_k^2 / 2, the part p_mid |m|^2 / 2 rotates the body about its angular
+/// momentum, which is fixed in the world, and commutes with all other parts; the rest are rotations
+/// about the two other axes, at the rates (p_k - p_mid) m_k, each of which conserves m_k. If two
+/// moments are equal only one of these remains, and the motion is exact.
 template <class Real>
 class free_body {
  public:
@@ -42,9 +42,8 @@ class free_body {
     if (p_[low_] > p_[middle_]) std::swap(low_, middle_);
   }
 
-  /// Angle per unit of time and of |m| that measures how far this is from an exact motion: the
-  /// energy that a symmetric composition of second order is wrong by is some hundredths of its
-  /// square.
+  /// Angle per unit of time and of |m| that measures the deviation from an exact motion: the energy
+  /// error of a symmetric composition of second order is some hundredths of its square.
   [[nodiscard]] Real asymmetry() const {
     return std::sqrt((p_[high_] - p_[middle_]) * (p_[middle_] - p_[low_]));
   }
@@ -82,13 +81,13 @@ class free_body {
   int low_ = 0, middle_ = 1, high_ = 2;
 };
 
-/// Free rotation of a body with principal moments `inertia` over `dt`: turns `q` and returns the
+/// Free rotation of a body with principal moments `inertia` over `dt`: rotates `q` and returns the
 /// new angular velocity (both in the world frame). The Hamiltonian is split (after Dullweber,
 /// Leimkuhler, McLachlan 1997; see free_body) and composed symmetrically: the angular momentum in
 /// the world is kept to round-off, the energy does not drift, and both errors are of fourth order
-/// in dt. Where turning is so slow, or the body so nearly symmetric, that second order is wrong by
-/// less than 1e-9 of the energy, that is taken; where it is fast the step is divided. What decides
-/// is the same in all steps of a free flight.
+/// in dt. If the rotation is so slow, or the body so nearly symmetric, that the energy error of
+/// second order is below 1e-9, second order is used; if it is fast the step is divided. The
+/// criterion is the same in all steps of a free flight.
 template <class Real>
 [[nodiscard]] vector3<Real> rotate_freely(quaternion<Real>& q, const vector3<Real>& w,
                                           const vector3<Real>& inertia, Real dt) {
@@ -103,7 +102,7 @@ template <class Real>
   if (angle < Real(1e-4)) {
     body.second_order(dt);
   } else {
-    constexpr Real largest = 0.15, most = 64;  // no time step makes sense beyond
+    constexpr Real largest = 0.15, most = 64;  // no time step is sensible beyond
     const Real parts = std::clamp(std::ceil(angle / largest), Real{1}, most);
     for (int k = 0; k < static_cast<int>(parts); ++k) body.fourth_order(dt / parts);
   }

@@ -31,11 +31,11 @@ namespace talus::detail {
 
 /// A plate on thousands of bodies of many ranks needs one solution for all its contacts: sweeps
 /// would need as many iterations as there are bodies, times the ratio of the masses. The rank that
-/// owns such a body (a hub: heavier than some times all lighter bodies that it touches) says so to
+/// owns such a body (a hub: heavier than a multiple of all lighter bodies that it touches) notifies
 /// the ranks that have copies of it. After the last sweep these send the owner their contacts in
 /// the islands around it. The owner solves them with its own, as stalled_islands does on one rank,
 /// and sends the impulses back. Of the contacts between two other ranks only those with hubs take
-/// part; the others keep their impulses. Where islands join several hubs, their contacts go to the
+/// part; the others keep their impulses. If islands join several hubs, their contacts go to the
 /// owner of the heaviest one in one step, and to any of them in the next: some owners may not see
 /// that islands of another rank join their hub with a heavier one. Only ranks that hold a hub or a
 /// copy of one send messages.
@@ -44,15 +44,15 @@ class gathered_islands {
   using access = contact_access<State>;
 
  public:
-  /// Islands stay with the sweeps where one rank has more contacts of them, or all ranks together
+  /// Islands are left to the sweeps if one rank has more contacts of them, or all ranks together
   /// more than four times as many.
   static constexpr std::size_t most_contacts = 30000;
-  /// A hub has this many times the mass of all lighter bodies that it touches, and touches at least
-  /// so many of them.
+  /// A hub has this multiple of the mass of all lighter bodies that it touches, and touches at
+  /// least so many of them.
   static constexpr real heavy = 5;
   static constexpr int fewest = 4;
 
-  /// Before any impulse acts: finds the hubs among the bodies owned here.
+  /// Before any impulse is applied: finds the hubs among the bodies owned here.
   void find_hubs(std::span<const access> lists, State& s, int own,
                  std::span<const travelling_bodies> travelling) {
     hubs_.clear(), s.gathered.clear();
@@ -95,7 +95,7 @@ class gathered_islands {
     is_hub_[body] = 1;
   }
 
-  /// After the hubs have been shared: what is solved here belongs to no stalled island.
+  /// After the hubs have been shared: contacts solved here belong to no stalled island.
   void mark(std::span<const access> lists, State& s) const {
     if (hubs_.empty()) return;
     for (const hub& h : hubs_) s.gathered.push_back(static_cast<std::uint32_t>(h.body));
@@ -106,8 +106,8 @@ class gathered_islands {
     });
   }
 
-  /// After the last sweep. `parcels` becomes one for each rank that takes part besides this one;
-  /// `exchange()` sends and receives them.
+  /// After the last sweep. `parcels` becomes one for each other rank that takes part; `exchange()`
+  /// sends and receives them.
   void solve(std::span<const access> lists, State& s, int own,
              std::span<const travelling_bodies> travelling, std::vector<parcel>& parcels,
              const std::function<void()>& exchange) {
@@ -149,7 +149,7 @@ class gathered_islands {
     plain_vector<plain_pair<system_id, std::int32_t>> bodies;
     bool too_large = false;
   };
-  /// As they travel.
+  /// Their form in messages.
   struct told_body {
     system_id id;
     vec3 v, w;
@@ -184,7 +184,7 @@ class gathered_islands {
     return std::any_of(bodies.begin(), bodies.end(), [&](std::uint32_t i) { return is_hub(i); });
   }
 
-  /// Which contacts and bodies of this rank go where: to its own part, or to that of another one.
+  /// The destination of contacts and bodies of this rank: its own part, or that of another one.
   void find_parts(std::span<const access> lists, State& s, int own) {
     parts_.clear();
     plain_vector<std::int32_t> hub_of(s.bodies.size(), -1);
@@ -279,7 +279,7 @@ class gathered_islands {
         id, v_of(b), w_of(b), real(b.inverse_mass),
         at(body) >= s.first_tensor ? s.tensor(at(body)) : diagonal_matrix<real>(b.inverse_inertia)};
   }
-  /// With the velocity of what cannot move taken into its target and drive.
+  /// With the velocity of immovable bodies included in its target and drive.
   [[nodiscard]] told_contact contact_of(std::span<const access> lists, const State& s,
                                         const member& m) const {
     told_contact t{lists[m.list].key(m.part, m.index), 0, 0,
@@ -309,7 +309,7 @@ class gathered_islands {
     for (const member& m : p.contacts) out.put(contact_of(lists, s, m));
   }
 
-  /// Solves the own part together with what the parcels have brought, and writes the answers.
+  /// Solves the own part together with the received parcels, and writes the answers.
   void solve_here(std::span<const access> lists, State& s, const part& own,
                   std::vector<parcel>& parcels) {
     solver_state all;
@@ -413,7 +413,7 @@ class gathered_islands {
   std::uint64_t round_ = 0;    ///< alike on all ranks
   std::map<int, part> parts_;  ///< by the rank that solves them
   plain_vector<int> owner_;
-  int pause_ = 0, wait_ = 0;  ///< steps before hubs of this rank are looked for again
+  int pause_ = 0, wait_ = 0;  ///< steps before hubs of this rank are searched again
 };
 
 }  // namespace talus::detail

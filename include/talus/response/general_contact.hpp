@@ -15,7 +15,7 @@
 
 namespace talus::detail {
 
-/// What the solver knows of one side of a contact from its shape.
+/// Properties of one side of a contact that the solver takes from its shape.
 enum class contact_side { scalar, tensor, immovable };
 
 /// The impulse of a contact without friction: its normal component.
@@ -36,7 +36,7 @@ struct normal_impulse {
   friend normal_impulse operator*(real s, const normal_impulse& x) { return {s * x.n}; }
 };
 
-/// What friction adds to a general contact: the impulse has three components instead of one.
+/// Friction data of a general contact: the impulse has three components instead of one.
 template <bool Friction>
 struct general_block {
   coulomb_block block;
@@ -55,18 +55,18 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   using state = solver_state_of<Real>;  ///< velocities are Reals, all else is real
   static constexpr bool paired = B != contact_side::immovable;
   static constexpr bool manifolds = true;  ///< a pair of bodies has several such contacts
-  /// Where one of the bodies is round, a pair has one contact. (With velocities in fewer digits
-  /// contacts are solved one by one.)
+  /// If one of the bodies is isotropic, a pair has one contact. (In reduced precision contacts are
+  /// solved one by one.)
   static constexpr bool swept_in_manifolds = Law::friction && A == contact_side::tensor &&
                                              B != contact_side::scalar &&
                                              std::is_same_v<Real, real>;
   static constexpr int rows = Law::friction ? 3 : 1;
-  /// One by one in the order of the list: stacks converge much faster when the impulses travel
-  /// along them, and the local solution costs more than waiting.
+  /// One by one in the order of the list: stacks converge much faster if the impulses propagate
+  /// along them, and the local solution costs more than the waiting.
   static constexpr std::size_t streams = 1;
   using change = std::conditional_t<Law::friction, vec3, normal_impulse>;  ///< in the frame
 
-  // In this order, for vectors are read together with the number that follows them.
+  // In this order, because vectors are read together with the number that follows them.
   vec3 normal{0, 0, 1};  ///< from b to a; the tangents are those of frame_around
   vec3 arm_a{0, 0, 0};   ///< from the centre of mass to the contact point
   vec3 arm_b{0, 0, 0};
@@ -89,12 +89,12 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
       this->delassus = normal.dot(w * normal);
     }
   }
-  /// The same from a manifold that it belongs to.
+  /// The same from its manifold.
   void prepare(const contact_manifold& p) requires(swept_in_manifolds) {
     this->arm = seen_in(p.frame, arm_a);
     if constexpr (general_contact::biased) this->bias_in_frame = seen_in(p.frame, this->bias);
     const vec3& r = this->arm;
-    // The motion that each component of an impulse at the arm makes, and the velocity there.
+    // The motion that each component of an impulse at the arm causes, and the velocity there.
     const twist x3 = p.mobility(3), x4 = p.mobility(4), x5 = p.mobility(5),
                 n = p.mobility(0) + (x4 * r[2] - x5 * r[1]),
                 x = p.mobility(1) + (x5 * r[0] - x3 * r[2]),
@@ -116,7 +116,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     r = seen_in(frame, impulse);
     clip();
   }
-  /// Into the cone.
+  /// Projects into the cone.
   void clip() {
     r[0] = std::max(real{0}, r[0]);
     if constexpr (Law::friction) {
@@ -133,17 +133,17 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   }
   [[nodiscard]] change impulse_in_frame() const { return r; }
 
-  // What solving several contacts as one needs; see stalled_islands.hpp.
+  // Functions for solving several contacts as one problem; see stalled_islands.hpp.
   [[nodiscard]] mat3 axes() const { return frame_around<real>(normal); }
   [[nodiscard]] const vec3& lever_a() const { return arm_a; }
   [[nodiscard]] const vec3& lever_b() const { return arm_b; }
   [[nodiscard]] change since(const change& before) const { return r - before; }
-  /// The change of velocity at the contact that a change of its impulse makes.
+  /// The change of velocity at the contact that a change of its impulse causes.
   [[nodiscard]] real speed_of(const change& d) const { return d.norm() * own_mobility(); }
   /// Replaces the impulse, which may leave the cone for a while; the change is still to be applied.
   void set(const change& next) { r = next; }
 
-  // What the residual is made of; see residual.hpp.
+  // Terms of the residual; see residual.hpp.
   [[nodiscard]] const vec3& axis() const { return normal; }
   [[nodiscard]] real mu() const { return Law::friction ? friction : 0; }
   /// Of a against b at the point of contact; without friction its normal part alone.
@@ -198,11 +198,11 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     if constexpr (paired) rate -= n.dot(shift_at<B>(s, b, arm_b));
     return correction_at(rate);
   }
-  /// The change of the correction's impulse where surfaces move apart at `rate`.
+  /// The change of the correction's impulse if surfaces separate at `rate`.
   real correction_at(real rate) {
     const real before = correction_impulse;
     const real next = correction_impulse - (rate - correction_rate) * inverse_own_mobility();
-    // Surfaces that hold each other neither part nor meet but by the push.
+    // Surfaces under load neither separate nor approach except by the position correction.
     correction_impulse = target_velocity == 0 && r[0] > 0 ? next : std::max(real{0}, next);
     return correction_impulse - before;
   }
@@ -212,7 +212,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   }
 
  private:
-  /// In the frame of the contact; of an impulse without friction there is the normal part alone.
+  /// In the frame of the contact; an impulse without friction has the normal part alone.
   [[nodiscard]] change seen(const vec3& v) const {
     if constexpr (Law::friction)
       return seen_in(frame_around<real>(normal), v);
@@ -246,7 +246,8 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     else
       return s.bodies[i].inverse_inertia * moment;
   }
-  /// What the correction moves the contact point by; a round body need not turn for it.
+  /// The displacement of the contact point by the correction; an isotropic body need not rotate for
+  /// it.
   template <contact_side Side>
   static vec3 shift_at(const state& s, std::int32_t i, const vec3& arm) {
     vec3 rate = in_scalar<real>(s.shift[i].v);

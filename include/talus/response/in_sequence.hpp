@@ -5,15 +5,15 @@
 
 namespace talus::detail {
 
-/// Fills one block after the other. What acts on the same bodies as the last one, as further
-/// manifolds of a pair do, begins a new block.
+/// Fills one block after the other. A contact or manifold with the same bodies as the last one, as
+/// further manifolds of a pair, begins a new block.
 template <int Lanes>
 class in_sequence {
  public:
   static constexpr std::size_t lanes = Lanes;
 
   void clear() { next_ = 0, a_ = b_ = -1; }
-  /// Slot (block * Lanes + lane) for what acts on a and b, -1 where b cannot move.
+  /// Slot (block * Lanes + lane) for the bodies a and b, -1 if b cannot move.
   [[nodiscard]] std::int64_t place(std::int32_t a, std::int32_t b) {
     if (a == a_ && b == b_) next_ = (next_ + Lanes - 1) / Lanes * Lanes;
     a_ = a, b_ = b;

@@ -1,6 +1,6 @@
 #pragma once
 // Semi-implicit Euler: velocities from forces, then positions from the new velocities. Templates of
-// the scalar, so that only programs with bodies that turn compile them.
+// the scalar, so that only programs with rotating bodies compile them.
 #include "talus/core/math.hpp"
 #include "talus/response/free_rotation.hpp"
 
@@ -14,7 +14,7 @@ template <class Real>
   return rotation * diagonal_matrix(inverse_moments) * rotation.transpose();
 }
 
-/// `q` turned by the rotation vector `angle` (radians), given in the world frame.
+/// `q` rotated by the rotation vector `angle` (radians), given in the world frame.
 template <class Real>
 [[nodiscard]] quaternion<Real> turned(const quaternion<Real>& q, const vector3<Real>& angle) {
   const Real length = angle.norm();

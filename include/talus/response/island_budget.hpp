@@ -1,15 +1,15 @@
 #pragma once
-// How much work may be spent on islands that sweeps do not solve, and what was left undone.
+// The work available for islands that sweeps do not solve, and the record of skipped islands.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 namespace talus::detail {
 
-/// In floating-point operations of this rank. Each step adds to what may be spent, at most as much
-/// as some seven sweeps take, or 2e8; what is not spent is kept for a step in which much has to be
-/// solved at once, up to fifty times of that (or 2e9). So no step takes longer than that, and many
-/// steps together hardly longer than their sweeps.
+/// In floating-point operations of this rank. Each step adds to the budget, at most as much as
+/// about seven sweeps take, or 2e8; the rest is kept for a step in which much must be solved at
+/// once, up to fifty times of that (or 2e9). So no step takes longer than that, and many steps
+/// together hardly longer than their sweeps.
 class island_budget {
  public:
   static constexpr double least = 2e8;
@@ -17,7 +17,7 @@ class island_budget {
   static constexpr double least_kept = 2e9;
   static constexpr double kept_per_contact = 2e5;
 
-  /// Whether to look for islands in this step: not for some steps after pause().
+  /// Whether to search for islands in this step: not for some steps after pause().
   [[nodiscard]] bool due() {
     ++steps_;
     if (pause_ == 0) return true;
@@ -26,7 +26,7 @@ class island_budget {
   }
   void pause() { pause_ = 7; }
 
-  /// What may be spent now, with so many contacts.
+  /// The available budget now, with so many contacts.
   [[nodiscard]] double open(std::size_t contacts) {
     const auto n = static_cast<double>(contacts);
     const double most = std::max(least_kept, kept_per_contact * n);
@@ -37,7 +37,7 @@ class island_budget {
   }
   void close(double left) { kept_ = left; }
 
-  /// An island that was left to the sweeps because solving it would have cost too much.
+  /// An island that was left to the sweeps because its solution would have cost too much.
   void skip(std::size_t contacts) {
     ++skipped_;
     skipped_contacts_ = std::max(skipped_contacts_, static_cast<std::uint64_t>(contacts));
@@ -47,12 +47,12 @@ class island_budget {
   void solved() { ++solved_; }
   [[nodiscard]] std::uint64_t islands_solved() const { return solved_; }  ///< in all steps
 
-  /// As at the beginning of a run, but for the counts.
+  /// As at the beginning of a run, except for the counts.
   void begin_afresh() { pause_ = 0, steps_ = 0, kept_ = -1; }
 
  private:
   int pause_ = 0, steps_ = 0;
-  double kept_ = -1;  ///< negative: as much as may be kept
+  double kept_ = -1;  ///< negative: the largest amount that may be kept
   std::uint64_t solved_ = 0, skipped_ = 0, skipped_contacts_ = 0;
 };
 

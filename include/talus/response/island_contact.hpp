@@ -1,5 +1,5 @@
 #pragma once
-// A contact as the solvers of whole islands see it, whatever its kind.
+// A contact in the form used by the solvers of whole islands, for any kind.
 #include <array>
 #include <cstdint>
 
@@ -7,9 +7,9 @@
 
 namespace talus::detail {
 
-/// What the Delassus operator needs to know of one contact.
+/// Data of one contact for the Delassus operator.
 struct island_contact {
-  std::int32_t a = 0, b = -1;  ///< bodies; b = -1 where it cannot move
+  std::int32_t a = 0, b = -1;  ///< bodies; b = -1 if it cannot move
   mat3 axes;                   ///< rows: normal from b to a, two tangents
   vec3 arm_a, arm_b;           ///< from the centres of mass to the contact point
   real target_velocity = 0, friction = 0;

@@ -18,7 +18,7 @@
 namespace talus::detail {
 
 /// Orders contacts along the chain of bodies that they connect (Cuthill and McKee 1969): contacts
-/// of one body then lie close together. Returns the order and the half bandwidth in contacts.
+/// of one body are then close together. Returns the order and the half bandwidth in contacts.
 class contact_order {
  public:
   explicit contact_order(const plain_vector<island_contact>& contacts) {
@@ -77,7 +77,7 @@ class contact_order {
 };
 
 /// Assembles the problem of these contacts at the velocities of `s`, which contain their impulses;
-/// `r` becomes those in the axes of the contacts.
+/// `r` becomes those impulses in the axes of the contacts.
 template <class State>
 [[nodiscard]] assembled_problem assemble_island(const plain_vector<island_contact>& contacts,
                                                 const State& s, contact_vector& r) {

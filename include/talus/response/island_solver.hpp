@@ -1,5 +1,5 @@
 #pragma once
-// Solves an island to round-off by Newton's method, or as far as it gets.
+// Solves an island to round-off by Newton's method, or as far as possible.
 #include <algorithm>
 
 #include "talus/response/assembled.hpp"
@@ -9,12 +9,12 @@
 
 namespace talus::detail {
 
-/// Improves the impulses r of `p`, never making their error larger, with at most `most_systems`
-/// linear systems; returns how many it took. Some problems have no solution (a sphere that is to
-/// rebound from both sides of a corner whose friction holds it), and their error falls a little the
-/// larger the impulses grow: such are not taken. Proximal points, each found by whole Newton steps:
-/// one is enough where it is known which contacts carry. The proximal term starts where degenerate
-/// choices (which three feet of a box carry it?) are settled, and shrinks until weak directions (a
+/// Improves the impulses r of `p`, never increasing their error, with at most `most_systems` linear
+/// systems; returns how many it took. Some problems have no solution (a sphere that is to rebound
+/// from both sides of a corner whose friction holds it), and their error falls slightly as the
+/// impulses grow: such impulses are rejected. Proximal points, each found by full Newton steps: one
+/// is enough if the loaded contacts are known. The proximal term starts at a value that settles
+/// degenerate choices (which three feet of a box carry it?), and shrinks until weak directions (a
 /// heavy body on light ones) are solved too.
 inline int solve_island(const assembled_problem& p, contact_vector& r, int most_systems) {
   const real mean = p.mean_diagonal(), rho = 1 / mean;
@@ -57,8 +57,8 @@ inline int solve_island(const assembled_problem& p, contact_vector& r, int most_
   return systems;
 }
 
-/// Solves `p` from no impulses at all, so that equal problems give equal bits; false, with r as it
-/// may be, where that leaves too much.
+/// Solves `p` from zero impulses, so that equal problems give equal bits; false, with an arbitrary
+/// r, if the remaining error is too large.
 [[nodiscard]] inline bool solve_island_anew(const assembled_problem& p, contact_vector& r,
                                             int most_systems) {
   r.set_zero(p.contacts());

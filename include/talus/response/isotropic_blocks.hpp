@@ -1,6 +1,6 @@
 #pragma once
-// Interior contacts of round bodies in blocks that share no body that can move, so that the
-// contacts of a block are solved at once: eight in double, sixteen in float.
+// Interior contacts of isotropic bodies in blocks that share no movable body, so that the contacts
+// of a block are solved at once: eight in double, sixteen in float.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace talus::detail {
 
-// All functions that are given packs are inlined.
+// All functions that take packs are inlined.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -34,8 +34,8 @@ struct round_block_bias {
 template <class Wide>
 struct round_block_bias<false, Wide> {};
 
-/// The contacts of a block. Lanes that are not filled repeat the bodies of the first and do
-/// nothing, since their normals are zero.
+/// The contacts of a block. Empty lanes repeat the bodies of the first and have no effect, because
+/// their normals are zero.
 template <class Contact>
 struct round_block : round_block_friction<(Contact::rows > 1), wide_pack<typename Contact::number>>,
                      round_block_bias<Contact::biased, wide_pack<typename Contact::number>> {
@@ -45,14 +45,15 @@ struct round_block : round_block_friction<(Contact::rows > 1), wide_pack<typenam
   std::int32_t a[lanes], b[lanes];
 };
 
-/// What the correction of overlaps needs besides: apart, since sweeps of the response are as fast
-/// as the memory that they read.
+/// Additional data for the position correction: separate, because the memory traffic limits the
+/// speed of the sweeps.
 template <class Wide>
 struct round_block_push {
   Wide correction_rate, correction_impulse;
 };
 
-/// What contact_row is for other contacts. `Planner` says which contacts share a block.
+/// The container of these contacts; contact_row is that of others. `Planner` assigns contacts to
+/// blocks.
 template <class Contact,
           class Planner = block_planner<lanes_of<wide_pack<typename Contact::number>>>>
 class isotropic_blocks {
@@ -88,7 +89,7 @@ class isotropic_blocks {
       make_empty(used_, c);
     }
     const std::size_t lane = static_cast<std::size_t>(slot) % lanes;
-    if (lane == 0) make_empty(at, c);  // blocks are not begun in their order
+    if (lane == 0) make_empty(at, c);  // blocks do not begin in their order
     put(at, lane, c);
   }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
@@ -258,7 +259,8 @@ class isotropic_blocks {
     };
   }
 
-  // The same as isotropic_contact::warm; the impulse is where the tangential one will be.
+  // The same as isotropic_contact::load_impulse; the impulse is stored in place of the tangential
+  // one.
   static void load_impulse(block& x) {
     if constexpr (friction) {
       const wide n = x.nx * x.tx + x.ny * x.ty + x.nz * x.tz;
@@ -293,7 +295,7 @@ class isotropic_blocks {
       x.inverse_wt = 1 / wt;
     }
   }
-  // The same as isotropic_contact::apply of the whole impulse.
+  // The same as isotropic_contact::apply of the full impulse.
   static void apply(const block& x, state& s) {
     wide dx = x.rn * x.nx, dy = x.rn * x.ny, dz = x.rn * x.nz;
     if constexpr (friction) {
@@ -379,7 +381,7 @@ class isotropic_blocks {
     return square / (x.inverse_wn * x.inverse_wn);
   }
 
-  // The same as isotropic_contact::relax_push, push_a and push_b.
+  // The same as isotropic_contact::relax_correction, correct_a and correct_b.
   static void relax_correction(const block& x, push_of_block& p, state& s) {
     const auto at_a = [&](int i) {
       auto& shift = s.shift[static_cast<std::size_t>(x.a[i])];
@@ -413,11 +415,11 @@ class isotropic_blocks {
   }
 
   Planner plan_;
-  plain_vector<block> blocks_;               ///< of which the first so many are in use
+  plain_vector<block> blocks_;               ///< of which only the first are in use
   plain_vector<push_of_block> corrections_;  ///< of each block
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
-  plain_vector<Contact> overflow_;      ///< contacts that found no place
+  plain_vector<Contact> overflow_;      ///< contacts that found no slot
   plain_vector<std::uint32_t> number_;  ///< the contact in a slot
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// A contact of bodies whose inertia is a multiple of 1 and whose contact normals pass through
-// their centres: spheres, against each other or against something immovable.
+// A contact of bodies whose inertia is a multiple of 1 and whose contact normals pass through their
+// centres: spheres, against each other or against something immovable.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace talus::detail {
 /// Whether the second body of a contact can move at all; global bodies cannot.
 enum class partner { moving, immovable };
 
-/// What friction adds to a contact of round bodies, and to a change of its impulse.
+/// Friction data of a contact of isotropic bodies, and of a change of its impulse.
 template <bool Friction, class Real = real>
 struct round_friction {
   vector3<Real> rt{0, 0, 0};  ///< tangential impulse
@@ -64,13 +64,12 @@ struct isotropic_change<false, Real> {
   [[nodiscard]] Real dot(const isotropic_change& x) const { return n * x.n; }
 };
 
-/// The Delassus block of such a contact is diagonal: w_n = 1/m_a + 1/m_b along the normal and
-/// w_t = w_n + arm_a^2/I_a + arm_b^2/I_b across it. So the exact local solution of Coulomb's law
-/// needs no tangent basis and no tensor: r_n = max(0, r_n - (u_n - target)/w_n), and r_t - u_t/w_t
-/// is clipped radially to mu r_n. Velocities are those of a relative to b, impulses act on a.
-/// Without friction nothing tangential is stored or computed. Vectors are worked on as rows of
-/// four, which is why a number follows each of them in memory. What others ask of a contact is told
-/// in reals.
+/// The Delassus block of such a contact is diagonal: w_n = 1/m_a + 1/m_b along the normal and w_t =
+/// w_n + arm_a^2/I_a + arm_b^2/I_b across it. So the exact local solution of Coulomb's law needs no
+/// tangent basis and no tensor: r_n = max(0, r_n - (u_n - target)/w_n), and r_t - u_t/w_t is
+/// clipped radially to mu r_n. Velocities are those of a relative to b, impulses act on a. Without
+/// friction nothing tangential is stored or computed. Vectors are processed as rows of four, which
+/// is why a number follows each of them in memory. Results for other code are of type real.
 template <class Law, partner Partner, class Real = real>
 struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has_bias<Law>> {
   using number = Real;
@@ -78,11 +77,11 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
   using row = row_pack<Real>;
   static constexpr bool paired = Partner == partner::moving;
   static constexpr int rows = Law::friction ? 3 : 1;  ///< of the Delassus operator
-  /// Contacts that follow each other in the list share a body, so that each would wait for the one
-  /// before; contacts far apart do not, and the processor works on several at once.
+  /// Consecutive contacts in the list share a body, so that each would wait for the one before;
+  /// contacts far apart do not, and the processor works on several at once.
   static constexpr std::size_t streams = 3;
 
-  /// Impulses below it are none.
+  /// Smaller impulses count as zero.
   static constexpr Real tiny = std::is_same_v<Real, double> ? Real(1e-150) : Real(1e-19);
   using blocks = isotropic_blocks<isotropic_contact>;
 
@@ -98,8 +97,8 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
 
   using change = isotropic_change<Law::friction, Real>;
 
-  /// Effective masses; `split_a` and `split_b` are the numbers of parts that the masses of a and b
-  /// are divided into where several contacts are solved simultaneously (1 elsewhere).
+  /// Effective masses; `split_a` and `split_b` are the numbers of parts into which the masses of a
+  /// and b are divided if several contacts are solved simultaneously (else 1).
   void prepare(const state& s, Real split_a, Real split_b) {
     const body& A = s.bodies[a];
     Real wn = split_a * A.inverse_mass;
@@ -112,7 +111,7 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
     }
   }
 
-  /// Starts from an impulse of the last step, turned into the present cone.
+  /// Warm start from an impulse of the last step, projected into the present cone.
   void load_impulse(const vec3& kept) {
     const vector3<Real>& impulse = in_scalar<Real>(kept);
     rn = std::max(Real{0}, normal.dot(impulse));
@@ -141,7 +140,7 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
     if constexpr (Law::friction) this->rt = xyz(r.t);
   }
 
-  // What the residual is made of; see residual.hpp.
+  // Terms of the residual; see residual.hpp.
   [[nodiscard]] decltype(auto) axis() const { return in_scalar<real>(normal); }
   [[nodiscard]] real mu() const {
     if constexpr (Law::friction)
@@ -174,7 +173,7 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
     return trace;
   }
 
-  // What solving several contacts as one needs; see stalled_islands.hpp.
+  // Functions for solving several contacts as one problem; see stalled_islands.hpp.
   [[nodiscard]] mat3 axes() const { return frame_around<real>(axis()); }
   [[nodiscard]] vec3 lever_a() const {
     if constexpr (Law::friction)
@@ -194,7 +193,7 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
     else
       return {rn - before.n};
   }
-  /// The change of velocity at the contact that a change of its impulse makes.
+  /// The change of velocity at the contact that a change of its impulse causes.
   [[nodiscard]] real speed_of(const change& d) const {
     Real square = d.n * d.n;
     if constexpr (Law::friction) square += sum_of_products(d.t, d.t);
@@ -216,7 +215,7 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
       if constexpr (paired) spin += this->arm_b * spin_of(s.bodies[b]);
       const row old = load(row_of(*this, this->rt));
       row t = without_fourth(old - old[3] * (u - un * n + cross(n, spin)));
-      // No branch: whether a contact slides is hard to predict.
+      // Without a branch: whether a contact slides is hard to predict.
       const Real limit = this->friction * rn;
       t *= limit / std::max({limit, std::sqrt(sum_of_products(t, t)), tiny});
       store(row_of(*this, this->rt), __builtin_shufflevector(t, old, 0, 1, 2, 7));
@@ -248,7 +247,7 @@ struct isotropic_contact : round_friction<Law::friction, Real>, contact_bias<has
     if constexpr (paired) rate -= normal.dot(s.shift[b].v);
     const Real before = correction_impulse;
     const Real next = correction_impulse - (rate - correction_rate) * inverse_wn;
-    // Surfaces that hold each other neither part nor meet but by the push.
+    // Surfaces under load neither separate nor approach except by the position correction.
     correction_impulse = target_velocity == 0 && rn > 0 ? next : std::max(Real{0}, next);
     return correction_impulse - before;
   }

@@ -1,6 +1,6 @@
 #pragma once
-// Eight patches that share no body that can move, solved side by side: what contact_patch is for
-// one of them, with the same formulas.
+// Eight manifolds that share no movable body, solved side by side, with the formulas of
+// contact_manifold, which solves one.
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace talus::detail {
 
-// All functions that are given packs are inlined.
+// All functions that take packs are inlined.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -54,7 +54,7 @@ struct patch_layer : patch_layer_bias<Contact::biased> {
   eight correction_rate, correction_impulse;
   eight t11, t12, t22;
   mask_of<eight> present;
-  Contact* at[8] = {};  ///< the impulse stays there; what is no contact is a spare one
+  Contact* at[8] = {};  ///< the impulse stays there; a spare one in lanes without a contact
 };
 
 template <class Contact>
@@ -107,7 +107,7 @@ struct patch_block_work {
       const eight_matrices g = turned_tensors(p.frame, p.tensor_b);
       p.ww.x += g.x, p.ww.y += g.y, p.ww.z += g.z;
       const eight_vectors c = p.frame.times(p.offset);
-      // What an impulse turns, seen from a; and how that moves the centre of a.
+      // The rotation by an impulse, seen from a; and the motion of the centre of a by it.
       p.wv = {c.z * g.y - c.y * g.z, c.x * g.z - c.z * g.x, c.y * g.x - c.x * g.y};
       const eight_vectors mx = crossed(c, p.wv.x), my = crossed(c, p.wv.y), mz = crossed(c, p.wv.z);
       p.vv = {{mass - mx.x, zero - mx.y, zero - mx.z},
@@ -157,7 +157,7 @@ struct patch_block_work {
     ends.give(p, r, m, v_of, w_of);
   }
 
-  /// The correction of overlaps, which presses along the normal alone.
+  /// The position correction, which acts along the normal alone.
   static void correct(const block& p, layer* layers, solver_state& s) {
     const auto v_of = [&](const std::int32_t(&of)[8]) {
       return [&](int i) {
@@ -207,7 +207,7 @@ struct patch_block_work {
   struct relative_motion {
     eight_vectors v, w;
   };
-  /// Velocities of the bodies of a block, or displacements: v_of and w_of say where they are.
+  /// Velocities of the bodies of a block, or displacements: v_of and w_of are their accessors.
   struct ends_of_pairs {
     pack_rows<eight> va, wa, vb, wb;
 
@@ -221,7 +221,7 @@ struct patch_block_work {
       const eight_vectors of_b{wb.x, wb.y, wb.z};
       return {v - (eight_vectors{vb.x, vb.y, vb.z} + crossed(of_b, p.offset)), w - of_b};
     }
-    /// Changes them by an impulse on a and its moment about the centre of a, and writes them back.
+    /// Changes them by an impulse on a and its moment about the centre of a, and stores them.
     template <class V, class W>
     [[gnu::always_inline]] void give(const block& p, const eight_vectors& r, const eight_vectors& m,
                                      V& v_of, W& w_of) {
@@ -251,12 +251,12 @@ struct patch_block_work {
           gather<eight>([&](int i) { return row_of(*c.at[i], c.at[i]->bias); });
       c.bias = p.frame.times({bias.x, bias.y, bias.z});
     }
-    // The motion that each component of an impulse at the arm makes, and the velocity there.
+    // The motion that each component of an impulse at the arm causes, and the velocity there.
     eight_vectors nw = r.z * p.ww.y - r.y * p.ww.z, xw = r.x * p.ww.z - r.z * p.ww.x,
                   yw = r.y * p.ww.x - r.x * p.ww.y;
     eight nn, n1, n2, t11, t12, t22;
     if constexpr (paired) {
-      // Columns of the velocity that a moment makes.
+      // Columns of the velocity that a moment causes.
       const eight_vectors c3{p.wv.x.x, p.wv.y.x, p.wv.z.x}, c4{p.wv.x.y, p.wv.y.y, p.wv.z.y},
           c5{p.wv.x.z, p.wv.y.z, p.wv.z.z};
       const eight_vectors n = p.vv.x + (r.z * c4 - r.y * c5), x = p.vv.y + (r.x * c5 - r.z * c3),
@@ -279,7 +279,7 @@ struct patch_block_work {
     c.i_22 = scale * (nn * t11 - n1 * n1);
     c.inverse_nn = 1 / nn;
   }
-  /// The same as coulomb_block::solve, where the velocity is u; returns the changes.
+  /// The same as coulomb_block::solve, for the velocity u; returns the changes.
   template <bool Watched, class Note>
   [[gnu::always_inline]] static eight_vectors solve(layer& c, eight_vectors u, Note& note) {
     const auto impulse = [&](int i) { return row_of(*c.at[i], c.at[i]->r); };

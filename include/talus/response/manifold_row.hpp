@@ -1,5 +1,5 @@
 #pragma once
-// Interior contacts of which a pair of bodies has several, swept manifold by manifold.
+// Interior contacts of a kind with several per pair of bodies, swept manifold by manifold.
 #include <cstddef>
 
 #include "talus/response/contact_manifolds.hpp"
@@ -7,7 +7,7 @@
 
 namespace talus::detail {
 
-/// A contact_row whose manifolds are found when it is prepared.
+/// A contact_row that finds its manifolds when it is prepared.
 template <swept_in_manifolds Contact, class Planner = ordered_planner>
 class manifold_row : public contact_row<Contact> {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-// The flight of a body in a frame that moves and turns steadily.
+// The flight of a body in a frame with constant velocity and angular velocity.
 #include <utility>
 
 #include "talus/core/math.hpp"
@@ -7,10 +7,11 @@
 
 namespace talus::detail {
 
-/// A flight as it is seen by a rigid body that goes with the velocity `v` and turns with the
-/// angular velocity `w` about the point that is at `origin` at time 0; coordinates are those of
-/// that time. It has what time_of_impact() needs of a motion. The acceleration is an upper bound
-/// until the time `until`, with the Coriolis and the centrifugal one; its direction means nothing.
+/// A flight relative to a rigid body that moves with the velocity `v` and rotates with the angular
+/// velocity `w` about the point that is at `origin` at time 0; coordinates are those of that time.
+/// It has the members of a motion that time_of_impact() needs. The acceleration is an upper bound
+/// until the time `until`, including the Coriolis and the centrifugal one; its direction has no
+/// meaning.
 template <class Flight>
 struct moving_frame {
   vec3 acceleration, spin;

@@ -1,5 +1,6 @@
 #pragma once
-// How far an impulse and a velocity are from Coulomb's law: the natural map of the cone problem.
+// The deviation of an impulse and a velocity from Coulomb's law: the natural map of the cone
+// problem.
 #include <cmath>
 
 #include "talus/core/math.hpp"
@@ -19,9 +20,9 @@ namespace talus::detail {
   return height * (n + (mu / length) * across);
 }
 
-/// r - P_K(r - rho u^), zero where Coulomb's law holds: De Saxce's form u^ = u + mu |u_t| n makes
-/// one cone condition of it (Acary, Bremond, Huber 2018). `u` is the relative velocity less what
-/// the law asks for along the normal; `rho` has the unit of a mass.
+/// r - P_K(r - rho u^), zero if Coulomb's law holds: De Saxce's form u^ = u + mu |u_t| n makes it
+/// one cone condition (Acary, Bremond, Huber 2018). `u` is the relative velocity minus the target
+/// of the law along the normal; `rho` has the unit of a mass.
 [[nodiscard]] inline vec3 natural_map(const vec3& r, const vec3& u, const vec3& n, real mu,
                                       real rho) {
   const real slip = mu == 0 ? 0 : (u - n.dot(u) * n).norm();

@@ -15,15 +15,14 @@
 
 namespace talus {
 
-/// Sweeps over the contacts, each solved exactly for its cone with all others held (nonlinear
-/// block Gauss-Seidel; Jourdan, Alart, Jean 1998), started from the impulses of the last step.
-/// Between ranks, momentum is conserved thus: boundary contacts are solved simultaneously, from the
+/// Sweeps over the contacts, each solved exactly for its cone with all others held (nonlinear block
+/// Gauss-Seidel; Jourdan, Alart, Jean 1998), started from the impulses of the last step. Between
+/// ranks, momentum is conserved thus: boundary contacts are solved simultaneously, from the
 /// velocities that both ranks hold alike, with the mass of each body split among its boundary pairs
-/// so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012);
-/// then each rank sweeps its interior contacts, those of bodies that other ranks need to know
-/// first: their velocities travel while the others are swept. What the sweeps get nowhere with,
-/// such as a heavy body on light ones, is solved by Newton's method after the last of them (see
-/// response/stalled_islands.hpp).
+/// so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012); then each
+/// rank sweeps its interior contacts, those of border bodies first: their velocities are sent while
+/// the others are swept. Islands on which sweeps stall, such as a heavy body on light ones, are
+/// solved by Newton's method after the last of them (see response/stalled_islands.hpp).
 struct nonlinear_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "nonlinear_gauss_seidel";

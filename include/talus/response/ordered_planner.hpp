@@ -1,5 +1,5 @@
 #pragma once
-// Which patches are solved at once: blocks that keep the order of what shares a body.
+// Which manifolds are solved at once: blocks that keep the order of those that share a body.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -8,9 +8,10 @@
 
 namespace talus::detail {
 
-/// Puts each thing into the first block with room after all blocks that hold one of its bodies, so
-/// that whatever shares a body is solved in the order of the list (list scheduling). It goes back
-/// by a number of blocks at most, so that a block holds what is near in the list, and in memory.
+/// Puts each element into the first block with room after all blocks that hold one of its bodies,
+/// so that elements that share a body are solved in the order of the list (list scheduling). It
+/// goes back by a limited number of blocks, so that the elements of a block are near in the list,
+/// and in memory.
 class ordered_planner {
  public:
   static constexpr std::size_t lanes = 8;
@@ -19,7 +20,7 @@ class ordered_planner {
     after_.assign(after_.size(), 0);
     filled_.clear(), open_.clear();
   }
-  /// Slot (block * lanes + lane) for what acts on the bodies a and b, -1 where b cannot move.
+  /// Slot (block * lanes + lane) for an element on the bodies a and b, -1 if b cannot move.
   [[nodiscard]] std::size_t place(std::int32_t a, std::int32_t b) {
     const auto highest = static_cast<std::size_t>(std::max(a, b));
     if (highest >= after_.size()) after_.resize(highest + highest / 2 + 1, 0);
@@ -45,7 +46,7 @@ class ordered_planner {
   std::uint32_t with_room(std::uint32_t at) {
     std::uint32_t found = at;
     while (found < open_.size() && open_[found] != found) found = open_[found];
-    for (; at < found;) {  // what lies between is full for good
+    for (; at < found;) {  // blocks in between stay full
       const std::uint32_t next = open_[at];
       open_[at] = found;
       at = next;

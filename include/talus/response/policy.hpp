@@ -1,5 +1,5 @@
 #pragma once
-// solver<...> and integrator<...>: how contact impulses are found, and how motion is stepped.
+// solver<...> and integrator<...>: how contact impulses are computed, and how motion is advanced.
 #include <type_traits>
 
 #include "talus/concepts.hpp"
@@ -27,8 +27,8 @@ struct semi_implicit_euler final {
 
 /// Half of the change of velocity, positions with the velocity at mid-step, and from the forces
 /// there the other half (Verlet 1967 in the form of Swope, Andersen, Berens, Wilson 1982). Second
-/// order where forces depend on positions. For soft contacts: hard ones have impulses, not forces.
-/// Between steps shadow copies hold the velocity at mid-step.
+/// order if forces depend on positions. For soft contacts: hard ones have impulses instead of
+/// forces. Between steps shadow copies hold the velocity at mid-step.
 struct velocity_verlet final {
   using talus_part_of = roles::integrator;
   static constexpr const char* name = "velocity_verlet";
@@ -39,10 +39,11 @@ struct velocity_verlet final {
   static void step(detail::world_state<Scenario>& s);  // world/integrators/
 };
 
-/// Half of the way with the old velocities, forces and contacts there, the other half with the new
-/// velocities (Moreau 1999, with the impulses of the middle). Contacts that last leave the velocity
-/// that belongs to the end of the step, not to its middle (see world/velocity_bias.hpp), so that
-/// rolling, spinning and precession are of second order in dt. For hard contacts.
+/// Half of the motion with the old velocities, forces and contacts there, the other half with the
+/// new velocities (Moreau 1999, with the impulses of the middle). Lasting contacts leave the
+/// velocity that belongs to the end of the step instead of its middle (see
+/// world/velocity_bias.hpp), so that rolling, spinning and precession are of second order in dt.
+/// For hard contacts.
 struct moreau_midpoint final {
   using talus_part_of = roles::integrator;
   static constexpr const char* name = "moreau_midpoint";
@@ -53,9 +54,9 @@ struct moreau_midpoint final {
   static void step(detail::world_state<Scenario>& s);  // world/integrators/
 };
 
-/// Policy: the solver of the contact problem. Default: solver<nonlinear_gauss_seidel>. A program
-/// run by run() is compiled with a second one besides if that is named, which its option
-/// --reproducible chooses: solver<nonlinear_gauss_seidel, reproducible>.
+/// Policy: the solver of the contact problem. Default: solver<nonlinear_gauss_seidel>. If a second
+/// one is named, a program run by run() is compiled with both, and its option
+/// --reproducible chooses the second: solver<nonlinear_gauss_seidel, reproducible>.
 template <class Method, class OnRequest = void>
 struct solver final {
   static_assert(std::is_void_v<OnRequest> || detail::solves_by_colours<OnRequest>,

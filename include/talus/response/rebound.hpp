@@ -8,10 +8,10 @@
 namespace talus::detail {
 
 /// Separating velocity at the end of a step in which surfaces meet that approach at un < 0, by
-/// Newton's law: -e u_n at the surface itself. The step has it happen above the surface, by up to
-/// the gap; with an acceleration `fall` towards it, what is right there is the velocity that leads
-/// to the same height as the true impact: e^2 of the energy that the true one had, less what the
-/// gap is worth. (Stored velocities are those of half a step before, as in free_flight.)
+/// Newton's law: -e u_n at the surface itself. The step places the impact above the surface, by up
+/// to the gap; with an acceleration `fall` towards it, the correct velocity there leads to the same
+/// height as the true impact: e^2 of the energy of the true one, minus the potential energy of the
+/// gap. (Stored velocities are those of half a step before, as in free_flight.)
 [[nodiscard]] inline real rebound(real e, real un, real gap, real dt, real fall) {
   if (!(fall > 0)) return -e * un;
   const real height = std::max(gap, real{0}), speed = fall * dt / 2 - un;

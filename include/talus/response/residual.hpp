@@ -1,5 +1,5 @@
 #pragma once
-// The contact residual, from the contacts as they are: no operator is assembled.
+// The contact residual, directly from the contacts: no operator is assembled.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,7 +31,7 @@ void each_counted(const Lists& lists, F&& f) {
   each_of(lists, of_list);
 }
 
-/// The relative velocity, less the one that gap and restitution ask for.
+/// The relative velocity, minus the target of gap and restitution.
 template <class Contact>
 [[nodiscard]] vec3 violation(const Contact& c, const typename Contact::state& s) {
   vec3 u = c.relative_velocity(s) - c.target_velocity * c.axis();
@@ -51,7 +51,7 @@ struct residual_scale_of {
     sums[1] += Contact::rows;
     sums[2] += q.squaredNorm();
   }
-  /// The mass that turns velocities into impulses: 1 / mean diagonal.
+  /// The mass that converts velocities to impulses: 1 / mean diagonal.
   [[nodiscard]] double rho() const {
     const double diagonal = sums[0];
     return diagonal > 0 ? sums[1] / diagonal : 0;
@@ -73,9 +73,9 @@ struct residual_sums_of {
     sums[1] += r.squaredNorm();
     sums[2] += u.squaredNorm();
     sums[3] += 1;
-    if (!(square <= largest)) largest = square;  // a NaN is not lost
+    if (!(square <= largest)) largest = square;  // keeps a NaN
   }
-  /// |natural map| / max(|r|, rho |q|, rho |u|); 0 where nothing touches.
+  /// |natural map| / max(|r|, rho |q|, rho |u|); 0 without contacts.
   [[nodiscard]] double value(const residual_scale_of<Sum>& scale) const {
     const double square = sums[0];
     return square == 0 ? 0 : std::sqrt(square / square_of(scale));
@@ -94,7 +94,7 @@ struct residual_sums_of {
 };
 using residual_sums = residual_sums_of<double>;
 
-/// Adds what each contact of a list adds that obeys Coulomb's law and counts on this rank.
+/// Adds the terms of each contact of a list that obeys Coulomb's law and counts on this rank.
 template <class Sum, class List>
 void add_contacts(residual_scale_of<Sum>& scale, const List& list,
                   const typename List::contact_type::state& s) {

@@ -22,11 +22,11 @@
 
 namespace talus::detail {
 
-/// Where a stack stands on the corner of several domains, each of these ranks holds copies of all
-/// its bodies, sees all its contacts, and starts from the same velocities. So each solves the whole
-/// island by itself, to the same bits, and needs to be told nothing but that the others do the
-/// same: that is known if every body has as many contacts here as its owner knows of, and if every
-/// owner holds every body. What does not fulfil this is left to the iterations.
+/// If a stack stands on the corner of several domains, each of these ranks holds copies of all its
+/// bodies, computes all its contacts, and starts from the same velocities. So each solves the whole
+/// island by itself, to the same bits. It only needs to be sure that the others do the same: that
+/// is known if every body has as many contacts here as its owner counts, and if every owner holds
+/// every body. Islands that do not satisfy this are left to the iterations.
 template <class State>
 class shared_islands {
   using access = contact_access<State>;
@@ -36,20 +36,20 @@ class shared_islands {
   static constexpr std::size_t most_boundary_contacts = 400;
   static constexpr std::size_t most_contacts = 400;
 
-  /// Whether contacts between copies of bodies of other ranks are wanted: large numbers of boundary
-  /// contacts, as of a pile, do not make small islands.
+  /// Whether contacts between copies of bodies of other ranks are needed: large numbers of boundary
+  /// contacts, as of a pile, do not form small islands.
   [[nodiscard]] bool wanted() const { return wanted_; }
 
-  /// Before any impulse acts: keeps the velocities, and counts the contacts of each body. `own` is
-  /// this rank, `sent` and `received` hold, for each other rank, the bodies that it has copies of
-  /// and those that this rank has copies of.
+  /// Before any impulse is applied: stores the velocities, and counts the contacts of each body.
+  /// `own` is this rank, `sent` and `received` hold, for each other rank, the bodies with copies
+  /// there and the copies here of its bodies.
   void look(std::span<const access> lists, const State& s, int own,
             std::span<const travelling_bodies> travelling, bool shares = true) {
     std::size_t at_boundary = 0;
     for (const access& list : lists) at_boundary += list.size(contact_part::boundary);
     takes_part_ = shares && wanted_ && at_boundary > 0 && at_boundary <= most_boundary_contacts;
     wanted_ = at_boundary <= most_boundary_contacts;
-    ties_.assign(s.bodies.size(), {});  // what is sent where this rank takes no part
+    ties_.assign(s.bodies.size(), {});  // sent if this rank takes no part
     if (!takes_part_) return;
     free_ = s.bodies;
     for (body_ties& t : ties_) t.owner = own;
@@ -63,7 +63,7 @@ class shared_islands {
     });
     for (body_ties& t : ties_)
       if (t.owner == own) t.of_owner = static_cast<std::int32_t>(t.contacts);
-    // Who holds a body that is fixed is not told, so what touches one takes no part.
+    // The holders of a fixed body are not exchanged, so islands that touch one take no part.
     each_contact(lists, [&](const contact_ends& c, member) {
       if (c.b < 0 || static_cast<std::size_t>(c.b) >= s.first_global) return;
       if (moves(s, c.a) == moves(s, c.b)) return;
@@ -71,7 +71,7 @@ class shared_islands {
       if (t.owner == own) t.of_owner = -1;
     });
   }
-  /// Of a body, for sending and receiving. A solver that never looks takes no part.
+  /// Of a body, for sending and receiving. A solver that never searches takes no part.
   [[nodiscard]] body_ties& ties(std::size_t body) {
     if (ties_.size() <= body) ties_.resize(body + 1);
     return ties_[body];
@@ -142,7 +142,7 @@ class shared_islands {
     if (moves(s, body)) one.bodies.emplace_back(id, body);
   }
 
-  /// Whether all ranks that own bodies of the island see it as this one does; sorts it by ids.
+  /// Whether all ranks that own bodies of the island have the same view of it; sorts it by ids.
   bool known_alike(island& one) const {
     sort_values(one.bodies);
     one.bodies.erase(std::unique(one.bodies.begin(), one.bodies.end()), one.bodies.end());
@@ -190,7 +190,7 @@ class shared_islands {
     plain_vector<island_contact> contacts;
     for (const auto& [key, m] : one.contacts) {
       island_contact c = lists[m.list].contact(m.part, m.index);
-      // A body that cannot move may still carry others along.
+      // An immovable body may still carry others along.
       vec3 u{0, 0, 0};
       const auto enter = [&](std::int32_t& body, const vec3& arm, real sign) {
         if (body < 0) return;
@@ -210,7 +210,7 @@ class shared_islands {
       contacts.push_back(c);
     }
     const contact_order order(contacts);
-    // Alike on all ranks: what the island costs, not what a rank has spent so far.
+    // Alike on all ranks: the cost of the island, instead of the spent budget of a rank.
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     if (cost > 2e7) return;
     plain_vector<island_contact> chain;

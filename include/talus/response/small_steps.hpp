@@ -1,5 +1,5 @@
 #pragma once
-// Small steps: the time step is divided, and each part has one iteration.
+// Substepping: the time step is divided, and each substep has one iteration.
 #include <algorithm>
 #include <cstddef>
 #include <tuple>
@@ -21,14 +21,15 @@ namespace talus {
 
 namespace detail {
 
-/// What a contact goes through in a divided step.
+/// State of a contact in a step with substeps.
 template <class Contact>
 struct contact_course {
   real gap = 0;          ///< over the length of the whole step; an overlap counts as 0
-  real restitution = 0;  ///< where the detection saw an impact to come
+  real restitution = 0;  ///< if the detection predicted an impact
   typename Contact::change total;
 
-  /// From what the detection asks for, which is said in conditions_of of world/detect.hpp.
+  /// From the conditions of the detection, which are documented in conditions_of of
+  /// world/detect.hpp.
   contact_course(const Contact& c, const solver_state& s)
       : gap(c.target_velocity < 0   ? -c.target_velocity
             : c.target_velocity > 0 ? std::max(real{0}, -c.correction_rate)
@@ -38,8 +39,9 @@ struct contact_course {
       restitution = std::clamp(-c.target_velocity / approach(c, s), real{0}, real{1});
   }
 
-  /// Sets what the contact asks for in the coming part, from the velocities before it. `moved` is
-  /// the part of the step for which surfaces have moved with these, and `held` a gap that is none.
+  /// Sets the conditions of the contact in the coming substep, from the velocities before it.
+  /// `moved` is the part of the step for which surfaces have moved with these, and `held` a gap
+  /// that counts as closed.
   void advance(Contact& c, const solver_state& s, real part, real moved, real held) {
     const real un = approach(c, s);
     gap = std::max(real{0}, gap + un * moved);
@@ -62,21 +64,21 @@ struct contact_course {
 
 }  // namespace detail
 
-/// Divides the step into `solver_settings::iterations` parts with one Gauss-Seidel sweep each
+/// Divides the step into `solver_settings::iterations` substeps with one Gauss-Seidel sweep each
 /// (Macklin, Storey, Lu, Terdiman, Chentanez, Jeschke, Mueller 2019, "Small steps in physics
 /// simulation"). Contacts are detected once per step; in between, gaps advance with the relative
-/// velocities, so that an impact happens in its part of the step. The impulses of one part are
-/// where the next one starts. Unlike more sweeps, more parts also refine the motion in time.
+/// velocities, so that an impact happens in its substep. Each substep starts from the impulses of
+/// the last one. Unlike more sweeps, more substeps also refine the motion in time.
 ///
-/// With a tolerance each part is iterated to it. After the step contacts hold the impulses of the
-/// whole of it; measure_residual() sets these against the velocities at its end, so that an impact
-/// within the step counts as a residual.
+/// With a tolerance each substep is iterated to it. After the step contacts hold the impulses of
+/// the whole step; measure_residual() compares these with the velocities at its end, so that an
+/// impact within the step counts as a residual.
 struct small_steps final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "small_steps";
   static constexpr bool divides_the_step = true;
 
-  /// As nonlinear_gauss_seidel::solve; besides, fills solver_state::drift.
+  /// As nonlinear_gauss_seidel::solve; in addition it fills solver_state::drift.
   template <class Lists, class Ranks>
   static detail::solved solve(Lists& lists, detail::solver_state& s,
                               const solver_settings& settings, bool correct, Ranks&& ranks) {
@@ -164,8 +166,9 @@ struct small_steps final {
     (std::make_index_sequence<std::tuple_size_v<Lists>>{});
   }
 
-  /// Sweeps of one part, without a tolerance a single one. The first goes forward in every part:
-  /// from one way to the other, the errors that a sweep leaves would swing up with period two.
+  /// Sweeps of one substep, without a tolerance a single one. The first goes forward in every
+  /// substep: with alternating directions, the errors that a sweep leaves would grow with period
+  /// two.
   template <class Lists, class Watch, class Ranks>
   static detail::solved iterate(Lists& lists, detail::solver_state& s, Watch& watch, Ranks& ranks) {
     int k = 0;

@@ -14,18 +14,18 @@
 
 namespace talus::detail {
 
-/// What became of a contact problem.
+/// The result of a contact problem.
 struct assembled_result {
   /// `error` is within the tolerance, and `velocity_error` within its root or a hundredth.
   bool converged = false;
-  real error = 0;           ///< contact_error::scaled of what is handed back
+  real error = 0;           ///< contact_error::scaled of the returned impulses
   real velocity_error = 0;  ///< the same residual over rho max(|q|, |u|)
   int iterations = 0;       ///< sweeps and linear systems together
 };
 
 enum class assembled_method { hybrid, gauss_seidel, newton, interior_point };
 
-/// Callable that never says stop.
+/// Callable that never requests a stop.
 struct always {
   bool operator()() const { return true; }
 };
@@ -74,14 +74,14 @@ class assembled_solver {
     return least_ > tolerance_ && result_.iterations < most_ && go_on_();
   }
   /// The error at r, which is kept if it is the best so far. Impulses that are large (of heavy
-  /// bodies on light ones, or without bound) can hide wrong velocities in the scaled error, so that
-  /// these count by themselves, at the root of the tolerance.
+  /// bodies on light ones, or unbounded) can hide wrong velocities in the scaled error, so the
+  /// velocity error counts separately, against the root of the tolerance.
   real look(const contact_vector& r) {
     p_.velocity(r, u_);
     const real rho = 1 / mean_, residual = natural_residual(p_, r, u_, rho);
     const real velocities = rho * std::max(p_.q.norm(), u_.norm());
     const real scaled = error_ratio(residual, std::max(r.norm(), velocities));
-    // What is lost in the digits of r counts as wrong too.
+    // Errors below the precision of r count, too.
     const real wrong = error_ratio(residual + 1e-16 * r.norm(), velocities);
     const real e = std::max(scaled, std::sqrt(tolerance_) * wrong);
     if (e < least_) {
@@ -110,7 +110,7 @@ class assembled_solver {
     sweeps(static_cast<int>(30 * exchange), true);
     if (affordable) {
       proximal(1e-3 * mean_, 4, 1, 10);
-      if (least_ < 1e-3) {  // on the way: another try costs less than a new beginning
+      if (least_ < 1e-3) {  // near the solution: another try costs less than a restart
         swept_ = best_;
         sweeps(60, true);
         proximal(1e-2 * mean_, 4, 2, 10);
@@ -127,8 +127,8 @@ class assembled_solver {
     }
   }
 
-  /// Sweeps; if they are to pay, only as long as fewer than `count` more may do, going by the
-  /// later half of those done.
+  /// Sweeps; if they are to pay, only while fewer than `count` more are expected to suffice,
+  /// extrapolated from the later half of those done.
   void sweeps(int count, bool to_pay) {
     real then = look(swept_);
     int before = 0;
@@ -173,7 +173,8 @@ class assembled_solver {
     }
   }
 
-  /// The interior-point method until it stalls; a sweep after each step sorts out what is open.
+  /// The interior-point method until it stalls; a sweep after each step determines the open
+  /// contacts.
   void interior() {
     if (!going()) return;
     assembled_interior_point method(p_);
@@ -203,12 +204,12 @@ class assembled_solver {
   assembled_result result_;
 };
 
-/// Solves p from the warm start r (which may lie outside of its cones; zeros are fine), to
+/// Solves p from the warm start r (which may lie outside of its cones; zeros are allowed), to
 /// `tolerance` in contact_error::scaled. Ends after about `most` sweeps and linear systems, or soon
-/// after `go_on()` says no; then r is the best that was seen, and the result says that it has not
-/// converged. The default: a few steps of Newton's method where there are few contacts, sweeps
-/// while they pay, Newton's method with a proximal term, the interior-point method, and Newton's
-/// method from where that led; then sweeps and Newton's method in turn, as long as it may go on.
+/// after `go_on()` returns false; then r is the best seen, and the result reports that it has not
+/// converged. The default: a few steps of Newton's method for few contacts, sweeps while they pay,
+/// Newton's method with a proximal term, the interior-point method, and Newton's method from its
+/// result; then sweeps and Newton's method in turn, while it may continue.
 template <class GoOn = always>
 assembled_result solve_assembled(const assembled_problem& p, contact_vector& r, real tolerance,
                                  int most = 2000, GoOn&& go_on = {},

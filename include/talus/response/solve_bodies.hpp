@@ -1,5 +1,5 @@
 #pragma once
-// Solves an island that is wide: by its bodies.
+// Solves a wide island by its bodies.
 #include <algorithm>
 
 #include "talus/response/body_newton.hpp"
@@ -7,16 +7,16 @@
 
 namespace talus::detail {
 
-/// What became of an island.
+/// The result of an island.
 struct island_outcome {
   real before = 0, after = 0;  ///< its error: the natural residual
   bool solved = false;         ///< to a hundredth of the error, or to round-off
   bool too_dear = false;       ///< the budget ended it
 };
 
-/// Improves the impulses r of `p`, never making their error larger, as solve_island() does with an
-/// assembled problem: proximal points, each found by whole Newton steps. `budget` are the
-/// floating-point operations that may be spent; becomes what is left.
+/// Improves the impulses r of `p`, never increasing their error, as solve_island() does with an
+/// assembled problem: proximal points, each found by full Newton steps. `budget` are the available
+/// floating-point operations; decreases by those used.
 inline island_outcome solve_by_bodies(const body_problem& p, contact_vector& r, double& budget) {
   const real mean = p.mean_diagonal(), rho = 1 / mean;
   contact_vector u;
@@ -58,7 +58,7 @@ inline island_outcome solve_by_bodies(const body_problem& p, contact_vector& r, 
   }
   result.solved = least <= std::max(enough, 0.01 * result.before);
   result.too_dear = newton.too_dear();
-  // Half a solution may not add energy to what the sweeps have left.
+  // A partial solution must not add energy to the result of the sweeps.
   const auto work = [&](const contact_vector& at) {
     p.velocity(at, u);
     return at.dot(u) + at.dot(p.q());

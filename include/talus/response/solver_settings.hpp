@@ -1,16 +1,16 @@
 #pragma once
-// What every contact solver can be told.
+// Settings of every contact solver.
 #include "talus/core/math.hpp"
 
 namespace talus {
 
-/// How hard the contact problem is worked on: for a number of iterations, or until the contact
-/// residual (see measure_residual) is within a tolerance.
+/// The effort for the contact problem: a number of iterations, or until the contact residual (see
+/// measure_residual) is within a tolerance.
 struct solver_settings {
   int iterations = 10;            ///< sweeps over all contacts per step; 5 to 50
   real tolerance = 0;             ///< contact residual to reach, 1e-2 to 1e-8; 0: fixed iterations
-  int max_iterations = 1000;      ///< at most, where a tolerance is given
-  int correction_iterations = 3;  ///< sweeps of the correction of overlaps; 1 to 5
+  int max_iterations = 1000;      ///< upper limit, if a tolerance is set
+  int correction_iterations = 3;  ///< sweeps of the position correction; 1 to 5
   real correction = 0.2;          ///< part of an overlap that is corrected per step, in [0, 1]
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a contact solver works on: the velocities of all bodies of this rank, whatever their shape,
-// gathered into one array at the beginning of the response and scattered at its end.
+// The data of a contact solver: the velocities of all bodies of this rank, of any shape, gathered
+// into one array at the beginning of the response and scattered at its end.
 #include <cstddef>
 #include <cstdint>
 
@@ -21,7 +21,7 @@ struct alignas(8 * sizeof(Real)) solver_body_of {
 };
 using solver_body = solver_body_of<real>;
 
-/// Displacement of a body per unit of time that the correction of overlaps asks for.
+/// Displacement of a body per unit of time by the position correction.
 template <class Real>
 struct alignas(4 * sizeof(Real)) body_shift_of {
   vector3<Real> v{0, 0, 0};
@@ -40,8 +40,7 @@ struct body_motion {
   vec3 v{0, 0, 0}, w{0, 0, 0};
 };
 
-/// A solver that divides the step into smaller ones, so that positions follow more velocities than
-/// the last one.
+/// A solver with substeps, so that positions follow more velocities than the last one.
 template <class Solver>
 inline constexpr bool divides_the_step = requires {
   requires Solver::divides_the_step;
@@ -54,8 +53,8 @@ inline constexpr bool solves_shared_islands = requires {
   requires Solver::solves_shared_islands;
 };
 
-/// A solver that sweeps colour by colour, so that nothing depends on where contacts lie in memory;
-/// see coloured_gauss_seidel.hpp.
+/// A solver that sweeps colour by colour, so that nothing depends on the order of contacts in
+/// memory; see coloured_gauss_seidel.hpp.
 template <class Solver>
 inline constexpr bool solves_by_colours = requires {
   requires Solver::by_colours;
@@ -65,36 +64,36 @@ inline constexpr bool solves_by_colours = requires {
 template <class First, class Second>
 struct either_solver {};
 
-/// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with
-/// a tensor, locals before shadow copies within each shape. `Real` is the scalar of velocities and
-/// of the impulses of round contacts; see precision<...>. What bodies with a tensor need besides is
+/// Bodies in the order of the shapes of the scenario, those with scalar inertia before those with a
+/// tensor, locals before shadow copies within each shape. `Real` is the scalar of velocities and of
+/// the impulses of isotropic contacts; see precision<...>. Further data of bodies with a tensor are
 /// always real.
 template <class Real>
 struct solver_state_of {
   using number = Real;
 
   plain_vector<solver_body_of<Real>> bodies;
-  /// It moves positions and never enters the velocities. Empty when overlaps are not corrected.
+  /// It moves positions and never enters the velocities. Empty without position correction.
   plain_vector<body_shift_of<Real>> shift;
   plain_vector<body_turn> turn;  ///< likewise the rotation, of bodies from first_tensor
   plain_vector<mat3> tensors;    ///< inverse inertia, world frame, of bodies from first_tensor
   std::size_t first_tensor = 0;
   std::size_t first_global = ~std::size_t{0};  ///< from there on bodies are global and immovable
-  /// Number of bodies on other ranks that a body touches; only where there are ranks.
+  /// Number of bodies on other ranks that a body touches; only with several ranks.
   plain_vector<std::uint32_t> boundary_contacts;
-  real speed = 0;  ///< a change of velocity that matters: what gravity adds in a step
+  real speed = 0;  ///< a relevant change of velocity: the gain by gravity in a step
   island_budget islands;
   plain_vector<std::uint32_t> gathered;  ///< bodies whose islands one rank solves for several
 
-  // For solvers that divide a step; empty with others.
-  plain_vector<body_motion> gain;   ///< what forces add to the velocities in the step
-  plain_vector<body_motion> drift;  ///< mean velocity of the step, less the one at its end
+  // For solvers with substeps; empty with others.
+  plain_vector<body_motion> gain;   ///< gain of the velocities by forces in the step
+  plain_vector<body_motion> drift;  ///< mean velocity of the step, minus the one at its end
 
   [[nodiscard]] const mat3& tensor(std::size_t body) const { return tensors[body - first_tensor]; }
 };
 using solver_state = solver_state_of<real>;
 
-/// Velocities of a body as reals, whatever they are stored in.
+/// Velocities of a body as reals, from any stored type.
 template <class Real>
 [[nodiscard]] [[gnu::always_inline]] inline decltype(auto) v_of(const solver_body_of<Real>& b) {
   return in_scalar<real>(b.v);

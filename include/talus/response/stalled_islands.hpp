@@ -1,6 +1,6 @@
 #pragma once
-// Small groups of contacts on which sweeps make no headway (a heavy body on light ones, a tall
-// stack) are solved as one problem.
+// Small groups of contacts on which sweeps stall (a heavy body on light ones, a tall stack) are
+// solved as one problem.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -24,23 +24,23 @@
 
 namespace talus::detail {
 
-/// Finds the islands (contacts connected through bodies that can move) on which the last sweep
-/// still changed more than it should, and solves those for which that is cheap. What sweeps leave
-/// of an error grows with the ratio of the masses and the square of the bodies in a row: a stack of
-/// ten with a top of a thousand times the density needs tens of thousands of sweeps, and one
-/// Newton step; so does a plate on thousands of spheres. Contacts with bodies of other ranks keep
-/// their impulses.
+/// Finds the islands (contacts connected through movable bodies) on which the last sweep still
+/// changed more than it should, and solves those that are cheap to solve. The error that sweeps
+/// leave grows with the ratio of the masses and the square of the bodies in a row: a stack of ten
+/// with a top of a thousand times the density needs tens of thousands of sweeps, and one Newton
+/// step; so does a plate on thousands of spheres. Contacts with bodies of other ranks keep their
+/// impulses.
 template <class State>
 class stalled_islands {
   using access = contact_access<State>;
 
  public:
-  /// The last sweep, and then what has stalled. Where all that stalls is too large to be solved
-  /// here, as in a pile, looking is put off for some steps.
+  /// The last sweep, and then the stalled islands. If all of them are too large to be solved here,
+  /// as in a pile, the search is postponed for some steps.
   void sweep_and_solve(std::span<const access> lists, State& s) {
     if (s.speed == 0)  // no gravity
       for (const auto& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * v_of(b).norm());
-    // Less cannot matter, or is round-off.
+    // A smaller change is irrelevant, or is round-off.
     const real least = (std::is_same_v<typename State::number, real> ? 1e-9 : 1e-5) * s.speed;
     std::size_t stalled = 0, contacts = 0;
     plain_vector<std::span<const plain_pair<std::size_t, real>>> changes;
@@ -67,16 +67,16 @@ class stalled_islands {
   }
 
  private:
-  /// Larger islands are looked at only where something heavy lies on what is light: else sweeps do
+  /// Larger islands are checked only if something heavy lies on light bodies: otherwise sweeps work
   /// well, as in a pile.
   static constexpr std::size_t many = 1000;
-  /// Such is a body of this many times the mass of all lighter ones that it touches.
+  /// A heavy body has this multiple of the mass of all lighter ones that it touches.
   static constexpr real heavy = 5;
-  /// Of a contact in a sweep, in operations; twice, for a solution is exact.
+  /// Of a contact in a sweep, in operations; twice, because a solution is exact.
   static constexpr real sweep_cost = 600;
-  /// What takes less is solved by contacts, which is as good for a few.
+  /// Cheaper islands are solved by contacts, which is as good for a few.
   static constexpr real few = 4e6;
-  /// The part of solver_state::speed that may be left as error.
+  /// The fraction of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
 
   struct member {
@@ -89,12 +89,12 @@ class stalled_islands {
     bool elsewhere = false;  ///< solved as a part of a gathered island
     real change = 0;         ///< largest change of velocity in the last sweep
     real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
-    /// Estimate of the error: each sweep takes one part in (rows² * ratio of masses) from it.
+    /// Estimate of the error: each sweep removes one part in (rows² * ratio of masses) of it.
     [[nodiscard]] real stall(real rows) const {
       return change * rows * rows * most_mass / least_mass;
     }
     [[nodiscard]] bool sweeps_do() const { return size > many && !overloaded; }
-    /// At most: with four contacts in a row.
+    /// Upper limit: with four contacts in a row.
     [[nodiscard]] real stall() const {
       return sweeps_do() || elsewhere ? 0 : stall(1 + 0.25 * static_cast<real>(size));
     }
@@ -168,7 +168,7 @@ class stalled_islands {
       }
   }
   void find_overloaded(std::span<const access> lists, const State& s) {
-    plain_vector<real> below(s.bodies.size(), 0);  // mass of what is lighter and touches it
+    plain_vector<real> below(s.bodies.size(), 0);  // mass of the lighter bodies that touch it
     const auto paired = [&](const contact_ends& c) {
       return c.b >= 0 && moves(s, c.a) && moves(s, c.b);
     };
@@ -187,13 +187,13 @@ class stalled_islands {
   }
   static real mass_of(const State& s, std::int32_t i) { return 1 / real(body(s, i).inverse_mass); }
 
-  /// Whether the island, now that its length is known, is stalled and could be afforded.
+  /// Whether the island, with its known length, is stalled and within the budget.
   static bool solve_one(const island& one, std::span<const access> lists, State& s,
                         double& budget) {
     plain_vector<island_contact> contacts;
     for (const member& m : one.contacts)
       contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
-    plain_vector<island_contact> ties = contacts;  // immovable bodies tie nothing together
+    plain_vector<island_contact> ties = contacts;  // immovable bodies do not connect
     for (island_contact& c : ties)
       for (std::int32_t* end : {&c.a, &c.b})
         if (*end >= 0 && !moves(s, *end)) *end = -1;
@@ -202,7 +202,7 @@ class stalled_islands {
     if (one.stall(rows) <= let_be * s.speed) return false;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
-    // Not where the sweeps that it stands for cost less, as in heaps that are wide.
+    // Not if the sweeps that it replaces cost less, as in wide heaps.
     const real pays = sweep_cost * sweeps * static_cast<real>(contacts.size());
     if (cost <= std::min<real>({few, budget / 2, pays})) {
       solve_by_contacts(one, contacts, order, cost, lists, s, budget);

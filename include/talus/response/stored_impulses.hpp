@@ -1,5 +1,5 @@
 #pragma once
-// Warm starting: contacts take up the impulses that they had in the last step.
+// Warm starting: contacts load their impulses of the last step.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -13,17 +13,17 @@
 
 namespace talus::detail {
 
-/// A kind of contact of which a pair of bodies has several.
+/// A kind of contact with several per pair of bodies.
 template <class Contact>
 concept comes_in_manifolds = Contact::manifolds;
 
-/// A kind of contact whose impulse is kept in a frame around its normal.
+/// A kind of contact whose impulse is stored in a frame around its normal.
 template <class Contact>
 concept framed = requires(const Contact c, const mat3& frame) {
   c.impulse(frame);
 };
 
-/// What the history keeps of one pair of bodies: as many entries in a row, or found by key.
+/// The entries of one pair of bodies in the history: consecutive, or found by key.
 class kept_pair {
  public:
   kept_pair(const contact_history& history, const contact_key& key, const history_place* place)
@@ -53,7 +53,7 @@ class kept_pair {
   bool searched_;
 };
 
-/// What a pair of bodies remembers; of more points than have room, nothing is said.
+/// The stored impulses of a pair of bodies; of more points than there is room, none.
 class remembered_pair {
  public:
   explicit remembered_pair(const kept_pair& kept) {
@@ -63,7 +63,7 @@ class remembered_pair {
     });
   }
   [[nodiscard]] bool complete() const { return size_ <= most; }
-  /// The impulse of a point, which is then one of those that are still there; or null.
+  /// The impulse of a point, which is then marked as found; or null.
   [[nodiscard]] const vec3* find(const contact_key& key) {
     for (std::size_t k = 0; k < size_; ++k)
       if (found_[k].old->key.feature == key.feature) {
@@ -73,7 +73,7 @@ class remembered_pair {
     return nullptr;
   }
   /// The sum of those that were not found, in an order that does not depend on where they are
-  /// remembered: ranks must agree to the bit.
+  /// stored: ranks must agree to the bit.
   [[nodiscard]] vec3 lost() {
     const auto end = std::remove_if(found_.begin(), found_.begin() + size_,
                                     [](const entry& e) { return e.present; });
@@ -95,8 +95,8 @@ class remembered_pair {
   std::size_t size_ = 0;
 };
 
-/// Impulses of contacts to and from the frames around their normals, which are made once for those
-/// that follow each other with the same.
+/// Converts impulses of contacts to and from the frames around their normals; consecutive contacts
+/// with the same normal share one frame.
 template <class Contact>
 class shared_frame {
  public:
@@ -124,9 +124,9 @@ class shared_frame {
   mat3 frame_ = mat3::Zero();
 };
 
-/// Lets the contacts of one pair start from what is remembered for their keys. What points of a
-/// manifold bore that are no more goes to those that are new, in equal parts: while a body slides
-/// or rocks, the parts that meet change, but hardly the load.
+/// Warm starts the contacts of one pair from the impulses stored for their keys. The impulses of
+/// points of a manifold that no longer exist are distributed to new ones, in equal parts: while a
+/// body slides or rocks, the touching parts change, but hardly the load.
 template <class Contact>
 void recall_patch(remembered_pair& before, std::span<const contact_key> keys,
                   std::span<Contact> contacts) {
@@ -144,7 +144,7 @@ void recall_patch(remembered_pair& before, std::span<const contact_key> keys,
   for (std::size_t k = 0; k < count; ++k) frame.load_impulse(contacts[heirs[k]], share);
 }
 
-/// Lets each contact start from the impulse that is remembered for its key.
+/// Warm starts each contact from the impulse stored for its key.
 template <class Contact>
 void load_impulses(const contact_history& history, const plain_vector<contact_key>& keys,
                    const plain_vector<history_place*>& places, plain_vector<Contact>& contacts) {
@@ -164,7 +164,7 @@ void load_impulses(const contact_history& history, const plain_vector<contact_ke
   }
 }
 
-/// The reverse; notes for each pair where its contacts are kept.
+/// The reverse; records for each pair where its contacts are stored.
 template <class Contacts>
 void store_impulses(contact_history& history, const plain_vector<contact_key>& keys,
                     const plain_vector<history_place*>& places, const Contacts& contacts) {

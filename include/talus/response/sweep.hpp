@@ -16,7 +16,7 @@ void relax_boundary(Lists& lists, State& s) {
 }
 
 /// Interior contacts, one after the other. If there is `more` to come, the ranks have the
-/// velocities of each other's bodies afterwards: those travel as soon as the border is swept.
+/// velocities of each other's bodies afterwards: those are sent as soon as the border is swept.
 template <class Lists, class State, class Ranks>
 void sweep_interior(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
   constexpr bool alone = std::remove_cvref_t<Ranks>::alone;

@@ -1,5 +1,5 @@
 #pragma once
-// The contacts of most scenarios: those with friction, in double. What runs over their lists is in
+// The contacts of most scenarios: those with friction, in double. The loops over their lists are in
 // the compiled part.
 #include "talus/response/coloured_list.hpp"
 #include "talus/response/contact_access.hpp"
