@@ -1,5 +1,5 @@
 #pragma once
-// bodies<...>: the shapes that exist in a scenario. Nothing is compiled or stored for the others.
+// bodies<...>: the shapes of a scenario. Nothing is compiled or stored for other shapes.
 #include <type_traits>
 
 #include "talus/concepts.hpp"
@@ -32,7 +32,7 @@ struct bodies final {
                 "bodies<...> names a shape twice: keep one of the two");
 
   using talus_role = roles::bodies;
-  /// Each shape once, and only shapes: a list that was refused causes no second error.
+  /// Each shape once, and only shapes: a refused list causes no second error.
   using list = detail::filter_types<detail::unique_types<type_list<Shapes...>>, detail::is_shape>;
 
   static std::string describe() { return detail::describe_list<Shapes...>("bodies"); }

@@ -1,5 +1,5 @@
 #pragma once
-// What a user says to create a body.
+// The description with which a user creates a body.
 #include <cstdint>
 
 #include "talus/body/material.hpp"
@@ -14,19 +14,19 @@ struct body {
   /// form and size, such as sphere{0.5}
   Shape shape;
   vec3 position{0, 0, 0};          ///< of the centre of mass
-  material_id material{};          ///< from world.material(...); the first one when not given
+  material_id material{};          ///< from world.material(...); the first one by default
   vec3 velocity{0, 0, 0};          ///< of the centre of mass
   vec3 angular_velocity{0, 0, 0};  ///< radians per unit of time, world frame
-  quat orientation{1, 0, 0, 0};    ///< ignored where the scenario stores none
+  quat orientation{1, 0, 0, 0};    ///< ignored if the scenario stores none
   std::uint32_t user_id = 0;       ///< any number, need not be unique; features<user_ids>
   bool fixed = false;              ///< immovable, as if of infinite mass
 };
 
-/// The shape alone tells the type: a field that is not there is then what the compiler speaks of.
+/// The shape alone determines the type, so that the compiler reports a field that does not exist.
 template <class Shape>
 body(Shape, ...) -> body<Shape>;
 
-/// Refers to a body wherever it lives; stays valid when the body migrates to another rank.
+/// Refers to a body on any rank; stays valid when the body migrates to another rank.
 template <class Shape>
 struct handle {
   /// the same on all ranks

@@ -16,12 +16,13 @@
 
 namespace talus {
 
-/// How a value gets to other ranks; each way includes those below it in this list.
+/// When a value is sent to other ranks; each mode includes those below it in this list.
 enum class travels : std::uint8_t {
   with_every_refresh,  ///< to all shadow copies, at the end of each step
-  when_changed,        ///< to shadow copies when these are made, or the user has changed a body
+  when_changed,        ///< to shadow copies when these are made, or after the user has changed a
+                       ///< body
   on_migration,        ///< to the new owner of the body alone; shadow copies have the default
-  never                ///< not at all: a new owner begins with the default
+  never                ///< not at all: a new owner starts with the default
 };
 
 namespace detail {
@@ -37,9 +38,9 @@ template <class T>
     return T{};
 }
 
-// What a description may leave out, and what holds then.
+// Optional members of a description, with their defaults.
 
-/// A column of talus: its values are a named member of `storage`, which hot code reads by name.
+/// A column of talus: its values are a named member of `storage`, which hot code accesses by name.
 template <class Column>
 concept named_column = requires {
   typename Column::storage;
@@ -95,7 +96,7 @@ template <class Column>
     return blank<typename Column::value_type>();
 }
 
-/// Where the values of a column are.
+/// The storage of the values of a column.
 template <class Column>
 struct values_of_column {
   vector_of<typename Column::value_type> values;
@@ -129,8 +130,8 @@ struct columns_that_travel<type_list<Columns...>, Least> {
   using rest = join_lists<
       std::conditional_t<(travel_of<Columns>() > Least), type_list<Columns>, type_list<>>...>;
 };
-/// A column of which there are two is there once; places of talus first, then names, so that the
-/// order does not depend on how the user wrote the features.
+/// A column that appears twice is stored once; places of talus first, then names, so that the order
+/// does not depend on the user's order of the features.
 template <class Columns>
 struct columns_sorted;
 template <>
@@ -199,7 +200,7 @@ struct columns_by_use<type_list<Columns...>> {
 template <class Columns>
 using named_columns = typename columns_by_use<Columns>::named;
 
-/// The columns of a feature; none unless it says so.
+/// The columns of a feature; empty by default.
 template <class Feature>
 struct columns_of_feature {
   using type = type_list<>;

@@ -1,5 +1,5 @@
 #pragma once
-// The columns of talus: what bodies always carry, and what its features add.
+// The columns of talus: those of all bodies, and those of its features.
 #include <cstdint>
 
 #include "talus/body/column.hpp"
@@ -14,11 +14,11 @@ enum body_flag : std::uint8_t {
   flag_fixed = 1,
   flag_invisible = 2,
   flag_asleep = 4,     ///< its island is left out of the steps
-  flag_disturbed = 8,  ///< of something immovable: the user put or changed it since the last step
-  flag_released = 16   ///< it was fixed; until all ranks that hold copies have heard of that
+  flag_disturbed = 8,  ///< of something immovable: the user added or changed it since the last step
+  flag_released = 16   ///< it was fixed; until all ranks that hold copies are notified
 };
 
-/// What springs, dashpots and friction of soft contacts do to a body, each by itself.
+/// The effect of springs, dashpots and friction of soft contacts on a body, separately.
 struct split_forces {
   vec3 spring{0, 0, 0}, spring_torque{0, 0, 0};
   vec3 dashpot{0, 0, 0}, dashpot_torque{0, 0, 0};
@@ -98,7 +98,7 @@ struct flags {
   };
   static constexpr auto member = &storage::flags;
 };
-/// Bodies that are no balls always carry it; balls carry it with features<orientation>.
+/// All shapes except balls always carry it; balls carry it with features<orientation>.
 struct orientation {
   using value_type = quat;
   static constexpr const char* name = "orientation";
@@ -161,7 +161,7 @@ struct contact_torque {
   };
   static constexpr auto member = &storage::contact_torque;
 };
-/// The sum of both, in parts.
+/// The sum of both, by parts.
 struct split {
   using value_type = split_forces;
   static constexpr const char *name = "split_forces", *unit = "M L/T^2";
@@ -184,7 +184,7 @@ struct user_id {
   };
   static constexpr auto member = &storage::user_id;
 };
-/// For how long the island has been at rest.
+/// The time for which the island has rested.
 struct quiet {
   using value_type = float;
   static constexpr const char *name = "quiet", *unit = "T";
@@ -199,7 +199,7 @@ struct quiet {
 
 }  // namespace columns
 
-/// What a body of a shape carries in every scenario.
+/// The columns of a shape in every scenario.
 template <class Shape>
 using columns_of_shape = join_lists<
     type_list<columns::id, columns::position, columns::velocity, columns::angular_velocity,

@@ -1,8 +1,9 @@
 #pragma once
-// features<...>: what bodies can carry and what a run can watch beyond the necessary. What is not
-// named costs nothing. Here is what a scenario needs of each feature of talus: its name, its
-// columns and its order. Its state, its hooks and what it records are defined in world/features/
-// under its name; `talus_inside` says that these work on the parts of a world directly.
+// features<...>: optional data of bodies and optional functions of a run. A feature that is not
+// named costs nothing. This file has the part of each feature of talus that a scenario needs: its
+// name, its columns and its order. Its state, its hooks and its records are defined in
+// world/features/ under its name; `talus_inside` marks features that work on the parts of a world
+// directly.
 #include <type_traits>
 
 #include "talus/body/columns.hpp"
@@ -32,7 +33,7 @@ struct forces final {
   static constexpr const char* name = "forces";
   using columns = type_list<detail::columns::force, detail::columns::torque>;
 };
-/// Bodies carry a number of the user's own, not unique, beside the system id.
+/// Bodies carry a user-defined number, not unique, beside the system id.
 struct user_ids final {
   using talus_inside = void;
   using talus_part_of = roles::features;
@@ -53,7 +54,7 @@ struct damping final {
   static constexpr const char* name = "damping";
   using columns = type_list<>;
 };
-/// Bodies that move far in a step stop at what they meet on their way: see world/continuous.hpp.
+/// Bodies that move far in a step stop at their first impact: see world/continuous.hpp.
 struct continuous_collision final {
   using talus_inside = void;
   using talus_part_of = roles::features;
@@ -76,7 +77,7 @@ struct sleeping final {
   struct state;
   struct hooks;
 };
-/// The cuts between domains move during the run, so that all ranks have the same to do:
+/// The cuts between domains move during the run, so that all ranks have equal loads:
 /// world::balance, docs/balance.md.
 struct balancing final {
   using talus_inside = void;
@@ -87,7 +88,7 @@ struct balancing final {
   template <class Scenario>
   struct state;
 };
-/// Runs write their state to a file and go on from one: <talus/checkpoint.hpp>,
+/// Runs write their state to a file and continue from one: <talus/checkpoint.hpp>,
 /// docs/checkpoints.md.
 struct checkpoints final {
   using talus_inside = void;
@@ -118,9 +119,9 @@ struct driven final {
   struct hooks;
 };
 
-// Monitors: they watch every step, and change no trajectory by a bit.
+// Monitors: they observe every step, and change no bit of a trajectory.
 
-/// Books where energy comes from and goes to, entry by entry: observe/energy.hpp.
+/// Books the sources and sinks of energy, entry by entry: observe/energy.hpp.
 struct energy_ledger final {
   using talus_inside = void;
   using talus_part_of = roles::features;
@@ -131,8 +132,8 @@ struct energy_ledger final {
   struct record;
   struct hooks;
 };
-/// Holds the change of momentum against what changed it, and what the ground bears against the
-/// weight above it: observe/momentum.hpp.
+/// Compares the change of momentum with its sources, and the load on the ground with the weight
+/// above it: observe/momentum.hpp.
 struct momentum_balance final {
   using talus_inside = void;
   using talus_part_of = roles::features;
@@ -143,7 +144,7 @@ struct momentum_balance final {
   struct record;
   struct hooks;
 };
-/// Overlaps of all steps, as detection finds them: observe/overlaps.hpp.
+/// Overlaps of all steps, as found by detection: observe/overlaps.hpp.
 struct penetration_monitor final {
   using talus_inside = void;
   using talus_part_of = roles::features;
@@ -166,14 +167,14 @@ struct residual_monitor final {
 
 namespace detail {
 
-/// Bodies keep the force and torque of their contacts from step to step. Not for users: the
-/// integrator asks for it.
+/// Bodies keep the force and torque of their contacts from step to step. Not for users: an
+/// integrator requires it.
 struct contact_forces final {
   using talus_inside = void;
   using talus_part_of = roles::features;
   using columns = type_list<columns::contact_force, columns::contact_torque>;
 };
-/// And they keep them in parts: the energy ledger of soft contacts asks for it.
+/// The same by parts: the energy ledger of soft contacts requires it.
 struct split_contact_forces final {
   using talus_inside = void;
   using talus_part_of = roles::features;
@@ -184,7 +185,7 @@ struct split_contact_forces final {
 template <class Feature>
 struct is_feature : std::bool_constant<concepts::feature<Feature>> {};
 
-/// A feature of talus, not of the user's own.
+/// A feature of talus, as opposed to a user-defined one.
 template <class Feature>
 concept built_in = requires {
   typename Feature::talus_inside;
@@ -194,14 +195,14 @@ concept with_hooks = requires {
   typename Feature::hooks;
 };
 
-/// Whether a run may go on from the checkpoint of one that has the feature and itself has not.
+/// Whether a run without the feature may continue from a checkpoint of a run with it.
 template <class Feature>
 inline constexpr bool checkpoints_may_differ = false;
 template <class Feature>
 requires requires { Feature::checkpoints_may_differ; }
 inline constexpr bool checkpoints_may_differ<Feature> = Feature::checkpoints_may_differ;
 
-/// Stands for what a hook is called with.
+/// Stands for the argument of a hook.
 struct any_stage {};
 template <class Hooks, class... Stages>
 [[nodiscard]] consteval bool names_a_stage(type_list<Stages...>) {

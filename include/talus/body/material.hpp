@@ -14,22 +14,22 @@ namespace talus {
 /// Names a material of one world.
 enum class material_id : std::uint16_t {};
 
-/// As the stiffness or Young's modulus of a material: bodies of it do not yield, and a soft contact
+/// As the stiffness or Young's modulus of a material: bodies of it are rigid, and a soft contact
 /// has the stiffness of the other body alone. For fixed and global bodies, such as walls.
 inline constexpr real rigid = std::numeric_limits<real>::infinity();
 
-// g++ spells the namespaces of a type where material{...} is given a field that it does not have,
-// and clang names the nearest field, so both tell what there is. Written by ./dev docs --sheet.
+// If material{...} is given an unknown field, g++ prints the namespaces of a type, and clang the
+// nearest field, so both print the list of fields. Written by ./dev docs --sheet.
 inline namespace a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction {
 
-/// What bodies are made of.
+/// The material of bodies.
 struct material {
   real density = 1;      ///< mass per volume; granite 2.8 in g/cm^3
   real restitution = 0;  ///< Newton's coefficient of restitution, in [0, 1]
   real friction = 0;     ///< Coulomb's coefficient of friction, static, and dynamic unless given
-  /// Coefficient of dynamic friction; not a number means the same as `friction`.
+  /// Coefficient of dynamic friction; NaN means the same as `friction`.
   real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
-  // Of soft contacts only; hard ones read none of these.
+  // Of soft contacts only; hard ones use none of these.
   /// Force per overlap of two such bodies, or `rigid`; linear_spring_dashpot.
   real stiffness = 0;
   /// Force per area, or `rigid`; glass 7e10 Pa, often softened; hertz_mindlin.
@@ -46,7 +46,7 @@ struct material {
 }  // namespace
    // a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction
 
-/// Ready materials of the pe tutorial, densities in g/cm^3.
+/// Predefined materials of the pe tutorial, densities in g/cm^3.
 namespace materials {
 inline constexpr material iron{.density = 7.874, .restitution = 0.5, .friction = 0.1};
 inline constexpr material copper{.density = 8.92, .restitution = 0.5, .friction = 0.1};
@@ -59,7 +59,7 @@ inline constexpr material fir{.density = 0.5, .restitution = 0.5, .friction = 0.
 struct pair_material {
   real restitution = 0;  ///< Newton's coefficient of restitution, in [0, 1]
   real friction = 0;     ///< static, and dynamic unless given
-  /// At most `friction`; not a number means the same as that.
+  /// At most `friction`; NaN means the same as that.
   real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
 
   /// Coefficient of dynamic friction, that of static friction unless given.
@@ -69,15 +69,15 @@ struct pair_material {
 };
 
 namespace detail {
-/// Properties of a pair that has none of its own: arithmetic means.
+/// Properties of a pair without its own: arithmetic means.
 [[nodiscard]] inline pair_material mean_of(const material& a, const material& b) {
   return {0.5 * (a.restitution + b.restitution), 0.5 * (a.friction + b.friction),
           0.5 * (a.sliding_friction() + b.sliding_friction())};
 }
 }  // namespace detail
 
-/// The materials of a world. A pair takes the arithmetic mean of its two materials (the rule of
-/// the ancestor pe) unless a rule of its own is set.
+/// The materials of a world. A pair has the arithmetic mean of its two materials (the rule of the
+/// ancestor pe) unless properties of its own are set.
 class material_table {
  public:
   /// Throws invalid_argument for a density that is not positive, a restitution outside [0, 1], a
@@ -122,11 +122,11 @@ class material_table {
   [[nodiscard]] const detail::pair_table<pair_material>& own_pairs() const { return pairs_; }
   /// Number of materials.
   [[nodiscard]] std::size_t size() const { return materials_.size(); }
-  /// Grows with every change, so that what is derived from the table can be kept.
+  /// Grows with every change, so that data derived from the table can be kept.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
  private:
-  /// What a material contributes to the means of its pairs.
+  /// The contribution of a material to the means of its pairs.
   struct contribution {
     real restitution, friction, dynamic_friction;
     std::uint64_t has_pairs;  ///< 1 if a pair of it has properties of its own, else 0

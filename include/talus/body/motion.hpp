@@ -1,6 +1,6 @@
 #pragma once
-// How a body that nothing can stop is moved: motions as functions of time, for world.drive. A
-// motion is any function of the time of the world that returns one of the three values below.
+// Prescribed motion of bodies: motions as functions of time, for world.drive. A motion is any
+// function of the time of the world that returns one of the three values below.
 #include <cmath>
 
 #include "talus/core/math.hpp"
@@ -8,39 +8,39 @@
 
 namespace talus {
 
-/// Where the points of a body are at a time: x goes to about + turn (x - about) + shift, x being
-/// where it was when the body was driven. A motion that returns it has no drift at all: the pose
-/// follows from the time alone.
+/// Positions of the points of a body at a time: x goes to about + turn (x - about) + shift, where x
+/// is the position when the body was driven. A motion that returns it has no drift at all: the pose
+/// depends on the time alone.
 struct rigid_displacement {
   vec3 shift{0, 0, 0};    ///< length
   quat turn{1, 0, 0, 0};  ///< a unit quaternion
-  vec3 about{0, 0, 0};    ///< the point that `turn` leaves where it is
+  vec3 about{0, 0, 0};    ///< the fixed point of `turn`
 };
 
 /// Velocities of the points of a body at a time: velocity + angular_velocity x (x - about). A
-/// motion that returns it is added up step by step, from its value at the middle of each step: of
-/// second order in dt, and exact where it is constant.
+/// motion that returns it is integrated step by step, from its value at the middle of each step: of
+/// second order in dt, and exact if it is constant.
 struct rigid_velocity {
   vec3 velocity{0, 0, 0};          ///< length over time
   vec3 angular_velocity{0, 0, 0};  ///< radians over time
   vec3 about{0, 0, 0};             ///< a point of the axis
 };
 
-/// The same of a surface that runs in itself while the body stays, as a conveyor belt does.
+/// The same of a surface that moves within itself while the body stays, as a conveyor belt does.
 struct surface_velocity {
   vec3 velocity{0, 0, 0};          ///< length over time
   vec3 angular_velocity{0, 0, 0};  ///< radians over time
   vec3 about{0, 0, 0};             ///< a point of the axis
 };
 
-/// Motion of a shaker: to and fro by `amplitude` sin(2 pi frequency t + phase), less its value at
-/// t = 0, so that the body begins where it is.
+/// Motion of a shaker: to and fro by `amplitude` sin(2 pi frequency t + phase), minus its value at
+/// t = 0, so that it starts at the present position.
 struct oscillation {
   vec3 amplitude{0, 0, 0};  ///< direction and half the stroke (length)
   real frequency = 1;       ///< cycles per unit of time
   real phase = 0;           ///< radians; pi/2 begins at the end of the stroke, without velocity
 
-  /// Where the body is at the time t.
+  /// Pose of the body at the time t.
   [[nodiscard]] rigid_displacement operator()(real t) const {
     const real now = portable::sin(2 * pi * frequency * t + phase);
     return {.shift = (now - portable::sin(phase)) * amplitude};
@@ -48,13 +48,13 @@ struct oscillation {
 };
 
 /// Motion of a drum or a mixer: about an axis through a point, at constant speed. In a step it may
-/// turn by less than half a turn.
+/// rotate by less than half a turn.
 struct turning {
   vec3 about{0, 0, 0};  ///< any point of the axis
   vec3 axis{0, 0, 1};   ///< any length but zero
   real speed = 0;       ///< radians per unit of time
 
-  /// Where the body is at the time t.
+  /// Pose of the body at the time t.
   [[nodiscard]] rigid_displacement operator()(real t) const {
     return {.turn = rotation(axis, speed * t), .about = about};
   }
@@ -64,11 +64,11 @@ struct turning {
 struct gliding {
   vec3 velocity{0, 0, 0};  ///< length over time
 
-  /// Where the body is at the time t.
+  /// Pose of the body at the time t.
   [[nodiscard]] rigid_displacement operator()(real t) const { return {.shift = t * velocity}; }
 };
 
-/// A belt: the surface runs, and the body stays.
+/// A belt: the surface moves, and the body stays.
 struct belt {
   vec3 velocity{0, 0, 0};  ///< length over time
 

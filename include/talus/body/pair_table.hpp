@@ -1,6 +1,6 @@
 #pragma once
 // Values of pairs of materials: a hash table with an entry for each pair that has a value of its
-// own, never for all pairs.
+// own, instead of all pairs.
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -43,7 +43,7 @@ class pair_table {
       insert(static_cast<std::uint32_t>(entries_.size()));
     return true;
   }
-  /// In the order in which the pairs got their values.
+  /// In the order in which the pairs were set.
   [[nodiscard]] const plain_vector<entry>& entries() const { return entries_; }
   [[nodiscard]] std::size_t bytes() const {
     return entries_.capacity() * sizeof(entry) + places_.capacity() * sizeof(std::uint32_t);
@@ -73,7 +73,7 @@ class pair_table {
   }
 
   plain_vector<entry> entries_;
-  plain_vector<std::uint32_t> places_;  ///< number of an entry from 1, or 0 for none
+  plain_vector<std::uint32_t> places_;  ///< index of an entry from 1, or 0 if empty
   std::size_t mask_ = 0;
 };
 

@@ -5,7 +5,7 @@
 
 namespace talus::stages {
 
-/// Before anything moves. Shadow copies are as their owners are.
+/// Before anything moves. Shadow copies equal their owners' bodies.
 struct at_start {
   static constexpr const char* name = "at_start";
   template <class Hooks, class Stage>
@@ -13,7 +13,7 @@ struct at_start {
     Hooks::at_start(s);
   }
 };
-/// Each time before contacts are looked for: twice in a step in which islands wake.
+/// Before each search for contacts: twice in a step in which islands wake.
 struct before_detect {
   static constexpr const char* name = "before_detect";
   template <class Hooks, class Stage>
@@ -21,7 +21,7 @@ struct before_detect {
     Hooks::before_detect(s);
   }
 };
-/// Contacts are known, their forces are not.
+/// Contacts are known, but not their forces.
 struct after_detect {
   static constexpr const char* name = "after_detect";
   template <class Hooks, class Stage>
@@ -29,7 +29,8 @@ struct after_detect {
     Hooks::after_detect(s);
   }
 };
-/// The forces of contacts are known. Bodies are where the contacts were found, on all ranks.
+/// The forces of contacts are known. Bodies are at the positions where the contacts were found, on
+/// all ranks.
 struct after_solve {
   static constexpr const char* name = "after_solve";
   template <class Hooks, class Stage>
@@ -37,7 +38,7 @@ struct after_solve {
     Hooks::after_solve(s);
   }
 };
-/// Own bodies are where they end the step.
+/// Own bodies are at their positions at the end of the step.
 struct after_move {
   static constexpr const char* name = "after_move";
   template <class Hooks, class Stage>
@@ -53,7 +54,7 @@ struct at_close {
     Hooks::at_close(s);
   }
 };
-/// Right before bodies go to their new owners, and shadow copies are refreshed.
+/// Right before bodies migrate, and shadow copies are refreshed.
 struct before_share {
   static constexpr const char* name = "before_share";
   template <class Hooks, class Stage>

@@ -1,6 +1,6 @@
 #pragma once
-// Storage of the bodies of one shape: structure of arrays, locals before shadow copies. A column
-// that the scenario does not need does not exist.
+// Storage of the bodies of one shape: structure of arrays, locals before shadow copies. Columns
+// that the scenario does not need do not exist.
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -110,7 +110,7 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
     each_column([&](auto& c) { c.resize(n); });
   }
   void drop_shadows() { resize(locals); }
-  /// The shadow copies, which are then no longer here.
+  /// Removes the shadow copies.
   [[nodiscard]] body_store take_shadows() {
     body_store taken;
     for (std::size_t i = locals; i < size(); ++i) taken.append_from(*this, i);
@@ -141,7 +141,7 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
     });
     --locals;
   }
-  /// Local k becomes the one that was local order[k].
+  /// Local k becomes the former local order[k].
   void permute_locals(const plain_vector<std::uint32_t>& order) {
     each_column([&](auto& c) {
       const auto before = c;
@@ -158,14 +158,14 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
     for (std::size_t i = first; i < last; ++i) append_from(other, i);
   }
 
-  /// What goes to a new owner.
+  /// The data that migrate to a new owner.
   void pack(std::size_t i, byte_writer& out) const { pack_columns<travels::on_migration>(i, out); }
   /// Appends the next body of a message.
   void unpack(byte_reader& in) { append_columns<travels::on_migration>(in); }
-  /// What a rank gets that makes a shadow copy.
+  /// The data of a new shadow copy.
   void pack_copy(std::size_t i, byte_writer& out) const { pack_columns<of_copies>(i, out); }
   void unpack_copy(byte_reader& in) { append_columns<of_copies>(in); }
-  /// What a step changes, for a body of which the receiver has a shadow copy.
+  /// The data that a step changes, for a receiver that has a shadow copy of the body.
   void pack_motion(std::size_t i, byte_writer& out) const {
     pack_columns<travels::with_every_refresh>(i, out);
   }
@@ -179,7 +179,7 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
   using sent = typename columns_that_travel<list, Least>::sent;
   template <travels Least>
   using rest = typename columns_that_travel<list, Least>::rest;
-  /// Where they differ in nothing, copies travel as migrated bodies do.
+  /// If they are identical, copies are sent like migrated bodies.
   static constexpr travels of_copies =
       sent<travels::when_changed>::size == sent<travels::on_migration>::size
           ? travels::on_migration

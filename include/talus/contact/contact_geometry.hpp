@@ -1,18 +1,18 @@
 #pragma once
-// One point of touch between two bodies, as the narrow phase finds it.
+// One contact point of two bodies, as found by the narrow phase.
 #include <cstdint>
 
 #include "talus/core/math.hpp"
 
 namespace talus {
 
-/// Where two bodies touch, or nearly do.
+/// A point at which two bodies touch, or nearly touch.
 struct contact_geometry {
   vec3 normal;   ///< unit, from body b towards body a
   vec3 point;    ///< midway between the two surfaces, in the world
   real gap = 0;  ///< signed distance of the surfaces along the normal; overlap < 0
-  /// Names the point within its pair, the same from step to step: 32 bits for the parts that meet,
-  /// and 16 above for each body that is a union, its part.
+  /// Identifies the point within its pair, the same from step to step: 32 bits for the touching
+  /// parts, and 16 above for each body that is a union, its part.
   std::uint64_t feature = 0;
 
   /// The same contact with the two bodies exchanged.

@@ -1,6 +1,6 @@
 #pragma once
-// What contacts remember from one step to the next: hard ones their impulse, for warm starting,
-// soft ones their springs. It goes with the bodies to other ranks.
+// The memory of contacts from one step to the next: impulses of hard ones, for warm starting,
+// springs of soft ones. It migrates with the bodies.
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -19,8 +19,8 @@ struct kept_contact {
   Memory memory;  ///< of a hard contact: the impulse on body a, world frame
 };
 
-/// Contacts of the last step, found by key (open addressing) or by the place in which they are.
-/// What finds them by key is built when it is first asked for.
+/// Contacts of the last step, found by key (open addressing) or by their place. The hash table is
+/// built at the first search by key.
 template <class Memory>
 class history_of {
  public:
@@ -42,7 +42,7 @@ class history_of {
     else
       insert(entries_.size());
   }
-  /// The same for a contact of a body that has arrived; several ranks may tell of it.
+  /// The same for a contact of a body that has arrived; several ranks may send it.
   void add_arrived(const contact_key& key, const Memory& memory) {
     arrived_ = std::min(arrived_, entries_.size());
     if (entries_.size() - arrived_ > few) {
@@ -53,7 +53,7 @@ class history_of {
     }
     add(key, memory);
   }
-  /// Contacts of a body start anew. They keep their places.
+  /// Resets the memory of contacts of a body. They keep their places.
   [[gnu::cold]] void forget(system_id body) {
     for (entry& e : entries_)
       if (e.key.a == body || e.key.b == body) {
@@ -63,24 +63,24 @@ class history_of {
           e.memory = {};
       }
   }
-  /// Where to look for contacts of a pair that had none here and now has a body that arrived.
+  /// The place to search for contacts of a pair that had none here and now has a body that arrived.
   [[nodiscard]] history_place place_of_arrivals() const {
     const std::size_t count = entries_.size() - std::min(arrived_, entries_.size());
     return count == 0     ? history_place::none
            : count <= few ? history_place::arrived
                           : history_place::unknown;
   }
-  /// Where contacts of a pair are that came from another rank, or none.
+  /// The place of contacts of a pair that came from another rank, or none.
   [[nodiscard]] history_place find_arrived(const contact_key& pair) const {
     for (std::size_t i = arrived_; i < entries_.size(); ++i)
       if (entries_[i].key.same_pair(pair)) return static_cast<history_place>(i);
     return history_place::none;
   }
-  /// Where the contact that is added next will be.
+  /// The place of the contact that is added next.
   [[nodiscard]] history_place next_place() const {
     return static_cast<history_place>(entries_.size());
   }
-  /// The contacts of a pair that were added one after the other from `place` on.
+  /// The contacts of a pair that were added consecutively from `place` on.
   [[nodiscard]] std::span<const entry> row(history_place place, const contact_key& pair) const {
     const auto first = static_cast<std::size_t>(place);
     if (first >= entries_.size()) return {};
@@ -90,7 +90,7 @@ class history_of {
     while (last < end && entries_[last].key.same_pair(pair)) ++last;
     return std::span(entries_).subspan(first, last - first);
   }
-  /// What the contact kept in the last step, or null where it is new.
+  /// The memory of the contact from the last step, or null if it is new.
   [[nodiscard]] const Memory* find(const contact_key& key) const {
     if (entries_.empty()) return nullptr;
     if (!indexed_) index();
@@ -131,12 +131,12 @@ class history_of {
   }
 
   static constexpr std::size_t nothing = ~std::size_t{0};
-  static constexpr std::size_t few = 200;  ///< are looked through one by one
+  static constexpr std::size_t few = 200;  ///< are searched linearly
 
   plain_vector<entry> entries_;
   std::size_t arrived_ = nothing;  ///< the first entry from another rank
   mutable bool indexed_ = false;
-  mutable plain_vector<std::uint32_t> slots_;  ///< number of the entry, from 1; 0 is empty
+  mutable plain_vector<std::uint32_t> slots_;  ///< index of the entry, from 1; 0 is empty
 };
 
 /// The history of hard contacts.

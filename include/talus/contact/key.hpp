@@ -6,9 +6,8 @@
 
 namespace talus::detail {
 
-/// (id, id, feature): body a, body b, and the point of their manifold. Both ranks that see a
-/// contact build the same key, since the order of the two bodies follows from their shapes and
-/// ids alone.
+/// (id, id, feature): body a, body b, and the point of their manifold. Both ranks of a contact
+/// build the same key, because the order of the two bodies depends on their shapes and ids alone.
 struct contact_key {
   system_id a = no_id;
   system_id b = no_id;

@@ -1,29 +1,30 @@
 #pragma once
-// hard_contact<...>: bodies do not overlap, and the parts say what else holds at a contact.
+// hard_contact<...>: bodies do not overlap, and the parts add friction, restitution and correction.
 #include "talus/core/math.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/core/type_list.hpp"
 
 namespace talus {
 
-/// Tangential impulse in the cone |p_t| <= mu p_n, against the sliding (Coulomb). Left out:
+/// Tangential impulse in the cone |p_t| <= mu p_n, against the sliding (Coulomb). Without it:
 /// frictionless, and nothing tangential is stored or computed.
 struct coulomb_friction final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "coulomb_friction";
 };
-/// Normal velocity after an impact = -e times the one before (Newton). Left out: plastic, e = 0.
+/// Normal velocity after an impact = -e times the one before (Newton). Without it: plastic, e = 0.
 struct newton_restitution final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "newton_restitution";
 };
-/// Overlap that round-off and truncated iterations leave is pushed out of the positions alone; the
-/// correction never enters the velocities, so it adds no kinetic energy. On unless turned off.
+/// The position correction: overlap from round-off and truncated iterations is removed from the
+/// positions alone; the correction never enters the velocities, so it adds no kinetic energy. On
+/// unless turned off.
 struct split_correction final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "split_correction";
 };
-/// No correction of overlaps: a contact only keeps them from growing.
+/// No position correction: a contact only keeps overlaps from growing.
 struct no_correction final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "no_correction";
@@ -31,7 +32,7 @@ struct no_correction final {
 
 namespace detail {
 
-/// A hard contact law whose contacts carry a velocity bias besides; see response/contact_bias.hpp.
+/// A hard contact law whose contacts also carry a velocity bias; see response/contact_bias.hpp.
 template <class Law>
 struct biased_law {
   using memory = typename Law::memory;
@@ -45,7 +46,8 @@ inline constexpr bool has_bias = requires {
   requires Law::biased;
 };
 
-/// What the solution of a contact depends on: contacts of all laws that agree in it have one type.
+/// The properties on which the solution of a contact depends: contacts of all laws that agree in
+/// them have one type.
 template <bool Friction, bool Biased>
 struct rows_of_contact {
   static constexpr bool friction = Friction, biased = Biased;
@@ -53,7 +55,7 @@ struct rows_of_contact {
 template <class Law>
 using contact_rows = rows_of_contact<Law::friction, has_bias<Law>>;
 
-/// Parts that only soft_contact<...> takes: they have parameters of their own.
+/// Parts for soft_contact<...> only: they have parameters of their own.
 template <class Part>
 inline constexpr bool is_law_or_resistance = requires {
   typename Part::parameters;
@@ -79,7 +81,7 @@ struct hard_contact final {
   static constexpr bool soft = false;
   static constexpr bool friction = detail::contains_type<list, coulomb_friction>;
   static constexpr bool restitution = detail::contains_type<list, newton_restitution>;
-  /// Whether overlaps are corrected; so they are when neither correction is named.
+  /// Whether overlaps are corrected; the default if no correction is named.
   static constexpr bool correction = !detail::contains_type<list, no_correction>;
 
   static_assert((... && detail::examined<detail::part_of_hard_contact<Parts>>));

@@ -16,7 +16,7 @@
 
 namespace talus::detail {
 
-/// What a law bears friction with; a plain bearing where no law does.
+/// The bearing of a law for friction; a plain bearing if no law has one.
 template <class Law>
 struct bearing_of_law {
   using type = decltype(Law::bears(contact_kinematics{}, typename Law::parameters{}));
@@ -28,9 +28,9 @@ struct bearing_of_law<void> {
 template <class Law>
 using bearing_of = typename bearing_of_law<Law>::type;
 
-// What a part says of itself.
+// The declared properties of a part.
 
-/// Its force is along the normal, and it has no moment.
+/// Its force is along the normal, and its moment is zero.
 template <class Part>
 inline constexpr bool is_central = requires {
   requires Part::central;
@@ -48,7 +48,7 @@ template <class Part>
 inline constexpr bool has_range = requires(const typename Part::parameters& p) {
   Part::range(p, real{});
 };
-/// Two materials make its parameters; else the scenario gives them.
+/// Its parameters follow from two materials; otherwise the scenario sets them.
 template <class Part>
 inline constexpr bool combines = requires(const material& m, const pair_material& p) {
   Part::combine(m, m, p);
@@ -59,7 +59,7 @@ inline constexpr bool bounds_bodies = requires(const material& m) {
   Part::longest_step_of_body(m, real{});
 };
 
-/// A part's own parameters and memory, told apart by the part.
+/// A part's own parameters and memory, distinguished by the part.
 template <class Part>
 struct parameters_of_part {
   typename Part::parameters value{};
@@ -91,30 +91,30 @@ struct knowledge<false> {
   static constexpr bool known = true;
 };
 
-/// What a contact does to body a; the opposite acts on body b.
+/// The force and moment of a contact on body a; the opposite acts on body b.
 struct pair_force {
   vec3 force{0, 0, 0}, moment{0, 0, 0};
 };
-/// What the energy ledger books of a contact: forces and moments on body a, and energies.
+/// The entries of a contact for the energy ledger: forces and moments on body a, and energies.
 struct booked_contact {
   vec3 spring{0, 0, 0}, dashpot{0, 0, 0}, friction{0, 0, 0};
   vec3 spring_moment{0, 0, 0}, friction_moment{0, 0, 0};
   real stored = 0;         ///< stored_energy::normal
-  real released = 0;       ///< how much of that the memory gave up at once
+  real released = 0;       ///< the part of that released at once by a change of memory
   real across_before = 0;  ///< stored_energy::kept before the step
   real across = 0;         ///< the same now
-  real yielded = 0;        ///< what both lost otherwise than by moving bodies
+  real yielded = 0;        ///< loss of both without motion of the bodies
 };
 struct not_booked {};
 
-/// `Bearer` is the law that bears the bodies, or void.
+/// `Bearer` is the law whose normal force bounds friction, or void.
 template <class Bearer, class Laws, class Resistances>
 struct composed_law;
 template <class Bearer, class... Laws, class... Resistances>
 struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
   using parts = type_list<Laws..., Resistances...>;
 
-  /// Whether the scenario has to give parameters for pairs of materials.
+  /// Whether the scenario must set parameters for pairs of materials.
   static constexpr bool needs_parameters =
       !(... && combines<Laws>) || !(... && combines<Resistances>);
 
@@ -162,7 +162,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
       (... || has_moment<Laws>) || (... || has_moment<Resistances>);
   static constexpr bool reaches = (... || has_range<Laws>);
   static constexpr bool bounds_each_body = (... || bounds_bodies<Laws>);
-  /// How far beyond touch the law acts, for these parameters and this effective radius.
+  /// The range of the law beyond touch, for these parameters and this effective radius.
   [[nodiscard]] static real range(const parameters& p, real radius) {
     real furthest = 0;
     const auto reach = [&]<class Law>() {
@@ -173,13 +173,13 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     return (void)reach, (void)p, (void)radius, furthest;
   }
 
-  /// The force of a contact; `memory` is brought forward by `dt`. A booked_contact is filled.
+  /// The force of a contact; `memory` is advanced by `dt`. A booked_contact is filled.
   template <class Booked>
   [[nodiscard]] static pair_force force(const contact_kinematics& c, const parameters& p, real dt,
                                         memory& m, Booked& books) {
     pair_force sum;
     bearing_of<Bearer> b;
-    bool bears = false;  // whether the law acts that bears
+    bool bears = false;  // whether the law with the bearing acts
     (add_law<Laws>(sum, b, bears, c, p, dt, m, books), ...);
     (add_resistance<Resistances>(sum, b, bears, c, p, dt, m, books), ...);
     (void)b, (void)bears;
@@ -218,7 +218,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     return std::min(
         {std::numeric_limits<real>::infinity(), real(Laws::longest_step(of<Laws>(p), mass))...});
   }
-  /// The longest stable step of a body, whatever it meets.
+  /// The longest stable step of a body, for any partner.
   [[nodiscard]] static real longest_step_of_body(const material& m, real radius) {
     real least = std::numeric_limits<real>::infinity();
     const auto bound = [&]<class Law>() {
@@ -233,13 +233,13 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     return std::min(
         {std::numeric_limits<real>::infinity(), real(Laws::duration(of<Laws>(p), hit))...});
   }
-  /// Throws invalid_argument for a material that lacks what a part needs.
+  /// Throws invalid_argument for a material without a property that a part needs.
   static void require_material(const material& m) {
     each_part([&]<class Part>() {
       if constexpr (requires { Part::require_material(m); }) Part::require_material(m);
     });
   }
-  /// The field by which a material is rigid, or null.
+  /// The field that makes a material rigid, or null.
   [[nodiscard]] static const char* rigid_by(const material& m) {
     const char* field = nullptr;
     each_part([&]<class Part>() {
@@ -264,7 +264,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     }
   }
 
-  /// A law acts where bodies overlap, and as far beyond as it says.
+  /// A law acts where bodies overlap, and within its range beyond.
   template <class Law>
   [[nodiscard]] static bool acts(const contact_kinematics& c, const parameters& p) {
     if constexpr (!reaches)
@@ -319,7 +319,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     }
   }
 
-  /// What is not conserved is lost in dashpots along the normal, and in friction across it.
+  /// The rest is lost in dashpots along the normal, and in friction across it.
   template <class Law, class Force>
   static void book_law(booked_contact& books, const contact_kinematics& c, const Force& f,
                        const stored_energy& before, const stored_energy& after) {

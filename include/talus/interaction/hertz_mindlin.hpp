@@ -40,7 +40,7 @@ struct hertz_mindlin final {
           "{}: set .youngs_modulus",
           m.youngs_modulus);
   }
-  /// The field that makes a material rigid, or null for one that yields.
+  /// The field that makes a material rigid, or null if it is not rigid.
   [[nodiscard]] static const char* rigid_by(const material& m) {
     return m.youngs_modulus == rigid ? ".youngs_modulus" : nullptr;
   }
@@ -73,15 +73,15 @@ struct hertz_mindlin final {
   [[nodiscard]] static real longest_step(const parameters&, real) {
     return std::numeric_limits<real>::infinity();
   }
-  /// Time that a Rayleigh wave takes along a sphere: pi R sqrt(rho / G) / (0.1631 nu + 0.8766)
-  /// (Thornton, Randall 1988).
+  /// Time of a Rayleigh wave along a sphere: pi R sqrt(rho / G) / (0.1631 nu + 0.8766) (Thornton,
+  /// Randall 1988).
   [[nodiscard]] static real longest_step_of_body(const material& m, real radius) {
     const real shear = m.youngs_modulus / (2 * (1 + m.poisson_ratio));
     return pi * radius * std::sqrt(m.density / shear) / (0.1631 * m.poisson_ratio + 0.8766);
   }
   /// 2.94 d / v with the largest overlap d = (15 m v^2 / (16 E* sqrt(R)))^(2/5) (Johnson, Contact
-  /// Mechanics, 11.3), times the part by which damping shortens a linear contact: Hertz' is
-  /// shortened less, but for 0.5 % at a damping ratio of 0.1.
+  /// Mechanics, 11.3), times the factor by which damping shortens a linear contact: a Hertz contact
+  /// is shortened less, except for 0.5 % at a damping ratio of 0.1.
   [[nodiscard]] static real duration(const parameters& p, const head_on_impact& hit) {
     const real modulus = real(0.75) * p.modulus;
     const real deepest = portable::pow(

@@ -37,12 +37,12 @@ struct linear_spring_dashpot final {
           "{}: set .stiffness",
           m.stiffness);
   }
-  /// The field that makes a material rigid, or null for one that yields.
+  /// The field that makes a material rigid, or null if it is not rigid.
   [[nodiscard]] static const char* rigid_by(const material& m) {
     return m.stiffness == rigid ? ".stiffness" : nullptr;
   }
-  /// Springs in series, the period of the tangential spring that of the normal one (for solid
-  /// spheres), and the damping of the restitution.
+  /// Springs in series, equal periods of the tangential and the normal spring (for solid spheres),
+  /// and the damping of the restitution.
   [[nodiscard]] static parameters combine(const material& a, const material& b,
                                           const pair_material& both) {
     const real k = in_series(a.stiffness, b.stiffness);

@@ -1,6 +1,6 @@
 #pragma once
-// Springs and dashpots along the normal: the damping that a coefficient of restitution asks for,
-// springs in series, and how long an impact lasts.
+// Springs and dashpots along the normal: the damping for a coefficient of restitution, springs in
+// series, and the duration of an impact.
 #include <algorithm>
 #include <cmath>
 
@@ -11,14 +11,14 @@
 
 namespace talus::detail {
 
-/// The restitution that stands for 0. A force that never pulls approaches 0 and does not reach it.
+/// The restitution used for 0. A force that never pulls approaches 0 but does not reach it.
 inline constexpr real least_restitution = 0.005;
 
 /// Restitution of a linear spring and dashpot of damping ratio z that never pulls: contact ends
 /// when the force is zero, after the time 2 acos(z) / (w0 sqrt(1 - z^2)), with e = exp(-2 z acos(z)
 /// / sqrt(1 - z^2)). (The closed form of Schwager, Poeschel 2007, "Coefficient of restitution and
-/// linear-dashpot model revisited", with w0 = sqrt(k/m).) Overdamped, z > 1, acosh(z) and
-/// sqrt(z^2 - 1) take their places; critical damping has exp(-2).
+/// linear-dashpot model revisited", with w0 = sqrt(k/m).) If overdamped, z > 1, acosh(z) and
+/// sqrt(z^2 - 1) replace these; critical damping has exp(-2).
 [[nodiscard]] inline real restitution_of_damping(real ratio) {
   const real square = 1 - ratio * ratio;
   if (std::abs(square) < real(1e-12)) return portable::exp(real(-2));
@@ -26,9 +26,9 @@ inline constexpr real least_restitution = 0.005;
   return portable::exp(-2 * ratio * angle / std::sqrt(std::abs(square)));
 }
 
-/// The damping ratio of a coefficient of restitution; for 0 that of least_restitution. It serves
-/// Hertz' spring as well if its dashpot is c d^(1/4): with y = d^(5/4) its motion becomes that of a
-/// linear one, v dv/dy = -(4/5 k y + 4/5 c v) / m (after Antypov, Elliott 2011, "On an analytical
+/// The damping ratio for a coefficient of restitution; for 0 that of least_restitution. It is also
+/// valid for Hertz' spring if its dashpot is c d^(1/4): with y = d^(5/4) its motion becomes that of
+/// a linear one, v dv/dy = -(4/5 k y + 4/5 c v) / m (after Antypov, Elliott 2011, "On an analytical
 /// solution for the damped Hertzian spring"), of damping ratio c / sqrt(5 k m).
 [[nodiscard]] inline real damping_of_restitution(real e) {
   if (e >= 1) return 0;
@@ -42,7 +42,7 @@ inline constexpr real least_restitution = 0.005;
   return (low + high) / 2;
 }
 
-/// Part of the approach that an overdamped dashpot takes away in a step at most: a step that does
+/// The largest part of the approach that an overdamped dashpot removes in a step: a step that does
 /// not resolve it stays stable. (At a fifth of the critical time step it is resolved.)
 inline constexpr real most_damping = 0.5;
 
@@ -62,8 +62,8 @@ template <class Bearing>
   return f;
 }
 
-/// Part of half a period of the undamped spring that a contact of this damping ratio lasts:
-/// 2 acos(z) / (pi sqrt(1 - z^2)), or 2 acosh(z) / (pi sqrt(z^2 - 1)) where it is overdamped.
+/// Duration of a contact of this damping ratio over half a period of the undamped spring: 2 acos(z)
+/// / (pi sqrt(1 - z^2)), or 2 acosh(z) / (pi sqrt(z^2 - 1)) if it is overdamped.
 [[nodiscard]] inline real damped_duration(real ratio) {
   const real square = 1 - ratio * ratio;
   const real angle = square > 0 ? portable::acos(ratio) : portable::acosh(std::max(real{1}, ratio));
@@ -74,7 +74,7 @@ template <class Bearing>
 /// and the damping ratio z, from the amplification of the semi-implicit Euler method with the
 /// dashpot's force at the beginning of the step; without damping also that of Verlet.
 [[nodiscard]] inline real longest_step_of_spring(real stiffness, real mass, real ratio) {
-  const real z = std::min(real{1}, ratio);  // the step itself bounds what is beyond
+  const real z = std::min(real{1}, ratio);  // the step itself limits larger values
   return 2 * (std::sqrt(1 + z * z) - z) / std::sqrt(2 * stiffness / mass);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The parameters of interaction laws for each pair of materials: those that the scenario gave, or
-// what the two materials make.
+// The parameters of interaction laws for each pair of materials: those that the scenario set, or
+// those combined from the two materials.
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -17,8 +17,8 @@
 
 namespace talus::detail {
 
-/// Throws invalid_argument for a body that moves and does not yield: two of them would push each
-/// other with forces without bound.
+/// Throws invalid_argument for a movable rigid body: two of them would push each other with
+/// unbounded forces.
 template <class Law, class Shape>
 void require_yielding(const material& m) {
   if (const char* field = Law::rigid_by(m))
@@ -28,7 +28,7 @@ void require_yielding(const material& m) {
         Shape::name, field);
 }
 
-/// Parameters of a part that pairs of materials were given.
+/// The parameters of a part that were set for pairs of materials.
 template <class Part>
 struct given_parameters {
   pair_table<typename Part::parameters> of_pairs;
@@ -36,8 +36,8 @@ struct given_parameters {
 
 template <class Law, class Parts>
 class pair_parameters;
-/// The pairs of a table of materials, derived anew only where that or a given parameter has
-/// changed: of few materials all pairs, of many those that meet.
+/// The pairs of a table of materials, derived again only if that or a given parameter has changed:
+/// for few materials all pairs, for many those that meet.
 template <class Law, class... Parts>
 class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
   static constexpr std::size_t few = 64;
@@ -54,7 +54,7 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
     given_parameters<Part>::of_pairs.set(number(a), number(b), p);
     ++given_;
   }
-  /// What was given for a part.
+  /// The parameters that were set for a part.
   template <class Part>
   [[nodiscard]] const pair_table<typename Part::parameters>& given() const {
     return given_parameters<Part>::of_pairs;
@@ -79,7 +79,7 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
       return pairs_[static_cast<std::size_t>(a) * size_ + static_cast<std::size_t>(b)];
     return of_many(a, b);
   }
-  /// How far beyond its surface a body of this material and radius may act on any other one.
+  /// The range beyond its surface of a body of this material and radius on any other one.
   [[nodiscard]] real range(material_id m, real radius) const {
     real furthest = 0;
     const parameters* row = pairs_.data() + static_cast<std::size_t>(m) * size_;
@@ -97,7 +97,7 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
             "a value of {}::parameters",
             Part::name, number(a), number(b), Part::name);
   }
-  /// Throws runtime_error for a pair of bodies that touch and whose parameters nobody gave.
+  /// Throws runtime_error for a touching pair of bodies whose parameters were not set.
   static void require_known(const parameters& p, material_id a, material_id b) {
     if constexpr (Law::needs_parameters)
       if (!p.known) refuse_unknown(a, b);
@@ -154,10 +154,10 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
 
   const material_table* materials_ = nullptr;
   plain_vector<parameters> pairs_;
-  pair_table<parameters> met_;  ///< where there are more than a few materials
-  std::size_t size_ = 0;        ///< of `pairs_`; 0 where there are more
+  pair_table<parameters> met_;  ///< for more than a few materials
+  std::size_t size_ = 0;        ///< of `pairs_`; 0 for more
   std::uint64_t revision_ = 0;  ///< of an empty table
-  std::uint64_t given_ = 0;     ///< how often parameters were given
+  std::uint64_t given_ = 0;     ///< number of calls that set parameters
 };
 
 template <class Law>

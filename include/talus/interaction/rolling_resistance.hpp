@@ -12,13 +12,13 @@ namespace talus {
 
 /// Resistance: a moment against rolling (not twisting), from an elastic spring of rotation of
 /// stiffness 2.25 K (mu_r R)^2 that yields at mu_r R |f_n| (elastic-plastic spring-dashpot, model C
-/// of Ai, Chen, Rotter, Ooi 2011; there the dashpot is free until the spring yields, here spring
-/// and dashpot yield together).
+/// of Ai, Chen, Rotter, Ooi 2011; there the dashpot is not limited until the spring yields, here
+/// spring and dashpot yield together).
 struct rolling_resistance final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "rolling_resistance";
   static constexpr bool exerts_force = false;
-  /// Part of critical damping that the spring has (Ai et al. 2011 take 0.3).
+  /// The damping of the spring as a fraction of critical damping (Ai et al. 2011 use 0.3).
   static constexpr real rolling_damping = 0.3;
 
   /// Of a pair of materials.
@@ -26,7 +26,7 @@ struct rolling_resistance final {
     real rolling_friction = 0;  ///< lever arm of the moment over the effective radius
     friend bool operator==(const parameters&, const parameters&) = default;
   };
-  /// What a contact keeps from step to step.
+  /// The memory of a contact from step to step.
   struct memory {
     vec3 turn{0, 0, 0};  ///< elastic angle of rolling, of a relative to b
 

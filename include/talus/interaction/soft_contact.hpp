@@ -1,6 +1,6 @@
 #pragma once
 // soft_contact<...>: bodies overlap a little, or act on each other at a distance, by forces that
-// follow from their positions and velocities (the discrete element method, after Cundall and Strack
+// depend on their positions and velocities (the discrete element method, after Cundall and Strack
 // 1979). Its parts are interaction laws, whose forces add up, and resistances to sliding and
 // rolling.
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace talus {
 
 namespace detail {
 
-/// Parts that resist sliding and rolling, and need a law that bears the bodies.
+/// Parts that resist sliding and rolling, and need a law with a normal force.
 template <class Part>
 inline constexpr bool is_resistance =
     std::is_same_v<Part, coulomb_friction> || concepts::resistance<Part>;
@@ -54,14 +54,15 @@ struct is_resistance_part : std::bool_constant<is_resistance<Part>> {};
 template <class Part>
 struct is_bearing_part : std::bool_constant<concepts::bearing_law<Part>> {};
 
-/// The laws that bear, of a list: none, one, or several that contradict each other.
+/// The laws of a list with a normal force for friction: none, one, or several that contradict each
+/// other.
 template <class List>
 struct bearer {
   static constexpr std::size_t count = filter_types<List, is_bearing_part>::size;
   using type = find_type<List, is_bearing_part, void>;
 };
 
-/// What stands for a resistance on this kind of bearing.
+/// The implementation of a resistance for this kind of bearing.
 template <class Part, class Bearing>
 struct resistance_on {
   using type = Part;
@@ -84,9 +85,9 @@ struct law_of_parts<type_list<Laws...>, type_list<Resistances...>> {
 }  // namespace detail
 
 /// Policy: the contact law of soft bodies, its parts in any order: interaction laws, whose forces
-/// add up, and what resists sliding and rolling. Restitution, friction and stiffness are those of
-/// the materials. The time step must resolve the duration of a contact: see critical_dt(). A law of
-/// your own is a type that models concepts::interaction_law.
+/// add up, and resistances to sliding and rolling. Restitution, friction and stiffness are those of
+/// the materials. The time step must resolve the duration of a contact: see critical_dt(). A
+/// user-defined law is a type that models concepts::interaction_law.
 template <class... Parts>
 struct soft_contact final {
   using talus_role = roles::contact_law;
@@ -128,7 +129,7 @@ struct soft_contact final {
   /// All parts as one interaction law.
   using law = typename detail::law_of_parts<laws, resistances>::type;
   using memory = typename law::memory;  ///< of a contact from step to step
-  /// Whether a contact keeps anything at all.
+  /// Whether a contact has any memory.
   static constexpr bool remembers = !std::is_empty_v<memory>;
 
   static std::string describe() { return detail::describe_list<Parts...>("soft_contact"); }

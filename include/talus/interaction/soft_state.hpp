@@ -1,5 +1,5 @@
 #pragma once
-// What soft contacts work on: motion and forces of all bodies of this rank, whatever their shape.
+// The data of soft contacts: motion and forces of all bodies of this rank, of any shape.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,14 +12,14 @@
 
 namespace talus::detail {
 
-/// Motion of a body as its contacts see it, and the sum of what they do to it: two cache lines.
+/// Motion of a body as used by its contacts, and the sum of their forces on it: two cache lines.
 struct alignas(64) soft_body {
   vec3 v{0, 0, 0};
   real inverse_mass = 0;
   vec3 w{0, 0, 0};
-  real radius = 0;  ///< of the sphere that it is, or of one of its volume
+  real radius = 0;  ///< of the sphere itself, or of one of equal volume
   vec3 force{0, 0, 0};
-  real unused_1 = 0;  ///< room for the fourth number of a row
+  real unused_1 = 0;  ///< padding for the fourth number of a row
   vec3 torque{0, 0, 0};
   real unused_2 = 0;
 };
@@ -40,7 +40,7 @@ struct soft_state {
   real fastest_approach = 0;  ///< along the normal of a contact, in all steps so far
 };
 
-/// The radius that a shape counts with where the theory knows spheres only.
+/// The radius that a shape has in the theory of spheres.
 template <class Shape>
 [[nodiscard]] real sphere_radius(const Shape& s) {
   if constexpr (Shape::isotropic)

@@ -11,9 +11,9 @@
 
 namespace talus::detail {
 
-/// A vector of the plane of contact carried along from the last step: turned into the present plane
-/// and with the two bodies about the normal, its length kept (Luding 2008, "Cohesive, frictional
-/// powders", section 2.4).
+/// A vector of the plane of contact carried along from the last step: rotated into the present
+/// plane and with the two bodies about the normal, its length kept (Luding 2008, "Cohesive,
+/// frictional powders", section 2.4).
 [[nodiscard]] inline vec3 carried_along(const vec3& old, const vec3& normal, real turn) {
   const real square = old.squaredNorm();
   if (square == 0) return old;
@@ -23,7 +23,7 @@ namespace talus::detail {
   return left > 0 ? vec3(now * std::sqrt(square / left)) : vec3(0, 0, 0);
 }
 
-/// What a contact with friction keeps from step to step.
+/// The memory of a contact with friction from step to step.
 struct tangential_memory {
   vec3 spring{0, 0, 0};  ///< elongation across the normal, of a relative to b
   bool sliding = false;
@@ -44,12 +44,12 @@ struct growing_tangential_memory : tangential_memory {
   }
 };
 
-// What the two kinds of bearing make of the spring.
+// The spring for the two kinds of bearing.
 
 [[nodiscard]] tangential_memory memory_on(const bearing&);
 [[nodiscard]] growing_tangential_memory memory_on(const growing_bearing&);
 
-/// Stiffness of the spring as the memory has it.
+/// Stiffness of the spring stored in the memory.
 [[nodiscard]] inline real stiffness_in(const bearing& b, const tangential_memory&) {
   return b.tangential;
 }
@@ -57,8 +57,8 @@ struct growing_tangential_memory : tangential_memory {
                                        const growing_tangential_memory& m) {
   return b.tangential_per_radius * m.contact_radius;
 }
-/// Brings the spring to the present stiffness. While that grows the force is kept, while it shrinks
-/// the force shrinks too, so that a closed path of loading never yields work (Thornton, Cummins,
+/// Adapts the spring to the present stiffness. While that grows the force is kept, while it shrinks
+/// the force shrinks too, so that a closed path of loading never gains work (Thornton, Cummins,
 /// Cleary 2013).
 inline void adapt(vec3&, const bearing&, tangential_memory&) {}
 inline void adapt(vec3& spring, const growing_bearing& b, growing_tangential_memory& memory) {
@@ -108,7 +108,7 @@ struct tangential_spring final {
       if (stretched > limit) spring *= limit / stretched;
     }
     memory.spring = spring;
-    f.lost += k * spring.dot(trial - spring);  // the force that is left, over the slip
+    f.lost += k * spring.dot(trial - spring);  // the remaining force times the slip
     f.conserved = -k * spring;
     return f;
   }

@@ -1,16 +1,16 @@
 #pragma once
-// How many steps a soft contact takes at the advised time step.
+// The number of steps of a soft contact at the advised time step.
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
 
-/// Steps that a contact takes at least at a fifth of the critical time step.
+/// Minimum number of steps of a contact at a fifth of the critical time step.
 inline constexpr real steps_of_contact = 20;
-/// Some more, so that one more or less at the ends of a contact leaves as many.
+/// A few more, so that the count stays above it with one more or less at the ends of a contact.
 inline constexpr real steps_in_critical = (steps_of_contact + 1) / 5;
 
-/// Whether an impact is one of its own: faster than what gravity makes of a contact while it
-/// lasts, as it does where bodies come to rest on each other.
+/// Whether an impact is distinct: faster than the speed that gravity adds during the contact, as it
+/// does when bodies come to rest on each other.
 [[nodiscard]] inline bool is_impact(real speed, real duration, real gravity) {
   return speed > gravity * duration;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The state of a world in a file, from which another run goes on: docs/checkpoints.md.
+// The state of a world in a file, from which another run continues: docs/checkpoints.md.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -29,7 +29,7 @@ namespace detail {
 /// More steps or iterations than any run makes; exact as a double.
 inline constexpr std::uint64_t most_counted = std::uint64_t{1} << 52;
 
-/// Throws runtime_error where the file is of another type of scenario.
+/// Throws runtime_error if the file is of another type of scenario.
 template <class Scenario>
 [[gnu::cold]] void require_same_scenario(const checkpoint_reader& in) {
   for (const scenario_mark& mine : marks_of<Scenario>()) {
@@ -42,8 +42,8 @@ template <class Scenario>
   }
 }
 
-/// Takes the state of this rank from a file. Returns what the set-up changes, in words, and adds
-/// to `rows` how many bodies there are, and how many of them this rank has taken.
+/// Reads the state of this rank from a file. Returns the changes by the set-up, in words, and adds
+/// to `rows` how many bodies there are, and how many of them this rank has read.
 template <class Scenario>
 [[gnu::cold]] std::string read_rank(world<Scenario>& w, const std::string& file,
                                     std::array<std::uint64_t, 2>& rows, pending_wakes& wakes) {
@@ -102,13 +102,13 @@ template <class Scenario>
                      static_cast<std::uint64_t>(c[4])};
   }
 
-  // Elsewhere cuts that have moved would be of another number of ranks.
+  // On other numbers of ranks, moved cuts do not apply.
   if constexpr (world_state<Scenario>::balances)
     if (whole("/run/ranks") == ranks && in.has("/run/cuts"))
       access::place_cuts(w, in.reals("/run/cuts"));
 
   auto bounds = s.own.bounds();
-  for (int k = 0; k < 3; ++k) {  // round-off of the corners shall cost nobody
+  for (int k = 0; k < 3; ++k) {  // a margin for round-off of the corners
     bounds.first[k] -= 1e-9 * (1 + std::abs(bounds.first[k]));
     bounds.second[k] += 1e-9 * (1 + std::abs(bounds.second[k]));
   }
@@ -148,7 +148,7 @@ template <class Scenario>
   return changes;
 }
 
-/// write_checkpoint(); with `force` it replaces a file that is no checkpoint too.
+/// write_checkpoint(); with `force` it also replaces a file that is not a checkpoint.
 template <class Scenario>
 [[gnu::cold]] void write_checkpoint_file(world<Scenario>& w, const std::string& file, bool force) {
   w.require_all_ranks("write_checkpoint");
@@ -175,18 +175,18 @@ template <class Scenario>
 }  // namespace detail
 
 /// Collective: writes the state of the world to a file, which replaces the checkpoint of that name
-/// when it is whole, on the disk, and read back. The world begins afresh then, as one that reads
-/// the file does, so that both go on alike to the bit. Throws runtime_error alike on all ranks if
-/// the file cannot be written, if what is there is no checkpoint, and while another run writes it;
-/// what was there is as it was then.
+/// when it is complete, on the disk, and read back. The world then restarts from it, as one that
+/// reads the file does, so that both continue alike to the bit. Throws runtime_error alike on all
+/// ranks if the file cannot be written, if an existing file is not a checkpoint, and while another
+/// run writes it; the existing file then stays unchanged.
 template <class Scenario>
 [[gnu::cold]] void write_checkpoint(world<Scenario>& w, const std::string& file) {
   if constexpr (detail::require_feature<Scenario, checkpoints>())
     detail::write_checkpoint_file(w, file, false);
 }
 
-/// Collective: replaces all bodies, and whatever else the future depends on, by what a file holds.
-/// The world has its domain and its materials, and has been told what to keep. Any number of ranks
+/// Collective: replaces all bodies, and all other state on which the future depends, by that of a
+/// file. The world must have its domain, its materials, and its kept variables. Any number of ranks
 /// reads the file of any other. Returns, in words, which parameters differ from those of the run
 /// that wrote it; empty if none. Throws runtime_error alike on all ranks if the file cannot be
 /// read, is damaged, or is of another scenario.

@@ -1,6 +1,6 @@
 #pragma once
-// The checkpoints of a run<...>: when they are written (every so many steps, and on signals), and
-// where simulate() goes on from one.
+// The checkpoints of a run<...>: when they are written (at a fixed number of steps, and on
+// signals), and where simulate() continues from one.
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -26,14 +26,14 @@ namespace talus::detail {
 
 template <class Scenario>
 class checkpoint_files final : public checkpoint_hooks {
-  /// How often ranks tell each other which signals they have heard, in seconds of wall time.
+  /// How often ranks exchange their received signals, in seconds of wall time.
   static constexpr double between_polls = 0.2;
   static constexpr std::uint64_t most_steps_between_polls = 1000;
-  /// What a rank has heard, as numbers of which the largest counts.
+  /// The signals received by a rank, as numbers that are combined by their maximum.
   enum heard { nothing = 0, write = 1, end = 2, interrupt = 3 };
 
  public:
-  /// Puts itself between the steps of the world. Collective; throws runtime_error where a file
+  /// Installs its hooks between the steps of the world. Collective; throws runtime_error if a file
   /// cannot be written or read, before anything is computed.
   static void attach(world<Scenario>& w, const checkpoint_plan& plan) {
     auto& hooks = checkpoint_access::keeper(w).hooks;
@@ -73,7 +73,7 @@ class checkpoint_files final : public checkpoint_hooks {
   }
 
   restart_plan begin(const simulation& s) override {
-    next_poll_ = 0, between_ = 1;  // other steps than those before may take longer
+    next_poll_ = 0, between_ = 1;  // steps other than those before may take longer
     if (!waiting_) {
       auto& first = checkpoint_access::keeper(w_).first_parameters;
       if (!first) first = parameters_of(w_.state());
@@ -120,7 +120,7 @@ class checkpoint_files final : public checkpoint_hooks {
         .steps = static_cast<std::size_t>(last - w_.steps()), .restarts = true, .stopped = stopped};
   }
 
-  /// A poll is a reduction that is under way while the step is computed.
+  /// A poll is a reduction that overlaps with the computation of the step.
   void before_step() override {
     if (plan_.to.empty() || w_.steps() < next_poll_) return;
     const double now = wall_seconds();
@@ -152,7 +152,7 @@ class checkpoint_files final : public checkpoint_hooks {
                      (ends && now > plan_.last);
     if (!due && asked == nothing) return;
     write_checkpoint_file(w_, plan_.to, plan_.force);
-    heard_write_ = heard_signals().write;  // other ranks may have heard it a step later
+    heard_write_ = heard_signals().write;  // other ranks may have received it a step later
     if (asked == end) throw ended_by_signal{w_.steps(), SIGTERM};
     if (asked == interrupt) throw ended_by_signal{w_.steps(), SIGINT};
   }
@@ -185,8 +185,8 @@ class checkpoint_files final : public checkpoint_hooks {
   [[nodiscard]] static std::string counted_calls(std::uint64_t calls) {
     return compose("{} call{}", calls, calls == 1 ? "" : "s");
   }
-  /// A program that looks at bodies between equal calls of simulate() decides by them whether to go
-  /// on; while a restart leaves steps out, they are not the bodies that were there in these steps.
+  /// A program that reads bodies between equal calls of simulate() may decide by them whether to
+  /// continue; while a restart skips steps, they are not the bodies of these steps.
   void refuse_own_loop(std::uint64_t call, std::uint64_t asked, const course_part* then) {
     const std::uint64_t before = std::exchange(asked_before_, asked);
     if (call == 0 || !checkpoint_access::keeper(w_).read) return;
@@ -224,7 +224,7 @@ class checkpoint_files final : public checkpoint_hooks {
     const unsigned writes = heard_signals().write;
     return std::exchange(heard_write_, writes) != writes ? write : nothing;
   }
-  /// A link has one reduction under way at a time, and some solvers have theirs in each step.
+  /// A link has one open reduction at a time, and some solvers have theirs in each step.
   [[nodiscard]] bool reduces_beside_steps() const {
     if constexpr (Scenario::contact_law::soft)
       return true;

@@ -1,5 +1,5 @@
 #pragma once
-// How the files that runs write are recognised by their first bytes.
+// How the files written by runs are recognised, by their first bytes.
 #include <string_view>
 
 #include "talus/core/output_file.hpp"

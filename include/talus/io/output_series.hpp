@@ -1,5 +1,5 @@
 #pragma once
-// What lies where a series of numbered files is going to be written.
+// Existing files at the place of a series of numbered files.
 #include <dirent.h>
 
 #include <cstddef>
@@ -11,9 +11,9 @@
 
 namespace talus::detail {
 
-/// Looks at all files BEGIN<digits>END; `begin` holds the folder. Throws runtime_error, with `what`
-/// before the file, where one must not be replaced. Returns how many there are that would be.
-/// Those that `known` is true for, by their names without the folder, may be replaced.
+/// Checks all files BEGIN<digits>END; `begin` contains the folder. Throws runtime_error, with
+/// `what` before the file, if one must not be replaced. Returns how many would be replaced. Files
+/// with `known` true for their names without the folder may be replaced.
 template <class Known>
 [[nodiscard, gnu::cold]] std::size_t inspect_series(const char* what, const std::string& begin,
                                                     std::string_view end, const output_kind& kind,

@@ -72,8 +72,8 @@ inline void add_placement(povray_text& out, const pose& p) {
 
 namespace talus {
 
-// One function per shape: its form in the frame of the body, without placement and colour. A shape
-// of the user's own needs such a function in the shape's namespace.
+// One function per shape: its form in the frame of the body, without placement and colour. A
+// user-defined shape needs such a function in the shape's namespace.
 
 inline void povray_form(detail::povray_text& out, const sphere& s) {
   out << "sphere{<0,0,0>," << s.radius;

@@ -25,7 +25,7 @@
 
 namespace talus {
 
-/// What an output has beside bodies and contacts.
+/// Options of an output besides bodies and contacts.
 struct vtk_content {
   bool surfaces = false;  ///< faces of all bodies but spheres and planes, NAME_surfaces.hdf
   bool force = false;     ///< replaces files of these names that talus did not write
@@ -80,7 +80,7 @@ template <class Scenario>
   return all;
 }
 
-/// The name without what says that it is an output.
+/// The name without the extension of an output.
 [[nodiscard, gnu::cold]] inline std::string output_name(std::string name) {
   for (const std::string_view end : {".series", vtk_extension})
     if (name.size() > end.size() && std::string_view(name).substr(name.size() - end.size()) == end)
@@ -90,13 +90,13 @@ template <class Scenario>
 
 }  // namespace detail
 
-/// Collective: the present state of bodies and contacts as NAME.hdf and NAME_contacts.hdf,
-/// which replace files of that name when they are whole. Bodies are points: those that ranks own,
-/// and the global ones that have an end, in the order of their ids within each rank; of a union
-/// each part. A contact that carries a force is a line from centre to centre, or to the point where
-/// something immovable is touched. All columns, and what reads them: docs/output.md. Throws
+/// Collective: the present state of bodies and contacts as NAME.hdf and NAME_contacts.hdf, which
+/// replace files of that name when they are complete. Bodies are points: those that ranks own, and
+/// the finite global ones, in the order of their ids within each rank; of a union each part. A
+/// contact that carries a force is a line from centre to centre, or to the contact point with
+/// something immovable. All columns, and programs that read them: docs/output.md. Throws
 /// runtime_error alike on all ranks if a file cannot be written, and invalid_argument for surfaces
-/// where no shape has any.
+/// if no shape has any.
 template <class Scenario>
 [[gnu::cold]] void write_vtk(world<Scenario>& w, const std::string& name,
                              const vtk_content& content = {}) {
@@ -107,16 +107,16 @@ template <class Scenario>
     block.write(w, team, base + block.end_of_name + detail::vtk_extension, content.force);
 }
 
-/// A series of such files, NAME_0000001200.hdf after step 1,200 and so on, with
-/// NAME.hdf.series and NAME_contacts.hdf.series, which name them and their times. A file is in
-/// a series when it is whole: what a killed run leaves can be read.
+/// A series of such files, NAME_0000001200.hdf after step 1,200 and so on, with NAME.hdf.series and
+/// NAME_contacts.hdf.series, which list them and their times. A file is added to a series when it
+/// is complete: the files of a killed run can be read.
 template <class Scenario>
 class vtk_series {
  public:
   using content = vtk_content;
 
-  /// With `goes_on` the series of that name goes on where the run does, see go_on(). Else it is
-  /// replaced. Collective; throws as write_vtk does.
+  /// With `goes_on` the series of that name continues at the step of the run, see go_on().
+  /// Otherwise it is replaced. Collective; throws as write_vtk does.
   explicit vtk_series(world<Scenario>& w, const std::string& name, bool goes_on = false,
                       const content& what = {})
       : w_(w), name_(detail::output_name(name)), goes_on_(goes_on), force_(what.force) {
@@ -138,7 +138,7 @@ class vtk_series {
                                      detail::vtk_extension, detail::vtk_output_file, force_,
                                      [&](const std::string& file) { return lists(file); });
       }
-      // One that is not gone on with would name files of another run, or beyond the present step.
+      // A series that is not continued would list files of another run, or beyond the present step.
       const std::string surfaces = name_ + "_surfaces" + detail::vtk_extension + ".series";
       if (!what.surfaces && detail::inspect_target(surfaces, detail::series_output, false).replaces)
         std::remove(surfaces.c_str());
@@ -147,17 +147,17 @@ class vtk_series {
     });
   }
 
-  /// Whether a series of this name was there. On rank 0 alone.
+  /// Whether a series of this name existed. On rank 0 alone.
   [[nodiscard]] bool replaces() const { return replaces_ && !goes_on_; }
-  /// Collective: of a series that goes on, the files of later steps than the present one leave it.
-  /// Does so once; write() does so by itself.
+  /// Collective: of a continued series, removes the files of later steps than the present one. Does
+  /// so once; write() does so by itself.
   [[gnu::cold]] void go_on() {
     if (!std::exchange(goes_on_, false)) return;
     detail::team_over team(w_.link());
     std::uint64_t has_now = 0;
     team.together([&] {
       if (w_.rank() != 0) return;
-      // Of the present step there are all files, or they are written again.
+      // All files of the present step exist, or they are written again.
       const std::uint64_t end = w_.steps() + 1;
       has_now = std::all_of(parts_.begin(), parts_.end(),
                             [&](const part& p) { return p.index.last_before(end) == w_.steps(); });
@@ -194,8 +194,7 @@ class vtk_series {
   [[nodiscard]] static std::string without_folder(const std::string& file) {
     return file.substr(file.find_last_of('/') + 1);
   }
-  /// Whether the index that was there names a file: it is of an earlier run then, whatever is in
-  /// it.
+  /// Whether the existing index lists a file: it is of an earlier run then, whatever its content.
   [[nodiscard]] bool lists(const std::string& file) const {
     struct stat found {};
     const std::string path = name_.substr(0, name_.find_last_of('/') + 1) + file;

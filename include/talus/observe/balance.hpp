@@ -7,14 +7,14 @@
 
 namespace talus {
 
-/// What moving the cuts has brought.
+/// The effect of moving the cuts.
 struct load_balance {
-  imbalance before;         ///< the worst of those for which cuts were moved
-  imbalance after;          ///< now; time since cuts were moved last, or from the beginning
-  std::uint64_t moved = 0;  ///< how often they were
+  imbalance before;         ///< the worst of those that caused a move
+  imbalance after;          ///< now; time since the last move of the cuts, or from the beginning
+  std::uint64_t moved = 0;  ///< number of moves
 };
 
-/// Collective. Where no cuts have moved, `before` is `after`.
+/// Collective. If no cuts have moved, `before` is `after`.
 template <class Scenario>
 [[nodiscard, gnu::cold]] load_balance measure_balance(world<Scenario>& w) {
   load_balance found;

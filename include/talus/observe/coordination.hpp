@@ -1,5 +1,5 @@
 #pragma once
-// How many neighbours bodies touch.
+// The number of neighbours that bodies touch.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -11,13 +11,13 @@
 
 namespace talus {
 
-/// Of the bodies that can move. Two bodies are neighbours where a contact between them carries a
-/// force, however many points it has.
+/// Of the bodies that can move. Two bodies are neighbours if a contact between them carries a
+/// force, with any number of points.
 struct coordination {
   double mean = 0;              ///< neighbours of a body, fixed and global ones among them
-  double mean_of_touching = 0;  ///< the same without the bodies that touch nothing
+  double mean_of_touching = 0;  ///< the same without the bodies without contacts
   std::uint64_t bodies = 0;     ///< that can move
-  std::uint64_t alone = 0;      ///< of them, those that touch nothing
+  std::uint64_t alone = 0;      ///< of them, those without contacts
 };
 
 namespace detail {
@@ -32,8 +32,8 @@ struct touch {
 
 }  // namespace detail
 
-/// Collective: the coordination number of the present state. Costs a look at each contact, and
-/// nothing where it is not called. Zero before the first step.
+/// Collective: the coordination number of the present state. Costs one pass over the contacts, and
+/// nothing if it is not called. Zero before the first step.
 template <class Scenario>
 [[nodiscard]] coordination measure_coordination(world<Scenario>& w) {
   w.require_all_ranks("measure_coordination");

@@ -17,11 +17,12 @@ namespace talus {
 
 namespace detail {
 
-/// What the time step of soft contacts follows from: the same on all ranks.
+/// The data that determine the time step of soft contacts: the same on all ranks.
 struct soft_scales {
   std::vector<real> lightest;  ///< by material: the least mass of a body that moves; else infinite
-  std::vector<char> wall;      ///< by material: whether a body of it stays where it is
-  real of_bodies = std::numeric_limits<real>::infinity();  ///< the longest step that each allows
+  std::vector<char> wall;      ///< by material: whether a body of it is immovable
+  real of_bodies = std::numeric_limits<real>::infinity();  ///< the longest step that is stable for
+                                                           ///< every body
   real speed = 0;    ///< estimated, of the fastest impact: of present motion, and of a fall
   real gravity = 0;  ///< its size
 
@@ -51,7 +52,7 @@ template <class Scenario>
   const std::size_t n = materials.size();
   const real gravity = w.gravity().norm();
   const vec3 down = gravity > 0 ? vec3(w.gravity() / gravity) : vec3(0, 0, 0);
-  // Of all ranks the least is taken: first of each material, then of the rest, some with a minus.
+  // The minimum over all ranks: first of each material, then of the rest, some with a minus.
   enum : std::size_t { of_bodies, minus_speed, minus_driven, minus_fall, minus_top, bottom, rest };
   std::vector<real> least(2 * n + rest, never);
   const auto lower = [&](std::size_t which, real value) {
@@ -117,7 +118,7 @@ void each_meeting_pair(world<Scenario>& w, const soft_scales& s, F&& f) {
 }
 
 /// The shortest contact of the present bodies at this speed, infinite if there is none; only
-/// impacts, not what comes to rest, count.
+/// impacts count, not bodies coming to rest.
 template <class Scenario>
 [[nodiscard]] real shortest_contact(world<Scenario>& w, const soft_scales& s, real speed) {
   using law = typename Scenario::contact_law::law;
@@ -135,7 +136,7 @@ template <class Scenario>
   return shortest;
 }
 
-/// Beyond it contacts gain energy, or waves in the bodies are missed (Hertz).
+/// Above it contacts gain energy, or waves in the bodies are not resolved (Hertz).
 template <class Scenario>
 [[nodiscard]] real longest_stable_step(world<Scenario>& w, const soft_scales& s) {
   using law = typename Scenario::contact_law::law;
@@ -146,7 +147,7 @@ template <class Scenario>
   return least;
 }
 
-/// Of critical_dt(), from what was measured.
+/// Of critical_dt(), from measured data.
 template <class Scenario>
 [[nodiscard]] real critical_step(world<Scenario>& w, const soft_scales& s, real speed) {
   return std::min(longest_stable_step(w, s), shortest_contact(w, s, speed) / steps_in_critical);
@@ -155,13 +156,13 @@ template <class Scenario>
 }  // namespace detail
 
 /// Collective: the critical time step of a soft scenario for impacts of the given relative speed,
-/// infinite where nothing moves. A fifth of it is common: at that step a contact takes 20 steps or
-/// more, and the motion is stable. It is the least of two. Stability: for linear springs the step
-/// beyond which a contact of two of the lightest bodies of their materials gains energy; for Hertz
-/// the shortest Rayleigh time of all bodies. Resolution: 5/21 of the shortest contact at that
-/// speed, where that is an impact: faster than gravity times the duration of the contact. So a
-/// speed of 0 asks for stability alone. Bodies with many contacts are stiffer. Throws
-/// invalid_argument for a speed that is negative or not finite.
+/// infinite if nothing moves. A fifth of it is common: at that step a contact takes 20 steps or
+/// more, and the motion is stable. It is the smaller of two values. Stability: for linear springs
+/// the step beyond which a contact of two of the lightest bodies of their materials gains energy;
+/// for Hertz the shortest Rayleigh time of all bodies. Resolution: 5/21 of the shortest contact at
+/// that speed, if that is an impact: faster than gravity times the duration of the contact. So a
+/// speed of 0 gives stability alone. Bodies with many contacts are stiffer. Throws invalid_argument
+/// for a speed that is negative or not finite.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w,
                                real impact_speed) requires(Scenario::contact_law::soft) {
@@ -174,8 +175,8 @@ template <class Scenario>
   return detail::critical_step(w, detail::measure_soft_scales(w), impact_speed);
 }
 /// The same for the impact speed that present motion and gravity make possible: twice the largest
-/// speed of a body, more by a fall from the highest body to the lowest point of any, or onto a
-/// plane. What moves faster later, or comes in later, needs the speed as an argument.
+/// speed of a body, plus that of a fall from the highest body to the lowest point of any, or onto a
+/// plane. If bodies become faster later, or faster ones are added, pass the speed as an argument.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w) requires(Scenario::contact_law::soft) {
   w.require_all_ranks("critical_dt");

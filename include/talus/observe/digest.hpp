@@ -1,5 +1,5 @@
 #pragma once
-// A fingerprint of the state of all bodies.
+// A digest of the state of all bodies.
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -19,7 +19,7 @@ class bit_hash {
   explicit bit_hash(std::uint64_t start) : value_(mix(start)) {}
   void add(real x) { value_ = mix(value_ ^ std::bit_cast<std::uint64_t>(x + 0.0)); }
   void add(const vec3& v) { add(v[0]), add(v[1]), add(v[2]); }
-  /// Any other value, by its bytes; of what packs itself, those that it packs.
+  /// Any other value, by its bytes; for a type with its own serialization, its packed bytes.
   template <class T>
   void add(const T& value) {
     byte_buffer bytes;
@@ -45,10 +45,10 @@ void add_columns(bit_hash& h, const View& body) {
 
 }  // namespace detail
 
-/// Collective: a hash of ids, positions, orientations, velocities and the columns of the user's own
+/// Collective: a hash of ids, positions, orientations, velocities and the columns of user-defined
 /// features, of all bodies that are not global, as 16 hexadecimal digits. It is the sum over the
-/// bodies of a hash of each, so it depends neither on their order nor on which rank owns them:
-/// equal states give equal digests on any number of ranks.
+/// bodies of a hash of each, so it depends neither on their order nor on their ranks: equal states
+/// give equal digests on any number of ranks.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string state_digest(world<Scenario>& w) {
   w.require_all_ranks("state_digest");

@@ -1,5 +1,5 @@
 #pragma once
-// Where the energy of a run came from and where it went.
+// The sources and sinks of the energy of a run.
 #include <array>
 #include <cmath>
 
@@ -17,11 +17,11 @@ struct energy_balance {
   double changes = 0;    ///< by the user between steps: bodies added, removed, moved, pushed
   energy_flows step;     ///< in the last step
   energy_flows total;    ///< in all steps
-  double closure = 0;    ///< change of energy in the last step, less step.net(): round-off
+  double closure = 0;    ///< change of energy in the last step, minus step.net(): round-off
   double scale = 0;      ///< sum over the bodies and contacts of the energies in that step
   double worst = 0;      ///< largest |closure| over scale of any rank in any step
 
-  /// The closure of the last step over the energies that met in it.
+  /// The closure of the last step over the sum of its energies.
   [[nodiscard]] double error() const { return scale > 0 ? std::abs(closure) / scale : 0; }
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// From bodies to fields: density, velocity and stress on a grid.
+// Fields from bodies: density, velocity and stress on a grid.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -48,14 +48,14 @@ struct field_grid {
     for (int k = 0; k < 3; ++k) h[k] /= cells[static_cast<std::size_t>(k)];
     return h;
   }
-  /// Number of a cell; x is counted first.
+  /// Index of a cell; x varies fastest.
   [[nodiscard]] std::size_t index(int i, int j, int k) const {
     return static_cast<std::size_t>(i) +
            static_cast<std::size_t>(cells[0]) *
                (static_cast<std::size_t>(j) +
                 static_cast<std::size_t>(cells[1]) * static_cast<std::size_t>(k));
   }
-  /// Number of the cell in which a point lies, or size().
+  /// Index of the cell that contains a point, or size().
   [[nodiscard]] std::size_t cell_of(const vec3& p) const {
     const vec3 h = cell_size();
     int at[3];
@@ -74,17 +74,17 @@ struct field_grid {
 /// at rest its zz component is minus the weight above a unit of area.
 class coarse_fields {
  public:
-  /// All zero, to which states are added: of no sample, or of one that is still to be filled in.
-  /// Throws invalid_argument for a grid that makes no sense.
+  /// All zero, to which states are added: of no sample, or of one that is filled in later. Throws
+  /// invalid_argument for an invalid grid.
   explicit coarse_fields(const field_grid& g, std::uint64_t samples = 0)
       : grid_((g.validate(), g)), sums_(g.size() * width), samples_(samples) {}
 
-  /// The grid that was given.
+  /// The grid of the fields.
   [[nodiscard]] const field_grid& grid() const { return grid_; }
-  /// How many states the means are taken over.
+  /// The number of states in the means.
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
 
-  // Of cell number `c`.
+  // Of cell `c`.
 
   /// Bodies that can move, in the mean over the samples.
   [[nodiscard]] double bodies(std::size_t c) const { return at(c)[count] / samples(1); }
@@ -92,17 +92,17 @@ class coarse_fields {
   [[nodiscard]] double mass(std::size_t c) const { return at(c)[masses] / samples(1); }
   /// Mean mass in a cell over its volume.
   [[nodiscard]] double density(std::size_t c) const { return mass(c) / volume(); }
-  /// The part of space that bodies take up.
+  /// The volume fraction of bodies.
   [[nodiscard]] double solid_fraction(std::size_t c) const {
     return at(c)[volumes] / (samples(1) * volume());
   }
-  /// Of the mass; zero where there is none.
+  /// Of the mass; zero without mass.
   [[nodiscard]] vec3 velocity(std::size_t c) const {
     const double* s = at(c);
     if (!(s[masses] > 0)) return {0, 0, 0};
     return {s[momenta] / s[masses], s[momenta + 1] / s[masses], s[momenta + 2] / s[masses]};
   }
-  /// Of motion against the mean velocity of the cell (over the samples, too).
+  /// Of motion relative to the mean velocity of the cell (over the samples, too).
   [[nodiscard]] mat3 kinetic_stress(std::size_t c) const {
     const double* s = at(c);
     const vec3 v = velocity(c);
@@ -112,8 +112,8 @@ class coarse_fields {
         stress(i, j) = -(s[flux + 3 * i + j] - s[masses] * v[i] * v[j]) / (samples(1) * volume());
     return stress;
   }
-  /// Of contact forces along the lines from centre to centre, or from a centre to where something
-  /// immovable is touched; each line counts with the part of it that lies in the cell.
+  /// Of contact forces along the lines from centre to centre, or from a centre to the contact point
+  /// with something immovable; each line counts with the part of it that lies in the cell.
   [[nodiscard]] mat3 contact_stress(std::size_t c) const {
     const double* s = at(c);
     mat3 stress;
@@ -142,7 +142,7 @@ class coarse_fields {
     return *this;
   }
 
-  // What measure_fields() does with one state.
+  // The accumulation of one state in measure_fields().
 
   void add_body(const vec3& centre, const vec3& v, double mass, double volume) {
     const std::size_t c = grid_.cell_of(centre);
@@ -154,7 +154,7 @@ class coarse_fields {
       for (int j = 0; j < 3; ++j) s[flux + 3 * i + j] += mass * v[i] * v[j];
     }
   }
-  /// A force on a body at `head`, from what is at `tail`.
+  /// A force on a body at `head`, from a body or point at `tail`.
   void add_force(const vec3& head, const vec3& tail, const vec3& force) {
     const vec3 line = head - tail, h = grid_.cell_size();
     cuts_.clear();
@@ -210,9 +210,9 @@ class coarse_fields {
   std::uint64_t samples_;
 };
 
-/// Collective: the fields of the present state, alike on all ranks. Fixed and global bodies have no
-/// part in them but by the forces that they exert. Sums 24 numbers for each cell over the ranks.
-/// Throws invalid_argument for a grid that makes no sense.
+/// Collective: the fields of the present state, alike on all ranks. Fixed and global bodies
+/// contribute only by the forces that they exert. Sums 24 numbers for each cell over the ranks.
+/// Throws invalid_argument for an invalid grid.
 template <class Scenario>
 [[nodiscard]] coarse_fields measure_fields(world<Scenario>& w, const field_grid& grid) {
   w.require_all_ranks("measure_fields");

@@ -1,5 +1,5 @@
 #pragma once
-// What flows through a plane: bodies counted one by one as their centres cross it.
+// Flow through a plane: bodies counted one by one as their centres cross it.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,11 +13,12 @@
 
 namespace talus {
 
-/// What has crossed a plane: `forward` along its normal. Masses by density and volume.
+/// The flow through a plane: `forward` along its normal. Masses by density and volume.
 struct flow {
   /// mass that has passed along the normal, and against it
   double mass_forward = 0, mass_backward = 0;
-  std::uint64_t forward = 0, backward = 0;  ///< bodies; one that turns back counts both ways
+  std::uint64_t forward = 0, backward = 0;  ///< bodies; one that turns back counts in both
+                                            ///< directions
 
   /// Mass that has passed, forward minus backward.
   [[nodiscard]] double mass() const { return mass_forward - mass_backward; }
@@ -29,7 +30,7 @@ struct flow {
 
 namespace detail {
 
-/// On which side of a plane each body was that this rank knew after the last step.
+/// The side of a plane on which each body known to this rank was after the last step.
 template <class Scenario>
 class crossing_counter {
  public:
@@ -78,14 +79,14 @@ class crossing_counter {
     }
     return {id, ahead(p), {}};
   }
-  /// The image that is nearest to where the body was: one that leaves on one side of a periodic box
-  /// and comes in on the other has not crossed what is in between.
+  /// The image nearest to the last position of the body: a body that leaves a periodic box on one
+  /// side and enters on the other has not crossed the space in between.
   [[nodiscard]] vec3 as_seen_before(const side& before, const vec3& now) const {
     if constexpr (periodic) return s_.own.box().nearest(now, before.position);
     return (void)before, now;
   }
   [[nodiscard]] bool ahead(const vec3& p) const { return where_.distance(p) >= 0; }
-  /// Mostly bodies are in the place where they were.
+  /// Mostly the bodies are in their last places.
   [[nodiscard]] const side* find(std::size_t guess, system_id id) {
     if (guess < before_.size() && before_[guess].id == id) return &before_[guess];
     if (!indexed_) {
@@ -110,21 +111,21 @@ class crossing_counter {
 /// Counts from now on, after each step of simulate(), the bodies whose centres cross a plane:
 /// `flow_meter outflow(world, plane{.normal = {0, 0, -1}, .offset = 2})`. Each crossing counts
 /// once, on the rank that owns the body after it: a rank knows its neighbours' bodies before they
-/// come. A body that it has not seen in the step before, as one that was just added, counts from
-/// then on. Nothing is sent until total() is called. Costs a look at each body that a rank knows in
-/// each step; a restart counts anew.
+/// migrate. A body that was unknown in the step before, such as a new one, counts from then on.
+/// Nothing is sent until total() is called. Costs one pass over the bodies that a rank knows in
+/// each step; a restart starts the counts at zero.
 template <class Scenario>
 class flow_meter {
  public:
-  /// On all ranks alike. Throws invalid_argument for a plane that makes no sense. The world must
-  /// outlive the meter; it goes on counting when the meter is gone.
+  /// On all ranks alike. Throws invalid_argument for an invalid plane. The world must outlive the
+  /// meter; counting continues after the meter is destroyed.
   flow_meter(world<Scenario>& w, const plane& where) : w_(w) {
     where.validate();
     counter_ = std::make_shared<detail::crossing_counter<Scenario>>(w.state(), where);
     w.before_simulating([counter = counter_] { counter->note(); });
     w.after_each_step([counter = counter_] { counter->count(); });
   }
-  /// Collective: of all ranks, since the meter was made.
+  /// Collective: sums over all ranks, since the meter was made.
   [[nodiscard]] flow total() const {
     w_.require_all_ranks("flow_meter::total");
     flow all = counter_->sums();

@@ -1,5 +1,5 @@
 #pragma once
-// What contacts do to one body.
+// The force and torque of contacts on one body.
 #include <algorithm>
 #include <array>
 
@@ -16,8 +16,8 @@ namespace detail {
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 force_of_impulses(world<Scenario>& w, handle<Shape> h) {
   auto& s = w.state();
-  // The contacts of a body that moves are all known to its owner; others are counted by the owners
-  // of the bodies that meet it. (More ranks may remember them.)
+  // The owner of a movable body knows all its contacts; those of others are counted by the owners
+  // of their partners. (More ranks may store them.)
   detail::plain_vector<system_id> own;
   bool owned = false;
   w.for_each_local([&](const auto& b) {
@@ -65,9 +65,9 @@ struct contact_load {
 }  // namespace detail
 
 /// Collective: the force of all contacts on the body: their impulse in the last step over its
-/// length, or, where contacts are soft, their force in the present state; on a floor, it is the
-/// weight above it. Every rank names the same body, which may be global or live on any rank. Zero
-/// before the first step.
+/// length, or, if contacts are soft, their force in the present state; on a floor, it is the weight
+/// above it. Every rank names the same body, which may be global or live on any rank. Zero before
+/// the first step.
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 contact_force(world<Scenario>& w, handle<Shape> h) {
   w.require_all_ranks("contact_force");
@@ -87,9 +87,9 @@ template <class Scenario, class Shape>
 }
 
 /// Collective: the torque of all contacts on the body about the point `about` of the world, moments
-/// of rolling friction included. The forces are those of contact_force(); they act where the
-/// surfaces touch now. Every rank names the same body, which may be global or live on any rank. In
-/// a periodic box the body counts where its centre is. Zero before the first step.
+/// of rolling friction included. The forces are those of contact_force(); they act at the present
+/// contact points. Every rank names the same body, which may be global or live on any rank. In a
+/// periodic box the body counts at its centre. Zero before the first step.
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 contact_torque(world<Scenario>& w, handle<Shape> h, const vec3& about) {
   w.require_all_ranks("contact_torque");
@@ -107,7 +107,7 @@ template <class Scenario, class Shape>
       if (counts) load.add(c.a, c.b, c.point, c.centre_a, c.centre_b, c.force, {0, 0, 0});
     });
   }
-  // The owner knows where the centre is, whichever image of it other ranks see.
+  // The owner has the position of the centre, for any image of it on other ranks.
   const bool owner = found && !load.global && !found->is_remote();
   const vec3 arm = owner ? vec3(found->position() - about) : vec3(0, 0, 0);
   std::array<double, 9> sum{load.force[0],  load.force[1],  load.force[2],

@@ -1,6 +1,6 @@
 #pragma once
-// What the contact residual does not see: what bears the weight, and bodies that go on into those
-// that should hold them. Measured when asked for, from what the last step has left.
+// Errors that the contact residual does not show: the support of the weight, and bodies that
+// penetrate others that should stop them. Measured on request, from the data of the last step.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,15 +19,15 @@ namespace talus {
 /// move in it; without gravity all is 0. Of soft contacts only `borne`, for the present state.
 struct force_balance {
   bool known = false;    ///< a step was made, there is gravity, and no body sleeps
-  double borne = 0;      ///< given by what is fixed, against gravity: 1 at rest
+  double borne = 0;      ///< given by fixed bodies, against gravity: 1 at rest
   double change = 0;     ///< momentum gained by gravity and contacts together, against gravity
-  double error = 0;      ///< what contacts gave to the bodies, less what came from what is fixed
-  double unstopped = 0;  ///< momentum with which bodies go on into bodies that they touch
+  double error = 0;      ///< impulse of contacts on the bodies, minus the impulse from fixed bodies
+  double unstopped = 0;  ///< momentum of bodies into bodies that they touch
 };
 
 namespace detail {
 
-/// Sums of one rank: mass, what contacts gave to the own bodies, what came from fixed ones, and the
+/// Sums of one rank: mass, impulse of contacts on own bodies, impulse from fixed ones, and the
 /// momentum that they did not stop.
 struct balance_sums {
   double mass = 0, unstopped = 0;
@@ -49,7 +49,8 @@ template <class Scenario>
   s.each_contact_list([&](const auto& list) { list.add_approach(after, speeds); });
   balance_sums sums;
   sums.ground = impulse_of_ground(s);
-  // The solver's arrays tell which bodies were owned here in that step: those no message brought.
+  // The solver's arrays show which bodies were owned here in that step: those that no message
+  // updated.
   plain_vector<char> foreign;
   foreign.assign(after.bodies.size(), 0);
   for (const auto& other : s.travelled)
@@ -65,7 +66,7 @@ template <class Scenario>
   return sums;
 }
 
-/// The force of contacts on all bodies that can move, in the present state: inside it cancels.
+/// The force of contacts on all bodies that can move, in the present state: internal forces cancel.
 template <class Scenario>
 [[nodiscard, gnu::cold]] balance_sums soft_balance(world<Scenario>& w) {
   auto& s = w.state();
@@ -89,8 +90,8 @@ template <class Scenario>
 
 }  // namespace detail
 
-/// Collective: the momentum balance of the last step. Costs about as much as measure_residual; no
-/// step pays for it.
+/// Collective: the momentum balance of the last step. Costs about as much as measure_residual;
+/// steps have no extra cost.
 template <class Scenario>
 [[nodiscard, gnu::cold]] force_balance measure_force_balance(world<Scenario>& w) {
   w.require_all_ranks("measure_force_balance");

@@ -1,5 +1,5 @@
 #pragma once
-// Bodies that begin inside each other, or inside a wall: what a scenario gets wrong most easily.
+// Bodies that start inside each other, or inside a wall: the most common mistake in a scenario.
 #include <span>
 #include <string>
 
@@ -9,10 +9,11 @@
 
 namespace talus::detail {
 
-/// The part of half the thickness of the thinner body by which a pair may begin overlapped, unsaid.
+/// The initial overlap of a pair, over half the thickness of the thinner body, up to which there is
+/// no warning.
 inline constexpr double deepest_start = 0.1;
 
-/// Collective: what to say of the pair that is most overlapped now, on one of the ranks that know
+/// Collective: the warning about the pair with the largest overlap, on one of the ranks that know
 /// it, and nothing on all others. Needs up-to-date shadow copies.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string initial_overlap(world<Scenario>& w) {

@@ -1,5 +1,5 @@
 #pragma once
-// Groups of contacts that were solved as one, and those for which that was too dear.
+// Groups of contacts that were solved as one, and those for which that was too expensive.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace talus {
 
-/// What was done about islands (contacts connected through movable bodies) on which sweeps make no
-/// headway, in all steps of this run and on all ranks; see nonlinear_gauss_seidel.
+/// Statistics of islands (contacts connected through movable bodies) on which sweeps stall, in all
+/// steps of this run and on all ranks; see nonlinear_gauss_seidel.
 struct islands_solved {
-  std::uint64_t solved = 0;            ///< times that an island was solved as one problem
-  std::uint64_t skipped = 0;           ///< times that one was not: it was too dear
+  std::uint64_t solved = 0;            ///< number of islands solved as one problem
+  std::uint64_t skipped = 0;           ///< number of islands that were too expensive
   std::uint64_t skipped_contacts = 0;  ///< contacts of the largest of these
 };
 
@@ -31,7 +31,7 @@ template <class Scenario>
 
 namespace detail {
 
-/// A line of the summary; none where there was nothing to solve.
+/// A line of the summary; empty if there was nothing to solve.
 [[nodiscard, gnu::cold]] inline std::string islands_line(const islands_solved& r) {
   if (r.solved == 0 && r.skipped == 0) return {};
   using budget = island_budget;

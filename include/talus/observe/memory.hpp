@@ -1,5 +1,5 @@
 #pragma once
-// What the bodies of a world take in memory.
+// Memory of the bodies of a world.
 #include "talus/world/world.hpp"
 
 namespace talus {

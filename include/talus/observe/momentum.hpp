@@ -1,5 +1,5 @@
 #pragma once
-// Momentum in against momentum out, and what bears the weight.
+// Momentum in against momentum out, and the support of the weight.
 #include <array>
 #include <cmath>
 
@@ -13,11 +13,11 @@ struct momentum_account {
   vec3 gravity{0, 0, 0};                 ///< given by gravity
   vec3 forces{0, 0, 0};                  ///< given by forces of the user
   vec3 ground{0, 0, 0};                  ///< given by contacts with global and fixed bodies
-  vec3 damping{0, 0, 0};                 ///< given (taken away) by damping
+  vec3 damping{0, 0, 0};                 ///< change by damping (loss)
   double mass = 0;
   double size = 0;  ///< sum of the absolute momenta of the bodies
 
-  /// What the entries leave open: nothing but round-off, for any number of ranks.
+  /// The difference that the entries leave: only round-off, for any number of ranks.
   [[nodiscard]] vec3 closure() const {
     return after - before - gravity - forces - ground - damping;
   }
@@ -26,8 +26,8 @@ struct momentum_account {
     const double scale = gravity.norm() > 0 ? gravity.norm() : size;
     return scale > 0 ? closure().norm() / scale : 0;
   }
-  /// What global and fixed bodies bear, over the weight of all bodies that can move: 1 at rest.
-  /// Needs gravity, else 0.
+  /// Load on global and fixed bodies, over the weight of all bodies that can move: 1 at rest. Needs
+  /// gravity, else 0.
   [[nodiscard]] double borne_weight() const {
     const double square = gravity.squaredNorm();
     return square > 0 ? -ground.dot(gravity) / square : 0;

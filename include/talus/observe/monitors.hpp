@@ -1,6 +1,6 @@
 #pragma once
-// The values of all monitors a scenario names, by name: for the progress line, the JSON file and
-// time series.
+// The values of all monitors of a scenario, by name: for the progress line, the JSON file and time
+// series.
 #include <string>
 #include <string_view>
 
@@ -13,14 +13,14 @@
 
 namespace talus {
 
-/// One number, and what it is made of: M mass, L length, T time, 1 for a mere number.
+/// One number, and its dimension: M mass, L length, T time, 1 for a dimensionless number.
 struct measured {
   std::string_view name;
   std::string_view dimension;
   double value = 0;
 };
 
-/// What the monitors say, and in short.
+/// The values of the monitors, and a short text.
 struct monitor_values {
   detail::plain_vector<measured> values;
   std::string text;  ///< as in ", energy closes to 1e-16"; empty without monitors
@@ -33,7 +33,7 @@ inline constexpr bool has_monitors = Scenario::template has_feature<energy_ledge
                                      Scenario::template has_feature<penetration_monitor> ||
                                      Scenario::template has_feature<residual_monitor>;
 
-/// Collective: asks every monitor that the scenario names, and costs nothing where it names none.
+/// Collective: reads every monitor of the scenario, and costs nothing without monitors.
 template <class Scenario>
 [[nodiscard, gnu::cold]] monitor_values measure_monitors(world<Scenario>& w) {
   monitor_values m;

@@ -1,5 +1,5 @@
 #pragma once
-// Overlaps in every step, as detection finds them at its start.
+// Overlaps in every step, as found by detection at its start.
 #include <array>
 
 #include "talus/world/world.hpp"
@@ -15,7 +15,7 @@ struct overlap_account {
 };
 
 /// Collective: sums over all ranks. Needs features<penetration_monitor>. Costs no detection of its
-/// own, and misses no step; measure_penetration measures the present state.
+/// own, and covers every step; measure_penetration measures the present state.
 template <class Scenario>
 [[nodiscard]] overlap_account measure_overlaps(world<Scenario>& w) {
   overlap_account o;

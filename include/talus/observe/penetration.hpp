@@ -1,5 +1,5 @@
 #pragma once
-// How much bodies overlap: from positions by geometry alone, whatever the solver believes.
+// Overlaps of bodies: from positions by geometry alone, independent of the solver.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +29,7 @@ struct penetration {
 
 namespace detail {
 
-/// The pair whose bodies are most inside each other, for their size.
+/// The pair of bodies with the largest overlap relative to their size.
 struct deepest_pair {
   double part = 0;   ///< depth over half the thickness of the thinner one
   double depth = 0;  ///< a length
@@ -51,7 +51,7 @@ struct gap_sums {
   }
 };
 
-/// Adds all pairs of a body owned here with a body of `others`. Of a pair seen by two ranks, the
+/// Adds all pairs of a body owned here with a body of `others`. Of a pair known to two ranks, the
 /// one that owns the first body (by shape, then by id) counts.
 template <class Store, class Others, class History>
 [[gnu::cold]] void add_gaps(gap_sums& sums, const Store& own, const Others& others,

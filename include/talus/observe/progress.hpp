@@ -1,5 +1,5 @@
 #pragma once
-// A line that says how far a run has come: rewritten in place on a terminal, now and then
+// A line with the progress of a run: rewritten in place on a terminal, printed at intervals
 // elsewhere.
 #include <unistd.h>
 
@@ -16,18 +16,17 @@ namespace talus {
 
 class progress_line {
  public:
-  /// Writes to `out`; says nothing if that is null.
+  /// Writes to `out`; writes nothing if that is null.
   explicit progress_line(std::FILE* out)
       : out_(out), terminal_(out != nullptr && isatty(fileno(out)) != 0) {}
 
-  /// The run goes on from this step: speed counts from here.
+  /// The run continues from this step: speed counts from here.
   void begin_at(std::uint64_t step);
 
-  /// Call after each step; `last` is the step with which the run ends as far as is known. A line
-  /// appears every 0.2 s on a terminal, every 10 s elsewhere. `note` is added to it, as in
-  /// ", overlap 1e-5".
+  /// Call after each step; `last` is the final step of the run if known. A line appears every 0.2 s
+  /// on a terminal, every 10 s elsewhere. `note` is added to it, as in ", overlap 1e-5".
   void update(std::uint64_t step, std::uint64_t last, const std::string& note = {});
-  /// Call at the end of the run, whatever it was asked for: the last line.
+  /// Call at the end of the run, in any case: the last line.
   void finish(std::uint64_t step, const std::string& note = {});
 
  private:

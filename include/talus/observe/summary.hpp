@@ -1,5 +1,5 @@
 #pragma once
-// The end of a run in figures: speed beside error.
+// The summary of a run in figures: speed beside error.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -28,7 +28,7 @@ template <class Scenario>
     return Scenario::transport::name;
 }
 
-/// Collective: of all ranks, and of several as large the first.
+/// Collective: the maximum over all ranks, the first of several equal ones.
 template <class Scenario>
 [[nodiscard, gnu::cold]] speed_leap largest_leap_of(world<Scenario>& w) {
   const speed_leap& mine = w.state().driving.leap;
@@ -46,7 +46,7 @@ template <class Scenario>
           largest(it ? mine.after : 0)};
 }
 
-/// What the time step of a soft scenario means for its contacts.
+/// The number of steps per contact of a soft scenario, and its stability.
 template <class Scenario>
 [[gnu::cold]] void report_soft_step(world<Scenario>& w, talus::summary& r) {
   const auto& s = w.state();
@@ -61,7 +61,7 @@ template <class Scenario>
 
 }  // namespace detail
 
-/// Collective: the figures of the world as it is now. `cpu_seconds` are those of this rank.
+/// Collective: the figures of the present world. `cpu_seconds` are those of this rank.
 template <class Scenario>
 [[nodiscard, gnu::cold]] summary summarize(world<Scenario>& w, double cpu_seconds,
                                            double wall_seconds) {

@@ -1,5 +1,5 @@
 #pragma once
-// What the summary of a run consists of, and what follows from its figures.
+// The figures of the summary of a run, and conclusions from them.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -20,27 +20,27 @@
 
 namespace talus {
 
-/// What a scenario measured by itself, by name; the same on all ranks.
+/// Values that a scenario measured itself, by name; the same on all ranks.
 using results = std::vector<std::pair<std::string, double>>;
 
-/// What the last line of a run and its JSON file say. Lengths in radii where said so.
+/// The figures of the last line of a run and its JSON file. Lengths in radii where stated.
 struct summary {
   std::string scenario;
   std::string policies;
   std::string transport;
   int ranks = 1;
   std::uint64_t steps = 0;         ///< from the beginning
-  std::uint64_t restarted_at = 0;  ///< step of the checkpoint that this run went on from
+  std::uint64_t restarted_at = 0;  ///< step of the checkpoint from which this run continued
   double dt = 0;
   /// Of soft contacts, at the end: the step beyond which they are not stable; 0: they are hard.
   double critical_dt = 0;
   double impact_speed_max = 0;   ///< of soft contacts: the fastest approach in any step
   double steps_per_contact = 0;  ///< at that speed, of the shortest contact; 0: no impacts
   std::uint64_t contacts = 0;    ///< considered in the last step
-  bool sleeping = false;         ///< whether islands may go to sleep
+  bool sleeping = false;         ///< whether islands may be put to sleep
   bool followed = false;         ///< whether fast bodies are followed: continuous_collision
-  bool may_follow = false;       ///< whether the scenario could name that
-  detail::speed_leap leap;       ///< where contacts made a body much faster than anything was
+  bool may_follow = false;       ///< whether the scenario could name that feature
+  detail::speed_leap leap;       ///< the largest leap of a body's speed by contacts
   double gravity = 0;            ///< its size
   motion moving;
   penetration overlap;
@@ -80,7 +80,7 @@ namespace detail {
          static_cast<double>(std::max<std::uint64_t>(1, r.steps));
 }
 
-/// Whether a run that was asked for a residual ended above it.
+/// Whether a run with a tolerance ended above it.
 [[nodiscard]] inline bool above_tolerance(const summary& r) {
   return r.solver.tolerance > 0 && !(r.residual.value <= r.solver.tolerance);
 }
@@ -88,19 +88,20 @@ namespace detail {
 /// Whether the contacts are soft: then there is a critical time step, and nothing to solve.
 [[nodiscard]] inline bool soft(const summary& r) { return r.critical_dt > 0; }
 
-/// Whether the run was too coarse for its soft contacts, so that they gained energy.
+/// Whether the time step of the run was too large for its soft contacts, so that they gained
+/// energy.
 [[nodiscard]] inline bool dt_above_critical(const summary& r) {
   return soft(r) && r.dt > r.critical_dt;
 }
 
-/// Whether the shortest soft contact of the run took fewer steps than accuracy asks for.
+/// Whether the shortest soft contact of the run took fewer steps than needed for accuracy.
 [[nodiscard]] inline bool contacts_unresolved(const summary& r) {
   return r.steps_per_contact > 0 && r.steps_per_contact < detail::steps_of_contact;
 }
 
-/// Bounds beyond which the summary warns. Overlap over the radius of the thinner body, of hard and
+/// Bounds for the warnings of the summary. Overlap over the radius of the thinner body, of hard and
 /// of soft contacts; momentum that contacts do not stop, over the impulse of the weight in a step;
-/// and what the balance of momentum leaves open, in double and with float contacts.
+/// and the closure of the balance of momentum, in double and with float contacts.
 inline constexpr double overlap_bound_hard = 0.05, overlap_bound_soft = 0.2;
 inline constexpr double unstopped_bound = 1;
 inline constexpr double balance_bound = 1e-8, balance_bound_mixed = 1e-4;

@@ -1,5 +1,5 @@
 #pragma once
-// The summary of a run as a person reads it.
+// The summary of a run as text.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace detail {
 /// "1 body", "2 bodies".
 [[nodiscard, gnu::cold]] std::string counted(std::uint64_t n, const char* one, const char* many);
 
-/// Whole percentages of the time of a run whose sum is at most 100.
+/// Integer percentages of the time of a run whose sum is at most 100.
 struct time_shares {
   long detect, respond, exchange;
 
@@ -26,12 +26,12 @@ struct time_shares {
 /// The line on the balance of momentum and the largest overlap.
 [[nodiscard, gnu::cold]] std::string balance_text(const talus::summary& r);
 
-/// Warnings where the residual alone would comfort.
+/// Warnings for errors that the residual alone hides.
 [[nodiscard, gnu::cold]] std::string balance_warnings(const talus::summary& r);
 
 }  // namespace detail
 
-/// The figures as a person reads them.
+/// The figures as text.
 [[nodiscard, gnu::cold]] std::string to_text(const summary& r);
 
 }  // namespace talus

@@ -1,5 +1,5 @@
 #pragma once
-// A run as a table: one line of comma-separated values for every so many steps.
+// A run as a table: one line of comma-separated values at a fixed interval of steps.
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,24 +23,23 @@
 namespace talus {
 
 /// Writes such a table on rank 0. The first line names the columns and their dimensions (M mass, L
-/// length, T time). Each line is on its way to the disk when it is written: a run that is killed
-/// keeps them.
+/// length, T time). Each line is flushed when it is written: a killed run keeps its lines.
 class time_series {
  public:
-  /// Opens the file; the first line replaces what is there. An empty name means no file, and costs
-  /// nothing. Throws runtime_error if it cannot be written. `speaks` is true on rank 0 alone.
+  /// Opens the file; the first line replaces an existing file. An empty name means no file, and
+  /// costs nothing. Throws runtime_error if it cannot be written. `speaks` is true on rank 0 alone.
   /// With `goes_on` the file stays, and go_on_from() is called before the first line.
   time_series(std::string file, bool speaks, bool goes_on = false);
   time_series(const time_series&) = delete;
   time_series& operator=(const time_series&) = delete;
   ~time_series();
 
-  /// Collective: the line of the state in which the run begins, if there is none yet.
+  /// Collective: the line of the initial state of the run, if there is none yet.
   template <class Scenario>
   [[gnu::cold]] void begin(world<Scenario>& w) {
     if (!sampled_) sample(w);
   }
-  /// Collective: adds a line for the state as it is now, unless the last line is of the same step.
+  /// Collective: adds a line for the present state, unless the last line is of the same step.
   template <class Scenario>
   [[gnu::cold]] void sample(world<Scenario>& w) {
     if (name_.empty() || last_ == w.steps()) return;
@@ -70,15 +69,15 @@ class time_series {
     if (speaks_) write(columns, w.records().all());
   }
 
-  /// On all ranks: the table goes on after a restart in this step. Lines of later steps, which the
-  /// run before had still written, go, and so do those between two of `every` steps.
+  /// On all ranks: the table continues after a restart at this step. Lines of later steps, which
+  /// the earlier run had still written, are removed, as are those between two of `every` steps.
   [[gnu::cold]] void go_on_from(std::uint64_t step, std::uint64_t every);
 
  private:
   using records = std::vector<detail::recorded_value>;
 
   [[noreturn, gnu::cold]] void fail_to_write() const;
-  /// Writes the lines for which keep(line, is the first) anew, as it leaves them.
+  /// Rewrites the lines for which keep(line, is the first) is true, as changed by it.
   template <class Keep>
   [[gnu::cold]] void rewrite(Keep&& keep) {
     std::string kept, line;
@@ -95,7 +94,7 @@ class time_series {
       line.clear();
     }
     std::fclose(in);
-    // Beside it, so that the table is whole at any time.
+    // Beside it, so that the table is complete at any time.
     std::fclose(std::exchange(file_, nullptr));
     replace_by(kept);
   }
@@ -103,8 +102,8 @@ class time_series {
   [[gnu::cold]] void replace_by(const std::string& text);
   [[nodiscard, gnu::cold]] static std::string head_of(std::string_view name,
                                                       std::string_view dimension);
-  /// The head of the table, with the user's own columns behind the others. The lines before the
-  /// first value of such a column have nothing there.
+  /// The head of the table, with the user-defined columns behind the others. The lines before the
+  /// first value of such a column are empty there.
   [[gnu::cold]] void write_head(const detail::plain_vector<measured>& columns, const records& own);
   [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own);
 

@@ -24,7 +24,7 @@ TALUS_INLINE time_series::~time_series() {
 
 TALUS_INLINE void time_series::go_on_from(std::uint64_t step, std::uint64_t every) {
   if (name_.empty()) return;
-  sampled_ = true;  // by the run before
+  sampled_ = true;  // by the earlier run
   if (step % every == 0) last_ = step;
   if (!speaks_ || detail::is_stream(name_)) return;
   rewrite([&](std::string& line, bool head) {
@@ -77,7 +77,7 @@ TALUS_INLINE void time_series::write_head(const detail::plain_vector<measured>& 
   if (head == head_) return;
   if (head_.empty()) {
     if (std::fputs((head + "\n").c_str(), file_) < 0) fail_to_write();
-  } else if (head_.starts_with(head + ",")) {  // columns of the run before that are still to come
+  } else if (head_.starts_with(head + ",")) {  // columns of the earlier run that are still missing
     behind_.assign(static_cast<std::size_t>(commas_of(head_) - commas_of(head)), ',');
     return;
   } else if (head.starts_with(head_ + ",") && standard <= commas_of(head_) &&

@@ -1,6 +1,6 @@
 #pragma once
-// What is most likely wrong with a run, from figures that its summary has anyway: units that do not
-// fit together, a step that is too long, nothing that moves.
+// Likely mistakes in a run, detected from figures of its summary: inconsistent units, a step that
+// is too long, bodies that do not move.
 #include <cstdint>
 #include <string>
 
@@ -16,18 +16,18 @@ struct run_scales {
   double gravity = 0;       ///< its size
   double radius = 0;        ///< mean bounding radius of the movable bodies
   double fastest = 0;       ///< speed at the end
-  bool followed = false;    ///< fast bodies are followed on their way: continuous_collision
-  bool may_follow = false;  ///< or could be, with all else that the scenario names
+  bool followed = false;    ///< fast bodies are followed: continuous_collision
+  bool may_follow = false;  ///< or could be, with the other policies of the scenario
   bool soft = false;        ///< the step follows from stiffness
   speed_leap leap;          ///< the largest of all ranks; a step of 0: none
 };
 
-/// Parts of the mean radius by which gravity, and the fastest body, may move something in a step.
+/// Fractions of the mean radius by which gravity, and the fastest body, may move a body in a step.
 inline constexpr double longest_fall = 0.1, longest_way = 1;
 /// Steps after which gravity should have moved a body from rest by a radius.
 inline constexpr std::uint64_t many_steps = 1000;
 
-/// Lines of a summary, each with what to do about it; empty where nothing looks wrong.
+/// Lines of a summary, each with advice; empty if nothing looks wrong.
 [[nodiscard, gnu::cold]] inline std::string warnings_of_scales(const run_scales& r) {
   if (r.bodies == 0)
     return "  warning  there is no body: make some by world.fill, add_if_local or add before "

@@ -1,7 +1,7 @@
 #pragma once
-// The first bytes of a checkpoint, before the HDF5 file proper (its user block): what the file is,
-// how long it is, and a checksum of everything that is not the rows of tables, which have their
-// own. It is looked at before HDF5 reads a byte, and written last.
+// The first bytes of a checkpoint, before the HDF5 file proper (its user block): the type of the
+// file, its length, and a checksum of everything except the rows of tables, which have their own.
+// It is read before HDF5 reads a byte, and written last.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -20,8 +20,8 @@ namespace talus::detail {
 inline constexpr std::uint32_t checkpoint_version = 1;
 
 /// Sum of a hash of each 8 bytes with their place (splitmix64, Steele, Lea, Flood 2014), the last
-/// ones filled up with zeros. As the hash is a bijection, no change within 8 bytes goes unnoticed,
-/// and of others one in 2^64. Not against forgery.
+/// ones padded with zeros. As the hash is a bijection, every change within 8 bytes is detected, and
+/// of others all but one in 2^64. Not a protection against forgery.
 [[nodiscard]] inline std::uint64_t checksum_of(std::span<const std::byte> bytes,
                                                std::uint64_t place = 0) {
   constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ull;
@@ -48,9 +48,9 @@ struct byte_range {
 
 struct checkpoint_block {
   std::uint32_t version = checkpoint_version;
-  std::uint32_t block_bytes = 0;    ///< 512 times a power of two, as HDF5 wants it
+  std::uint32_t block_bytes = 0;    ///< 512 times a power of two, as HDF5 requires
   std::uint64_t file_bytes = 0;     ///< the whole file
-  std::uint64_t rest_checksum = 0;  ///< of all after this block that no range covers
+  std::uint64_t rest_checksum = 0;  ///< of all bytes after this block outside of the ranges
   std::vector<byte_range> ranges;   ///< the rows of tables, from first to last
 };
 
@@ -79,7 +79,7 @@ inline constexpr std::size_t checkpoint_block_head = 56;
   return bytes;
 }
 
-/// Reads such a block from the beginning of a file of `file_bytes`. Never trusts a number in it;
+/// Reads such a block from the beginning of a file of `file_bytes`. Checks every number in it;
 /// throws runtime_error with the second half of a sentence whose first half is the file's name.
 [[nodiscard, gnu::cold]] inline checkpoint_block read_block(std::span<const std::byte> bytes,
                                                             std::uint64_t file_bytes) {
@@ -126,7 +126,7 @@ inline constexpr std::size_t checkpoint_block_head = 56;
   return b;
 }
 
-/// Calls f(range) for the parts of the file after the block that no range covers.
+/// Calls f(range) for the parts of the file after the block outside of the ranges.
 template <class F>
 void each_part_of_rest(const checkpoint_block& b, F&& f) {
   std::uint64_t at = b.block_bytes;

@@ -1,5 +1,5 @@
 #pragma once
-// From bodies to the tables of a checkpoint, and back.
+// Conversion of bodies to the tables of a checkpoint, and back.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace talus::detail {
 
-/// How a value is stored: what is made of reals as reals, else as its bytes.
+/// The stored form of a value: as reals if it consists of reals, else as its bytes.
 template <class T>
 [[nodiscard]] table_column column_of(const char* name) {
   if constexpr (requires { typename T::stored_as_bytes; })
@@ -43,7 +43,7 @@ template <class T>
     return {name, number_type::u8, sizeof(T)};
 }
 
-/// The columns of a store that checkpoints hold, and those that they do not.
+/// The columns of a store in checkpoints, and those left out.
 template <class Store>
 using saved_columns = typename columns_by_use<typename Store::list>::saved;
 template <class Store>
@@ -114,7 +114,7 @@ template <class Store>
   return t;
 }
 
-/// The forms in the extras of a table: bodies of one form share it.
+/// The forms in the extras of a table: bodies of one form share one entry.
 template <class Shape>
 class form_reader {
  public:
@@ -151,8 +151,8 @@ template <class T>
   return true;
 }
 
-/// Throws runtime_error for a body that makes no sense: the bytes are as they were written, but
-/// whoever wrote them may have been no talus.
+/// Throws runtime_error for a body with values out of range: the checksum holds, but another
+/// program may have written the bytes.
 template <class Store>
 void require_sane(const Store& s, std::size_t i, std::size_t materials) {
   constexpr std::uint8_t all_flags =
@@ -170,8 +170,8 @@ void require_sane(const Store& s, std::size_t i, std::size_t materials) {
   s.shape[i].validate();
 }
 
-/// Rows that have to be read for what lies within a box: room for them is asked for at once, of
-/// which memory is taken as far as it is used.
+/// Rows that must be read for the bodies within a box: room for them is reserved at once, and
+/// memory is used only as needed.
 [[nodiscard, gnu::cold]] inline std::uint64_t rows_within(const table_reader& table,
                                                           const std::pair<vec3, vec3>& bounds) {
   std::uint64_t rows = 0;

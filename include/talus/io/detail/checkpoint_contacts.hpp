@@ -1,5 +1,5 @@
 #pragma once
-// From what contacts remember to the tables of a checkpoint, and back.
+// Conversion of the memory of contacts to the tables of a checkpoint, and back.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace talus::detail {
 
-/// Calls f(name, part) for the parts of what a contact remembers.
+/// Calls f(name, part) for the parts of a contact's memory.
 template <class Memory, class F>
 void each_part_of_memory(Memory& m, F&& f) {
   if constexpr (requires { m.squaredNorm(); }) {
@@ -30,7 +30,7 @@ using stored_part = std::conditional_t<std::is_same_v<std::remove_cvref_t<Part>,
                                        std::uint8_t, std::remove_cvref_t<Part>>;
 
 /// Ids of both bodies, the point of their manifold, whether the owner of the first (0) or of the
-/// second (1) wrote it, and what it remembers.
+/// second (1) wrote it, and its memory.
 template <class Memory>
 [[nodiscard]] std::vector<table_column> columns_of_contacts() {
   std::vector<table_column> columns{column_of<system_id>("a"), column_of<system_id>("b"),
@@ -43,7 +43,7 @@ template <class Memory>
   return columns;
 }
 
-/// Where the bodies are that a rank knows, those it owns first.
+/// The index of the bodies known to a rank, those it owns first.
 struct known_places {
   id_table ids;
   plain_vector<vec3> position;
@@ -70,7 +70,7 @@ template <class Scenario>
   return known;
 }
 
-/// What contacts of bodies owned here remember.
+/// The memory of contacts of bodies owned here.
 template <class History>
 [[nodiscard]] table_part part_of_contacts(const History& history, const known_places& known,
                                           std::string path) {
@@ -87,7 +87,7 @@ template <class History>
   system_id last = no_id;
   std::uint32_t a = id_table::unknown;
   for (const entry& c : history.entries()) {
-    if (c.key.a != last) a = known.ids.find(last = c.key.a);  // they come body by body
+    if (c.key.a != last) a = known.ids.find(last = c.key.a);  // they are sorted by body
     const std::uint32_t b = known.ids.find(c.key.b);
     if (a >= known.own && b >= known.own) continue;
     const std::uint8_t side = a >= known.own;
@@ -112,8 +112,8 @@ template <class History>
   return t;
 }
 
-/// What contacts of the bodies `own` remember. Where both owners of a contact wrote it, each takes
-/// what its own predecessor wrote.
+/// The memory of contacts of the bodies `own`. If both owners of a contact wrote it, each reads the
+/// entry of its own predecessor.
 template <class History>
 [[nodiscard]] History read_contacts(table_reader& table, const id_table& own,
                                     const std::pair<vec3, vec3>& bounds) {

@@ -1,6 +1,6 @@
 #pragma once
-// What a rank writes into a checkpoint: its rows of all tables, and on rank 0 what is said of the
-// whole run.
+// The data that a rank writes to a checkpoint: its rows of all tables, and on rank 0 the
+// description of the whole run.
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -48,7 +48,7 @@ template <class Scenario>
   return tables;
 }
 
-/// What rank 0 says of the run. Collective.
+/// The description of the run by rank 0. Collective.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::vector<small_dataset> facts_of(world<Scenario>& w,
                                                              checkpoint_team& team,

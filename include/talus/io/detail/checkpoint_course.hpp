@@ -1,5 +1,5 @@
 #pragma once
-// The calls of simulate(), and the user's own columns of the table, in a checkpoint.
+// The calls of simulate(), and the user-defined columns of the table, in a checkpoint.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -18,7 +18,7 @@ namespace talus::detail {
     numbers.insert(numbers.end(), {p.asked, p.taken, p.calls, p.stopped});
   out.push_back(numbers_dataset<std::uint64_t>("/run/course", numbers, 4));
 }
-/// Empty for a file of the first versions, which have none.
+/// Empty for a file of the first versions, which lack it.
 [[nodiscard, gnu::cold]] inline past_course get_course(const checkpoint_reader& in) {
   if (!in.has("/run/course")) return {};
   const auto numbers = in.integers("/run/course", checkpoint_reader::any, 4);

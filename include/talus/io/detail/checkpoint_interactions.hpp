@@ -1,5 +1,5 @@
 #pragma once
-// What a checkpoint says of the parameters that world.interaction(...) gave.
+// The parameters set by world.interaction(...) in a checkpoint.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace talus::detail {
 
-/// The given pairs of one part: both numbers and the parameters, as bytes.
+/// The pairs of one part that were set: both numbers and the parameters, as bytes.
 template <class Part>
 struct interaction_entry {
   std::uint32_t low, high;
@@ -58,7 +58,7 @@ template <class Scenario>
     out.push_back({path_of_interactions<Part>(), number_type::u8, bytes.size(), 1, bytes});
   });
 }
-/// Throws runtime_error where the set-up has given other parameters.
+/// Throws runtime_error if the set-up has set other parameters.
 template <class Scenario>
 [[gnu::cold]] void require_interactions(const checkpoint_reader& in,
                                         const world_state<Scenario>& s) {

@@ -1,7 +1,7 @@
 #pragma once
-// Sums of monitors, and of features of one's own, in a checkpoint: one row for each rank, so that a
-// run on as many ranks goes on with the same sums to the bit. On another number of ranks the first
-// one takes all.
+// Sums of monitors, and of user-defined features, in a checkpoint: one row for each rank, so that a
+// run on as many ranks continues with the same sums to the bit. On another number of ranks the
+// first one takes all.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -15,8 +15,8 @@
 
 namespace talus::detail {
 
-/// Calls f(path, record) for what checkpoints hold of the features of a scenario: the records of
-/// its monitors, and of its own features the states that say so.
+/// Calls f(path, record) for the checkpointed data of the features of a scenario: the records of
+/// its monitors, and the states of user-defined features that declare it.
 template <class Scenario, class F>
 void each_stored_record(world_state<Scenario>& s, F&& f) {
   const auto of_monitor = [&](const char* name, auto& record) {
@@ -52,7 +52,7 @@ template <class Scenario>
   });
 }
 
-/// A monitor that the run that wrote did not have begins anew.
+/// A monitor that was absent in the run that wrote the file starts anew.
 template <class Scenario>
 [[gnu::cold]] void get_monitors(const checkpoint_reader& in, world_state<Scenario>& s) {
   each_stored_record(s, [&](const std::string& path, auto& record) {

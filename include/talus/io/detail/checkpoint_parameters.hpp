@@ -1,5 +1,5 @@
 #pragma once
-// What a checkpoint says of its run besides bodies and contacts.
+// The data of a run in a checkpoint besides bodies and contacts.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,14 +18,14 @@
 
 namespace talus::detail {
 
-/// Numbers that a run can be told, in the order in which they are stored.
+/// Parameters of a run, in the order in which they are stored.
 inline constexpr std::array parameter_names{"dt",         "gravity_x",      "gravity_y",
                                             "gravity_z",  "damping",        "iterations",
                                             "tolerance",  "max_iterations", "correction_iterations",
                                             "correction", "sleeping_speed", "sleeping_time"};
 using parameters = std::array<double, parameter_names.size()>;
 
-/// Calls f(number, value) for those that this scenario has.
+/// Calls f(number, value) for those of this scenario.
 template <class State, class F>
 void each_parameter(State& s, F&& f) {
   f(0, s.dt);
@@ -49,8 +49,8 @@ template <class State>
   each_parameter(s, [&](std::size_t k, auto& value) { all[k] = static_cast<double>(value); });
   return all;
 }
-/// What the set-up gives like the one of the run that wrote goes on as it was at the end of that
-/// run; what it gives otherwise is meant to change, and is returned in words.
+/// A parameter that the set-up sets as in the run that wrote the file continues with its value at
+/// the end of that run; a different one is an intended change, and is returned in words.
 template <class State>
 [[nodiscard, gnu::cold]] std::string merge_parameters(State& s, const parameters& at_first,
                                                       const parameters& at_last) {
@@ -61,7 +61,7 @@ template <class State>
       fail<std::runtime_error>("says that {} is {}, which makes no sense", parameter_names[k],
                                at_last[k]);
     const auto mine = static_cast<double>(value);
-    const bool as_before = k == 0 ? mine == 0 : mine == at_first[k];  // dt: none is given yet
+    const bool as_before = k == 0 ? mine == 0 : mine == at_first[k];  // dt: not yet set
     if (as_before) {
       value = static_cast<std::remove_cvref_t<decltype(value)>>(at_last[k]);
     } else if (mine != at_last[k]) {
@@ -72,7 +72,7 @@ template <class State>
   return changes;
 }
 
-/// What must be alike in the scenario that writes and in the one that reads. Transport,
+/// The properties in which the writing and the reading scenario must agree. Transport,
 /// decomposition, solver, broad phase, precision and monitors may differ.
 struct scenario_mark {
   std::string name, text;
@@ -122,7 +122,7 @@ template <class Scenario>
   }
   return numbers;
 }
-/// Throws runtime_error where the set-up has made other materials.
+/// Throws runtime_error if the set-up has made other materials.
 [[gnu::cold]] inline void require_materials(const checkpoint_reader& in,
                                             const material_table& mine) {
   constexpr std::array names{"density",   "restitution",     "friction",      "dynamic friction",
@@ -140,7 +140,7 @@ template <class Scenario>
           "is of a run whose material {} has the {} {}, and this program gives it {}: its set-up "
           "must make the same materials",
           k / 8, names[k % 8], theirs[k], own[k]);
-  // A pair that one of the two runs has set and the other has not may still be alike.
+  // A pair set in only one of the two runs may still be equal.
   const auto same = [](const pair_material& a, const pair_material& b) {
     return a.restitution == b.restitution && a.friction == b.friction &&
            a.sliding_friction() == b.sliding_friction();
@@ -151,7 +151,7 @@ template <class Scenario>
         "material_pair): its set-up must make the same",
         a, b);
   };
-  if (!in.has("/materials/own_pairs")) {  // of talus before these were stored: the whole square
+  if (!in.has("/materials/own_pairs")) {  // written before these were stored: the whole square
     const auto n = mine.size();
     const auto all = in.reals("/materials/pairs", n * n, 3);
     for (std::size_t k = 0; k < n * n; ++k)
@@ -179,13 +179,13 @@ template <class Scenario>
   }
 }
 
-/// Kept values: names, what they mean with how many bytes, and the bytes.
+/// Kept values: names, their meanings with numbers of bytes, and the bytes.
 [[nodiscard, gnu::cold]] inline std::string names_of(const std::vector<kept_value>& values) {
   std::string names;
   for (const kept_value& v : values) names += v.name + '\n';
   return names;
 }
-/// Collective, as sums are made.
+/// Collective, because of the sums.
 [[gnu::cold]] inline void put_kept(checkpoint_team& team, const std::vector<kept_value>& values,
                                    std::vector<small_dataset>& out) {
   std::vector<std::uint64_t> kinds;

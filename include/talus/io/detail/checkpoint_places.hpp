@@ -1,5 +1,5 @@
 #pragma once
-// Which rows of a table each rank writes.
+// The rows of a table that each rank writes.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace talus::detail {
 
-/// What a rank has of a table.
+/// The part of a rank in a table.
 struct counted_part {
   std::uint64_t rows = 0, extra = 0;
   std::vector<table_piece> pieces;
@@ -19,7 +19,7 @@ struct counted_part {
 /// By rank and table.
 using counted_rows = std::vector<std::vector<counted_part>>;
 
-/// Where the rows of a rank begin in each table: rows and bytes of extras.
+/// The position of the rows of a rank in each table: rows and bytes of extras.
 struct table_place {
   std::uint64_t row = 0, extra = 0;
 };
@@ -50,7 +50,7 @@ struct table_place {
   return all;
 }
 
-/// Collective. Where this rank's rows of each table begin.
+/// Collective. The position of this rank's rows in each table.
 [[nodiscard, gnu::cold]] inline std::vector<table_place> share_places(checkpoint_team& team,
                                                                       std::size_t tables,
                                                                       const counted_rows& counts) {

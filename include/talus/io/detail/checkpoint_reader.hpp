@@ -1,6 +1,6 @@
 #pragma once
-// Reading a checkpoint: the first block and all that describes the tables are checked before HDF5
-// looks at them, the rows as they are read.
+// Reading a checkpoint: the first block and all descriptions of the tables are checked before HDF5
+// reads them, the rows as they are read.
 #include <fcntl.h>
 #include <sys/stat.h>
 
@@ -20,10 +20,10 @@
 
 namespace talus::detail {
 
-/// An open checkpoint. Holds HDF5's mutex while it lives: each rank reads by itself.
+/// An open checkpoint. Holds HDF5's mutex during its lifetime: each rank reads by itself.
 class checkpoint_reader {
  public:
-  /// Throws runtime_error for a file that cannot be opened, is none, or is damaged.
+  /// Throws runtime_error for a file that cannot be opened, is not a checkpoint, or is damaged.
   [[gnu::cold]] explicit checkpoint_reader(const std::string& name) : only_(hdf5_mutex()) {
     const system_file file(name, O_RDONLY);
     struct stat found {};
@@ -33,7 +33,7 @@ class checkpoint_reader {
     byte_buffer head(std::min<std::uint64_t>(length, 512));
     if (!S_ISREG(found.st_mode) || !file.read(0, head))
       throw std::runtime_error("cannot be read: it is no file");
-    if (head.size() == 512) {  // as long as it says, if that is not absurd; read_block judges
+    if (head.size() == 512) {  // its stated length, if plausible; read_block checks it
       std::uint32_t bytes = 0;
       std::memcpy(&bytes, head.data() + 36, 4);
       head.resize(std::min<std::uint64_t>({std::max(bytes, 512u), length, 1u << 26}));
@@ -53,7 +53,7 @@ class checkpoint_reader {
   [[nodiscard]] bool has(const std::string& path) const {
     return H5Lexists(*file_, path.c_str(), H5P_DEFAULT) > 0;
   }
-  /// All numbers of a small dataset. `rows` is what it must have, or `any`.
+  /// All numbers of a small dataset. `rows` is the required number, or `any`.
   static constexpr std::uint64_t any = ~std::uint64_t{0};
   template <class T>
   [[nodiscard]] std::vector<T> numbers(const std::string& path, number_type type,

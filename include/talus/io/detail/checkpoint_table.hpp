@@ -19,10 +19,10 @@ namespace talus::detail {
 
 inline constexpr std::uint64_t rows_in_piece = 1 << 14;
 
-/// Rows that one rank wrote one after the other. In the file six numbers and a box.
+/// Consecutive rows of one rank. In the file six numbers and a box.
 struct table_piece {
   std::uint64_t first = 0, rows = 0;
-  std::uint64_t extra_first = 0, extra_bytes = 0;  ///< of what has no fixed length
+  std::uint64_t extra_first = 0, extra_bytes = 0;  ///< of data without a fixed length
   std::uint64_t checksum = 0;
   std::array<double, 6> box{};  ///< lower and upper corner of the bodies' centres
 };
@@ -35,7 +35,7 @@ struct table_column {
   [[nodiscard]] std::size_t row_bytes() const { return bytes_of(type) * width; }
 };
 
-/// What one rank writes of a table.
+/// The part of a table that one rank writes.
 struct table_part {
   std::string path;
   std::uint64_t rows = 0;
@@ -43,11 +43,11 @@ struct table_part {
   bool extras = false;  ///< a dataset of bytes, to which rows refer
   byte_buffer extra;
   std::vector<table_piece> pieces;  ///< `first` counts from the rank's first row, likewise extras
-  /// What the columns point to, where that is not the world itself.
+  /// The storage to which the columns point, if that is not the world itself.
   std::vector<byte_buffer> memory;
 };
 
-/// A box that holds nothing.
+/// An empty box.
 [[nodiscard]] inline std::array<double, 6> empty_box() {
   constexpr double most = std::numeric_limits<double>::max();
   return {most, most, most, -most, -most, -most};
@@ -69,7 +69,7 @@ inline void enlarge(std::array<double, 6>& box, const vec3& p) {
   return all;
 }
 
-/// Of a piece: its rows in each column, and what they refer to. `column(k)` gives the bytes.
+/// Of a piece: its rows in each column, and their extras. `column(k)` returns the bytes.
 template <class Column>
 [[nodiscard]] std::uint64_t checksum_of_piece(std::size_t columns, Column&& column,
                                               std::span<const std::byte> extra) {
@@ -78,7 +78,7 @@ template <class Column>
   return sum;
 }
 
-/// Divides the rows into pieces; their boxes and extras are still to be filled in.
+/// Divides the rows into pieces; their boxes and extras are filled in later.
 [[gnu::cold]] inline void cut_into_pieces(table_part& t) {
   t.pieces.clear();
   for (std::uint64_t first = 0; first < t.rows; first += rows_in_piece) {
@@ -90,7 +90,7 @@ template <class Column>
   }
 }
 
-/// When all rows are there.
+/// When all rows are complete.
 [[gnu::cold]] inline void sum_up_pieces(table_part& t) {
   for (table_piece& p : t.pieces)
     p.checksum = checksum_of_piece(
@@ -105,7 +105,7 @@ template <class Column>
 /// A table that is read, piece by piece.
 class table_reader {
  public:
-  /// `columns` say what to expect.
+  /// `columns` are the expected ones.
   table_reader(hid_t file, const std::string& path, std::vector<table_column> columns, bool extras)
       : path_(path), columns_(std::move(columns)) {
     bool first = true;
@@ -139,7 +139,7 @@ class table_reader {
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
   [[nodiscard]] std::span<const table_piece> pieces() const { return pieces_; }
 
-  /// Reads a piece and checks it; then row() and extra() speak of it.
+  /// Reads a piece and checks it; then row() and extra() refer to it.
   void read(const table_piece& p) {
     rows_read_.resize(columns_.size());
     for (std::size_t k = 0; k < columns_.size(); ++k) {

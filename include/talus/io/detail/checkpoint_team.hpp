@@ -1,6 +1,5 @@
 #pragma once
-// What ranks say to each other while they write or read a file, whatever connects them. What
-// uses it does not depend on the transport.
+// Communication of ranks while they write or read a file. Its users do not depend on the transport.
 #include <cstdint>
 #include <exception>
 #include <span>
@@ -32,7 +31,7 @@ class checkpoint_team {
   /// Whether each rank is a process of its own.
   [[nodiscard]] virtual bool of_processes() const = 0;
 
-  /// Calls f() on this rank; where it fails on any, throws runtime_error with the same words on
+  /// Calls f() on this rank; if it fails on any rank, throws runtime_error with the same words on
   /// all.
   template <class F>
   void together(F&& f) {

@@ -1,6 +1,6 @@
 #pragma once
-// What makes an HDF5 file a checkpoint: the first block with checksums, and what says of each table
-// which rows belong together and where their bodies are.
+// The parts that make an HDF5 file a checkpoint: the first block with checksums, and for each table
+// the list of its pieces with the boxes of their bodies.
 #include <algorithm>
 #include <cstdint>
 #include <span>
@@ -12,8 +12,8 @@
 
 namespace talus::detail {
 
-/// Checksum of what no range covers. `read(place, bytes)` fills in bytes of the file, and says
-/// whether it could.
+/// Checksum of the bytes outside of the ranges. `read(place, bytes)` fills in bytes of the file,
+/// and returns whether it could.
 template <class Read>
 [[nodiscard, gnu::cold]] std::uint64_t checksum_of_rest(const checkpoint_block& block,
                                                         Read&& read) {

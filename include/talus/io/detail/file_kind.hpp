@@ -1,5 +1,5 @@
 #pragma once
-// What kinds of HDF5 files that all ranks write together have in common, and where they differ.
+// Common functions of the kinds of HDF5 files that all ranks write together, and their differences.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -46,7 +46,7 @@ template <class T>
           {bytes.begin(), bytes.end()}};
 }
 
-/// What one kind of file has beside its tables, said on rank 0 alone.
+/// The data of one kind of file besides its tables, on rank 0 alone.
 class file_kind {
  public:
   file_kind() = default;
@@ -56,22 +56,22 @@ class file_kind {
 
   /// For messages, as in "the checkpoint".
   [[nodiscard]] virtual const char* name() const = 0;
-  /// What files of this kind look like.
+  /// Description of the files of this kind.
   [[nodiscard]] virtual const output_kind& looks() const = 0;
-  /// Whether it has to be on the disk, and read back, before it gets its name.
+  /// Whether it must be on the disk, and read back, before it is renamed.
   [[nodiscard]] virtual bool durable() const = 0;
   /// Bytes before the HDF5 file proper: 0, or 512 times a power of two.
   [[nodiscard]] virtual std::uint32_t block_bytes(std::size_t /*columns*/) { return 0; }
-  /// A dataset has its place in the file.
+  /// A dataset has its position in the file.
   virtual void placed(std::uint64_t /*at*/, std::uint64_t /*bytes*/) {}
-  /// Adds to the file what belongs to table `k`.
+  /// Adds the data of table `k` to the file.
   virtual void describe(hid_t /*file*/, const table_part&, std::size_t /*k*/, const counted_rows&) {
   }
-  /// Adds to the file what belongs to the whole.
+  /// Adds the data of the whole file.
   virtual void describe_file(hid_t) {}
-  /// All rows are there: what is written before the file gets its name. `file` is open.
+  /// All rows are written: writes the last data before the file is renamed. `file` is open.
   virtual void seal(int /*file*/, const sparse_bytes& /*but_rows*/, std::uint64_t /*bytes*/) {}
-  /// Throws runtime_error where what is not rows cannot be read back.
+  /// Throws runtime_error if the data besides the rows cannot be read back.
   virtual void verify(int /*file*/) {}
 };
 

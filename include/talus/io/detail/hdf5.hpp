@@ -1,6 +1,6 @@
 #pragma once
-// The little of HDF5 that checkpoints and outputs use (C API), with errors in our words and handles
-// that close themselves. Compiled for size: nothing here depends on the scenario.
+// The few functions of HDF5 that checkpoints and outputs use (C API), with errors in our words and
+// handles that close themselves. Compiled for size: nothing here depends on the scenario.
 #include <hdf5.h>
 
 #include <cstddef>
@@ -17,13 +17,13 @@
 
 namespace talus::detail {
 
-/// The library is not safe for threads, and there is one of it in a process: held while it is used.
+/// The library is not thread-safe, and there is one of it in a process: locked while it is used.
 [[nodiscard]] inline std::mutex& hdf5_mutex() {
   static std::mutex one;
   return one;
 }
 
-/// While it lives HDF5 prints nothing.
+/// In its lifetime HDF5 prints nothing.
 class silent_hdf5 {
  public:
   silent_hdf5() {
@@ -40,7 +40,7 @@ class silent_hdf5 {
   void* data_ = nullptr;
 };
 
-/// What HDF5 says of its last error: the first cause.
+/// The first cause of HDF5's last error.
 [[nodiscard, gnu::cold]] inline std::string hdf5_words() {
   std::string words;
   H5Ewalk2(
@@ -53,7 +53,8 @@ class silent_hdf5 {
   return words.empty() ? "HDF5 gives no reason" : words;
 }
 
-/// Throws runtime_error, "cannot be <done>: <why>", for what HDF5 returns when it fails.
+/// Throws runtime_error, "cannot be <done>: <why>", for a return value of HDF5 that signals
+/// failure.
 template <class Result>
 Result hdf5_ok(Result result, const char* done) {
   if (result < 0) fail<std::runtime_error>("cannot be {}: {}", done, hdf5_words());
@@ -73,9 +74,9 @@ class hdf5_handle {
     if (id_ >= 0) close_(id_);
   }
   operator hid_t() const { return id_; }
-  /// Never closes it: where that would wait for ranks that have failed.
+  /// Never closes it: if closing would wait for ranks that have failed.
   void leave_open() { id_ = -1; }
-  /// Closes it now, and says if that fails.
+  /// Closes it now, and returns whether that succeeds.
   void close(const char* done) {
     if (id_ >= 0) hdf5_ok(close_(std::exchange(id_, -1)), done);
   }
@@ -85,7 +86,7 @@ class hdf5_handle {
   closer close_;
 };
 
-/// What the rows of a dataset consist of. In the file all numbers are little-endian.
+/// The type of the rows of a dataset. In the file all numbers are little-endian.
 enum class number_type : std::uint8_t { f64, f32, u64, u32, u16, u8, i64 };
 
 [[nodiscard]] inline std::size_t bytes_of(number_type t) {
@@ -111,8 +112,8 @@ struct dataset_shape {
   [[nodiscard]] std::size_t row_bytes() const { return bytes_of(type) * width; }
 };
 
-/// Makes a dataset whose place in the file is fixed at once, without filling it, and groups on the
-/// way to it. Returns where its rows begin in the file; 0 if it has none.
+/// Makes a dataset whose position in the file is fixed at once, without filling it, and its parent
+/// groups. Returns the position of its rows in the file; 0 if it has none.
 [[gnu::cold]] inline std::uint64_t create_dataset(hid_t file, const std::string& path,
                                                   const dataset_shape& shape) {
   const hsize_t extent[] = {shape.rows, shape.width};
@@ -140,7 +141,7 @@ struct dataset_shape {
   hdf5_ok(H5Dwrite(set, type_in_memory(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "written");
 }
 
-/// An attribute of a group that is there: numbers.
+/// An attribute of an existing group: numbers.
 [[gnu::cold]] inline void write_attribute(hid_t file, const std::string& group, const char* name,
                                           std::span<const std::int64_t> values) {
   const hsize_t extent = values.size();
@@ -202,7 +203,7 @@ class open_dataset {
   }
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
   [[nodiscard]] std::uint32_t width() const { return width_; }
-  /// `out` holds `count` rows. The caller has checked that there are so many.
+  /// `out` holds `count` rows. The caller has checked the number of rows.
   void read(std::uint64_t first, std::uint64_t count, void* out) const {
     if (count == 0) return;
     const row_selection rows(set_, first, count, width_);

@@ -1,7 +1,7 @@
 #pragma once
-// An HDF5 file that is composed in memory. HDF5 writes what describes the datasets into pages of
-// memory, and no rows; the caller brings the pages to the disk. So HDF5 never meets a full disk: a
-// file that it cannot close makes it crash when the program ends.
+// An HDF5 file composed in memory. HDF5 writes the metadata of the datasets to pages of memory, and
+// no rows; the caller writes the pages to the disk. So HDF5 never meets a full disk: a file that it
+// cannot close makes it crash when the program ends.
 #include <hdf5.h>
 #if H5_VERSION_GE(1, 13, 0)
 #include <H5FDdevelop.h>
@@ -42,7 +42,7 @@ class sparse_bytes {
                   std::memcpy(into.data() + offset, found->second.data() + in_page, bytes);
               });
   }
-  /// Calls f(place, bytes) for the pages that are held, in ascending order, up to `length`.
+  /// Calls f(place, bytes) for the held pages, in ascending order, up to `length`.
   template <class F>
   void each(std::uint64_t length, F&& f) const {
     for (const auto& [page, bytes] : pages_) {
@@ -75,7 +75,7 @@ class hdf5_image {
   hdf5_image& operator=(const hdf5_image&) = delete;
   ~hdf5_image() { H5FDunregister(driver_); }
 
-  /// Lets files that are made with this access list be made here.
+  /// Makes files with this access list in this image.
   [[gnu::cold]] void use_in(hid_t access_list) {
     const target here{this};
     hdf5_ok(H5Pset_driver(access_list, driver_, &here), "composed");
@@ -85,7 +85,7 @@ class hdf5_image {
   [[nodiscard]] sparse_bytes take_bytes() { return std::move(bytes_); }
 
  private:
-  /// What an access list carries.
+  /// The content of an access list.
   struct target {
     hdf5_image* image;
   };
@@ -148,7 +148,7 @@ class hdf5_image {
     H5FD_class_t driver{};
 #if H5_VERSION_GE(1, 13, 0)
     driver.version = H5FD_CLASS_VERSION;
-    driver.value = static_cast<H5FD_class_value_t>(4711);  // of those for everybody's use
+    driver.value = static_cast<H5FD_class_value_t>(4711);  // of those reserved for general use
 #endif
     driver.name = "talus_memory";
     driver.maxaddr = (haddr_t{1} << 62) - 1;
@@ -163,7 +163,7 @@ class hdf5_image {
     driver.read = read;
     driver.write = write;
     driver.truncate = truncate;
-    // As files on disks have it: what describes data, and data.
+    // As in files on disks: metadata, and data.
     const H5FD_mem_t kinds[] = H5FD_FLMAP_DICHOTOMY;
     std::copy(std::begin(kinds), std::end(kinds), driver.fl_map);
     return H5FDregister(&driver);

@@ -20,7 +20,7 @@ namespace talus::detail {
 /// Each row is a key and one value for each column, in the order of the columns.
 class row_table {
  public:
-  /// By which rows are sorted; rows of equal keys stay in the order in which they were put.
+  /// The sort key; rows of equal keys stay in the order of insertion.
   using key = std::array<std::uint64_t, 3>;
 
   explicit row_table(std::string path) { part_.path = std::move(path); }
@@ -34,7 +34,7 @@ class row_table {
     keys_.push_back(k);
     next_ = 0;
   }
-  /// Values in any number of which the bytes are those of the next column.
+  /// Values in any number whose bytes are those of the next column.
   template <class... Values>
   void put(const Values&... values) {
     byte_writer out(part_.memory[next_++]);

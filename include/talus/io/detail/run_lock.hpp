@@ -1,7 +1,7 @@
 #pragma once
-// One run at a time writes a file. Beside it lies FILE.lock, which says who does so. The kernel
-// holds the lock for that process and drops it when the process ends, however that happens; so the
-// file of a run that was killed keeps nobody out.
+// A file is written by one run at a time. FILE.lock beside it names the run. The kernel holds the
+// lock for that process and releases it when the process ends, in any way; so the file of a killed
+// run blocks no other run.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -20,12 +20,12 @@
 
 namespace talus::detail {
 
-/// Who holds a lock, as the file says.
+/// The holder of a lock, as recorded in the file.
 struct lock_holder {
   static constexpr std::string_view mark = "talus run lock\n";
 
   std::string host, pid, since;
-  std::string started;  ///< of the process, in ticks since the machine was; tells a pid used again
+  std::string started;  ///< of the process, in ticks since boot; distinguishes a reused pid
 
   [[nodiscard, gnu::cold]] static lock_holder this_process() {
     char host[256] = "";
@@ -81,12 +81,11 @@ struct lock_holder {
   }
 };
 
-/// Such a lock, for as long as it lives. Of the ranks of a run the one that gives files their names
-/// holds it.
+/// Such a lock during its lifetime. The rank of a run that renames the files holds it.
 class run_lock {
  public:
-  /// Throws runtime_error, the second half of a sentence that begins with the file, where another
-  /// run holds it or no lock can be made.
+  /// Throws runtime_error, the second half of a sentence that begins with the file, if another run
+  /// holds it or no lock can be made.
   [[gnu::cold]] explicit run_lock(const std::string& file) : name_(file + ".lock") {
     for (int attempt = 0; attempt < 100; ++attempt) {
       open();
@@ -94,17 +93,17 @@ class run_lock {
       const int error = errno;
       if (!locked && error == EWOULDBLOCK) refuse();
       if (!locked && error != EINTR && lock_holder::from_text(text()).lives_here()) refuse();
-      // (Without locks of the file system, the text alone tells; another machine's is not believed:
-      // a run that was killed there would keep all others out.)
+      // (Without locks of the file system, only the text counts; that of another machine is
+      // ignored: a run that was killed there would block all others.)
       if (error == EINTR && !locked) {
         close();
         continue;
       }
-      if (!is_named()) {  // its holder has removed it meanwhile
+      if (!is_named()) {  // its holder has meanwhile removed it
         close();
         continue;
       }
-      // (A full disk has no room for the words; the lock holds without them.)
+      // (A full disk has no room for the text; the lock holds without it.)
       if (::ftruncate(id_, 0) == 0) (void)write_text(id_, lock_holder::this_process().text());
       if (locked) remove_parts_of(file);
       return;
@@ -118,7 +117,7 @@ class run_lock {
     if (id_ >= 0 && is_named()) ::unlink(name_.c_str());
     close();
   }
-  /// Whether this is the lock of that file, whatever its path looks like.
+  /// Whether this is the lock of that file, for any form of its path.
   [[nodiscard, gnu::cold]] bool is_of(const std::string& file) const {
     struct stat theirs {
     }, mine{};
@@ -160,7 +159,7 @@ class run_lock {
   }
   [[noreturn, gnu::cold]] void refuse() {
     std::string who = text();
-    for (int wait = 0; wait < 20 && who.empty(); ++wait) {  // it has just been taken
+    for (int wait = 0; wait < 20 && who.empty(); ++wait) {  // the lock was just taken
       ::usleep(10000);
       who = text();
     }

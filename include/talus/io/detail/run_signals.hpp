@@ -1,11 +1,11 @@
 #pragma once
-// The signals by which batch systems and users ask a run for its state.
+// The signals by which batch systems and users request the state of a run.
 #include <atomic>
 #include <csignal>
 
 namespace talus::detail {
 
-/// How often each has come since the program began. A signal is of the process, and so is this.
+/// How often each was received since the program began. A signal is of the process, and so is this.
 struct signals_heard {
   std::atomic<unsigned> write{0}, end{0}, interrupt{0};
   static_assert(std::atomic<unsigned>::is_always_lock_free);
@@ -15,8 +15,8 @@ struct signals_heard {
   return all;
 }
 
-/// While it lives SIGUSR1, SIGTERM and SIGINT (Ctrl-C) are counted instead of ending the process; a
-/// second SIGTERM or SIGINT ends it as usual, for programs that take no steps.
+/// In its lifetime SIGUSR1, SIGTERM and SIGINT (Ctrl-C) are counted instead of ending the process;
+/// a second SIGTERM or SIGINT ends it as usual, for programs that take no steps.
 class listen_to_signals {
  public:
   listen_to_signals() {

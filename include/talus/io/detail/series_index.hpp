@@ -1,6 +1,6 @@
 #pragma once
-// The index of a series of files: which of them belong to it, and of what time they are, as
-// ParaView reads it (JSON, one file a line).
+// The index of a series of files: its files and their times, as ParaView reads it (JSON, one file a
+// line).
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -22,14 +22,14 @@
 
 namespace talus::detail {
 
-/// On rank 0. The file is whole at any time: each line replaces the end of the file, together with
-/// a new end, by one write.
+/// On rank 0. The file is complete at any time: each line replaces the end of the file, together
+/// with a new end, by one write.
 class series_index {
  public:
   explicit series_index(std::string file, bool force = false)
       : file_(std::move(file)), force_(force) {}
 
-  /// Throws runtime_error where no index can be made. True where one is there.
+  /// Throws runtime_error if no index can be made. True if one exists.
   [[gnu::cold]] bool require_writable() const {
     const output_target target = inspect_target(file_, series_output, force_);
     if (!target.objection.empty())
@@ -37,7 +37,7 @@ class series_index {
     if (!part_file(file_).good()) fail_to_write();
     return target.replaces;
   }
-  /// Calls f(name) for the files that an index names which is there.
+  /// Calls f(name) for the files of an existing index.
   template <class F>
   void each_name(F&& f) const {
     each_line_before(~std::uint64_t{0}, [&](const std::string& line, std::uint64_t) {
@@ -46,7 +46,7 @@ class series_index {
       f(line.substr(begin, quote - begin));
     });
   }
-  /// A new index, which replaces one that is there.
+  /// A new index, which replaces an existing one.
   [[gnu::cold]] void begin() { replace(""); }
   /// The step of the last line before those of step `end`, if there is one.
   [[nodiscard, gnu::cold]] std::optional<std::uint64_t> last_before(std::uint64_t end) const {
@@ -54,7 +54,7 @@ class series_index {
     each_line_before(end, [&](const std::string&, std::uint64_t step) { last = step; });
     return last;
   }
-  /// Goes on with what is there, without the lines of step `end` and later ones.
+  /// Continues the existing index, without the lines of step `end` and later ones.
   [[gnu::cold]] void go_on(std::uint64_t end) {
     std::string kept;
     each_line_before(end, [&](const std::string& line, std::uint64_t) {
@@ -80,7 +80,7 @@ class series_index {
   static constexpr std::string_view name_mark = "{\"name\": \"";
   static constexpr std::string_view foot = "\n  ]\n}\n";
 
-  /// The number before the last dot of the file that a line names.
+  /// The number before the last dot of the file name in a line.
   [[nodiscard]] static std::optional<std::uint64_t> step_of(const std::string& line) {
     const auto name = line.find(name_mark);
     const auto quote = line.find("\", \"time\": ");
@@ -123,7 +123,7 @@ class series_index {
 
   std::string file_;
   bool force_;
-  std::uint64_t at_ = 0;  ///< where the end begins
+  std::uint64_t at_ = 0;  ///< the position of the end
   bool empty_ = true;
 };
 

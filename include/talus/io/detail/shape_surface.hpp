@@ -1,5 +1,5 @@
 #pragma once
-// The surface of a shape as flat faces, in the frame of its body, for files that are looked at.
+// The surface of a shape as flat faces, in the frame of its body, for visualization files.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace talus::detail {
 
-/// Corners of all faces one after the other, counterclockwise as seen from outside, as numbers of
+/// Corners of all faces one after the other, counterclockwise as seen from outside, as indices of
 /// points; face k ends before corner `ends[k]`.
 struct surface_faces {
   std::vector<vec3> points;
@@ -29,15 +29,15 @@ struct surface_faces {
   void add_face(std::initializer_list<std::uint32_t> face) { add_face(std::span(face)); }
 };
 
-/// How many flat sides stand for a round one.
+/// Number of flat sides that approximate a round one.
 inline constexpr std::uint32_t sides_of_round = 16;
 
-/// A point of an outline that is turned about the z axis.
+/// A point of an outline that is rotated about the z axis.
 struct outline_point {
   real radius, z;
 };
 
-/// The surface that an outline makes, from below to above: a flat face or a tip at each end.
+/// The surface of revolution of an outline, from bottom to top: a flat face or a tip at each end.
 inline void add_turned(surface_faces& out, std::span<const outline_point> outline) {
   constexpr std::uint32_t n = sides_of_round;
   const auto ring = [&](std::uint32_t k) { return k * n; };
@@ -61,8 +61,8 @@ inline void add_turned(surface_faces& out, std::span<const outline_point> outlin
   out.add_face(above);
 }
 
-// One function per shape; spheres have none, as every viewer has a sphere. A shape of the user's
-// own is drawn if there is such a function in the shape's namespace.
+// One function per shape; spheres have none, because every viewer has a sphere. A user-defined
+// shape is drawn if its namespace contains such a function.
 
 inline void add_surface(surface_faces& out, const box& b) {
   const vec3 half = real(0.5) * b.size;

@@ -1,5 +1,5 @@
 #pragma once
-// Files by the system's own functions, where HDF5 is not asked.
+// Files by system calls, for file access without HDF5.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -18,7 +18,7 @@
 
 namespace talus::detail {
 
-/// Reads bytes of an open file. False at its end, and where reading fails.
+/// Reads bytes of an open file. False at its end, and if reading fails.
 [[nodiscard]] inline bool read_at(int file, std::uint64_t at, std::span<std::byte> into) {
   while (!into.empty()) {
     const ssize_t n = ::pread(file, into.data(), into.size(), static_cast<off_t>(at));
@@ -29,7 +29,7 @@ namespace talus::detail {
   }
   return true;
 }
-/// Writes bytes of an open file. Returns how many, and sets errno where these are not all.
+/// Writes bytes of an open file. Returns how many, and sets errno if these are not all.
 [[nodiscard]] inline std::size_t write_at(int file, std::uint64_t at,
                                           std::span<const std::byte> from) {
   std::size_t written = 0;
@@ -44,7 +44,7 @@ namespace talus::detail {
   return written;
 }
 
-/// An open file, by the system's own functions.
+/// An open file, by system calls.
 class system_file {
  public:
   system_file(const std::string& path, int flags)
@@ -64,7 +64,7 @@ class system_file {
   int id_;
 };
 
-/// A write beyond the limit of file sizes shall fail, not end the process.
+/// A write beyond the limit of file sizes must fail instead of ending the process.
 class no_size_signal {
  public:
   no_size_signal() : before_(std::signal(SIGXFSZ, SIG_IGN)) {}
@@ -78,7 +78,7 @@ class no_size_signal {
   void (*before_)(int);
 };
 
-/// Throws runtime_error where this process may not write so long a file.
+/// Throws runtime_error if this process may not write so long a file.
 [[gnu::cold]] inline void require_size_allowed(std::uint64_t bytes) {
   rlimit limit{};
   if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
@@ -95,9 +95,9 @@ class no_size_signal {
   return error == ENOSPC || error == EDQUOT || error == EFBIG;
 }
 
-/// Makes an empty file `bytes` long and asks for room on the disk for all of it, so that a full one
-/// is found out here, where one rank fails alone. Returns the error, or 0. (Where the file system
-/// cannot reserve room, a full disk is found out by the rank that writes there.)
+/// Makes an empty file `bytes` long and reserves room on the disk for all of it, so that a full
+/// disk is detected here, where one rank fails alone. Returns the error, or 0. (If the file system
+/// cannot reserve room, the rank that writes to a full disk detects it.)
 [[nodiscard, gnu::cold]] inline int reserve_file(int file, std::uint64_t bytes) {
   if (::ftruncate(file, static_cast<off_t>(bytes)) != 0) return errno;
   int failed = 0;

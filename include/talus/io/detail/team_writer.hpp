@@ -1,8 +1,8 @@
 #pragma once
 // Writing an HDF5 file with all ranks: rank 0 composes the file in memory, without its rows, and
-// brings it to a file beside the old one, with room on the disk for everything; then all ranks
-// write their rows to their places; then rank 0 adds what is missing, all read back what they have
-// written, and the file gets its name. Whatever happens before that, the old file is as it was.
+// writes it to a file beside the old one, with room on the disk for everything; then all ranks
+// write their rows; then rank 0 adds the rest, all ranks read back what they have written, and the
+// file is renamed. Before that, the old file is unchanged in any case.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -31,7 +31,7 @@ class team_writer {
   static_assert(std::endian::native == std::endian::little, "these files are little-endian");
 
  public:
-  /// With `force` it replaces a file of another kind too.
+  /// With `force` it also replaces a file of another kind.
   team_writer(checkpoint_team& team, file_kind& kind, std::string file, bool force = false)
       : team_(team), kind_(kind), file_(std::move(file)), force_(force) {}
 
@@ -60,8 +60,8 @@ class team_writer {
     opened_.reset();
   }
 
-  /// Collective. Throws runtime_error if the file could not be made: found out before hours of
-  /// computing. True where a file of this kind is there, which will be replaced; on rank 0 alone.
+  /// Collective. Throws runtime_error if the file could not be made, before hours of computing.
+  /// True if a file of this kind exists, which will be replaced; on rank 0 alone.
   [[gnu::cold]] bool require_writable() {
     bool replaces = false;
     together([&] {
@@ -118,7 +118,7 @@ class team_writer {
     fail<std::runtime_error>("cannot be written: {}", system_words(error));
   }
 
-  /// On rank 0: a file in which everything has its place, and all is written but rows.
+  /// On rank 0: a file in which every dataset has its position, and all but rows is written.
   void make_file(const std::vector<table_part>& tables, const counted_rows& counts,
                  const std::vector<small_dataset>& small) {
     (void)require_replaceable();
@@ -127,7 +127,7 @@ class team_writer {
     part_name_ = part_.name();
     require_size_allowed(bytes_);
     if (const int error = reserve_file(part_.id(), bytes_); error != 0) {
-      (void)::ftruncate(part_.id(), 0);  // what is free without it
+      (void)::ftruncate(part_.id(), 0);  // the free space without the file
       fail_to_write(bytes_, error);
     }
     image_->each(bytes_, [&](std::uint64_t at, std::span<const std::byte> page) {
@@ -170,7 +170,7 @@ class team_writer {
     kind_.describe(file, t, k, counts);
   }
 
-  /// Collective: where the datasets of the tables begin, and in which file.
+  /// Collective: the positions of the datasets of the tables, and their file.
   void share_layout() {
     byte_buffer bytes;
     if (team_.rank() == 0) {
@@ -198,7 +198,7 @@ class team_writer {
     }
     return all;
   }
-  /// Other machines may hear of a new file on a shared disk a moment late.
+  /// Other machines may see a new file on a shared disk a moment late.
   void open_part() {
     for (int wait = 0; !opened_ || !opened_->good(); ++wait) {
       opened_.emplace(part_name_, O_RDWR | O_NOFOLLOW);
@@ -218,7 +218,7 @@ class team_writer {
     }
     if (kind_.durable()) bring_to_disk();
   }
-  /// What this machine holds of it.
+  /// Flushes this machine's buffers of it to the disk.
   void bring_to_disk() const {
     if (::fsync(opened_->id()) != 0)
       fail<std::runtime_error>("cannot be written to the disk: {}", system_words());
@@ -230,7 +230,7 @@ class team_writer {
       throw std::runtime_error("cannot be written: something else has changed its length");
     if (kind_.durable()) bring_to_disk();
   }
-  /// Each rank what it has written, from the disk where the system lets go of what it holds.
+  /// Each rank reads what it has written, from the disk if the system drops its cache.
   void verify(const std::vector<row_block>& rows) const {
     (void)::posix_fadvise(opened_->id(), 0, 0, POSIX_FADV_DONTNEED);
     byte_buffer back;
@@ -247,7 +247,7 @@ class team_writer {
     if (team_.rank() == 0) kind_.verify(opened_->id());
   }
   void give_name() {
-    (void)require_replaceable();  // others may have put something there meanwhile
+    (void)require_replaceable();  // another file may exist there meanwhile
     if (!part_.rename_to(file_))
       fail<std::runtime_error>("cannot be given its name: {}", system_words());
     if (!kind_.durable()) return;

@@ -25,8 +25,8 @@ inline constexpr std::string_view vtk_shape_names[] = {
   return n;
 }
 
-/// Lengths of a shape along the axes of its body: what a sphere, box or cylinder of size 1 is
-/// scaled by to look like it.
+/// Lengths of a shape along the axes of its body: the scale factors for a sphere, box or cylinder
+/// of size 1.
 template <class Shape>
 [[nodiscard]] vec3 size_of(const Shape& s) {
   const vec3 half = s.half_extents(pose{});
@@ -40,7 +40,7 @@ template <class Shape>
     return s.bounding_radius();
 }
 
-/// How the values of a column are output: as numbers, or as vectors of three.
+/// The output form of the values of a column: as numbers, or as vectors of three.
 template <class Column>
 [[nodiscard]] consteval number_type vtk_type_of() {
   using value = typename Column::value_type;
@@ -71,7 +71,7 @@ template <class Column>
   return std::is_same_v<value, vec3> ? 3 : 1;
 }
 
-/// What of bodies an output of this scenario has: fewer columns where there is nothing to tell.
+/// The columns of an output of this scenario: fewer if there is nothing to write.
 template <class Scenario>
 struct vtk_columns {
   template <class Shape>
@@ -88,7 +88,7 @@ struct vtk_columns {
 
   static constexpr bool oriented = filter_types<shapes, is_oriented>::size > 0;
   static constexpr bool in_parts = filter_types<shapes, is_in_parts>::size > 0;
-  /// Columns that are output as they are, of any shape.
+  /// Columns that are output unchanged, of any shape.
   template <class Shape>
   using shown_of = typename columns_by_use<typename of_shape<Shape>::store::list>::shown;
   template <class Shapes>
@@ -114,7 +114,7 @@ void each_part_of(const Store& store, std::size_t i, F&& f) {
   }
 }
 
-/// The tables of points and of what they carry, with the same rows.
+/// The tables of points and of their data, with the same rows.
 template <class Scenario>
 class vtk_bodies {
   using columns = vtk_columns<Scenario>;
@@ -138,7 +138,7 @@ class vtk_bodies {
     if constexpr (columns::sleeps) data.column("asleep", number_type::u8);
   }
 
-  /// All bodies that this rank owns, and on rank 0 the global ones that have an end.
+  /// All bodies that this rank owns, and on rank 0 the finite global ones.
   void add_all(world_state<Scenario>& s) {
     s.each_finite_shape([&](auto& b) {
       const auto rank = static_cast<std::uint32_t>(s.link->rank());
@@ -155,7 +155,7 @@ class vtk_bodies {
   void add_columns(type_list<Columns...>) {
     (data.column(Columns::name, vtk_type_of<Columns>(), vtk_width_of<Columns>()), ...);
   }
-  /// A shape that does not carry the column shows its default.
+  /// A shape that does not carry the column has its default.
   template <class... Columns, class Store>
   void put_columns(type_list<Columns...>, const Store& store, std::size_t i) {
     [[maybe_unused]] const auto put = [&]<class Column>(type_list<Column>) {

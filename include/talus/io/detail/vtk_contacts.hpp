@@ -1,6 +1,6 @@
 #pragma once
-// Contacts as rows of an output: a line for each, from centre to centre, or to the point where
-// something immovable is touched.
+// Contacts as rows of an output: a line for each, from centre to centre, or to the contact point
+// with something immovable.
 #include <cstdint>
 
 #include "talus/io/detail/row_table.hpp"
@@ -8,7 +8,7 @@
 
 namespace talus::detail {
 
-/// The tables of points, two for each contact, and of what contacts carry.
+/// The tables of points, two for each contact, and of the data of contacts.
 class vtk_contacts {
  public:
   vtk_contacts() {

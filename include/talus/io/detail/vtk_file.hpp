@@ -1,6 +1,6 @@
 #pragma once
 // The layout of VTKHDF files (VTK file formats, "VTKHDF", version 1.0: UnstructuredGrid), which VTK
-// reads from 9.1 on: points and cells of all ranks in one piece, and what they carry.
+// reads from 9.1 on: points and cells of all ranks in one piece, and their data.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,7 +18,7 @@ class vtk_kind final : public file_kind {
  public:
   [[nodiscard]] const char* name() const override { return "the output"; }
   [[nodiscard]] const output_kind& looks() const override { return vtk_output_file; }
-  /// A series survives that its run is killed, not that the power fails.
+  /// A series survives a kill of its run, but not a power failure.
   [[nodiscard]] bool durable() const override { return false; }
   [[gnu::cold]] void describe_file(hid_t file) override {
     const std::int64_t version[] = {1, 0};
@@ -27,11 +27,11 @@ class vtk_kind final : public file_kind {
   }
 };
 
-/// Kinds of cells, as VTK numbers them.
+/// Kinds of cells, as numbered by VTK.
 enum class vtk_cell : std::uint8_t { vertex = 1, line = 3, polygon = 7 };
 
 /// Cells of one rank: the points of each, one cell after the other, counted from the rank's first;
-/// and where among them each cell ends.
+/// and the end of each cell among them.
 struct vtk_cells {
   vtk_cell kind;
   std::vector<std::int64_t> points, ends;
@@ -52,8 +52,8 @@ struct vtk_counts {
   std::int64_t points = 0, cells = 0, corners = 0;
 };
 
-/// What cells are in the file; `before` counts what the ranks before have. The first rank adds the
-/// place where all begin.
+/// The cells of the file; `before` is the number of those of the ranks before. The first rank adds
+/// the start of the first cell.
 [[nodiscard, gnu::cold]] inline std::vector<table_part> tables_of(const vtk_cells& cells,
                                                                   const vtk_counts& before,
                                                                   bool first_rank) {

@@ -26,7 +26,7 @@ struct shows_faces<union_of<Shapes...>> : std::bool_constant<(has_surface<Shapes
 template <class Scenario>
 inline constexpr bool has_surfaces = filter_types<typename Scenario::shapes, shows_faces>::size > 0;
 
-/// The corners of faces, what faces carry, and which corners make a face.
+/// The corners of faces, the data of faces, and the corners of each face.
 template <class Scenario>
 class vtk_surfaces {
  public:
@@ -52,7 +52,7 @@ class vtk_surfaces {
       }
     });
   }
-  /// The faces, in the order that the rows will have.
+  /// The faces, in the order of the rows.
   [[nodiscard, gnu::cold]] vtk_cells cells() {
     std::stable_sort(pieces_.begin(), pieces_.end(),
                      [](const piece& a, const piece& b) { return a.key < b.key; });
@@ -74,7 +74,7 @@ class vtk_surfaces {
   row_table points{"/VTKHDF"}, data{"/VTKHDF/CellData"};
 
  private:
-  /// Of a body, or of a part of a union: where its faces are among those that were added.
+  /// Of a body, or of a part of a union: the position of its faces among those added.
   struct piece {
     row_table::key key;
     std::size_t first_corner, first_face;
