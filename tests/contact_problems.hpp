@@ -22,7 +22,7 @@ struct contact_scene {
     int a, b;
     vec3 point, normal;  ///< from b to a
     real mu;
-    real least = 0;  ///< separating velocity asked for
+    real least = 0;  ///< required separating velocity
   };
   std::vector<body> bodies;
   std::vector<contact> contacts;
@@ -43,7 +43,7 @@ struct contact_scene {
 
   [[nodiscard]] detail::assembled_problem problem() const {
     const auto n = static_cast<int>(contacts.size());
-    // Rows of a contact for one of its bodies: what its velocity and spin give, in the frame.
+    // Rows of a contact for one of its bodies: its velocity and spin, in the frame.
     const auto jacobian = [&](const contact& c, int body) {
       Eigen::Matrix<real, 3, 6> h;
       const vec3 arm = c.point - bodies[body].position;
@@ -83,7 +83,7 @@ struct contact_scene {
 };
 
 /// Cubes of edge 1 on each other, with k by k contacts on every face; mass ratio^(i / (n - 1)) from
-/// below. They start with gravity's velocity and a push.
+/// below. They start with gravity's velocity and a horizontal velocity.
 inline contact_scene stack_of_boxes(int n, real ratio, real mu, int k, const vec3& push) {
   contact_scene s;
   for (int i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-// The main function that all tests share. Spelled out, because doctest's own macro for it has no
+// The main function that all tests share. Written out, because doctest's own macro for it has no
 // effect behind a precompiled header; nor would it in an MPI test with a main of its own.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>

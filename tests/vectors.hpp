@@ -1,5 +1,5 @@
 #pragma once
-// Component by component: what tests ask of vectors.
+// Component by component: operations of tests on vectors.
 #include <cmath>
 
 #include "talus/core/math.hpp"

@@ -1,4 +1,4 @@
-// A reproducible world: refused where the compiler does not round as written.
+// A reproducible world: refused if the compiler does not round as written.
 #include <cstdio>
 #include <talus/parallel/serial.hpp>
 #include <talus/response/coloured_gauss_seidel.hpp>

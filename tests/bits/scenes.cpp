@@ -1,7 +1,7 @@
 // Six scenes whose digests are pinned: the same bits from every compiler, at every level of
 // optimisation, for every set of instructions of x86-64, on 1 and 4 ranks. Compiled without a test
-// framework, by compilers and with options of which tests/CMakeLists.txt has the list. A commit
-// that changes arithmetic on purpose replaces the digests by those that this program prints.
+// framework, by the compilers and with the options listed in tests/CMakeLists.txt. A commit that
+// changes arithmetic on purpose replaces the digests by those that this program prints.
 //   scenes [PART OF A NAME [STEPS]]     only those runs, with a digest each so many steps
 #include <unistd.h>
 
@@ -96,7 +96,7 @@ void set_up_crates(world<rubble>& w) {
                         .orientation = random.rotation()});
 }
 
-// Bodies of all shapes in a tub with a cone of triangles that turns and shakes.
+// Bodies of all shapes in a tub with a cone of triangles that rotates and shakes.
 void set_up_shapes(world<rubble>& w) {
   const auto stone = w.material({.density = 2.5, .restitution = 0.3, .friction = 0.5});
   w.gravity({0, 0, -g});
@@ -195,10 +195,10 @@ void set_up_sand(world<sand>& w) {
 struct course {
   int ranks, steps;
   real dt;
-  std::string save = "", load = "";  ///< a checkpoint written halfway through, or gone on from
+  std::string save = "", load = "";  ///< a checkpoint written halfway through, or restarted from
 };
 
-int interval = 0;  ///< steps from one digest that is printed to the next; none if 0
+int interval = 0;  ///< steps between printed digests; 0: none
 
 /// The digest at the end of a run that `set_up` begins, in a square from -half to half.
 template <class Scenario>
@@ -236,7 +236,7 @@ std::string digest_of(const course& how, real half, void (*set_up)(world<Scenari
 }
 
 int differences = 0;
-std::string_view only;  ///< runs whose names have this in them
+std::string_view only;  ///< runs whose names contain this
 
 template <class Run>
 void compare(const char* name, std::string_view pinned, Run&& run) {

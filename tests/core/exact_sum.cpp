@@ -29,7 +29,7 @@ TEST_CASE("an exact sum is the same in any order and grouping, for terms of all 
     const double first = sum_of(terms);
     std::shuffle(terms.begin(), terms.end(), random);
     CHECK(sum_of(terms) == first);
-    // In three parts, as three ranks would.
+    // In three parts, as on three ranks.
     std::array<double, exact_sum::digits + 1> total{}, part{};
     for (std::size_t k = 0; k < 3; ++k) {
       exact_sum s;

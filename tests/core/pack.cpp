@@ -1,5 +1,5 @@
-// Packs of any number of lanes do in each lane what is done to a single number, to the bit; rows of
-// four numbers go to packs and back.
+// Packs of any number of lanes compute in each lane the result of a single number, to the bit; rows
+// of four numbers convert to packs and back.
 #include <doctest/doctest.h>
 
 #include <array>

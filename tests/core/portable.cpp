@@ -15,13 +15,13 @@ namespace {
 
 constexpr real infinity = std::numeric_limits<real>::infinity();
 
-/// The error of x in units of the last place of what is exact.
+/// The error of x in units of the last place of the exact value.
 real ulps(real x, long double exact) {
   const int exponent = std::max(std::ilogb(static_cast<real>(exact)), -1022);
   return static_cast<real>(std::abs(x - exact) / std::ldexp(1.0L, exponent - 52));
 }
 
-/// The largest error of f against g for arguments that draw(random) gives.
+/// The largest error of f against g for arguments from draw(random).
 template <class F, class G, class Draw>
 real worst(F&& f, G&& g, Draw&& draw) {
   random_stream random(2026, 5);
@@ -32,7 +32,7 @@ real worst(F&& f, G&& g, Draw&& draw) {
   }
   return most;
 }
-/// Of either sign, all exponents from `low` to `high` alike.
+/// Of either sign, all exponents from `low` to `high` equally likely.
 auto any_size(int low, int high) {
   return [=](random_stream& random) {
     const int exponent = low + static_cast<int>(random.integer(std::uint64_t(high - low + 1)));

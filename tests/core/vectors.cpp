@@ -1,4 +1,4 @@
-// Vectors, matrices and quaternions do what Eigen's do, and convert from and to them.
+// Vectors, matrices and quaternions agree with Eigen's, and convert from and to them.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-// Two boxes: textbook cases, and random poses against distances found by other means.
+// Two boxes: textbook cases, and random poses against distances from other methods.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -54,7 +54,7 @@ std::set<std::uint32_t> features(const contacts& all) {
 real gap_along(const posed& a, const posed& b, const vec3& n) {
   return n.dot(a.support(-n)) - n.dot(b.support(n));
 }
-// Exact when below zero: minus the penetration depth; else a lower bound of the distance.
+// Exact if negative: minus the penetration depth; else a lower bound of the distance.
 real best_axis(const posed& a, const posed& b) {
   std::vector<vec3> normals;
   const mat3 ra = a.at.orientation.toRotationMatrix(), rb = b.at.orientation.toRotationMatrix();
@@ -89,7 +89,7 @@ real smallest_half(const posed& a, const posed& b) {
   return std::min(a.shape.half().minCoeff(), b.shape.half().minCoeff());
 }
 
-// What must hold of any answer.
+// Properties of every answer.
 void check_sound(const posed& a, const posed& b, const contacts& found, real margin) {
   CHECK(found.size() <= 4);
   CHECK(features(found).size() == found.size());
@@ -206,7 +206,7 @@ TEST_CASE("parallel edges and boxes in line do no harm") {
     CHECK(!c.empty());
     check_sound(a, unit_box({0, 0, 0}, edge), c, 0.02);
   }
-  // Concentric boxes: some unit normal, the right depth.
+  // Concentric boxes: any unit normal, the correct depth.
   const contacts same = find(unit_box({1, 2, 3}), unit_box({1, 2, 3}), 0);
   REQUIRE(same.size() == 4);
   CHECK(smallest_gap(same) == doctest::Approx(-1));
@@ -233,7 +233,7 @@ TEST_CASE("random boxes: right gaps, sound points, no pair missed") {
     posed b{box{size()}, {random.point(4), random.turn()}};
     if (seed % 3 == 0) b.at.orientation = a.at.orientation * rotation(random.direction(), 0.05);
     if (seed % 7 == 0) b.at.orientation = a.at.orientation * rotation({0, 0, 1}, random(0, 3));
-    // Bring a near b along a random line: bisect to touch, then shift by a little.
+    // Brings a near b along a random line: bisects to touch, then shifts by a little.
     const vec3 line = random.direction();
     real near = 0, far = 8;
     for (int k = 0; k < 40; ++k) {
@@ -258,7 +258,7 @@ TEST_CASE("random boxes: right gaps, sound points, no pair missed") {
       } else if (distance < margin - 1e-6) {
         ++touching;
         REQUIRE(!found.empty());
-        // Of the nearest points, or within five percent of it when a face stands in for them.
+        // Of the nearest points, or within five percent of it if a face replaces them.
         CHECK(smallest_gap(found) <= distance * 1.051 + 1e-4 * smallest + 1e-7);
         CHECK(smallest_gap(found) >= best - 1e-4 * smallest);
         if (found.size() == 1 && gap_along(a, b, found[0].normal) > best + 1e-9)
@@ -270,7 +270,7 @@ TEST_CASE("random boxes: right gaps, sound points, no pair missed") {
       const real slack = 0.0051 * smallest + 0.051 * std::abs(best);
       CHECK(smallest_gap(found) <= best + slack);
       CHECK(smallest_gap(found) >= best - 2.1 * slack);
-      // Moving a out along the normal by the depth along it leaves them just touching.
+      // Moving a out along the normal by the depth along it makes them just touch.
       posed out = a;
       out.at.position -= (smallest_gap(found) - slack) * found[0].normal;
       CHECK(best_axis(out, b) > -1e-9);
@@ -411,7 +411,7 @@ TEST_CASE("of a patch with many corners the deepest and a large area are kept") 
     const contacts c = find(unit_box({0, 0, 0}), above, 0.1);
     REQUIRE(c.size() == 4);
     check_sound(unit_box({0, 0, 0}), above, c, 0.1);
-    // The deepest point of the overlap seen along the normal, by sampling the lower face.
+    // The deepest point of the overlap along the normal, by sampling the lower face.
     real deepest = 1;
     for (int x = 0; x <= 40; ++x)
       for (int y = 0; y <= 40; ++y) {

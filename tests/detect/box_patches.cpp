@@ -1,4 +1,4 @@
-// Patches of boxes that are looked for eight at a time: the same as those of one pair by itself.
+// Manifolds of boxes that are computed eight at a time: equal to those of single pairs.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -34,7 +34,7 @@ class pairs_of_boxes {
     x.at_b.position = x.at_a.position + between(0.6, 1.2) * vector(1).normalized();
     return x;
   }
-  /// One on the other, turned from flush by about `angle`.
+  /// One on the other, rotated from flush by about `angle`.
   two stacked(real angle, bool equal) {
     two x{box{equal ? vec3(1, 1, 1) : edges()},
           box{equal ? vec3(1, 1, 1) : edges()},
@@ -55,7 +55,7 @@ class pairs_of_boxes {
   std::mt19937_64 random_{7};
 };
 
-/// What becomes of eight pairs together; `good` counts those whose patches were found so.
+/// Results of eight pairs together; `good` counts those whose manifolds were found so.
 std::vector<found> together(const std::vector<two>& pairs, real margin, int& good) {
   box_batch<real> batch;
   std::vector<box_place<real>> a, b;
@@ -81,7 +81,7 @@ found alone(const two& pair, real margin) {
           [&](const contact_geometry& g) { all.push_back(g); });
   return all;
 }
-/// Largest distance of points, or 1 where the contacts are not the same ones.
+/// Largest distance of points, or 1 if the contacts differ.
 real difference(const found& x, const found& y) {
   if (x.size() != y.size()) return 1;
   real largest = 0;
@@ -106,7 +106,7 @@ real apart(const found& x, const found& y) {
 struct tally {
   int pairs = 0, touching = 0, good = 0, other = 0;
   int far = 0;       ///< of the others: where points lie farther from each other than 3e-3
-  real largest = 0;  ///< difference of those that are not others
+  real largest = 0;  ///< difference of the rest
 };
 template <class Make>
 tally compare(int batches, real margin, Make&& make) {

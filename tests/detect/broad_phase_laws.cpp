@@ -49,7 +49,7 @@ void check_laws(const cloud& a, const cloud& b) {
       if (touch(a, i, a, j)) wanted.push_back({i, j});
   of_a.pairs([&](std::size_t i, std::size_t j) { found.push_back(std::minmax(i, j)); });
   built<Search>(a).pairs([&](std::size_t i, std::size_t j) { again.push_back(std::minmax(i, j)); });
-  CHECK(found == again);  // the order follows from the input
+  CHECK(found == again);  // the order depends on the input alone
   CHECK(sorted(found) == wanted);
 
   wanted.clear(), found.clear();

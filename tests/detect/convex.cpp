@@ -1,5 +1,5 @@
 // timeout: 300
-// Contacts of all pairs of finite shapes, against what their support functions say.
+// Contacts of all pairs of finite shapes, against their support functions.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -10,7 +10,7 @@ using namespace solids;
 
 namespace {
 
-// What must hold of any answer. Points on the two surfaces are gap apart along the normal, so the
+// Properties of every answer. Points on the two surfaces are gap apart along the normal, so the
 // distance is at most the gap; and no smaller gap is possible along that normal.
 void check_sound(const solid& a, const solid& b, const contacts& found, real margin) {
   const real smallest = std::min(a.smallest(), b.smallest());
@@ -50,7 +50,7 @@ TEST_CASE("random pairs of shapes: right gaps, sound points, no pair missed") {
     auto& count = met[a.name() + " " + b.name()];
     const real smallest = std::min(a.smallest(), b.smallest()), margin = 0.1;
 
-    // Near each other: as far as the answer for a far larger margin says, and a little off.
+    // Near each other: at the distance of the answer for a far larger margin, and slightly off.
     const vec3 line = random.direction();
     a.at.position = b.at.position + random(0.2, 1) * (a.radius() + b.radius()) * line;
     const contacts anywhere = find(a, b, 10);
@@ -74,8 +74,8 @@ TEST_CASE("random pairs of shapes: right gaps, sound points, no pair missed") {
     const real gap = smallest_gap(found);
     if (best > 1e-5 * smallest) {
       ++count[1];
-      // The nearest points, or within five percent when a face stands in for them; when that face
-      // sees an overlap, within half a percent of the thickness.
+      // The nearest points, or within five percent if a face replaces them; if that face has an
+      // overlap, within half a percent of the thickness.
       CHECK(gap <= 1.051 * best + (first > 0 ? 1.1e-4 : 5.1e-3) * smallest + 1e-7);
       CHECK(gap >= 0.95 * best - 5.1e-3 * smallest);
     } else {

@@ -1,5 +1,5 @@
 // Contacts of capsules, cylinders, polyhedra and unions: symmetries, planes, rest, degenerate
-// places, and a box given as a polyhedron.
+// positions, and a box given as a polyhedron.
 #include <doctest/doctest.h>
 
 #include "solids.hpp"
@@ -69,11 +69,11 @@ TEST_CASE("a pair of shapes has the same contacts in either order and wherever b
     ++total;
     const pose by{random.point(5), random.turn()};
     const contacts moved = find(a.moved(by), b.moved(by), margin);
-    if (features(moved) != features(found)) continue;  // of equally good choices another
+    if (features(moved) != features(found)) continue;  // another of equally good choices
     ++same;
     for (std::size_t k = 0; k < found.size(); ++k) {
       CHECK(std::abs(moved[k].gap - found[k].gap) < 1e-7);
-      // Deep overlaps of round surfaces are found by an iteration.
+      // An iteration finds deep overlaps of curved surfaces.
       const real deep = std::max(real(0), -found[k].gap) / std::min(a.smallest(), b.smallest());
       check_near(moved[k].normal, by.orientation * found[k].normal, 5e-5 + 2e-3 * deep);
       if (found.size() > 1 || a.name() == "sphere" || b.name() == "sphere")
@@ -117,7 +117,7 @@ TEST_CASE("a shape on a plane: its lowest point is a contact, and no more than f
       CHECK(c.gap <= margin);
       CHECK(floor.distance(c.point) == doctest::Approx(c.gap / 2).scale(1));
       const bool ball =
-          a.name() == "capsule";  // its ends' lowest points may lie inside when tilted
+          a.name() == "capsule";  // the lowest points of its ends may lie inside if tilted
       CHECK(a.outside(c.point + 0.5 * c.gap * up) <= 1e-12);
       if (!ball) CHECK(a.outside(c.point + 0.5 * c.gap * up) >= -1e-12);
     }
@@ -233,7 +233,7 @@ TEST_CASE("degenerate places give finite contacts with unit normals") {
           const contacts found = find(a, b, 0.1);
           INFO(a.name() << " and " << b.name() << " at " << p[0] << " " << p[1] << " " << p[2]);
           bool good = found.size() <= 4;
-          // (Where two boxes meet in a corner or an edge alone, points may coincide.)
+          // (If two boxes meet only in a corner or an edge, points may coincide.)
           if (a.name() != "box" || b.name() != "box")
             good = good && features(found).size() == found.size();
           for (const contact_geometry& c : found)
@@ -245,8 +245,8 @@ TEST_CASE("degenerate places give finite contacts with unit normals") {
   CHECK(touching > 20000);
 }
 
-// (Both leave a corner where it is that lies outside of a side by less than a thousandth of the
-// smallest extent: where the two see such a corner differently, it is a little off.)
+// (Both keep a corner that lies outside of a side by less than a thousandth of the smallest extent:
+// if the two differ about such a corner, it is slightly off.)
 TEST_CASE("a box given as a polyhedron meets a box as a box does") {
   int faces = 0, points = 0, off = 0;
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {

@@ -1,4 +1,5 @@
-// The broad phase against the sum over all pairs, in every arrangement that could upset a grid.
+// The broad phase against the sum over all pairs, in all arrangements that are difficult for a
+// grid.
 #include "talus/detect/hash_grid.hpp"
 #include "../generator.hpp"
 

@@ -1,4 +1,4 @@
-// Contacts of spheres, planes and boxes (but box with box) against closed forms and symmetries.
+// Contacts of spheres, planes and boxes (except box with box) against closed forms and symmetries.
 #include "talus/detect/narrow.hpp"
 #include "../generator.hpp"
 
@@ -210,7 +210,7 @@ TEST_CASE("a sphere whose centre is in a box leaves by the nearest face") {
       CHECK(c[0].gap == doctest::Approx(-0.75));
       check_near(c[0].normal, at.orientation * vec3(side * vec3::Unit(axis)), 1e-14);
     }
-  // Exactly at the centre, on a face and on a corner there is still one good normal.
+  // Exactly at the centre, on a face and on a corner there is still one correct normal.
   for (const vec3& local : {vec3(0, 0, 0), vec3(1, 0, 0), vec3(1, 2, 3), vec3(-1, -2, 0)}) {
     const contacts c = find(sphere{0.5}, pose{local}, b, pose{}, 0);
     REQUIRE(c.size() == 1);

@@ -1,4 +1,4 @@
-// Gaps of bodies over a plane, and the width of polyhedra, where they are known exactly.
+// Gaps of bodies over a plane, and the width of polyhedra, for cases with exact values.
 #include <doctest/doctest.h>
 
 #include <algorithm>

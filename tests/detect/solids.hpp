@@ -1,6 +1,6 @@
 #pragma once
-// Posed shapes of any kind for tests of contacts, with what the tests need to know by other means:
-// a support function, and how far a point is outside.
+// Posed shapes of any kind for tests of contacts, with independent references: a support function,
+// and how far a point is outside.
 #include <functional>
 #include <random>
 #include <set>
@@ -17,7 +17,7 @@ using namespace talus;
 using contacts = std::vector<contact_geometry>;
 
 /// Signed distance from the surface, in the frame of the body: exact on the surface, and of the
-/// right sign.
+/// correct sign.
 inline real outside(const sphere& s, const vec3& p) { return p.norm() - s.radius; }
 inline real outside(const box& s, const vec3& p) { return (p.cwiseAbs() - s.half()).maxCoeff(); }
 inline real outside(const capsule& s, const vec3& p) {
@@ -46,7 +46,7 @@ struct solid {
   [[nodiscard]] real radius() const {
     return std::visit([](const auto& s) { return s.bounding_radius(); }, shape);
   }
-  /// What tolerances are measured by.
+  /// The scale of tolerances.
   [[nodiscard]] real smallest() const {
     struct {
       real operator()(const sphere& s) { return s.radius; }
@@ -96,7 +96,7 @@ inline std::set<std::uint64_t> features(const contacts& all) {
   return names;
 }
 
-/// Gap along a unit direction from b to a, by support functions. The largest of all directions is
+/// Gap along a unit direction from b to a, by support functions. The largest over all directions is
 /// the distance, or minus the depth of the overlap.
 inline real gap_along(const solid& a, const solid& b, const vec3& n) {
   return n.dot(a.support(-n)) - n.dot(b.support(n));

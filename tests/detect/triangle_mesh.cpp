@@ -1,5 +1,5 @@
-// Surfaces of triangles: what they are made of, their contacts against those of planes and boxes,
-// and that inner edges are not felt.
+// Surfaces of triangles: their construction, their contacts against those of planes and boxes, and
+// smooth passage over inner edges.
 #include <doctest/doctest.h>
 #include <unistd.h>
 
@@ -248,8 +248,8 @@ real enclosed(const std::vector<triangle>& all) {
   for (const triangle& t : all) sum += t[0].dot(t[1].cross(t[2])) / 6;
   return sum;
 }
-/// Directed edges that no triangle passes the other way round: none in a watertight surface whose
-/// normals agree.
+/// Directed edges that no triangle passes in reverse: none in a watertight surface whose normals
+/// agree.
 int open_edges(const triangle_mesh& m) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> passes;
   for (const auto& t : m.tree().triangles)
@@ -259,7 +259,7 @@ int open_edges(const triangle_mesh& m) {
   for (const auto& [edge, n] : passes) open += n > 0 ? n : 0;
   return open;
 }
-/// Area of the polygon that stands for a circle.
+/// Area of the polygon that approximates a circle.
 real polygon(int n, real radius) { return 0.5 * n * std::sin(2 * pi / n) * radius * radius; }
 
 }  // namespace
@@ -295,7 +295,7 @@ TEST_CASE(
     CHECK(enclosed(triangles_of_revolution(wall, closed)) ==
           doctest::Approx((polygon(n, R) - polygon(n, r)) * h));
   }
-  // With many sectors the volumes are those of the round bodies.
+  // With many sectors the volumes are those of the smooth bodies.
   const revolution fine{.sectors = 2000, .closed = true};
   CHECK(enclosed(triangles_of_revolution({{2, 0}, {2, 3}}, fine)) ==
         doctest::Approx(12 * pi).epsilon(1e-5));

@@ -1,6 +1,6 @@
 #pragma once
-// What our own code parses of a checkpoint, from any bytes: its first block, and the forms of
-// polyhedra and unions. Checksums are made to fit, since a fuzzer would hardly guess them.
+// The parts of a checkpoint that our own code parses, from any bytes: its first block, and the
+// forms of polyhedra and unions. Checksums are corrected, because a fuzzer would hardly guess them.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -27,7 +27,7 @@ inline void require(bool condition) {
 inline void use_block(std::span<const std::byte> bytes) {
   namespace d = talus::detail;
   d::byte_buffer block(bytes.begin(), bytes.end());
-  if (block.size() >= 40) {  // as if whoever wrote them had meant them
+  if (block.size() >= 40) {  // with valid checksums
     std::uint32_t length = 0;
     std::memcpy(&length, block.data() + 36, 4);
     if (length >= 8 && length <= block.size()) {
@@ -48,7 +48,7 @@ inline void use_block(std::span<const std::byte> bytes) {
   });
 }
 
-/// What contacts ask of a shape.
+/// The functions of a shape that contacts use.
 template <class Shape>
 void use_form(std::span<const std::byte> bytes) {
   talus::detail::byte_reader in(bytes);
@@ -74,7 +74,7 @@ void use_form(std::span<const std::byte> bytes) {
   [[maybe_unused]] volatile talus::real used = sum[0] + sum[1] + sum[2];
 }
 
-/// "" if the bytes are accepted, else what is wrong; aborts if a promise does not hold.
+/// "" if the bytes are accepted, else the reason; aborts if a promise does not hold.
 inline std::string read_part(std::span<const std::byte> bytes) {
   if (bytes.empty()) return "empty";
   const auto rest = bytes.subspan(1);

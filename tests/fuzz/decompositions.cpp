@@ -25,7 +25,7 @@ any_decomposition decomposition_of(const plan& p) {
     case domains::slabs:
       return slabs<dynamic>{.axis = r.unit_vector(), .lower = -L, .upper = L};
     case domains::cells: {
-      // Half-spaces that take from what is left, one after the other.
+      // Half-spaces that are cut from the rest, one after the other.
       std::vector<any_geometry> regions;
       for (int k = 0; k + 1 < p.ranks; ++k)
         regions.emplace_back(half_space(r.unit_vector(), r.uniform(0.5, 3)));

@@ -1,6 +1,6 @@
 #pragma once
 // One family of fuzzed runs: a type of scenario, filled and stepped by the numbers of a plan, with
-// looks at the invariants of the design (I1 to I7) on the way.
+// checks of the invariants of the design (I1 to I7) between steps.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -61,7 +61,7 @@ class on_rank {
   }
 
  private:
-  /// Now and then, in a wild run, a number that a user may have got wrong.
+  /// In a wild run, occasionally, a number that a user may have got wrong.
   real number(real usual, std::uint64_t rarity = 20) {
     if (p_.what != subject::wild || r_.integer(rarity) != 0) return usual;
     static constexpr real wrong[] = {0,    -1,    1e-300, 1e-100, 1e-15, 1e9,
@@ -110,7 +110,7 @@ class on_rank {
     });
   }
 
-  /// A body that touches nothing that was added before, unless it may lie `anywhere`.
+  /// A body without contacts to those added before, unless it may lie `anywhere`.
   void add_body(bool anywhere) {
     const real radius = p_.smallest * std::pow(p_.ratio, std::pow(r_.uniform(), 4));
     const real L = p_.side - 1.05 * radius, floor = has<box> ? 0.2 : 0;
@@ -159,14 +159,14 @@ class on_rank {
     add(sphere{radius});
   }
 
-  /// What users do between steps.
+  /// Actions of users between steps.
   void stir() {
     if (r_.integer(3) == 0) add_body(r_.integer(3) == 0);
     if (r_.integer(4) == 0) {
       const auto chosen = r_.integer(7);
       w_.destroy_if([&](const auto& b) { return detail::mix(value_of(b.id())) % 23 == chosen; });
     }
-    // A rank by itself; what it does depends on the ranks.
+    // Actions of one rank by itself, which depend on the ranks.
     if (r_.integer(6) == 0 && !detail::solves_by_colours<typename Scenario::solver>)
       w_.exclusive(static_cast<int>(r_.integer(static_cast<std::uint64_t>(p_.ranks))), [&] {
         random mine(p_.seed, 100 + w_.steps());
@@ -213,9 +213,9 @@ class on_rank {
       });
   }
 
-  /// Contacts add no energy in any step: where gravity brings bodies together in it they may do
-  /// work, but the sum of kinetic and potential energy falls. (Across ranks the default solver's
-  /// sum is not exact, and bodies that are followed to their impact have other velocities there.)
+  /// Contacts add no energy in any step: if gravity brings bodies together in it they may do work,
+  /// but the sum of kinetic and potential energy falls. (Across ranks the default solver's sum is
+  /// not exact, and bodies that are followed to their impact have other velocities there.)
   void look_at_energy() {
     if constexpr (detail::watches<Scenario, energy_ledger> && !soft) {
       const energy_balance e = measure_energy(w_);
@@ -251,7 +251,7 @@ class on_rank {
         fail("the point " + detail::text(p) + " has " + std::to_string(owners) + " owners");
     }
     std::vector<std::uint64_t> ids;
-    const bool on_the_way = p_.what >= subject::disturbed;  // translations may have led far
+    const bool on_the_way = p_.what >= subject::disturbed;  // translations may have moved it far
     w_.for_each_local([&](const auto& b) {
       ids.push_back(value_of(b.id()));
       if (!detail::finite(b.position()) || !detail::finite(b.velocity()) ||
@@ -260,7 +260,7 @@ class on_rank {
       if (!on_the_way && !w_.contains(b.position()))
         fail("body " + detail::text(b.id()) + " is not with its owner");
     });
-    // I6: none twice, none lost.
+    // I6: no body twice, none lost.
     auto all = of_all_ranks(ids);
     std::sort(all.begin(), all.end());
     if (std::adjacent_find(all.begin(), all.end()) != all.end()) fail("a body has two owners");
@@ -317,7 +317,8 @@ class on_rank {
       if (result_.momentum_error > 1e-12)
         fail("momentum changed by " + detail::text(result_.momentum_error, 3));
     }
-    // Where gravity works, overlaps are corrected against it, and what falls gains speed first.
+    // With gravity, the correction of overlaps works against it, and falling bodies gain speed
+    // first.
     const real lowest = -p_.gravity * before.mass * p_.side;  // potential energy on the floor
     const real start = before.kinetic_energy + before.potential_energy - lowest;
     const real end = after.kinetic_energy + after.potential_energy - lowest;

@@ -1,5 +1,5 @@
 #pragma once
-// A command line from any bytes, and what must hold for the reader of options whatever they are.
+// A command line from any bytes, and the properties of the reader of options for all of them.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -53,7 +53,7 @@ inline std::vector<std::string> words_of(std::string_view bytes) {
   return words;
 }
 
-/// "" if the words are accepted, else what is wrong; aborts if a promise does not hold.
+/// "" if the words are accepted, else the reason; aborts if a promise does not hold.
 inline std::string read_options(const std::vector<std::string>& words, options& into) {
   std::vector<const char*> pointers;
   for (const std::string& word : words) pointers.push_back(word.c_str());
@@ -86,7 +86,7 @@ inline void check_options(std::string_view bytes) {
   demand(o.tolerance == 0 || (o.tolerance >= 1e-14 && o.tolerance <= 0.5));
   demand(o.colour.empty() || o.colour == "rank" || o.colour == "speed");
   for (const std::string& file : o.files) demand(!file.starts_with('-'));
-  // What was read is read again from its print.
+  // Options that were read are read again from their print.
   const auto digits = [](double x) { return talus::detail::text(x, 17); };
   options back;
   demand(read_options({"program", "--dt", digits(o.dt), "--share=" + digits(o.share), "--offset",

@@ -1,5 +1,5 @@
 #pragma once
-// What a fuzzed run is made of, drawn from its seed: numbers only, so that one compiled type of
+// The parameters of a fuzzed run, drawn from its seed: numbers only, so that one compiled type of
 // scenario serves thousands of runs.
 #include <string>
 #include <talus/core/error.hpp>
@@ -15,7 +15,7 @@ enum class subject {
   heap,   ///< gravity, walls of planes, bodies that overlap nothing at first: energy does not grow
   disturbed,  ///< the same, with bodies added, removed, pushed and moved in the run, and deep
               ///< overlaps
-  wild        ///< a few numbers beyond all measure: the run works, or ends with a message
+  wild        ///< a few extreme numbers: the run works, or ends with a message
 };
 enum class domains { grid, hexagonal, ring, slabs, cells };
 
@@ -32,7 +32,7 @@ struct plan {
   real gravity, friction, restitution, density, speed;
   int iterations, correction_iterations;
   real correction, tolerance;
-  int look_every;                    ///< steps from one look at all invariants to the next
+  int look_every;                    ///< steps between checks of all invariants
   real reach;                        ///< of the neighbourhood
   static constexpr real side = 2.5;  ///< half the edge of the scene
 };
@@ -78,11 +78,11 @@ inline std::string text(const plan& p) {
          " steps of dt = " + talus::detail::text(p.dt, 3);
 }
 
-/// What went wrong; the run stops.
+/// The violated invariant; the run stops.
 struct broken : std::logic_error {
   using std::logic_error::logic_error;
 };
-/// What a run came to.
+/// The result of a run.
 struct outcome {
   std::string refused;  ///< the message it ended with, if it did
   std::string digest;   ///< of the final state, else
@@ -97,6 +97,6 @@ outcome run_jacobi(const plan& p);   ///< spheres, accelerated Jacobi, sleeping 
 outcome run_springs(const plan& p);  ///< spheres with soft contacts
 outcome run_alike(const plan& p);    ///< spheres and boxes, the same bits as on one rank
 outcome run_around(const plan& p);   ///< the same in a periodic box, or the default solver there
-outcome run_pursued(const plan& p);  ///< spheres and boxes followed on their way
+outcome run_pursued(const plan& p);  ///< spheres and boxes with continuous collision
 
 }  // namespace fuzz

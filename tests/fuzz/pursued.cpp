@@ -1,4 +1,4 @@
-// Spheres and boxes that are followed on their way.
+// Spheres and boxes with continuous collision.
 #include "family.hpp"
 
 namespace fuzz {

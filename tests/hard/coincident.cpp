@@ -1,5 +1,5 @@
-// Bodies whose centres coincide exactly, of all shapes: no direction is better than another, and
-// still they part, slowly, and end where they do not overlap.
+// Bodies whose centres coincide exactly, of all shapes: no direction is better than another, but
+// they separate slowly, and end without overlap.
 // plain
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
-// What engines choke on: bodies created in each other, coincident centres, parallel edges and
-// faces, coefficients at their limits, long steps, thin plates, great ratios of size. All must end
-// finite, bounded and right, on one rank and on four, at the default settings.
+// Difficult input for engines: bodies created in each other, coincident centres, parallel edges and
+// faces, coefficients at their limits, long steps, thin plates, large ratios of size. All must end
+// finite, bounded and correct, on one rank and on four, at the default settings.
 // long
 #include <doctest/doctest.h>
 
@@ -35,7 +35,7 @@ material_id on_floor(World& w, const material& m, real gravity = g) {
   w.global([&](auto& s) { s.add(plane{}, id); });
   return id;
 }
-/// Largest momentum left over the scale of what the bodies had at their fastest.
+/// Largest residual momentum over the scale of the bodies' momentum at their fastest.
 void check_sound(const std::string& name, const outcome& o, std::size_t bodies) {
   CHECK_MESSAGE(o.finite, name);
   CHECK_MESSAGE(o.bodies.size() == bodies, name);
@@ -79,8 +79,8 @@ TEST_CASE(
     "presses") {
   on_one_and_four([](const cuts& domains, const std::string& ranks) {
     // A sphere whose diameter is the gap of two walls, one of planes and one of fixed boxes, and a
-    // box flush with a wall and with another box that falls beside it: nothing presses, so all of
-    // them fall as if they were alone.
+    // box flush with a wall and with another box that falls beside it: without normal forces, all
+    // of them fall as if they were alone.
     const int steps = 200;
     const real fall = -g * dt * dt * steps * (steps + 1) / 2;
     const auto o = run<mixed>(domains, dt, steps, [&](world_of_mixed& w) {
@@ -133,7 +133,7 @@ TEST_CASE("coefficients at their limits: mu = 0, mu = 2, restitution 1") {
       check_absolute(name, "speed of the sphere after 1 s", mu == 0 ? a : a / 1.4,
                      along.dot(o.bodies[1].velocity), 1e-9);
     }
-    // Spheres in a box of planes without loss: their energy does not grow. (Where a sphere meets
+    // Spheres in a box of planes without loss: their energy does not grow. (If a sphere meets
     // several others in one step, some of it is lost.)
     const auto o = run<mixed>(
         domains, dt, 480,

@@ -19,8 +19,8 @@ struct outcome {
   real drift = 0, penetration = 0, kinetic_energy = 0, weight = 0;
 };
 
-/// Ten boxes, or ten spheres in a shaft, of which the top one has `ratio` times the density.
-/// Boxes stand `aside` from the axis, to one side or the other.
+/// Ten boxes, or ten spheres in a shaft, the top one with `ratio` times the density. Boxes are
+/// shifted by `aside` from the axis, to alternating sides.
 template <class World>
 outcome stack(World& w, real ratio, bool spheres, real time, real aside = 0) {
   const auto light = w.material({.density = 1, .friction = 0.5});

@@ -1,9 +1,9 @@
 // long
 // timeout: 3600
 // load [--steps N] [--ranks R] [--solver NAME]: 200,000 steps of a drum on nine ranks. Gravity
-// turns round, so that bodies wander through all domains; some are poured in, some taken out, and
-// three are so large that they lie in several domains at once. Nothing may be lost, memory may not
-// grow, and with the reproducible solver one rank alone ends with the same bits.
+// rotates, so that bodies wander through all domains; some are added, some removed, and three are
+// so large that they lie in several domains at once. No body may be lost, memory may not grow, and
+// with the reproducible solver one rank alone ends with the same bits.
 #define DOCTEST_CONFIG_IMPLEMENT  // the precompiled header refers to it
 #include <doctest/doctest.h>
 #include <malloc.h>
@@ -62,7 +62,7 @@ struct drum {
     const real t = w.time();
     w.gravity({8 * std::sin(0.5 * t), 8 * std::sin(0.31 * t + 1), 8 * std::cos(0.4 * t)});
   }
-  /// A body above all others, as gravity has it.
+  /// A body above all others, relative to the present gravity.
   static void pour(world_type& w, random_stream& random, material_id stuff) {
     const vec3 up = -w.gravity().normalized();
     const vec3 at = vec3(up[0] * (half - 0.3), up[1] * (half - 0.3), up[2] * (high - 0.3)) +
@@ -88,7 +88,7 @@ struct drum {
       for (std::uint64_t k = 1; k <= steps; ++k) {
         turn_gravity(w);
         if (k % 25 == 0 && bodies < most) pour(w, random, stuff), ++bodies, ++poured;
-        if (k % 500 == 0) {  // what lies in a corner, but for the large ones
+        if (k % 500 == 0) {  // bodies in a corner, except the large ones
           const real side = k % 1000 == 0 ? 1 : -1;
           std::uint64_t gone = w.destroy_if([&](const auto& b) {
             return side * b.position()[0] > 0.6 * half && b.position()[1] < 0 && b.mass() < 1;
@@ -115,7 +115,7 @@ struct drum {
       result.late_mib = resident_mib();
       result.poured = poured, result.taken = taken, result.crossed = moved;
     });
-    // What a short run has not yet had room for is no growth.
+    // Memory that a short run has not yet reserved does not count as growth.
     if (steps >= 100000 && result.late_mib > 1.05 * result.early_mib + 2)
       result.wrong = "memory grew";
     if (steps >= 10000 && ranks > 1 &&
@@ -128,7 +128,7 @@ struct drum {
 struct named_solver {
   const char* name;
   outcome (*run)(int ranks, std::uint64_t steps);
-  bool alike;  ///< on any number of ranks
+  bool alike;  ///< the same on any number of ranks
 };
 const named_solver solvers[] = {
     {"reproducible", drum<reproducible>::run, true},
@@ -148,7 +148,7 @@ int main(int argc, char** argv) {
     if (word == "--solver") name = argv[k + 1];
   }
   if (steps < 10) steps = 10;
-  mallopt(M_ARENA_MAX, 1);  // what glibc keeps for each thread is not what is to be measured
+  mallopt(M_ARENA_MAX, 1);  // excludes glibc's arenas of each thread from the measurement
   for (const named_solver& s : solvers) {
     if (name != s.name) continue;
     try {

@@ -1,5 +1,5 @@
 #pragma once
-// Runs a small scene on one rank or across the boundaries of several, and says what became of it.
+// Runs a small scene on one rank or across the boundaries of several, and returns the results.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -21,7 +21,7 @@ template <class... Shapes>
 using scene =
     scenario<bodies<Shapes...>, transport<threads>, decomposition<grid<dynamic, dynamic, dynamic>>>;
 
-/// What became of one body.
+/// The motion of one body.
 struct way {
   pose start, end;
   vec3 velocity{0, 0, 0}, angular_velocity{0, 0, 0};
@@ -57,7 +57,7 @@ struct outcome {
   [[nodiscard]] real mass() const { return after.mass; }
 };
 
-/// Bound of what turning adds to the speed of a point of a body.
+/// Bound of the speed that rotation adds to a point of a body.
 template <class Body>
 real surface_speed(const Body& b) {
   const vec3 w = (b.orientation().conjugate() * b.angular_velocity()).cwiseAbs();
@@ -67,8 +67,8 @@ real surface_speed(const Body& b) {
       .norm();
 }
 
-/// Makes a world on each rank of `domains`, lets set_up(world) add bodies with add_if_local, and
-/// takes `steps` steps; looks at overlaps and energy every `every` steps.
+/// Makes a world on each rank of `domains`, calls set_up(world) to add bodies with add_if_local,
+/// and makes `steps` steps; measures overlaps and energy every `every` steps.
 template <class Scenario>
 outcome run(const cuts& domains, real dt, int steps,
             const std::function<void(world<Scenario>&)>& set_up, int every = 60) {

@@ -1,5 +1,5 @@
 // Stacks, walls and pyramids of boxes at the default settings: they stand, without drift, on one
-// rank and where the boundaries of four cut through the middle of bodies; of any size, anywhere.
+// rank and across the boundaries of four through the middle of bodies; of any size, at any place.
 // (Tall ones: tall_stacks.cpp.)
 #include <doctest/doctest.h>
 

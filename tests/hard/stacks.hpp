@@ -1,5 +1,5 @@
 #pragma once
-// Stacks, walls and pyramids of boxes, of any size and anywhere.
+// Stacks, walls and pyramids of boxes, of any size and at any place.
 #include "../validation/record.hpp"
 #include "ranks.hpp"
 
@@ -29,7 +29,7 @@ void floor_at(World& w, const frame_of& f, real friction) {
   w.global([&](auto& s) { s.add(plane{.normal = {0, 0, 1}, .offset = f.centre[2]}, m); });
 }
 
-/// Unit boxes on each other; `sway` is how far they stand to the sides, in turn.
+/// Unit boxes on each other; `sway` is their shift to alternating sides.
 template <class World>
 void stack(World& w, int n, const frame_of& f = {}, real sway = 0) {
   floor_at(w, f, 0.5);
@@ -66,8 +66,8 @@ void wall(World& w, int rows, int columns, const frame_of& f = {}) {
   }
 }
 
-/// The bodies are where they were, at rest; errors over the unit of length. (They start without
-/// impulses, and sink a little until the iterations have found them.)
+/// The bodies are at their initial positions, at rest; errors over the unit of length. (They start
+/// without impulses, and sink slightly until the iterations have found them.)
 inline void check_stands(const std::string& name, const outcome& o, const frame_of& f) {
   CHECK(o.finite);
   check_error(name, "drift at the end", o.drift() / f.unit, 2e-3);

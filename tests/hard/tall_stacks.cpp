@@ -1,6 +1,6 @@
 // long
 // Stacks of 20 and 100 boxes, walls and a pyramid of 820 boxes, at the default settings, on one
-// rank and where the boundaries of four cut through the middle of bodies.
+// rank and across the boundaries of four through the middle of bodies.
 #include <doctest/doctest.h>
 
 #include "stacks.hpp"
@@ -28,7 +28,7 @@ TEST_CASE("stacks of 20 and 100 boxes stand where four ranks meet along them") {
 }
 
 TEST_CASE("a stack of 20 boxes stands for 60 s where the boundaries of four ranks cut across it") {
-  // No rank knows all of it, so that sweeps alone must do, and 10 are too few.
+  // No rank knows the whole island, so only sweeps act, and 10 are too few.
   const frame_of f;
   const cuts layers{.cells = {1, 1, 4}, .cuts = {.z = {4.5, 10, 15.5}}};
   const auto o = run<blocks>(

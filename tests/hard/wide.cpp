@@ -118,7 +118,7 @@ TEST_CASE("what is too dear to be solved within the budget is left as it was and
   budget.skip(50);
   CHECK(budget.skipped() == 2);
   CHECK(budget.skipped_contacts() == 70);
-  // A lattice in space fills in, a plate on many does not.
+  // A lattice in space has fill-in, a plate on many bodies has none.
   detail::sparse_graph arrow;
   for (int i = 0; i < 1000; ++i) arrow.column.push_back(1000), arrow.start.push_back(i + 1);
   for (int i = 0; i < 1000; ++i) arrow.column.push_back(i);

@@ -56,7 +56,7 @@ void hold(const load& l) {
           else
             w.add_if_local(body{.shape = sphere{0.5}, .position = at, .material = light});
         }
-      // Aside, so that plates belong to different ranks.
+      // Shifted, so that plates belong to different ranks.
       w.add_if_local(body{.shape = box{{2 * half, 2 * half, 1}},
                           .position = {k % 2 == 0 ? 0.01 : -0.01, 0.01, 2 * k + 1.5},
                           .material = heavy,

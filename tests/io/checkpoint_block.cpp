@@ -1,4 +1,4 @@
-// The first block of a checkpoint: whatever its bytes are, they are judged, never trusted.
+// The first block of a checkpoint: all its bytes are checked, for any content.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -29,7 +29,7 @@ std::string refusal(const byte_buffer& bytes, std::uint64_t length = file_bytes)
   }
   return "";
 }
-/// As if whoever wrote these bytes had meant them.
+/// With valid checksums of these bytes.
 void seal(byte_buffer& bytes) {
   const std::uint64_t sum = checksum_of(std::span(bytes).first(bytes.size() - 8));
   std::memcpy(bytes.data() + bytes.size() - 8, &sum, 8);
@@ -86,7 +86,7 @@ TEST_CASE("blocks with a right checksum and any content are read or refused, and
     if (random() % 4 == 0) b.ranges.resize(random() % 28);
     byte_buffer bytes = compose_block(b);
     for (std::uint64_t changes = random() % 4; changes > 0; --changes) {
-      // Numbers that matter, mostly near to what they should be.
+      // Relevant numbers, mostly near their correct values.
       const std::size_t at = 32 + 4 * (random() % 24);
       std::uint64_t value = random() >> random() % 64;
       std::memcpy(bytes.data() + at, &value, 4 + 4 * (random() % 2));

@@ -1,5 +1,5 @@
-// A checkpoint whose checksums are right, but whose content nobody meant: it is refused, or what it
-// says makes a world that can go on.
+// A checkpoint with correct checksums but wrong content: it is refused, or its content makes a
+// world that can continue.
 #include <doctest/doctest.h>
 #include <unistd.h>
 
@@ -47,7 +47,7 @@ void with_world(bool bodies, auto&& f) {
   });
 }
 
-/// Changes one number of what is written.
+/// Changes one number of the written data.
 void change(std::vector<table_part>& tables, std::vector<small_dataset>& facts,
             std::mt19937& random) {
   const auto any = [&](std::size_t n) {
@@ -114,7 +114,7 @@ TEST_CASE("whatever number of a checkpoint is another one, it is refused or the 
         } catch (const std::runtime_error& e) {
           CHECK(std::string(e.what()).size() > 20);
           ++refused;
-        } catch (const std::invalid_argument& e) {  // a step of values that make no sense together
+        } catch (const std::invalid_argument& e) {  // a step with values that contradict each other
           CHECK(std::string(e.what()).size() > 20);
           ++refused;
         }

@@ -21,7 +21,7 @@ std::size_t count(const std::string& text, const std::string& word) {
   return n;
 }
 
-/// Four spheres, one of them across a boundary and one invisible, a turned box, a floor.
+/// Four spheres, one of them across a boundary and one invisible, a rotated box, a floor.
 std::string draw(const std::filesystem::path& file, const picture& look) {
   threads::launch({.ranks = 4}, [&](threads::link& link) {
     world<scene> w(link, {.lower = {-1, -1}, .upper = {1, 1}});

@@ -1,4 +1,4 @@
-// The faces that stand for a shape in pictures enclose it, and look outwards.
+// The faces of a shape in pictures enclose it, and point outwards.
 // plain
 #include <doctest/doctest.h>
 

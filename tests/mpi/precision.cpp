@@ -60,7 +60,8 @@ TEST_CASE("processes and threads end with the same bits, contacts solved in floa
     of_processes = digest_of<mpi>(link);
   });
   if (!speaks) return;
-  // Threads refuse to run in one of several processes; as if it were the only one.
+  // Threads refuse to run in one of several processes; with this the process counts as the only
+  // one.
   for (const char* name :
        {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID", "PMIX_RANK"})
     unsetenv(name);

@@ -28,7 +28,7 @@ using heap = scenario<bodies<sphere, box, plane>, solver<reproducible>, decompos
 
 enum class how { as_is, to_a_tolerance, released };
 
-/// Slabs along x; every rank tells what it knows of the others.
+/// Slabs along x; every rank describes the domains of the others.
 void connect_slabs(auto& w) {
   const int n = w.ranks();
   const auto right_of = [&](int k) { return half_space(1, 0, 0, side * k / n); };

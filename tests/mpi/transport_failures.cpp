@@ -1,7 +1,7 @@
 // ranks: 1
 // timeout: 300
-// A failing job is over within seconds, says one thing and returns an error. The test starts such
-// jobs itself: four processes of this program, each with the name of a case as its argument.
+// A failing job ends within seconds, with one message and an error code. The test starts such jobs
+// itself: four processes of this program, each with the name of a case as its argument.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <sys/wait.h>
 
@@ -26,7 +26,7 @@ namespace {
 
 std::string self;
 
-/// Exchanges with neighbours and all, until the end of time or until `when` throws.
+/// Exchanges with neighbours and all ranks, without end or until `when` throws.
 template <class Link>
 void work(Link& l, const std::function<void(int step)>& when) {
   auto parcels = parcels_around(l);
@@ -66,7 +66,7 @@ const std::map<std::string, std::function<void()>> jobs = {
      [] {
        mpi::launch(launch_settings{}, [](auto&) { throw std::runtime_error("a body left"); });
      }},
-    {"root_computes",  // and does not listen
+    {"root_computes",  // without calling MPI
      [] {
        mpi::launch(launch_settings{}, [](auto& l) {
          if (l.rank() == 0) std::this_thread::sleep_for(60s);
@@ -123,7 +123,7 @@ const std::map<std::string, std::function<void()>> jobs = {
          l.finish(parcels);
        });
      }},
-    {"some_end_later",  // and none is waited for in vain
+    {"some_end_later",  // and no rank waits in vain
      [] {
        mpi::launch(launch_settings{}, [](auto& l) {
          (void)l.gather(byte_buffer(10));

@@ -1,4 +1,4 @@
-// Tutorial: a communicator of one's own. MPI is started by talus, not by this program.
+// Tutorial: a user-defined communicator. Talus starts MPI, not this program.
 // ranks: 1 4
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
 
 TEST_CASE("a world runs on a communicator of one's own, with a tag of one's own") {
   CHECK(!boost::mpi::environment::initialized());
-  const boost::mpi::environment environment;  // only because MPI is wanted before the run
+  const boost::mpi::environment environment;  // only because MPI is needed before the run
   const int size = boost::mpi::communicator{}.size();
 
   int dims[] = {0, 1, 1}, periods[] = {false, false, false};

@@ -47,7 +47,7 @@ double largest_over_mean(const std::vector<double>& owned) {
   return most * static_cast<double>(owned.size()) / sum;
 }
 
-/// Shares out points of which `holders` ranks hold some each, by holder(index of a point).
+/// Divides points of which `holders` ranks hold some each, by holder(index of a point).
 template <class Holder>
 bisection<dynamic> shared(const bisection<dynamic>& d, int ranks, const std::vector<vec3>& points,
                           int holders, Holder&& holder) {

@@ -92,10 +92,10 @@ TEST_CASE("the lowest rank whose region contains a point owns it") {
   CHECK(overlapping.owner({0, 5, 0}) == 0);
   CHECK(overlapping.owner({5e-324, 0, 0}) == 1);
   CHECK(overlapping.owner({1, -5e-324, 0}) == 2);
-  // The connections know what is left of a region, not all that its user wrote.
+  // The connections use the remaining region, not all that its user wrote.
   CHECK(overlapping.geometry(1) == intersect(half_space(1, 0, 0, 0), half_space(0, 1, 0, 0)));
   CHECK(overlapping.geometry(2) == intersect(half_space(1, 0, 0, 0), half_space(0, -1, 0, 0)));
-  // A region that overlaps no other is what its user wrote, merged ones too.
+  // A region without overlap with others is used as its user wrote it, merged ones too.
   const auto two = cells(complement(quarter), quarter).resolve(2);
   CHECK(two.geometry(0) == complement(quarter));
   CHECK(two.geometry(1) == quarter);
@@ -131,7 +131,7 @@ TEST_CASE("ranks that touch in a closed plane only are not connected") {
   decomposition_laws(four.closed(both_sides), 4, 100'000, rounding);
   // Only the upper half of the wall; faces beside it are open.
   const auto upper = four.closed(intersect(both_sides, floor)).resolve(4);
-  CHECK(upper.closed(0) == std::vector<int>{1, 3});  // of 3 it touches but the edge of the wall
+  CHECK(upper.closed(0) == std::vector<int>{1, 3});  // of 3 it touches only the edge of the wall
   CHECK(upper.closed(2) == std::vector<int>{1});
   CHECK(upper.neighbours(2, 0) == std::vector<int>{0, 3});
   CHECK(four.closed(half_space(1, 0, 0, 1e-3)).resolve(4).closed(0).empty());
@@ -154,7 +154,7 @@ TEST_CASE("wrong cells are refused, with the place of a gap") {
   refuses([&] { return cells<>{}.resolve(2); }, {"no regions yet"});
   CHECK(cells<half_space, half_space>{}.size() == 2);
   CHECK(cells<>{}.size() == 0);
-  // Round-off is no gap.
+  // Round-off counts as no gap.
   const half_space a(0.3, 0.7, 0.1, 1), b(-0.3, -0.7, -0.1, -1.0000000000000002);
   CHECK(cells(a, b).resolve(2).owner({0, 0, 0}) == 1);
 }

@@ -173,7 +173,7 @@ TEST_CASE("the check of a job throws the same message on every rank") {
   domains[0].connect(1, 1, 0, 0, 0);
   domains[1].connect(0, -1, 0, 0, 0), domains[1].connect(2, 1, 0, 0, 1);
   domains[2].connect(1, -1, 0, 0, -1);
-  // Plays all ranks in turn: the first gather of each hands out everybody's first buffer, and so
+  // Simulates all ranks in turn: the first gather of each returns everybody's first buffer, and so
   // on.
   const auto play = [&] {
     std::vector<std::string> messages;

@@ -1,6 +1,6 @@
 #pragma once
-// What every decomposition must keep to. A new one calls decomposition_laws() in its test, with a
-// few of its forms, and is done.
+// The laws of every decomposition. A new one calls decomposition_laws() in its test, with a few of
+// its forms.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace talus::laws {
 
-/// Points where ownership is hard: on and next to planes, edges and corners; signed zeros,
+/// Points at which ownership is difficult: on and next to planes, edges and corners; signed zeros,
 /// denormal and huge numbers; and points anywhere.
 class hard_points {
  public:
@@ -84,7 +84,7 @@ class hard_points {
   real size_ = 1;
 };
 
-/// Counts failures without the price of an assertion per point, and shows the first.
+/// Counts failures without the cost of an assertion per point, and prints the first.
 class tally {
  public:
   explicit tally(std::string law) : law_(std::move(law)) {}
@@ -108,9 +108,9 @@ inline std::string show(const vec3& p) {
   return fmt::format("({:a}, {:a}, {:a}) = {}", p[0], p[1], p[2], detail::text(p));
 }
 
-/// Runs all laws with `points` hard points; returns how many points were tested. `tolerance` is by
-/// how much (relative) the planes of geometry() may differ from the rule of owner(): 0 for planes
-/// that no rounding touches.
+/// Runs all laws with `points` difficult points; returns how many points were tested. `tolerance`
+/// is the (relative) deviation of the planes of geometry() from the rule of owner(): 0 for planes
+/// without rounding.
 template <concepts::generating_decomposition Decomposition>
 std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t points,
                                real tolerance = 0, std::uint64_t seed = 20240501) {
@@ -154,7 +154,7 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
                    [&] { return fmt::format("rank {} sees rank {} differently", r, c.rank); });
     }
   }
-  {  // Neighbourhood is symmetric, sorted, without repetition and without oneself.
+  {  // Neighbourhood is symmetric, sorted, without repetition and without the rank itself.
     tally law("connections are symmetric");
     for (const real reach : {0.0, 0.1 * size, 0.7 * size, 10 * size})
       for (int r = 0; r < ranks; ++r) {
@@ -219,7 +219,7 @@ std::size_t decomposition_laws(const Decomposition& d, int ranks, std::size_t po
       for (int k = 0; k < 3; ++k)
         q[k] = std::nextafter(p[k], (i >> k & 1 ? 1 : -1) * std::numeric_limits<real>::max());
       const int beside = cells.owner(q);
-      // So far away that neighbouring numbers are whole cells apart nothing follows from them.
+      // So far away that neighbouring numbers are whole cells apart, the law does not apply.
       if (oblique && p.cwiseAbs().maxCoeff() > 1e9 * size) continue;
       touching.expect(beside == owner || domains[owner].find(beside) ||
                           std::ranges::binary_search(closed[owner], beside),

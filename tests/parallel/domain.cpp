@@ -16,7 +16,8 @@ std::vector<hand> ranks(int n) {
   return domains;
 }
 
-/// Exactly one rank owns every point, and every rank knows which (all are connected to all).
+/// Exactly one rank owns every point, and every rank computes the same owner (all are connected to
+/// all).
 std::size_t share_out(const std::vector<hand>& domains, std::size_t points, bool exact = true) {
   std::vector<half_space> planes;
   std::vector<std::vector<connection>> lists;
@@ -130,7 +131,7 @@ TEST_CASE("eight octants and three sectors") {
     }
   share_out(octants, 300'000);
 
-  // Oblique planes that meet in a line: their numbers leave no say about the line itself.
+  // Oblique planes that meet in a line: their numbers do not decide about the line itself.
   auto sectors = ranks(3);
   const auto boundary = [](int i) {  // between sector i - 1 and sector i
     const real angle = 2 * pi / 3 * i + 0.2;

@@ -96,7 +96,7 @@ TEST_CASE("a wrong hexagonal decomposition is refused with its numbers") {
   refuses([] { return hexagonal<2>{.spacing = 1}.resolve(7); },
           "start the program with 19, or use hexagonal<dynamic>, which fits");
   refuses([] { return hexagonal<dynamic>{.spacing = 1}.resolve(8); }, "but there are 8");
-  // Who has hexagonal<dynamic> is not advised to use it.
+  // A user of hexagonal<dynamic> is not advised to use it.
   refuses([] { return hexagonal<dynamic>{.spacing = 1}.resolve(8); },
           "but there are 8 ranks: start the program with 7 or 19");
   refuses([] { return hexagonal<dynamic>{.rings = 3, .spacing = 1}.resolve(8); },

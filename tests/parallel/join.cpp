@@ -29,7 +29,7 @@ auto stair(int sectors, int slabs_below) {
       .closed(intersect(complement(foot), below));
 }
 
-/// The outlet: nine columns and seven rows, and one rank for all that is below.
+/// The outlet: nine columns and seven rows, and one rank for the region below.
 const auto outlet = join(grid<9, 1, 7>{.lower = {.x = -9, .z = 0}, .upper = {.x = 9, .z = 14}},
                          within(half_space(0, 0, -1, 0), slabs<1>{}));
 
@@ -126,7 +126,7 @@ TEST_CASE("a reach goes across the parts of a join") {
   CHECK(cells.neighbours(63, 1.9).size() == 9);
   CHECK(cells.neighbours(63, 2.0).size() == 18);
   CHECK(cells.neighbours(23, 2.0).size() == 24);
-  // What is closed stays closed; what lies around the column is not.
+  // Closed faces stay closed; the region around the column is open.
   const auto steps = stair(6, 2).resolve(8);
   CHECK(steps.neighbours(5, 11.0) == std::vector<int>{4, 6, 7});
   CHECK(steps.neighbours(7, 11.0) == std::vector<int>{1, 2, 3, 4, 5, 6});

@@ -1,6 +1,6 @@
 #pragma once
-// What every transport must do. Each law runs a program on `ranks` ranks, which throws where the
-// law is broken: launch() must bring that to light, whatever the transport.
+// The laws of every transport. Each law runs a program on `ranks` ranks, which throws if the law is
+// violated: launch() must report that, for any transport.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -58,7 +58,7 @@ std::vector<parcel> parcels_around(const Link& l) {
   return parcels;
 }
 
-/// Content that depends on who sends what to whom and when.
+/// Content that depends on sender, receiver and time.
 inline void fill(byte_buffer& out, int from, int to, int step, std::size_t size) {
   out.resize(size);
   std::uint64_t state = detail::mix(detail::mix(from * 100003ull + to) + step);
@@ -71,7 +71,7 @@ inline void demand_content(const byte_buffer& in, int from, int to, int step, st
                                         from, to, step, size));
   demand(in == expected, fmt::format("content from {} to {} in step {}", from, to, step));
 }
-/// Sizes of the unknown kind: many empty, some of thousands of bytes, a few of a megabyte.
+/// Sizes unknown to the receiver: many empty, some of thousands of bytes, a few of a megabyte.
 inline std::size_t some_size(int from, int to, int step) {
   const auto h = detail::mix(detail::mix(from * 7919ull + to) + step);
   if (h % 4 == 0) return 0;
@@ -155,7 +155,7 @@ void keeps_apart_what_drifts(int ranks, int steps = 60) {
   });
 }
 
-/// Ranks in a row, each talking to the next only: the ends may be many steps apart.
+/// Ranks in a row, each connected to the next only: the ends may be many steps apart.
 template <concepts::transport Transport>
 void lets_ends_drift(int ranks, int steps = 40) {
   on_ranks<Transport>(ranks, [&](auto& l) {
@@ -198,7 +198,7 @@ void talks_to_itself(int ranks) {
       l.finish(parcels);
       for (int k = 0; k < 2; ++k) demand_content(parcels[k].in, me, me, 2 * step + k, 100 + k);
     }
-    // Several lines to one neighbour, as in a periodic domain: in the order of the lists.
+    // Several connections to one neighbour, as in a periodic domain: in the order of the lists.
     parcels = {{next}, {next}, {last}, {last}};
     for (int k = 0; k < 4; ++k) {
       fill(parcels[k].out, me, parcels[k].rank, k, 64);
@@ -265,7 +265,7 @@ void has_collectives(int ranks) {
   });
 }
 
-/// Ranks go on with exchanges, other collectives and much drift between the two halves.
+/// Ranks continue with exchanges, other collectives and much drift between the two halves.
 template <concepts::transport Transport>
 void reduces_while_it_goes_on(int ranks, int rounds = 40) {
   on_ranks<Transport>(ranks, [&](auto& l) {
@@ -276,7 +276,7 @@ void reduces_while_it_goes_on(int ranks, int rounds = 40) {
     for (int round = 0; round < rounds; ++round) {
       const auto how = static_cast<reduction>(round % 3);
       std::vector<double> values{value(me, round), 1.0 * me, 0.1}, expected = values;
-      if (round % 5 == 0) expected = values = {};  // nothing is a reduction too
+      if (round % 5 == 0) expected = values = {};  // an empty reduction is allowed too
       l.start_reduce(how, std::span<const double>(values));
       l.reduce(how, std::span(expected));  // a collective in between
       for (int k = 0; k < round % 4; ++k) exchange_fixed(l, parcels, 4 * round + k);

@@ -33,7 +33,7 @@ TEST_CASE("serial refuses to be several processes of one job") {
   setenv("OMPI_COMM_WORLD_RANK", "0", 1);
   CHECK_THROWS_WITH_AS(serial::launch({}, [](auto&) {}),
                        doctest::Contains("mpirun started 4 processes"), std::runtime_error);
-  setenv("OMPI_COMM_WORLD_RANK", "3", 1);  // one process is enough to say so
+  setenv("OMPI_COMM_WORLD_RANK", "3", 1);  // one process is enough for the message
   CHECK_THROWS_AS(serial::launch({}, [](auto&) {}), aborted);
   setenv("OMPI_COMM_WORLD_SIZE", "1", 1);
   setenv("OMPI_COMM_WORLD_RANK", "0", 1);

@@ -27,8 +27,8 @@ static_assert(concepts::transport<threads> && !threads::link::alone);
 namespace {
 std::atomic<long> allocations = 0;
 }
-#ifndef TALUS_THREAD_SANITIZER  // which has a new of its own: nothing is counted then
-// Not inlined, or the compiler compares a new of its own with this delete, and warns.
+#ifndef TALUS_THREAD_SANITIZER  // which replaces operator new itself: nothing is counted then
+// Not inlined, otherwise the compiler compares its own new with this delete, and warns.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* p = std::malloc(size ? size : 1)) return p;

@@ -51,8 +51,8 @@ struct scene {
 
 }  // namespace
 
-// The first steps start from no impulse at all; with the iterations of every day it takes some tens
-// of them until the four corners agree.
+// The first steps start from zero impulses; with the usual number of iterations it takes some tens
+// of steps until the four corners agree.
 
 TEST_CASE("a box slides down an incline with g (sin - mu cos), to 1e-9") {
   const real angle = 30 * degree;

@@ -32,7 +32,7 @@ class dice {
 };
 
 struct balance {
-  real momentum = 0, spin = 0, energy = 0;  ///< relative; the energy as what was gained
+  real momentum = 0, spin = 0, energy = 0;  ///< relative; of energy, the gain
   int hits = 0;
 };
 
@@ -102,7 +102,7 @@ TEST_CASE("two bodies that collide keep their momenta to round-off and gain no e
     judge("sphere and box", mixed, 30);
     judge("boxes", boxes, 30);
     CHECK(spheres.energy < 1e-12);
-    // Elastic boxes: as their free rotation keeps it.
+    // Elastic boxes: bounded by the error of their free rotation.
     CHECK(mixed.energy < (m.restitution == 1 ? 1e-10 : 1e-12));
     CHECK(boxes.energy < (m.restitution == 1 ? 1e-10 : 1e-12));
   }

@@ -17,8 +17,8 @@ struct problem {
   real mu;
 };
 
-/// How far r is from the law: no pull, inside the cone, no penetration, complementarity, and
-/// friction against the sliding, at its limit where there is any. Relative to the terms of W r + b.
+/// The deviation of r from the law: no pull, inside the cone, no penetration, complementarity, and
+/// friction against the sliding, at its limit if there is any. Relative to the terms of W r + b.
 struct violation {
   real normal = 0, cone = 0, approach = 0, complementarity = 0, direction = 0, limit = 0, power = 0;
   [[nodiscard]] real largest() const {
@@ -43,7 +43,7 @@ violation judge(const problem& p, const vec3& r) {
   return v;
 }
 
-/// All impulses that fulfil the law, found by a search over the directions of sliding.
+/// All impulses that satisfy the law, found by a search over the directions of sliding.
 std::vector<vec3> by_search(const problem& p) {
   if (p.b[0] >= 0) return {vec3(0, 0, 0)};
   std::vector<vec3> found;
@@ -170,7 +170,7 @@ TEST_CASE("the impulse agrees with a search over all directions of sliding") {
   real furthest = 0;
   for (int k = 0; k < 2000; ++k) {
     const problem p{random.matrix(random.between(1, 10)), random.vector(), random.between(0.01, 1)};
-    // Beyond this friction, sliding in some direction would pull: the search does not cover that.
+    // Above this friction, sliding in some direction would pull: the search does not cover that.
     if (p.mu * std::hypot(p.W(1, 0), p.W(2, 0)) > 0.9 * p.W(0, 0)) continue;
     const vec3 r = solve_coulomb(p.W, p.b, p.mu);
     const auto all = by_search(p);

@@ -1,6 +1,6 @@
 // long
-// Bodies that move far in a step, with features<continuous_collision>: they stop at what is in
-// their way, and are not deflected by what they pass. On 1 rank and on 4, cut through the scene.
+// Bodies that move far in a step, with features<continuous_collision>: they stop at bodies in their
+// way, and are not deflected by bodies that they pass. On 1 rank and on 4, cut through the scene.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -360,7 +360,7 @@ TEST_CASE("a sphere that falls while it strikes two walls in every step keeps it
     most = std::max(most, energy(m));
     least = std::min(least, energy(m));
   }
-  // Held at a wall it falls less far in a step than it would, and gets no faster than that.
+  // Stopped at a wall it falls less far in a step than freely, and gets no faster than that.
   CHECK(way.back().position[2] < -0.05);
   CHECK(most < 1800 * (1 + 1e-3));
   CHECK(least > 1800 * (1 - 1e-2));

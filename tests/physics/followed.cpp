@@ -1,6 +1,6 @@
 // plain
-// Bodies that are followed on their way where the step is divided, and where walls move: nothing
-// passes through anything, and impacts have the velocities that the law of impact says.
+// Bodies with continuous collision, with substeps and moving walls: no tunnelling, and impacts with
+// the velocities of the law of impact.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -77,7 +77,7 @@ TEST_CASE("where the step is divided, a ball that is dropped rises to e^2 of its
       if (struck) top = std::max(top, c.w[h].position()[2] - 1);
     }
     CHECK(top == doctest::Approx(20 * e * e).epsilon(0.01));
-    CHECK(top < 20 * e * e * 1.001);  // no energy from nothing
+    CHECK(top < 20 * e * e * 1.001);  // no gain of energy
     CHECK(measure_energy(c.w).worst < 1e-11);
   }
 }

@@ -1,5 +1,5 @@
 // timeout: 300
-// Contacts take energy or leave it, in every step, whatever the solver has left undone.
+// Contacts never add energy, in any step, however incomplete the solution of the solver.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -25,9 +25,9 @@ using scene = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, new
                        transport<threads>, decomposition<grid<dynamic, dynamic, dynamic>>>;
 
 struct outcome {
-  /// Largest of a step, over the energies that met in it: by the work of contacts, or by the change
-  /// of kinetic and potential energy, whichever is less. (What gravity brings together in a step
-  /// takes work, and loses more energy than that; a bounce may end above its contact, without
+  /// Largest of a step, over the sum of its energies: by the work of contacts, or by the change of
+  /// kinetic and potential energy, whichever is less. (Bodies that gravity brings together in a
+  /// step take work, and lose more energy than that; a bounce may end above its contact, without
   /// work.)
   double gain = 0;
   double initial = 0;         ///< kinetic energy
@@ -36,7 +36,7 @@ struct outcome {
   std::vector<double> speed;  ///< along x, on one rank
 };
 
-/// `set_up(world, material)`; the energy that contacts add is looked at after each step.
+/// `set_up(world, material)`; the energy that contacts add is measured after each step.
 template <class Scene, class SetUp>
 outcome run(int ranks, int iterations, double restitution, double gravity, int steps,
             SetUp&& set_up) {
@@ -107,11 +107,11 @@ void check_all(int ranks, double round_off) {
       }
       if (iterations > 10) continue;
       for (const double gravity : {0.0, 10.0}) {
-        // The reproducible solver sums nothing over ranks where there is gravity.
+        // The reproducible solver does not sum over ranks with gravity.
         if (gravity > 0 && std::is_same_v<typename Scene::solver, reproducible>) continue;
         const outcome r = lattice<Scene>(ranks, iterations, restitution, gravity);
         CAPTURE(gravity);
-        // Each of several islands may fulfil another one of the two.
+        // Each of several islands may satisfy another one of the two.
         CHECK(r.gain < (gravity > 0 ? std::max(round_off, 1e-5) : round_off));
         if (gravity == 0) CHECK(r.highest < 1 + round_off);
       }
@@ -143,7 +143,7 @@ TEST_CASE("a touching row keeps the velocities that an impact has left it with")
   }
 }
 
-// Without a message more, ranks cannot make the sum exact: what is left is bounded.
+// Without a further message, ranks cannot make the sum exact: the rest is bounded.
 TEST_CASE("across ranks the default solver adds little energy where a long row is hit") {
   for (const int iterations : {2, 10, 50})
     for (const double restitution : {0.0, 0.5, 1.0}) {

@@ -1,6 +1,6 @@
 // timeout: 300
 // Capsules, cylinders, polyhedra and unions: they lie and stand still, fall and come to rest
-// without gaining energy, and turn freely as their inertia says.
+// without gaining energy, and rotate freely according to their inertia.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -64,7 +64,7 @@ struct scene {
   }
 };
 
-/// Stays where it is for five seconds.
+/// Stays at its position for five seconds.
 template <class Shape>
 void check_rest(const char* name, const Shape& s, const pose& at) {
   INFO(std::string(name));
@@ -133,7 +133,7 @@ TEST_CASE("stacks of unlike bodies stand for 5 s") {
 
 TEST_CASE("a dropped handful of mixed shapes comes to rest without gaining energy or sinking") {
   scene s;
-  // A pit, so that nothing rolls away for ever.
+  // A pit, so that nothing rolls away.
   s.w.global([&](auto& scope) {
     for (const vec3& n : {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0)})
       scope.add(plane{.normal = n, .offset = -2.5}, {});
@@ -200,7 +200,7 @@ TEST_CASE("a union of two spheres falls and spins freely as its inertia says") {
   world<scenario<bodies<pair>, transport<serial>>> w(link);
   w.material({.density = 2});
   w.gravity({0, 0, -g});
-  // Given upright, 3 from centre to centre, anywhere.
+  // Given upright, 3 from centre to centre, at any place.
   const pair dumbbell(
       {{.shape = sphere{1}, .at = {{7, 7, 7}}}, {.shape = sphere{1}, .at = {{7, 7, 10}}}});
   const real m = 2 * 8 * pi / 3, across = 0.4 + 2.25, along = 0.4;

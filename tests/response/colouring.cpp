@@ -1,4 +1,4 @@
-// Colours that follow from ids alone: on two ranks as on one, and no two at one body.
+// Colours that depend on ids alone: on two ranks as on one, and no two alike at one body.
 #include <doctest/doctest.h>
 
 #include <barrier>
@@ -17,7 +17,7 @@ namespace {
 using pairs = std::set<std::pair<int, int>>;
 using colours = std::map<std::pair<int, int>, std::uint32_t>;
 
-/// Rank 0 owns the bodies below `cut`, rank 1 the others; each knows the pairs of its own bodies.
+/// Rank 0 owns the bodies below `cut`, rank 1 the others; each has the pairs of its own bodies.
 /// With `forgets` rank 1 has lost one pair that both share.
 colours colours_of(const pairs& all, int bodies, int cut, bool forgets = false) {
   std::array<colouring, 2> ranks;

@@ -1,4 +1,4 @@
-// The laws of all kinds of constraints: what a solver may rely on, whatever a kind is made of.
+// The laws of all kinds of constraints: the properties that a solver relies on, for any kind.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -29,7 +29,7 @@ vec3 any_vector(random_stream& random, real size) {
   return random.uniform(vec3(-size, -size, -size), vec3(size, size, size));
 }
 
-/// Two round bodies and two with tensors of inertia, in motion.
+/// Two isotropic bodies and two with tensors of inertia, in motion.
 solver_state any_state(random_stream& random) {
   solver_state s;
   s.first_tensor = 2;
@@ -107,8 +107,8 @@ void for_random(std::int32_t a, std::int32_t b, Law&& law) {
   }
 }
 
-/// A round body whose contact lies off its normal: its effective mass includes that it turns, but
-/// the correction does not turn it.
+/// An isotropic body with a contact off its normal: its effective mass includes its rotation, but
+/// the correction does not rotate it.
 template <class Kind>
 inline constexpr bool round_with_arm = false;
 template <class Rows, contact_side A, contact_side B>

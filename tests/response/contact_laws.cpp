@@ -1,5 +1,5 @@
-// The law of a single contact, piece by piece: what two materials make, what a new contact is asked
-// for, the residual, and what a soft contact remembers.
+// The law of a single contact, piece by piece: the parameters of two materials, the conditions of a
+// new contact, the residual, and the memory of a soft contact.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ using linear_friction = tangential_spring<bearing>::parameters;
 using hertz_friction = tangential_spring<growing_bearing>::parameters;
 using rolling = rolling_resistance::parameters;
 
-/// What warm starting needs to know of a contact of which a pair has several.
+/// Data for warm starting a contact of a pair with several.
 struct point {
   static constexpr bool manifolds = true;
   vec3 start{0, 0, 0};
@@ -118,7 +118,7 @@ TEST_CASE("what slides meets the dynamic coefficient, what sticks the static one
   const pair_material rough{.restitution = 0, .friction = 0.5, .dynamic_friction = 0.3};
   CHECK(ask(rough, {0.5 * g * dt, 0, 0}).friction == 0.5);
   CHECK(ask(rough, {1.1 * g * dt, 0, 0}).friction == 0.3);
-  CHECK(ask(rough, {0, 0, -5}).friction == 0.5);  // the normal velocity does not slide
+  CHECK(ask(rough, {0, 0, -5}).friction == 0.5);  // the normal velocity is no sliding
 }
 
 TEST_CASE("points that are new start from equal parts of what points bore that are gone") {
@@ -141,7 +141,7 @@ TEST_CASE("points that are new start from equal parts of what points bore that a
 
 TEST_CASE("contacts with bodies of other ranks share the mass of the body that they meet in") {
   // A light body at rest that heavy ones of another rank strike from one side, all solved from one
-  // state: with undivided masses each would give it the whole speed.
+  // state: with undivided masses each would give it the full speed.
   using contact = isotropic_contact<law, partner::moving>;
   for (const int strikers : {1, 2, 5}) {
     solver_state s;
@@ -170,13 +170,14 @@ TEST_CASE("contacts with bodies of other ranks share the mass of the body that t
 TEST_CASE("the natural map is zero exactly where Coulomb's law holds") {
   const real mu = 0.4;
   for (const real rho : {0.1, 1.0, 7.0}) {
-    // Sliding: the impulse at the edge of the cone against the slip, and no normal velocity.
+    // Sliding: the impulse on the edge of the cone against the slip, and zero normal velocity.
     const vec3 slides{-mu * 2, 0, 2}, slip{0.7, 0, 0};
     CHECK(natural_map(slides, slip, up, mu, rho).norm() < 1e-14);
-    // Sticking, and apart.
+    // Sticking, and separated.
     CHECK(natural_map({0.1, 0.2, 2}, {0, 0, 0}, up, mu, rho).norm() < 1e-14);
     CHECK(natural_map({0, 0, 0}, {0.3, -0.2, 0.1}, up, mu, rho).norm() < 1e-14);
-    // Slip with an impulse inside of the cone, an impulse outside of it, an impulse while parting.
+    // Slip with an impulse inside of the cone, an impulse outside of it, an impulse during
+    // separation.
     CHECK(natural_map({-0.3, 0, 2}, slip, up, mu, rho).norm() > 1e-3);
     CHECK(natural_map({-1.2, 0, 2}, {0, 0, 0}, up, mu, rho).norm() > 1e-3);
     CHECK(natural_map({0, 0, 1}, {0, 0, 0.5}, up, mu, rho).norm() > 1e-3);
@@ -225,7 +226,7 @@ TEST_CASE("a soft contact that slides goes on sliding until the dynamic coeffici
   CHECK(across(0.40) == doctest::Approx(-4.4));           // between both: sticks
   CHECK(across(0.10) == doctest::Approx(-0.3 * normal));  // above both: slides
   CHECK(memory.sliding);
-  CHECK(across(0.10) == doctest::Approx(-0.3 * normal));   // between both: goes on sliding
+  CHECK(across(0.10) == doctest::Approx(-0.3 * normal));   // between both: continues to slide
   CHECK(across(-0.10) == doctest::Approx(-0.2 * normal));  // held again
   CHECK_FALSE(memory.sliding);
 }

@@ -1,5 +1,5 @@
-// The interaction laws of the library, a law of one's own, and what soft_contact<...> composes of
-// them, by the law suite.
+// The interaction laws of the library, a user-defined law, and the composed laws of
+// soft_contact<...>, by the law suite.
 #include "interaction_laws.hpp"
 
 #include <doctest/doctest.h>
@@ -110,12 +110,12 @@ TEST_CASE("a bridge holds up to its range, and the work to break it is what it s
 
 namespace {
 
-/// Wears the tag, and nothing else.
+/// Has only the tag.
 struct only_tagged {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "only_tagged";
 };
-/// Its memory owns something.
+/// Its memory owns a resource.
 struct owning_memory : liquid_bridge {
   struct memory {
     std::vector<int> past;

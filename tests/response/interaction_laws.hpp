@@ -1,5 +1,5 @@
 #pragma once
-// What every interaction law must fulfil, whoever wrote it: the law suite of
+// The laws of every interaction law, of the library or user-defined: the law suite of
 // concepts::interaction_law.
 #include <doctest/doctest.h>
 
@@ -13,7 +13,7 @@ namespace laws {
 
 using namespace talus;
 
-/// A contact at this gap, of two bodies that go at each other in no special direction.
+/// A contact at this gap, of two bodies that approach each other in no special direction.
 inline contact_kinematics contact_at(real gap) {
   return {.normal = vec3(1, 2, -2) / 3,
           .gap = gap,
@@ -27,7 +27,7 @@ inline contact_kinematics contact_at(real gap) {
 }
 inline real distance(const vec3& x, const vec3& y) { return (x - y).norm(); }
 
-/// The furthest gap at which the law acts.
+/// The largest gap at which the law acts.
 template <class Law>
 real range_of(const typename Law::parameters& p, real radius) {
   if constexpr (requires { Law::range(p, radius); })
@@ -35,8 +35,8 @@ real range_of(const typename Law::parameters& p, real radius) {
   else
     return 0;
 }
-/// The force as the library takes it: where the law does not act there is no force, and the contact
-/// ends.
+/// The force as the library uses it: outside the range of the law the force is zero, and the
+/// contact ends.
 template <class Law>
 interaction_force force(const contact_kinematics& c, const typename Law::parameters& p, real dt,
                         typename Law::memory& memory) {
@@ -55,7 +55,7 @@ typename Law::memory used_memory(const typename Law::parameters& p, real overlap
   return memory;
 }
 
-/// Force and moment turn with the contact.
+/// Force and moment rotate with the contact.
 template <class Law>
 void check_frame(const typename Law::parameters& p, real overlap) {
   const quat q = rotation({0.3, -0.5, 0.8}, 1.1);
@@ -72,7 +72,7 @@ void check_frame(const typename Law::parameters& p, real overlap) {
   CHECK(distance(turned(f.conserved), g.conserved) <= 1e-12 * f.conserved.norm() + 1e-15);
 }
 
-/// With the two bodies exchanged the force is the opposite: action is reaction.
+/// With the two bodies exchanged the force is the opposite: action equals reaction.
 template <class Law>
 void check_reaction(const typename Law::parameters& p, real overlap) {
   typename Law::memory here{}, there{};
@@ -86,8 +86,8 @@ void check_reaction(const typename Law::parameters& p, real overlap) {
   CHECK(distance(f.moment, -g.moment) <= 1e-12 * f.moment.norm());
 }
 
-/// Beyond its range a composed law that still remembers a contact neither pushes nor stores
-/// anything, though another law of the scenario may reach farther.
+/// Beyond its range a composed law that still has the memory of a contact neither pushes nor stores
+/// energy, though another law of the scenario may reach farther.
 template <class Composed, class Parameters>
 void check_range(const Parameters& p, real overlap) {
   auto memory = used_memory<Composed>(p, overlap);
@@ -98,15 +98,15 @@ void check_range(const Parameters& p, real overlap) {
   const interaction_force f = Composed::force(c, p, 1e-4, memory);
   CHECK(f.force == vec3(0, 0, 0));
   CHECK(f.moment == vec3(0, 0, 0));
-  // And it has forgotten the contact.
+  // And it has reset the memory of the contact.
   c.velocity = c.spin = vec3(0, 0, 0), c.mean_spin = 0, c.gap = -overlap;
   typename Composed::memory fresh{};
   CHECK(distance(Composed::force(c, p, 1e-4, memory).force,
                  Composed::force(c, p, 1e-4, fresh).force) == 0);
 }
 
-/// The stored energy at the end of the range is that of nothing, so that none appears where a
-/// contact ends.
+/// The stored energy at the end of the range is zero, so that no energy appears when a contact
+/// ends.
 template <class Law>
 void check_end(const typename Law::parameters& p, real overlap) {
   const auto memory = used_memory<Law>(p, overlap);
@@ -151,9 +151,9 @@ void check_no_time(const typename Law::parameters& p, real overlap) {
   CHECK(after.kept == doctest::Approx(before.kept).epsilon(1e-13));
 }
 
-/// Two bodies go apart and together on closed paths, sliding and rolling on the way: the work that
-/// is put in is what is stored at last, or more; and it is what the law books as lost, to the order
-/// of the step.
+/// Two bodies separate and approach on closed paths, sliding and rolling on the way: the work put
+/// in is at least the stored energy at the end; and the difference is the loss that the law books,
+/// to the order of the step.
 template <class Law>
 void check_passivity(const typename Law::parameters& p, real overlap) {
   const real end = range_of<Law>(p, contact_at(0).radius);
@@ -185,7 +185,7 @@ void check_passivity(const typename Law::parameters& p, real overlap) {
   }
 }
 
-/// All of it, for the law alone and with what composes it.
+/// All laws, for the law alone and within a composed law.
 template <class Law, class Parameters>
 void check_law(const Parameters& p, real overlap) {
   static_assert(concepts::interaction_law<Law>);

@@ -1,5 +1,5 @@
-// Contacts of round bodies in blocks, of eight doubles or sixteen floats: they do what the same
-// contacts do one by one.
+// Contacts of isotropic bodies in blocks, of eight doubles or sixteen floats: equal results to the
+// same contacts one by one.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -21,7 +21,7 @@ template <class Real>
 struct random_heap {
   using moving = isotropic_contact<law, partner::moving, Real>;
   using vector_type = vector3<Real>;
-  /// What round-off may leave of numbers about 1, where that of doubles is `of_double`.
+  /// The round-off allowed for numbers about 1, if that of doubles is `of_double`.
   static real allowed(real of_double) {
     return std::is_same_v<Real, double> ? of_double : 1e9 * of_double;
   }
@@ -105,7 +105,7 @@ TEST_CASE_TEMPLATE(
              blocks[i].correction_rate == all[i].correction_rate;
     CHECK(same);
 
-    // If a block moved a body twice, one of both changes would be lost.
+    // If a block moved a body twice, one of the two changes would be lost.
     const vec3 before = momentum(s);
     blocks.prepare(s);
     blocks.apply(s);

@@ -1,4 +1,4 @@
-// Contacts of patches that are solved eight at a time, against each contact solved by itself.
+// Contacts of manifolds that are solved eight at a time, against each contact solved by itself.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -69,7 +69,7 @@ struct problem {
   }
 };
 
-/// Sweeps both ways and of the correction: in blocks, and one by one.
+/// Sweeps in both directions and of the correction: in blocks, and one by one.
 template <bool Paired>
 void check(problem& p, manifold_row<contact_of<Paired>>& row) {
   contact_row<contact_of<Paired>> plain;
@@ -184,7 +184,7 @@ TEST_CASE(
       CHECK(block > last[static_cast<std::size_t>(b)]);
       last[static_cast<std::size_t>(b)] = block;
     }
-    // No more blocks than there must be, where most is independent.
+    // No more blocks than necessary, if most manifolds are independent.
     if (bodies == 500)
       CHECK(std::count_if(filled.begin(), filled.end(), [](int n) { return n > 0; }) < 300);
     CHECK(*std::max_element(filled.begin(), filled.end()) <= 8);

@@ -1,4 +1,4 @@
-// A run whose cuts move goes on from a checkpoint as the one that wrote it.
+// A run with moving cuts continues from a checkpoint as the one that wrote it.
 // long
 #include "../world/balanced_heap.hpp"
 
@@ -52,7 +52,7 @@ outcome course(int ranks, int from, int to, int written, const std::string& file
 TEST_CASE("on the same number of ranks a restart finds the cuts where they were") {
   const scratch_file file;
   for (const int ranks : {4, 7})
-    for (const int half : {70, 100}) {  // between two looks, and before one
+    for (const int half : {70, 100}) {  // between two checks, and before one
       CAPTURE(ranks);
       const outcome whole = course<in_order>(ranks, 0, 160, half, file.name);
       CHECK(!whole.cuts.empty());

@@ -1,4 +1,4 @@
-// A run that goes on from a checkpoint goes on as the one that wrote it, on any number of ranks.
+// A run that continues from a checkpoint equals the one that wrote it, on any number of ranks.
 // timeout: 300
 #include <doctest/doctest.h>
 #include <unistd.h>
@@ -26,7 +26,7 @@ using namespace talus;
 namespace {
 
 using clump = union_of<sphere, box>;
-/// Every kind of column and table that there is.
+/// Every kind of column and table.
 using pile =
     scenario<bodies<sphere, box, clump, plane>, hard_contact<coulomb_friction, newton_restitution>,
              decomposition<grid<dynamic, dynamic>>, transport<threads>,
@@ -45,12 +45,12 @@ using balls = scenario<bodies<sphere, plane>, decomposition<grid<dynamic, dynami
                        transport<threads>, features<checkpoints>>;
 
 /// Whether trajectories do not depend on the number of ranks. Add scenarios whose solver promises
-/// that; the balls of run_course() touch nothing but the ground.
+/// that; the balls of run_course() touch only the ground.
 template <class Scenario>
 inline constexpr bool independent_of_ranks =
     std::is_same_v<Scenario, balls> || std::is_same_v<Scenario, midpoint_pile>;
 
-/// A file of this process, gone at the end.
+/// A file of this process, removed at the end.
 struct scratch_file {
   std::string name = "/tmp/talus_checkpoint_" + std::to_string(getpid()) + ".h5";
   ~scratch_file() { unlink(name.c_str()); }
@@ -168,7 +168,8 @@ void check_restarts(std::size_t half, double dt) {
         {.ranks = ranks, .to = 2 * half, .write_after = half, .dt = dt}, file.name);
     CHECK(run_course<Scenario>({.ranks = ranks, .from = half, .to = 2 * half, .dt = dt},
                                file.name) == whole);
-    // On another number of ranks the state is the same to the bit, and what follows goes its way.
+    // On another number of ranks the state is the same to the bit, but the later trajectory
+    // differs.
     const int others = ranks == 1 ? 4 : ranks / 2;
     const outcome then = run_course<Scenario>({.ranks = ranks, .from = half, .to = half, .dt = dt},
                                               file.name),
@@ -210,7 +211,7 @@ TEST_CASE("where trajectories do not depend on the ranks, a restart on others ch
 
 namespace {
 
-/// What the next run does otherwise than the first.
+/// Differences of the next run from the first.
 struct change {
   real density = 1, gravity = 10;
   real pair = -1;  ///< friction of the material with itself, if not negative
@@ -219,7 +220,7 @@ struct change {
   std::string digest{};
 };
 
-/// In two parts, with a body that comes in between. Returns the exit code; `said` is what it says.
+/// In two parts, with a body added in between. Returns the exit code; `said` is its output.
 int run_in_two_parts(std::vector<const char*> words, change& c, std::string* said = nullptr) {
   words.insert(words.begin(), "balls");
   std::vector<char*> arguments;

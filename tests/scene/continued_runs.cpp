@@ -1,5 +1,5 @@
-// Runs that end on a condition, and runs that go on from a checkpoint as if nothing had happened:
-// their table is the same to the byte, and calls of simulate() end where they ended.
+// Runs that end on a condition, and runs that continue from a checkpoint as if uninterrupted: their
+// table is the same to the byte, and calls of simulate() end where they ended.
 // timeout: 300
 #include <doctest/doctest.h>
 #include <unistd.h>
@@ -32,7 +32,7 @@ using soft_heap =
              integrator<velocity_verlet>, decomposition<grid<dynamic>>, transport<threads>,
              features<checkpoints, energy_ledger, momentum_balance, penetration_monitor>>;
 
-/// Files of this process, gone at the end.
+/// Files of this process, removed at the end.
 struct scratch {
   std::string base = "/tmp/talus_continued_" + std::to_string(getpid());
   [[nodiscard]] std::string file(const char* end) const { return base + end; }
@@ -54,7 +54,7 @@ struct ended {
   std::string said;
 };
 
-/// A program with these words on its command line; what it says on standard error.
+/// A program with these words on its command line, and its output on standard error.
 template <class Scenario, class SetUp>
 ended program(const scratch& files, std::vector<std::string> words, SetUp&& set_up) {
   words.insert(words.begin(), "program");
@@ -90,7 +90,7 @@ void add_heap(World& world) {
              });
 }
 
-/// In two calls of simulate(), with columns of its own of which one comes late; fails in a step.
+/// In two calls of simulate(), with columns of its own of which one starts late; fails in a step.
 template <class Scenario>
 ended run_heap(const scratch& files, const char* name, std::vector<std::string> more,
                std::uint64_t fails_in = 0) {
@@ -178,7 +178,7 @@ TEST_CASE("stop() by one rank, and conditions, end simulate() on all ranks after
       CHECK(w.stopped());
       CHECK(w.last_step() == 15);
       by_hand = false;
-      w.simulate({.steps = 10, .dt = 0.005});  // goes on
+      w.simulate({.steps = 10, .dt = 0.005});  // continues
       CHECK(w.steps() == 25);
       CHECK(!w.stopped());
       w.simulate({.steps = 100,
@@ -200,7 +200,7 @@ TEST_CASE("stop() by one rank, and conditions, end simulate() on all ranks after
 
 namespace {
 
-/// Settles until a condition holds, then is struck and goes on.
+/// Settles until a condition holds, then is struck and continues.
 ended run_phases(const scratch& files, std::vector<std::string> more, std::string& digest) {
   std::vector<std::string> words{"--steps", "300",          "--ranks",
                                  "2",       "--checkpoint", files.file("_a.h5")};
@@ -236,7 +236,7 @@ TEST_CASE(
   CHECK(e.code == 0);
   CHECK(rest == whole);
   CHECK(!has(e.said, "is not gone on with"));
-  // The end of a run that was stopped is in its checkpoint; a restart does not run on.
+  // The end of a run that was stopped is in its checkpoint; a restart does not continue it.
   CHECK(run_phases(files, {"--steps", "299"}, stopped).code == 2);  // given twice
   const auto end_early = [&](std::vector<std::string> more, std::string& digest) {
     std::vector<std::string> words{"--quiet", "--ranks", "2", "--checkpoint", files.file("_b.h5")};

@@ -1,5 +1,5 @@
-// Runs that end before their end: exceptions without words, exit() in a callback, ranks that do not
-// come back, more ranks than there can be.
+// Runs that end early: exceptions without text, exit() in a callback, ranks that do not return,
+// more ranks than possible.
 // plain
 #include <doctest/doctest.h>
 #include <sys/wait.h>

@@ -1,5 +1,5 @@
-// What the first runs of a new user are told, by run(): on standard error, and in the summary. The
-// table in docs/messages.md has them all.
+// The output of run() for the first runs of a new user: on standard error, and in the summary. The
+// table in docs/messages.md has all messages.
 // plain
 #include <doctest/doctest.h>
 #include <unistd.h>
@@ -22,7 +22,7 @@ struct said {
   std::string out, err;
 };
 
-/// What goes through a file descriptor while f() runs.
+/// The output to a file descriptor while f() runs.
 std::string caught(FILE* stream, const std::function<void()>& f) {
   std::FILE* const kept = std::tmpfile();
   std::fflush(stream);
@@ -54,7 +54,7 @@ said program(std::vector<std::string> words, const SetUp& f) {
   return s;
 }
 
-/// One ball that falls onto a floor; its radius, and where gravity points.
+/// One ball that falls onto a floor; its radius, and the direction of gravity.
 set_up ball(real radius, real gravity = -9.81) {
   return [=](world<scene>& world, const options& options) {
     world.gravity({0, 0, gravity});
@@ -125,7 +125,7 @@ TEST_CASE("options that this program has no use for are refused, with what to na
 TEST_CASE("--frames in a program without pictures is refused before the first step, quiet or not") {
   for (const char* how : {"--quiet", "--seed=1"}) {
     std::uint64_t steps = 0;
-    // A folder that is there already does not make pictures either.
+    // An existing folder does not make pictures either.
     const said s = program({"--frames", "/tmp", how}, [&](world<scene>& world, const options& o) {
       if (world.rank() == 0) world.after_each_step([&] { ++steps; });
       ball(0.5)(world, o);
@@ -154,7 +154,7 @@ TEST_CASE("a program of soft contacts neither offers nor takes options of a solv
     CHECK(has(s.err, "program: this program has nothing to iterate: its contacts are soft"));
     CHECK(!has(program<soft>({"--help"}, fall).out, name));
   }
-  // One of each is one, not "1 bodies", and a length of a step has the digits that matter.
+  // One body is "1 body", not "1 bodies", and a length of a step has the significant digits.
   const std::string out = program<soft>({"--steps", "1"}, fall).out;
   CHECK(has(out, "program: 1 body (1 movable) on 1 rank, threads, 1 step of 0.000333333\n"));
   CHECK(!has(out, "1 contacts"));
@@ -175,8 +175,8 @@ TEST_CASE("progress counts what simulate was asked for, whatever --steps says") 
   CHECK(has(steps({60}), "step 60 of 60 (100 %)"));
   CHECK(has(steps({12}), "step 12 of 12 (100 %)"));
   CHECK(has(steps({10, 10}), "step 20 of 20 (100 %)"));
-  // Before its end a run says what the present call of simulate() was asked for, or --steps where
-  // the calls are parts of that.
+  // Before its end a run prints the requested steps of the present call of simulate(), or --steps
+  // if the calls are parts of that.
   threads::launch({.ranks = 1}, [](threads::link& link) {
     world<scenario<bodies<sphere>>> w(link);
     w.material({});
@@ -285,7 +285,7 @@ TEST_CASE("bodies that begin inside each other are told, on any rank, and where 
             " at (3, 3, 0.25) begins 0.25 deep in the plane 0x4000000000000000, 0.5 of half "
             "the thickness of the thinner one: contacts will push them apart, perhaps fast; leave "
             "room between bodies at the start\n"));
-  const said across = at({-0.5, 2, 3}, {0.5, 2, 3});  // of two ranks: said once
+  const said across = at({-0.5, 2, 3}, {0.5, 2, 3});  // of two ranks: printed once
   CHECK(has(across.err, "begins 0.5 deep in the sphere "));
   CHECK(across.err.find("warning") == across.err.rfind("warning"));
   CHECK(!has(at({-3, -3, 1}, {3, 3, 0.46}).err, "warning"));  // by less than a tenth

@@ -1,5 +1,5 @@
-// What run() says of bodies that begin inside each other: of thin ones too, once, and by the place
-// where they were put.
+// Messages of run() about bodies that start inside each other: of thin ones too, once, and by the
+// place where they were put.
 // plain
 #include <doctest/doctest.h>
 
@@ -24,7 +24,7 @@ using scene = scenario<bodies<sphere, box, capsule, pair, plane>, transport<thre
 using ring =
     scenario<bodies<sphere>, transport<threads>, decomposition<periodic<grid<dynamic>, along::x>>>;
 
-/// All that is said by all ranks of what set_up(world) makes between 0 and 12 along x.
+/// All output of all ranks about the bodies that set_up(world) adds between 0 and 12 along x.
 template <class Scenario, class SetUp>
 std::string told(SetUp&& set_up, int ranks = 3) {
   std::string all;

@@ -1,4 +1,4 @@
-// What the fuzzer of the command line found or started from is read as it must be.
+// Inputs that the fuzzer of the command line found or started from are read correctly.
 #include <doctest/doctest.h>
 
 #include <filesystem>

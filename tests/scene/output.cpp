@@ -1,5 +1,5 @@
-// What --output writes is the state, whole and each body once, on any number of ranks, and a series
-// goes on where a restarted run does.
+// The output of --output is the state, complete and each body once, on any number of ranks, and a
+// series continues with a restarted run.
 // plain
 #include <doctest/doctest.h>
 #include <fcntl.h>
@@ -35,7 +35,7 @@ using pile = scenario<bodies<sphere, clump, plane>, hard_contact<coulomb_frictio
                       decomposition<grid<dynamic, dynamic>>, transport<threads>,
                       features<vtk_output, checkpoints, user_ids>>;
 
-/// The beginning of the names of files of this process, gone at the end.
+/// The beginning of the names of files of this process, removed at the end.
 struct scratch {
   std::string folder = "/tmp/talus_output_" + std::to_string(getpid());
   scratch() { REQUIRE(std::system(("mkdir -p " + folder).c_str()) == 0); }
@@ -49,8 +49,8 @@ const clump& dumbbell() {
   return one;
 }
 
-/// A heap of 27 bodies over the middle of the domain, on the ground and a global sphere; of
-/// four ranks in a row the outer two are empty.
+/// A heap of 27 bodies over the middle of the domain, on the ground and a global sphere; of four
+/// ranks in a row the outer two are empty.
 template <class World>
 handle<plane> set_up(World& w) {
   if (w.ranks() > 1) w.decompose({.cells = {w.ranks(), 1}, .lower = {-8, -2}, .upper = {8, 2}});
@@ -83,7 +83,7 @@ handle<plane> set_up(World& w) {
   return ground;
 }
 
-/// A file as HDF5 has it.
+/// A file read by HDF5.
 struct file_reader {
   detail::hdf5_handle file;
   explicit file_reader(const std::string& name)
@@ -106,7 +106,7 @@ struct file_reader {
   }
 };
 
-/// Cells that VTK would take: one piece, in which cell k takes its corners one after the other.
+/// Cells in the form of VTK: one piece, in which cell k takes its corners one after the other.
 void check_cells(const file_reader& f, std::size_t cells, std::size_t corners, std::uint8_t kind) {
   const auto number = [&](const char* path) { return f.whole(path).at(0); };
   CHECK(number("NumberOfPoints") == static_cast<std::int64_t>(cells * corners));
@@ -123,7 +123,7 @@ void check_cells(const file_reader& f, std::size_t cells, std::size_t corners, s
   CHECK(types == std::vector<std::uint8_t>(cells, kind));
 }
 
-/// Everything that a file says of a body, but for its rank, by id and part.
+/// All data of a file about a body, except its rank, by id and part.
 using table = std::map<std::pair<std::uint64_t, std::uint32_t>, std::vector<double>>;
 table bodies_in(const file_reader& f) {
   using detail::number_type;
@@ -155,7 +155,7 @@ std::string text_of(const std::string& file) {
   out << std::ifstream(file).rdbuf();
   return out.str();
 }
-/// The steps that a series names, in order.
+/// The steps of a series, in order.
 std::vector<int> steps_in(const std::string& index) {
   std::vector<int> steps;
   std::istringstream lines(text_of(index));
@@ -429,7 +429,7 @@ TEST_CASE("a series of a restarted run is the one of a run that was never interr
                          "    {\"name\": \"c_0000000000.hdf\", \"time\": 0},\n"
                          "    {\"name\": \"c_0000000010.hdf\", \"time\": "));
   CHECK(run_pile({"--steps", "10", "--output", files("c")}) == 0);  // a new one replaces the old
-  CHECK(steps_in(files("c_surfaces.hdf.series")).empty());  // and names no faces of another run
+  CHECK(steps_in(files("c_surfaces.hdf.series")).empty());  // and lists no faces of another run
   CHECK(steps_in(files("c.hdf.series")) == std::vector<int>{0, 10});
   CHECK(std::system(("ls " + files.folder + " | grep -q part").c_str()) != 0);
 }
@@ -471,7 +471,7 @@ TEST_CASE("an output replaces outputs and pictures, and nothing else unless it i
   CHECK(run_with({}) == 0);
   const std::string index = text_of(files("a.hdf.series"));
   const std::string picture = text_of(files("pictures/frame_00001.pov"));
-  // Each is found before the first step: a later file of the series, too.
+  // Each is detected before the first step: a later file of the series, too.
   for (const std::string name :
        {"a.hdf.series", "a_contacts.hdf.series", "a_0000099990.hdf", "a_contacts_0000000010.hdf",
         "pictures/frame_00001.pov", "pictures/frame_00077.pov"}) {
@@ -506,7 +506,7 @@ TEST_CASE("an output replaces outputs and pictures, and nothing else unless it i
 
 namespace {
 
-/// What a run says on standard error; `code` is what it must end with.
+/// The output of a run on standard error; `code` is the required exit code.
 std::string said_by_pile(const std::vector<std::string>& words, int code, int ranks) {
   const scratch log;
   const std::string name = log.folder + "_said";
@@ -525,7 +525,7 @@ std::string said_by_pile(const std::vector<std::string>& words, int code, int ra
 
 }  // namespace
 
-// (What HDF5 cannot write makes it crash at the end of the program, and this test with it.)
+// (A file that HDF5 cannot write makes it crash at the end of the program, and this test with it.)
 TEST_CASE("a full disk ends the run with the bytes that are missing, and old outputs are whole") {
   const std::string folder = "/tmp/talus_disk_" + std::to_string(getpid());
   REQUIRE(std::system(("mkdir -p " + folder).c_str()) == 0);
@@ -552,7 +552,7 @@ TEST_CASE("a full disk ends the run with the bytes that are missing, and old out
     REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
     compare_old(old);
   }
-  // A disk of its own, where this may mount one.
+  // A disk of its own, if this process may mount one.
   if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
       mount("none", folder.c_str(), "tmpfs", 0, "size=400k") != 0) {
     MESSAGE("no disk to fill");

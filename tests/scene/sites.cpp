@@ -234,7 +234,7 @@ TEST_CASE("a rank looks at its own part only") {
     ++seen;
     CHECK(s.position[2] == 500'000);
   });
-  CHECK(seen == 25);  // at once: a million layers are never walked through
+  CHECK(seen == 25);  // at once: no loop over a million layers
 }
 
 TEST_CASE("what has no end is refused with advice") {

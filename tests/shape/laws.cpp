@@ -1,5 +1,5 @@
-// What every finite shape must keep: support, bounds, volume and inertia tell of one and the same
-// body. A new shape joins by one line at the end.
+// The laws of every finite shape: support, bounds, volume and inertia are of one and the same body.
+// A new shape is added by one line at the end.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -29,8 +29,8 @@ static_assert(sphere::isotropic && !box::isotropic);
 
 pose place(generator& random) { return {random.point(9), random.turn()}; }
 
-// Directions from which the shape is cut out again: a point is inside if no support plane has it
-// in front. Only as fine as the directions, which the tolerance allows for.
+// Directions from which the shape is cut out again: a point is inside if no support plane has it in
+// front. As fine as the directions, which the tolerance allows for.
 template <class Shape, class Inside>
 void check_laws(const Shape& s, Inside inside, std::uint64_t seed) {
   INFO(std::string(Shape::name) << ", seed " << seed);
@@ -156,7 +156,7 @@ TEST_CASE("support, bounds, volume and inertia of polyhedra agree") {
       return true;
     };
     check_laws(p, inside, 6);
-    // All points given are in it, and those on its hull are its vertices.
+    // It contains all given points, and those on its hull are its vertices.
     const pose frame = p.frame();
     for (const vec3& x : points) CHECK(inside(frame.to_body(x) * (1 - 1e-12)));
     for (const vec3& v : p.vertices()) {
@@ -238,8 +238,8 @@ TEST_CASE("hulls of many points close, whatever the points") {
 
 namespace {
 
-/// Faces of a hull found by looking at every plane through three points: for each the numbers of
-/// the points in it.
+/// Faces of a hull found by testing every plane through three points: for each the indices of the
+/// points in it.
 std::vector<std::vector<std::uint32_t>> planes_by_force(const std::vector<vec3>& p,
                                                         real tolerance) {
   std::vector<std::vector<std::uint32_t>> found;

@@ -69,7 +69,8 @@ TEST_CASE("mass, centre, inertia and bounds of a union agree with sampling its p
       expected += p.density * std::visit([](const auto& s) { return s.volume(); }, p.shape);
     CHECK(u.volume() == doctest::Approx(expected));
 
-    // Sampling in the frame of the body; a point weighs what the parts around it weigh together.
+    // Sampling in the frame of the body; the density at a point is the sum over the parts around
+    // it.
     const vec3 half = u.half_extents(pose{});
     const int n = 60;
     real mass = 0;
@@ -131,7 +132,7 @@ TEST_CASE("mass, centre, inertia and bounds of a union agree with sampling its p
       }
     }
 
-    // Parts lie where they were put once the body lies where placed() says.
+    // Parts are at their original positions if the body has the pose of placed().
     const pose given{random.point({3, 3, 3}), random.turn()}, body = placed(u, given);
     std::size_t number = 0;
     u.each_part([&](const auto& s, const pose& place) {
@@ -191,7 +192,7 @@ TEST_CASE("unions are shared, compared and sent by content") {
   CHECK_FALSE(a == any_union({{.shape = sphere{1}}}));
   CHECK_FALSE(a == any_union());
 
-  // Without a memory of the line everything travels; with one, once.
+  // Without a memory of the connection all data are sent; with one, once.
   detail::shared_memory here, there;
   for (int message = 0; message < 3; ++message) {
     here.next_exchange(), there.next_exchange();
@@ -210,7 +211,7 @@ TEST_CASE("unions are shared, compared and sent by content") {
     const vec3 d = vec3(1, 2, 3);
     CHECK(one.support(d) == a.support(d));
   }
-  // What is long unused is forgotten on both sides alike, and sent again.
+  // Entries unused for long are removed on both sides alike, and sent again.
   for (int message = 0; message < 60; ++message) here.next_exchange(), there.next_exchange();
   CHECK(here.size() == 0);
   CHECK(there.size() == 0);

@@ -1,5 +1,5 @@
 // A serial world of spheres (with TALUS_BOXES of boxes and with monitors, with TALUS_SOFT with soft
-// contacts) for check.sh to look into. It is compiled without optimisation: nothing is inlined, so
+// contacts), which check.sh inspects. It is compiled without optimisation: nothing is inlined, so
 // all code in use has a symbol.
 #include <talus/talus.hpp>
 using namespace talus;

@@ -1,6 +1,6 @@
 #pragma once
-// What the programs of docs/tutorial.md need to be tests: several ranks in this process, numbers
-// of all ranks together, and messages compared to the letter.
+// Tools that make the programs of docs/tutorial.md tests: several ranks in this process, numbers of
+// all ranks together, and messages compared to the letter.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -44,7 +44,7 @@ void near_plane(const vec3& normal, F&& f) {
   }
 }
 
-/// Whether a message reads as expected. White space counts as one blank, "..." for anything.
+/// Whether a message reads as expected. White space counts as one blank, "..." matches any text.
 [[nodiscard]] inline bool reads(const std::string& message, const std::string& expected) {
   const auto words = [](const std::string& text) {
     std::string result;
@@ -68,7 +68,7 @@ void near_plane(const vec3& normal, F&& f) {
   return from == 0 ? said == rest : said.size() >= at + rest.size() && said.ends_with(rest);
 }
 
-/// The job ends with this very kind of error and this message.
+/// The job ends with exactly this type of error and this message.
 template <class Error, class Job>
 void refused(Job&& job, const std::string& expected) {
   std::string said = "nothing was thrown";

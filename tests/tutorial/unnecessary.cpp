@@ -1,4 +1,4 @@
-// Tutorial: what users of the ancestor had to take care of and need not any more. Each of these
+// Tutorial: tasks that users of the ancestor had to do and that are unnecessary now. Each of these
 // tests would fail, hang or not compile there.
 #include <doctest/doctest.h>
 #include <talus/scene/run.hpp>  // any header first, in any order

@@ -53,8 +53,8 @@ bool same(const assembled_problem& a, const assembled_problem& b) {
          a.mu == b.mu && a.diagonal == b.diagonal;
 }
 
-/// How far r and u = W r + q are from Coulomb's law and Signorini's condition, contact by contact:
-/// the largest violation over the largest |u| + |q| and |r|.
+/// The deviation of r and u = W r + q from Coulomb's law and Signorini's condition, contact by
+/// contact: the largest violation over the largest |u| + |q| and |r|.
 real worst_violation(const assembled_problem& p, const contact_vector& r) {
   contact_vector u;
   p.velocity(r, u);
@@ -68,7 +68,7 @@ real worst_violation(const assembled_problem& p, const contact_vector& r) {
         std::max({worst, -ri[0] / small_r, -ui[0] / small_u, (t - mu * ri[0]) / small_r,
                   // either is zero: no gap opens under load,
                   std::min(ri[0] / small_r, std::abs(ui[0]) / small_u),
-                  // what slides is on the cone (in the convex relaxation u_n = mu v too),
+                  // sliding contacts are on the cone (in the convex relaxation u_n = mu v too),
                   std::min((mu * ri[0] - t) / small_r, v / small_u),
                   // and friction opposes it
                   std::min({t / small_r, v / small_u,
@@ -214,7 +214,7 @@ TEST_CASE("random problems are solved to 1e-6 and 1e-10, and what is handed back
       const real violation = worst_violation(p, r);
       law = std::max(law, violation);
       CHECK(violation < std::max(10 * std::sqrt(tolerance), 1e-5));
-      // From its own solution there is nothing left to do.
+      // From its own solution there is nothing to improve.
       CHECK(solve_assembled(p, r, tolerance).iterations == 0);
     }
     MESSAGE("tolerance ", tolerance, ": ", solved, " of ", all.size(), ", largest error ", furthest,
@@ -237,13 +237,13 @@ TEST_CASE("a solver that may not go on, or that has no solution to find, says th
     CHECK_FALSE(solve_assembled(p, r, 1e-6, 1000, [] { return false; }).converged);
   }
   CHECK(given_up > 40);
-  // Nothing gives way: W is zero, and the bodies approach.
+  // Nothing is compliant: W is zero, and the bodies approach.
   assembled_problem p = assemble({}, {vec3(-1, 0.2, 0)}, talus::detail::plain_vector<real>{0.5});
   contact_vector r;
   auto result = solve_assembled(p, r, 1e-6, 500);
   CHECK_FALSE(result.converged);
   CHECK(r.is_finite());
-  // A body between two walls that both come closer.
+  // A body between two walls that both approach.
   contact_scene s;
   s.box(1, {1, 1, 1}, {0, 0, 0});
   s.contacts.push_back({0, -1, {-0.5, 0, 0}, {1, 0, 0}, 0.3, 1});
@@ -252,12 +252,12 @@ TEST_CASE("a solver that may not go on, or that has no solution to find, says th
   result = solve_assembled(p, r, 1e-6, 500);
   CHECK_FALSE(result.converged);
   CHECK(r.is_finite());
-  // It goes on as long as it may.
+  // It continues as long as allowed.
   int asked = 0;
   CHECK_FALSE(
       solve_assembled(p, r, 1e-6, 1'000'000'000, [&] { return ++asked < 50'000; }).converged);
   CHECK(asked >= 50'000);
-  // A contact of two fixed things that do not move asks for nothing.
+  // A contact of two fixed bodies at rest has no effect.
   p = assemble({}, {vec3(0, 0, 0)}, talus::detail::plain_vector<real>{0.5});
   CHECK(solve_assembled(p, r, 1e-6).converged);
 }

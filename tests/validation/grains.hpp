@@ -1,6 +1,6 @@
 #pragma once
-// What the tests of granular media share: spheres in a box on any number of ranks, their state in
-// one place, bulk packing fraction and coordination.
+// Common parts of the tests of granular media: spheres in a box on any number of ranks, their state
+// in one place, bulk packing fraction and coordination.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -72,8 +72,8 @@ class cell_index {
   std::map<cell, std::vector<std::size_t>> cells_;
 };
 
-/// Part of the box between two corners that lies in grains: a grid of points 1/8 of the mean radius
-/// apart or coarser, at most a million.
+/// Part of the box between two corners that is inside grains: a grid of points 1/8 of the mean
+/// radius apart or coarser, at most a million.
 inline real packing_fraction(const std::vector<grain>& grains, const vec3& lower,
                              const vec3& upper) {
   const cell_index cells(grains);
@@ -93,8 +93,8 @@ inline real packing_fraction(const std::vector<grain>& grains, const vec3& lower
   return static_cast<real>(inside) / static_cast<real>(points);
 }
 
-/// Mean number of others that a grain with its centre between two corners touches: gaps up to
-/// `touch` of the mean radius count. `rattlers`: the part with fewer than two.
+/// Mean number of contacts of a grain with its centre between two corners: gaps up to `touch` of
+/// the mean radius count. `rattlers`: the part with fewer than two.
 struct coordination {
   real mean = 0, without_rattlers = 0, rattlers = 0;
 };

@@ -1,4 +1,5 @@
-// Granular media, small enough for every day; at full size in granular_flow and granular_static.
+// Granular media, small enough for each run of the tests; at full size in granular_flow and
+// granular_static.
 #include <doctest/doctest.h>
 
 #include "granular_media.hpp"
@@ -15,7 +16,8 @@ TEST_CASE("a small granular gas cools by Haff's law, on 1 and 4 ranks") {
   }
 }
 
-// So few grains have a bulk of some dozens, whose density is uncertain by 0.015: three piles.
+// So few grains have a bulk of some dozens, with an uncertainty of its density of 0.015: three
+// piles.
 TEST_CASE("small poured piles are the less dense, the more friction") {
   real before = 0.66;
   for (const real friction : {0.0, 0.2, 0.8}) {

@@ -1,5 +1,5 @@
 // long
-// Granular media that move: Haff's law, Beverloo's law.
+// Granular media in motion: Haff's law, Beverloo's law.
 #include <doctest/doctest.h>
 
 #include "granular_media.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// Experiments with granular media, small or large: a gas that cools, a poured pile, a silo, its
+// Experiments with granular media, small or large: a cooling gas, a poured pile, a silo, its
 // outlet, and a heap. Lengths in mean diameters or near them, gravity 9.81.
 #include <numbers>
 
@@ -17,12 +17,11 @@ struct cooling {
   std::vector<std::array<real, 2>> curve;  ///< time over tau, temperature over T0
 };
 
-/// n spheres of mass and diameter 1 in a box of elastic walls, since there are no periodic
-/// boundaries. The volume is the one that centres can reach. Beside a wall, spheres meet fewer
-/// others: at a distance z < 1 of its centre's reach a part (1 - z) / 2 of the directions lies
-/// behind the wall, which is as if a layer of a quarter diameter were without collisions. With
-/// `small`, tau is longer accordingly (to first order in the density); without, it is the
-/// formula's.
+/// n spheres of mass and diameter 1 in a box of elastic walls instead of a periodic box. The volume
+/// is that accessible to centres. Beside a wall, spheres have fewer collisions: at a distance z < 1
+/// of its centre's reach a part (1 - z) / 2 of the directions lies behind the wall, which equals a
+/// layer of a quarter diameter without collisions. With `small`, tau is longer accordingly (to
+/// first order in the density); without, it is the formula's.
 inline cooling cool_gas(std::size_t n, real fraction, real restitution, real until, int ranks = 1,
                         bool small = false, real dt = 0.01) {
   using gas = scenario<bodies<sphere, plane>, hard_contact<newton_restitution>,
@@ -138,13 +137,13 @@ struct silo_stress {
   real misfit = 0;                           ///< root mean square over the saturation stress
   real floor_share = 0;                      ///< force on the floor over the weight
   real floor_misfit = 0;                     ///< |floor - fit at the floor| over the fit
-  real depth_over_lambda = 0;                ///< how far into saturation the silo reaches
+  real depth_over_lambda = 0;                ///< depth of the silo over lambda
   real balance = 0;                          ///< |weight - floor - walls| over the weight
   std::vector<std::array<real, 3>> profile;  ///< depth, stress, stress of the fit
 };
 
 /// A square silo, filled; then its walls creep upwards, so that wall friction is mobilised
-/// everywhere as the theory supposes.
+/// everywhere, as in the theory.
 inline silo_stress fill_silo(real width, std::size_t n, real seconds, real measured,
                              real creep = 0.1) {
   using silo = scenario<bodies<sphere, box, plane>,
@@ -252,14 +251,14 @@ struct outflow {
   real bulk = 0;      ///< bulk density above the orifice
 };
 
-/// A square silo with an orifice of 16 edges in its floor. What falls out is put back on top, so
-/// that the head stays as it is.
+/// A square silo with an orifice of 16 edges in its floor. Grains that fall out are put back on
+/// top, so that the head stays constant.
 inline outflow discharge(real diameter, real fill, real settle, real measured) {
   using silo = scenario<bodies<sphere, box, plane>,
                         hard_contact<coulomb_friction, split_correction>, transport<serial>>;
   const int edges = 16;
   const real dt = 1.0 / 240, width = std::max<real>(2.6 * diameter, diameter + 8), thick = 0.2;
-  // Distance of the edges that gives the area of the circle.
+  // Distance of the edges for which the area is that of the circle.
   const real apothem = diameter / 2 * std::sqrt(pi / (edges * std::tan(pi / edges)));
   serial::link link;
   world<silo> w(link);
@@ -271,8 +270,8 @@ inline outflow discharge(real diameter, real fill, real settle, real measured) {
     s.add(plane{.normal = {0, 1, 0}, .offset = -width / 2}, {});
     s.add(plane{.normal = {0, -1, 0}, .offset = -width / 2}, {});
   });
-  // A box beyond each edge, wide enough that there is none between; the hole is what lies within
-  // all edges.
+  // A box beyond each edge, wide enough to leave no gap between; the hole is the area inside all
+  // edges.
   const real reach = width * std::sqrt(real(0.5)) + 1 - apothem;
   const real wide = 2 * (apothem + reach) * std::tan(pi / edges);
   for (int k = 0; k < edges; ++k) {
@@ -307,7 +306,7 @@ inline outflow discharge(real diameter, real fill, real settle, real measured) {
       w.for_each_local([&](auto& b) {
         if (b.is_fixed() || b.position()[2] > -4) return;
         mass += b.mass();
-        // Sites of a lattice in turn, scattered by a stride without common factor.
+        // Sites of a lattice in turn, scattered by a coprime stride.
         const auto place = (returned++ * 7919) % (rows * rows);
         const real x = -edge + 1.12 * static_cast<real>(place % rows);
         const real y = -edge + 1.12 * static_cast<real>(place / rows);
@@ -333,7 +332,7 @@ inline outflow discharge(real diameter, real fill, real settle, real measured) {
 // --- Angle of repose -----------------------------------------------------------------------------
 
 /// Degrees: the slope of a heap that is poured slowly at a wall, between smooth walls, on a floor
-/// of fixed grains that ends at `length`, where what rolls so far falls off.
+/// of fixed grains that ends at `length`, where grains that roll so far fall off.
 template <class... Policies>
 real repose(real friction, real length, real depth, real seconds) {
   using heap = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, split_correction>,

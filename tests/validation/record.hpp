@@ -1,8 +1,8 @@
 #pragma once
-// Checks of measured values against expected ones: each prints its line, and where the environment
-// variable TALUS_VALIDATION_TSV names a file, it is appended there too, for the report: test,
-// quantity, expected, measured, error, tolerance, ok (1 or 0), separated by tabs, without a header.
-// Call them on one rank only.
+// Checks of measured values against expected ones: each prints its line, and if the environment
+// variable TALUS_VALIDATION_TSV names a file, appends it there too, for the report: test, quantity,
+// expected, measured, error, tolerance, ok (1 or 0), separated by tabs, without a header. Call them
+// on one rank only.
 #include <doctest/doctest.h>
 #include <fmt/core.h>
 
@@ -17,7 +17,7 @@ namespace detail {
 
 inline bool judge(const std::string& test, const std::string& quantity, double expected,
                   double measured, double error, double tolerance) {
-  const bool ok = error <= tolerance;  // not so for what is not a number
+  const bool ok = error <= tolerance;  // false for NaN
   MESSAGE(
       fmt::format("{}: {}: expected {:.10g}, measured {:.10g}, error {:.3g}, tolerance {:.3g}{}",
                   test, quantity, expected, measured, error, tolerance, ok ? "" : ": WRONG"));
@@ -50,18 +50,18 @@ inline bool check_relative(const std::string& test, const std::string& quantity,
   return detail::judge(test, quantity, expected, measured, std::abs(measured / expected - 1),
                        tolerance);
 }
-/// An error that is measured as such: not above the tolerance.
+/// An error that is measured directly: not above the tolerance.
 inline bool check_error(const std::string& test, const std::string& quantity, double error,
                         double tolerance) {
   return detail::judge(test, quantity, 0, error, std::abs(error), tolerance);
 }
-/// measured >= least: an order of convergence, a number of events. The error is what it lacks.
+/// measured >= least: an order of convergence, a number of events. The error is the deficit.
 inline bool check_at_least(const std::string& test, const std::string& quantity, double least,
                            double measured) {
   const double lacking = measured >= least ? 0 : least - measured;
   return detail::judge(test, quantity, least, measured, lacking, 0);
 }
-/// What must hold, or must not: expected and measured are 1 for yes and 0 for no.
+/// A condition that must hold, or must not: expected and measured are 1 for yes and 0 for no.
 inline bool check_holds(const std::string& test, const std::string& quantity, bool expected,
                         bool measured) {
   return detail::judge(test, quantity, expected, measured, expected == measured ? 0 : 1, 0);

@@ -1,4 +1,4 @@
-// Painleve's rod against its closed form; the floor bears the weight of what rests on it; boxes on
+// Painleve's rod against its closed form; the floor bears the weight of resting bodies; boxes on
 // inclines across ranks; extreme coefficients. On 1 rank, and on 4 that meet in the scene.
 // long
 #include <doctest/doctest.h>
@@ -31,9 +31,9 @@ struct rod {
   real angle;
   capsule shape{.radius = 0.001, .length = 2};
 
-  /// The axis of the capsule, z, comes to point forwards and down.
+  /// The axis of the capsule, z, is rotated to point forwards and down.
   [[nodiscard]] quat orientation() const { return rotation(vec3::UnitY(), pi / 2 + angle); }
-  /// From the centre of mass to the point that touches.
+  /// From the centre of mass to the contact point.
   [[nodiscard]] vec3 arm() const {
     return orientation() * vec3(0, 0, shape.length / 2) - shape.radius * vec3::UnitZ();
   }
@@ -42,7 +42,7 @@ struct rod {
   [[nodiscard]] real nn() const { return 1 + arm()[0] * arm()[0] / inertia(); }
   [[nodiscard]] real tt() const { return 1 + arm()[2] * arm()[2] / inertia(); }
   [[nodiscard]] real nt() const { return -arm()[0] * arm()[2] / inertia(); }
-  /// The friction beyond which a sliding tip has no answer: (1 + 3 cos^2) / (3 sin cos) if thin.
+  /// The friction beyond which a sliding tip has no solution: (1 + 3 cos^2) / (3 sin cos) if thin.
   [[nodiscard]] real critical() const { return nn() / nt(); }
 };
 
@@ -85,13 +85,13 @@ TEST_CASE(
               fastest = std::max(fastest, motion.max_speed);
             })[0];
         const std::string test = on(fmt::format("{}, mu = {:.2f} critical", name, part), ranks);
-        // The first step: gravity and the velocity of before act, then the impulse at the tip.
+        // The first step: gravity and the initial velocity act, then the impulse at the tip.
         const vec3 p = ground.at(0);
         const moment& first = way[1];
         const vec3 tip = first.velocity + first.angular_velocity.cross(r.arm());
         const real n = g * dt / (r.nn() - mu * r.nt());
         if (n > 0 && v0 + (r.nt() - mu * r.tt()) * n > 0) {
-          // It goes on sliding, with an impulse by which the tip neither rises nor sinks.
+          // It continues to slide, with an impulse by which the tip neither rises nor sinks.
           CHECK(part < 1);
           check_relative(test, "normal impulse of the first step", n, p[2], 1e-6);
           check_relative(test, "tangential impulse of the first step", -mu * n, p[0], 1e-6);

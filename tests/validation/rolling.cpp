@@ -26,7 +26,7 @@ constexpr real g = 9.81, degree = pi / 180;
 const vec3 up{0, 0, 1};
 
 /// Errors after some time: of the energy (relative, the largest), of an angle (relative), of the
-/// tilt (degrees, the largest), of the place (relative, the largest).
+/// tilt (degrees, the largest), of the position (relative, the largest).
 struct errors {
   real energy = 0, angle = 0, tilt = 0, place = 0;
 };
@@ -64,7 +64,7 @@ errors disk(real dt, real time, int ranks) {
   const vec3 down = std::cos(tilt) * x - std::sin(tilt) * up,
              axis = std::sin(tilt) * x + std::cos(tilt) * up,
              arm = shape.radius * down - (shape.length / 2) * axis;
-  // It turns about the arm: at rate 1 about the vertical, and about its axis besides.
+  // It rotates about the arm: at rate 1 about the vertical, and also about its axis.
   const vec3 w = up + (1 / (std::sin(tilt) * arm[2] / arm[0] - std::cos(tilt))) * axis;
   const vec3 l = moments[0] * (w - w.dot(axis) * axis) + moments[2] * w.dot(axis) * axis;
   const real rate = std::sqrt(-g * arm[0] / l[0]);
@@ -140,7 +140,7 @@ errors gyroscope(real dt, real time, int ranks) {
   return e;
 }
 
-/// A ball that rolls on a turntable goes round a circle, at two sevenths of the table's rate.
+/// A ball that rolls on a turntable moves on a circle, at two sevenths of the table's rate.
 template <class Integrator>
 errors turntable(real dt, real time, int ranks) {
   const real rate = 2, radius = 0.5, q = rate * 2 / 7;
@@ -183,7 +183,7 @@ TEST_CASE("Euler's disk keeps its energy and its tilt to second order in dt with
     check_error(test, "energy in 2 s, dt = 1/240", coarse.energy, 2e-4);
     check_at_least(test, "order of the energy", 1.8, order(coarse.energy, fine.energy));
   }
-  // The default scheme is of first order, which is what the other one is for.
+  // The default scheme is of first order; the other one improves on that.
   const errors coarse = disk<semi_implicit_euler>(1. / 240, 2, 1),
                fine = disk<semi_implicit_euler>(1. / 480, 2, 1);
   MESSAGE("semi-implicit Euler: energy ", coarse.energy, ", at half the step ", fine.energy);

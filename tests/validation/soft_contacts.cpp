@@ -115,7 +115,7 @@ const real impact_mass = 4.0 / 3 * pi * std::pow(impact_radius, 3) / 2;  // redu
 
 TEST_CASE("linear springs: restitution and duration of an impact are those of the closed form") {
   // Schwager, Poeschel 2007: the force lasts 2 acos(z) / (w0 sqrt(1 - z^2)), pi / w0 for e = 1;
-  // then the spheres separate at e v from the overlap 2 z e v / w0 that is left.
+  // then the spheres separate at e v from the remaining overlap 2 z e v / w0.
   const real k = 1e5, w0 = std::sqrt(k / impact_mass), dt = pi / w0 / 400;
   const auto run = [&]<class Scenario>(Scenario*, const std::string& name) {
     for (const real e : {1.0, 0.9, 0.5, 0.2}) {
@@ -139,8 +139,8 @@ TEST_CASE("linear springs: restitution and duration of an impact are those of th
 }
 
 TEST_CASE("Hertz: duration, largest overlap and restitution of an impact, at any speed") {
-  // Johnson, Contact Mechanics, 11.3: overlap (15 m v^2 / (16 E* sqrt R))^(2/5), duration
-  // 2.868 (m^2 / (R E*^2 v))^(1/5).
+  // Johnson, Contact Mechanics, 11.3: overlap (15 m v^2 / (16 E* sqrt R))^(2/5), duration 2.868
+  // (m^2 / (R E*^2 v))^(1/5).
   using verlet = soft_scene<hertz, velocity_verlet>;
   const real modulus = 1e6, nu = 0.25, effective = modulus / (2 * (1 - nu * nu)),
              radius = impact_radius / 2;

@@ -80,7 +80,7 @@ TEST_CASE("the restitution of an impact is that of the material, down to 0, for 
       const auto coarse = collide<Scenario>(m, 2, duration / 100);
       check_absolute(test, "restitution, 100 steps", e, coarse.restitution, 0.02);
     }
-    // A restitution of 0, which is the default, is one of 0.005; and it is so in coarse steps.
+    // A restitution of 0, which is the default, is one of 0.005; also in coarse steps.
     const material m{.stiffness = k, .youngs_modulus = modulus};
     for (const int steps : {4000, 200, 50, 20})
       check_absolute(talus::detail::compose("{}, e = 0, {} steps", name, steps), "restitution",

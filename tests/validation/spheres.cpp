@@ -67,7 +67,7 @@ TEST_CASE("a sliding sphere rolls with 5/7 of its speed after 2 v0 / (7 mu g)") 
     check_absolute(test, "slip way s* (m)", slip_way, m.way, v0 * dt);
     check_error(test, "height", m.height, 1e-9);
   }
-  // The way after 1 s, whatever the phase of the step in which the slip ends.
+  // The distance after 1 s, for any phase of the step in which the slip ends.
   const real expected = slip_way + 5. / 7 * v0 * (1 - slip_time);
   const real coarse = std::abs(run(1, dt).late_way - expected),
              fine = std::abs(run(1, dt / 16).late_way - expected);

@@ -2,8 +2,7 @@
 // timeout: 300
 // Structures that stand or fall by a closed form, at the default settings: overhanging blocks,
 // leaning cards, the semicircular arch of wedges, tall boxes, and the wave that runs through
-// dominoes. (More on four ranks, and arches of little friction:
-// structures_long.cpp.)
+// dominoes. (More on four ranks, and arches of little friction: structures_long.cpp.)
 #include <doctest/doctest.h>
 
 #include "structures.hpp"

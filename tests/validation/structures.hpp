@@ -24,8 +24,8 @@ inline tracks watch(int ranks, real time, const std::function<void(world_type&)>
                     real step = dt) {
   return follow<blocks>(ranks, step, static_cast<std::size_t>(std::lround(time / step)), set_up);
 }
-/// What stands within a hundredth of falling needs accurate impulses from the first step on. On one
-/// rank the default settings give them; between ranks they are asked for.
+/// Structures within a hundredth of falling need accurate impulses from the first step on. On one
+/// rank the default settings provide them; between ranks a tolerance is set.
 inline void need_accuracy(world_type& w) {
   if (w.ranks() == 1) return;
   w.solver().tolerance = 1e-7;
@@ -40,7 +40,7 @@ inline real moved(const tracks& all) {
     most = std::max(most, (way.back().position - way.front().position).norm());
   return most;
 }
-/// Holds if the structure stands where it should, by far: either nothing moves, or all falls.
+/// Holds if the structure clearly stands or falls as it should: either nothing moves, or all falls.
 inline void check_stands(const std::string& test, const std::string& what, bool should,
                          const tracks& all, real size) {
   const real part = moved(all) / size;
@@ -70,8 +70,7 @@ inline void overhang(world_type& w, int n, real part) {
 struct cards {
   static constexpr real length = 1, width = 0.6, thickness = 0.001;
 
-  /// Of the floor, at which they slide: half the horizontal part of the lean, as the thickness
-  /// leaves it.
+  /// Of the floor, at which they slide: half the horizontal part of the lean, for this thickness.
   static real critical(real alpha) { return 0.5 * (std::tan(alpha) - thickness / length); }
 
   static void add(world_type& w, const vec3& foot, real alpha, material_id m) {
@@ -151,7 +150,7 @@ inline std::vector<real> speeds_of_wave(int ranks, real unit, real step) {
                    .angular_velocity = k == 0 ? vec3(0, 3 / std::sqrt(unit), 0) : vec3(0, 0, 0)});
       },
       step);
-  // When each has turned by a tenth of a radian.
+  // The time at which each has rotated by a tenth of a radian.
   std::vector<real> when;
   for (const auto& way : all)
     for (std::size_t k = 1; k < way.size(); ++k) {

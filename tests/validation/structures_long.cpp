@@ -1,6 +1,6 @@
 // long
-// Structures that stand within a hundredth of falling where four ranks meet in them, and arches of
-// little friction.
+// Structures within a hundredth of falling where four ranks meet in them, and arches of little
+// friction.
 #include <doctest/doctest.h>
 
 #include "structures.hpp"

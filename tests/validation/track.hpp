@@ -1,5 +1,5 @@
 #pragma once
-// The way of every body of a small scene, on any number of ranks in this process.
+// The path of every body of a small scene, on any number of ranks in this process.
 #include <cstddef>
 #include <map>
 #include <mutex>

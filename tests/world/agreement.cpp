@@ -1,4 +1,4 @@
-// Ranks that compute the same contact find the same impulse: else momentum would be lost.
+// Ranks that compute the same contact find the same impulse: otherwise momentum would be lost.
 // plain
 #include <doctest/doctest.h>
 
@@ -17,7 +17,7 @@ template <class... Features>
 using column_of = scenario<bodies<box, sphere, plane>, features<Features...>, transport<threads>,
                            decomposition<grid<dynamic, dynamic, dynamic>>>;
 
-/// What becomes of a scene on two ranks that meet at z = `cut`.
+/// The results of a scene on two ranks that meet at z = `cut`.
 struct agreement {
   std::uint64_t shared = 0;  ///< contacts that both ranks computed, over all steps
   real furthest_apart = 0;   ///< two impulses of such a contact

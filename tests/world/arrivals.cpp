@@ -1,4 +1,4 @@
-// Bodies that come to a rank one by one, where little else happens that would hide a mistake.
+// Bodies that arrive on a rank one by one, while little else happens that would hide an error.
 #include <doctest/doctest.h>
 
 #include <map>

@@ -1,6 +1,6 @@
 // timeout: 300
-// Input beyond all measure, on one rank and on several: each case either works rightly or ends with
-// a message that names the body, its rank, the step and the value. Nothing hangs, nobody is lost.
+// Extreme input, on one rank and on several: each case either works correctly or ends with a
+// message that names the body, its rank, the step and the value. Nothing hangs, no body is lost.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ using row = scenario<bodies<sphere, box, plane>, transport<Transport>,
                      decomposition<grid<dynamic, 1, 1>>, features<forces>>;
 
 /// A world of domains of length 1 that meet at x = 1, 2, ...; the message that ended its steps, or
-/// "". With `keeps`, all bodies must be there and finite afterwards.
+/// "". With `keeps`, all bodies must be present and finite afterwards.
 template <class Transport>
 using on_world = std::function<void(world<row<Transport>>&)>;
 template <class Transport>
@@ -152,7 +152,7 @@ TEST_CASE("sizes of 1e-300 and 1e300 are refused by name, and what numbers can h
           w.add_if_local(body{.shape = sphere{size}, .position = {0, 0, 0}});
         },
         [&](const std::string& text, int ranks) {
-          if (size > 1 && ranks > 2)  // it reaches into domains that its own is not connected to
+          if (size > 1 && ranks > 2)  // it reaches into domains that are not connected to its own
             CHECK(says(text, {"contacts there would be lost"}));
           else
             CHECK(text == "");
@@ -232,9 +232,9 @@ TEST_CASE("bodies at 1e9, 1e30 and 1e200 lengths per time fly rightly, or are na
                                 .velocity = {outwards ? -speed : speed, 0, 0}});
           },
           [&](const std::string& text, int ranks) {
-            // Out of the scene there is nothing to miss; across domains that it is not connected to
-            // it is refused before it goes. Far greater speeds round away where the body is, or
-            // have no square.
+            // Outside of the scene no body can be missed; motion into domains that are not
+            // connected is refused before it happens. Far greater speeds are below the precision of
+            // the position, or have no finite square.
             if (speed > 1e10)
               CHECK(((text == "" && speed < 1e100) ||
                      says(text, {"body 0x4", "in step ", "dt = 0.01"})));

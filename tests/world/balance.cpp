@@ -1,4 +1,4 @@
-// Cuts that move: the bits stay those of one rank, and the shares become even.
+// Moving cuts: the bits stay those of one rank, and the shares become even.
 // timeout: 300
 #include "balanced_heap.hpp"
 
@@ -84,7 +84,7 @@ TEST_CASE("cuts stay where shares are even enough, or nobody asked") {
     w.step(0.001);
     CHECK(w.divided().cuts.size() == 3);
     CHECK(w.divided().lower.x == -4);
-    // A decomposition that the user gives is the one to go on from.
+    // A decomposition that the user sets is the one to continue from.
     w.decompose({.lower = {-4}, .upper = {4}});
     w.balance({.every = 1, .above = 1.001, .by = balance_by::count});
     w.step(0.001);

@@ -1,5 +1,5 @@
-// Cuts that move, with whatever else a scenario may name: monitors, sleeping islands, soft
-// contacts, shapes that share data, bodies that are followed.
+// Moving cuts, with all other features of a scenario: monitors, sleeping islands, soft contacts,
+// shapes that share data, continuous collision.
 // long
 #include <doctest/doctest.h>
 
@@ -54,7 +54,7 @@ void spheres(World& w, std::size_t count) {
   });
 }
 
-/// Runs program(world) on ranks that share out the square.
+/// Runs program(world) on ranks that share the square.
 template <class Scenario, class Program>
 void on(int ranks, Program&& program) {
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
@@ -63,7 +63,7 @@ void on(int ranks, Program&& program) {
   });
 }
 
-/// Cuts that lie elsewhere each time.
+/// Other cuts each time.
 bisection<dynamic> other_cuts(int ranks, int k) {
   serial::link alone;
   random_stream random(5, static_cast<std::uint64_t>(k));

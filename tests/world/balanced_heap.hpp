@@ -1,6 +1,6 @@
 #pragma once
-// Spheres that slide into a corner, on ranks that share them out anew again and again: the bits
-// must be those of one rank.
+// Spheres that slide into a corner, on ranks whose cuts move again and again: the bits must be
+// those of one rank.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -24,9 +24,9 @@ using corner =
 struct corner_plan {
   const char* name;
   int steps = 130;
-  std::uint64_t every = 0;  ///< steps between looks; 0: cuts never move
+  std::uint64_t every = 0;  ///< steps between checks; 0: cuts never move
   balance_by by = balance_by::count;
-  bool busy = false;   ///< bodies come and go, are moved, fixed and released
+  bool busy = false;   ///< bodies are added and removed, moved, fixed and released
   bool large = false;  ///< two of them are as large as domains
 };
 
@@ -64,7 +64,7 @@ void fill_corner(World& w, const corner_plan& plan) {
     if (plan.every > 0) w.balance({.every = plan.every, .above = 1.02, .by = plan.by});
 }
 
-/// What a user does between steps.
+/// Actions of a user between steps.
 template <class World>
 void tend_corner(World& w, int k) {
   if (k % 20 == 9) w.add_if_local(body{.shape = sphere{0.3}, .position = {0.02 * k - 3.5, 0.1, 6}});
@@ -90,7 +90,7 @@ corner_end run_corner(typename Scenario::transport::link& link, const corner_pla
   return {state_digest(w), measure_balance(w)};
 }
 
-/// Each course of the user's, as it goes without moving cuts.
+/// Each sequence of user actions, without moving cuts.
 inline std::vector<corner_plan> courses() {
   return {{.name = "left alone", .steps = 160},
           {.name = "bodies come and go", .busy = true},

@@ -1,4 +1,4 @@
-// Adding, changing, finding and destroying bodies, and what bad input is told.
+// Adding, changing, finding and destroying bodies, and the messages for wrong input.
 // plain
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-// A world does the same with every broad phase.
+// A world has the same results with every broad phase.
 #include <doctest/doctest.h>
 
 #include <string>

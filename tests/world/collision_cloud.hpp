@@ -1,6 +1,6 @@
 #pragma once
 // Spheres and boxes that fly towards a common centre, without gravity: contacts across all
-// boundaries of the ranks, bodies that migrate, and nothing from outside.
+// boundaries of the ranks, bodies that migrate, and no external forces.
 #include <talus/observe/digest.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/parallel/grid.hpp>

@@ -1,4 +1,4 @@
-// What a step sends: to neighbours only, however many ranks there are, and nothing global.
+// The messages of a step: to neighbours only, for any number of ranks, and no global communication.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -16,8 +16,8 @@ struct sent {
   std::uint64_t messages = 0, bytes = 0, collectives = 0;
 };
 
-/// A settled layer of spheres on a plane, 3 x 3 of them for each of n x n ranks: what the busiest
-/// rank sent in one step.
+/// A settled layer of spheres on a plane, 3 x 3 of them for each of n x n ranks: the messages of
+/// the busiest rank in one step.
 sent busiest_rank(int n) {
   sent result;
   threads::launch({.ranks = n * n}, [&](threads::link& link) {
@@ -58,7 +58,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a step needs one message per neighbour and iteration, and few besides") {
-  // Announcement, counts with the first velocities, migration, copies; corrections after the first.
+  // Notification, counts with the first velocities, migration, copies; corrections after the first.
   const solver_settings s;
   const auto per_neighbour =
       static_cast<std::uint64_t>(s.iterations + s.correction_iterations - 1 + 3);

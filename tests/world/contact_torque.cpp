@@ -59,7 +59,7 @@ TEST_CASE("a plank on two supports: torques are those of statics, and equal thei
       CHECK(distance(on_load, -by_load) < 1e-2);
       CHECK(distance(on_plank, -by_plank) < 1e-2);
       CHECK(contact_torque(w, load, {2, 0, 4.5}).norm() < 1e-2);
-      // What the supports bear is what the bodies above weigh.
+      // The force of the supports equals the weight of the bodies above.
       const vec3 on_supports = contact_torque(w, left, about) + contact_torque(w, right, about);
       CHECK(distance(on_supports, -(on_plank + on_load)) < 1e-9);
       CHECK(distance(on_supports, by_load + by_plank) < 2e-2);
@@ -91,7 +91,7 @@ TEST_CASE("contact_torque times dt is the change of angular momentum in an impac
     const vec3 torque = contact_torque(w, crate, w[crate].position());
     CHECK(gain.norm() > 0.1);
     CHECK(distance(torque * dt, gain) < 1e-3 * gain.norm());
-    // About another point, that of the force comes in; on the ground is the opposite of all.
+    // About another point, the moment of the force is added; the ground has the opposite of all.
     const vec3 about(2, 1, -3);
     const vec3 moved = torque + vec3(w[crate].position() - about).cross(contact_force(w, crate));
     CHECK(distance(contact_torque(w, crate, about), moved) < 1e-9 * moved.norm());

@@ -1,5 +1,5 @@
-// Worlds on every kind of domain: bodies cross its faces and are conserved, and what must not
-// happen at a closed face ends the run.
+// Worlds on every kind of domain: bodies cross its faces and are conserved, and crossing a closed
+// face ends the run.
 // plain
 #include <doctest/doctest.h>
 
@@ -23,7 +23,7 @@ using cloud_of = scenario<bodies<sphere>, transport<threads>,
                           hard_contact<coulomb_friction, newton_restitution, no_correction>,
                           decomposition<Decomposition>>;
 
-/// Spheres between two radii about the z axis, each with a velocity that depends on its place.
+/// Spheres between two radii about the z axis, each with a velocity that depends on its position.
 template <class World, class Velocity>
 void fill_ring(World& w, real inner, real outer, Velocity&& velocity) {
   const auto stuff = w.material({.density = 1.5, .restitution = 0.4, .friction = 0.3});
@@ -44,8 +44,8 @@ void fill_ring(World& w, real inner, real outer, Velocity&& velocity) {
   });
 }
 
-/// Runs a cloud on as many ranks as the decomposition has, and checks what must be conserved.
-/// Returns how many bodies changed their rank, and how many contacts carried an impulse.
+/// Runs a cloud on as many ranks as the decomposition has, and checks conservation. Returns how
+/// many bodies changed their rank, and how many contacts carried an impulse.
 struct outcome {
   std::uint64_t moved = 0, collided = 0, messages = 0;
 };
@@ -167,7 +167,7 @@ TEST_CASE("a body whose bounds reach a closed face ends the run with its place, 
   const body<box> plank{.shape = box{.size = {0.2, 3, 0.2}}, .position = {0.8, -5, 0}};
 
   run(ball, {0, 0, 0}, 3);
-  run(plank, {0, 0, 0}, 3);    // the ball around it would reach, the plank does not
+  run(plank, {0, 0, 0}, 3);    // its bounding ball reaches there, the plank does not
   run(ball, {0, 10, 0}, 100);  // through the connected faces, past sector 0's start
   refuses(ball, {-5, 0, 0}, 100,
           {"(sphere)", "reaches a closed face in step 3", "rank 0 owns the body",

@@ -1,4 +1,4 @@
-// features<driven>: global bodies follow their motion exactly, and contacts see their velocity.
+// features<driven>: global bodies follow their motion exactly, and contacts use their velocity.
 // plain
 #include <doctest/doctest.h>
 
@@ -113,13 +113,13 @@ TEST_CASE("what lies on a conveyor goes along with it") {
     const auto ball = c.w.add(sphere{0.5}, c.rough, {0, 3, 0.5});
     c.run(1, 0.005);
     CHECK((c.w[crate].velocity() - vec3(speed, 0, 0)).norm() < 1e-9);
-    // A ball that begins to roll: friction gives it m v and I w = m v r, until v + r w = u.
+    // A ball that starts to roll: friction gives it m v and I w = m v r, until v + r w = u.
     CHECK(c.w[ball].velocity()[0] == doctest::Approx(2 * speed / 7).epsilon(1e-9));
     CHECK(c.w[ball].velocity()[0] - 0.5 * c.w[ball].angular_velocity()[1] ==
           doctest::Approx(speed).epsilon(1e-9));
     CHECK(c.w[floor].shape().offset == 0);
     CHECK(c.w[floor].position()[0] == doctest::Approx(moves ? speed : 0));
-    // Work of the belt: what the bodies have, and as much again for each is lost by sliding.
+    // Work of the belt: the energy of the bodies, and the same amount for each is lost by sliding.
     const real mass = c.w[crate].mass();
     CHECK(measure_energy(c.w).total.work ==
           doctest::Approx(mass * speed * speed + c.w[ball].mass() * speed * speed * 2 / 7)
@@ -147,7 +147,7 @@ TEST_CASE("restitution is relative to the wall") {
   c.run(2, 0.01);
   CHECK(c.w[struck].velocity()[0] == doctest::Approx(2 + 0.5 * 2).epsilon(1e-9));
   CHECK(c.w[coming].velocity()[0] == doctest::Approx(2 + 0.5 * 3).epsilon(1e-9));
-  // The face comes at 0.5 * 4 along its normal, a little turned by then.
+  // The face moves at 0.5 * 4 along its normal, slightly rotated by then.
   CHECK(c.w[batted].velocity().norm() == doctest::Approx(1.5 * 0.5 * 4).epsilon(0.03));
   CHECK(c.w[batted].velocity()[1] > 2.8);
 }
@@ -193,7 +193,7 @@ TEST_CASE("what comes fast, from where nothing was in reach, is met") {
   std::vector<handle<sphere>> row;
   for (int k = 0; k < 5; ++k) row.push_back(c.w.add(sphere{0.2}, c.rough, {real(k), 5, 0}));
   const auto target = c.w.add(sphere{0.2}, c.rough, {0, 0, 0});
-  c.run(0.2, 0.01);  // pairs are kept by now
+  c.run(0.2, 0.01);  // the neighbour list is kept by now
   const auto later = [](const vec3& v) {
     return [v](real t) { return rigid_displacement{.shift = std::max(t - 1, real(0)) * v}; };
   };
@@ -299,7 +299,7 @@ TEST_CASE("a step in which contacts make a body far faster than anything was is 
   c.run(0.1, 0.01);
   CHECK(c.w.state().driving.leap.step == 0);
   auto& s = c.w.state();
-  s.solver.bodies[0].v = {0, 0, 19};  // the lid goes at 2, the sphere at 1.1
+  s.solver.bodies[0].v = {0, 0, 19};  // the lid moves at 2, the sphere at 1.1
   detail::watch_leaps(s);
   CHECK(s.driving.leap.step == 0);
   s.solver.bodies[0].v = {0, 0, 40};

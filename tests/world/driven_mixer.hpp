@@ -1,6 +1,6 @@
 #pragma once
-// A pit with spheres whose floor is shaken, one of whose sides comes and goes, and in which a
-// paddle turns, for the tests of driven bodies.
+// A pit with spheres whose floor is shaken, with one oscillating side, and in which a paddle
+// rotates, for the tests of driven bodies.
 #include <cmath>
 #include <string>
 #include <talus/observe/digest.hpp>
@@ -20,7 +20,7 @@ using mixer = scenario<bodies<sphere, box, plane>, decomposition<grid<dynamic, d
                        transport<threads>, Policies...>;
 using watched = features<driven, energy_ledger, momentum_balance>;
 
-/// Calls program(world) on each of `ranks` ranks (1, 2 or 4) that share out the square.
+/// Calls program(world) on each of `ranks` ranks (1, 2 or 4) that share the square.
 template <class Scenario, class Program>
 void on(int ranks, Program&& program) {
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
@@ -33,7 +33,7 @@ struct parts {
   handle<plane> floor, side;
   handle<box> paddle;
 };
-/// A pit whose floor is shaken and one of whose sides comes and goes, with a paddle in it.
+/// A pit whose floor is shaken and one of whose sides oscillates, with a paddle in it.
 template <class World>
 parts set_up_mixer(World& w) {
   w.gravity({0, 0, -10});

@@ -1,5 +1,5 @@
-// Driven bodies with all solvers and both kinds of contacts: nothing passes a wall, and the books
-// close.
+// Driven bodies with all solvers and both kinds of contacts: nothing passes a wall, and the energy
+// ledger closes.
 // long
 // plain
 // timeout: 900

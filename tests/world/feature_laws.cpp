@@ -1,5 +1,5 @@
-// The laws of columns and features: each column travels as it says, and survives migration,
-// sorting, removal and checkpoints; hooks act at their stages, in their order.
+// The laws of columns and features: each column is sent in its declared mode, and survives
+// migration, sorting, removal and checkpoints; hooks act at their stages, in their order.
 #include <doctest/doctest.h>
 
 #include <cstdio>
@@ -51,7 +51,7 @@ struct staying {
   static constexpr std::uint16_t initial = 9;
 };
 
-/// What a step makes of `refreshed`.
+/// The value of `refreshed` after a step.
 double mark_of(system_id id, std::uint64_t steps) {
   return static_cast<double>(value_of(id) & 0xffff) + 1000. * static_cast<double>(steps);
 }
@@ -185,7 +185,7 @@ std::map<std::uint64_t, byte_buffer> of_all_ranks(
   return all;
 }
 
-/// How many shadow copies there are; each has what its owner has, in the columns that travel so.
+/// The number of shadow copies; each has the value of its owner, in the columns that are sent so.
 template <travels Least, class World>
 std::size_t copies_agree(World& w) {
   const auto pick = [](const auto& store, std::size_t i) {
@@ -243,7 +243,7 @@ TEST_CASE("a column that travels when something has changed does so then, and no
     };
     for (int k = 0; k < 3; ++k) w.step(dt);
     CHECK(copy() == 0);
-    // Behind the back of the world, as no user can:
+    // Bypassing the world, as no user can:
     auto& store = w.state().template of<sphere>().movable;
     store.template column<changed>()[0] = 5;
     w.step(dt);

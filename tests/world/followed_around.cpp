@@ -1,7 +1,7 @@
 // plain
 // timeout: 300
-// Periodic space where islands sleep and bodies are followed on their way: what strikes across a
-// side wakes, nothing passes through anything, and momentum stays.
+// Periodic space with sleeping islands and continuous collision: a body that strikes across a side
+// wakes the island, nothing passes through anything, and momentum is conserved.
 #include <doctest/doctest.h>
 
 #include <mutex>
@@ -40,7 +40,7 @@ void on(int x, int y, Main&& main) {
   });
 }
 
-/// A row of spheres over the side at x = 20, whole and asleep, that a bullet strikes from behind.
+/// A row of spheres over the side at x = 20, sleeping, that a bullet strikes from behind.
 template <class World>
 void row(World& w) {
   for (int k = 0; k < 8; ++k) {
@@ -69,7 +69,7 @@ void check_row(real speed) {
         const motion m = measure_motion(w);
         CHECK((m.momentum - first).norm() < 1e-9 * first.norm());
       }
-      // All are awake and go on together; the bullet is still behind them.
+      // All are awake and move on together; the bullet is still behind them.
       CHECK(measure_motion(w).asleep == 0);
       double slowest = 1e9;
       w.for_each_local(

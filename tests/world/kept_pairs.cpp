@@ -1,4 +1,4 @@
-// Pairs that are kept from step to step: none that touches is missed, whatever happens in between.
+// Neighbour lists that are kept from step to step: no touching pair is missed, in any case.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -88,7 +88,7 @@ TEST_CASE(
     std::size_t missed = 0, compared = 0;
     int kept = 0;
     for (int step = 0; step < 500; ++step) {
-      if (step > 150 && step % 40 == 0) {  // behind the world's back, as it were
+      if (step > 150 && step % 40 == 0) {  // bypassing the world
         const auto which = engine() % s.spheres.size();
         if (step % 80 == 0) {
           s.w.destroy(s.spheres[which]);
@@ -108,14 +108,14 @@ TEST_CASE(
     }
     CHECK(compared > 10000);
     CHECK(missed == 0);
-    CHECK(kept > 100);  // or nothing has been tested
+    CHECK(kept > 100);  // otherwise nothing was tested
   }
 }
 
 TEST_CASE("contacts of kept pairs take up the impulses of the step before") {
   scene s(3);
   for (int step = 0; step < 700; ++step) s.w.step(1.0 / 240);
-  s.w.solver().iterations = 1;  // without impulses to start from, one sweep cannot carry a heap
+  s.w.solver().iterations = 1;  // without a warm start, one sweep cannot carry a heap
   const auto highest = [&] {
     real speed = 0;
     for (const vec3& v : s.w.state().of<sphere>().movable.velocity) speed += v.norm();

@@ -1,5 +1,5 @@
-// Pairs and shadow copies that are kept from step to step while bodies change their owner: nothing
-// that touches is missed, and nothing is forgotten.
+// Neighbour lists and shadow copies that are kept from step to step while bodies migrate: no
+// touching pair is missed, and no impulse is lost.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct grain {
   real radius;
 };
 
-/// What the ranks found in a step, put together.
+/// The contacts of all ranks in a step.
 struct findings {
   std::mutex guard;
   std::vector<grain> spheres;
@@ -151,7 +151,7 @@ TEST_CASE_TEMPLATE("no contact is missed and each is solved once while bodies ch
     CHECK(twice == 0);
     CHECK(all.moved > 80);
     CHECK(all.kept > all.searched);
-    CHECK(kept_while_moving > 30);  // or nothing has been tested
+    CHECK(kept_while_moving > 30);  // otherwise nothing was tested
   }
 }
 
@@ -207,5 +207,5 @@ TEST_CASE("contacts of bodies that change their owner start from the impulses of
   CHECK(compared > 10000);
   CHECK(came > 50);
   CHECK(after_arrival > 20);
-  CHECK(15 * forgotten < came);  // few turn so much that friction takes part of it away
+  CHECK(15 * forgotten < came);  // few rotate so much that friction takes part of it away
 }

@@ -1,4 +1,4 @@
-// Bodies larger than a domain: what the connections do not cover is reported, nothing is lost.
+// Bodies larger than a domain: gaps in the coverage by connections are reported, nothing is lost.
 // plain
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
-// Walls of triangles in a world: what slides and rolls over them moves as over a plane, what falls
-// into them stays inside, on one rank and on four.
+// Walls of triangles in a world: bodies slide and roll over them as over a plane, bodies that fall
+// into them stay inside, on one rank and on four.
 // plain
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-// Momentum across ranks: what one rank gives, another one takes.
+// Momentum across ranks: the momentum that one rank loses, another one gains.
 #include <doctest/doctest.h>
 
 #include "collision_cloud.hpp"

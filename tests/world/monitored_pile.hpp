@@ -1,5 +1,5 @@
 #pragma once
-// A pile of spheres and boxes with all that the energy ledger books, for the tests of monitors.
+// A pile of spheres and boxes with all entries of the energy ledger, for the tests of monitors.
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
@@ -29,7 +29,7 @@ constexpr real g = 9.81, dt = 1.0 / 240;
 
 inline grid<dynamic, dynamic> cells() { return {.lower = {-3, -3}, .upper = {3, 3}}; }
 
-/// Spheres in a pit; where the scenario has them, boxes too, of which one is a belt.
+/// Spheres in a pit; if the scenario has them, boxes too, of which one is a belt.
 template <class World>
 void set_up_pile(World& w) {
   using scenario_type = typename World::scenario_type;

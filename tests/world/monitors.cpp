@@ -1,5 +1,5 @@
-// The monitors: what they say of scenes with closed forms, that their books close to round-off in
-// every step on any number of ranks, and that they change nothing.
+// The monitors: their values for scenes with closed forms, closure to round-off in every step on
+// any number of ranks, and no effect on the trajectory.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ using watched_euler =
     soft_scene<rolling_springs, semi_implicit_euler, energy_ledger, momentum_balance>;
 using watched_verlet = soft_scene<hertz_springs, velocity_verlet, energy_ledger, momentum_balance>;
 
-// What no monitor is named for is not stored.
+// Without a monitor nothing is stored.
 static_assert(std::is_empty_v<detail::monitor_records<type_list<forces, damping>>>);
 
 /// Runs `program(world)` on one rank.
@@ -36,7 +36,7 @@ void alone(Program&& program) {
   });
 }
 
-/// Takes a step; the books must close in it. What it says is correct on all ranks.
+/// Makes a step; the ledger must close in it. Its values are correct on all ranks.
 template <class World>
 energy_balance watched_step(World& w, real length = dt) {
   w.step(length);
@@ -53,7 +53,7 @@ void add_floor(world<watched>& w, material_id stuff) {
   w.global([&](auto& scope) { scope.add(plane{}, stuff); });
 }
 
-/// What a run of such a pile says on rank 0, on its way checked in every step.
+/// The values of a run of such a pile on rank 0, checked in every step.
 template <class Scenario>
 energy_balance watch_soft_pile(int ranks) {
   energy_balance last;
@@ -298,7 +298,7 @@ TEST_CASE("no passive scene gains energy; at rest the floor bears the weight abo
         last = now;
       }
       const momentum_account m = measure_momentum(w);
-      const vec3 on_ground = contact_force(w, ground);  // all ranks ask alike
+      const vec3 on_ground = contact_force(w, ground);  // all ranks call it alike
       const force_balance balance = measure_force_balance(w);
       if (w.rank() != 0) return;
       CHECK(balance.borne == doctest::Approx(m.borne_weight()).epsilon(1e-9));
@@ -310,7 +310,7 @@ TEST_CASE("no passive scene gains energy; at rest the floor bears the weight abo
               b.total.scheme, ", correction ", b.total.correction, ", impact ", b.total.impact,
               ", friction ", b.total.friction);
       CHECK(b.kinetic + b.potential < b.initial);
-      CHECK(rise < 1e-7);  // what iterations leave of impulses between bodies at rest
+      CHECK(rise < 1e-7);  // the residue of iterations in impulses between resting bodies
       CHECK(m.borne_weight() == doctest::Approx(1).epsilon(1e-6));
       CHECK(on_ground[2] == doctest::Approx(-m.mass * g * m.borne_weight()).epsilon(1e-12));
     });

@@ -1,4 +1,4 @@
-// No monitor changes a trajectory by a bit: each by itself.
+// No monitor changes a bit of a trajectory: each on its own.
 // long
 // timeout: 300
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
-// Bodies are neither lost nor doubled: faults of a transport, of ownership and of copies are put
-// in, and each ends the run by name in the step in which it happened.
+// Bodies are neither lost nor duplicated: faults of a transport, of ownership and of copies are
+// injected, and each ends the run with the id of the body in the step in which it happened.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -15,7 +15,7 @@ using namespace talus;
 
 namespace {
 
-/// Threads whose messages of unknown size a test may change, drop (0) or double (2) on their way.
+/// Threads whose messages of unknown size a test may change, drop (0) or duplicate (2).
 struct faulty {
   static constexpr const char* name = "faulty";
   using fault = std::function<int(int from, int to, detail::byte_buffer& message)>;
@@ -97,7 +97,7 @@ std::string run(int ranks, std::function<void(row_world&)> edit = {}) {
   }
   return "";
 }
-/// The same with a fault in the message in which rank 0 hands its body over to rank 1.
+/// The same with a fault in the message in which rank 0 migrates its body to rank 1.
 std::string run_with(std::function<int(detail::byte_buffer&)> fault) {
   std::uint64_t handed_over = 0;
   faulty::way = [&](int from, int to, detail::byte_buffer& message) {
@@ -217,7 +217,7 @@ TEST_CASE("a body that vanishes from a rank, or appears there, is named by that 
 
 namespace {
 
-/// Puts the body of rank 0 on `rank` as well, with a count that does not tell.
+/// Puts the body of rank 0 on `rank` as well, with a count that hides it.
 void own_too(row_world& w, int rank, real x) {
   if (w.rank() != rank) return;
   auto& s = w.state();
@@ -241,7 +241,7 @@ TEST_CASE("a body with two owners is named with both, when copies are made or wh
                    if (w.steps() == 3) own_too(w, 1, 10.2);
                  }),
              {first, "has two owners in step 3, rank ", "0", "1", "it is there twice"}));
-  // Out of reach of the boundary, so nobody hears of it until the first one comes.
+  // Out of reach of the boundary, so no other rank notices until the first one arrives.
   CHECK(says(run(2,
                  [](row_world& w) {
                    if (w.steps() == 3) own_too(w, 1, 15);

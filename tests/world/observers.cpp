@@ -1,5 +1,5 @@
-// What observers say is what is there: fields add up to the bodies and to the weight above, flow to
-// what has passed, contacts to the forces, whatever the number of ranks.
+// The values of observers are correct: fields add up to the bodies and to the weight above, flow to
+// the crossings, contacts to the forces, on any number of ranks.
 // long
 #include <doctest/doctest.h>
 
@@ -99,7 +99,7 @@ void check_fields(int ranks, double close) {
       const double all = sum_of(w, momentum[k]);
       CHECK(in_cells_momentum[k] == doctest::Approx(all).epsilon(1e-9));
     }
-    // In a slice the stress is the mean over heights of what lies above, which is known exactly.
+    // In a slice the stress is the mean over heights of the load above, which is known exactly.
     const int slices = 8;
     const double h = 0.5, area = width * width;
     std::vector<double> borne(slices);

@@ -1,5 +1,5 @@
-// A law of one's own in a scenario: the liquid bridges of examples/own_law act beyond touch, over
-// ranks and sides of a periodic box, on driven bodies, and in the books of energy.
+// A user-defined law in a scenario: the liquid bridges of examples/own_law act beyond touch, over
+// ranks and sides of a periodic box, on driven bodies, and in the energy ledger.
 // plain
 #include <doctest/doctest.h>
 
@@ -88,7 +88,7 @@ outcome run_grains(int ranks) {
     }
     const std::string digest = state_digest(w);
     const auto figures = summarize(w, 0, 0);
-    // Forces that pull at a gap.
+    // Attractive forces at a positive gap.
     std::uint64_t beyond = 0;
     detail::each_loaded_contact(w.state(), [&](const loaded_contact& c, bool counts) {
       beyond += counts && c.force.dot(c.normal) < 0;
@@ -135,7 +135,7 @@ void compare_ranks() {
 template <class Integrator>
 std::pair<real, real> pull_apart(int ranks) {
   const real speed = 2, r = 0.5, dt = 1e-4;
-  // Verlet looks at the contact for the first time after a step.
+  // Verlet computes the contact for the first time after a step.
   const bool later = std::is_same_v<Integrator, velocity_verlet>;
   const real overlap = (later ? 2 * speed * dt : 0) + 1e-9;
   std::pair<real, real> result;
@@ -194,7 +194,7 @@ TEST_CASE("a bridge acts across the sides of a periodic box") {
                       reach{2});
       const auto m = w.material(grain);
       w.interaction(m, m, water);
-      // They touch across the side, and part; the bridge brings them back.
+      // They touch across the side, and separate; the bridge pulls them back.
       w.add_if_local(
           body{.shape = sphere{0.5}, .position = {-3.51, 0, 0}, .velocity = {0.3, 0, 0}});
       w.add_if_local(
@@ -242,7 +242,7 @@ TEST_CASE("a driven plate lifts a wet grain, and a dry one stays") {
       const vec3 pull = contact_force(w, plate);
       if (h && wet) CHECK(w[*h].position()[2] == doctest::Approx(0.5).epsilon(0.02));
       if (h && !wet) CHECK(w[*h].position()[2] < -2);
-      // What hangs on the plate weighs on it.
+      // The hanging body's weight acts on the plate.
       const real weight = 10 * pi / 6;
       CHECK(pull[2] == doctest::Approx(wet ? -weight : 0).epsilon(0.02));
     });
@@ -317,7 +317,7 @@ TEST_CASE("a pair within range without a bridge is no contact") {
     w.step(1e-5);
     CHECK(std::get<detail::soft_contacts>(w.state().contacts).size() == 0);
     CHECK(contact_force(w, b)[0] == 0);
-    // A law added to a world that runs reaches farther from the next step on.
+    // A law added to a running world reaches farther from the next step on.
     auto more = water;
     more.volume = 1;
     w.interaction(m, m, more);

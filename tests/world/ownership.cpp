@@ -129,11 +129,11 @@ TEST_CASE(
 }
 
 TEST_CASE("a body that is released next to a boundary takes as much momentum as it gives") {
-  // What lay against it was solved by the other rank alone, which remembers its impulse.
+  // Contacts with it were solved by the other rank alone, which stores their impulse.
   threads::launch({.ranks = 2}, [&](threads::link& link) {
     world<halves> w(link, {.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
-    w.solver().iterations = 1;  // more would forget where they began
+    w.solver().iterations = 1;  // more would hide a lost warm start
     for (const double x : {-2.4, -1.4, -0.4})
       w.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, 0}, .material = stuff});
     const auto fixed = w.add_if_local(

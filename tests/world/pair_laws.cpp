@@ -1,5 +1,5 @@
-// What contacts of a pair must do, whatever the shapes and on however many ranks: act on both
-// bodies, and be found.
+// The laws of contacts of a pair, for any shapes and on any number of ranks: act on both bodies,
+// and be found.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -34,8 +34,8 @@ struct pair_of_bodies {
   vec3 a, b;  ///< displacements
 };
 
-/// Pairs of bodies that overlap along x, side by side, after a step of which nothing but the
-/// correction moves them. The heavier one has twice the density.
+/// Pairs of bodies that overlap along x, side by side, after a step in which only the correction
+/// moves them. The heavier one has twice the density.
 template <class A, class B>
 std::vector<pair_of_bodies> correct(const A& a, const B& b, real apart, int pairs, int ranks) {
   std::vector<pair_of_bodies> moved(static_cast<std::size_t>(pairs));
@@ -108,7 +108,7 @@ TEST_CASE("bodies of two materials rebound with the mean of their restitutions")
 }
 
 TEST_CASE("a body that several bodies of another rank strike at once gains no energy") {
-  // Boundary contacts are solved simultaneously: without masses in parts each would give the whole
+  // Boundary contacts are solved simultaneously: with undivided masses each would give the full
   // impulse.
   for (const int spheres : {2, 4, 6})
     for (const int iterations : {1, 2, 3, 10}) {
@@ -140,9 +140,9 @@ TEST_CASE("a body that several bodies of another rank strike at once gains no en
 }
 
 TEST_CASE("what touches from as far as bodies reach is found on both of two ranks") {
-  // The one sphere lies at the boundary with its centre, the other touches it from the other side:
-  // as far from the boundary as a body can be that touches something there. In every direction, of
-  // every ratio of sizes, at speeds that add next to nothing to what bodies reach.
+  // One sphere has its centre at the boundary, the other touches it from the other side: at the
+  // largest distance from the boundary at which a body can touch something there. In every
+  // direction, of every ratio of sizes, at speeds that add next to nothing to the reach of bodies.
   for (const real ratio : {1.0, 0.5, 0.1})
     for (const bool left : {false, true})
       for (const real speed : {1e-3, 1.0}) {

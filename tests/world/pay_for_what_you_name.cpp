@@ -1,5 +1,5 @@
-// What a scenario does not name is not stored: columns, contacts, arrays of the solver. (That it is
-// not in the program either is looked up in its symbols: tests/symbols.)
+// Features that a scenario does not name are not stored: columns, contacts, arrays of the solver.
+// (tests/symbols checks that the program does not contain them either.)
 #include <doctest/doctest.h>
 
 #include <talus/observe/memory.hpp>
@@ -31,7 +31,7 @@ using store_of = body_store<Shape, type_list<Features...>>;
 static_assert(!complete<threads> && !complete<mpi> && !complete<as_launched>,
               "a serial world includes another transport");
 
-// Spheres store no orientation, no tensor, no forces unless asked for; boxes have an orientation.
+// Spheres store no orientation, no tensor, no forces unless requested; boxes have an orientation.
 using ball_store = store_of<sphere>;
 static_assert(std::is_same_v<ball_store::list,
                              type_list<columns::id, columns::position, columns::velocity,
@@ -50,7 +50,7 @@ static_assert(
     !store_of<plane, orientation, forces, sleeping>::oriented &&
     std::is_same_v<store_of<plane, orientation, forces, sleeping>::list, store_of<plane>::list>);
 
-// One storage for each shape that is named, and one list for each kind of contact they make.
+// One storage for each named shape, and one list for each kind of contact they make.
 template <class Scenario>
 using state_of = world_state<Scenario>;
 static_assert(std::is_same_v<state_of<spheres>::tuple_type,
@@ -63,7 +63,7 @@ static_assert(
 static_assert(std::tuple_size_v<state_of<serial_world<full_law, sphere, plane>>::lists_type> == 2);
 static_assert(std::tuple_size_v<state_of<boxes>::lists_type> > 2);
 
-// Nobody sleeps, and nothing is kept for it.
+// No body sleeps, and no data for it are stored.
 template <class State>
 concept keeps_what_features_keep = requires(State& s) {
   s.sleep;
@@ -74,7 +74,7 @@ concept keeps_what_features_keep = requires(State& s) {
 static_assert(!keeps_what_features_keep<state_of<spheres>> && !state_of<spheres>::sleeps &&
               std::is_empty_v<slots_of_features<spheres::features, spheres>>);
 
-// The domain of a rank that is alone is all of space.
+// The domain of a single rank is all of space.
 static_assert(std::is_empty_v<state_of<spheres>::domain_type>);
 
 // Frictionless contacts have no tangent.
@@ -96,7 +96,7 @@ using smooth_box = general_contact<hard_contact<>, contact_side::tensor, contact
 static_assert(smooth_box::rows == 1 && rough_box::rows == 3);
 static_assert(sizeof(smooth_box) < sizeof(rough_box));
 
-/// A small heap of overlapping spheres, and a box where there are boxes, after some steps.
+/// A small heap of overlapping spheres, and a box if there are boxes, after some steps.
 template <class Scenario, class Check>
 void after_steps(Check&& check) {
   serial::link link;

@@ -1,4 +1,4 @@
-// Space that repeats itself: what leaves on one side comes in on the other, on any number of ranks.
+// Periodic space: bodies that leave on one side enter on the other, on any number of ranks.
 #include <doctest/doctest.h>
 
 #include <mutex>
@@ -25,7 +25,7 @@ template <class Solver = nonlinear_gauss_seidel, class... More>
 using sideways = scenario<bodies<sphere, box, plane>, solver<Solver>, transport<threads>,
                           decomposition<periodic<grid<dynamic>, along::x, along::y>>, More...>;
 
-/// A box of 8 x 6 around the origin, endless upwards.
+/// A box of 8 x 6 around the origin, unbounded upwards.
 template <class Decomposition>
 Decomposition layout(int x, int y) {
   return {{.cells = {x, y, 1}, .lower = {-4, -3}, .upper = {4, 3}}};
@@ -44,7 +44,8 @@ void on(int x, int y, Main&& main) {
 
 const std::vector<std::pair<int, int>> shares{{1, 1}, {2, 1}, {1, 2}, {3, 1}, {2, 2}, {4, 3}};
 
-/// Two spheres that meet at `place`, as seen from there; of both, in the order of their ids.
+/// Two spheres that meet at `place`, in coordinates of that place; of both, in the order of their
+/// ids.
 template <class Scenario>
 std::vector<vec3> meeting_at(const vec3& place, int x, int y) {
   std::vector<vec3> seen(4);

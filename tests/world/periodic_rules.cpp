@@ -1,4 +1,4 @@
-// What holds in a periodic box besides the motion: what is reported, counted and refused.
+// Rules of a periodic box besides the motion: reports, counts and refusals.
 // plain
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
-// Contacts solved in float: the laws that hold in double hold to the round-off of floats, and what
-// contacts do not touch moves as in double.
+// Contacts solved in float: the laws of double hold to the round-off of floats, and bodies without
+// contacts move as in double.
 // long
 #include <doctest/doctest.h>
 
@@ -70,7 +70,7 @@ void set_up(World& w, bool cloud) {
   w.synchronize();
 }
 
-/// Takes `steps` steps on threads, then calls f(world, whether this rank is the one that speaks).
+/// Makes `steps` steps on threads, then calls f(world, whether this is the reporting rank).
 template <class Scenario, class F>
 void on(int ranks, int steps, bool cloud, F&& f) {
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
@@ -125,7 +125,7 @@ TEST_CASE("two spheres collide as the closed form says, to the round-off of floa
   const auto b = w.add(body{.shape = sphere{0.8}, .position = {1.6, 0, 0}, .velocity = {-1, 0, 0}});
   const real ma = w[a].mass(), mb = w[b].mass();
   for (int k = 0; k < 60; ++k) w.step(dt);
-  // Where they meet follows from the gaps, which are doubles.
+  // The contact points follow from the gaps, which are doubles.
   const vec3 n = (w[a].velocity() - vec3(3, 1, 0)).normalized();
   const real before = n.dot(vec3(4, 1, 0));
   CHECK(before < -3);

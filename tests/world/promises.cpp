@@ -1,5 +1,5 @@
-// What every solver promises: the same scene on as many ranks ends with the same bits, whatever
-// else the machine does.
+// The promises of every solver: the same scene on as many ranks ends with the same bits, under any
+// load of the machine.
 // long
 // timeout: 3600
 #include <doctest/doctest.h>
@@ -29,7 +29,7 @@ using scene = scenario<bodies<sphere, box, plane>, decomposition<grid<dynamic, d
 using soft =
     scene<soft_contact<linear_spring_dashpot, coulomb_friction>, integrator<velocity_verlet>>;
 
-/// A pile of spheres, or of boxes with friction, in a box of planes: digests on the way.
+/// A pile of spheres, or of boxes with friction, in a box of planes: digests during the run.
 template <class Scenario>
 std::vector<std::string> digests(int ranks, bool boxes) {
   std::vector<std::string> all;

@@ -1,4 +1,4 @@
-// The same bits on any number of ranks, however they share space: spheres.
+// The same bits on any number of ranks, for any decomposition: spheres.
 #include "reproducible.hpp"
 
 #include <mutex>

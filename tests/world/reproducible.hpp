@@ -1,5 +1,5 @@
 #pragma once
-// The same heap on any number of ranks, however they share space.
+// The same heap on any number of ranks, for any decomposition.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -19,7 +19,7 @@ namespace {
 
 using namespace talus;
 
-/// A way to share out the square from -4 to 4 in x and y.
+/// A decomposition of the square from -4 to 4 in x and y.
 struct sharing {
   const char* name;
   int ranks;
@@ -44,7 +44,8 @@ inline std::vector<sharing> sharings() {
   };
 }
 
-/// The digest after `steps` steps of what set_up(world) begins; tend(world, step) comes after each.
+/// The digest after `steps` steps of the scene of set_up(world); tend(world, step) is called after
+/// each.
 template <class Scenario, class SetUp, class Tend>
 std::string digest_of(const sharing& how, int steps, SetUp&& set_up, Tend&& tend) {
   std::string digest;
@@ -67,7 +68,7 @@ std::string digest_of(const sharing& how, int steps, SetUp&& set_up, Tend&& tend
   return digest;
 }
 
-/// Checks that all ways to share space give one digest, and returns it.
+/// Checks that all decompositions give one digest, and returns it.
 template <class Scenario, class SetUp, class Tend>
 std::string check_same(int steps, SetUp&& set_up, Tend&& tend) {
   std::string first;

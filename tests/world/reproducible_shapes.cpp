@@ -1,4 +1,4 @@
-// The same bits on any number of ranks, however they share space: shapes that turn.
+// The same bits on any number of ranks, for any decomposition: rotating shapes.
 // timeout: 300
 // long
 #include "reproducible.hpp"

@@ -1,7 +1,7 @@
 // plain
 // timeout: 300
-// Islands that sleep and wake, and bodies that are followed on their way: the same bits on any
-// number of ranks, however they share space.
+// Sleeping and waking islands, and continuous collision: the same bits on any number of ranks, for
+// any decomposition.
 #include "reproducible.hpp"
 
 #include <atomic>
@@ -24,7 +24,7 @@ void piles(World& w) {
   for (int k = 0; k < 7; ++k)
     w.add_if_local(body{.shape = box{{0.99, 0.5, 0.5}}, .position = {k - 3.2, 3, 0.25}});
 }
-/// Comes and goes, so that islands wake by a strike, by a loss and by the user's hand.
+/// Added and removed, so that islands wake by an impact, by a loss and by the user.
 template <class World>
 void disturb(World& w, int k) {
   if (k % 60 == 30)
@@ -57,7 +57,7 @@ TEST_CASE("islands fall asleep and wake with the same bits on any ranks") {
         disturb(w, k);
       });
   CHECK(slept > 8 * 20);     // in each of the 8 runs
-  CHECK(woken < slept - 8);  // what lay on the bodies that were destroyed
+  CHECK(woken < slept - 8);  // the islands that rested on the destroyed bodies
 }
 
 TEST_CASE("bullets that wake what they strike leave the bits the same on any ranks") {

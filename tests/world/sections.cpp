@@ -1,4 +1,4 @@
-// Exclusive and global sections, and what may not happen in them.
+// Exclusive and global sections, and calls that are forbidden in them.
 // plain
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-// Walls that are held at a force confine a packing, and floors bear what lies on them.
+// Walls that are held at a force confine a packing, and floors bear the bodies on them.
 // long
 #include <doctest/doctest.h>
 
@@ -19,7 +19,7 @@ template <class Law>
 using scene = scenario<bodies<sphere, plane>, Law, transport<threads>,
                        decomposition<grid<dynamic, dynamic>>, features<driven>>;
 
-/// A packing under a lid that presses with `force`: what the lid and the floor bear, in the mean
+/// A packing under a lid that presses with `force`: the load on the lid and the floor, as the mean
 /// over the last quarter of the steps.
 template <class Law>
 void confine(int ranks, real force, real g, int steps, real dt) {

@@ -113,11 +113,11 @@ namespace {
 
 struct said {
   std::uint64_t in_motion,
-      changed;        ///< bytes of a step, and of one before which a body was changed
+      changed;        ///< bytes of a step, and of one after a change of a body
   std::size_t forms;  ///< that the rank knows
 };
 
-/// What a rank sends with four bodies on each side of a boundary, all seen from there.
+/// The messages of a rank with four bodies on each side of a boundary, all within reach of it.
 template <class Shape>
 said bytes_of_step(threads::link& link, const Shape& shape) {
   world<scenario<bodies<Shape>, decomposition<grid<2>>>> w(link,
@@ -138,7 +138,7 @@ said bytes_of_step(threads::link& link, const Shape& shape) {
   };
   const auto in_motion = bytes();
   std::uint64_t changed = 0;
-  for (int k = 0; k < 2; ++k) {  // at first the other rank has to learn the form again
+  for (int k = 0; k < 2; ++k) {  // at first the other rank must receive the form again
     w.for_each_local([](auto b) { b.set_velocity({0, 0, 0}); });
     changed = bytes();
   }
@@ -155,12 +155,12 @@ TEST_CASE("the form of a body travels when it is new to a neighbour, and by its 
     const said boxes = bytes_of_step(link, box{{1.2, 1, 1}});
     const said stones = bytes_of_step(link, stone);
     if (link.rank() == 0) MESSAGE(stones.changed, " bytes a step; a form takes ", whole.size());
-    CHECK(stones.in_motion == boxes.in_motion);  // only where the bodies are
+    CHECK(stones.in_motion == boxes.in_motion);  // only poses
     CHECK(boxes.changed > boxes.in_motion);
     CHECK(stones.changed == boxes.changed + 4 * 17 - 4 * sizeof(box));
     CHECK(whole.size() > 1000);
     CHECK(boxes.forms == 0);
-    CHECK(stones.forms == 1);  // what came in is one with what was here
+    CHECK(stones.forms == 1);  // received forms are shared with existing ones
   });
 }
 

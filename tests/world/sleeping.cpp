@@ -1,5 +1,5 @@
-// features<sleeping>: what rests goes to sleep, on all ranks alike; what is touched wakes, and goes
-// on where it stopped.
+// features<sleeping>: resting islands are put to sleep, on all ranks alike; islands that are
+// touched wake, and continue from their state.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -44,7 +44,7 @@ double sum_of(World& w, double mine) {
   return mine;
 }
 double asleep(scene_world& w) { return static_cast<double>(measure_motion(w).asleep); }
-/// Those of one island, which has a user's mark: its bodies have y above or below 5.
+/// Bodies of one island, by a user's mark: they have y above or below 5.
 double asleep_beyond(scene_world& w) {
   double count = 0;
   w.for_each_local([&](const auto& b) { count += b.is_asleep() && b.position()[1] > 5; });
@@ -60,7 +60,7 @@ handle<plane> floor_of(scene_world& w) {
   w.global([&](auto& s) { h = s.add(plane{.normal = {0, 0, 1}}, {}); });
   return h;
 }
-/// A row of boxes, likewise, and one that comes sliding.
+/// A row of boxes, likewise, and one that slides towards it.
 void struck_row(scene_world& w) {
   for (int k = 0; k < 16; ++k)
     w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {k + 0.5, 0, 0.5}});
@@ -85,7 +85,7 @@ TEST_CASE("an island sleeps as of the same step, on any number of ranks") {
       floor_of(w);
       w.sleeping({.speed = 0.05, .time = 0.1});
       row_at(w, 0, 0.5);
-      // One that moves begins in the last slab and keeps all awake.
+      // A moving one starts in the last slab and keeps all awake.
       if (const auto h = w.add_if_local(
               body{.shape = sphere{0.5}, .position = {15.5, 1, 0.5}, .velocity = {0, 0, 1}}))
         w[*h].set_velocity({0, 0, 1});
@@ -330,7 +330,7 @@ TEST_CASE("an island goes on with the impulses it had, and its ranks agree on th
       w.wake();
       run(w, 1);
       CHECK(asleep(w) == 0);
-      CHECK(measure_motion(w).max_speed < 1e-3);  // a fall through one step would make it 5e-2
+      CHECK(measure_motion(w).max_speed < 1e-3);  // a fall of one step would make it 5e-2
       std::map<std::array<std::uint64_t, 3>, vec3> impulses;
       double apart = 0, shared = 0;
       for (const auto& c : w.state().history.entries())
@@ -499,7 +499,8 @@ TEST_CASE("sleeping bodies change hands when space is divided anew, and wake the
     w.decompose(slabs_of(4, 9));
     run(w, 20);
     CHECK(asleep(w) == 16);
-    const double weight = 10 * measure_motion(w).mass;  // what they remember went with them
+    const double weight = 10 * measure_motion(w).mass;  // the memory of their contacts migrated
+                                                        // with them
     CHECK(contact_force(w, floor)[2] == doctest::Approx(-weight).epsilon(1e-6));
     if (w.rank() == 3) CHECK(w.local_bodies() == 9);
     strike(w);

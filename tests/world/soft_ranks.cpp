@@ -1,5 +1,5 @@
-// Soft contacts over ranks: the same bits for every number of ranks, momentum to round-off,
-// springs that go with the bodies; and what a soft world stores, sends and reports.
+// Soft contacts over ranks: the same bits for every number of ranks, momentum to round-off, springs
+// that migrate with the bodies; and the storage, messages and reports of a soft world.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -39,8 +39,8 @@ const material stuff{.density = 1,
                      .youngs_modulus = 1e5,
                      .rolling_friction = 0.05};
 
-/// What slides, rolls and lies on a floor, in a few layers and of all sizes, drifting diagonally
-/// over the boundaries of the ranks.
+/// Bodies that slide, roll and lie on a floor, in a few layers and of all sizes, drifting
+/// diagonally over the boundaries of the ranks.
 template <class World>
 void set_up_heap(World& w) {
   w.material(stuff);
@@ -66,7 +66,7 @@ void set_up_heap(World& w) {
       w.add_if_local(body{.shape = sphere{random.uniform(0.15, 0.45)},
                           .position = place(0.95, k),
                           .velocity = {1.5, 0.5, 0}});
-  // Larger than what the ranks that it comes to have known so far.
+  // Larger than all bodies so far known to the ranks to which it moves.
   w.add_if_local(body{.shape = sphere{1.1}, .position = {-5, -0.4, 1.1}, .velocity = {6, 0.3, 0}});
 }
 
@@ -75,7 +75,7 @@ struct moment {
 };
 struct outcome {
   std::map<system_id, moment> bodies;
-  std::uint64_t crossings = 0, kept = 0;  ///< bodies that changed owner; contacts remembered
+  std::uint64_t crossings = 0, kept = 0;  ///< bodies that changed owner; contacts in the history
   double penetration = 0;
   std::uint64_t contacts = 0;
 };
@@ -210,7 +210,7 @@ TEST_CASE("a step sends one handover and no iterations; a dt beyond the critical
     const real mass = pi / 6, z = detail::damping_of_restitution(0.2);
     const real critical = 2 * (std::sqrt(1 + z * z) - z) / std::sqrt(2e4 / mass);
     const auto fine = figures_with(critical / 5), coarse = figures_with(critical * 1.01);
-    CHECK(fine.messages_per_step_max == 3);  // changes, bodies that leave, shadow copies
+    CHECK(fine.messages_per_step_max == 3);  // changes, migration, shadow copies
     CHECK(fine.collectives_per_step == 0);
     CHECK(fine.critical_dt == doctest::Approx(critical));
     CHECK_FALSE(dt_above_critical(fine));

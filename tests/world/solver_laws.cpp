@@ -1,4 +1,4 @@
-// What every contact solver must do. How well a problem is solved is measured by the residual.
+// The laws of every contact solver. The residual measures the quality of a solution.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr real g = 9.81, dt = 1.0 / 240;
 
-/// A heap of spheres and boxes in a box of planes, shared out in columns; or, without gravity and
+/// A heap of spheres and boxes in a box of planes, divided into columns; or, without gravity and
 /// walls, a cloud that falls together.
 template <class Solver, class... Monitors>
 struct heap {
@@ -61,7 +61,7 @@ struct heap {
         });
     w.synchronize();
   }
-  /// Takes `steps` steps, then calls f(world, whether this rank is the one that speaks).
+  /// Makes `steps` steps, then calls f(world, whether this is the reporting rank).
   template <class F>
   static void on(int ranks, int steps, F&& f, kind what = kind::heap) {
     threads::launch({.ranks = ranks}, [&](threads::link& link) {
@@ -73,7 +73,7 @@ struct heap {
   }
 };
 
-/// Small steps keep the books of a divided step too.
+/// With substeps the books include those of the substeps.
 using divided = heap<small_steps, energy_ledger, momentum_balance>;
 
 template <class World>
@@ -134,7 +134,7 @@ TEST_CASE_TEMPLATE(
         CHECK(told <= tolerance);
         if (!Heap::divides) CHECK(r.value == doctest::Approx(told).epsilon(1e-6));
       }
-      w.solver().max_iterations = 5;  // not enough, and said so
+      w.solver().max_iterations = 5;  // too few, and reported as such
       const std::uint64_t above = w.convergence().steps_above;
       const int parts = Heap::divides ? w.solver().iterations : 1;
       CHECK(iterations_of_step(w) == static_cast<std::uint64_t>(5 * parts));
@@ -356,7 +356,7 @@ TEST_CASE("the residual is what its definition says: two frictionless balls, one
   const real scale = std::max({std::hypot(r0, r1), rho * q, rho * std::hypot(u0, u1)});
   const real value = std::hypot(map(r0, u0), map(r1, u1)) / scale;
   const real worst = std::max(std::abs(map(r0, u0)), std::abs(map(r1, u1))) / scale * std::sqrt(2);
-  CHECK(w.convergence().residual == doctest::Approx(value).epsilon(1e-12));  // noted in the step
+  CHECK(w.convergence().residual == doctest::Approx(value).epsilon(1e-12));  // recorded in the step
   const contact_residual found = measure_residual(w);
   CHECK(found.contacts == 2);
   CHECK(value > 0.01);
@@ -370,12 +370,12 @@ TEST_CASE("the residual sees what the cone leaves out: sliding must oppose frict
   const auto map = [&](const vec3& r, const vec3& u) {
     return detail::natural_map(r, u, n, mu, rho).norm();
   };
-  CHECK(map({0, 0, 0}, {3, 0, 1}) == 0);        // parts
+  CHECK(map({0, 0, 0}, {3, 0, 1}) == 0);        // separates
   CHECK(map({0.3, 0, 1}, {0, 0, 0}) == 0);      // sticks inside the cone
   CHECK(map({-0.5, 0, 1}, {4, 0, 0}) < 1e-15);  // slides, friction against it
   CHECK(map({0.5, 0, 1}, {4, 0, 0}) > 0.5);     // with it
   CHECK(map({-0.3, 0, 1}, {4, 0, 0}) > 0.1);    // slides inside the cone
-  CHECK(map({-0.5, 0, 1}, {4, 0, 1}) > 0.5);    // parts under load
+  CHECK(map({-0.5, 0, 1}, {4, 0, 1}) > 0.5);    // separates under load
   CHECK(map({-0.5, 0, 1}, {4, 0, -1}) > 0.5);   // sinks
   CHECK(detail::natural_map({0.2, 0, 1}, {0, 0, 0}, n, 0, rho).norm() > 0.19);  // no friction
 }

@@ -1,4 +1,4 @@
-// Bodies are brought into an order in memory that follows their order in space.
+// Bodies are sorted in memory by their positions in space.
 // plain
 #include <doctest/doctest.h>
 
@@ -110,14 +110,14 @@ TEST_CASE("sorting between two steps loses neither contacts nor momentum nor cop
       w.material({.restitution = 0.5, .friction = 0.3});
       std::mt19937 random(3);
       std::uniform_real_distribution<real> some(-1, 1);
-      for (int k = 0; k < side * side * side; ++k) {  // in order, but another than the curve's
+      for (int k = 0; k < side * side * side; ++k) {  // sorted, but not by the curve
         const vec3 v(some(random), some(random), some(random));
         w.add_if_local(body{.shape = sphere{0.499}, .position = place_of_site(k), .velocity = v});
       }
       w.synchronize();
       const motion before = measure_motion(w);
       for (int step = 0; step < 3; ++step) {
-        if (step == 2) {  // in the midst of contacts that are remembered and pairs that are kept
+        if (step == 2) {  // while the history and the neighbour list are in use
           scatter_bodies(const_cast<detail::world_state<cloud>&>(w.state()));
         }
         w.step(0.01);
