@@ -105,7 +105,7 @@ real apart(const found& x, const found& y) {
 }
 struct tally {
   int pairs = 0, touching = 0, good = 0, other = 0;
-  int far = 0;       ///< of the others: where points lie farther from each other than 3e-3
+  int far = 0;       ///< of the others: points farther from each other than 3e-3
   real largest = 0;  ///< difference of the rest
 };
 template <class Make>

@@ -317,8 +317,7 @@ class on_rank {
       if (result_.momentum_error > 1e-12)
         fail("momentum changed by " + detail::text(result_.momentum_error, 3));
     }
-    // With gravity, the correction of overlaps works against it, and falling bodies gain speed
-    // first.
+    // With gravity, the position correction works against it, and falling bodies gain speed first.
     const real lowest = -p_.gravity * before.mass * p_.side;  // potential energy on the floor
     const real start = before.kinetic_energy + before.potential_energy - lowest;
     const real end = after.kinetic_energy + after.potential_energy - lowest;

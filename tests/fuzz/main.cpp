@@ -40,7 +40,7 @@ const family families[] = {{"spheres", fuzz::run_spheres},
                            {"around", nullptr}};
 #endif
 
-// Of the run under way, for reports when it cannot report itself.
+// Of the present run, for reports when it cannot report itself.
 char repeat[200];
 std::atomic<std::int64_t> started{0};  // ticks; 0: none
 

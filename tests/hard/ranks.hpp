@@ -32,9 +32,9 @@ struct way {
 struct outcome {
   std::vector<way> bodies;  ///< that can move, in the order in which they were added
   motion before, after;
-  penetration overlap;  ///< at the end
-  real deepest = 0;     ///< largest overlap at any time looked at, over the mean bounding radius
-  real highest_energy = 0;  ///< kinetic and potential, the largest at any time looked at
+  penetration overlap;      ///< at the end
+  real deepest = 0;         ///< largest overlap at any check, over the mean bounding radius
+  real highest_energy = 0;  ///< kinetic and potential, the largest at any check
   bool finite = true;
   std::uint64_t contacts = 0;  ///< that carry an impulse at the end
 

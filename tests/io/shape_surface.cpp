@@ -13,7 +13,7 @@ using namespace talus;
 
 namespace {
 
-/// Each edge runs once each way; the volume inside; no point outside the shape.
+/// Each edge runs once in each direction; the volume inside; no point outside the shape.
 template <class Shape>
 void check_closed(const Shape& shape, double part_of_volume) {
   CAPTURE(Shape::name);

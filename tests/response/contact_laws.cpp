@@ -109,7 +109,7 @@ TEST_CASE("a rebound has e^2 of the energy of the impact, less that of half a st
   const real after = rebound(e, -stored, 0, dt, g), after_at_surface = after + g * dt / 2;
   CHECK(after_at_surface * after_at_surface ==
         doctest::Approx(e * e * at_surface * at_surface).epsilon(1e-12));
-  // Above the surface the fall goes on, and the rise begins lower.
+  // Above the surface the fall continues, and the rise begins lower.
   CHECK(rebound(e, -stored, 0.01, dt, g) < after);
   CHECK(rebound(e, -stored, 0, dt, 0) == e * stored);
 }
@@ -118,7 +118,7 @@ TEST_CASE("what slides meets the dynamic coefficient, what sticks the static one
   const pair_material rough{.restitution = 0, .friction = 0.5, .dynamic_friction = 0.3};
   CHECK(ask(rough, {0.5 * g * dt, 0, 0}).friction == 0.5);
   CHECK(ask(rough, {1.1 * g * dt, 0, 0}).friction == 0.3);
-  CHECK(ask(rough, {0, 0, -5}).friction == 0.5);  // the normal velocity is no sliding
+  CHECK(ask(rough, {0, 0, -5}).friction == 0.5);  // sliding excludes the normal velocity
 }
 
 TEST_CASE("points that are new start from equal parts of what points bore that are gone") {

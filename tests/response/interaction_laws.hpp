@@ -137,7 +137,7 @@ void check_gradient(const typename Law::parameters& p, real overlap) {
   }
 }
 
-/// With dt = 0 the memory stays as it is, and the force is the same again.
+/// With dt = 0 the memory does not change, and the force is the same again.
 template <class Law>
 void check_no_time(const typename Law::parameters& p, real overlap) {
   auto memory = used_memory<Law>(p, overlap);

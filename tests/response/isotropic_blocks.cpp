@@ -146,7 +146,7 @@ TEST_CASE_TEMPLATE(
 TEST_CASE_TEMPLATE("blocks that are filled in part, and not in their order, conserve momentum",
                    Real, double, float) {
   using moving = typename random_heap<Real>::moving;
-  for (unsigned seed = 1; seed <= 400; ++seed) {  // of 400, some fill blocks in any odd way
+  for (unsigned seed = 1; seed <= 400; ++seed) {  // of 400, some fill blocks in irregular ways
     CAPTURE(seed);
     random_heap<Real> random(seed);
     const std::size_t count = 3 + seed % 20;

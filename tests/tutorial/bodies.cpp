@@ -48,7 +48,7 @@ TEST_CASE("a body has one system id on all ranks, and no other body has it") {
     for (const system_id id : ids) sum += static_cast<double>(value_of(id));
     CHECK(sum_of(world, sum) == 2 * sum);
 
-    auto view = world.find(mine);  // nothing where the body is not known
+    auto view = world.find(mine);  // null if the body is unknown
     REQUIRE(view.has_value());
     CHECK(view->id() == mine.id);
     CHECK_FALSE(view->is_remote());
@@ -117,7 +117,7 @@ TEST_CASE("fill visits a rank's own sites, with the same bodies on any number of
   int alone, of_three;
   CHECK(digest(1, alone) == digest(3, of_three));
   CHECK(alone == 243);
-  CHECK(of_three < 100);  // a rank does not even look at the sites of others
+  CHECK(of_three < 100);  // a rank does not visit the sites of others
 }
 
 TEST_CASE("bodies are moved anywhere after their creation, and synchronize brings them there") {
@@ -199,7 +199,7 @@ TEST_CASE("an agglomerate over five ranks moves as on one, and keeps its momentu
     return found;
   };
   const result alone = run(1), five = run(5);
-  CHECK(alone.spin[2] > 0.2);  // it was hit at both ends
+  CHECK(alone.spin[2] > 0.2);  // both ends were hit
   CHECK(five.spin[2] == doctest::Approx(alone.spin[2]).epsilon(1e-6));
   CHECK((five.position - alone.position).norm() < 1e-6);
   CHECK((five.velocity - alone.velocity).norm() < 1e-6);

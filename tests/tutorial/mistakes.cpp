@@ -1,4 +1,4 @@
-// Tutorial: what goes wrong most, and the message that each mistake gets, to the letter.
+// Tutorial: the most common mistakes, and the message for each, to the letter.
 // plain
 #include <doctest/doctest.h>
 
@@ -245,7 +245,7 @@ TEST_CASE("a body larger than the connections cover is refused, with the reach t
 TEST_CASE("a closed face keeps ranks apart, and a body that comes near it ends the run") {
   using sectors = scenario<bodies<sphere, plane>, decomposition<ring<6>>>;
   const auto wrong = [](auto& world) {
-    world.decompose({.hub = 2});  // a column of radius 2 is promised, and nobody adds it
+    world.decompose({.hub = 2});  // a column of radius 2 is declared but not added
     const auto iron = world.material(materials::iron);
     world.add_if_local(body{
         .shape = sphere{0.5}, .position = {4, 0.3, 0}, .material = iron, .velocity = {-10, 0, 0}});
@@ -268,7 +268,7 @@ void connect_quarters_without_corners(auto& world) {
 
 TEST_CASE("a body passes a forgotten corner by way of a third rank") {
   on_ranks<scene>(4, [](auto& world) {
-    connect_quarters_without_corners(world);  // and nobody checks
+    connect_quarters_without_corners(world);  // without a check
     const auto iron = world.material(materials::iron);
     world.exclusive(0, [&] {
       world.add(body{.shape = sphere{0.1},
@@ -286,7 +286,7 @@ TEST_CASE("a body passes a forgotten corner by way of a third rank") {
 
 TEST_CASE("two bodies that meet in a forgotten corner end the run") {
   const auto wrong = [](auto& world) {
-    connect_quarters_without_corners(world);  // and nobody checks
+    connect_quarters_without_corners(world);  // without a check
     const auto iron = world.material(materials::iron);
     for (const int rank : {0, 3})
       world.exclusive(rank, [&] {
@@ -305,7 +305,7 @@ TEST_CASE("two bodies that meet in a forgotten corner end the run") {
 }
 
 TEST_CASE("a gap or an overlap of two domains loses no body and doubles none") {
-  for (const double seen : {-0.5, 0.5})  // where rank 1 thinks that the domain of rank 0 ends
+  for (const double seen : {-0.5, 0.5})  // the end of rank 0's domain according to rank 1
     on_ranks<scene>(2, [&](auto& world) {
       world.exclusive(0, [&] { world.connect(1, half_space(1, 0, 0, 0)); });
       world.exclusive(1, [&] { world.connect(0, half_space(-1, 0, 0, -seen)); });

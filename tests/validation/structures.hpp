@@ -52,7 +52,7 @@ inline void check_stands(const std::string& test, const std::string& what, bool 
 inline quat about_y(real angle) { return rotation(vec3::UnitY(), angle); }
 
 /// Blocks 1 x 0.6 x 0.25 over the edge of a table, which ends at x = 0: the k-th from the top is
-/// shifted by part / (2 k) against what is below it.
+/// shifted by part / (2 k) relative to the block below it.
 inline void overhang(world_type& w, int n, real part) {
   need_accuracy(w);
   const auto m = w.material({.friction = 0.5});

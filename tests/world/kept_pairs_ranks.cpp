@@ -49,7 +49,7 @@ void fill(World& w, unsigned seed) {
   std::uniform_real_distribution<real> some(-0.1, 0.1);
   w.decompose({.lower = {.x = 0, .y = 0}, .upper = {.x = 6.6, .y = 6.6}});
   const auto m = w.material({.restitution = 0.3, .friction = 0.4});
-  w.gravity({1.5, 1, -9.81});  // aslant, so that bodies go on crossing
+  w.gravity({1.5, 1, -9.81});  // oblique, so that bodies continue to cross
   w.global([&](auto& s) {
     s.add(plane{.normal = {0, 0, 1}}, m);
     s.add(plane{.normal = {1, 0, 0}, .offset = -2}, m);

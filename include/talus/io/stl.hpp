@@ -74,8 +74,8 @@ namespace detail {
 }  // namespace detail
 
 /// The surface in an STL file, text or binary, all lengths times `scale`. Throws runtime_error for
-/// a file that cannot be read or is cut off, with the line where there are lines, and
-/// invalid_argument as triangle_mesh does.
+/// a file that cannot be read or is cut off, with the line of a text file, and invalid_argument as
+/// triangle_mesh does.
 [[nodiscard]] inline triangle_mesh read_stl(const std::string& file, real scale = 1) {
   detail::require_positive(scale, "the scale of an STL file");
   if (detail::is_folder(file))

@@ -61,7 +61,7 @@ struct summary {
   bool balancing = false;  ///< whether cuts between domains may move
   load_balance balance;
   std::string digest;
-  detail::plain_vector<measured> monitors;  ///< of the last step, or of all where the name says so
+  detail::plain_vector<measured> monitors;  ///< of the last step, or of all if the name says so
   results own;                              ///< of the scenario
 };
 

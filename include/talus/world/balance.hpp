@@ -89,7 +89,7 @@ template <class Scenario>
   return mine;
 }
 
-/// Where the bodies owned here are.
+/// Positions of the bodies owned here.
 template <class Scenario>
 [[nodiscard]] plain_vector<vec3> places_of_own(const world_state<Scenario>& s) {
   plain_vector<vec3> places;

@@ -51,7 +51,7 @@ struct driven_state {
   bool begun = false;           ///< a step has been taken
 };
 
-/// A step of a driven body: where it ends, and the velocity that contacts see.
+/// A step of a driven body: its final pose, and the velocity that contacts use.
 struct driven_step {
   rigid_place end;
   vec3 v{0, 0, 0}, w{0, 0, 0};

@@ -95,7 +95,7 @@ class edges_by_partner {
   plain_vector<end> ends_;
 };
 
-/// Brings the pairs of two shapes into that order.
+/// Sorts the pairs of two shapes in that order.
 template <class A, class B, bool Moving, class Scenario>
 void order_pairs(const world_state<Scenario>& s, edges_by_partner& by_partner,
                  plain_vector<close_pair>& pairs) {

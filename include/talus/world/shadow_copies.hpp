@@ -279,7 +279,7 @@ void measure_reach(world_state<Scenario>& s) {
     b.reach.resize(b.movable.size());
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
       b.reach[i] = shadow_reach(s, b.movable, i);
-      largest = std::max(largest, b.reach[i]);  // what is a copy here may be owned in a step
+      largest = std::max(largest, b.reach[i]);  // a copy here may be owned in a step
       const real range = acting_range(s, b.movable, i);
       if (i < b.movable.locals && b.movable.shape[i].bounding_radius() + range > covered)
         require_reached(s, b.movable.id[i], b.movable.shape[i], b.movable.position[i], range);

@@ -54,7 +54,7 @@ struct step_traffic {
 
 namespace detail {
 
-/// Stands for shared_memory where no shape shares data.
+/// Stands for shared_memory if no shape shares data.
 struct no_shared_memory {};
 
 /// Messages between this rank and one of its neighbours, and migrated bodies; see

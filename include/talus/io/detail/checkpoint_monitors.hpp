@@ -52,7 +52,7 @@ template <class Scenario>
   });
 }
 
-/// A monitor that was absent in the run that wrote the file starts anew.
+/// A monitor that was absent in the run that wrote the file starts from zero.
 template <class Scenario>
 [[gnu::cold]] void get_monitors(const checkpoint_reader& in, world_state<Scenario>& s) {
   each_stored_record(s, [&](const std::string& path, auto& record) {
