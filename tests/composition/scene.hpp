@@ -1,6 +1,6 @@
 #pragma once
-// What every generated scenario has to keep: bodies, momentum, energy, restarts to the bit, and the
-// same bits on any ranks where that is promised. See generate.py.
+// The conditions of every generated scenario: conservation of bodies, momentum and energy, restarts
+// to the bit, and the same bits on any ranks if that is promised. See generate.py.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,8 +24,8 @@ namespace composition {
 
 using namespace talus;
 
-/// A generated scenario and how it shares space: `variant` 0 and 1 differ in the number of ranks,
-/// or in where the domains lie.
+/// A generated scenario and its decomposition: `variant` 0 and 1 differ in the number of ranks, or
+/// in the positions of the domains.
 template <class Scenario, class Decompose>
 class scene {
   using world_type = world<Scenario>;
@@ -91,7 +91,7 @@ class scene {
     if constexpr (has<user_ids>) one.user_id = 7;
     w.add_if_local(one);
   }
-  /// 98 bodies of all shapes that move towards each other, and where bodies are followed a bullet.
+  /// 98 bodies of all shapes that move towards each other, and a bullet if bodies are followed.
   static void fill(world_type& w, real height) {
     random_stream random(7);
     int k = 0;
@@ -126,7 +126,7 @@ class scene {
     return static_cast<std::uint64_t>(n);
   }
 
-  /// A free cloud that collides: its momentum stays, whichever ranks its contacts lie on.
+  /// A free cloud that collides: its momentum is conserved, on any ranks of its contacts.
   void conserves_momentum() {
     on(0, [&](world_type& w) {
       settings(w);
@@ -142,7 +142,7 @@ class scene {
       CHECK(count(w) == bodies);
       CHECK((after.momentum - before.momentum).norm() < (mixed ? 1e-5 : 1e-11) * scale);
       CHECK(after.kinetic_energy < 1.001 * before.kinetic_energy);
-      CHECK(after.kinetic_energy < 0.999 * before.kinetic_energy);  // they did collide
+      CHECK(after.kinetic_energy < 0.999 * before.kinetic_energy);  // they have collided
       CHECK(std::isfinite(after.kinetic_energy));
     });
   }
@@ -159,7 +159,7 @@ class scene {
           s.add(plane{.normal = {side, 0, 0}, .offset = -3.9}, {}),
               s.add(plane{.normal = {0, side, 0}, .offset = -3.9}, {});
     });
-    // A floor that sinks takes energy only.
+    // A sinking floor only removes energy.
     if constexpr (has<driven>)
       w.drive(ground, [](real) { return rigid_velocity{.velocity = {0, 0, -0.1}}; });
   }
@@ -171,8 +171,8 @@ class scene {
       w.step(dt);
     }
   }
-  /// A heap: no body is lost, no energy comes from nothing, books close, and a run from its middle
-  /// ends with the same bits.
+  /// A heap: no body is lost, energy does not grow, the books close, and a run from its middle ends
+  /// with the same bits.
   std::string falls(int variant) {
     static std::atomic<int> unique{0};
     const auto file = std::filesystem::temp_directory_path() /

@@ -66,8 +66,8 @@ class stage_body {
     else
       return detail::initial_of<Column>();
   }
-  /// Sets the value of a column of the feature, of a body that this rank owns. Shadow copies get it
-  /// when bodies are shared next, if the column travels to them.
+  /// Sets the value of a column of the feature, of a body that this rank owns. Shadow copies
+  /// receive it at the next exchange, if the column is sent to them.
   template <class Column>
   void set(const typename Column::value_type& value) const requires(!std::is_const_v<Store>) {
     static_assert(detail::contains_type<Columns, Column>,
