@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""What the documentation tells people to type is typed: in a copy of the project, by a bash of its own.
+"""Runs the commands of the documentation: in a copy of the project, by a bash of its own.
 
 Of every *.md that is part of the project: each line of a block that has no language or `sh`, in the order
-of the page, from the folder where the lines before have gone; then each command within the text, from
-where the blocks before it have led. What is not as at a user's: programs make fewer steps, what measures,
-draws or tests for long is told to do a part of it (INSTEAD), the home folder is SCRATCH, srun is a
-stand-in, and CTest lets mpirun be root and have more ranks than cores. A block that is quoted from a
-file is left to the test of that file.
+of the page, from the folder to which the lines before have changed; then each command within the text,
+from the folder after the blocks before it. Differences from a user's session: programs make fewer steps,
+long measurements, drawings and tests run only in part (INSTEAD), the home folder is SCRATCH, srun is a
+stand-in, and CTest allows mpirun as root and with more ranks than cores. A block that is quoted from a
+file is tested by the test of that file.
   commands.py ROOT SCRATCH people|measures|habits|all [--list] [FILE.md ...]
 `people`: running, drawing, projects; `measures`: benchmarks and reports; `habits`: what contributors do.
 """
@@ -24,13 +24,13 @@ PROGRAMS = r"(/dev run \w|\./build/heap\b|srun )"
 COMMAND = re.compile(
     r"(TALUS_\w+=\S+ )?(\./dev|~/|(\./)?build/|cd |cmake |ctest |mpirun -|srun |xvfb-run |apt-get |"
     r"(/usr/bin/)?python3 |git )\S*")
-# A file that is named, not typed.
+# A file whose name is quoted, without a command.
 NAMED = re.compile(r"(~/|(\./)?build/)[\w/.]*$")
 WAY = re.compile(r"cd \S+$")  # to where the next commands are
 LANGUAGES = {"": True, "sh": True, "cpp": False, "cmake": False, "python": False, "text": False}
 MINUTES = 30  # that a command may take
 
-# What would take too long, or is a pattern with names to be filled in, and what is typed instead.
+# Commands that would take too long, or are patterns with names to be filled in, and their replacements.
 INSTEAD = {
     "./dev test": None, "./dev test --long": None,  # .ci/run is the one, and this is part of the other
     "./dev test [--long]": None,
@@ -86,7 +86,7 @@ INSTEAD = {
         "./dev compile-cost --compare $(find build/release/tests -name hello.cpp.o -o -name drop.cpp.o)",
     "mpirun -n N": None, "./dev": None, "./dev new": None,  # named, not typed
 }
-# What no page but the help tells.
+# Commands that only the help documents.
 BESIDE = ["./dev help"]
 HABITS = r"(TALUS_PRESET=\S+ )?\./dev (sanitize|tidy|docs|format|fuzz|faults|build|test)\b|ctest |git "
 MEASURES = r"\./dev (bench|report|compile-cost)\b|.*/benchmarks/"
@@ -99,7 +99,7 @@ def group(command):
 
 
 def shortened(command):
-    """The same with fewer steps, and what happens every so many steps as often as before, or more."""
+    """The same with fewer steps, and with periodic actions as often as before, or more often."""
     if not re.search(PROGRAMS, command) or "--help" in command:
         return command
     few = lambda option, most: lambda m: f"{option} {max(1, min(int(m[1]) // 10, most))}"
@@ -130,7 +130,7 @@ def commands_of(page, name):
                     text.append((where, span, len(blocks)))
             if line.startswith("    ") and COMMAND.match(line.strip()):
                 faults.append(f"{where}: '{line.strip()}' is indented: put it into a block of 'sh'")
-            # A command may go on in the next line.
+            # A command may continue in the next line.
             left = (left + line).rpartition("`")[2] + " " if (left + line).count("`") % 2 else ""
             left = "`" + left if left else ""
         elif LANGUAGES.get(language) and not quoted:
@@ -144,7 +144,7 @@ def commands_of(page, name):
 
 
 def copy(root, to):
-    """The project as it would be checked out, and what was built of it by an earlier run."""
+    """The project as checked out, and the build of an earlier run."""
     listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard"],
                             capture_output=True, text=True)
     if listed.returncode == 0:
@@ -171,14 +171,14 @@ def copy(root, to):
 
 
 def can_show(root):
-    """Whether the history is there that pages refer to."""
+    """Whether the history to which pages refer exists."""
     told = subprocess.run(["git", "-C", root, "rev-parse", "--is-shallow-repository"],
                           capture_output=True, text=True)
     return told.stdout.strip() == "false"
 
 
 def plan(root, pages, whole):
-    """What is to be typed, as (where, (page, block lines before it), command); those of it that are lines
+    """The commands, as (where, (page, block lines before it), command); those of them that are lines
     of blocks; faults. `whole`: these are all pages there are."""
     blocks, text, faults = [], [], []
     for page in pages:
@@ -216,8 +216,8 @@ def plan(root, pages, whole):
 
 
 def prepare(root, scratch):
-    """The copy, and the environment of those who type in it."""
-    # A cluster's srun, as far as pages need it: two processes.
+    """The copy, and the environment of the commands in it."""
+    # A stand-in for a cluster's srun with the options used in the pages: two processes.
     programs = scratch / "bin"
     programs.mkdir(parents=True, exist_ok=True)
     (programs / "srun").write_text('#!/bin/bash\nwhile [[ $1 == -* ]]; do shift; done\nexec mpirun -q -n 2 "$@"\n')
@@ -233,7 +233,7 @@ def prepare(root, scratch):
 
 
 def type_it(command, folder, environment, scratch):
-    """Its exit code, or why there is none; what it said; the folder in which one is then."""
+    """Its exit code, or why there is none; its output; the folder after it."""
     bash = subprocess.Popen(["bash", "-c", f"{command}\ncode=$?\npwd >'{scratch}/where'\nexit $code"],
                             cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The benchmark suite's verdicts (benchmarks/suite/judgement.py) on made-up measurements: a target is
-met only at a setting whose error is within the rival's, and what is missing is said to be missing."""
+met only at a setting whose error is within the rival's, and missing results are reported as missing."""
 import os
 import sys
 import tempfile

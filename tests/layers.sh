@@ -5,7 +5,7 @@
 #   layers.sh INCLUDE_DIR | --self-test
 set -euo pipefail
 
-# Level of a header, from its path below talus/; nothing for an unknown place.
+# Level of a header, from its path below talus/; empty for an unknown place.
 level() {
   case $1 in
     core/* | concepts.hpp) echo 0 ;;
@@ -28,7 +28,7 @@ layer() {
   esac
 }
 
-# Says why header $1 (of the tree $3) may not include $2; nothing if it may.
+# Prints why header $1 (of the tree $3) may not include $2; nothing if it may.
 objection() {
   local from=$1 what=$2 tree=$3 from_level to to_level
   from_level=$(level "$from")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Links in the documentation lead somewhere, and what it tells people to type is there.
+"""Checks that targets of links in the documentation exist, and the commands and symbols that it names.
 
 Of every *.md that is part of the project: each relative link is a file or a folder, and its anchor, if
 it has one, a heading there; each file in back quotes exists, and contains the symbol that a page
@@ -28,12 +28,12 @@ links = 0
 
 
 def homes(page):
-    """Folders in which a page may name files: what it says of itself, of the tree, or of the headers."""
+    """Folders in which a page may name files: its own, that of the tree, or that of the headers."""
     return [page.parent, root, root / "include" / "talus", root / "include"]
 
 
 def headings(page):
-    """Anchors as they are made from headings: letters, digits, _ and -, in small; doubles numbered."""
+    """Anchors made from headings: letters, digits, _ and -, in lower case; duplicates are numbered."""
     seen, anchors, inside = {}, set(), False
     for line in page.read_text().splitlines():
         if line.startswith("```"):

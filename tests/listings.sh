@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The tutorial has a row for each of the 40 listings of the pe tutorial, and each test that it names
 # exists: [file](../path) "name of a test case", or [example](../examples/NAME/test.cmake)
-# "example_NAME_SUFFIX". Links to files lead somewhere (those to pictures, which ./dev gallery draws,
-# apart).
+# "example_NAME_SUFFIX". The targets of links exist (except those to pictures, which ./dev gallery
+# draws).
 #   listings.sh ROOT [TUTORIAL.md]
 set -euo pipefail
 root=$1
@@ -16,7 +16,7 @@ while read -r row; do
   [[ $row == *'](../'*' "'* ]] || complain "no test: $row"
 done < <(grep -E '^\| [0-9]+ \|' "$page")
 
-# The names of the test cases of a file, one a line, whatever the formatter has broken.
+# The names of the test cases of a file, one a line, for any line breaks of the formatter.
 cases() {
   tr '\n' ' ' <"$1" | sed 's/" *"//g; s/TEST_CASE( *"/\n"/g' | sed -n 's/^\("[^"]*"\)).*/\1/p'
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What docs/messages.md says that people are told is what a test holds.
+"""Checks that a test holds each message of docs/messages.md.
 
 Each row of its tables ends with a link to a test, and has a message in backquotes: that test's source
 must expect these words, where "..." stands for anything.
@@ -18,7 +18,7 @@ def words(text):
 
 
 def expected(file):
-    """The texts of a test, as they are said: literals joined, comments of refusals too."""
+    """The texts of a test, as they are printed: literals joined, comments of refusals too."""
     text = file.read_text()
     text = re.sub(r"^// (expects: )?", " ", text, flags=re.M)
     text = re.sub(r'"\s*"', "", text)

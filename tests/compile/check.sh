@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Fails if a program instantiates over 10 % more than is announced, so that compile cost does not grow
-# unnoticed: the number of weak symbols (functions and data that the compiler made from templates and
-# from inline functions) in an object compiled without optimisation, where each one in use has a symbol.
-# The same compiler gives the same number each time; see docs/performance.md.
+# Fails if a program instantiates over 10 % more than the recorded number, so that compile cost does not
+# grow unnoticed: the number of weak symbols (functions and data that the compiler made from templates
+# and from inline functions) in an object compiled without optimisation, where each one in use has a
+# symbol. The same compiler gives the same number each time; see docs/performance.md.
 #   check.sh NM ANNOUNCED PROGRAM OBJECT [PROGRAM OBJECT ...]    compare
 #   check.sh --announce NM ANNOUNCED PROGRAM OBJECT ...          write the numbers into ANNOUNCED
 #   check.sh --self-test                                         whether growth is found
@@ -10,7 +10,7 @@ set -euo pipefail
 
 count() { "$1" "$2" | grep -c ' [WVwvu] '; }
 
-# compare ANNOUNCED PROGRAM NUMBER: says what is to be done; fails on growth.
+# compare ANNOUNCED PROGRAM NUMBER: prints the advice; fails on growth.
 compare() {
   local file=$1 program=$2 now=$3 then
   then=$(awk -v p="$program" '$1 == p { print $2 }' "$file")

@@ -28,7 +28,7 @@ NAMES = list(FACTORS)
 
 
 def refused(a, b):
-    """Whether two values of two factors contradict each other; docs/policies/features.md says why."""
+    """Whether two values of two factors contradict each other; docs/policies/features.md has the reasons."""
     def pair(factor, values, other, others):
         return any(x[0] == factor and x[1] in values and y[0] == other and y[1] in others
                    for x, y in ((a, b), (b, a)))
@@ -58,7 +58,7 @@ def apart(a, b):
 
 
 def complete(chosen, order):
-    """A scenario with these values, or none; the first that fits in the order that is given."""
+    """A scenario with these values, or none; the first that fits in the given order."""
     if len(chosen) == len(NAMES):
         return chosen
     name = next(n for n, _ in order if n not in chosen)
@@ -91,7 +91,7 @@ def covering(rng):
         choices = sorted(open_pairs, key=sorted)
         for _ in range(60):
             start = dict(sorted(rng.choice(choices)))
-            # Each further factor takes the value with which it covers most that is open.
+            # Each further factor takes the value with which it covers most open pairs.
             row, names = dict(start), [n for n in NAMES if n not in start]
             rng.shuffle(names)
             for name in names:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts faults into a copy of the headers, and says which of them the tests notice.
+"""Puts faults into a copy of the headers, and prints which of them the tests notice.
 
   faults.py BUILD [--list] [--jobs N] [--tests PATTERN] [--folder DIR] [NAME ...]
 
@@ -100,7 +100,7 @@ def command_of(build, test):
 
 
 def precompile(build, folder, options, common):
-    """The common headers of some tests, with the switch before them."""
+    """Precompiles the common headers of some tests, with the switch before them."""
     path = folder / (pathlib.Path(common).parent.name + ".hpp")
     with PRECOMPILING:
         if path not in PRECOMPILED:

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# ./dev new makes a project that does what its README says: configure, compile, run, on ranks too, with
-# checkpoints, against the source tree and against an installed talus; and says what to do where it
-# finds none.
+# ./dev new makes a project that follows its README: configure, compile, run, on ranks too, with
+# checkpoints, against the source tree and against an installed talus; and prints advice if it finds
+# neither.
 #   new.sh ROOT PRESET MPIEXEC NUMPROC_FLAG
 set -euo pipefail
 root=$1 preset=$2 launch=("$3" "$4")

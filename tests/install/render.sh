@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# ./dev render says how far it is, draws one picture where one is asked for, draws fast where that is
-# enough, and nothing twice; with a stand-in for POV-Ray.
+# ./dev render prints its progress, draws one picture on request, draws fast on request, and nothing
+# twice; with a stand-in for POV-Ray.
 #   render.sh ROOT
 set -euo pipefail
 root=$1

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What becomes of the checkpoints of a run when files are damaged, disks are full, signals come and
-# ranks are killed: with a real program.
+# The checkpoints of a run with damaged files, full disks, signals and killed ranks: with a real
+# program.
 #   checkpoint_runs.sh PROGRAM FOLDER WHAT [MPIRUN...]
 # PROGRAM is the example drop, or well, which draws pictures; MPIRUN... starts it on two ranks.
 set -euo pipefail
@@ -17,7 +17,7 @@ trap 'kill $(jobs -p) 2>/dev/null || true' EXIT  # what runs on after a failure
 fail() { echo "FAILED: $*"; exit 1; }
 digest() { sed -n 's/.*"state_digest": "\([0-9a-f]*\)".*/\1/p' "$1"; }
 
-# Runs the program, which must end with the code, within a minute, and say all of the words.
+# Runs the program, which must end with the code, within a minute, and print all of the words.
 expect() {
   local code=$1 got=0 word
   shift
@@ -40,13 +40,13 @@ wait_for() {  # a file, for up to 20 s
   fail "$1 does not come"
 }
 
-# Nothing is left of a checkpoint that could not be written, and of its lock.
+# Nothing remains of a checkpoint that could not be written, nor of its lock.
 nothing_beside() {
   local left
   left=$(find "$(dirname "$1")" -maxdepth 1 -name "$(basename "$1").*" | head -n 1)
   [[ -z $left ]] || fail "$left is left behind"
 }
-# One line, and none of HDF5.
+# One line, without HDF5's own messages.
 quiet_failure() {
   ! grep -qE '[.](part|lock)' out || fail "an unfinished file or a lock is left behind"
   ! grep -qiE 'HDF5|H5F|Segmentation|core dumped' out || { cat out; fail "HDF5 says something"; }
@@ -105,7 +105,7 @@ damage() {
   run --steps 30 --restart good.h5
   local size at byte flipped=0
   size=$(stat -c %s good.h5)
-  # A bit here and there: the first block, what HDF5 says of itself, the tables.
+  # Single bits: the first block, HDF5's own metadata, the tables.
   for ((at = 0; at < size; at += at < 4096 ? 97 : size / 150)); do
     cp good.h5 bad.h5
     byte=$(od -An -tu1 -j "$at" -N 1 good.h5)
@@ -127,7 +127,7 @@ damage() {
   expect 1 'cannot be read: it is no file' -- "$program" --quiet --restart .
   expect 1 'is of step 30, but this run ends with step 20' -- \
     "$program" --quiet --steps 20 --restart good.h5
-  # Where ranks are processes one of them says it.
+  # If ranks are processes one of them prints it.
   head -c 5000 good.h5 >bad.h5
   expect 1 'the checkpoint bad.h5 is damaged: it has 5000 bytes' -- \
     "${launch[@]}" "$program" --quiet --steps 30 --restart bad.h5
@@ -155,7 +155,7 @@ unwritable() {
     nothing_beside c.h5
   done
   full_while_writing
-  # (Where this may mount a disk of its own.)
+  # (If this may mount a disk of its own.)
   mkdir disk
   cat >on_small_disk.sh <<'END'
 set -e
@@ -168,7 +168,7 @@ ls disk
 exit ${code:-0}
 END
   if unshare -rm mount -t tmpfs none disk 2>out; then
-    # Next to nothing, some tens of kilobytes, and half of what it takes.
+    # Next to nothing, some tens of kilobytes, and half of the required size.
     for FREE in 4 20 60 $(($(stat -c %s c.h5) / 2048)); do
       export FREE
       for ranks in 1 2; do
@@ -210,7 +210,7 @@ signals() {
     code=0
     wait $pid || code=$?
     cat out
-    # mpirun says 1 when it is told to end.
+    # mpirun returns 1 after a signal to end.
     [[ ($signal == TERM && $code == 143) || ($signal == INT && $code == 130) ||
       ($how == mpi && $code == 1) ]] || fail "exit code $code ($how)"
     steps=$(sed -n "s/.*ended by SIG$signal in step \([0-9]*\); go on with --restart c.h5/\1/p" out)
@@ -229,7 +229,7 @@ start() {
   pid=$!
 }
 # Kills one of the two: a program whose parent is that mpirun. (Not a copy of mpirun that is about to
-# become it: of the death of one of those mpirun may not hear.)
+# become it: mpirun may not notice the death of such a copy.)
 kill_a_rank() {
   local victim=
   until [[ -n $victim ]]; do
@@ -239,14 +239,14 @@ kill_a_rank() {
   "$@"
   kill -KILL "$victim" 2>/dev/null || true
 }
-# Whether a rank of the job is there and no zombie, whoever is its parent by now.
+# Whether a rank of the job exists and is not a zombie, whatever its parent is by now.
 ranks_live() {
   ps -eo stat=,args= | awk -v program="$program" '
     $1 !~ /^Z/ && $2 == program && / --checkpoint c.h5/ { found = 1 } END { exit !found }'
 }
-# The whole job ends within seconds; `code` says how. With "or mpirun" the ranks do so. (In 3 of 570
-# kills before the rank had come to it, the mpirun of Open MPI 4.1.4 was left alone, waiting in
-# PMIx_server_finalize for a lock that nobody held.)
+# The whole job ends within seconds, with `code`. With "or mpirun" at least the ranks do. (In 3 of 570
+# kills before the rank had reached it, the mpirun of Open MPI 4.1.4 was left alone, waiting in
+# PMIx_server_finalize for a lock without a holder.)
 ends_soon() {
   local n
   for ((n = 0; n < 1000; ++n)); do
@@ -261,7 +261,7 @@ ends_soon() {
   fi
   wait $pid && code=0 || code=$?
 }
-# From the last checkpoint the run comes to the end of one without the accident.
+# From the last checkpoint the run reaches the end state of an uninterrupted run.
 goes_on() {
   expect 0 -- "${launch[@]}" "$program" "${few[@]}" --quiet --steps 600 --checkpoint c.h5 \
     --checkpoint-every 30 --json end.json "$@"
@@ -273,7 +273,7 @@ whole_run() {
     --checkpoint-every 30 --json whole.json
 }
 
-# While a file is being written, for as many times as it takes to leave an unfinished one behind.
+# While a file is being written, repeated until an unfinished one remains.
 killed_writing() {
   local attempt n
   whole_run
@@ -324,7 +324,7 @@ killed_stepping() {
   done
 }
 
-# Goes on from c.h5 and keeps it, without waiting for the end of the run.
+# Continues from c.h5 and keeps it, without waiting for the end of the run.
 goes_on_for_a_while() {
   rm -f t.csv
   "$program" --steps 1000000000 --restart c.h5 --checkpoint c.h5 --csv t.csv --csv-every 1 "$@" \
@@ -340,8 +340,8 @@ goes_on_for_a_while() {
   [[ $code == 143 ]] || { cat out; fail "exit code $code"; }
 }
 
-# Killed at any moment, most of them while a file is being written: what is there can be gone on
-# with, and what the dead left keeps nobody out.
+# Killed at any moment, most of them while a file is being written: a run can continue from the existing
+# file, and the files of killed runs block no other run.
 killed_anywhere() {
   local ranks kills n pid step
   for ranks in 1 2; do
@@ -378,7 +378,7 @@ two_runs() {
     "${start[@]}" --quiet --steps 1000000000 --checkpoint c.h5 --checkpoint-every 5 >out1 2>&1 &
     pid=$!
     wait_for c.h5
-    # It is told who is there, and touches nothing.
+    # It prints the holder of the lock, and changes nothing.
     expect 1 'the checkpoint c.h5 is being written by another run (process ' "on $(uname -n), since" \
       'wait for its end or stop it, or name another file' -- \
       "${start[@]}" --quiet --steps 10 --checkpoint c.h5 --csv t.csv
@@ -386,7 +386,7 @@ two_runs() {
       "$program" --quiet --steps 10 --checkpoint ./c.h5 --restart c.h5
     cmp t.csv before.csv || fail "the refused run has touched another file"
     kill -0 $pid || fail "the first run has ended ($how)"
-    # From what it writes others can go on meanwhile.
+    # Others can meanwhile continue from its files.
     run --steps 3 --checkpoint d.h5
     expect 1 'is of step' 'but this run ends with step 1:' -- \
       "$program" --quiet --steps 1 --restart c.h5 --checkpoint d.h5
@@ -397,7 +397,7 @@ two_runs() {
       kill -KILL $pid
       wait $pid 2>/dev/null || true
     fi
-    # The next one is not kept out by what is left of it, and cleans up.
+    # The rest of it does not block the next one, which cleans up.
     [[ -e c.h5.lock ]] || fail "the lock of a killed run is gone"
     : >c.h5.part-abc123
     goes_on_for_a_while
@@ -438,7 +438,7 @@ foreign() {
   [[ $(cat text) == 'a diary' && -L link && -L dangling && ! -e nowhere && -d folder ]] ||
     fail "something was replaced"
   [[ ! -e node || -c node ]] || fail "a device was replaced"
-  # Files of its own are replaced, and it says so once, without --quiet; empty ones have no content.
+  # Files of its own are replaced, with one message, without --quiet; empty ones have no content.
   : >empty.json
   expect 0 'j.json replaces' 't.csv replaces' 'c.h5 replaces a checkpoint' -- \
     "$program" --steps 5 --checkpoint c.h5 --json j.json --csv t.csv
@@ -451,7 +451,7 @@ foreign() {
     fail "--force does not replace what it should, or more"
   expect 1 'folder is a folder' -- "$program" --quiet --force --json folder
   [[ ! -e node ]] || expect 1 'node is a device' -- "$program" --quiet --force --checkpoint node
-  # What is not replaced but written to.
+  # Targets that are written to instead of replaced.
   [[ $("$program" --quiet --steps 5 --json /dev/stdout | digest /dev/stdin) == "$(digest j.json)" ]] ||
     fail "results do not go to a pipe"
   expect 0 'step [1],time [T]' -- "$program" --quiet --steps 5 --csv /dev/stdout

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# What a real program writes with --output: as VTK and h5py read it, and after the run was killed.
+# The files that a real program writes with --output: as VTK and h5py read them, and after the run was
+# killed.
 #   output_runs.sh PROGRAM FOLDER PYTHON SOURCE [MPIRUN...]
-# PROGRAM is the example hopper; MPIRUN... starts it on two ranks. Ends with 77 where VTK or h5py are
+# PROGRAM is the example hopper; MPIRUN... starts it on two ranks. Ends with 77 if VTK or h5py are
 # missing.
 set -euo pipefail
 program=$1 folder=$2 python=$3 source=$4
@@ -24,7 +25,8 @@ if command -v pvpython >/dev/null; then
   env -u DISPLAY pvpython "$source/tests/io/read_output_paraview.py" two 7
 fi
 
-# A run is killed: all that its series names is whole. Another one goes on from its checkpoint.
+# A run is killed: all files that its series names are complete. Another run continues from its
+# checkpoint.
 kept=0
 for ((try = 0; try < 5; ++try)); do
   rm -f killed*

@@ -1,5 +1,5 @@
-"""What a run wrote with --output, as VTK and h5py read it: the same in both, and what the run says.
-read_output.py NAME JSON; ends with 77 where VTK or h5py are missing."""
+"""The files of a run with --output, as VTK and h5py read them: equal in both, and equal to the summary.
+read_output.py NAME JSON; ends with 77 if VTK or h5py are missing."""
 import json
 import os
 import subprocess

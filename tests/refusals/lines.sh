@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# What a compiler says to each refusal leads with the sentence that the refusal expects, and is short: a
-# table of line counts, and a failure where there are over 25 lines, or where the first error is another.
+# The output of a compiler for each refusal begins with the expected sentence, and is short: a table of
+# line counts, and a failure if there are over 25 lines, or if the first error is another.
 #   lines.sh COMPILER FLAGS_FILE [SOURCE ...]
-# Of the flags only include folders and definitions are taken, so that any compiler will do.
+# Of the flags only include folders and definitions are used, so that any compiler works.
 set -euo pipefail
 compiler=$1
 mapfile -t flags < <(grep -E '^-(I|isystem|D)' "$2")
@@ -33,7 +33,7 @@ for source in "$@"; do
   fi
 done
 
-# Nobody has said where the libraries are that talus needs.
+# The places of the libraries that talus needs are not set.
 expected='talus needs Eigen 3.4, fmt and Boost.Hana: in CMake write find_package(talus) and link talus::talus'
 out=$(echo '#include <talus/talus.hpp>' |
   "${compile[@]}" "-I$here/../../include" -x c++ - 2>&1) || true

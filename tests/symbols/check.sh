@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# What a scenario does not name is not in its program: looks at the functions of program.cpp.
+# Code that a scenario does not name is not in its program: checks the functions of program.cpp.
 #   check.sh NM SPHERES_OBJECT BOXES_OBJECT SOFT_OBJECT
-# Patterns that mark boxes and monitors must be missing from the first object and present in the
-# second, or the test would prove nothing.
+# Patterns that mark boxes and monitors must be missing from the first object and present in the second,
+# otherwise the test would prove nothing.
 set -euo pipefail
 functions() { "$1" -C "$2" | grep -E ' [tTwW] '; }
 spheres=$(functions "$1" "$2")
@@ -33,7 +33,7 @@ for pattern in 'talus::plane\b' 'orientation' 'turned' 'MPI_' 'boost::mpi' 'talu
   absent "$pattern"
 done
 
-# Hard and soft contacts have nothing of each other.
+# Hard and soft contacts share no code.
 only_in() {  # only_in HAS LACKS PATTERN
   local has=$1 lacks=$2 pattern=$3
   if ! grep -qE "$pattern" <<<"${!has}"; then
