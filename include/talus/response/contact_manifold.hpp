@@ -17,7 +17,7 @@ namespace talus::detail {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-/// A velocity and an angular velocity, or an impulse and its moment, and two padding numbers.
+/// A velocity and an angular velocity, or an impulse and its moment, and two unused numbers.
 using twist = pack<real, 8>;
 
 /// A contact that can be solved in the frame of its manifold; see general_contact.
@@ -53,7 +53,7 @@ struct contact_manifold {
   std::int32_t a = 0, b = -1;
 
   [[nodiscard]] [[gnu::always_inline]] twist mobility(int k) const {
-    twist column;  // and two padding numbers
+    twist column;  // and two numbers of the next column or member
     std::memcpy(&column, reinterpret_cast<const char*>(this) + k * sizeof columns[0],
                 sizeof column);
     return column;

@@ -77,7 +77,7 @@ class shared_velocities {
     s_.islands.solve_gathered(access_to<solver_type>(lists), s_.solver, s_.link->rank(),
                               travelling(), parcels, exchange);
     if (parcels.empty()) return;
-    // Receives the new velocities of the copies from these ranks.
+    // Exchanges the new velocities of the copies with these ranks.
     const auto with = [&](int rank) -> const auto& {
       return *std::find_if(s_.travelling.begin(), s_.travelling.end(),
                            [&](const auto& other) { return other.rank == rank; });
