@@ -19,8 +19,7 @@ namespace talus {
 /// When a value is sent to other ranks; each mode includes those below it in this list.
 enum class travels : std::uint8_t {
   with_every_refresh,  ///< to all shadow copies, at the end of each step
-  when_changed,        ///< to shadow copies when these are made, or after the user has changed a
-                       ///< body
+  when_changed,        ///< to shadow copies when these are made, or after a change by the user
   on_migration,        ///< to the new owner of the body alone; shadow copies have the default
   never                ///< not at all: a new owner starts with the default
 };

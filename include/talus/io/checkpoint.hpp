@@ -175,10 +175,10 @@ template <class Scenario>
 }  // namespace detail
 
 /// Collective: writes the state of the world to a file, which replaces the checkpoint of that name
-/// when it is complete, on the disk, and read back. The world then restarts from it, as one that
-/// reads the file does, so that both continue alike to the bit. Throws runtime_error alike on all
-/// ranks if the file cannot be written, if an existing file is not a checkpoint, and while another
-/// run writes it; the existing file then stays unchanged.
+/// when it is complete, on the disk, and read back. The world then rebuilds its derived data, as
+/// one that reads the file does, so that both continue alike to the bit. Throws runtime_error alike
+/// on all ranks if the file cannot be written, if an existing file is not a checkpoint, and while
+/// another run writes it; the existing file then stays unchanged.
 template <class Scenario>
 [[gnu::cold]] void write_checkpoint(world<Scenario>& w, const std::string& file) {
   if constexpr (detail::require_feature<Scenario, checkpoints>())

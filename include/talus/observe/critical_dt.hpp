@@ -21,8 +21,7 @@ namespace detail {
 struct soft_scales {
   std::vector<real> lightest;  ///< by material: the least mass of a body that moves; else infinite
   std::vector<char> wall;      ///< by material: whether a body of it is immovable
-  real of_bodies = std::numeric_limits<real>::infinity();  ///< the longest step that is stable for
-                                                           ///< every body
+  real of_bodies = std::numeric_limits<real>::infinity();  ///< longest step stable for all bodies
   real speed = 0;    ///< estimated, of the fastest impact: of present motion, and of a fall
   real gravity = 0;  ///< its size
 

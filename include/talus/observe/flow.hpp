@@ -18,7 +18,6 @@ struct flow {
   /// mass that has passed along the normal, and against it
   double mass_forward = 0, mass_backward = 0;
   std::uint64_t forward = 0, backward = 0;  ///< bodies; one that turns back counts in both
-                                            ///< directions
 
   /// Mass that has passed, forward minus backward.
   [[nodiscard]] double mass() const { return mass_forward - mass_backward; }

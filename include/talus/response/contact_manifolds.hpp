@@ -196,8 +196,7 @@ class contact_manifolds {
   plain_vector<layer> layers_;  ///< of all blocks
   plain_vector<run> runs_;
   plain_vector<contact_manifold> manifolds_;  ///< with more contacts than fit a block
-  Contact spare_;                             ///< for a block without a contact there; its impulse
-                                              ///< stays zero
+  Contact spare_;                             ///< for empty places; its impulse stays zero
 };
 
 }  // namespace talus::detail

@@ -29,8 +29,7 @@ struct balance_settings {
 struct imbalance {
   double bodies = 1;    ///< of the bodies owned
   double contacts = 1;  ///< of those in the last step; NaN if there were none
-  double time = 1;      ///< of processor time in the steps, without exchanges; NaN if none was
-                        ///< measured
+  double time = 1;      ///< of processor time in steps, without exchanges; NaN if not measured
 };
 
 namespace detail {

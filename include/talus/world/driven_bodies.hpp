@@ -81,8 +81,7 @@ struct servo_sums {
 struct driven_body {
   system_id id = no_id;
   driven_state state;
-  std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< empty: the body
-                                                                             ///< stays
+  std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< empty: it stays
   servo holds;  ///< with an axis of length one
   bool is_servo = false;
   bool followed = false;          ///< this run has made a step with it

@@ -80,8 +80,7 @@ struct image_pair {
   vec3 a{0, 0, 0}, b{0, 0, 0};
   std::size_t body_b =
       0;              ///< the index of the second one; of the body itself, not of its image here
-  bool known = true;  ///< false: with an image of a body that is owned here; the pair is also found
-                      ///< with the body itself
+  bool known = true;  ///< false: an image of a body owned here, with which the pair is found too
 };
 template <class A, class B, class State>
 [[nodiscard]] image_pair minimum_image(const State& s, std::size_t i, std::size_t j) {

@@ -122,12 +122,10 @@ struct hard_response {
   talus::convergence convergence;
   [[no_unique_address]] std::conditional_t<may_sweep_by_colours<Solver>, shared_colours, no_colours>
       colours;
-  std::vector<travelling_velocities> travelling;  ///< in the coming step, for neighbours that
-                                                  ///< exchange any
+  std::vector<travelling_velocities> travelling;  ///< in the coming step, without empty ones
   std::vector<travelling_velocities> travelled;   ///< in the last step
   std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
-  plain_vector<char> at_border;  ///< of the bodies in solver indices: whether their velocity is
-                                 ///< sent
+  plain_vector<char> at_border;                   ///< by solver index: whether the velocity is sent
 };
 
 template <class Law>

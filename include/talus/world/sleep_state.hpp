@@ -30,8 +30,7 @@ inline constexpr int steps_between_rests = 4;
 
 template <class History>
 struct sleep_state {
-  using waker = plain_pair<system_id, float>;  ///< a sleeping body, and the rest time of the body
-                                               ///< that wakes it
+  using waker = plain_pair<system_id, float>;  ///< a sleeping body, rest time of its waker
 
   sleep_settings settings;
   History contacts;                ///< of sleeping bodies: memory of their contacts until they wake
@@ -40,8 +39,7 @@ struct sleep_state {
   plain_vector<std::uint32_t> roots;  ///< of the islands, in the solver's indices
   plain_vector<float> rested;         ///< by root
   bool all = false;                   ///< all are to wake
-  bool changed = false;    ///< own bodies fell asleep or woke, and the neighbours are not yet
-                           ///< notified
+  bool changed = false;    ///< own bodies fell asleep or woke, neighbours not yet notified
   bool noted = false;      ///< the memory was sorted after wake_disturbed() began
   bool spreads = false;    ///< a body known here woke: others of its island may have to
   bool disturbed = false;  ///< own immovable bodies are marked as disturbed

@@ -15,8 +15,7 @@ namespace detail {
 
 /// Times of impact of bodies in the step under way; see world/continuous.hpp.
 struct impact_times {
-  plain_vector<real> time;  ///< of the first impact of each body, in solver indices; infinite: no
-                            ///< impact
+  plain_vector<real> time;  ///< of first impacts, in solver indices; infinite: no impact
   plain_vector<real> found;
   bool second_round = false;
 
