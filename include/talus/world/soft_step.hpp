@@ -76,33 +76,34 @@ class force_adder {
     if (!((own_a && moves_a) || (own_b && moves_b))) return;
     const bool boundary = paired && own_a != own_b && moves_a && moves_b;
     const real range = range_of(i, j);
-    collide_pair(a_.shape[i], {at_.a, a_.pose(i).orientation}, b_.shape[j],
-                 {at_.b, b_.pose(j).orientation}, range, [&](const contact_geometry& g) {
-                   if (!(g.gap < range)) return;
-                   if constexpr (paired)
-                     if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
-                                             : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
-                       return;
-                   const contact_key key{a_.id[i], b_.id[j], g.feature};
-                   const bool counts = own_a || !boundary;
-                   const pair_force f = add(i, j, g, key, counts);
-                   if constexpr (surveyed) {
-                   } else if constexpr (watches_geometry) {
-                     observer_(key, g, f.force, counts);
-                   } else if constexpr (watches_loads) {
-                     // As in add(): for immovable bodies the point is on their surface.
-                     const real inwards = paired ? 0 : real(0.5) * g.gap;
-                     observer_(key, vec3(g.point + inwards * g.normal), at_.a, at_.b, f, counts);
-                   } else if constexpr (observed) {
-                     observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
-                   } else {
-                     if (law::reaches && g.gap >= 0 && is_zero(f)) return;
-                     auto& count = std::get<soft_contacts>(s_.contacts);
-                     ++(counts ? count.here : count.doubled);
-                     if constexpr (watches<Scenario, penetration_monitor>)
-                       if (counts) s_.monitors.overlaps.add(g.gap);
-                   }
-                 });
+    collide_pair(
+        a_.shape[i], {at_.a, a_.pose(i).orientation}, b_.shape[j], {at_.b, b_.pose(j).orientation},
+        range, [&](const contact_geometry& g) __attribute__((always_inline)) {
+          if (!(g.gap < range)) return;
+          if constexpr (paired)
+            if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
+                                    : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
+              return;
+          const contact_key key{a_.id[i], b_.id[j], g.feature};
+          const bool counts = own_a || !boundary;
+          const pair_force f = add(i, j, g, key, counts);
+          if constexpr (surveyed) {
+          } else if constexpr (watches_geometry) {
+            observer_(key, g, f.force, counts);
+          } else if constexpr (watches_loads) {
+            // As in add(): for immovable bodies the point is on their surface.
+            const real inwards = paired ? 0 : real(0.5) * g.gap;
+            observer_(key, vec3(g.point + inwards * g.normal), at_.a, at_.b, f, counts);
+          } else if constexpr (observed) {
+            observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
+          } else {
+            if (law::reaches && g.gap >= 0 && is_zero(f)) return;
+            auto& count = std::get<soft_contacts>(s_.contacts);
+            ++(counts ? count.here : count.doubled);
+            if constexpr (watches<Scenario, penetration_monitor>)
+              if (counts) s_.monitors.overlaps.add(g.gap);
+          }
+        });
   }
 
  private:
