@@ -88,7 +88,7 @@ namespace portable {
 
 /// As std::exp (the method of fdlibm, Sun Microsystems 1993).
 [[nodiscard]] inline double exp(double x) {
-  if (!(std::abs(x) < 1000))  // neither a number nor a result that is none
+  if (!(std::abs(x) < 1000))  // not a number, or the result overflows or underflows
     return x > 0 ? std::numeric_limits<double>::infinity() : x < 0 ? 0 : x;
   const double k = std::floor(x * 1.44269504088896338700e+00 + 0.5);
   const double high = x - k * 6.93147180369123816490e-01, low = k * 1.90821492927058770002e-10;

@@ -145,7 +145,7 @@ inline constexpr std::array<std::uint64_t, 21> two_over_pi{0,
 
 /// Functions of the C library that platforms round differently, with the same bits on all of them:
 /// made of sums, products, quotients, square roots and fused multiply-adds, which IEEE 754 defines.
-/// Wrong by less than one unit in the last place, where nothing else is said.
+/// Errors are below one unit in the last place unless a function states another bound.
 namespace portable {
 
 /// A sine and a cosine.
