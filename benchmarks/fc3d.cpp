@@ -9,8 +9,8 @@
 
 #include "fc3d/problem.hpp"
 #include "fc3d/timing.hpp"
-#include "talus/response/solve_assembled.hpp"
 #include "talus/scene/command_line.hpp"
+#include "talus/solver/direct/solve_assembled.hpp"
 #ifdef TALUS_WITH_HDF5
 #include "fc3d/fclib.hpp"
 #endif

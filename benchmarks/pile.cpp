@@ -2,9 +2,9 @@
 // the measuring and the checking are those of every engine.
 #include "scenes/pile_protocol.hpp"
 #include "scenes/talus_engine.hpp"
-#include "talus/response/accelerated_jacobi.hpp"
-#include "talus/response/coloured_gauss_seidel.hpp"
-#include "talus/response/small_steps.hpp"
+#include "talus/solver/accelerated_jacobi.hpp"
+#include "talus/solver/coloured_gauss_seidel.hpp"
+#include "talus/solver/small_steps.hpp"
 
 namespace {
 

@@ -1,8 +1,8 @@
 // One point of a work-precision plot in talus: --scene, --dt, --iterations, --size and --solver.
 #include "scenes/precision.hpp"
 #include "scenes/talus_engine.hpp"
-#include "talus/response/accelerated_jacobi.hpp"
-#include "talus/response/small_steps.hpp"
+#include "talus/solver/accelerated_jacobi.hpp"
+#include "talus/solver/small_steps.hpp"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "generator.hpp"
-#include "talus/response/assembled.hpp"
-#include "talus/response/general_contact.hpp"
+#include "talus/constraint/general_contact.hpp"
+#include "talus/solver/direct/assembled.hpp"
 
 namespace talus {
 

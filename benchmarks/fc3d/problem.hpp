@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "talus/core/plain_vector.hpp"
-#include "talus/response/assembled.hpp"
+#include "talus/solver/direct/assembled.hpp"
 
 namespace fc3d {
 

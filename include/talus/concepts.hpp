@@ -28,7 +28,7 @@ struct stored_energy;
 struct bearing;
 struct head_on_impact;
 
-// Arguments of solvers; see response/.
+// Arguments of solvers; see solver/.
 struct solver_settings;
 
 namespace detail {
@@ -459,7 +459,7 @@ concept solver = detail::part_for<Method, roles::solver> &&
 
 /// The part of integrator<...>: how velocities and positions are advanced.
 /// - `step(state)`, static: the stages of a time step in their order, with the hooks of the
-///   features at each (world/hooks.hpp)
+///   features at each (state/hooks.hpp)
 /// - `state<Scenario>`: its data on a rank; its members are those of the world's state
 /// - `at_midpoint`: whether contacts are found and solved in the middle of a step; `shares_midway`:
 ///   whether bodies migrate, and shadow copies are refreshed, before forces are computed
@@ -494,7 +494,7 @@ concept column = std::semiregular<typename Column::value_type> && requires {
 /// - `columns`: its columns of the bodies, a type_list of concepts::column
 /// - `state`: its data on each rank, a struct with default values, or a template with the scenario
 ///   as argument; the optional `each_number(visit)` of it names the numbers in checkpoints
-///   (world/monitor_numbers.hpp)
+///   (state/monitor_numbers.hpp)
 /// - `hooks`: a struct of static functions named after the stages of a step (body/stages.hpp),
 ///   which take a stage_view (world/stage_view.hpp)
 /// and optionally

@@ -1,7 +1,7 @@
 // A reproducible world: refused if the compiler does not round as written.
 #include <cstdio>
 #include <talus/parallel/serial.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;

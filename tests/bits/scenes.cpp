@@ -14,7 +14,6 @@
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/periodic.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/shape/box.hpp>
@@ -24,6 +23,7 @@
 #include <talus/shape/surfaces.hpp>
 #include <talus/shape/triangle_mesh.hpp>
 #include <talus/shape/union_of.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 #include <variant>
 

@@ -136,8 +136,8 @@ DECOMPOSITIONS = {
     "cells": ("any_decomposition", """const half_space side = variant == 0 ? half_space(0.3, 0.8, 0.2, 0.1) : half_space(1, 0.1, 0, -0.4);
     return std::pair(2, type(cells(side, complement(side))));""")}
 HEADERS = ["shape/sphere", "shape/box", "shape/capsule", "shape/cylinder", "shape/plane",
-           "shape/convex_polyhedron", "shape/union_of", "response/coloured_gauss_seidel",
-           "response/accelerated_jacobi", "response/small_steps", "detect/sweep_and_prune",
+           "shape/convex_polyhedron", "shape/union_of", "solver/coloured_gauss_seidel",
+           "solver/accelerated_jacobi", "solver/small_steps", "detect/sweep_and_prune",
            "parallel/any_decomposition", "parallel/bisection", "parallel/cells", "parallel/grid",
            "parallel/hexagonal", "parallel/periodic", "parallel/ring", "parallel/serial",
            "parallel/threads"]

@@ -1,5 +1,5 @@
 // Spheres and boxes, the reproducible solver: the same bits as on one rank.
-#include <talus/response/coloured_gauss_seidel.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include "family.hpp"
 
 namespace fuzz {

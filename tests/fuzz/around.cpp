@@ -1,6 +1,6 @@
 // Spheres and boxes in a periodic box: the invariants, and the same bits as on one rank.
 #include <talus/parallel/periodic.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 
 #include "family.hpp"
 

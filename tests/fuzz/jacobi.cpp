@@ -1,5 +1,5 @@
 // Spheres, accelerated Jacobi, islands that sleep.
-#include <talus/response/accelerated_jacobi.hpp>
+#include <talus/solver/accelerated_jacobi.hpp>
 #include "family.hpp"
 
 namespace fuzz {

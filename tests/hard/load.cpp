@@ -17,7 +17,7 @@
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;

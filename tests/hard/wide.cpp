@@ -7,7 +7,7 @@
 #include <talus/observe/penetration.hpp>
 #include <talus/observe/summary.hpp>
 #include <talus/parallel/serial.hpp>
-#include <talus/response/elimination_order.hpp>
+#include <talus/solver/direct/elimination_order.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 #include <random>
-#include <talus/response/coulomb.hpp>
+#include <talus/constraint/coulomb.hpp>
 #include <vector>
 
 using namespace talus;

@@ -8,8 +8,8 @@
 #include <talus/observe/energy.hpp>
 #include <talus/observe/momentum.hpp>
 #include <talus/parallel/serial.hpp>
-#include <talus/response/small_steps.hpp>
 #include <talus/shape/box.hpp>
+#include <talus/solver/small_steps.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;

@@ -7,9 +7,9 @@
 #include <talus/observe/motion.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/accelerated_jacobi.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
-#include <talus/response/small_steps.hpp>
+#include <talus/solver/accelerated_jacobi.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
+#include <talus/solver/small_steps.hpp>
 #include <talus/world/world.hpp>
 #include <type_traits>
 #include <vector>

@@ -1,6 +1,6 @@
 // expects: scenario<...> names balancing and a decomposition that cannot move its cuts
 #include "talus/parallel/bisection.hpp"
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

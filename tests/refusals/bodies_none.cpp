@@ -1,5 +1,5 @@
 // expects: bodies<> names no shape: name at least one
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

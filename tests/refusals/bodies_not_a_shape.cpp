@@ -1,5 +1,5 @@
 // expects: bodies<...> takes shapes only, such as sphere, box or plane, and this type is none
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,5 +1,5 @@
 // expects: takes a broad phase with a type `search` that finds pairs
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 struct tagged {

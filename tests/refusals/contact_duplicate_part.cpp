@@ -1,5 +1,5 @@
 // expects: hard_contact<...> names a part twice: keep one of the two
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: hard_contact<...> takes coulomb_friction, newton_restitution, split_correction and
 // no_correction, and this type is none of them
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: decomposition<...> takes a decomposition, such as grid<2, 2> or by_hand, and this type
 // is none
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

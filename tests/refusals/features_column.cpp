@@ -1,6 +1,6 @@
 // expects: the columns of a feature are a type_list of descriptions with a value_type and a name, and
 // this feature has others: docs/features.md says how a column is written
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 struct temperature {

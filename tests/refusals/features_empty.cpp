@@ -1,6 +1,6 @@
 // expects: features<...> takes a feature with a name and with columns, a state or hooks, and this
 // type has not all of that: docs/features.md says how a feature is written
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 struct heat {

@@ -1,6 +1,6 @@
 // expects: the hooks of a feature are static functions named after the stages of a step, and this
 // feature has none of these names: docs/features.md lists them
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 struct heat {

@@ -1,5 +1,5 @@
 // expects: talus has no joints, hinges or limits: docs/not_there.md says which code has
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

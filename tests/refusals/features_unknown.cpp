@@ -1,6 +1,6 @@
 // expects: features<...> takes orientation, forces, user_ids, visibility, damping,
 // continuous_collision and the monitors
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

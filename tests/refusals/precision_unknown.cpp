@@ -1,5 +1,5 @@
 // expects: precision<...> takes double or mixed_precision, and this type is neither
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

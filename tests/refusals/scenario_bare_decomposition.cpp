@@ -1,6 +1,6 @@
 // expects: scenario<...> takes a decomposition inside decomposition<...>: write
 // decomposition<grid<2, 2>>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

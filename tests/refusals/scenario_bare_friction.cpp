@@ -1,5 +1,5 @@
 // expects: scenario<...> takes the parts of a contact law inside hard_contact<...>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

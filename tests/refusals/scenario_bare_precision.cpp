@@ -1,5 +1,5 @@
 // expects: write precision<mixed_precision> for a bare mixed_precision
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,5 +1,5 @@
 // expects: scenario<...> takes a shape inside bodies<...>: write bodies<sphere>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,5 +1,5 @@
 // expects: for a bare nonlinear_gauss_seidel, and likewise for accelerated_jacobi and small_steps
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

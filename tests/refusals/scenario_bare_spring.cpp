@@ -1,6 +1,6 @@
 // expects: scenario<...> takes the parts of a contact law inside soft_contact<...>: write
 // soft_contact<linear_spring_dashpot>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: hard_contact<...> names split_correction and no_correction, which contradict each other:
 // keep one of them
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

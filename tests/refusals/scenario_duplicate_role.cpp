@@ -1,5 +1,5 @@
 // expects: scenario<...> names the role 'solver' twice: keep one solver<...>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

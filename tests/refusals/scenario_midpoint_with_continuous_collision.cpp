@@ -1,5 +1,5 @@
 // expects: scenario<...> names integrator<moreau_midpoint> and continuous_collision
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: scenario<...> names integrator<moreau_midpoint> and solver<small_steps>
-#include "talus/response/small_steps.hpp"
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
+#include "talus/solver/small_steps.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,5 +1,5 @@
 // expects: this scenario does not have this feature: add it to its features<...>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 
 using namespace talus;
 

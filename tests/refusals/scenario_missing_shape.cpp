@@ -1,6 +1,6 @@
 // expects: this scenario has no bodies of this shape: add the shape to its bodies<...>
+#include "talus/scenario/scenario.hpp"
 #include "talus/shape/box.hpp"
-#include "talus/world/scenario.hpp"
 
 using namespace talus;
 

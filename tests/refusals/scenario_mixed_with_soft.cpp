@@ -1,5 +1,5 @@
 // expects: soft contacts are computed in double: remove the precision, or use hard_contact<...>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: names a precision other than double and a solver that works in double
-#include "talus/response/accelerated_jacobi.hpp"
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
+#include "talus/solver/accelerated_jacobi.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -2,7 +2,7 @@
 #include "talus/parallel/periodic.hpp"
 #include "talus/parallel/serial.hpp"
 #include "talus/parallel/threads.hpp"
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 using sides = decomposition<periodic<grid<dynamic>, along::x>>;

@@ -1,6 +1,6 @@
 // expects: scenario<...> names soft_contact<...> and a feature that needs the impulses of hard
 // contacts
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: scenario<...> names a solver and soft_contact<...>, but soft contacts are forces and
 // have nothing to solve
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

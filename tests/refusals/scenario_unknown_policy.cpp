@@ -1,5 +1,5 @@
 // expects: scenario<...> takes talus policies only, and this type is none: remove it
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses are no
 // forces
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

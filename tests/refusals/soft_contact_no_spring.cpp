@@ -1,6 +1,6 @@
 // expects: soft_contact<...> names no spring: add linear_spring_dashpot or hertz_mindlin, or an
 // expects: interaction law of your own
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

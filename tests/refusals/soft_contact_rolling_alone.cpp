@@ -1,5 +1,5 @@
 // expects: soft_contact<...> names rolling_resistance without coulomb_friction
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: soft_contact<...> names a type that says it is part of a contact law and lacks what an
 // expects: interaction law offers: name, parameters, memory, force, stored, longest_step and duration
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 struct my_law {

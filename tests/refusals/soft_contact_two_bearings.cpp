@@ -1,5 +1,5 @@
 // expects: soft_contact<...> names two laws that bear the bodies, and friction has one normal force
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 /// A spring of its own that bears friction.

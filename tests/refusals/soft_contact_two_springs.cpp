@@ -1,6 +1,6 @@
 // expects: soft_contact<...> names linear_spring_dashpot and hertz_mindlin, which contradict each
 // other
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,6 +1,6 @@
 // expects: soft_contact<...> takes interaction laws, such as linear_spring_dashpot and hertz_mindlin,
 // expects: coulomb_friction and rolling_resistance, and this type is none of them
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

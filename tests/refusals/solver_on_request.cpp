@@ -1,7 +1,7 @@
 // expects: solver<...> takes as second solver, for the option --reproducible, one whose results do
-#include "talus/response/accelerated_jacobi.hpp"
-#include "talus/response/coloured_gauss_seidel.hpp"
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
+#include "talus/solver/accelerated_jacobi.hpp"
+#include "talus/solver/coloured_gauss_seidel.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

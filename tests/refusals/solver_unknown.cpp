@@ -1,6 +1,6 @@
 // expects: solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>,
 // solver<accelerated_jacobi>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,5 +1,5 @@
 // expects: takes a solver, and this type lacks the static function solve(
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 struct tagged {

@@ -1,5 +1,5 @@
 // expects: transport<mpi> needs MPI: write #include <talus/mpi.hpp>
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

@@ -1,5 +1,5 @@
 // expects: transport<...> takes serial, threads, mpi or as_launched, and this type is none of them
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL

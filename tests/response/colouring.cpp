@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 #include <stdexcept>
-#include <talus/response/colouring.hpp>
+#include <talus/solver/colouring.hpp>
 #include <thread>
 
 using namespace talus::detail;

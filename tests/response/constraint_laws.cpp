@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <string>
 #include <talus/concepts.hpp>
+#include <talus/constraint/frame_around.hpp>
+#include <talus/constraint/general_contact.hpp>
+#include <talus/constraint/isotropic_contact.hpp>
 #include <talus/contact/law.hpp>
 #include <talus/core/random.hpp>
-#include <talus/response/coloured_list.hpp>
-#include <talus/response/contact_list.hpp>
-#include <talus/response/either_list.hpp>
-#include <talus/response/frame_around.hpp>
-#include <talus/response/general_contact.hpp>
-#include <talus/response/isotropic_contact.hpp>
+#include <talus/solver/coloured_list.hpp>
+#include <talus/solver/contact_list.hpp>
+#include <talus/solver/either_list.hpp>
 
 using namespace talus;
 using namespace talus::detail;

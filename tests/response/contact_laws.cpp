@@ -4,15 +4,15 @@
 
 #include <cmath>
 #include <talus/body/material.hpp>
+#include <talus/constraint/isotropic_contact.hpp>
+#include <talus/constraint/natural_map.hpp>
+#include <talus/constraint/rebound.hpp>
+#include <talus/constraint/stored_impulses.hpp>
 #include <talus/contact/law.hpp>
 #include <talus/core/random.hpp>
 #include <talus/interaction/soft_contact.hpp>
-#include <talus/response/contact_list.hpp>
-#include <talus/response/isotropic_contact.hpp>
-#include <talus/response/natural_map.hpp>
-#include <talus/response/rebound.hpp>
-#include <talus/response/stored_impulses.hpp>
-#include <talus/world/contact_conditions.hpp>
+#include <talus/solver/contact_list.hpp>
+#include <talus/step/contact_conditions.hpp>
 
 using namespace talus;
 using namespace talus::detail;

@@ -7,9 +7,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "talus/constraint/isotropic_contact.hpp"
+#include "talus/constraint/solver_state.hpp"
 #include "talus/contact/law.hpp"
-#include "talus/response/isotropic_contact.hpp"
-#include "talus/response/solver_state.hpp"
 
 namespace {
 

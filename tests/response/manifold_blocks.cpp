@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <random>
+#include <talus/constraint/general_contact.hpp>
+#include <talus/constraint/manifold_row.hpp>
 #include <talus/contact/law.hpp>
-#include <talus/response/general_contact.hpp>
-#include <talus/response/manifold_row.hpp>
 
 using namespace talus;
 using namespace talus::detail;

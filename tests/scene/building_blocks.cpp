@@ -11,13 +11,13 @@
 #include <talus/observe/penetration.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/scene/force_field.hpp>
 #include <talus/scene/inflow.hpp>
 #include <talus/scene/outflow.hpp>
 #include <talus/scene/packing.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/scene/sizes.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;

@@ -10,7 +10,7 @@
 #include "../../benchmarks/fc3d/problem.hpp"
 #include "../contact_problems.hpp"
 #include "record.hpp"
-#include "talus/response/solve_assembled.hpp"
+#include "talus/solver/direct/solve_assembled.hpp"
 
 using namespace talus;
 using namespace talus::detail;

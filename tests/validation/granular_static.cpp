@@ -2,7 +2,7 @@
 // Granular media at rest: packing fractions, coordination, Janssen's silo, angle of repose.
 #include <doctest/doctest.h>
 
-#include <talus/response/small_steps.hpp>
+#include <talus/solver/small_steps.hpp>
 
 #include "granular_media.hpp"
 #include "record.hpp"

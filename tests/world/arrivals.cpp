@@ -7,7 +7,7 @@
 #include <talus/observe/force.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/accelerated_jacobi.hpp>
+#include <talus/solver/accelerated_jacobi.hpp>
 #include <talus/world/world.hpp>
 #include <tuple>
 

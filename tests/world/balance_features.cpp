@@ -17,11 +17,11 @@
 #include <talus/parallel/reach.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/shape/capsule.hpp>
 #include <talus/shape/union_of.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 #include <variant>
 #include <vector>

@@ -8,8 +8,8 @@
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/bisection.hpp>
 #include <talus/parallel/reach.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/scene/lattice.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <talus/checkpoint.hpp>
 #include <talus/observe/motion.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/shape/convex_polyhedron.hpp>
 #include <talus/shape/union_of.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 
 #include "driven_mixer.hpp"
 

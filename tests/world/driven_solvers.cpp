@@ -10,8 +10,8 @@
 #include <talus/observe/energy.hpp>
 #include <talus/observe/momentum.hpp>
 #include <talus/observe/penetration.hpp>
-#include <talus/response/accelerated_jacobi.hpp>
-#include <talus/response/small_steps.hpp>
+#include <talus/solver/accelerated_jacobi.hpp>
+#include <talus/solver/small_steps.hpp>
 
 #include "driven_mixer.hpp"
 

@@ -12,7 +12,7 @@
 #include <talus/parallel/periodic.hpp>
 #include <talus/parallel/reach.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 

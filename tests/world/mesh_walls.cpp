@@ -11,10 +11,10 @@
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/shape/box.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 

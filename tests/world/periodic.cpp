@@ -9,10 +9,10 @@
 #include <talus/parallel/periodic.hpp>
 #include <talus/parallel/reach.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/shape/box.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/each_contact.hpp>
 #include <talus/world/world.hpp>
 #include <vector>

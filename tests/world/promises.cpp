@@ -8,12 +8,12 @@
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/accelerated_jacobi.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
-#include <talus/response/small_steps.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/shape/box.hpp>
+#include <talus/solver/accelerated_jacobi.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
+#include <talus/solver/small_steps.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 

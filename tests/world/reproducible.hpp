@@ -11,7 +11,7 @@
 #include <talus/parallel/reach.hpp>
 #include <talus/parallel/ring.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 

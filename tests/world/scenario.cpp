@@ -1,5 +1,5 @@
 // plain
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 
 #include <doctest/doctest.h>
 

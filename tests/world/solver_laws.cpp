@@ -10,10 +10,10 @@
 #include <talus/observe/residual.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
-#include <talus/response/accelerated_jacobi.hpp>
-#include <talus/response/coloured_gauss_seidel.hpp>
-#include <talus/response/small_steps.hpp>
 #include <talus/scene/lattice.hpp>
+#include <talus/solver/accelerated_jacobi.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
+#include <talus/solver/small_steps.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;

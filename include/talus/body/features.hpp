@@ -2,7 +2,7 @@
 // features<...>: optional data of bodies and optional functions of a run. A feature that is not
 // named costs nothing. This file has the part of each feature of talus that a scenario needs: its
 // name, its columns and its order. Its state, its hooks and its records are defined in
-// world/features/ under its name; `talus_inside` marks features that work on the parts of a world
+// features/ under its name; `talus_inside` marks features that work on the parts of a world
 // directly.
 #include <type_traits>
 
@@ -54,7 +54,8 @@ struct damping final {
   static constexpr const char* name = "damping";
   using columns = type_list<>;
 };
-/// Bodies that move far in a step stop at their first impact: see world/continuous.hpp.
+/// Bodies that move far in a step stop at their first impact: see
+/// features/continuous_collision/continuous.hpp.
 struct continuous_collision final {
   using talus_inside = void;
   using talus_part_of = roles::features;

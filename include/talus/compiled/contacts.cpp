@@ -1,8 +1,8 @@
 // The compiled part: pair search, colouring of contacts, and solution of islands.
 #include "talus/detect/hash_grid_definitions.hpp"
 #include "talus/detect/sweep_and_prune_definitions.hpp"
-#include "talus/response/colouring_definitions.hpp"
-#include "talus/response/direct_islands_definitions.hpp"
+#include "talus/solver/colouring_definitions.hpp"
+#include "talus/solver/direct/direct_islands_definitions.hpp"
 
 namespace talus::detail {
 

@@ -4,7 +4,7 @@
 #include "talus/observe/summary_json_definitions.hpp"
 #include "talus/observe/summary_text_definitions.hpp"
 #include "talus/observe/time_series_definitions.hpp"
-#include "talus/scene/detail/command_line.hpp"
+#include "talus/scene/detail/command_line_definitions.hpp"
 #include "talus/scene/detail/run_guard_definitions.hpp"
 #include "talus/scene/options_definitions.hpp"
 #include "talus/scene/packing_definitions.hpp"

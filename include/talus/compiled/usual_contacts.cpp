@@ -1,5 +1,5 @@
 // The compiled part: functions over lists of contacts with friction, in double.
-#include "talus/response/usual_contacts.hpp"
+#include "talus/solver/usual_contacts.hpp"
 
 namespace talus::detail {
 

@@ -32,7 +32,7 @@ struct no_correction final {
 
 namespace detail {
 
-/// A hard contact law whose contacts also carry a velocity bias; see response/contact_bias.hpp.
+/// A hard contact law whose contacts also carry a velocity bias; see constraint/contact_bias.hpp.
 template <class Law>
 struct biased_law {
   using memory = typename Law::memory;

@@ -167,5 +167,5 @@ class any_geometry {
 }  // namespace talus
 
 #ifndef TALUS_COMPILED
-#include "talus/geometry/detail/any_geometry.hpp"
+#include "talus/geometry/detail/any_geometry_definitions.hpp"
 #endif

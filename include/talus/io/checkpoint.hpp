@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/ghosts/conservation.hpp"
 #include "talus/io/detail/checkpoint_bodies.hpp"
 #include "talus/io/detail/checkpoint_contacts.hpp"
 #include "talus/io/detail/checkpoint_content.hpp"
@@ -18,7 +19,6 @@
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
 #include "talus/io/detail/run_lock.hpp"
-#include "talus/world/conservation.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/world.hpp"
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <type_traits>
 
+#include "talus/constraint/contact_work.hpp"
 #include "talus/core/plain_vector.hpp"
-#include "talus/response/contact_work.hpp"
-#include "talus/world/features/momentum_balance.hpp"
+#include "talus/features/momentum_balance.hpp"
+#include "talus/step/last_residual.hpp"
 #include "talus/world/fresh_start.hpp"
-#include "talus/world/last_residual.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "talus/response/island_budget.hpp"
+#include "talus/constraint/island_budget.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {

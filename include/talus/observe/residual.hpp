@@ -1,6 +1,6 @@
 #pragma once
 // How well the velocities and impulses of the last step satisfy the contact law.
-#include "talus/world/last_residual.hpp"
+#include "talus/step/last_residual.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {

@@ -14,7 +14,7 @@
 #include "talus/observe/summary_figures.hpp"
 #include "talus/observe/summary_json.hpp"
 #include "talus/observe/summary_text.hpp"
-#include "talus/world/contact_count.hpp"
+#include "talus/state/contact_count.hpp"
 
 namespace talus {
 

@@ -15,7 +15,7 @@
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
 #include "talus/observe/residual.hpp"
-#include "talus/world/speed_leap.hpp"
+#include "talus/state/speed_leap.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {

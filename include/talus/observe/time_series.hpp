@@ -17,7 +17,7 @@
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
-#include "talus/world/contact_count.hpp"
+#include "talus/state/contact_count.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {

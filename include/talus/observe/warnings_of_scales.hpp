@@ -5,7 +5,7 @@
 #include <string>
 
 #include "talus/core/error.hpp"
-#include "talus/world/speed_leap.hpp"
+#include "talus/state/speed_leap.hpp"
 
 namespace talus::detail {
 

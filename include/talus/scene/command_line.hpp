@@ -126,5 +126,5 @@ class command_line {
 }  // namespace talus
 
 #ifndef TALUS_COMPILED
-#include "talus/scene/detail/command_line.hpp"
+#include "talus/scene/detail/command_line_definitions.hpp"
 #endif

@@ -9,7 +9,7 @@
 #include "talus/body/features.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
-#include "talus/world/scenario.hpp"
+#include "talus/scenario/scenario.hpp"
 
 namespace talus {
 

@@ -22,7 +22,7 @@
 #include "talus/parallel/reduction.hpp"
 #include "talus/scene/region.hpp"
 #include "talus/scene/site.hpp"
-#include "talus/world/periodic_ghosts.hpp"
+#include "talus/state/periodic_ghosts.hpp"
 
 namespace talus {
 

@@ -22,6 +22,10 @@ namespace detail {
   const quat back(p.orientation.w(), -p.orientation.x(), -p.orientation.y(), -p.orientation.z());
   return {rotated(back, vec3(-p.position[0], -p.position[1], -p.position[2])), back};
 }
+/// The product of two rotations.
+[[nodiscard]] inline quat after(const quat& second, const quat& first) {
+  return combined({{0, 0, 0}, second}, {{0, 0, 0}, first}).orientation;
+}
 
 }  // namespace detail
 

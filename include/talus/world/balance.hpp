@@ -10,11 +10,11 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/ghosts/shadow_copies.hpp"
 #include "talus/parallel/reduction.hpp"
-#include "talus/world/contact_count.hpp"
-#include "talus/world/shadow_copies.hpp"
-#include "talus/world/state.hpp"
-#include "talus/world/step.hpp"
+#include "talus/state/contact_count.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/step.hpp"
 
 namespace talus::detail {
 

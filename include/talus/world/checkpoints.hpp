@@ -17,7 +17,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
-#include "talus/world/course.hpp"
+#include "talus/state/course.hpp"
 
 namespace talus {
 

@@ -8,9 +8,9 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/features/sleeping/sleeping_islands.hpp"
+#include "talus/step/soft_step.hpp"
 #include "talus/world/fresh_start.hpp"
-#include "talus/world/sleeping_islands.hpp"
-#include "talus/world/soft_step.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "talus/core/sort.hpp"
-#include "talus/world/state.hpp"
+#include "talus/state/state.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus::detail {

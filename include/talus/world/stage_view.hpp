@@ -10,10 +10,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "talus/state/feature_states.hpp"
+#include "talus/state/hooks.hpp"
+#include "talus/state/state.hpp"
 #include "talus/world/each_contact.hpp"
-#include "talus/world/feature_states.hpp"
-#include "talus/world/hooks.hpp"
-#include "talus/world/state.hpp"
 
 namespace talus {
 

@@ -5,11 +5,11 @@
 #include <type_traits>
 
 #include "talus/body/body.hpp"
-#include "talus/world/released.hpp"
-#include "talus/world/scenario.hpp"
+#include "talus/features/sleeping/sleeping_islands.hpp"
+#include "talus/ghosts/released.hpp"
+#include "talus/scenario/scenario.hpp"
+#include "talus/state/state.hpp"
 #include "talus/world/sections.hpp"
-#include "talus/world/sleeping_islands.hpp"
-#include "talus/world/state.hpp"
 
 namespace talus {
 

@@ -15,14 +15,14 @@
 #include "talus/parallel/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/reach.hpp"
+#include "talus/scenario/scenario.hpp"
+#include "talus/state/recorded_values.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/step.hpp"
 #include "talus/world/balance.hpp"
 #include "talus/world/body_checks.hpp"
 #include "talus/world/checkpoints.hpp"
-#include "talus/world/recorded_values.hpp"
-#include "talus/world/scenario.hpp"
 #include "talus/world/sections.hpp"
-#include "talus/world/state.hpp"
-#include "talus/world/step.hpp"
 #include "talus/world/view.hpp"
 
 namespace talus {
@@ -681,8 +681,8 @@ class world {
 
 }  // namespace talus
 
-#include "talus/world/detail/balance.hpp"
-#include "talus/world/detail/bodies.hpp"
-#include "talus/world/detail/connections.hpp"
-#include "talus/world/detail/driving.hpp"
-#include "talus/world/detail/time.hpp"
+#include "talus/world/detail/balance_definitions.hpp"
+#include "talus/world/detail/bodies_definitions.hpp"
+#include "talus/world/detail/connections_definitions.hpp"
+#include "talus/world/detail/driving_definitions.hpp"
+#include "talus/world/detail/time_definitions.hpp"

@@ -6,8 +6,8 @@
 
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/file_kind.hpp"
-#include "talus/world/course.hpp"
-#include "talus/world/recorded_values.hpp"
+#include "talus/state/course.hpp"
+#include "talus/state/recorded_values.hpp"
 
 namespace talus::detail {
 

@@ -10,8 +10,8 @@
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_team.hpp"
 #include "talus/io/detail/file_kind.hpp"
-#include "talus/world/monitor_numbers.hpp"
-#include "talus/world/state.hpp"
+#include "talus/state/monitor_numbers.hpp"
+#include "talus/state/state.hpp"
 
 namespace talus::detail {
 

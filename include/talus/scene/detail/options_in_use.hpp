@@ -3,9 +3,9 @@
 // refusal says how to enable them.
 #include <type_traits>
 
+#include "talus/scenario/scenario.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/world/checkpoints.hpp"
-#include "talus/world/scenario.hpp"
 
 namespace talus::detail {
 

@@ -1,0 +1,35 @@
+#pragma once
+// Interior contacts of a kind with several per pair of bodies, swept manifold by manifold.
+#include <cstddef>
+
+#include "talus/constraint/contact_manifolds.hpp"
+#include "talus/constraint/contact_row.hpp"
+
+namespace talus::detail {
+
+/// A contact_row that finds its manifolds when it is prepared.
+template <swept_in_manifolds Contact, class Planner = ordered_planner>
+class manifold_row : public contact_row<Contact> {
+ public:
+  using typename contact_row<Contact>::state;
+
+  [[nodiscard]] std::size_t bytes() const {
+    return contact_row<Contact>::bytes() + manifolds_.bytes();
+  }
+  void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
+  void apply(state& s) const { manifolds_.apply_all(this->contacts_, s); }
+  void forward(state& s) { manifolds_.sweep_forward(this->contacts_, s); }
+  void backward(state& s) { manifolds_.sweep_backward(this->contacts_, s); }
+  template <class Note>
+  void backward_watched(state& s, real speed, Note&& note) {
+    manifolds_.sweep_watched(this->contacts_, s, [&](std::size_t i, real change) {
+      if (change > speed) note(i, change);
+    });
+  }
+  void correct(state& s) { manifolds_.sweep_correction(this->contacts_, s); }
+
+ private:
+  contact_manifolds<Contact, Planner> manifolds_;
+};
+
+}  // namespace talus::detail

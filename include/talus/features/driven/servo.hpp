@@ -1,0 +1,152 @@
+#pragma once
+// Bodies that are held at a force. Rigid contacts have no stiffness that could determine the gain
+// of a controller: a wall that moves at any speed into a jammed packing meets an unbounded force.
+// So a servo is a piston. It consists of parts, one for each pair of bodies that touches it, with a
+// multiple of the mass of the other body; each part presses with its share of the force, and its
+// contacts move it like any body. At the end of the step all parts move at their mean velocity, and
+// by the mean of their position corrections. (Splitting a body into parts that are averaged: Tonge,
+// Benevolenski, Voroshilov 2012.) The distribution of contacts over ranks has no effect, and at
+// rest the contacts bear the force exactly.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "talus/constraint/contact_work.hpp"
+#include "talus/state/kinematic_bodies.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+[[nodiscard]] inline driven_step step_of_servo(const driven_state& s, const vec3& axis, real dt) {
+  driven_step step{.end = s.at, .v = s.speed * axis};
+  step.end.point += dt * step.v;
+  return step;
+}
+
+template <class Scenario>
+[[nodiscard]] bool any_servo(const world_state<Scenario>& s) {
+  return std::any_of(s.driving.all.begin(), s.driving.all.end(),
+                     [](const auto& one) { return one->is_servo; });
+}
+template <class Scenario>
+void forget_forces(world_state<Scenario>& s) {
+  for (auto& one : s.driving.all) one->sums = {};
+}
+
+/// Over all ranks, exactly, so that the bits do not depend on them: one reduction per step and
+/// servo. Then calls f(servo, mass of its parts).
+template <class Scenario, class F>
+void agree_on_servos(world_state<Scenario>& s, F&& f) {
+  constexpr std::size_t size = exact_sum::digits + 1;
+  std::array<double, 7 * size> all;
+  for (auto& one : s.driving.all) {
+    if (!one->is_servo) continue;
+    servo_sums& mine = one->sums;
+    const std::array sums{
+        &mine.force.plus, &mine.force.minus, &mine.momentum.plus, &mine.momentum.minus,
+        &mine.shift.plus, &mine.shift.minus, &mine.mass};
+    const auto digits = [&](std::size_t k) {
+      return std::span<double, size>(all.data() + k * size, size);
+    };
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k]->write(digits(k));
+    s.link->reduce(reduction::sum, all);
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k]->read(digits(k));
+    const real most = one->holds.max_speed;
+    driven_state& state = one->state;
+    state.force = mine.force.value();
+    f(*one, mine.mass.value());
+    // A servo without contacts so far has no mass.
+    state.speed = state.mass > 0 ? std::clamp(state.speed, -most, most) : most;
+  }
+}
+
+/// After the response of hard contacts.
+template <class Scenario>
+void settle_servos(world_state<Scenario>& s) {
+  if (!any_servo(s)) return;
+  forget_forces(s);
+  const auto& d = s.driving;
+  const auto servo_of = [&](std::size_t k) -> driven_body* {
+    const auto n = d.owners[k - d.first];
+    if (n < 0 || !d.all[static_cast<std::size_t>(n)]->is_servo) return nullptr;
+    return d.all[static_cast<std::size_t>(n)].get();
+  };
+  plain_vector<char> presses(d.owners.size(), 0);
+  s.each_contact_list([&](const auto& list) {
+    list.each_acting([&](const auto& c, bool, bool) {
+      const auto k = static_cast<std::size_t>(c.b);
+      if (c.b < 0 || k < d.first) return;
+      driven_body* const one = servo_of(k);
+      if (one == nullptr) return;
+      const split_impulse p = impulse_in_parts(c);
+      if (p.normal == vec3(0, 0, 0)) return;
+      presses[k - d.first] = 1;
+      one->sums.force += (p.normal + p.tangential).dot(one->holds.axis) / s.dt;
+    });
+  });
+  for (std::size_t k = d.first; k < s.solver.bodies.size(); ++k) {
+    if (!presses[k - d.first]) continue;
+    driven_body& one = *servo_of(k);
+    const auto& part = s.solver.bodies[k];
+    const real mass = 1 / static_cast<real>(part.inverse_mass);
+    one.sums.mass += mass;
+    one.sums.momentum += mass * v_of(part).dot(one.holds.axis);
+    real shift = 0;
+    if constexpr (world_state<Scenario>::law::correction)
+      shift += in_scalar<real>(s.solver.shift[k].v).dot(one.holds.axis);
+    if constexpr (divides_the_step<typename Scenario::solver>)
+      shift += s.solver.drift[k].v.dot(one.holds.axis);
+    one.sums.shift += mass * shift;
+  }
+  agree_on_servos(s, [&](driven_body& one, real mass) {
+    driven_state& state = one.state;
+    const servo& how = one.holds;
+    real shift = 0;
+    if (mass > 0) {
+      state.mass = mass;
+      state.speed = one.sums.momentum.value() / mass;
+      shift = one.sums.shift.value() / mass;
+    } else {
+      state.speed = state.mass > 0 ? state.speed + s.dt * how.force / state.mass : how.max_speed;
+    }
+    // With the midpoint it has already moved by half of its step.
+    const real left = world_state<Scenario>::midpoint ? real(0.5) : real(1);
+    const real way = std::clamp(left * state.speed + shift, -how.max_speed, how.max_speed);
+    one.next.end.point = state.at.point + (s.dt * way) * how.axis;
+  });
+}
+
+/// The force of a soft contact on the contact partner of global body j of a shape.
+template <class Shape, class Scenario>
+void press(world_state<Scenario>& s, std::size_t j, const vec3& force, real inverse_mass) {
+  const auto n = s.driving.numbers[index_of<typename Scenario::shapes, Shape>][j];
+  if (n < 0 || inverse_mass == 0) return;
+  driven_body& one = *s.driving.all[static_cast<std::size_t>(n)];
+  if (!one.is_servo) return;
+  one.sums.force += force.dot(one.holds.axis);
+  one.sums.mass += servo_ratio / inverse_mass;
+}
+/// After the forces of soft contacts, for a wall that moves slowly enough that they follow. Its
+/// speed is the error of the force, times a gain that grows while the force is far from its target,
+/// and is halved when the error changes sign, as the step of Rprop (Riedmiller, Braun 1993).
+template <class Scenario>
+void push_servos(world_state<Scenario>& s) {
+  if (!any_servo(s)) return;
+  constexpr real growth = 1.1, cut = 0.5, far = 0.5, least = 1e-9;
+  agree_on_servos(s, [&](driven_body& one, real mass) {
+    driven_state& state = one.state;
+    if (state.mass == 0) {
+      state.mass = mass;
+      return;  // it approaches at its greatest speed
+    }
+    const real most = one.holds.max_speed;
+    const real error = std::clamp(1 - state.force / one.holds.force, real(-1), real(1));
+    state.gain *= error * state.error < 0 ? cut : std::abs(error) > far ? growth : 1;
+    state.gain = std::clamp(state.gain, least * most, most);
+    state.error = error;
+    state.speed = state.gain * error;
+  });
+}
+
+}  // namespace talus::detail

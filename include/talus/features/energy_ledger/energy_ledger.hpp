@@ -1,0 +1,367 @@
+#pragma once
+// features<energy_ledger>: its record, how it books a step (every entry is computed on its own,
+// none as the remainder), and its stages.
+#include <algorithm>
+#include <cmath>
+
+#include "talus/constraint/contact_work.hpp"
+#include "talus/core/compensated_sum.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
+#include "talus/motion/integrate.hpp"
+#include "talus/state/monitors.hpp"
+#include "talus/state/solved_velocity.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus {
+
+/// Energy that entered or left the motion of the bodies. Each entry is computed on its own.
+struct energy_flows {
+  double work = 0;        ///< done by forces and torques of the user, and by fixed bodies with a
+                          ///< velocity on the bodies that they carry along
+  double friction = 0;    ///< dissipated by tangential impulses
+  double impact = 0;      ///< dissipated by normal impulses
+  double damping = 0;     ///< dissipated by damping
+  double correction = 0;  ///< added by the position correction
+  double scheme = 0;      ///< added by the time stepping: -m g^2 dt^2/2 per step of a free fall,
+                          ///< and the error of the rotation scheme
+  double sleep = 0;       ///< dissipated when islands were put to sleep
+
+  [[nodiscard]] double net() const {
+    return work + correction + scheme - friction - impact - damping - sleep;
+  }
+  energy_flows& operator+=(const energy_flows& x) {
+    work += x.work, friction += x.friction, impact += x.impact;
+    damping += x.damping, correction += x.correction, scheme += x.scheme;
+    sleep += x.sleep;
+    return *this;
+  }
+};
+
+namespace detail {
+
+/// Kinetic and potential energy, and the sum of their absolute values over the bodies.
+struct energy_sums {
+  double kinetic = 0, potential = 0, scale = 0;
+};
+
+struct energy_record {
+  /// Of one body over a step: half the sum of its velocities before and after. With it the work of
+  /// impulses that act together is the sum of their works.
+  struct mean_velocity {
+    vec3 v, w;
+  };
+  struct running_flows {
+    compensated_sum<double> work, friction, impact, damping, correction, scheme, sleep;
+    [[nodiscard]] energy_flows value() const {
+      return {work.value(),       friction.value(), impact.value(), damping.value(),
+              correction.value(), scheme.value(),   sleep.value()};
+    }
+  };
+
+  running_flows running;      ///< of the step under way
+  double exchanged = 0;       ///< sum of the absolute values of the works of contacts in this step
+  energy_sums before, after;  ///< of the last step
+  energy_flows step, total;
+  double initial = 0;  ///< energy at the start of the first step
+  double changes = 0;  ///< of energy by the user, between the steps
+  double closure = 0;  ///< the difference that the last step's entries leave
+  double scale = 0;    ///< sum of the energies of the last step
+  double worst = 0;    ///< largest |closure| over scale of all steps
+  bool started = false;
+  plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
+
+  template <class Visitor>
+  void each_number(Visitor& visit) {
+    for (energy_sums* s : {&before, &after}) visit.sums(s->kinetic, s->potential, s->scale);
+    for (energy_flows* e : {&step, &total})
+      visit.sums(e->work, e->friction, e->impact, e->damping, e->correction, e->scheme, e->sleep);
+    visit.sums(initial, changes, closure, scale);
+    visit.largest(worst);
+    visit.largest(started);
+  }
+};
+
+/// Of soft contacts, in addition to the energy_record: energy of the springs, of contacts that
+/// count here.
+struct spring_record {
+  /// Power of moving fixed bodies on others; for the present forces.
+  compensated_sum<double> spring_power, dashpot_power, friction_power;
+  /// Energies at the last computation of forces: along the normal, and across it (and of rolling)
+  /// before and after the springs were advanced; energy lost by slip between.
+  compensated_sum<double> normal, across_before, across, yielded;
+  compensated_sum<double> released;  ///< of `normal`, released when the memory changed
+  double start = 0;                  ///< energy at the start of the step
+  double across_at_start = 0;
+  double stored = 0;  ///< and at its end
+  double moved = 0;   ///< energy of the bodies that migrated to this rank within the step
+  bool started = false;
+
+  void measure_anew() {
+    spring_power = dashpot_power = friction_power = {};
+    normal = across_before = across = yielded = released = {};
+  }
+  template <class Visitor>
+  void each_number(Visitor& visit) {
+    visit.sums(spring_power, dashpot_power, friction_power);
+    visit.sums(normal, across_before, across, yielded, released);
+    visit.sums(start, across_at_start, stored, moved);
+    visit.largest(started);
+  }
+};
+
+/// Calls f(store, i, index in the solver's arrays) for each body owned here that can move.
+template <class Scenario, class F>
+void each_moving_local(world_state<Scenario>& s, F&& f) {
+  s.each_finite_shape([&](auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i)
+      if (b.movable.inverse_mass[i] != 0) f(b.movable, i, b.first + i);
+  });
+}
+
+/// Twice the rotational energy of body i, rotated by q, at angular velocity w.
+template <class Store>
+[[nodiscard]] real twice_spin_energy(const Store& store, std::size_t i, const quat& q,
+                                     const vec3& w) {
+  const vec3 inertia = store.shape[i].inertia() / store.inverse_mass[i];
+  if constexpr (Store::tensor) {
+    const vec3 own = q.conjugate() * w;
+    return inertia.dot(own.cwiseProduct(own));
+  } else {
+    return inertia[0] * w.squaredNorm();
+  }
+}
+
+/// Of the bodies owned here, as they are now.
+template <class Scenario>
+[[nodiscard]] energy_sums energy_of(world_state<Scenario>& s) {
+  compensated_sum<double> kinetic, potential;
+  double height = 0;
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
+    const real mass = 1 / store.inverse_mass[i], fall = mass * s.gravity.dot(store.position[i]);
+    kinetic +=
+        0.5 * (mass * store.velocity[i].squaredNorm() +
+               twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]));
+    potential += -fall;
+    height += std::abs(fall);
+  });
+  return {kinetic.value(), potential.value(), kinetic.value() + height};
+}
+
+/// Before a step: the user's changes since the last one.
+template <class Scenario>
+void open_energy(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  r.running = {};
+  r.exchanged = 0;
+  r.before = energy_of(s);
+  const double energy = r.before.kinetic + r.before.potential;
+  if (r.started)
+    r.changes += energy - (r.after.kinetic + r.after.potential);
+  else
+    r.initial = energy;
+  r.started = true;
+}
+
+/// Works of the contacts. Impulses change the velocities together, and the change of m v^2/2 is
+/// that of m v times the mean of v before and after. So each impulse, including the warm start,
+/// does work on the mean velocity of its point, and these works add up to the change of kinetic
+/// energy exactly. A rank books the work on the bodies it moves; the dissipation of a contact
+/// across ranks is the sum of the entries of both ranks.
+template <class Scenario>
+void book_contacts(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  const auto& solver = s.solver;
+  s.each_contact_list([&]<class List>(const List& list) {
+    list.each_acting([&](const auto& c, bool on_a, bool on_b) {
+      using contact = std::remove_cvref_t<decltype(c)>;
+      const split_impulse p = impulse_in_parts(c);
+      vec3 u{0, 0, 0};
+      const auto a = static_cast<std::size_t>(c.a);
+      if (on_a) {
+        const auto& m = r.mean[a];
+        const vec3 ua = velocity_on_a(c, m.v, m.w);
+        u += ua;
+        if (solver.bodies[a].inverse_mass == 0) r.running.work -= (p.normal + p.tangential).dot(ua);
+      }
+      if constexpr (contact::paired)
+        if (on_b) {
+          const auto b = static_cast<std::size_t>(c.b);
+          const auto& m = r.mean[b];
+          const vec3 ub = velocity_on_b(c, m.v, m.w);
+          u -= ub;
+          if (solver.bodies[b].inverse_mass == 0 || b >= solver.first_global)
+            r.running.work += (p.normal + p.tangential).dot(ub);
+        }
+      const real normal = p.normal.dot(u), tangential = p.tangential.dot(u);
+      r.running.impact -= normal;
+      r.running.friction -= tangential;
+      r.exchanged += std::abs(normal) + std::abs(tangential);
+    });
+  });
+}
+
+/// After the response, before positions move: velocities before it are still in the store, those
+/// after it in the solver's arrays.
+template <class Scenario>
+void book_response(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  const auto& solver = s.solver;
+  const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, s.dt), lost = 1 - kept * kept;
+  r.mean.resize(solver.bodies.size());
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      const std::size_t k = b.first + i;
+      r.mean[k] = {0.5 * (b.movable.velocity[i] + solved_velocity(s, b.movable, i, k)),
+                   0.5 * (b.movable.angular_velocity[i] + solved_spin(s, b.movable, i, k))};
+    }
+  });
+  if constexpr (world_state<Scenario>::drives)
+    for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k)
+      r.mean[k] = {v_of(solver.bodies[k]), w_of(solver.bodies[k])};
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
+    using store_type = std::remove_cvref_t<decltype(store)>;
+    const real mass = 1 / store.inverse_mass[i];
+    const auto& mean = r.mean[k];
+    const vec3& v = solved_velocity(s, store, i, k);
+    const vec3& w = solved_spin(s, store, i, k);
+    const vec3 pull = (s.dt * mass) * s.gravity;
+    // Gravity changes the speed at the mean velocity and the height at the last one.
+    if constexpr (world_state<Scenario>::midpoint)  // and the height at both, half of the time each
+      r.running.scheme += (real(0.5) * (1 - kept)) * pull.dot(v);
+    else
+      r.running.scheme += pull.dot(mean.v - kept * v);
+    if constexpr (store_type::forced)
+      r.running.work += s.dt * (store.force[i].dot(mean.v) + store.torque[i].dot(mean.w));
+    if constexpr (world_state<Scenario>::law::correction)
+      r.running.correction += -pull.dot(in_scalar<real>(solver.shift[k].v));
+    if constexpr (divides_the_step<typename Scenario::solver>)
+      r.running.scheme += -pull.dot(solver.drift[k].v);
+    const bool damped = kept != 1;
+    if (!damped && !store_type::tensor) return;
+    const real spin = twice_spin_energy(store, i, store.pose(i).orientation, w);
+    if (damped) r.running.damping += (0.5 * lost) * (mass * v.squaredNorm() + spin);
+    if constexpr (store_type::tensor) r.running.scheme += -0.5 * kept * kept * spin;
+  });
+  book_contacts(s);
+}
+
+/// Of continuous collision: a body was moved to its impact, before the response. `from`, `turned`
+/// and `w` are its pose and angular velocity before.
+template <class Scenario, class Store>
+void book_flight(world_state<Scenario>& s, const Store& store, std::size_t i, const pose& from,
+                 const vec3& w) {
+  auto& scheme = s.monitors.energy.running.scheme;
+  scheme += -s.gravity.dot(store.position[i] - from.position) / store.inverse_mass[i];
+  if constexpr (Store::tensor)
+    scheme +=
+        0.5 * (twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]) -
+               twice_spin_energy(store, i, from.orientation, w));
+}
+/// After the impact it moved by less than its last velocity times the step: by `missing`.
+template <class Scenario, class Store>
+void book_stop(world_state<Scenario>& s, const Store& store, std::size_t i, const vec3& missing) {
+  s.monitors.energy.running.scheme += s.gravity.dot(missing) / store.inverse_mass[i];
+}
+
+/// After positions have moved: the change of rotational energy by free rotation and by the position
+/// correction. The correction rotates bodies last and does not change their angular velocity.
+template <class Scenario>
+void book_motion(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
+    if constexpr (std::remove_cvref_t<decltype(store)>::tensor) {
+      const vec3& w = store.angular_velocity[i];
+      const quat& last = store.orientation_of[i];
+      quat free = last;
+      if constexpr (world_state<Scenario>::law::correction)
+        free = turned<real>(last, -s.dt * s.solver.turn[k - s.solver.first_tensor].w);
+      const real spin = twice_spin_energy(store, i, free, w);
+      r.running.scheme += 0.5 * spin;
+      if constexpr (world_state<Scenario>::law::correction)
+        r.running.correction += 0.5 * (twice_spin_energy(store, i, last, w) - spin);
+    }
+    (void)k;
+  });
+}
+
+/// At the end of a step, before bodies are migrated: the difference that the entries leave.
+template <class Scenario>
+void close_energy(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  r.after = energy_of(s);
+  r.step = r.running.value();
+  r.total += r.step;
+  r.closure = (r.after.kinetic - r.before.kinetic) + (r.after.potential - r.before.potential) -
+              r.step.net();
+  r.scale = std::max(r.before.scale, r.after.scale) + r.exchanged;
+  if (r.scale > 0) r.worst = std::max(r.worst, std::abs(r.closure) / r.scale);
+}
+
+}  // namespace detail
+
+struct energy_ledger::record {
+  detail::energy_record energy;
+
+  template <class F>
+  void each_record(F&& f) {
+    f("energy", energy);
+  }
+};
+struct detail::split_contact_forces::record {
+  spring_record springs;
+
+  template <class F>
+  void each_record(F&& f) {
+    f("springs", springs);
+  }
+};
+
+// With soft contacts, energies are measured once the last velocities of a step are known, and the
+// spring energy is that of the positions at which forces are computed: at the start of a step, or
+// at its end if the integrator shares bodies midway.
+struct energy_ledger::hooks {
+  template <class Scenario>
+  static void at_start(detail::world_state<Scenario>& s) {
+    open_energy(s);
+    if constexpr (Scenario::contact_law::soft) {
+      s.monitors.springs.moved = 0;
+      if constexpr (Scenario::integrator::shares_midway) survey_at_start(s);
+    }
+  }
+  template <class Scenario>
+  static void after_solve(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft)
+      book_response(s);
+    else if constexpr (!Scenario::integrator::shares_midway)
+      open_springs_as_measured(s);
+  }
+  template <class Scenario>
+  static void after_move(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft) book_motion(s);
+  }
+  template <class Scenario>
+  static void at_close(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft) {
+      close_energy(s);
+    } else {
+      s.monitors.energy.after = energy_of(s);
+      if constexpr (Scenario::integrator::shares_midway) close_springs_as_measured(s);
+    }
+  }
+  template <class Scenario>
+  static void before_share(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::integrator::shares_midway) book_migration(s, -1);
+  }
+  template <class Scenario>
+  static void after_share(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::integrator::shares_midway) book_migration(s, 1);
+  }
+  template <class Scenario>
+  static void at_end(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::contact_law::soft && !Scenario::integrator::shares_midway)
+      survey_at_end(s);
+  }
+};
+
+}  // namespace talus

@@ -1,0 +1,131 @@
+#pragma once
+// features<momentum_balance>: its record, how it books a step (the momentum gained by the bodies,
+// and its sources), and its stages.
+#include <cmath>
+
+#include "talus/constraint/contact_work.hpp"
+#include "talus/core/portable_powers.hpp"
+#include "talus/features/energy_ledger/energy_ledger.hpp"
+#include "talus/state/solved_velocity.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus {
+namespace detail {
+
+struct momentum_record {
+  compensated_sum<vec3> before, after;  ///< momentum of the bodies owned here
+  compensated_sum<vec3> gravity, forces, damping;
+  compensated_sum<vec3> ground;  ///< from global and fixed bodies
+  vec3 ground_force{0, 0, 0};    ///< of soft contacts, now
+  double mass = 0, size = 0;     ///< of the bodies that can move; sum of |m v|
+
+  template <class Visitor>
+  void each_number(Visitor& visit) {
+    visit.sums(before, after, gravity, forces, damping, ground, ground_force);
+    visit.sums(mass, size);
+  }
+};
+
+/// The impulse that global and fixed bodies exerted in the last step on the bodies of this rank.
+template <class Scenario>
+[[nodiscard]] vec3 impulse_of_ground(const world_state<Scenario>& s) {
+  const auto& solver = s.solver;
+  compensated_sum<vec3> sum;
+  s.each_contact_list([&](const auto& list) {
+    list.each_acting([&](const auto& c, bool on_a, bool on_b) {
+      if (!on_a || !on_b) return;  // both can move
+      const auto give = [&](real sign) {
+        const split_impulse p = impulse_in_parts(c);
+        sum += vec3(sign * (p.normal + p.tangential));
+      };
+      if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
+        const auto b = static_cast<std::size_t>(c.b);
+        if (solver.bodies[b].inverse_mass == 0 || b >= solver.first_global)
+          give(1);
+        else if (solver.bodies[static_cast<std::size_t>(c.a)].inverse_mass == 0)
+          give(-1);
+      } else {
+        give(1);
+      }
+    });
+  });
+  return sum.value();
+}
+
+/// After the response, before positions move. Contacts between movable bodies contribute nothing in
+/// sum; the balance would show it if the two sides of a contact across ranks contributed
+/// differently.
+template <class Scenario>
+void book_momentum(world_state<Scenario>& s) {
+  momentum_record& r = s.monitors.momentum;
+  r = {};
+  const real lost = s.damping == 1 ? 0 : 1 - portable::pow(s.damping, s.dt);
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
+    if (!store.moves(i)) return;
+    const real mass = 1 / store.inverse_mass[i];
+    r.before += vec3(mass * store.velocity[i]);
+    r.gravity += vec3((s.dt * mass) * s.gravity);
+    if constexpr (std::remove_cvref_t<decltype(store)>::forced)
+      r.forces += vec3(s.dt * store.force[i]);
+    if (lost != 0) r.damping += vec3((-lost * mass) * solved_velocity(s, store, i, k));
+    r.mass += mass;
+  });
+  r.ground += impulse_of_ground(s);
+}
+
+/// After positions have moved, before bodies are migrated.
+template <class Scenario>
+void close_momentum(world_state<Scenario>& s) {
+  momentum_record& r = s.monitors.momentum;
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
+    const vec3 p = store.velocity[i] / store.inverse_mass[i];
+    r.after += p;
+    r.size += p.norm();
+  });
+}
+
+/// Of soft contacts, before a step.
+template <class Scenario>
+void open_momentum(world_state<Scenario>& s) {
+  momentum_record& r = s.monitors.momentum;
+  const vec3 force = r.ground_force;
+  r = {};
+  r.ground_force = force;
+  each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
+    r.before += vec3(store.velocity[i] / store.inverse_mass[i]);
+    r.mass += 1 / store.inverse_mass[i];
+  });
+}
+
+}  // namespace detail
+
+struct momentum_balance::record {
+  detail::momentum_record momentum;
+
+  template <class F>
+  void each_record(F&& f) {
+    f("momentum", momentum);
+  }
+};
+
+struct momentum_balance::hooks {
+  template <class Scenario>
+  static void at_start(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::contact_law::soft) open_momentum(s);
+  }
+  template <class Scenario>
+  static void after_solve(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft) book_momentum(s);
+  }
+  /// Before resting islands lose the rest of their motion.
+  template <class Scenario>
+  static void after_move(detail::world_state<Scenario>& s) {
+    if constexpr (!Scenario::contact_law::soft) close_momentum(s);
+  }
+  template <class Scenario>
+  static void at_close(detail::world_state<Scenario>& s) {
+    if constexpr (Scenario::contact_law::soft) close_momentum(s);
+  }
+};
+
+}  // namespace talus

@@ -1,0 +1,49 @@
+#pragma once
+// Fixed bodies that can move again. The contacts of a fixed body were computed by the other body's
+// rank alone, so only that rank stores their impulses. From now on both ranks compute these
+// contacts, and must start from the same impulse: zero.
+#include <type_traits>
+
+#include "talus/ghosts/stages.hpp"
+#include "talus/state/hooks.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+/// Calls f(history) for each contact history that migrates with its bodies.
+template <class Scenario, class F>
+void each_migrating_history(world_state<Scenario>& s, F&& f) {
+  f(s.history);
+  run_hooks<ghost_stages::each_history>(s, f);
+}
+/// Whether features have contact histories of their own.
+template <class Scenario>
+inline constexpr bool has_more_histories =
+    has_hook<ghost_stages::each_history, Scenario, void (*)(const no_choice&)>;
+
+template <class Scenario>
+void forget_contacts(world_state<Scenario>& s, system_id id) {
+  each_migrating_history(s, [id](auto& history) { history.forget(id); });
+}
+
+/// Body `i` of this rank was released, here or, if it has just arrived, on the rank that it came
+/// from.
+template <class Scenario, class Store>
+[[gnu::cold]] void note_release(world_state<Scenario>& s, Store& store, std::size_t i) {
+  store.flags[i] |= flag_released;
+  s.released.push_back(store.id[i]);
+  forget_contacts(s, store.id[i]);
+}
+
+/// All neighbours have the list of the bodies released here.
+template <class Scenario>
+void end_releases(world_state<Scenario>& s) {
+  if (s.released.empty()) return;
+  s.released.clear();
+  s.each_finite_shape([&](auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i)
+      b.movable.flags[i] &= static_cast<std::uint8_t>(~flag_released);
+  });
+}
+
+}  // namespace talus::detail

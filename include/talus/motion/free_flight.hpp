@@ -1,0 +1,41 @@
+#pragma once
+// The path of a body in a step without contacts.
+#include "talus/core/math.hpp"
+#include "talus/motion/free_rotation.hpp"
+
+namespace talus::detail {
+
+/// A parabola through the positions of semi-implicit Euler: x + (v + a dt/2) t + a t^2/2 coincides
+/// with it after any number of steps of constant acceleration, so that a velocity of that scheme is
+/// the true one half a step before. A body with an orientation rotates freely.
+template <bool Turns>
+struct free_flight {
+  vec3 position{0, 0, 0};
+  vec3 velocity{0, 0, 0};  ///< at time 0, the true one
+  vec3 acceleration{0, 0, 0};
+  quat orientation{1, 0, 0, 0};  ///< at time `turned`
+  real turned = 0;
+  vec3 spin{0, 0, 0};     ///< angular velocity
+  vec3 inertia{1, 1, 1};  ///< principal moments, to a factor
+
+  [[nodiscard]] vec3 place(real t) const {
+    return position + t * velocity + (real(0.5) * t * t) * acceleration;
+  }
+  [[nodiscard]] vec3 speed(real t) const { return velocity + t * acceleration; }
+  [[nodiscard]] pose at(real t) const {
+    pose p{place(t), orientation};
+    if constexpr (Turns)
+      if (spin.squaredNorm() > 0) (void)rotate_freely(p.orientation, spin, inertia, t - turned);
+    return p;
+  }
+  /// The body at rest at its position at time t.
+  [[nodiscard]] free_flight stopped(real t) const {
+    const pose p = at(t);
+    free_flight f;
+    f.position = p.position;
+    f.orientation = p.orientation;
+    return f;
+  }
+};
+
+}  // namespace talus::detail

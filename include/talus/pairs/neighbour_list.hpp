@@ -1,0 +1,272 @@
+#pragma once
+// Candidate pairs, kept from step to step while bodies move little (neighbour lists, Verlet 1967).
+// Each step uses only pairs within their present reach, so that keeping the list changes nothing
+// but the order of the contacts.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include "talus/detect/narrow.hpp"
+#include "talus/pairs/pair_order.hpp"
+#include "talus/pairs/search.hpp"
+#include "talus/shape/sphere.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+/// Calls visit<A, B, partner>(number) for all pairs of shapes in the order of their lists.
+template <class Scenario, class Visit>
+void each_kind_of_pair(world_state<Scenario>& s, Visit&& visit) {
+  std::size_t kind = 0;
+  s.each_finite_shape([&](auto& a) {
+    using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
+    visit.template operator()<A, A, partner::moving>(kind++);
+    s.each_shape([&](auto& b) {
+      using B = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      constexpr bool later =
+          index_of<typename Scenario::shapes, A> < index_of<typename Scenario::shapes, B>;
+      if constexpr (B::finite && later) visit.template operator()<A, B, partner::moving>(kind++);
+      visit.template operator()<A, B, partner::immovable>(kind++);
+    });
+  });
+}
+
+/// Whether no body leaves its skin, and all are known with unchanged indices.
+template <class Scenario>
+[[nodiscard]] bool all_within_skin(const world_state<Scenario>& s) {
+  bool hold = true;
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    const auto& store = b.movable;
+    const auto& [noted, locals] = s.found.shapes[k++];
+    hold = hold && store.size() == noted.size() && store.locals == locals;
+    for (std::size_t i = 0; hold && i < store.size(); ++i)
+      hold = noted[i].covers(store.id[i], store.position[i], b.reach[i]);
+  });
+  return hold;
+}
+
+/// Whether other bodies are here than at the search, in another order, or with other owners.
+template <class Scenario>
+[[nodiscard]] bool numbers_changed(const world_state<Scenario>& s) {
+  bool changed = false;
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    const auto& [noted, locals] = s.found.shapes[k++];
+    changed = changed || b.movable.locals != locals ||
+              !std::equal(noted.begin(), noted.end(), b.movable.id.begin(), b.movable.id.end(),
+                          [](const noted_body& x, system_id id) { return x.id == id; });
+  });
+  return changed;
+}
+
+/// Updates the pairs to the present indices of bodies, after some have migrated or were removed.
+/// False if there are new bodies.
+template <class Scenario>
+[[nodiscard]] bool renumber_pairs(world_state<Scenario>& s) {
+  constexpr std::size_t shapes = world_state<Scenario>::shape_count;
+  using finite_shapes = typename world_state<Scenario>::finite_shapes;
+  std::array<plain_vector<std::uint32_t>, shapes> was, now;
+  bool known = true;
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    was[k] = numbers_before(s.found.shapes[k].bodies, b.movable.id);
+    known = known && std::find(was[k].begin(), was[k].end(), nobody) == was[k].end();
+    ++k;
+  });
+  if (!known) return false;
+
+  std::array<plain_vector<char>, shapes> came;  // added or removed, by the present index
+  k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    candidate_pairs::shape& found = s.found.shapes[k];
+    plain_vector<noted_body> bodies(b.movable.size());
+    came[k].resize(b.movable.size());
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      bodies[i] = found.bodies[was[k][i]];
+      came[k][i] = (was[k][i] < found.locals) != (i < b.movable.locals);
+    }
+    now[k] = numbers_now(was[k], found.bodies.size());
+    found.bodies.swap(bodies);
+    found.locals = b.movable.locals;
+    ++k;
+  });
+  const history_place anew = s.history.place_of_arrivals();
+  each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
+    constexpr std::size_t a = index_of<finite_shapes, A>;
+    auto& list = s.found.lists[kind];
+    std::size_t kept = 0;
+    for (close_pair pair : list) {
+      pair.i = now[a][pair.i];
+      bool change = pair.i != nobody && came[a][pair.i];
+      if constexpr (P == partner::moving) {
+        constexpr std::size_t b = index_of<finite_shapes, B>;
+        pair.j = now[b][pair.j];
+        change = change || (pair.j != nobody && came[b][pair.j]);
+      }
+      if (pair.i == nobody || pair.j == nobody) continue;
+      if (change && pair.last == history_place::none) pair.last = anew;
+      list[kept++] = pair;
+    }
+    list.resize(kept);
+  });
+  return true;
+}
+
+/// Measures the present reach of all bodies; returns whether the candidate pairs of the last search
+/// are still complete.
+template <class Scenario>
+[[nodiscard]] bool pairs_still_hold(world_state<Scenario>& s) {
+  bool hold = s.found.known;
+  update_ranges(s);
+  s.each_shape([&](const auto& b) { hold = hold && !b.globals_changed; });
+  s.each_finite_shape([&](auto& b) {
+    b.reach.resize(b.movable.size());
+    for (std::size_t i = 0; i < b.movable.size(); ++i) b.reach[i] = reach_in_step(s, b.movable, i);
+  });
+  if (!hold) return false;
+  if constexpr (world_state<Scenario>::drives)
+    if (!driven_within_skin(s)) return false;
+  if (all_within_skin(s)) return true;
+  if constexpr (world_state<Scenario>::link_type::alone || world_state<Scenario>::periodic)
+    return false;  // the user adds and removes bodies, or several have one id
+  else
+    return numbers_changed(s) && renumber_pairs(s) && all_within_skin(s);
+}
+
+/// Searches for all pairs that are within reach of each other, or within the skin around.
+template <class Scenario>
+void find_pairs_with_skin(world_state<Scenario>& s) {
+  real sum = 0;
+  std::size_t bodies = 0;
+  s.each_finite_shape([&](const auto& b) {
+    bodies += b.movable.size();
+    for (std::size_t i = 0; i < b.movable.size(); ++i) sum += b.movable.shape[i].bounding_radius();
+  });
+  const real mean = sum / static_cast<real>(std::max<std::size_t>(bodies, 1));
+  if constexpr (world_state<Scenario>::drives) give_skins(s, mean);
+  prepare_detection(
+      s,
+      [&](const auto& store, std::size_t i, std::size_t) {
+        return reach_in_step(s, store, i) +
+               skin_of(store.shape[i].bounding_radius(), mean, store.velocity[i].norm(), s.dt);
+      },
+      true);
+
+  candidate_pairs& found = s.found;
+  found.known = false;
+  for (auto& list : found.lists) list.clear();
+  std::size_t kinds = 0;
+  each_neighbour_pair(s, [&]<class A, class B, partner P>() {
+    const std::size_t kind = kinds++;
+    if (found.lists.size() < kinds) found.lists.resize(kinds);
+    return [&, kind](std::size_t i, std::size_t j, real, real) {
+      if constexpr (world_state<Scenario>::sleeps) {
+        auto& with = s.template of<B>();
+        if (undisturbed(s.template of<A>().movable, i,
+                        P == partner::moving ? with.movable : with.global, j))
+          return;
+      }
+      if constexpr (!B::finite && collidable<sphere, B>) {
+        const auto& a = s.template of<A>();
+        const auto& b = s.template of<B>().global;
+        bool near = false;
+        real reach = a.reach[i];
+        if constexpr (world_state<Scenario>::drives)
+          if (const driven_body* one = driven_at<B>(s, j))
+            reach = one->skin < 0 ? std::numeric_limits<real>::infinity() : reach + one->skin;
+        collide_pair(sphere{reach}, a.movable.pose(i), b.shape[j], b.pose(j), 0,
+                     [&](const contact_geometry&) { near = true; });
+        if (!near) return;
+      }
+      found.lists[kind].push_back(
+          {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), history_place::unknown});
+    };
+  });
+  if constexpr (world_state<Scenario>::law::soft) {
+    edges_by_partner by_partner;
+    each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
+      order_pairs<A, B, P == partner::moving>(s, by_partner, found.lists[kind]);
+    });
+  }
+  found.shapes.resize(world_state<Scenario>::shape_count);
+  std::size_t k = 0;
+  s.each_finite_shape([&](auto& b) {
+    candidate_pairs::shape& noted = found.shapes[k++];
+    noted.locals = b.movable.locals;
+    noted.bodies.clear();
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      noted.bodies.push_back({b.movable.id[i], b.movable.position[i], b.reach[i]});
+      b.reach[i] = reach_in_step(s, b.movable, i);
+    }
+  });
+  if constexpr (world_state<Scenario>::drives) (void)driven_within_skin(s);  // measures them again
+  s.each_shape([](auto& b) { b.globals_changed = false; });
+  found.known = true;
+}
+
+/// Searches for all pairs within reach of each other, unless the last search is still valid.
+template <class Scenario>
+void find_close_pairs(world_state<Scenario>& s) {
+  if (pairs_still_hold(s))
+    count_bodies(s);
+  else
+    find_pairs_with_skin(s);
+}
+
+/// The same, unless bodies move so fast that a search is not valid for long: then false.
+template <class Scenario>
+[[nodiscard]] bool keep_close_pairs(world_state<Scenario>& s) {
+  candidate_pairs& found = s.found;
+  if (found.pause > 0) return --found.pause, false;
+  if (pairs_still_hold(s)) return ++found.steps, count_bodies(s), true;
+  const bool held = !found.known || found.steps >= 2;
+  found.failures = held ? 0 : found.failures + 1;
+  found.steps = 0;
+  if (found.failures < 2) return find_pairs_with_skin(s), true;
+  found.failures = 0;
+  found.known = false;
+  found.pause = 16;
+  return false;
+}
+
+/// Like each_close_pair(), for the pairs found.
+template <class Scenario, class Make>
+void each_found_pair(world_state<Scenario>& s, Make&& make) {
+  each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
+    auto take = make.template operator()<A, B, P>();
+    const auto& of_a = s.template of<A>();
+    const auto& of_b = s.template of<B>();
+    constexpr bool moving = P == partner::moving;
+    const auto& a = of_a.movable;
+    const auto& b = moving ? of_b.movable : of_b.global;
+    for (close_pair& pair : s.found.lists[kind]) {
+      const std::size_t i = pair.i, j = pair.j;
+      const auto margin = [](const auto& store, real reach, std::size_t k) {
+        return reach - store.shape[k].bounding_radius();
+      };
+      const real reach_a = of_a.reach[i];
+      real margin_b = 0;
+      if constexpr (B::finite) {
+        const real reach_b = moving ? of_b.reach[j] : of_b.global_reach[j];
+        const real reach = reach_a + reach_b;
+        if ((a.position[i] - b.position[j]).squaredNorm() > reach * reach) {
+          pair.last = history_place::none;
+          continue;
+        }
+        margin_b = margin(b, reach_b, j);
+      }
+      take(i, j, margin(a, reach_a, i), margin_b, pair.last);
+    }
+    if constexpr (requires { take.finish(); }) take.finish();
+  });
+}
+template <template <class, class, class, partner> class Maker, class Scenario>
+void each_found_pair(world_state<Scenario>& s) {
+  each_found_pair(s, [&]<class A, class B, partner P>() { return Maker<Scenario, A, B, P>(s); });
+}
+
+}  // namespace talus::detail

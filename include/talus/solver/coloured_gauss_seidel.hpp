@@ -1,0 +1,74 @@
+#pragma once
+// Gauss-Seidel in an order that depends on ids alone: the same bits on any number of ranks.
+#include <cstdint>
+#include <type_traits>
+
+#include "talus/constraint/solver_settings.hpp"
+#include "talus/constraint/solver_state.hpp"
+#include "talus/core/each.hpp"
+#include "talus/core/exact_sum.hpp"
+#include "talus/core/policy.hpp"
+#include "talus/solver/coloured_list.hpp"
+#include "talus/solver/convergence.hpp"
+
+namespace talus {
+
+/// Sweeps over the contacts colour by colour, each solved exactly for its cone with all others held
+/// (nonlinear block Gauss-Seidel; Jourdan, Alart, Jean 1998). No two pairs of one colour share a
+/// body, so their order has no effect, and colours depend on the ids of the bodies alone (see
+/// solver/colouring.hpp). Both ranks compute the contacts between their bodies, equal to the last
+/// bit, from velocities that are exchanged before each colour that needs them. So the trajectory
+/// does not depend on the number of ranks, on the decomposition, or on the position of bodies in
+/// memory, and momentum is conserved as on one rank. The cost is a message for each colour with
+/// contacts between two ranks, while nonlinear_gauss_seidel sends one for each iteration.
+struct coloured_gauss_seidel final {
+  using talus_part_of = roles::solver;
+  static constexpr const char* name = "coloured_gauss_seidel";
+  static constexpr bool by_colours = true;
+
+  /// As nonlinear_gauss_seidel::solve; the contacts in `lists` are coloured. `ranks` has the number
+  /// of colours.
+  template <class Lists, class State, class Ranks>
+  static detail::solved solve(Lists& lists, State& s, const solver_settings& settings, bool correct,
+                              Ranks&& ranks) {
+    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
+    constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
+    const std::uint32_t colours = ranks.colours();
+
+    detail::convergence<Lists, Ranks, State, detail::exact_sum> watch(lists, s, settings, ranks);
+    each([&](auto& list) { list.prepare(s); });
+    for (std::uint32_t c = 0; c < colours; ++c) each([&](auto& list) { list.warm_start(s, c); });
+
+    int k = 0;
+    for (; k < watch.limit(); ++k) {
+      if constexpr (!alone)
+        if (watch.due(k)) ranks.share_velocities();
+      if (watch.reached(k)) break;
+      for (std::uint32_t c = 0; c < colours; ++c) {
+        if constexpr (!alone) ranks.start_velocities(c);
+        each([&](auto& list) { list.sweep(s, c, false); });
+        if constexpr (alone) continue;
+        ranks.finish_velocities(c);
+        each([&](auto& list) { list.sweep(s, c, true); });
+      }
+      watch.poll();
+    }
+    const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
+
+    if (correct)
+      for (int j = 0; j < settings.correction_iterations; ++j)
+        for (std::uint32_t c = 0; c < colours; ++c) {
+          if constexpr (!alone) ranks.start_corrections(c);
+          each([&](auto& list) { list.correct(s, c, false); });
+          if constexpr (alone) continue;
+          ranks.finish_corrections(c);
+          each([&](auto& list) { list.correct(s, c, true); });
+        }
+    return done;
+  }
+};
+
+/// The solver for trajectories that are the same to the last bit on any number of ranks.
+using reproducible = coloured_gauss_seidel;
+
+}  // namespace talus

@@ -1,0 +1,296 @@
+#pragma once
+// The contacts of one kind on this rank, solved colour by colour.
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "talus/constraint/approach.hpp"
+#include "talus/constraint/contact_row.hpp"
+#include "talus/constraint/in_sequence.hpp"
+#include "talus/constraint/isotropic_blocks.hpp"
+#include "talus/constraint/manifold_row.hpp"
+#include "talus/constraint/residual.hpp"
+#include "talus/constraint/stored_impulses.hpp"
+#include "talus/contact/key.hpp"
+#include "talus/core/exact_sum.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/solver/colouring.hpp"
+
+namespace talus::detail {
+
+template <class Contact>
+struct row_of_colour {
+  using type = contact_row<Contact>;
+};
+template <swept_in_manifolds Contact>
+struct row_of_colour<Contact> {
+  using type = manifold_row<Contact, in_sequence<8>>;
+};
+template <class Contact>
+requires requires { typename Contact::blocks; }
+struct row_of_colour<Contact> {
+  using type =
+      isotropic_blocks<Contact, in_sequence<lanes_of<wide_pack<typename Contact::number>>>>;
+};
+
+/// The constraint list of solvers by colours; contact_list is that of other solvers. No two pairs
+/// of one colour share a movable body, so that their order has no effect. Contacts with a body of
+/// another rank (shared ones) are computed alike on both ranks, and separately from the others:
+/// their velocities are exchanged first.
+template <class Contact>
+class coloured_list {
+ public:
+  using contact_type = Contact;
+  using state = typename Contact::state;
+
+  coloured_list();
+  ~coloured_list();
+
+  void clear() {
+    waiting_.clear();
+    for (std::size_t k = 0; k < used_; ++k)
+      for (part& p : colours_[k].parts) p.clear();
+    used_ = 0;
+    count_ = 0;
+  }
+  void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
+           history_place* last, bool = false) {
+    waiting_.add(contact, key, last, {a_moves, b_moves, false, true});
+  }
+  void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
+                    history_place* last) {
+    waiting_.add(contact, key, last, {true, true, true, owns_a});
+  }
+
+  /// Calls f(unit, shared) for each pair of bodies; the caller sets the unit's list.
+  template <class F>
+  void each_unit(F&& f) const {
+    const auto& w = waiting_;
+    for (std::size_t i = 0; i < w.contacts.size(); ++i) {
+      if (i > 0 && w.keys[i].same_pair(w.keys[i - 1])) continue;
+      const ends_of_contact& e = w.ends[i];
+      std::int32_t a = e.a_moves ? w.contacts[i].a : -1, b = -1;
+      if constexpr (Contact::paired) b = e.b_moves ? w.contacts[i].b : -1;
+      if (a < 0 || (e.shared && !e.owns_a)) std::swap(a, b);
+      f(contact_unit{.priority = w.keys[i].hash(),
+                     .id_a = w.keys[i].a,
+                     .id_b = w.keys[i].b,
+                     .a = a,
+                     .b = b,
+                     .first = static_cast<std::uint32_t>(i)},
+        e.shared);
+    }
+  }
+  /// The colour of the unit whose first contact is `first`.
+  void set_colour(std::uint32_t first, std::uint32_t colour) { waiting_.colour[first] = colour; }
+  /// Called when all units have a colour below `colours`: from then on contacts are stored by
+  /// colour.
+  void arrange(std::uint32_t colours);
+
+  [[nodiscard]] std::size_t size() const { return count_ + waiting_.contacts.size(); }
+  [[nodiscard]] std::size_t bytes() const {
+    std::size_t sum = waiting_.bytes();
+    for (const both& c : colours_)
+      for (const part& p : c.parts) sum += p.bytes();
+    return sum;
+  }
+  /// Calls f(contact, counts_here): a shared contact counts on the rank that owns its body a.
+  template <class F>
+  void each(F&& f) const {
+    each_part([&](const part& p, bool shared) {
+      for (std::size_t i = 0; i < p.row.size(); ++i) f(p.row[i], !shared || p.owns_a[i]);
+    });
+  }
+  /// Calls f(contact, acts_on_a, acts_on_b): on which of its bodies it acts on this rank. Over all
+  /// ranks each contact acts on each body once.
+  template <class F>
+  void each_acting(F&& f) const {
+    each_part([&](const part& p, bool shared) {
+      for (std::size_t i = 0; i < p.row.size(); ++i)
+        f(p.row[i], !shared || p.owns_a[i], !shared || !p.owns_a[i]);
+    });
+  }
+
+  /// Loads the impulses of the last step.
+  void load_impulses(const contact_history& history);
+  void store_impulses(contact_history& history) const;
+  /// Calls f(contact), which may change it, for all contacts.
+  template <class F>
+  void edit_all(F&& f) {
+    each_part([&](part& p, bool) {
+      for (std::size_t i = 0; i < p.row.size(); ++i) p.row.edit(i, f);
+    });
+  }
+  void prepare(const state& s);
+  /// In the order of the colours, so that the impulses on each body have the same order on any
+  /// ranks.
+  void warm_start(state& s, std::uint32_t colour) const;
+  void warm_start(state& s) const {
+    for (std::uint32_t k = 0; k < used_; ++k) warm_start(s, k);
+  }
+  void sweep(state& s, std::uint32_t colour, bool shared);
+  void correct(state& s, std::uint32_t colour, bool shared);
+
+  // The terms of the contact residual, in double or in sums that do not depend on an order.
+
+  void add_to(residual_scale_of<double>& scale, const state& s) const;
+  void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
+  void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
+  void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
+  /// The same as the first for velocities `after` the step, of which `given` is the part from
+  /// impulses.
+  void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
+  /// Raises the speeds at which bodies penetrate their contact partners; see approach.hpp.
+  void add_approach(const state& after, plain_vector<real>& speeds) const;
+  /// The number of contacts that count on this rank.
+  [[nodiscard]] std::size_t counted() const;
+
+ private:
+  struct ends_of_contact {
+    bool a_moves, b_moves, shared, owns_a;
+  };
+  /// Contacts in the order in which they were found.
+  struct waiting {
+    plain_vector<Contact> contacts;
+    plain_vector<contact_key> keys;
+    plain_vector<history_place*> places;
+    plain_vector<ends_of_contact> ends;
+    plain_vector<std::uint32_t> colour;
+
+    void add(const Contact& c, const contact_key& key, history_place* place,
+             const ends_of_contact& e) {
+      contacts.push_back(c), keys.push_back(key), places.push_back(place), ends.push_back(e);
+      colour.push_back(0);
+    }
+    void clear() { contacts.clear(), keys.clear(), places.clear(), ends.clear(), colour.clear(); }
+    [[nodiscard]] std::size_t bytes() const {
+      return contacts.capacity() * (sizeof(Contact) + sizeof(contact_key) + sizeof(history_place*) +
+                                    sizeof(ends_of_contact) + 4);
+    }
+  };
+  struct part {
+    typename row_of_colour<Contact>::type row;
+    plain_vector<contact_key> keys;
+    plain_vector<history_place*> places;
+    plain_vector<char> owns_a;  ///< of shared contacts: whether body a is owned here, else b
+
+    void clear() { row.clear(), keys.clear(), places.clear(), owns_a.clear(); }
+    [[nodiscard]] std::size_t bytes() const {
+      return row.bytes() + keys.capacity() * sizeof(contact_key) +
+             places.capacity() * sizeof(history_place*) + owns_a.capacity();
+    }
+  };
+  struct both {
+    part parts[2];  ///< not shared, shared
+  };
+
+  template <class F>
+  void each_part(F&& f) {
+    for (std::size_t k = 0; k < used_; ++k)
+      f(colours_[k].parts[0], false), f(colours_[k].parts[1], true);
+  }
+  template <class F>
+  void each_part(F&& f) const {
+    for (std::size_t k = 0; k < used_; ++k)
+      f(colours_[k].parts[0], false), f(colours_[k].parts[1], true);
+  }
+
+  waiting waiting_;
+  std::vector<both> colours_;
+  std::size_t used_ = 0, count_ = 0;
+};
+
+template <class Contact>
+coloured_list<Contact>::coloured_list() = default;
+template <class Contact>
+coloured_list<Contact>::~coloured_list() = default;
+
+template <class Contact>
+void coloured_list<Contact>::arrange(std::uint32_t colours) {
+  if (colours_.size() < colours) colours_.resize(colours);
+  used_ = colours;
+  auto& w = waiting_;
+  std::uint32_t colour = 0;
+  for (std::size_t i = 0; i < w.contacts.size(); ++i) {
+    if (i == 0 || !w.keys[i].same_pair(w.keys[i - 1])) colour = w.colour[i];
+    const ends_of_contact& e = w.ends[i];
+    part& p = colours_[colour].parts[e.shared];
+    p.row.add(w.contacts[i], e.a_moves, e.b_moves);
+    p.keys.push_back(w.keys[i]);
+    p.places.push_back(w.places[i]);
+    if (e.shared) p.owns_a.push_back(e.owns_a);
+  }
+  count_ = w.contacts.size();
+  w.clear();
+}
+
+template <class Contact>
+void coloured_list<Contact>::load_impulses(const contact_history& history) {
+  each_part([&](part& p, bool) { p.row.load_impulses(history, p.keys, p.places); });
+}
+
+template <class Contact>
+void coloured_list<Contact>::store_impulses(contact_history& history) const {
+  each_part([&](const part& p, bool) { detail::store_impulses(history, p.keys, p.places, p.row); });
+}
+
+template <class Contact>
+void coloured_list<Contact>::prepare(const state& s) {
+  each_part([&](part& p, bool) { p.row.prepare(s); });
+}
+
+template <class Contact>
+void coloured_list<Contact>::warm_start(state& s, std::uint32_t colour) const {
+  if (colour < used_)
+    for (const part& p : colours_[colour].parts) p.row.apply(s);
+}
+
+template <class Contact>
+void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool shared) {
+  if (colour < used_) colours_[colour].parts[shared].row.forward(s);
+}
+
+template <class Contact>
+void coloured_list<Contact>::correct(state& s, std::uint32_t colour, bool shared) {
+  if (colour < used_) colours_[colour].parts[shared].row.correct(s);
+}
+
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_scale_of<double>& scale, const state& s) const {
+  add_contacts(scale, *this, s);
+}
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_sums_of<double>& sums, const state& s,
+                                    double rho) const {
+  add_contacts(sums, *this, s, rho);
+}
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_scale_of<exact_sum>& scale, const state& s) const {
+  add_contacts(scale, *this, s);
+}
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_sums_of<exact_sum>& sums, const state& s,
+                                    double rho) const {
+  add_contacts(sums, *this, s, rho);
+}
+
+template <class Contact>
+void coloured_list<Contact>::add_to(residual_scale_of<double>& scale, const state& after,
+                                    const state& given) const {
+  each([&](const auto& c, bool counts_here) {
+    if (counts_here) scale.add(c, after, violation(c, after) - c.relative_velocity(given));
+  });
+}
+template <class Contact>
+void coloured_list<Contact>::add_approach(const state& after, plain_vector<real>& speeds) const {
+  each([&](const auto& c, bool) { detail::add_approach(c, after, speeds); });
+}
+template <class Contact>
+std::size_t coloured_list<Contact>::counted() const {
+  std::size_t n = 0;
+  each([&](const auto&, bool counts_here) { n += counts_here; });
+  return n;
+}
+
+}  // namespace talus::detail

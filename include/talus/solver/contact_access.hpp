@@ -1,0 +1,131 @@
+#pragma once
+// Contact lists of any kind behind one interface: rarely used solvers need not be compiled for each
+// kind of contact.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <utility>
+
+#include "talus/constraint/island_contact.hpp"
+#include "talus/constraint/solver_state.hpp"
+#include "talus/contact/key.hpp"
+#include "talus/core/plain_pair.hpp"
+#include "talus/core/plain_vector.hpp"
+
+namespace talus::detail {
+
+/// The selected contacts of a list.
+enum class contact_part : std::uint8_t { interior, boundary, foreign };
+
+/// The bodies of a contact; b = -1 if that is a global one.
+struct contact_ends {
+  std::int32_t a, b;
+};
+
+/// The functions of a list of any kind. calls() of a list returns the address of its own.
+template <class State>
+struct contact_calls {
+  std::size_t (*size)(void*, contact_part);
+  contact_ends (*ends)(void*, contact_part, std::size_t);
+  const contact_key& (*key)(void*, contact_part, std::size_t);
+  island_contact (*contact)(void*, contact_part, std::size_t);
+  void (*set)(void*, contact_part, std::size_t, const vec3&);
+  void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
+  void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
+  const plain_vector<plain_pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
+};
+
+template <class State>
+class contact_access {
+ public:
+  template <class List>
+  explicit contact_access(List& list) : list_(&list), calls_(List::calls()) {}
+
+  [[nodiscard]] std::size_t size(contact_part p) const { return calls_->size(list_, p); }
+  [[nodiscard]] contact_ends ends(contact_part p, std::size_t i) const {
+    return calls_->ends(list_, p, i);
+  }
+  [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
+    return calls_->key(list_, p, i);
+  }
+  [[nodiscard]] island_contact contact(contact_part p, std::size_t i) const {
+    return calls_->contact(list_, p, i);
+  }
+  /// Sets its impulse on a, in the world; the velocities are not changed.
+  void set(contact_part p, std::size_t i, const vec3& impulse) const {
+    calls_->set(list_, p, i, impulse);
+  }
+  /// The same for an interior contact, with the change applied to the bodies.
+  void set(std::size_t i, const vec3& impulse, State& s) const {
+    calls_->set_and_apply(list_, i, impulse, s);
+  }
+  /// The same for a boundary contact, with the change applied to the body owned here.
+  void set_at_boundary(std::size_t i, const vec3& impulse, State& s) const {
+    calls_->set_at_boundary(list_, i, impulse, s);
+  }
+  /// A sweep that records the interior contacts that still change by more than `speed`: (index,
+  /// change).
+  const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
+    return calls_->sweep_watched(list_, s, speed);
+  }
+
+ private:
+  void* list_;
+  const contact_calls<State>* calls_;
+};
+
+template <class List>
+[[nodiscard]] List& list_at(void* list) {
+  return *static_cast<List*>(list);
+}
+template <class List>
+inline constexpr contact_calls<typename List::state> calls_for{
+    [](void* l, contact_part p) { return list_at<List>(l).size(p); },
+    [](void* l, contact_part p, std::size_t i) -> contact_ends {
+      const auto c = list_at<List>(l).contact(p, i);
+      return {c.a, c.paired ? c.b : -1};
+    },
+    [](void* l, contact_part p, std::size_t i) -> const contact_key& {
+      return list_at<List>(l).key(p, i);
+    },
+    [](void* l, contact_part p, std::size_t i) -> island_contact {
+      const auto c = list_at<List>(l).contact(p, i);
+      island_contact one{c.a,         c.paired ? c.b : -1, c.axes(), c.lever_a(),
+                         c.lever_b(), c.target_velocity,   c.mu(),   c.impulse()};
+      if constexpr (c.biased) {
+        const vec3 bias = one.axes * c.bias;
+        one.target_velocity += bias[0];
+        one.drive = {-bias[1], -bias[2]};
+      }
+      return one;
+    },
+    [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
+      list_at<List>(l).edit(p, i, [&](auto& c) { c.load_impulse(impulse); });
+    },
+    [](void* l, std::size_t i, const vec3& impulse, typename List::state& s) {
+      list_at<List>(l).edit(contact_part::interior, i, [&](auto& c) {
+        const auto before = c.impulse_in_frame();
+        c.load_impulse(impulse);
+        c.apply(s, c.since(before));
+      });
+    },
+    [](void* l, std::size_t i, const vec3& impulse, typename List::state& s) {
+      list_at<List>(l).set_at_boundary(i, impulse, s);
+    },
+    [](void* l, typename List::state& s,
+       real speed) -> const plain_vector<plain_pair<std::size_t, real>>& {
+      return list_at<List>(l).sweep_watched(s, speed);
+    }};
+
+/// All lists of a tuple.
+template <class State, class Lists>
+[[nodiscard]] plain_vector<contact_access<State>> access_to(Lists& lists) {
+  return std::apply(
+      [](auto&... list) {
+        return plain_vector<contact_access<State>>{contact_access<State>(list)...};
+      },
+      lists);
+}
+
+}  // namespace talus::detail

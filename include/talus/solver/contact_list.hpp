@@ -1,0 +1,482 @@
+#pragma once
+// The contacts of one kind on this rank, and the operations on them.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "talus/constraint/approach.hpp"
+#include "talus/constraint/boundary_manifold.hpp"
+#include "talus/constraint/contact_row.hpp"
+#include "talus/constraint/manifold_row.hpp"
+#include "talus/constraint/residual.hpp"
+#include "talus/constraint/solver_state.hpp"
+#include "talus/constraint/stored_impulses.hpp"
+#include "talus/contact/key.hpp"
+#include "talus/core/exact_sum.hpp"
+#include "talus/core/plain_pair.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/solver/contact_access.hpp"
+
+namespace talus::detail {
+
+template <class Contact>
+struct interior_contacts {
+  using type = contact_row<Contact>;
+};
+template <swept_in_manifolds Contact>
+struct interior_contacts<Contact> {
+  using type = manifold_row<Contact>;
+};
+/// Some kinds of contacts have a container of their own.
+template <class Contact>
+requires requires { typename Contact::blocks; }
+struct interior_contacts<Contact> {
+  using type = typename Contact::blocks;
+};
+
+/// Interior contacts, with the search for their last impulses.
+template <class Contact>
+struct keyed_contacts {
+  typename interior_contacts<Contact>::type row;
+  plain_vector<contact_key> keys;
+  plain_vector<history_place*> places;
+
+  void clear() { row.clear(), keys.clear(), places.clear(); }
+  [[nodiscard]] std::size_t bytes() const {
+    return row.bytes() + keys.capacity() * sizeof(contact_key) +
+           places.capacity() * sizeof(history_place*);
+  }
+};
+
+/// Contacts between bodies that this rank alone can move (interior), and contacts between a body
+/// owned here and a movable body owned elsewhere (boundary): each of those is computed alike on
+/// both ranks, from the same velocities, and changes only the body owned here. Interior contacts of
+/// bodies that other ranks have copies of (the border) are separate from the others: after their
+/// sweep, these velocities are sent while the others are swept. Loops over the list are compiled
+/// once for a kind of contact: inlined into solvers they would be compiled many times.
+template <class Contact>
+class contact_list {
+ public:
+  using contact_type = Contact;
+  using state = typename Contact::state;
+
+  contact_list();
+  ~contact_list();
+
+  void clear() {
+    inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
+    boundary_keys_.clear(), foreign_keys_.clear();
+    boundary_places_.clear();
+    owns_a_.clear();
+  }
+  /// `last` is the position in the history of the contacts of its pair, unknown if null. It is kept
+  /// up to date. `at_border`: whether other ranks need the velocity of one of the bodies.
+  void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
+           history_place* last, bool at_border = false) {
+    auto& p = at_border ? border_ : inner_;
+    p.row.add(contact, a_moves, b_moves);
+    p.keys.push_back(key);
+    p.places.push_back(last);
+  }
+  void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
+                    history_place* last) {
+    boundary_.push_back(contact);
+    boundary_places_.push_back(last);
+    boundary_keys_.push_back(key);
+    owns_a_.push_back(owns_a);
+  }
+  /// A contact of bodies of other ranks, without effect here; see shared_islands.hpp.
+  void add_foreign(const Contact& contact, const contact_key& key) {
+    foreign_.push_back(contact);
+    foreign_keys_.push_back(key);
+  }
+  [[nodiscard]] std::size_t size() const { return interior() + boundary_.size(); }
+  [[nodiscard]] std::size_t bytes() const {
+    return inner_.bytes() + border_.bytes() + boundary_.capacity() * sizeof(Contact) +
+           boundary_keys_.capacity() * sizeof(contact_key) +
+           boundary_places_.capacity() * sizeof(history_place*);
+  }
+
+  /// Calls f(contact, counts_here): a boundary contact counts on the rank that owns its body a.
+  template <class F>
+  void each(F&& f) const {
+    each_interior([&](const auto& c) { f(c, true); });
+    for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
+  }
+
+  /// Calls f(contact, acts_on_a, acts_on_b): on which of its bodies it acts on this rank. Over all
+  /// ranks each contact acts on each body once.
+  template <class F>
+  void each_acting(F&& f) const {
+    each_interior([&](const auto& c) { f(c, true, true); });
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      f(boundary_[i], bool(owns_a_[i]), !owns_a_[i]);
+  }
+
+  /// Loads the impulses of the last step.
+  void load_impulses(const contact_history& history);
+  void store_impulses(contact_history& history) const;
+
+  /// The number of parts into which the mass of each body owned here is divided: one for each pair
+  /// it is in.
+  void count_boundary(state& s) const;
+  void prepare_interior(const state& s);
+  void prepare_boundary(const state& s);
+  void warm_start(state& s) const;
+
+  /// Sweeps over the interior contacts. The border comes first in either direction.
+  void sweep_border(state& s, bool forward);
+  void sweep_inner(state& s, bool forward);
+  /// A backward sweep that records the interior contacts that still change by more than `speed`:
+  /// (index, change).
+  const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(state& s, real speed);
+
+  /// For contact_access.
+  static const contact_calls<state>* calls();
+  [[nodiscard]] std::size_t size(contact_part p) const {
+    return p == contact_part::interior   ? interior()
+           : p == contact_part::boundary ? boundary_.size()
+                                         : foreign_.size();
+  }
+  [[nodiscard]] Contact contact(contact_part p, std::size_t i) const {
+    return p == contact_part::interior   ? interior(i)
+           : p == contact_part::boundary ? boundary_[i]
+                                         : foreign_[i];
+  }
+  template <class F>
+  void edit(contact_part p, std::size_t i, F&& f) {
+    if (p == contact_part::interior)
+      edit_interior(i, f);
+    else
+      f((p == contact_part::boundary ? boundary_ : foreign_)[i]);
+  }
+  [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
+    if (p != contact_part::interior)
+      return (p == contact_part::boundary ? boundary_keys_ : foreign_keys_)[i];
+    const std::size_t inner = inner_.keys.size();
+    return i < inner ? inner_.keys[i] : border_.keys[i - inner];
+  }
+  /// Solves all boundary contacts from one and the same state, those of a pair together; the
+  /// changes are applied later.
+  void relax_boundary(state& s);
+  void apply_boundary(state& s) const;
+
+  /// Sets an impulse on a of a boundary contact; the change is applied to the body owned here.
+  void set_at_boundary(std::size_t i, const vec3& impulse, state& s) {
+    Contact& c = boundary_[i];
+    const auto before = c.impulse_in_frame();
+    c.load_impulse(impulse);
+    apply_to_owned(s, i, c.since(before));
+  }
+
+  // For the test that impulses add no energy; see step/passivity.hpp.
+
+  template <class F>
+  void each_interior_contact(F&& f) const {
+    each_interior(f);
+  }
+  template <class F>
+  void edit_interior_contacts(F&& f) {
+    for (std::size_t i = 0, n = interior(); i < n; ++i) edit_interior(i, f);
+  }
+  [[nodiscard]] bool has_boundary() const { return !boundary_.empty(); }
+  /// Calls f(contact, whether its body a is owned here).
+  template <class F>
+  void edit_boundary_contacts(F&& f) {
+    for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
+  }
+
+  // For solvers other than Gauss-Seidel. Functions that a solver does not call are not compiled.
+
+  /// Calls f(contact, number) for all contacts, numbered from 0.
+  template <class F>
+  void each_numbered(F&& f) {
+    std::size_t i = 0;
+    for (; i < interior(); ++i) edit_interior(i, [&](Contact& c) { f(c, i); });
+    for (Contact& c : boundary_) f(c, i++);
+  }
+  // For solvers that treat all contacts simultaneously.
+
+  void count_all(state& s) const {
+    each_acting([&](const Contact& c, bool on_a, bool on_b) {
+      if (on_a) ++s.boundary_contacts[c.a];
+      if constexpr (Contact::paired)
+        if (on_b) ++s.boundary_contacts[c.b];
+    });
+  }
+  void prepare_all(const state& s);
+  void start_ahead() {
+    before_.clear();
+    each([&](const Contact& c, bool) { before_.push_back(c.impulse_in_frame()); });
+  }
+  /// Solves each contact from one and the same state. Its impulse is extrapolated by `part` of its
+  /// last change, unless that leads back; the changes are applied later.
+  void relax_ahead(const state& s, real part);
+  void apply_all(state& s) const;
+
+  void correct_border(state& s);
+  void correct_inner(state& s);
+  void relax_boundary_correction(state& s);
+  void apply_boundary_correction(state& s) const;
+
+  // The terms of the contact residual, in double or in sums that do not depend on an order.
+
+  void add_to(residual_scale_of<double>& scale, const state& s) const;
+  void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
+  void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
+  void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
+  /// The same as the first for velocities `after` the step, of which `given` is the part from
+  /// impulses.
+  void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
+  /// Raises the speeds at which bodies penetrate their contact partners; see approach.hpp.
+  void add_approach(const state& after, plain_vector<real>& speeds) const;
+  /// The number of contacts that count on this rank.
+  [[nodiscard]] std::size_t counted() const;
+
+ private:
+  using part = keyed_contacts<Contact>;
+
+  [[nodiscard]] std::size_t interior() const { return inner_.row.size() + border_.row.size(); }
+  [[nodiscard]] Contact interior(std::size_t i) const {
+    const std::size_t inner = inner_.row.size();
+    return i < inner ? inner_.row[i] : border_.row[i - inner];
+  }
+  template <class F>
+  void edit_interior(std::size_t i, F&& f) {
+    const std::size_t inner = inner_.row.size();
+    i < inner ? inner_.row.edit(i, f) : border_.row.edit(i - inner, f);
+  }
+  template <class F>
+  void each_interior(F&& f) const {
+    for (const part* p : {&inner_, &border_})
+      for (std::size_t i = 0; i < p->row.size(); ++i) f(p->row[i]);
+  }
+  static void sweep(part& p, state& s, bool forward) {
+    forward ? p.row.forward(s) : p.row.backward(s);
+  }
+  static typename state::number parts_of(const state& s, std::int32_t body) {
+    return static_cast<typename state::number>(
+        std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]));
+  }
+  /// Sweeps f(contact, again) forward and backward through the contacts of one pair, isolated from
+  /// all others; the pair's bodies are restored afterwards.
+  template <class F>
+  void by_themselves(state& s, std::size_t first, std::size_t last, F&& f) {
+    const Contact& c = boundary_[first];
+    const split_pair<typename state::number> alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
+    const std::size_t n = last - first;
+    for (std::size_t k = 0; k < 2 * n - 1; ++k)
+      k < n ? f(first + k, false) : f(first + 2 * n - 2 - k, true);
+  }
+  void apply_to_owned(state& s, std::size_t i, const typename Contact::change& d) const {
+    if (owns_a_[i])
+      boundary_[i].apply_to_a(s, d);
+    else if constexpr (Contact::paired)
+      boundary_[i].apply_to_b(s, d);
+  }
+
+  part inner_, border_;
+  plain_vector<Contact> boundary_, foreign_;
+  plain_vector<contact_key> boundary_keys_, foreign_keys_;
+  plain_vector<history_place*> boundary_places_;
+  plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
+  plain_vector<typename Contact::change> changes_, before_;
+  plain_vector<decltype(Contact::correction_impulse)> corrections_;
+  plain_vector<plain_pair<std::size_t, real>> stalled_;
+};
+
+template <class Contact>
+contact_list<Contact>::contact_list() = default;
+template <class Contact>
+contact_list<Contact>::~contact_list() = default;
+
+template <class Contact>
+void contact_list<Contact>::load_impulses(const contact_history& history) {
+  for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
+  detail::load_impulses(history, boundary_keys_, boundary_places_, boundary_);
+}
+
+template <class Contact>
+void contact_list<Contact>::store_impulses(contact_history& history) const {
+  for (const part* p : {&inner_, &border_})
+    detail::store_impulses(history, p->keys, p->places, p->row);
+  detail::store_impulses(history, boundary_keys_, boundary_places_, boundary_);
+}
+
+template <class Contact>
+void contact_list<Contact>::count_boundary(state& s) const {
+  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t) {
+    ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
+  });
+}
+
+template <class Contact>
+void contact_list<Contact>::prepare_interior(const state& s) {
+  for (part* p : {&inner_, &border_}) p->row.prepare(s);
+}
+
+template <class Contact>
+void contact_list<Contact>::prepare_boundary(const state& s) {
+  for (Contact& c : boundary_) c.prepare(s, parts_of(s, c.a), parts_of(s, c.b));
+}
+
+template <class Contact>
+void contact_list<Contact>::warm_start(state& s) const {
+  for (const part* p : {&inner_, &border_}) p->row.apply(s);
+  for (std::size_t i = 0; i < boundary_.size(); ++i)
+    apply_to_owned(s, i, boundary_[i].impulse_in_frame());
+}
+
+template <class Contact>
+void contact_list<Contact>::sweep_border(state& s, bool forward) {
+  sweep(border_, s, forward);
+}
+
+template <class Contact>
+void contact_list<Contact>::sweep_inner(state& s, bool forward) {
+  sweep(inner_, s, forward);
+}
+
+template <class Contact>
+const plain_vector<plain_pair<std::size_t, real>>& contact_list<Contact>::sweep_watched(
+    state& s, real speed) {
+  stalled_.clear();
+  const auto watch = [&](auto& row, std::size_t first) {
+    row.backward_watched(s, speed, [&](std::size_t i, real change) {
+      stalled_.push_back({first + i, change});
+    });
+  };
+  if (border_.row.size() > 0) watch(border_.row, inner_.row.size());
+  watch(inner_.row, 0);
+  return stalled_;
+}
+
+template <class Contact>
+void contact_list<Contact>::relax_boundary(state& s) {
+  changes_.resize(boundary_.size());
+  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
+    changes_[first] = boundary_[first].relax(s);
+    if constexpr (comes_in_manifolds<Contact>)
+      if (last - first > 1)
+        by_themselves(s, first, last, [&](std::size_t i, bool again) {
+          const auto d = again || i > first ? boundary_[i].relax(s) : changes_[i];
+          changes_[i] = again ? changes_[i] + d : d;
+          boundary_[i].apply(s, d);
+        });
+  });
+}
+
+template <class Contact>
+void contact_list<Contact>::apply_boundary(state& s) const {
+  for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[i]);
+}
+
+template <class Contact>
+void contact_list<Contact>::prepare_all(const state& s) {
+  const auto prepare = [&](Contact& c) {
+    real parts_of_b = 1;
+    if constexpr (Contact::paired) parts_of_b = std::max(1u, s.boundary_contacts[c.b]);
+    c.prepare(s, std::max(1u, s.boundary_contacts[c.a]), parts_of_b);
+  };
+  each_numbered([&](Contact& c, std::size_t) { prepare(c); });
+}
+
+template <class Contact>
+void contact_list<Contact>::relax_ahead(const state& s, real part) {
+  changes_.resize(size());
+  each_numbered([&](Contact& c, std::size_t i) {
+    auto& before = before_[i];
+    auto& change = changes_[i];
+    change = c.relax(s);
+    const auto now = c.impulse_in_frame();
+    const typename Contact::change step = now - before;
+    before = now;
+    if (part == 0 || change.dot(step) < 0) return;
+    const typename Contact::change more = part * step;
+    c.set(now + more);
+    change = change + more;
+  });
+}
+
+template <class Contact>
+void contact_list<Contact>::apply_all(state& s) const {
+  const std::size_t first = interior();
+  for (std::size_t i = 0; i < first; ++i) interior(i).apply(s, changes_[i]);
+  for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[first + i]);
+}
+
+template <class Contact>
+void contact_list<Contact>::correct_border(state& s) {
+  border_.row.correct(s);
+}
+
+template <class Contact>
+void contact_list<Contact>::correct_inner(state& s) {
+  inner_.row.correct(s);
+}
+
+template <class Contact>
+void contact_list<Contact>::relax_boundary_correction(state& s) {
+  corrections_.resize(boundary_.size());
+  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
+    corrections_[first] = boundary_[first].relax_correction(s);
+    if constexpr (comes_in_manifolds<Contact>)
+      if (last - first > 1)
+        by_themselves(s, first, last, [&](std::size_t i, bool again) {
+          const auto d = again || i > first ? boundary_[i].relax_correction(s) : corrections_[i];
+          corrections_[i] = again ? corrections_[i] + d : d;
+          boundary_[i].correct_a(s, d), boundary_[i].correct_b(s, d);
+        });
+  });
+}
+
+template <class Contact>
+void contact_list<Contact>::apply_boundary_correction(state& s) const {
+  for (std::size_t i = 0; i < boundary_.size(); ++i)
+    owns_a_[i] ? boundary_[i].correct_a(s, corrections_[i])
+               : boundary_[i].correct_b(s, corrections_[i]);
+}
+
+template <class Contact>
+void contact_list<Contact>::add_to(residual_scale_of<double>& scale, const state& s) const {
+  add_contacts(scale, *this, s);
+}
+template <class Contact>
+void contact_list<Contact>::add_to(residual_sums_of<double>& sums, const state& s,
+                                   double rho) const {
+  add_contacts(sums, *this, s, rho);
+}
+template <class Contact>
+void contact_list<Contact>::add_to(residual_scale_of<exact_sum>& scale, const state& s) const {
+  add_contacts(scale, *this, s);
+}
+template <class Contact>
+void contact_list<Contact>::add_to(residual_sums_of<exact_sum>& sums, const state& s,
+                                   double rho) const {
+  add_contacts(sums, *this, s, rho);
+}
+
+template <class Contact>
+const contact_calls<typename Contact::state>* contact_list<Contact>::calls() {
+  return &calls_for<contact_list>;
+}
+
+template <class Contact>
+void contact_list<Contact>::add_to(residual_scale_of<double>& scale, const state& after,
+                                   const state& given) const {
+  each([&](const auto& c, bool counts_here) {
+    if (counts_here) scale.add(c, after, violation(c, after) - c.relative_velocity(given));
+  });
+}
+template <class Contact>
+void contact_list<Contact>::add_approach(const state& after, plain_vector<real>& speeds) const {
+  each([&](const auto& c, bool) { detail::add_approach(c, after, speeds); });
+}
+template <class Contact>
+std::size_t contact_list<Contact>::counted() const {
+  std::size_t n = 0;
+  each([&](const auto&, bool counts_here) { n += counts_here; });
+  return n;
+}
+
+}  // namespace talus::detail

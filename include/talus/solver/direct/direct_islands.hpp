@@ -1,0 +1,63 @@
+#pragma once
+// Groups of contacts that sweeps do not solve, behind one interface: the code that finds and solves
+// them is independent of the scenario and can be compiled once.
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "talus/core/parcel.hpp"
+#include "talus/solver/contact_access.hpp"
+#include "talus/solver/direct/body_ties.hpp"
+
+namespace talus::detail {
+
+/// The last sweep over the interior contacts, and then the islands on which sweeps have stalled;
+/// see stalled_islands.hpp.
+template <class State>
+void solve_stalled_islands(std::span<const contact_access<State>> lists, State& s);
+
+/// Islands of contacts across ranks that are solved as one problem each: small ones that several
+/// ranks share (shared_islands.hpp), and those around heavy bodies that several ranks touch
+/// (gathered_islands.hpp).
+template <class State>
+class direct_islands {
+  using access = contact_access<State>;
+
+ public:
+  direct_islands();
+  ~direct_islands();
+  direct_islands(direct_islands&&) noexcept;
+  direct_islands& operator=(direct_islands&&) noexcept;
+
+  // `own` is this rank; `travelling` holds, for each other rank, the bodies with copies there and
+  // the copies here of its bodies.
+
+  /// Whether contacts between copies of bodies of other ranks are needed.
+  [[nodiscard]] bool wants_foreign_contacts() const;
+  /// Before any impulse is applied. Without `shares` this rank takes no part in islands that
+  /// several ranks solve alike, and sends that with the ties of its bodies.
+  void look(std::span<const access> lists, State& s, int own,
+            std::span<const travelling_bodies> travelling, bool shares = true);
+  /// Of a body, for sending and receiving.
+  [[nodiscard]] body_ties& ties(std::size_t body);
+  [[nodiscard]] bool is_hub(std::uint32_t body) const;
+  void add_hub(std::uint32_t body);
+  /// After the ties of all bodies have been shared.
+  void solve_shared(std::span<const access> lists, State& s);
+  /// After the last sweep. `parcels` becomes one for each other rank that takes part; `exchange()`
+  /// sends and receives them.
+  void solve_gathered(std::span<const access> lists, State& s, int own,
+                      std::span<const travelling_bodies> travelling, std::vector<parcel>& parcels,
+                      const std::function<void()>& exchange);
+
+ private:
+  struct parts;
+  std::unique_ptr<parts> parts_;
+};
+
+}  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/solver/direct/direct_islands_definitions.hpp"
+#endif

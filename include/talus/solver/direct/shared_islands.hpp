@@ -1,0 +1,251 @@
+#pragma once
+// Small groups of contacts across ranks, solved as one problem by each of these ranks, alike.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "talus/constraint/solver_state.hpp"
+#include "talus/contact/key.hpp"
+#include "talus/core/plain_pair.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/solver/contact_access.hpp"
+#include "talus/solver/direct/band_system.hpp"
+#include "talus/solver/direct/body_ties.hpp"
+#include "talus/solver/direct/island_problem.hpp"
+#include "talus/solver/direct/island_solver.hpp"
+
+namespace talus::detail {
+
+/// If a stack stands on the corner of several domains, each of these ranks holds copies of all its
+/// bodies, computes all its contacts, and starts from the same velocities. So each solves the whole
+/// island by itself, to the same bits. It only needs to be sure that the others do the same: that
+/// is known if every body has as many contacts here as its owner counts, and if every owner holds
+/// every body. Islands that do not satisfy this are left to the iterations.
+template <class State>
+class shared_islands {
+  using access = contact_access<State>;
+  using number = typename State::number;
+
+ public:
+  static constexpr std::size_t most_boundary_contacts = 400;
+  static constexpr std::size_t most_contacts = 400;
+
+  /// Whether contacts between copies of bodies of other ranks are needed: large numbers of boundary
+  /// contacts, as of a pile, do not form small islands.
+  [[nodiscard]] bool wanted() const { return wanted_; }
+
+  /// Before any impulse is applied: stores the velocities, and counts the contacts of each body.
+  /// `own` is this rank, `sent` and `received` hold, for each other rank, the bodies with copies
+  /// there and the copies here of its bodies.
+  void look(std::span<const access> lists, const State& s, int own,
+            std::span<const travelling_bodies> travelling, bool shares = true) {
+    std::size_t at_boundary = 0;
+    for (const access& list : lists) at_boundary += list.size(contact_part::boundary);
+    takes_part_ = shares && wanted_ && at_boundary > 0 && at_boundary <= most_boundary_contacts;
+    wanted_ = at_boundary <= most_boundary_contacts;
+    ties_.assign(s.bodies.size(), {});  // sent if this rank takes no part
+    if (!takes_part_) return;
+    free_ = s.bodies;
+    for (body_ties& t : ties_) t.owner = own;
+    for (const travelling_bodies& other : travelling) {
+      for (const auto i : other.sent) ties_[i].holders.add(other.rank);
+      for (const auto i : other.received) ties_[i].owner = other.rank;
+    }
+    each_contact(lists, [&](const contact_ends& c, member) {
+      ++ties_[static_cast<std::size_t>(c.a)].contacts;
+      if (c.b >= 0) ++ties_[static_cast<std::size_t>(c.b)].contacts;
+    });
+    for (body_ties& t : ties_)
+      if (t.owner == own) t.of_owner = static_cast<std::int32_t>(t.contacts);
+    // The holders of a fixed body are not exchanged, so islands that touch one take no part.
+    each_contact(lists, [&](const contact_ends& c, member) {
+      if (c.b < 0 || static_cast<std::size_t>(c.b) >= s.first_global) return;
+      if (moves(s, c.a) == moves(s, c.b)) return;
+      body_ties& t = ties_[static_cast<std::size_t>(moves(s, c.a) ? c.a : c.b)];
+      if (t.owner == own) t.of_owner = -1;
+    });
+  }
+  /// Of a body, for sending and receiving. A solver that never searches takes no part.
+  [[nodiscard]] body_ties& ties(std::size_t body) {
+    if (ties_.size() <= body) ties_.resize(body + 1);
+    return ties_[body];
+  }
+
+  /// After the ties of all bodies have been shared: solves the islands that this rank shares with
+  /// others. `s` then holds their velocities, and the lists their impulses.
+  void solve(std::span<const access> lists, State& s) {
+    if (!std::exchange(takes_part_, false)) return;
+    join_bodies(lists, s);
+    std::map<std::uint32_t, island> islands;
+    each_contact(lists, [&](const contact_ends& c, member m) {
+      if (m.part == contact_part::boundary) islands[root(s, c)];
+    });
+    each_contact(lists, [&](const contact_ends& c, member m) {
+      const auto at = islands.find(root(s, c));
+      if (at == islands.end()) return;
+      island& one = at->second;
+      if (one.contacts.size() > most_contacts) return;
+      const contact_key& key = lists[m.list].key(m.part, m.index);
+      one.contacts.push_back({key, m});
+      add_body(one, s, c.a, key.a);
+      if (c.b >= 0) add_body(one, s, c.b, key.b);
+    });
+    for (auto& [number, one] : islands)
+      if (one.contacts.size() <= most_contacts && known_alike(one)) solve_one(one, lists, s);
+  }
+
+ private:
+  struct member {
+    std::size_t list;
+    contact_part part;
+    std::size_t index;
+  };
+  struct island {
+    plain_vector<plain_pair<contact_key, member>> contacts;
+    plain_vector<plain_pair<system_id, std::int32_t>> bodies;
+  };
+
+  template <class F>
+  static void each_contact(std::span<const access> lists, F&& f) {
+    for (std::size_t k = 0; k < lists.size(); ++k)
+      for (const auto p : {contact_part::interior, contact_part::boundary, contact_part::foreign})
+        for (std::size_t i = 0, n = lists[k].size(p); i < n; ++i)
+          f(lists[k].ends(p, i), member{k, p, i});
+  }
+  static bool moves(const State& s, std::int32_t body) {
+    return s.bodies[static_cast<std::size_t>(body)].inverse_mass != 0;
+  }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  std::uint32_t root(const State& s, const contact_ends& c) {
+    return root(static_cast<std::uint32_t>(moves(s, c.a) ? c.a : c.b));
+  }
+  void join_bodies(std::span<const access> lists, const State& s) {
+    parent_.resize(s.bodies.size());
+    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    each_contact(lists, [&](const contact_ends& c, member) {
+      if (c.b < 0 || !moves(s, c.a) || !moves(s, c.b)) return;
+      const auto a = root(static_cast<std::uint32_t>(c.a)),
+                 b = root(static_cast<std::uint32_t>(c.b));
+      if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+    });
+  }
+  static void add_body(island& one, const State& s, std::int32_t body, system_id id) {
+    if (moves(s, body)) one.bodies.emplace_back(id, body);
+  }
+
+  /// Whether all ranks that own bodies of the island have the same view of it; sorts it by ids.
+  bool known_alike(island& one) const {
+    sort_values(one.bodies);
+    one.bodies.erase(std::unique(one.bodies.begin(), one.bodies.end()), one.bodies.end());
+    plain_vector<std::int32_t> owners;
+    for (const auto& [id, body] : one.bodies) {
+      const body_ties& t = ties_[static_cast<std::size_t>(body)];
+      if (t.of_owner != static_cast<std::int32_t>(t.contacts)) return false;
+      if (std::find(owners.begin(), owners.end(), t.owner) == owners.end())
+        owners.push_back(t.owner);
+    }
+    for (const auto& [id, body] : one.bodies)
+      for (const std::int32_t rank : owners) {
+        const body_ties& t = ties_[static_cast<std::size_t>(body)];
+        if (t.owner != rank && !t.holders.has(rank)) return false;
+      }
+    sort_values(one.contacts, [](const auto& x, const auto& y) {
+      const auto &a = x.first, &b = y.first;
+      return std::tuple(a.a, a.b, a.feature) < std::tuple(b.a, b.b, b.feature);
+    });
+    return true;
+  }
+
+  /// Everything in the order of ids, so that each rank computes the same bits.
+  void solve_one(island& one, std::span<const access> lists, State& s) const {
+    std::stable_partition(one.bodies.begin(), one.bodies.end(), [&](const auto& b) {
+      return static_cast<std::size_t>(b.second) < s.first_tensor;
+    });
+    solver_state own;
+    std::map<std::int32_t, std::int32_t> place;
+    for (const auto& [id, body] : one.bodies) {
+      const auto i = static_cast<std::size_t>(body);
+      place[body] = static_cast<std::int32_t>(own.bodies.size());
+      const auto& free = free_[i];
+      own.bodies.push_back(
+          {v_of(free), real(free.inverse_mass), w_of(free), real(free.inverse_inertia)});
+      if (i < s.first_tensor)
+        ++own.first_tensor;
+      else
+        own.tensors.push_back(s.tensor(i));
+    }
+    const auto place_of = [&](std::int32_t body) {
+      const auto at = place.find(body);
+      return at == place.end() ? -1 : at->second;
+    };
+    plain_vector<island_contact> contacts;
+    for (const auto& [key, m] : one.contacts) {
+      island_contact c = lists[m.list].contact(m.part, m.index);
+      // An immovable body may still carry others along.
+      vec3 u{0, 0, 0};
+      const auto enter = [&](std::int32_t& body, const vec3& arm, real sign) {
+        if (body < 0) return;
+        const std::int32_t there = place_of(body);
+        if (there < 0) {
+          const auto& b = s.bodies[static_cast<std::size_t>(body)];
+          u += sign * (v_of(b) + w_of(b).cross(arm));
+        }
+        body = there;
+      };
+      enter(c.a, c.arm_a, 1);
+      enter(c.b, c.arm_b, -1);
+      u = c.axes * u;
+      c.target_velocity -= u[0];
+      c.drive = {c.drive[0] + u[1], c.drive[1] + u[2]};
+      c.impulse = {0, 0, 0};
+      contacts.push_back(c);
+    }
+    const contact_order order(contacts);
+    // Alike on all ranks: the cost of the island, instead of the spent budget of a rank.
+    const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
+    if (cost > 2e7) return;
+    plain_vector<island_contact> chain;
+    for (const auto i : order.order()) chain.push_back(contacts[i]);
+    contact_vector r;
+    const assembled_problem problem = assemble_island(chain, own, r);
+    if (!solve_island_anew(problem, r, static_cast<int>(std::min(real{60}, 2e8 / cost)))) return;
+    for (std::size_t k = 0; k < chain.size(); ++k) {
+      const island_contact& c = chain[k];
+      const vec3 p = c.axes.transpose() * r(static_cast<int>(k));
+      apply_impulse(own, c.a, c.arm_a, p);
+      apply_impulse(own, c.b, c.arm_b, -p);
+      const member& m = one.contacts[order.order()[k]].second;
+      lists[m.list].set(m.part, m.index, p);
+    }
+    for (const auto& [body, at] : place) {
+      auto& b = s.bodies[static_cast<std::size_t>(body)];
+      b.v = in_scalar<number>(own.bodies[static_cast<std::size_t>(at)].v);
+      b.w = in_scalar<number>(own.bodies[static_cast<std::size_t>(at)].w);
+    }
+  }
+  static void apply_impulse(solver_state& s, std::int32_t body, const vec3& arm,
+                            const vec3& impulse) {
+    if (body < 0) return;
+    const auto i = static_cast<std::size_t>(body);
+    s.bodies[i].v += s.bodies[i].inverse_mass * impulse;
+    if (i < s.first_tensor)
+      s.bodies[i].w += s.bodies[i].inverse_inertia * arm.cross(impulse);
+    else
+      s.bodies[i].w += s.tensor(i) * arm.cross(impulse);
+  }
+  bool wanted_ = true, takes_part_ = false;
+  plain_vector<body_ties> ties_;
+  plain_vector<solver_body_of<number>> free_;
+  plain_vector<std::uint32_t> parent_;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,246 @@
+#pragma once
+// Small groups of contacts on which sweeps stall (a heavy body on light ones, a tall stack) are
+// solved as one problem.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "talus/constraint/solver_state.hpp"
+#include "talus/core/plain_pair.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/solver/contact_access.hpp"
+#include "talus/solver/direct/band_system.hpp"
+#include "talus/solver/direct/body_problem.hpp"
+#include "talus/solver/direct/island_problem.hpp"
+#include "talus/solver/direct/island_solver.hpp"
+#include "talus/solver/direct/solve_bodies.hpp"
+
+namespace talus::detail {
+
+/// Finds the islands (contacts connected through movable bodies) on which the last sweep still
+/// changed more than it should, and solves those that are cheap to solve. The error that sweeps
+/// leave grows with the ratio of the masses and the square of the bodies in a row: a stack of ten
+/// with a top of a thousand times the density needs tens of thousands of sweeps, and one Newton
+/// step; so does a plate on thousands of spheres. Contacts with bodies of other ranks keep their
+/// impulses.
+template <class State>
+class stalled_islands {
+  using access = contact_access<State>;
+
+ public:
+  /// The last sweep, and then the stalled islands. If all of them are too large to be solved here,
+  /// as in a pile, the search is postponed for some steps.
+  void sweep_and_solve(std::span<const access> lists, State& s) {
+    if (s.speed == 0)  // no gravity
+      for (const auto& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * v_of(b).norm());
+    // A smaller change is irrelevant, or is round-off.
+    const real least = (std::is_same_v<typename State::number, real> ? 1e-9 : 1e-5) * s.speed;
+    std::size_t stalled = 0, contacts = 0;
+    plain_vector<std::span<const plain_pair<std::size_t, real>>> changes;
+    for (const access& list : lists) {
+      changes.emplace_back(list.sweep_watched(s, least));
+      stalled += changes.back().size();
+      contacts += list.size(contact_part::interior);
+    }
+    if (stalled == 0) return;
+    join_bodies(lists, s);
+    gather(lists, changes, s);
+    plain_vector<plain_pair<real, std::size_t>> worst_first;
+    for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
+    sort_values(worst_first);
+    double budget = s.islands.open(contacts);
+    bool solved = false, looked = false;
+    for (const auto& [stall, i] : worst_first)
+      if (-stall > let_be * s.speed) {
+        looked = true;
+        solved |= solve_one(islands_[i], lists, s, budget);
+      }
+    s.islands.close(budget);
+    if (!solved && (looked || stalled > many)) s.islands.pause();
+  }
+
+ private:
+  /// Larger islands are checked only if something heavy lies on light bodies: otherwise sweeps work
+  /// well, as in a pile.
+  static constexpr std::size_t many = 1000;
+  /// A heavy body has this multiple of the mass of all lighter ones that it touches.
+  static constexpr real heavy = 5;
+  /// Of a contact in a sweep, in operations; twice, because a solution is exact.
+  static constexpr real sweep_cost = 600;
+  /// Cheaper islands are solved by contacts, which is as good for a few.
+  static constexpr real few = 4e6;
+  /// The fraction of solver_state::speed that may be left as error.
+  static constexpr real let_be = 0.1;
+
+  struct member {
+    std::size_t list, index;
+  };
+  struct island {
+    plain_vector<member> contacts;
+    std::size_t size = 0;
+    bool overloaded = false;
+    bool elsewhere = false;  ///< solved as a part of a gathered island
+    real change = 0;         ///< largest change of velocity in the last sweep
+    real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
+    /// Estimate of the error: each sweep removes one part in (rows² * ratio of masses) of it.
+    [[nodiscard]] real stall(real rows) const {
+      return change * rows * rows * most_mass / least_mass;
+    }
+    [[nodiscard]] bool sweeps_do() const { return size > many && !overloaded; }
+    /// Upper limit: with four contacts in a row.
+    [[nodiscard]] real stall() const {
+      return sweeps_do() || elsewhere ? 0 : stall(1 + 0.25 * static_cast<real>(size));
+    }
+  };
+
+  static const auto& body(const State& s, std::int32_t i) {
+    return s.bodies[static_cast<std::size_t>(i)];
+  }
+  static bool moves(const State& s, std::int32_t i) { return body(s, i).inverse_mass != 0; }
+
+  [[nodiscard]] std::uint32_t root(std::int32_t of) {
+    auto i = static_cast<std::uint32_t>(of);
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  [[nodiscard]] std::uint32_t root(const contact_ends& c, const State& s) {
+    return root(moves(s, c.a) ? c.a : c.b);
+  }
+  void join_bodies(std::span<const access> lists, const State& s) {
+    parent_.resize(s.bodies.size());
+    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    for (const access& list : lists)
+      for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i) {
+        const auto [a, b] = list.ends(contact_part::interior, i);
+        if (b < 0 || !moves(s, a) || !moves(s, b)) continue;
+        const auto x = root(a), y = root(b);
+        if (x != y) parent_[std::max(x, y)] = std::min(x, y);
+      }
+  }
+  void gather(std::span<const access> lists,
+              std::span<const std::span<const plain_pair<std::size_t, real>>> changes,
+              const State& s) {
+    islands_.clear();
+    number_.assign(s.bodies.size(), 0);  // from 1, of the island of a root
+    for (std::size_t k = 0; k < lists.size(); ++k)
+      for (const auto& [i, change] : changes[k]) {
+        auto& number = number_[root(lists[k].ends(contact_part::interior, i), s)];
+        if (number == 0) {
+          islands_.emplace_back();
+          number = static_cast<std::uint32_t>(islands_.size());
+        }
+        island& one = islands_[number - 1];
+        one.change = std::max(one.change, change);
+      }
+    bool large = false;
+    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+      large |= ++one.size > many;
+      for (const std::int32_t end : {c.a, c.b})
+        if (end >= 0 && moves(s, end)) {
+          const real mass = mass_of(s, end);
+          one.least_mass = std::min(one.least_mass, mass);
+          one.most_mass = std::max(one.most_mass, mass);
+        }
+    });
+    if (large) find_overloaded(lists, s);
+    for (const std::uint32_t i : s.gathered)
+      if (const auto number = number_[root(static_cast<std::int32_t>(i))]; number != 0)
+        islands_[number - 1].elsewhere = true;
+    each_contact(lists, s, [&](island& one, const contact_ends&, const member& m) {
+      if (!one.sweeps_do()) one.contacts.push_back(m);
+    });
+  }
+  /// Calls f(island, ends, contact) for each contact of the islands.
+  template <class F>
+  void each_contact(std::span<const access> lists, const State& s, F&& f) {
+    for (std::size_t k = 0; k < lists.size(); ++k)
+      for (std::size_t i = 0, n = lists[k].size(contact_part::interior); i < n; ++i) {
+        const contact_ends c = lists[k].ends(contact_part::interior, i);
+        if (const auto number = number_[root(c, s)]; number != 0)
+          f(islands_[number - 1], c, member{k, i});
+      }
+  }
+  void find_overloaded(std::span<const access> lists, const State& s) {
+    plain_vector<real> below(s.bodies.size(), 0);  // mass of the lighter bodies that touch it
+    const auto paired = [&](const contact_ends& c) {
+      return c.b >= 0 && moves(s, c.a) && moves(s, c.b);
+    };
+    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+      if (one.size <= many || !paired(c)) return;
+      const real a = mass_of(s, c.a), b = mass_of(s, c.b);
+      if (a != b) below[static_cast<std::size_t>(a > b ? c.a : c.b)] += std::min(a, b);
+    });
+    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+      if (one.size <= many || !paired(c)) return;
+      for (const std::int32_t end : {c.a, c.b}) {
+        const real light = below[static_cast<std::size_t>(end)];
+        one.overloaded |= light > 0 && mass_of(s, end) > heavy * light;
+      }
+    });
+  }
+  static real mass_of(const State& s, std::int32_t i) { return 1 / real(body(s, i).inverse_mass); }
+
+  /// Whether the island, with its known length, is stalled and within the budget.
+  static bool solve_one(const island& one, std::span<const access> lists, State& s,
+                        double& budget) {
+    plain_vector<island_contact> contacts;
+    for (const member& m : one.contacts)
+      contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
+    plain_vector<island_contact> ties = contacts;  // immovable bodies do not connect
+    for (island_contact& c : ties)
+      for (std::int32_t* end : {&c.a, &c.b})
+        if (*end >= 0 && !moves(s, *end)) *end = -1;
+    const contact_order order(ties);
+    const real rows = 1 + static_cast<real>(order.length());
+    if (one.stall(rows) <= let_be * s.speed) return false;
+    const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
+    const real sweeps = rows * rows * one.most_mass / one.least_mass;
+    // Not if the sweeps that it replaces cost less, as in wide heaps.
+    const real pays = sweep_cost * sweeps * static_cast<real>(contacts.size());
+    if (cost <= std::min<real>({few, budget / 2, pays})) {
+      solve_by_contacts(one, contacts, order, cost, lists, s, budget);
+      s.islands.solved();
+      return true;
+    }
+    if (pays < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
+    double left = std::min<double>(budget, pays);
+    const double before = left;
+    contact_vector r;
+    const body_problem problem(contacts, s, r);
+    const island_outcome found = solve_by_bodies(problem, r, left);
+    budget -= before - left;
+    if (found.too_dear && !found.solved && pays > before) s.islands.skip(contacts.size());
+    if (!(found.after < found.before)) return found.solved;
+    s.islands.solved();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const member& m = one.contacts[k];
+      lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
+    }
+    return found.after < 0.5 * found.before;
+  }
+  static void solve_by_contacts(const island& one, const plain_vector<island_contact>& contacts,
+                                const contact_order& order, real cost,
+                                std::span<const access> lists, State& s, double& budget) {
+    plain_vector<island_contact> chain;
+    for (const auto i : order.order()) chain.push_back(contacts[i]);
+    contact_vector r;
+    const assembled_problem problem = assemble_island(chain, s, r);
+    budget -= cost * solve_island(problem, r, static_cast<int>(budget / cost));
+    for (std::size_t k = 0; k < chain.size(); ++k) {
+      const member& m = one.contacts[order.order()[k]];
+      lists[m.list].set(m.index, chain[k].axes.transpose() * r(static_cast<int>(k)), s);
+    }
+  }
+
+  plain_vector<std::uint32_t> parent_, number_;
+  std::vector<island> islands_;
+};
+
+}  // namespace talus::detail

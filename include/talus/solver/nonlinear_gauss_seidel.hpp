@@ -1,0 +1,76 @@
+#pragma once
+// Nonlinear block Gauss-Seidel over ranks: the default contact solver.
+#include <tuple>
+#include <type_traits>
+
+#include "talus/constraint/solver_settings.hpp"
+#include "talus/constraint/solver_state.hpp"
+#include "talus/core/each.hpp"
+#include "talus/core/policy.hpp"
+#include "talus/solver/contact_list.hpp"
+#include "talus/solver/convergence.hpp"
+#include "talus/solver/correct_overlaps.hpp"
+#include "talus/solver/direct/direct_islands.hpp"
+#include "talus/solver/sweep.hpp"
+
+namespace talus {
+
+/// Sweeps over the contacts, each solved exactly for its cone with all others held (nonlinear block
+/// Gauss-Seidel; Jourdan, Alart, Jean 1998), started from the impulses of the last step. Between
+/// ranks, momentum is conserved thus: boundary contacts are solved simultaneously, from the
+/// velocities that both ranks hold alike, with the mass of each body split among its boundary pairs
+/// so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012); then each
+/// rank sweeps its interior contacts, those of border bodies first: their velocities are sent while
+/// the others are swept. Islands on which sweeps stall, such as a heavy body on light ones, are
+/// solved by Newton's method after the last of them (see solver/direct/stalled_islands.hpp).
+struct nonlinear_gauss_seidel final {
+  using talus_part_of = roles::solver;
+  static constexpr const char* name = "nonlinear_gauss_seidel";
+  static constexpr bool solves_shared_islands = true;
+
+  /// Solves the contact problem in `lists` (a tuple of contact lists). `ranks` refreshes the shadow
+  /// copies: share_velocities_and_counts(), share_velocities() or its two halves start_velocities()
+  /// and finish_velocities(), and likewise for corrections.
+  template <class Lists, class State, class Ranks>
+  static detail::solved solve(Lists& lists, State& s, const solver_settings& settings, bool correct,
+                              Ranks&& ranks) {
+    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
+    constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
+
+    detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
+    each([&](auto& list) { list.prepare_interior(s); });
+    if constexpr (!alone) ranks.look_for_shared_islands(lists);
+    each([&](auto& list) { list.warm_start(s); });
+    if constexpr (!alone) {
+      each([&](auto& list) { list.count_boundary(s); });
+      ranks.share_velocities_and_counts();
+      each([&](auto& list) { list.prepare_boundary(s); });
+      ranks.solve_shared_islands(lists);
+    }
+
+    const bool looks = s.islands.due();
+    int k = 0;
+    for (; k < watch.limit(); ++k) {
+      if (watch.reached(k)) break;
+      detail::relax_boundary<Ranks>(lists, s);
+      const bool more = k + 1 < watch.limit();
+      if (looks && k + 1 == settings.iterations) {
+        detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s);
+        if constexpr (!alone)
+          if (more) ranks.share_velocities();
+      } else {
+        detail::sweep_interior(lists, s, k % 2 == 0, more, ranks);
+      }
+      watch.poll();
+    }
+    const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
+    if constexpr (!alone)  // on all ranks or on none
+      if (!(settings.tolerance > 0 && done.residual <= settings.tolerance))
+        ranks.solve_gathered_islands(lists);
+
+    if (correct) detail::correct_overlaps(lists, s, settings, ranks);
+    return done;
+  }
+};
+
+}  // namespace talus

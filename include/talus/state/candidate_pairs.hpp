@@ -1,0 +1,99 @@
+#pragma once
+// Candidate pairs of the last search; see pairs/neighbour_list.hpp.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "talus/contact/place.hpp"
+#include "talus/core/id.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/plain_pair.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+
+namespace talus::detail {
+
+/// The recorded surroundings of a body are valid while the body moves by at most this fraction of
+/// its bounding radius, or of the mean radius if that is less; and by at most its motion in some
+/// steps, so that a few fast bodies do not force a search in every step.
+inline constexpr real skin_part = 0.1;
+inline constexpr int skin_steps = 8;
+
+[[nodiscard]] inline real skin_of(real radius, real mean, real speed, real dt) {
+  return skin_part * std::min(mean, radius) + std::min(skin_steps * dt * speed, radius);
+}
+
+/// The position of a body at its last search, and the reach of that search.
+struct noted_body {
+  system_id id = no_id;
+  vec3 position{0, 0, 0};
+  real reach = 0;  ///< including its skin
+
+  /// Whether the found pairs are complete for a body with this reach.
+  [[nodiscard]] bool covers(system_id now, const vec3& p, real reach_now) const {
+    const real left = reach - reach_now;
+    return id == now && left >= 0 && (p - position).squaredNorm() <= left * left;
+  }
+};
+
+inline constexpr std::uint32_t nobody = 0xffffffffu;
+
+/// The previous indices of bodies, or `nobody`; most are unchanged.
+[[nodiscard]] inline plain_vector<std::uint32_t> numbers_before(
+    const plain_vector<noted_body>& before, std::span<const system_id> now) {
+  plain_vector<plain_pair<system_id, std::uint32_t>> others;
+  const auto stayed = [&](std::size_t i) {
+    return i < before.size() && i < now.size() && before[i].id == now[i];
+  };
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (!stayed(i)) others.emplace_back(before[i].id, static_cast<std::uint32_t>(i));
+  sort_values(others);
+  plain_vector<std::uint32_t> was(now.size());
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    was[i] = static_cast<std::uint32_t>(i);
+    if (stayed(i)) continue;
+    const auto at =
+        std::lower_bound(others.begin(), others.end(), plain_pair{now[i], std::uint32_t{0}});
+    was[i] = at != others.end() && at->first == now[i] ? at->second : nobody;
+  }
+  return was;
+}
+/// The reverse: the present index of each of `count` bodies.
+[[nodiscard]] inline plain_vector<std::uint32_t> numbers_now(const plain_vector<std::uint32_t>& was,
+                                                             std::size_t count) {
+  plain_vector<std::uint32_t> now(count, nobody);
+  for (std::size_t i = 0; i < was.size(); ++i)
+    if (was[i] != nobody) now[was[i]] = static_cast<std::uint32_t>(i);
+  return now;
+}
+
+struct close_pair {
+  std::uint32_t i, j;  ///< indices into the bodies of two shapes
+  history_place last;  ///< where the history stores the last step's values of their contacts
+};
+
+/// One list for each pair of shapes, and the positions of the bodies of each shape at the search.
+struct candidate_pairs {
+  struct shape {
+    plain_vector<noted_body> bodies;
+    std::size_t locals = 0;  ///< the first so many are owned here
+  };
+  std::vector<plain_vector<close_pair>> lists;
+  std::vector<shape> shapes;
+  bool known = false;
+  int steps = 0;     ///< for which they have been valid
+  int failures = 0;  ///< searches in a row that were valid for less than two steps
+  int pause = 0;     ///< steps without a kept neighbour list: bodies move too fast
+
+  [[nodiscard]] std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const shape& s : shapes) sum += s.bodies.capacity() * sizeof(noted_body);
+    for (const auto& list : lists) sum += list.capacity() * sizeof(close_pair);
+    return sum;
+  }
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,112 @@
+#pragma once
+// State of a world for features<driven>; see features/driven/driven.hpp.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "talus/body/motion.hpp"
+#include "talus/core/exact_sum.hpp"
+#include "talus/core/id.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/state/speed_leap.hpp"
+
+namespace talus {
+
+/// Motion of a global body so that contacts press on it with a given force; see world::hold_force.
+struct servo {
+  real force = 0;      ///< that contacts exert against `axis`: mass times length over time^2
+  real max_speed = 0;  ///< upper limit, in both directions: length over time
+  /// Direction in which the body presses; any length. Zero, the default: the normal of a plane.
+  vec3 axis{0, 0, 0};
+};
+
+namespace detail {
+
+/// The position of the reference point of a driven body, and its rotation since it was driven.
+struct rigid_place {
+  vec3 point{0, 0, 0};
+  quat turn{1, 0, 0, 0};
+
+  friend bool operator==(const rigid_place& a, const rigid_place& b) {
+    return a.point == b.point && a.turn.coeffs() == b.turn.coeffs();
+  }
+};
+
+/// State that does not follow from a function of time; checkpoints hold it.
+struct driven_state {
+  vec3 origin{0, 0, 0};  ///< the position of the body when it was driven, and its orientation
+  quat orientation{1, 0, 0, 0};
+  vec3 normal{0, 0, 1};  ///< likewise, of a plane
+  real offset = 0;
+  rigid_place at;
+  vec3 v{0, 0, 0}, w{0, 0, 0};  ///< in the last step
+  real force = 0;               ///< of a servo: of its contacts in the last step
+  real speed = 0;               ///< likewise: along its axis
+  real mass = 0;                ///< likewise: of its last contact partners
+  real gain = 0, error = 1;     ///< likewise, of soft contacts: speed over error, and that error
+  bool begun = false;           ///< a step has been taken
+};
+
+/// A step of a driven body: its final pose, and the velocity that contacts use.
+struct driven_step {
+  rigid_place end;
+  vec3 v{0, 0, 0}, w{0, 0, 0};
+  bool goes_on = true;    ///< it begins at the pose of the body, or nearly so
+  bool too_fast = false;  ///< it rotates by half a turn or more
+};
+
+/// A sum of numbers of either sign, exact in its parts.
+struct signed_sum {
+  exact_sum plus, minus;
+
+  signed_sum& operator+=(real x) {
+    if (x < 0)
+      minus += -x;
+    else
+      plus += x;
+    return *this;
+  }
+  [[nodiscard]] real value() const { return plus.value() - minus.value(); }
+};
+/// Of the contact partners of a servo: its parts, and the forces of their contacts.
+struct servo_sums {
+  signed_sum force, momentum, shift;
+  exact_sum mass;
+};
+
+struct driven_body {
+  system_id id = no_id;
+  driven_state state;
+  std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< empty: it stays
+  servo holds;  ///< with an axis of length one
+  bool is_servo = false;
+  bool followed = false;          ///< this run has made a step with it
+  servo_sums sums;                ///< of the step under way
+  driven_step next;               ///< the step under way
+  vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< change of the velocity since the last one
+  // Since the last pair search:
+  vec3 looked{0, 0, 0};  ///< its position
+  real skin = 0;         ///< and the reach of the search; see give_skins()
+};
+
+/// `Shapes` is the number of shapes, planes included.
+template <std::size_t Shapes>
+struct driven_bodies {
+  std::vector<std::unique_ptr<driven_body>> all;
+  /// Number in `all` of each global body of a shape, or -1.
+  std::array<plain_vector<std::int32_t>, Shapes> numbers;
+  std::size_t looked_for = 0;  ///< how many of `all` have an index there
+  /// Immovable bodies come last in the solver's arrays: resting ones, one for each of `all`, and
+  /// the bodies that contacts with rotating ones use.
+  std::size_t first = 0;
+  plain_vector<std::int32_t> owners;  ///< index in `all` of each of them, or -1
+  real fastest = 0;                   ///< of driven bodies, in the step under way
+  speed_leap leap;                    ///< the largest of bodies of this rank
+};
+
+}  // namespace detail
+}  // namespace talus

@@ -1,0 +1,64 @@
+#pragma once
+// The numbers of the monitors and of the states of features on one rank, to store them in a
+// checkpoint.
+#include "talus/state/monitors.hpp"
+
+namespace talus::detail {
+
+/// The value over all ranks: the sum of a number over the ranks, or the largest.
+enum class over_ranks { sum, largest };
+
+/// The argument of `each_number(visit)` of a record: visit.sum(x) and visit.largest(x) name a
+/// number, and its reduction over all ranks.
+template <class F>
+class number_visitor {
+ public:
+  explicit number_visitor(F& f) : f_(f) {}
+
+  void sum(double& x) { f_(x, over_ranks::sum); }
+  void sum(vec3& v) {
+    for (int k = 0; k < 3; ++k) sum(v[k]);
+  }
+  template <class Value>
+  void sum(compensated_sum<Value>& x) {
+    x.each_part([&](Value& part) { sum(part); });
+  }
+  void sum(std::uint64_t& n) {
+    auto x = static_cast<double>(n);
+    sum(x);
+    n = x >= 0 && x < 9e15 ? static_cast<std::uint64_t>(x) : 0;
+  }
+  void largest(double& x) { f_(x, over_ranks::largest); }
+  void largest(bool& b) {
+    double x = b;
+    largest(x);
+    b = x != 0;
+  }
+  template <class... Numbers>
+  void sums(Numbers&... numbers) {
+    (sum(numbers), ...);
+  }
+
+ private:
+  F& f_;
+};
+
+/// Calls f(number, over_ranks) for the numbers that a record, or the state of a feature, passes to
+/// a visitor.
+template <class Record, class F>
+void each_number(Record& record, F&& f) {
+  number_visitor visit(f);
+  record.each_number(visit);
+}
+
+/// Calls f(name, record) for the monitors that the scenario names.
+template <class... Features, class F>
+void each_record_of(monitor_records<type_list<Features...>>& all, F& f) {
+  const auto visit = [&]<class Feature>(type_list<Feature>) {
+    if constexpr (requires { typename Feature::record; })
+      static_cast<record_slot<Feature>&>(all).each_record(f);
+  };
+  (visit(type_list<Features>{}), ...);
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,153 @@
+#pragma once
+// State of a world for its contacts: hard and soft ones share only the history.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "talus/constraint/impulse_scale.hpp"
+#include "talus/constraint/solver_settings.hpp"
+#include "talus/constraint/solver_state.hpp"
+#include "talus/contact/history.hpp"
+#include "talus/core/parcel.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/interaction/soft_state.hpp"
+#include "talus/solver/coloured_list.hpp"
+#include "talus/solver/convergence.hpp"
+#include "talus/solver/direct/direct_islands.hpp"
+#include "talus/solver/either_list.hpp"
+#include "talus/state/contact_kinds.hpp"
+
+namespace talus {
+
+/// Iterations and residuals of the contact solver in the steps so far; alike on all ranks.
+/// Residuals are NaN until one is measured: in every step if a tolerance is set, else by
+/// measure_residual().
+struct convergence {
+  std::uint64_t iterations = 0;                                      ///< of all steps
+  std::uint64_t iterations_max = 0;                                  ///< of a step
+  double residual = std::numeric_limits<double>::quiet_NaN();        ///< the last measured
+  double residual_worst = std::numeric_limits<double>::quiet_NaN();  ///< of all measured
+  std::uint64_t steps_above = 0;  ///< steps that ended above the tolerance
+
+  void add(const detail::solved& done, double tolerance) {
+    iterations += static_cast<std::uint64_t>(done.iterations);
+    iterations_max = std::max(iterations_max, static_cast<std::uint64_t>(done.iterations));
+    if (tolerance == 0) return;
+    add_residual(done.residual);
+    steps_above += !(done.residual <= tolerance);
+  }
+  void add_residual(double value) {
+    residual = value;
+    if (!(residual_worst >= value)) residual_worst = value;
+  }
+};
+
+namespace detail {
+
+/// The bodies whose velocities are exchanged between this rank and one of its neighbours, in solver
+/// indices: fixed from one migration to the next, so that messages need no ids.
+struct travelling_velocities {
+  int rank = 0;
+  plain_vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move
+  plain_vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
+};
+
+/// How a solver stores the contacts of one kind.
+template <class Solver>
+struct lists_for {
+  template <class Contact>
+  using list = contact_list<Contact>;
+};
+template <class Solver>
+requires(solves_by_colours<Solver>) struct lists_for<Solver> {
+  template <class Contact>
+  using list = coloured_list<Contact>;
+};
+template <class First, class Second>
+struct lists_for<either_solver<First, Second>> {
+  template <class Contact>
+  using list = either_list<Contact>;
+};
+
+/// Whether a run may sweep contacts colour by colour.
+template <class Solver>
+inline constexpr bool may_sweep_by_colours = solves_by_colours<Solver>;
+template <class First, class Second>
+inline constexpr bool may_sweep_by_colours<either_solver<First, Second>> = true;
+
+/// The colours of the contacts, and the messages of each colour.
+struct shared_colours {
+  colouring all;
+  /// For each colour a message to each neighbour that shares contacts of it, and the index of its
+  /// connection.
+  struct messages {
+    std::vector<parcel> parcels;
+    plain_vector<std::uint32_t> lines;
+  };
+  std::vector<messages> of_colour;
+};
+struct no_colours {};
+
+/// Work space of step/passivity.hpp, for each body in solver indices.
+struct passivity_scratch {
+  plain_vector<std::uint32_t> root;  ///< of its island
+  plain_vector<impulse_work> works;  ///< of the island of a root
+  plain_vector<real> excess;         ///< fraction that its impulses lose
+  // Across ranks:
+  plain_vector<body_motion> common;   ///< velocities that were last sent or received
+  plain_vector<body_motion> earlier;  ///< those before the step
+  /// After gathered islands were solved: the copies that their owners have refreshed since, and the
+  /// velocities that all other ranks hold.
+  plain_vector<char> refreshed;
+  plain_vector<body_motion> common_before;
+  plain_vector<body_motion> received;  ///< the part of it that is from boundary contacts
+};
+
+template <class Shapes, class Law, class Solver, class Real, bool Driven>
+struct hard_response {
+  template <class Contact>
+  using list_of = typename lists_for<Solver>::template list<Contact>;
+  using lists_type = contact_lists_of<Shapes, Law, Real, list_of, Driven>;
+  using history_type = history_of<typename Law::memory>;
+
+  solver_settings settings;
+  lists_type contacts;
+  history_type history;
+  solver_state_of<Real> solver;
+  passivity_scratch passive;
+  direct_islands<solver_state_of<Real>> islands;
+  talus::convergence convergence;
+  [[no_unique_address]] std::conditional_t<may_sweep_by_colours<Solver>, shared_colours, no_colours>
+      colours;
+  std::vector<travelling_velocities> travelling;  ///< in the coming step, without empty ones
+  std::vector<travelling_velocities> travelled;   ///< in the last step
+  std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
+  plain_vector<char> at_border;                   ///< by solver index: whether the velocity is sent
+};
+
+template <class Law>
+struct soft_response {
+  using lists_type = std::tuple<soft_contacts>;
+  using history_type = history_of<typename Law::memory>;
+
+  lists_type contacts;             ///< their number
+  history_type history, recorded;  ///< of the last step, and of the one under way
+  soft_state<Law> soft;
+  talus::convergence convergence;  ///< of features<residual_monitor>: its residuals only
+};
+
+/// `Driven`: global bodies may have velocities.
+template <class Shapes, class Law, class Solver, class Real, bool Driven>
+struct response_of {
+  using type = hard_response<Shapes, Law, Solver, Real, Driven>;
+};
+template <class Shapes, class Law, class Solver, class Real, bool Driven>
+requires(Law::soft) struct response_of<Shapes, Law, Solver, Real, Driven> {
+  using type = soft_response<Law>;
+};
+
+}  // namespace detail
+}  // namespace talus

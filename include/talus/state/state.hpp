@@ -1,0 +1,297 @@
+#pragma once
+// The state of a world on one rank. The stages of a step work on it, the world is its public face.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "talus/body/material.hpp"
+#include "talus/core/each.hpp"
+#include "talus/core/parcel.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/type_list.hpp"
+#include "talus/parallel/domain.hpp"
+#include "talus/parallel/lone_domain.hpp"
+#include "talus/parallel/reduction.hpp"
+#include "talus/parallel/traffic.hpp"
+#include "talus/scenario/scenario.hpp"
+#include "talus/state/bodies_of_shape.hpp"
+#include "talus/state/body_count.hpp"
+#include "talus/state/candidate_pairs.hpp"
+#include "talus/state/counted_time.hpp"
+#include "talus/state/feature_states.hpp"
+#include "talus/state/monitors.hpp"
+#include "talus/state/periodic_ghosts.hpp"
+#include "talus/state/response_state.hpp"
+#include "talus/state/stage_clock.hpp"
+
+namespace talus {
+
+/// Seconds of wall time that the stages of the steps took on this rank.
+struct stage_seconds {
+  double detect = 0, respond = 0, integrate = 0, exchange = 0;
+};
+
+namespace detail {
+
+/// The same if ranks balance their work, which is measured between exchanges.
+struct balanced_seconds {
+  double detect = 0, respond = 0, integrate = 0;
+  both_times exchange;
+};
+
+}  // namespace detail
+
+/// The messages that this rank sent in the steps so far.
+struct step_traffic {
+  std::uint64_t messages_max = 0;  ///< in one step
+  std::uint64_t bytes_max = 0;     ///< in one step
+  std::uint64_t collectives = 0;   ///< in all steps
+};
+
+namespace detail {
+
+/// Stands for shared_memory if no shape shares data.
+struct no_shared_memory {};
+
+/// Messages between this rank and one of its neighbours, and migrated bodies; see
+/// ghosts/messages.hpp.
+struct message_channel {
+  std::uint64_t sent = 0, received = 0;
+  body_count given;        ///< to the neighbour
+  body_count taken;        ///< from it
+  body_count before_last;  ///< taken before the last migration of any
+  body_count told;         ///< number that should have arrived, by its last message
+};
+
+/// The data that this rank and one of its neighbours hold about each other's bodies.
+template <std::size_t Shapes, class Memory>
+struct neighbour {
+  int rank = 0;
+  plain_vector<int> connected;  ///< the ranks it is connected to
+  real reach = 0;               ///< largest reach of the bodies there
+  std::array<plain_vector<std::uint32_t>, Shapes>
+      shadowed;  ///< own bodies with a copy there, by shape, as copy_code encodes them
+  std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
+  message_channel channel;
+  [[no_unique_address]] Memory memory;  ///< of the shared data of shapes
+
+  /// Both ends call it before each exchange of bodies.
+  void next_exchange() {
+    if constexpr (!std::is_empty_v<Memory>) memory.next_exchange();
+  }
+  [[nodiscard]] shared_memory* shared() {
+    if constexpr (std::is_empty_v<Memory>)
+      return nullptr;
+    else
+      return &memory;
+  }
+};
+
+/// The positions of own bodies at the last choice of the copies for neighbours, and the reach of
+/// that choice; see ghosts/shadow_copies.hpp.
+template <std::size_t Shapes>
+struct copy_choice {
+  std::array<plain_vector<noted_body>, Shapes> bodies;  ///< by shape
+  plain_vector<real> reach;                             ///< of each neighbour's bodies at that time
+  real announced = 0;  ///< reach of the bodies here that neighbours hold
+};
+struct no_copy_choice {};
+/// Stands for the choice of a solver if there is only one.
+struct no_choice {};
+
+template <class Shape>
+struct is_finite : std::bool_constant<Shape::finite> {};
+template <class Shape>
+struct shares_data : std::bool_constant<packs_itself<Shape>> {};
+
+/// Whether contacts are found and solved in the middle of a step.
+template <class Scenario>
+inline constexpr bool steps_by_midpoint = Scenario::integrator::at_midpoint;
+/// The contact law of a scenario, as its contacts are compiled.
+template <class Scenario>
+using law_of =
+    std::conditional_t<steps_by_midpoint<Scenario>, biased_law<typename Scenario::contact_law>,
+                       typename Scenario::contact_law>;
+
+/// The solver of a scenario, or both of them.
+template <class Scenario>
+using solvers_of = std::conditional_t<
+    std::is_void_v<typename Scenario::solver_on_request>, typename Scenario::solver,
+    either_solver<typename Scenario::solver, typename Scenario::solver_on_request>>;
+
+template <class Scenario>
+using response_state =
+    typename response_of<typename Scenario::shapes, law_of<Scenario>, solvers_of<Scenario>,
+                         solved_scalar<Scenario>,
+                         contains_type<typename Scenario::features, driven>>::type;
+
+/// The link of a transport; of a refused one, a type that causes no further errors.
+struct no_link {
+  static constexpr bool alone = true;
+};
+template <class Transport, bool = complete<Transport>>
+struct link_of {
+  using type = no_link;
+};
+template <class Transport>
+struct link_of<Transport, true> {
+  using type = typename Transport::link;
+};
+
+/// The base holds the contacts and their solver or forces.
+template <class Scenario>
+struct world_state : response_state<Scenario>,
+                     slots_of_features<typename Scenario::features, Scenario>,
+                     Scenario::integrator::template state<Scenario> {
+  static_assert(complete<typename Scenario::transport>,
+                "a world needs the transport of its scenario, which is threads unless it names "
+                "another: write #include <talus/parallel/threads.hpp>");
+  using link_type = typename link_of<typename Scenario::transport>::type;
+  using domain_type =
+      std::conditional_t<link_type::alone, lone_domain, domain<typename Scenario::decomposition>>;
+  template <class Shape>
+  using bodies_type =
+      bodies_of_shape<Shape, typename Scenario::features, typename Scenario::broad_phase::search>;
+  using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;
+  using law = law_of<Scenario>;
+  using lists_type = typename response_state<Scenario>::lists_type;
+  using history_type = typename response_state<Scenario>::history_type;
+
+  world_state(link_type& l, domain_type d) : link(&l), own(std::move(d)) {}
+
+  link_type* link;
+  domain_type own;
+  tuple_type bodies;
+  material_table materials;
+
+  vec3 gravity{0, 0, 0};
+  real damping = 1;  ///< part of the velocity kept per unit of time
+  real dt = 0;       ///< of the last step, or of the one under way
+  std::uint64_t steps = 0;
+  real time = 0;
+  counted_time clock;  ///< from which `time` follows
+  body_count owned;    ///< the bodies that should be owned here; see ghosts/conservation.hpp
+  body_count made;     ///< created by this rank, minus those that it destroyed
+
+  /// Whether bodies are followed through a step.
+  static constexpr bool continuous =
+      contains_type<typename Scenario::features, continuous_collision>;
+
+  /// Whether islands at rest are left out of the steps.
+  static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
+
+  /// Whether cuts between domains move.
+  static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
+  /// Whether global bodies may be moved.
+  static constexpr bool drives = contains_type<typename Scenario::features, driven>;
+
+  /// Whether contacts are found and solved in the middle of a step.
+  static constexpr bool midpoint = steps_by_midpoint<Scenario>;
+  /// Steps, or parts of them, for which a body moves between the exchange of shadow copies and the
+  /// action of the contacts found from them.
+  static constexpr real steps_of_reach = midpoint ? 1.5 : 1;
+
+  /// Whether there are two solvers, of which each run uses one.
+  static constexpr bool two_solvers = !std::is_void_v<typename Scenario::solver_on_request>;
+  [[no_unique_address]] std::conditional_t<two_solvers, bool, no_choice> solver_on_request{};
+  /// Whether contacts may be solved colour by colour, so that nothing depends on the ranks.
+  static constexpr bool may_use_colours = may_sweep_by_colours<solvers_of<Scenario>>;
+  /// Whether the contacts of this run are.
+  [[nodiscard]] constexpr bool by_colours() const {
+    if constexpr (two_solvers)
+      return solver_on_request;
+    else
+      return may_use_colours;
+  }
+
+  /// Whether small groups of contacts are solved across ranks. (With periodic axes, only on ranks
+  /// that hold one image of each body: see sees_single_images().)
+  static constexpr bool islands_across_ranks =
+      !link_type::alone && !law::soft && solves_shared_islands<typename Scenario::solver>;
+
+  /// Solves with the second solver from now on.
+  void use_solver_on_request() requires(two_solvers) {
+    solver_on_request = true;
+    each_contact_list([](auto& list) { list.keep_colours(true); });
+  }
+
+  using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
+  static constexpr std::size_t shape_count = finite_shapes::size;
+  using memory_type = std::conditional_t<(filter_types<finite_shapes, shares_data>::size > 0),
+                                         shared_memory, no_shared_memory>;
+  /// Whether space is periodic: then some shadow copies are images, and are shifted.
+  static constexpr bool periodic = domain_type::periodic;
+  using copy_code = detail::copy_code<periodic>;
+  [[no_unique_address]] std::conditional_t<periodic, periodic_ghosts<shape_count>,
+                                           no_periodic_ghosts>
+      copies;
+  std::vector<neighbour<shape_count, memory_type>>
+      neighbours;               ///< one for each connection, in the same order
+  std::vector<parcel> parcels;  ///< likewise: migrations
+  bool strangers = false;       ///< some neighbours are not connected to each other
+  bool changed = true;          ///< bodies were added, removed or changed since the last migration
+  plain_vector<system_id> released;  ///< by the user, before neighbours were notified
+
+  [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
+                                           copy_choice<shape_count>>
+      choice;
+  candidate_pairs found;
+  std::conditional_t<balances, balanced_seconds, stage_seconds> seconds;
+  step_traffic sent;
+  [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
+
+  /// Calls f(bodies of a shape) for every shape of the scenario.
+  template <class F>
+  void each_shape(F&& f) {
+    detail::each_of(bodies, f);
+  }
+  template <class F>
+  void each_shape(F&& f) const {
+    detail::each_of(bodies, f);
+  }
+  /// The same for the shapes that can move.
+  template <class F>
+  void each_finite_shape(F&& f) {
+    each_shape([&](auto& b) {
+      if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) f(b);
+    });
+  }
+  template <class F>
+  void each_finite_shape(F&& f) const {
+    each_shape([&](const auto& b) {
+      if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) f(b);
+    });
+  }
+  template <class Shape>
+  auto& of() {
+    return std::get<index_of<typename Scenario::shapes, Shape>>(bodies);
+  }
+  template <class Shape>
+  const auto& of() const {
+    return std::get<index_of<typename Scenario::shapes, Shape>>(bodies);
+  }
+  template <class F>
+  void each_contact_list(F&& f) {
+    detail::each_of(this->contacts, f);
+  }
+  template <class F>
+  void each_contact_list(F&& f) const {
+    detail::each_of(this->contacts, f);
+  }
+};
+
+/// Every policy in use, with the active solver; see describe().
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::string policies_in_use(const world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::two_solvers)
+    if (s.by_colours())
+      return scenario_with_solver<Scenario, typename Scenario::solver_on_request>::type::describe();
+  return (void)s, describe<Scenario>();
+}
+
+}  // namespace detail
+}  // namespace talus

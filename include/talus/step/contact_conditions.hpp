@@ -1,0 +1,57 @@
+#pragma once
+// The conditions of the contact law at a new contact point: target velocity, correction, friction.
+#include <algorithm>
+
+#include "talus/body/material.hpp"
+#include "talus/constraint/rebound.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// The conditions of the contact law at a new contact point. `u` is the velocity of a relative to b
+/// at the point before the step, `gap` the distance of the surfaces.
+struct contact_conditions {
+  real target_velocity = 0, correction_rate = 0, friction = 0;
+};
+
+/// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
+/// - Gaps that gravity would close within a step count as closed: surfaces hold there, u_n >= 0,
+///   and the correction draws loaded ones together. (If bodies fell into such gaps, positions would
+///   act on velocities, and stacks would sway: truncated iterations answer only a part c < 1 of a
+///   velocity that converges slowly, and with warm starts the motion dv = y, dy = -c (v + y +
+///   gap/dt) is unstable unless c is nearly 1.)
+/// - A part of an overlap, or of a gap that is held, is corrected; other gaps may close.
+/// - An impact faster than the gain by gravity in two steps, and due within this step, rebounds
+///   with -e u_n (Newton), see rebound(); a slower one is resting contact, which must not jitter.
+///   Without rebound, e = 0, the surfaces still meet. A solver with substeps (`Divided`) finds the
+///   time of impact itself, and takes -e u_n.
+/// - Sliding faster than the gain by gravity in a step, and than `creep`, has the dynamic
+///   coefficient, else the static.
+/// `gravity` is the acceleration of the bodies without contacts; fall() is the part of it by which
+/// the surfaces approach.
+template <class Law, bool Divided, class Fall>
+[[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
+                                               const vec3& u, real gap, real dt, real gravity,
+                                               Fall&& fall, real creep, real correction) {
+  contact_conditions c;
+  const real un = normal.dot(u);
+  const bool held = gap <= (Law::correction ? gravity * dt * dt : 0);
+  c.target_velocity = held ? 0 : -gap / dt;
+  if constexpr (Law::correction) c.correction_rate = held ? -correction * gap / dt : -gap / dt;
+  if constexpr (Law::restitution)
+    if (pair.restitution > 0 && un < -2 * gravity * dt)
+      if (const real a = fall(); gap + (un - std::max(a, real{0}) * dt) * dt <= 0)
+        c.target_velocity =
+            std::max(c.target_velocity,
+                     Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
+  if constexpr (Law::friction) {
+    c.friction = pair.friction;
+    if (pair.dynamic_friction < pair.friction) {
+      const real sliding = (u - un * normal).norm();
+      if (sliding > gravity * dt + creep) c.friction = pair.dynamic_friction;
+    }
+  }
+  return c;
+}
+
+}  // namespace talus::detail

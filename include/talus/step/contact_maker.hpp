@@ -1,0 +1,473 @@
+#pragma once
+// From candidate pairs of bodies to the contacts of the solver.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/detect/box_batch.hpp"
+#include "talus/detect/usual_pairs.hpp"
+#include "talus/features/sleeping/sleeping_islands.hpp"
+#include "talus/ghosts/migrate_and_refresh.hpp"
+#include "talus/state/kinematic_bodies.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/contact_conditions.hpp"
+#include "talus/step/pair_motion.hpp"
+#include "talus/step/velocity_bias.hpp"
+
+namespace talus::detail {
+
+/// Whether the owner of shadow copy `copy` has a copy of the body `own`, so that both ranks compute
+/// their contact. (It has none in the one step after the user put a body at an unexpected place.)
+template <class Own, class Other, class Scenario>
+[[nodiscard]] bool copied_to_owner(const world_state<Scenario>& s, std::size_t own,
+                                   std::size_t copy) {
+  using shapes = typename world_state<Scenario>::finite_shapes;
+  constexpr std::size_t other = index_of<shapes, Other>;
+  std::size_t last = s.template of<Other>().movable.locals;
+  for (const auto& n : s.neighbours) {
+    last += n.copies[other];
+    if (copy >= last) continue;
+    std::uint32_t image = 0;
+    if constexpr (world_state<Scenario>::periodic)
+      image = periodic_box::reverse(copy_of<Other>(s, copy)->image);
+    const auto& there = n.shadowed[index_of<shapes, Own>];
+    return std::binary_search(there.begin(), there.end(),
+                              world_state<Scenario>::copy_code::of(own, image));
+  }
+  return false;
+}
+
+/// Whether this rank also searches for the contacts between bodies of other ranks.
+template <class Scenario>
+[[nodiscard]] bool shares_islands(const world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::islands_across_ranks)
+    return s.islands.wants_foreign_contacts() && sees_single_images(s);
+  else
+    return (void)s, false;
+}
+
+/// Converts the contact points of one pair of shapes to contacts of the solver.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner>
+class contact_maker {
+  using state_type = world_state<Scenario>;
+  using law = typename state_type::law;
+  using number = solved_scalar<Scenario>;
+  static constexpr bool paired = Partner == partner::moving;
+  static constexpr bool driven = !paired && state_type::drives;
+  static constexpr bool imaged = paired && state_type::periodic;
+  static constexpr bool batched =
+      paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
+  template <class A, class B>
+  static auto kind() {
+    if constexpr (paired)
+      return moving_contact<law, A, B, number>{};
+    else if constexpr (driven)
+      return driven_contact<law, A, number>{};
+    else
+      return anchored_contact<law, A, number>{};
+  }
+  using contact_type = decltype(kind<ShapeA, ShapeB>());
+  using list_type = typename state_type::template list_of<contact_type>;
+  using store_a = body_store<ShapeA, typename Scenario::features>;
+  using store_b = body_store<ShapeB, typename Scenario::features>;
+
+ public:
+  explicit contact_maker(state_type& s)
+      : s_(s),
+        a_(s.template of<ShapeA>().movable),
+        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
+        first_a_(s.template of<ShapeA>().first),
+        first_b_(paired ? s.template of<ShapeB>().first : 0),
+        list_(std::get<list_type>(s.contacts)),
+        motion_(s, a_, b_) {
+    if constexpr (batched) {
+      waiting_.places = &s.template of<ShapeA>().places;
+      waiting_.places->resize(a_.size());
+      for (std::size_t i = 0; i < a_.size(); ++i)
+        (*waiting_.places)[i] = place_of<real>(a_.shape[i], a_.pose(i));
+    }
+  }
+
+  /// The pair (i, j); bodies of one shape in the order of their ids, so that every rank that sees
+  /// the pair computes the same.
+  void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b) {
+    make(i, j, margin_a, margin_b, nullptr);
+  }
+  /// The same for a kept candidate pair.
+  void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
+    make(i, j, margin_a, margin_b, &last);
+  }
+  /// To be called after the last pair: some pairs wait until a batch is full.
+  void finish() requires(batched) {
+    const unsigned count = waiting_.count, near = waiting_.tests.test();
+    waiting_.count = 0;
+    if (near != 0) waiting_.tests.find_patches();
+    for (unsigned k = 0; k < count; ++k) {
+      pair_at_hand& x = waiting_.pairs[k];
+      const auto add_point = [&](const contact_geometry& g) { add(x, g); };
+      if (near >> k & 1u)
+        collide_boxes(place_a(x), place_b(x), waiting_.tests, k, x.margin, contact_sink(add_point));
+      forget_unless_made(x);
+    }
+  }
+
+ private:
+  /// Of a global body: the index in the solver's arrays for contacts of this normal.
+  struct met_body {
+    std::int32_t number = -1;
+    vec3 normal{0, 0, 0};
+  };
+  struct nothing_met {};
+  struct pair_at_hand {
+    std::size_t i = 0, j = 0;
+    real margin = 0;
+    real radius = 0;  ///< of a
+    real slack = 0;   ///< a contact with a larger gap must be about to close
+    history_place* last = nullptr;
+    bool own_a = false, boundary = false, foreign = false, moves_a = false, moves_b = false;
+    bool made = false;  ///< a contact that may get an impulse
+    [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
+    [[no_unique_address]] std::conditional_t<imaged, image_pair, nothing_met> at{};
+  };
+  struct waiting_pairs {
+    plain_vector<box_place<real>>* places = nullptr;  ///< of all boxes
+    box_batch<real> tests;
+    std::array<pair_at_hand, box_batch<real>::capacity> pairs;
+    unsigned count = 0;
+  };
+  struct none_wait {};
+  struct earlier_pair {
+    std::size_t i = ~std::size_t{0}, j = 0;
+    earlier_contacts points;
+  };
+  struct no_earlier_pair {};
+
+  static void forget_unless_made(const pair_at_hand& x) {
+    if (!x.made && x.last != nullptr) *x.last = history_place::none;
+  }
+
+  void make(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place* last) {
+    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
+      if (b_.id[j] < a_.id[i]) {
+        std::swap(i, j);
+        std::swap(margin_a, margin_b);
+      }
+    pair_at_hand x{.i = i, .j = j, .last = last};
+    x.own_a = i < a_.locals;
+    bool own_b = !paired || j < b_.locals;
+    if constexpr (imaged) {
+      x.at = minimum_image<ShapeA, ShapeB>(s_, i, j);
+      if (!x.at.known) return forget_unless_made(x);
+      own_b = x.at.body_b < b_.locals;
+    }
+    x.moves_a = a_.moves(i), x.moves_b = paired && b_.moves(j);
+    if constexpr (store_a::sleeps)
+      if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);
+    if constexpr (paired && !state_type::link_type::alone)
+      if (s_.strangers && !x.own_a && !own_b)
+        require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j,
+                                                     s_.by_colours() ? margin_a + margin_b : 0);
+    x.foreign = !((x.own_a && x.moves_a) || (own_b && x.moves_b));
+    if (x.foreign && !(shares_islands(s_) && (x.moves_a || x.moves_b)))
+      return forget_unless_made(x);
+    x.boundary = paired && x.own_a != own_b && x.moves_a && x.moves_b;
+    if constexpr (paired)
+      if (x.boundary && !(x.own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
+                                  : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
+        return forget_unless_made(x);
+
+    x.radius = a_.shape[i].bounding_radius();
+    x.slack = contact_slack * x.radius;
+    x.margin = margin_a + margin_b;
+    // Ranks know different sleepers ahead, but agree on contacts.
+    if constexpr (store_a::sleeps && !state_type::continuous)
+      x.margin = motion_.margin_in_step(i, j);
+    if constexpr (ShapeB::finite) {
+      // For a large body beside a small one, both use the slack of the small one.
+      const real other = b_.shape[j].bounding_radius();
+      const real excess = contact_slack * std::abs(x.radius - other);
+      x.slack += contact_slack * other - excess;
+      x.margin -= excess;
+    } else if constexpr (driven) {
+      x.margin += way_of_plane(b_, j, a_.position[i], s_.dt);
+    }
+    if constexpr (batched) {
+      const unsigned lane = waiting_.count++;
+      waiting_.pairs[lane] = x;
+      waiting_.tests.set(lane, place_a(x), place_b(x), x.margin);
+      if (waiting_.count == waiting_.tests.capacity) finish();
+      return;
+    } else if constexpr (ShapeA::isotropic && ShapeB::isotropic &&
+                         !(driven && state_type::continuous)) {  // a single point
+      collide_pair(
+          a_.shape[i], pose_a(x), b_.shape[j], pose_b(x),
+          x.margin, [&](const contact_geometry& g) __attribute__((always_inline)) { add(x, g); });
+    } else {
+      if constexpr (driven && state_type::continuous)
+        if (const real t = time_of_meeting(x); t > 0) {
+          const auto& [shape, place] = global_before<ShapeB>(b_, j, -t);
+          collide_pair(a_.shape[i], pose_a(x), shape, place, x.margin,
+                       [&](const contact_geometry& g) { add(x, g); });
+          return forget_unless_made(x);
+        }
+      collide_pair(a_.shape[i], pose_a(x), b_.shape[j], pose_b(x), x.margin,
+                   [&](const contact_geometry& g) { add(x, g); });
+    }
+    forget_unless_made(x);
+  }
+
+  /// If bodies are followed: the time in this step at which a body at its impact meets a driven
+  /// one, which moves on until then; 0 for all others.
+  [[nodiscard]] real time_of_meeting(const pair_at_hand& x) const {
+    if constexpr (driven && state_type::continuous)
+      if (const real t = s_.impacts.time[first_a_ + x.i];
+          t != never && going_body<ShapeB>(s_, x.j) != nullptr)
+        return t;
+    return (void)x, 0;
+  }
+  /// The reference point of a global body for a contact with it.
+  [[nodiscard]] vec3 reference_of(const pair_at_hand& x) const {
+    if constexpr (driven && state_type::continuous)
+      return b_.position[x.j] + time_of_meeting(x) * b_.velocity[x.j];
+    else
+      return b_.position[x.j];
+  }
+
+  /// One of their contact points.
+  [[gnu::always_inline]] void add(pair_at_hand& x, const contact_geometry& g) {
+    const std::size_t i = x.i, j = x.j;
+    vec3 arm_a = g.point - position_a(x);
+    // The forces must share a line only if both bodies move; for something immovable the contact
+    // point is on its surface.
+    if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
+    vec3 arm_b{0, 0, 0}, v_b{0, 0, 0};
+    vec3 u = a_.velocity[i] + a_.angular_velocity[i].cross(arm_a);
+    if constexpr (paired) {
+      arm_b = g.point - position_b(x);
+      u -= b_.velocity[j] + b_.angular_velocity[j].cross(arm_b);
+    } else if constexpr (driven) {
+      const vec3 at = reference_of(x);
+      arm_b = g.point - (0.5 * g.gap) * g.normal - at;
+      v_b = b_.velocity[j];
+      if constexpr (!state_type::midpoint)
+        v_b += along_chord(b_.angular_velocity[j], a_.position[i] - at, g.normal, s_.dt);
+      u -= v_b + b_.angular_velocity[j].cross(arm_b);
+    }
+    const auto material = [&] { return s_.materials.pair(a_.material[i], b_.material[j]); };
+    if constexpr (state_type::continuous) {
+      if (motion_.not_met(i, j, g.gap, material())) return;
+      motion_.add_flight(u, i, j);
+    }
+    if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
+    if constexpr (watches<Scenario, penetration_monitor>)
+      if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
+    contact_type c;
+    c.a = static_cast<std::int32_t>(first_a_ + i);
+    real pulled = motion_.pull(i, j);
+    if constexpr (paired) {
+      c.b = static_cast<std::int32_t>(first_b_ + body_b(x));
+    } else if constexpr (driven) {
+      pulled += change_of_global<ShapeB>(s_, j, arm_b).norm() / s_.dt;
+      meet_global(c, x, g.normal, v_b, arm_b);
+    }
+    place(c, g, arm_a, arm_b);
+    if constexpr (state_type::midpoint) {
+      c.bias = bias_of(x, g, u, pulled);
+      u += g.normal.dot(c.bias) * g.normal;  // the rest may be an impact
+    }
+    const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
+        material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
+        creep(x.radius), s_.settings.correction);
+    real target = want.target_velocity;
+    if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
+    if constexpr (state_type::midpoint)
+      if (target != 0) c.bias = {0, 0, 0};
+    c.target_velocity = static_cast<decltype(c.target_velocity)>(target);
+    c.correction_rate = static_cast<decltype(c.correction_rate)>(want.correction_rate);
+    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
+    const contact_key key{a_.id[i], b_.id[j], g.feature};
+    if constexpr (state_type::islands_across_ranks)
+      if (x.foreign) return list_.add_foreign(c, key);
+    x.made = true;
+    if (x.boundary)
+      list_.add_boundary(c, key, x.own_a, x.last);
+    else
+      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_border(i, body_b(x)));
+  }
+
+  /// The relative velocity of a lasting contact at the end of the step; see velocity_bias.hpp.
+  vec3 bias_of(const pair_at_hand& x, const contact_geometry& g, const vec3& u, real pulled) {
+    const real held = std::max(pulled * s_.dt * s_.dt, x.slack);
+    if (g.gap > held || turns_slowly(x, pulled)) return {0, 0, 0};
+    if (earlier_.i != x.i || earlier_.j != x.j) find_earlier(x);
+    const contact_geometry* last = earlier_.points.find(g.feature);
+    if (last == nullptr || last->gap > held) return {0, 0, 0};
+    const auto& [position_a, v_a, w_a] = earlier_.points.a;
+    const auto& [position_b, v_b, w_b] = earlier_.points.b;
+    vec3 arm = last->point - position_a;
+    if constexpr (!paired) arm += (0.5 * last->gap) * last->normal;
+    vec3 before = v_a + w_a.cross(arm);
+    if constexpr (paired)
+      before -= v_b + w_b.cross(last->point - position_b);
+    else if constexpr (driven)
+      before -= v_b + w_b.cross(last->point - (0.5 * last->gap) * last->normal - position_b);
+    vec3 bias = midpoint_bias(g.normal, u, last->normal, before);
+    if constexpr (!law::friction) bias = g.normal.dot(bias) * g.normal;
+    return bias;
+  }
+  /// Whether the accelerations that a bias compensates are below 1e-4 of the acceleration of the
+  /// bodies.
+  [[nodiscard]] bool turns_slowly(const pair_at_hand& x, real pulled) const {
+    vec3 v = a_.velocity[x.i];
+    real speed = x.radius * a_.angular_velocity[x.i].norm(), radius = x.radius;
+    if constexpr (paired) {
+      const real other = b_.shape[x.j].bounding_radius();
+      v -= b_.velocity[x.j];
+      speed += other * b_.angular_velocity[x.j].norm();
+      radius = std::min(radius, other);
+    } else if constexpr (driven) {
+      if (driven_at<ShapeB>(s_, x.j) != nullptr) return false;
+    }
+    speed += v.norm();
+    return speed * speed < real(1e-4) * pulled * radius;
+  }
+  /// Finds the contact points in the middle of the last step.
+  void find_earlier(const pair_at_hand& x) {
+    earlier_.i = x.i, earlier_.j = x.j;
+    auto& points = earlier_.points;
+    points.clear();
+    const auto before = [&]<class Shape>(const auto& store, std::size_t i, const vec3& at,
+                                         earlier_contacts::side& side, const Shape&) {
+      side = {at - s_.dt * store.velocity[i], store.velocity[i], store.angular_velocity[i]};
+      pose p{side.position, store.pose(i).orientation};
+      if constexpr (std::remove_cvref_t<decltype(store)>::tensor) {
+        earlier_turn& last =
+            s_.midpoints.earlier[index_of<typename state_type::finite_shapes, Shape>][i];
+        if (!last.known) find_earlier_turn(last, store, i, s_.dt);
+        p.orientation = last.orientation, side.w = last.spin;
+      }
+      return p;
+    };
+    const auto add = [&](const contact_geometry& g) { points.add(g); };
+    const pose a = before(a_, x.i, position_a(x), points.a, a_.shape[x.i]);
+    if constexpr (paired) {
+      const pose b = before(b_, x.j, position_b(x), points.b, b_.shape[x.j]);
+      collide_pair(a_.shape[x.i], a, b_.shape[x.j], b, x.margin, add);
+    } else {
+      points.b = {b_.position[x.j], {0, 0, 0}, {0, 0, 0}};
+      if constexpr (driven)
+        if (const driven_body* one = driven_at<ShapeB>(s_, x.j); one != nullptr) {
+          const bool goes = !(one->next.end == one->state.at);
+          const auto& [shape, b] = global_before<ShapeB>(b_, x.j, goes ? s_.dt : real(0));
+          points.b = {b.position, b_.velocity[x.j] - one->dv, b_.angular_velocity[x.j] - one->dw};
+          return collide_pair(a_.shape[x.i], a, shape, b, x.margin, add);
+        }
+      collide_pair(a_.shape[x.i], a, b_.shape[x.j], b_.pose(x.j), x.margin, add);
+    }
+  }
+
+  /// The second body itself, of which this may be an image of one that is owned here.
+  [[nodiscard]] std::size_t body_b(const pair_at_hand& x) const {
+    if constexpr (imaged)
+      return x.at.body_b;
+    else
+      return x.j;
+  }
+  /// Poses of the two bodies, for this pair.
+  [[nodiscard]] const vec3& position_a(const pair_at_hand& x) const {
+    if constexpr (imaged)
+      return x.at.a;
+    else
+      return a_.position[x.i];
+  }
+  [[nodiscard]] const vec3& position_b(const pair_at_hand& x) const {
+    if constexpr (imaged)
+      return x.at.b;
+    else
+      return b_.position[x.j];
+  }
+  [[nodiscard]] pose pose_a(const pair_at_hand& x) const {
+    return {position_a(x), a_.pose(x.i).orientation};
+  }
+  [[nodiscard]] pose pose_b(const pair_at_hand& x) const {
+    return {position_b(x), b_.pose(x.j).orientation};
+  }
+  [[nodiscard]] decltype(auto) place_a(const pair_at_hand& x) const {
+    return place_at(x.i, position_a(x));
+  }
+  [[nodiscard]] decltype(auto) place_b(const pair_at_hand& x) const {
+    return place_at(x.j, position_b(x));
+  }
+  /// A box of the two, there.
+  [[nodiscard]] decltype(auto) place_at(std::size_t i, const vec3& there) const {
+    if constexpr (imaged) {
+      box_place<real> place = (*waiting_.places)[i];
+      place.position = there;
+      return place;
+    } else {
+      return (void)there, ((*waiting_.places)[i]);
+    }
+  }
+  /// Whether the second body of a contact is a part of a servo.
+  [[nodiscard]] bool moves_too(std::int32_t b) const {
+    if constexpr (driven)
+      return s_.solver.bodies[static_cast<std::size_t>(b)].inverse_mass != 0;
+    else
+      return (void)b, false;
+  }
+  /// Sets the second body of a contact with a global body that may move. For isotropic bodies its
+  /// surface does not rotate.
+  void meet_global(contact_type& c, pair_at_hand& x, const vec3& normal, const vec3& v_b,
+                   vec3& arm_b) {
+    vec3 v = v_b, w = b_.angular_velocity[x.j];
+    if constexpr (ShapeA::isotropic) {
+      v += w.cross(arm_b);
+      w = arm_b = {0, 0, 0};
+      x.met.number = -1;
+    } else if (!(normal == x.met.normal)) {
+      x.met = {-1, normal};
+    }
+    c.b = x.met.number =
+        number_of_global<ShapeB>(s_, x.j, v, w, x.met.number, a_.inverse_mass[x.i]);
+  }
+
+  /// Whether the velocity of one of them is sent to other ranks.
+  bool at_border(std::size_t i, std::size_t j) const {
+    if constexpr (state_type::link_type::alone)
+      return (void)i, (void)j, false;
+    else
+      return !s_.at_border.empty() &&
+             (s_.at_border[first_a_ + i] || (paired && s_.at_border[first_b_ + j]));
+  }
+  /// The velocity that iterations leave to a sticking body: a millionth of its size in a step. (If
+  /// other bodies press, the bodies themselves may have neither gravity nor forces.)
+  real creep(real radius) const { return 1e-6 * radius / s_.dt; }
+  static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
+                    const vec3& arm_b) {
+    if constexpr (requires { c.r; }) {  // a general contact
+      c.normal = g.normal;
+      c.arm_a = arm_a;
+      c.arm_b = arm_b;
+    } else {
+      c.normal = in_scalar<number>(g.normal);
+      if constexpr (law::friction) {
+        c.arm_a = static_cast<number>(-g.normal.dot(arm_a));
+        c.arm_b = static_cast<number>(g.normal.dot(arm_b));
+      }
+    }
+  }
+
+  state_type& s_;
+  store_a& a_;
+  store_b& b_;
+  std::size_t first_a_, first_b_;
+  list_type& list_;
+  pair_motion<Scenario, ShapeA, ShapeB, paired> motion_;
+  [[no_unique_address]] std::conditional_t<batched, waiting_pairs, none_wait> waiting_;
+  [[no_unique_address]] std::conditional_t<state_type::midpoint, earlier_pair, no_earlier_pair>
+      earlier_;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,86 @@
+#pragma once
+// First stage of a step: candidate pairs, and the contacts made from them.
+#include "talus/features/continuous_collision/continuous.hpp"
+#include "talus/features/sleeping/sleep.hpp"
+#include "talus/pairs/neighbour_list.hpp"
+#include "talus/pairs/search.hpp"
+#include "talus/state/hooks.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/contact_maker.hpp"
+#include "talus/step/midpoint.hpp"
+
+namespace talus::detail {
+
+/// Records the sleeping bodies of a pair of shapes that an awake body approaches.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner>
+class sleeper_finder {
+  static constexpr bool paired = Partner == partner::moving;
+
+ public:
+  explicit sleeper_finder(world_state<Scenario>& s) : s_(s) {}
+
+  void operator()(std::size_t i, std::size_t j, real, real) {
+    const auto& b = s_.template of<ShapeB>();
+    (void)meet_sleeper(s_, s_.template of<ShapeA>().movable, i, paired ? b.movable : b.global, j);
+  }
+
+ private:
+  world_state<Scenario>& s_;
+};
+
+/// Before bodies are followed: wakes bodies that they will strike, so that these are awake at the
+/// impact.
+template <class Scenario>
+void wake_ahead(world_state<Scenario>& s) {
+  if (!all_rest(s) && !s.sleep.asleep.empty()) {
+    prepare_detection(s);
+    each_neighbour_pair<sleeper_finder>(s);
+  }
+  (void)wake_islands_in_step(s);
+}
+
+/// Finds all contacts that this rank computes: those that touch a body it owns.
+template <class Scenario>
+void detect(world_state<Scenario>& s) {
+  s.each_contact_list([](auto& list) { list.clear(); });
+  constexpr bool continuous = world_state<Scenario>::continuous;
+  if constexpr (world_state<Scenario>::sleeps && continuous) wake_ahead(s);
+  if constexpr (world_state<Scenario>::sleeps)
+    if (all_rest(s)) {
+      count_bodies(s);
+      if constexpr (continuous) s.impacts.time.assign(s.solver.bodies.size(), never);
+      return;
+    }
+  if constexpr (continuous) {
+    // (If some sleep, the reach covers several steps.)
+    prepare_detection(
+        s, [&](const auto& store, std::size_t i, std::size_t) { return reach_of(store, i, s.dt); });
+    follow_flights(s, [&] { each_neighbour_pair<impact_finder>(s); });
+    prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t k) {
+      return reach_after_flight(s, store, i, k);
+    });
+    each_neighbour_pair<contact_maker>(s);
+  } else if (keep_close_pairs(s)) {
+    each_found_pair<contact_maker>(s);
+  } else {
+    prepare_detection(s);
+    each_neighbour_pair<contact_maker>(s);
+  }
+}
+
+/// The stage of detection in a step of hard contacts: repeated if a feature has changed what can
+/// touch.
+template <class Scenario>
+void find_contacts(world_state<Scenario>& s) {
+  const auto search = [&] {
+    run_hooks<stages::before_detect>(s);
+    if constexpr (world_state<Scenario>::midpoint) forget_earlier_turns(s);
+    detect(s);
+  };
+  search();
+  bool again = false;
+  run_hooks<search_stages::contacts_found>(s, again);
+  if (again) search();
+}
+
+}  // namespace talus::detail

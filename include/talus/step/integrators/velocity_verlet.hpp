@@ -1,0 +1,31 @@
+#pragma once
+// The stages of a step of integrator<velocity_verlet>: bodies are shared between its halves, so
+// that forces are computed after all ranks have the new positions.
+#include "talus/ghosts/migrate_and_refresh.hpp"
+#include "talus/state/hooks.hpp"
+#include "talus/state/stage_clock.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/advance.hpp"
+#include "talus/step/soft_step.hpp"
+
+namespace talus {
+
+template <class Scenario>
+void velocity_verlet::step(detail::world_state<Scenario>& s) {
+  using namespace detail;
+  timed(s, s.seconds.integrate, [&] { kick(s, s.dt / 2), drift(s, s.dt); });
+  run_hooks<stages::after_move>(s);
+  run_hooks<stages::before_share>(s);
+  migrate_and_refresh(s);
+  run_hooks<stages::after_share>(s);
+  run_hooks<stages::before_detect>(s);
+  timed(s, s.seconds.detect, [&] { find_close_pairs(s); });
+  run_hooks<stages::after_detect>(s);
+  timed(s, s.seconds.respond, [&] { measure_forces(s); });
+  run_hooks<stages::after_solve>(s);
+  timed(s, s.seconds.integrate, [&] { kick(s, s.dt / 2), end_forces(s); });
+  run_hooks<stages::at_close>(s);
+  advance(s);
+}
+
+}  // namespace talus

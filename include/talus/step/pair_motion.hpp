@@ -1,0 +1,137 @@
+#pragma once
+// The approach of the two bodies of a pair in this step: by their velocities, their rotation, their
+// accelerations, and, if bodies are followed, their flight.
+#include <cstddef>
+
+#include "talus/detect/narrow.hpp"
+#include "talus/features/continuous_collision/continuous.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+/// Of pairs of two shapes. The second bodies are movable too (`Paired`), or are global and may be
+/// driven.
+template <class Scenario, class ShapeA, class ShapeB, bool Paired>
+class pair_motion {
+  using state_type = world_state<Scenario>;
+  using law = typename state_type::law;
+  using store_a = body_store<ShapeA, typename Scenario::features>;
+  using store_b = body_store<ShapeB, typename Scenario::features>;
+  static constexpr bool driven = !Paired && state_type::drives;
+
+ public:
+  pair_motion(const state_type& s, const store_a& a, const store_b& b)
+      : s_(s),
+        a_(a),
+        b_(b),
+        first_a_(s.template of<ShapeA>().first),
+        first_b_(Paired ? s.template of<ShapeB>().first : 0),
+        gravity_(s.gravity.norm()) {}
+
+  /// A contact with a gap above the slack that does not close within the step is left out. `u` is
+  /// its relative velocity; `radius` that of the first body.
+  [[nodiscard]] bool parts_before_touching(std::size_t i, std::size_t j, real radius, real slack,
+                                           const contact_geometry& g, const vec3& u) const {
+    if (g.gap <= slack) return false;
+    real closing = g.normal.dot(u) * s_.dt - 2 * gravity_ * s_.dt * s_.dt;
+    closing -= way_of_turning(a_, i, s_.dt);
+    if constexpr (Paired) closing -= way_of_turning(b_, j, s_.dt);
+    if constexpr (driven) closing -= b_.angular_velocity[j].norm() * radius * s_.dt;
+    return g.gap + closing > slack;
+  }
+  /// How far both may move in this step, in sum.
+  [[nodiscard]] real margin_in_step(std::size_t i, std::size_t j) const {
+    return margin_of(a_, i) + margin_of(b_, j);
+  }
+  /// Acceleration of the surfaces by gravity and by the forces and torques on the two bodies.
+  [[nodiscard]] real pull(std::size_t i, std::size_t j) const {
+    real sum = gravity_;
+    if constexpr (store_a::forced) sum += pull_on(a_, i);
+    if constexpr (Paired && store_b::forced) sum += pull_on(b_, j);
+    return sum;
+  }
+  /// The part of it by which they approach; zero for bodies at their impact, whose velocities are
+  /// true.
+  [[nodiscard]] real fall(std::size_t i, std::size_t j, const vec3& normal) const {
+    vec3 a = acceleration_of(s_, a_, i);
+    if constexpr (Paired) a -= acceleration_of(s_, b_, j);
+    if constexpr (state_type::continuous) {
+      if (impact_time(first_a_ + i) != never) return 0;
+      if constexpr (Paired)
+        if (impact_time(first_b_ + j) != never) return 0;
+    }
+    return (void)j, -normal.dot(a);
+  }
+
+  // Where bodies are followed.
+
+  /// Separated bodies that were followed and do not meet in this step. (If one of them had an
+  /// impact, its path changes: as without continuous collision, it must not enter the other, unless
+  /// that would be a rebound at a distance.)
+  [[nodiscard]] bool not_met(std::size_t i, std::size_t j, real gap,
+                             const pair_material& pair) const {
+    const real zone = contact_zone(a_.shape[i], b_.shape[j]);
+    if (gap <= zone) return false;
+    real way = way_of(s_, a_, i);
+    bool struck = impact_time(first_a_ + i) != never;
+    if constexpr (Paired) {
+      way += way_of(s_, b_, j);
+      struck = struck || impact_time(first_b_ + j) != never;
+    } else {
+      way += way_of_driven<ShapeB>(s_, a_, i, j);
+    }
+    return way > slow_way(s_, zone) && !(struck && !(law::restitution && pair.restitution > 0));
+  }
+  /// Converts a relative velocity to that at the impact.
+  void add_flight(vec3& u, std::size_t i, std::size_t j) const {
+    u += flown(a_, i, first_a_);
+    if constexpr (Paired) u -= flown(b_, j, first_b_);
+  }
+  /// Converts the normal velocity after the impact to that at the end of the step. (A solver with
+  /// substeps computes that itself.)
+  void add_flight_after(real& target, std::size_t i, std::size_t j, const vec3& normal) const {
+    if constexpr (divides_the_step<typename Scenario::solver>) return;
+    const bool rebounds = target > 0;
+    target += normal.dot(to_fly(a_, i, first_a_, rebounds));
+    if constexpr (Paired) target -= normal.dot(to_fly(b_, j, first_b_, rebounds));
+  }
+
+ private:
+  [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }
+  /// The true velocity of a body at its impact minus the stored one.
+  template <class Store>
+  [[nodiscard]] vec3 flown(const Store& store, std::size_t i, std::size_t first) const {
+    const real t = impact_time(first + i);
+    if (t == never) return {0, 0, 0};
+    return (half_part(s_) + t) * acceleration_of(s_, store, i);
+  }
+  /// The same at the end of the step minus the velocity after the impact: of a body that rebounds
+  /// and flies on, or else of one that stays.
+  template <class Store>
+  [[nodiscard]] vec3 to_fly(const Store& store, std::size_t i, std::size_t first,
+                            bool rebounds) const {
+    const real t = impact_time(first + i);
+    if (t == never) return {0, 0, 0};
+    return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
+  }
+  template <class Store>
+  [[nodiscard]] real margin_of(const Store& store, std::size_t i) const {
+    if constexpr (Store::shape_type::finite)
+      return reach_of(store, i, s_.dt) - store.shape[i].bounding_radius();
+    else
+      return (void)store, (void)i, 0;
+  }
+  template <class Store>
+  [[nodiscard]] static real pull_on(const Store& s, std::size_t i) {
+    const real arm = s.shape[i].bounding_radius() / s.shape[i].inertia().minCoeff();
+    return s.inverse_mass[i] * (s.force[i].norm() + arm * s.torque[i].norm());
+  }
+
+  const state_type& s_;
+  const store_a& a_;
+  const store_b& b_;
+  std::size_t first_a_, first_b_;
+  real gravity_;
+};
+
+}  // namespace talus::detail

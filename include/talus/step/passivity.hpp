@@ -1,0 +1,373 @@
+#pragma once
+// Keeps the impulses of a step from adding energy, however incomplete the solution.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <type_traits>
+
+#include "talus/constraint/contact_work.hpp"
+#include "talus/constraint/impulse_scale.hpp"
+#include "talus/core/exact_sum.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/detect/time_of_impact.hpp"
+#include "talus/state/solved_velocity.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+/// The angular impulse that changes the angular velocity of body i by dw.
+template <class Store>
+[[nodiscard]] vec3 angular_impulse(const Store& store, std::size_t i, real mass, const vec3& dw) {
+  const vec3 inertia = mass * store.shape[i].inertia();
+  if constexpr (Store::tensor) {
+    const quat& q = store.orientation_of[i];
+    return q * vec3(inertia.cwiseProduct(q.conjugate() * dw));
+  } else {
+    return inertia[0] * dw;
+  }
+}
+
+/// A body that takes part in contacts adds m v'^2/2 - m v^2/2 to the energy, of which its contact
+/// impulse p = m (v' - v) - m g dt adds p (v + v')/2. The sum over the bodies is the work of all
+/// contacts. It is at most 0 in an exact solution with one coefficient of restitution. It can be
+/// positive if iterations are truncated after a warm start, and if several coefficients or friction
+/// meet in one impact. Then the impulses are scaled by the largest common factor below 1 that makes
+/// the work 0. A scaled impulse stays in its friction cone, and momentum is conserved. For resting
+/// bodies that factor is also the best one: it minimises the energy that the impulses are to
+/// minimise.
+///
+/// The factor belongs to an island of contacts of this rank. Both ranks of a boundary contact
+/// compute the power that it transfers from the last velocities that both hold, so that the works
+/// of the ranks add up to that of all contacts without a message. Each rank scales its interior
+/// contacts, and leaves its boundary contacts as they are.
+template <class Scenario, class Ranks>
+class passivity {
+  using state_type = world_state<Scenario>;
+  using number = solved_scalar<Scenario>;
+  static constexpr bool alone = state_type::link_type::alone;
+  static constexpr bool by_colours = Ranks::coloured;
+  static constexpr int most_plastic_sweeps = 50;
+  static constexpr bool divided = divides_the_step<typename Scenario::solver>;
+
+ public:
+  passivity(state_type& s, Ranks& ranks) : s_(s), ranks_(ranks), solver_(s.solver) {}
+
+  /// After the solver, before the impulses are stored for the next step.
+  void keep() {
+    if (s_.settings.tolerance > 0) return;     // the remaining work is within it
+    if constexpr (state_type::drives) return;  // driven bodies may add unlimited energy
+    if constexpr (by_colours) {
+      if (!presses(s_)) keep_everywhere();  // other steps are not collective
+    } else {
+      if constexpr (!alone) meet_boundary();
+      find_excess();
+      shrink_interior();
+      if constexpr (!alone)
+        for (int k = 0; found_ && k < most_plastic_sweeps; ++k) sweep_plastically();
+    }
+  }
+
+ private:
+  /// Calls f(list) for the lists of contacts of the solver in use.
+  template <class F>
+  void each_list(F&& f) {
+    auto&& lists = lists_in_use<by_colours>(s_.contacts);
+    each_of(lists, f);
+  }
+  /// Calls f(work, index in the solver's arrays) for each body owned here that can move.
+  template <class F>
+  void each_body(F&& f) {
+    s_.each_finite_shape([&](const auto& b) {
+      const auto& store = b.movable;
+      for (std::size_t i = 0; i < store.size(); ++i) {
+        const std::size_t k = b.first + i;
+        if (i >= store.locals && solver_.bodies[k].inverse_mass != 0) continue;
+        if (solver_.bodies[k].inverse_mass == 0) {
+          walls_ = walls_ || store.velocity[i] != vec3(0, 0, 0) ||
+                   store.angular_velocity[i] != vec3(0, 0, 0);
+          continue;
+        }
+        const vec3& before = store.velocity[i];
+        const vec3 v = solved_velocity(s_, store, i, k), dv = v - free_velocity(s_, store, i);
+        const vec3 w = solved_spin(s_, store, i, k), dw = w - free_spin(s_, store, i, k);
+        const real mass = 1 / store.inverse_mass[i];
+        const vec3 spin = angular_impulse(store, i, mass, dw);
+        impulse_work of;
+        const vec3 mean = real(0.5) * (before + v) + offset_of(store, i, k);
+        const vec3 mean_w = real(0.5) * (store.angular_velocity[i] + w);
+        const real linear = mass * dv.dot(mean), angular = spin.dot(mean_w);
+        of.work = linear + angular;
+        const vec3 pull = v - dv - before;  // by gravity and forces
+        of.rise = rise_of(mass * pull, before - v, k);
+        of.size =
+            std::abs(linear) + std::abs(angular) + mass * dv.squaredNorm() + std::abs(spin.dot(dw));
+        vec3 own_dv = dv, own_dw = dw, own_spin = spin;  // by impulses that this rank may scale
+        if constexpr (!alone && !by_colours)
+          if (const auto& received = s_.passive.received; !received.empty()) {
+            own_dv -= received[k].v, own_dw -= received[k].w;
+            own_spin = angular_impulse(store, i, mass, own_dw);
+            if (received[k].v != vec3(0, 0, 0)) of.fall = real(0.5) * mass * pull.dot(dv);
+          }
+        of.square = mass * own_dv.squaredNorm() + own_spin.dot(own_dw);
+        if constexpr (!state_type::midpoint)  // the mean velocity over substeps stays
+          of.rise_slope = real(divided ? 0.5 : -0.5) * mass * pull.dot(own_dv);
+        // The mean velocity changes by half of the change of the impulses, and the work by both.
+        of.slope = mass * own_dv.dot(mean + real(0.5) * dv) + own_spin.dot(mean_w + real(0.5) * dw);
+        f(of, k);
+      }
+    });
+  }
+  /// The potential energy changes with the velocity that moves the body: the last one, but the mean
+  /// one in the midpoint of a step, and that of the substeps of a step with substeps.
+  [[nodiscard]] real rise_of(const vec3& pull, const vec3& slowed, std::size_t k) const {
+    if constexpr (state_type::midpoint) return 0;
+    real rise = real(0.5) * pull.dot(slowed);
+    if constexpr (divided) rise -= pull.dot(solver_.drift[k].v);
+    return (void)k, rise;
+  }
+  /// A body that is followed to its impact meets it with the velocity there.
+  template <class Store>
+  [[nodiscard]] vec3 offset_of(const Store& store, std::size_t i, std::size_t k) const {
+    if constexpr (state_type::continuous)
+      if (const real t = s_.impacts.time[k]; t != never) return t * acceleration_of(s_, store, i);
+    return (void)store, (void)i, (void)k, vec3(0, 0, 0);
+  }
+
+  /// Calls f(power, body) for contacts of bodies with prescribed velocity: they may add energy.
+  template <class F>
+  void subtract_walls(F&& f) {
+    each_list([&](const auto& list) {
+      list.each_acting([&](const auto& c, bool on_a, bool on_b) {
+        using contact = std::remove_cvref_t<decltype(c)>;
+        if constexpr (contact::paired) {
+          const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
+          const auto &A = solver_.bodies[a], &B = solver_.bodies[b];
+          const split_impulse parts = impulse_in_parts(c);
+          const vec3 p = parts.normal + parts.tangential;
+          if (A.inverse_mass == 0 && on_b) f(-p.dot(velocity_on_a(c, v_of(A), w_of(A))), b);
+          if (B.inverse_mass == 0 && on_a) f(p.dot(velocity_on_b(c, v_of(B), w_of(B))), a);
+        }
+      });
+    });
+  }
+
+  /// The fraction that the impulses of each body's island must lose, if any island must.
+  void find_excess() {
+    auto& excess = s_.passive.excess;
+    if constexpr (!alone) excess.assign(solver_.bodies.size(), 0);
+    found_ = false;
+    // An island that gains energy contains a body on which impulses do work, and one that gains
+    // energy.
+    bool worked = false, rose = false;
+    each_body([&](const impulse_work& w, std::size_t) {
+      const real round_off = impulse_work::round_off(w.size);
+      worked = worked || w.work > round_off;
+      rose = rose || w.work + w.rise > round_off;
+    });
+    if (!worked || !rose) return;
+    join_islands();
+    add_up_islands();
+    const auto& works = s_.passive.works;
+    excess.resize(solver_.bodies.size());
+    for (std::size_t k = 0; k < works.size(); ++k) {
+      excess[k] = island_of(k).excess();
+      found_ = found_ || island_of(k).adds_energy();
+    }
+  }
+  [[nodiscard]] const impulse_work& island_of(std::size_t body) const {
+    return s_.passive.works[s_.passive.root[body]];
+  }
+  void add_up_islands() {
+    auto& works = s_.passive.works;
+    works.assign(solver_.bodies.size(), {});
+    const auto add = [&](const impulse_work& w, std::size_t k) { works[s_.passive.root[k]] += w; };
+    each_body(add);
+    each_exchange(add);
+  }
+  void join_islands() {
+    auto& root = s_.passive.root;
+    root.resize(solver_.bodies.size());
+    std::iota(root.begin(), root.end(), std::uint32_t{0});
+    const auto find = [&](std::size_t i) {
+      auto k = static_cast<std::uint32_t>(i);
+      while (root[k] != k) k = root[k] = root[root[k]];
+      return k;
+    };
+    each_list([&](const auto& list) {
+      list.each_interior_contact([&](const auto& c) {
+        if constexpr (std::remove_cvref_t<decltype(c)>::paired)
+          if (moves(c.a) && moves(c.b) && c.impulse().squaredNorm() > 0) {
+            const auto a = find(static_cast<std::size_t>(c.a)),
+                       b = find(static_cast<std::size_t>(c.b));
+            root[std::max(a, b)] = std::min(a, b);
+          }
+      });
+    });
+    for (std::size_t k = 0; k < root.size(); ++k) root[k] = find(k);
+  }
+  [[nodiscard]] bool moves(std::int32_t i) const {
+    return i >= 0 && solver_.bodies[static_cast<std::size_t>(i)].inverse_mass != 0;
+  }
+  void shrink_interior() {
+    if (!found_) return;
+    const auto& excess = s_.passive.excess;
+    each_list([&](auto& list) {
+      list.edit_interior_contacts([&](auto& c) {
+        const real d = excess[static_cast<std::size_t>(moves(c.a) ? c.a : c.b)];
+        if (d != 0) shrink(c, d, [&](const auto& change) { c.apply(solver_, change); });
+      });
+    });
+  }
+  /// Solves each interior contact as a plastic one, which dissipates energy, in islands that gain
+  /// too much of it from boundary contacts.
+  void sweep_plastically() {
+    add_up_islands();
+    found_ = false;
+    for (const impulse_work& w : s_.passive.works) found_ = found_ || w.adds_energy();
+    if (!found_) return;
+    each_list([&](auto& list) {
+      list.edit_interior_contacts([&](auto& c) {
+        const auto gains = [&](std::int32_t body) {
+          return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
+        };
+        if (!gains(c.a) && !gains(c.b)) return;
+        const auto target = c.target_velocity;
+        c.target_velocity = std::min(c.target_velocity, decltype(c.target_velocity)(0));
+        c.prepare(solver_, 1, 1);
+        const auto change = c.relax(solver_);
+        c.target_velocity = target;
+        c.apply(solver_, change);
+      });
+    });
+  }
+  /// Calls f(work, body) for contacts with bodies of another rank or of prescribed velocity.
+  template <class F>
+  void each_exchange(F&& f) {
+    if (walls_)
+      subtract_walls(
+          [&](real power, std::size_t body) { f({.work = -power, .slope = -power}, body); });
+    if constexpr (!alone && !by_colours)
+      if (boundary_)
+        each_boundary([&](auto& c, bool owns_a) {
+          const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
+          const auto& p = s_.passive;
+          const vec3 q = full_impulse(c);
+          const auto power = [&](const auto& of) {
+            return q.dot(velocity_on_a(c, of[a].v, of[a].w) + velocity_on_b(c, of[b].v, of[b].w));
+          };
+          const real carried = real(0.25) * (power(p.earlier) + power(held(owns_a ? b : a)));
+          f({.work = owns_a ? -carried : carried, .shared = q != vec3(0, 0, 0)}, owns_a ? a : b);
+        });
+  }
+  /// Removes the fraction d of the impulse of a contact, and applies the change. Positions follow
+  /// the mean velocity over substeps, which stays.
+  template <class Contact, class Apply>
+  void shrink(Contact& c, real d, Apply&& apply) {
+    const auto before = c.impulse_in_frame();
+    c.set(static_cast<number>(1 - d) * before);
+    const auto change = c.since(before);
+    if constexpr (divided) {
+      const auto a = static_cast<std::size_t>(c.a);
+      keep_drift(a, real{1});
+      if constexpr (Contact::paired) keep_drift(static_cast<std::size_t>(c.b), real{1});
+      apply(change);
+      keep_drift(a, real{-1});
+      if constexpr (Contact::paired) keep_drift(static_cast<std::size_t>(c.b), real{-1});
+    } else {
+      apply(change);
+    }
+  }
+  void keep_drift(std::size_t body, real sign) {
+    solver_.drift[body].v += sign * solver_.bodies[body].v;
+    solver_.drift[body].w += sign * solver_.bodies[body].w;
+  }
+
+  // Across ranks.
+
+  template <class F>
+  void each_boundary(F&& f) {
+    each_list([&](auto& list) {
+      list.edit_boundary_contacts([&](auto& c, bool owns_a) {
+        if constexpr (std::remove_cvref_t<decltype(c)>::paired) f(c, owns_a);
+      });
+    });
+  }
+  /// The last velocities that this rank and the owner of a copy both hold.
+  [[nodiscard]] const plain_vector<body_motion>& held(std::size_t copy) const {
+    const auto& p = s_.passive;
+    return p.refreshed.empty() || p.refreshed[copy] ? p.common : p.common_before;
+  }
+  /// The impulses of boundary contacts on own bodies, and the velocities before the step.
+  void meet_boundary() {
+    auto& p = s_.passive;
+    p.received.clear();
+    each_list([&](const auto& list) { boundary_ = boundary_ || list.has_boundary(); });
+    if (!boundary_) return;
+    p.earlier.resize(solver_.bodies.size());
+    s_.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = 0; i < b.movable.size(); ++i) {
+        const std::size_t k = b.first + i;
+        p.earlier[k] = {b.movable.velocity[i], b.movable.angular_velocity[i]};
+      }
+    });
+    p.received.assign(solver_.bodies.size(), {});
+    each_boundary([&](auto& c, bool owns_a) {
+      const auto own = static_cast<std::size_t>(owns_a ? c.a : c.b);
+      const vec3 q = (owns_a ? 1 : -1) * full_impulse(c);
+      p.received[own].v += real(solver_.bodies[own].inverse_mass) * q;
+      p.received[own].w += spin_by(own, owns_a ? c.lever_a() : c.lever_b(), q);
+    });
+  }
+  template <class Contact>
+  static vec3 full_impulse(const Contact& c) {
+    const split_impulse p = impulse_in_parts(c);
+    return p.normal + p.tangential;
+  }
+  [[nodiscard]] vec3 spin_by(std::size_t k, const vec3& arm, const vec3& impulse) const {
+    const vec3 twist = arm.cross(impulse);
+    if (k >= solver_.first_tensor && k - solver_.first_tensor < solver_.tensors.size())
+      return solver_.tensor(k) * twist;
+    return real(solver_.bodies[k].inverse_inertia) * twist;
+  }
+
+  /// If nothing may depend on the ranks: one factor for all contacts, from exact sums.
+  void keep_everywhere() {
+    std::array<exact_sum, 5> sums;  // of positive and of negative terms
+    const auto add = [&](std::size_t at, real x) { sums[x < 0 ? at + 1 : at] += std::abs(x); };
+    each_body([&](const impulse_work& w, std::size_t) {
+      add(0, w.work), add(2, w.slope);
+      sums[4] += w.square;
+    });
+    if (walls_) subtract_walls([&](real power, std::size_t) { add(0, -power), add(2, -power); });
+    if constexpr (!alone) ranks_.sum_exactly(sums);
+    const auto signed_sum = [&](std::size_t at) { return sums[at].value() - sums[at + 1].value(); };
+    const impulse_work all{.work = signed_sum(0),
+                           .slope = signed_sum(2),
+                           .square = sums[4].value(),
+                           .size = sums[0].value() + sums[1].value()};
+    const real d = all.excess();
+    if (d == 0) return;
+    each_list([&](auto& list) {
+      list.edit_all([&](auto& c) { c.set(static_cast<number>(1 - d) * c.impulse_in_frame()); });
+    });
+    s_.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = 0; i < b.movable.locals; ++i) {
+        const std::size_t k = b.first + i;
+        if (solver_.bodies[k].inverse_mass == 0) continue;
+        const vec3 v = free_velocity(s_, b.movable, i), w = free_spin(s_, b.movable, i, k);
+        solver_.bodies[k].v = in_scalar<number>(vec3(v + (1 - d) * (v_of(solver_.bodies[k]) - v)));
+        solver_.bodies[k].w = in_scalar<number>(vec3(w + (1 - d) * (w_of(solver_.bodies[k]) - w)));
+      }
+    });
+  }
+
+  state_type& s_;
+  Ranks& ranks_;
+  solver_state_of<number>& solver_;
+  bool walls_ = false;     ///< a body that contacts cannot move has a velocity
+  bool boundary_ = false;  ///< there are boundary contacts
+  bool found_ = false;     ///< an island adds energy
+};
+
+}  // namespace talus::detail

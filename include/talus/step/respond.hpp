@@ -1,0 +1,186 @@
+#pragma once
+// Second and third stage of a step: velocities from forces and contacts, then positions.
+#include <cmath>
+
+#include "talus/core/portable_powers.hpp"
+#include "talus/features/continuous_collision/continuous.hpp"
+#include "talus/ghosts/shared_velocities.hpp"
+#include "talus/motion/integrate.hpp"
+#include "talus/state/solved_velocity.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/colour_contacts.hpp"
+#include "talus/step/finite_motion.hpp"
+#include "talus/step/passivity.hpp"
+
+namespace talus::detail {
+
+/// Fills the solver's arrays: velocities after forces, inverse masses and inertias.
+template <class Scenario>
+void gather_velocities(world_state<Scenario>& s) {
+  using number = solved_scalar<Scenario>;
+  auto& solver = s.solver;
+  solver.speed = s.dt * s.gravity.norm();
+  solver.tensors.resize(solver.bodies.size() - solver.first_tensor);
+  if constexpr (world_state<Scenario>::law::correction) {
+    solver.shift.resize(solver.bodies.size());
+    solver.turn.assign(solver.tensors.size(), {});
+  }
+  if constexpr (!world_state<Scenario>::link_type::alone) {
+    solver.boundary_contacts.assign(solver.bodies.size(), 0);
+    s.passive.common.resize(solver.bodies.size());
+  }
+  constexpr bool divided = divides_the_step<typename Scenario::solver>;
+  if constexpr (divided) solver.gain.assign(solver.bodies.size(), {});
+  if constexpr (world_state<Scenario>::drives)
+    for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k) {
+      solver.tensors[k - solver.first_tensor].setZero();
+      if constexpr (world_state<Scenario>::law::correction)
+        solver.shift[k] = {{0, 0, 0}, solver.bodies[k].inverse_mass};
+    }
+
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    using store_type = std::remove_reference_t<decltype(store)>;
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      auto& body = solver.bodies[b.first + i];
+      const real inverse_mass = store.asleep(i) ? 0 : store.inverse_mass[i];
+      body.inverse_mass = static_cast<number>(inverse_mass);
+      body.inverse_inertia = 0;
+      if constexpr (world_state<Scenario>::law::correction)
+        solver.shift[b.first + i] = {{0, 0, 0}, body.inverse_mass};
+      if constexpr (store_type::tensor) {
+        mat3& tensor = solver.tensors[b.first + i - solver.first_tensor];
+        if (inverse_mass == 0) {
+          tensor.setZero();
+        } else {
+          const vec3 inverse_moments = inverse_mass * store.shape[i].inertia().cwiseInverse();
+          tensor = inverse_tensor(store.orientation_of[i], inverse_moments);
+        }
+      } else if (inverse_mass != 0) {
+        body.inverse_inertia =
+            static_cast<number>(inverse_mass * (1 / store.shape[i].inertia()[0]));
+      }
+      body.v = in_scalar<number>(free_velocity(s, store, i));
+      body.w = in_scalar<number>(free_spin(s, store, i, b.first + i));
+      if (inverse_mass == 0) continue;
+      if constexpr (divided) {
+        auto& gain = solver.gain[b.first + i];
+        gain = {body.v - store.velocity[i], body.w - store.angular_velocity[i]};
+        if constexpr (world_state<Scenario>::continuous)  // the first part was gained before its
+                                                          // impact
+          if (const real t = s.impacts.time[b.first + i]; t != never) {
+            const real left = (s.dt - t) / s.dt;
+            gain = {left * gain.v, left * gain.w};
+          }
+      }
+    }
+  });
+}
+
+/// Solves the contact problem with one of the solvers of the scenario.
+template <class Solver, class Scenario>
+void solve_contacts(world_state<Scenario>& s) {
+  constexpr bool coloured = solves_by_colours<Solver>;
+  if constexpr (coloured) colour_contacts(s);
+  if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
+  std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
+  auto&& lists = lists_in_use<coloured>(s.contacts);
+  s.convergence.add(
+      Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
+      s.settings.tolerance);
+  passivity(s, ranks).keep();
+}
+
+/// Solves the contact problem: afterwards the solver's velocities satisfy the contact law.
+template <class Scenario>
+void respond(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
+    if (s.settings.tolerance == 0 && !s.by_colours() && all_rest(s))
+      return;  // no rank waits for this one
+  gather_velocities(s);
+  if constexpr (world_state<Scenario>::two_solvers)
+    s.by_colours() ? solve_contacts<typename Scenario::solver_on_request>(s)
+                   : solve_contacts<typename Scenario::solver>(s);
+  else
+    solve_contacts<typename Scenario::solver>(s);
+  std::size_t count = 0;
+  s.each_contact_list([&](const auto& list) { count += list.size(); });
+  s.history.reset(count);
+  s.each_contact_list([&](const auto& list) { list.store_impulses(s.history); });
+}
+
+/// Moves the bodies owned here with their new velocities.
+template <class Scenario>
+void integrate(world_state<Scenario>& s) {
+  const auto& solver = s.solver;
+  const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, s.dt);
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    using store_type = std::remove_reference_t<decltype(store)>;
+    constexpr bool divided = divides_the_step<typename Scenario::solver>;
+    finite_watch watch;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      if (!store.moves(i)) continue;
+      store.velocity[i] = kept * solved_velocity(s, store, i, b.first + i);
+      store.angular_velocity[i] = kept * solved_spin(s, store, i, b.first + i);
+      vec3 rate = store.velocity[i];
+      real left = s.dt;
+      if constexpr (world_state<Scenario>::midpoint) left *= real(0.5), rate *= real(0.5);
+      [[maybe_unused]] bool struck = false;
+      if constexpr (world_state<Scenario>::continuous)
+        if (const real t = s.impacts.time[b.first + i]; t != never) {
+          struck = true;
+          if constexpr (divided)
+            rate += solver.drift[b.first + i].v;
+          else
+            rate += (real(0.5) * t) * acceleration_of(s, store, i);
+          left = s.impacts.found[b.first + i] - t;
+          rate *= left / s.dt;
+          if constexpr (watches<Scenario, energy_ledger>) {
+            vec3 missing = s.dt * (store.velocity[i] - rate);
+            if constexpr (divided) missing += s.dt * solver.drift[b.first + i].v;
+            book_stop(s, store, i, missing);
+          }
+          end_flight(s, store, i, s.dt - s.impacts.found[b.first + i]);
+        }
+      if constexpr (world_state<Scenario>::law::correction)
+        rate += in_scalar<real>(solver.shift[b.first + i].v);
+      if constexpr (divided)
+        if (!struck) rate += solver.drift[b.first + i].v;
+      store.position[i] += s.dt * rate;
+      if constexpr (world_state<Scenario>::continuous && world_state<Scenario>::drives)
+        if (struck && s.impacts.carriers[b.first + i].from < s.dt) {
+          const vec3 held = store.position[i];
+          store.position[i] = carried_to(s.impacts.carriers[b.first + i], held, s.dt);
+          if constexpr (watches<Scenario, energy_ledger>)
+            book_stop(s, store, i, held - store.position[i]);
+        }
+      if constexpr (store_type::tensor) {
+        store.angular_velocity[i] = rotate_freely(
+            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), left);
+        if constexpr (divided)
+          store.orientation_of[i] =
+              turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
+        if constexpr (world_state<Scenario>::law::correction)
+          store.orientation_of[i] = turned<real>(
+              store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor].w);
+      } else if constexpr (store_type::oriented) {
+        store.orientation_of[i] =
+            turned<real>(store.orientation_of[i], left * store.angular_velocity[i]);
+        if constexpr (divided)
+          store.orientation_of[i] =
+              turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
+      }
+      watch.look(store.position[i]);  // while the velocity is in a register
+      watch.look(store.angular_velocity[i]);
+      if constexpr (store_type::oriented) watch.look(store.orientation_of[i]);
+    }
+    if (watch.doubtful()) refuse_infinite_motion(s, store);
+    if constexpr (store_type::forced) {
+      std::fill(store.force.begin(), store.force.end(), vec3(0, 0, 0));
+      std::fill(store.torque.begin(), store.torque.end(), vec3(0, 0, 0));
+    }
+  });
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,425 @@
+#pragma once
+// The stages of a step with soft contacts: forces from overlaps, velocities from forces, positions
+// from velocities. Each rank computes every contact of a body it owns, from the same data as the
+// other rank that sees it and in the same order of the two bodies: no forces travel, and momentum
+// is conserved to round-off.
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <vector>
+
+#include "talus/core/portable_powers.hpp"
+#include "talus/features/driven/servo.hpp"
+#include "talus/features/energy_ledger/soft_ledger.hpp"
+#include "talus/interaction/composed_law.hpp"
+#include "talus/motion/integrate.hpp"
+#include "talus/pairs/neighbour_list.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/detect.hpp"
+#include "talus/step/finite_motion.hpp"
+
+namespace talus::detail {
+
+/// The forces of the contact points of one pair of shapes: added up, with the springs advanced by a
+/// step; or, with an observer, only passed to it, for the present state.
+template <class Scenario, class ShapeA, class ShapeB, partner Partner, class Observer>
+class force_adder {
+  using state_type = world_state<Scenario>;
+  using law = typename state_type::law::law;
+  static constexpr bool paired = Partner == partner::moving;
+  static constexpr bool observed = !std::is_null_pointer_v<Observer>;
+  /// An observer of energies only.
+  static constexpr bool surveyed = std::is_same_v<Observer, spring_energies>;
+  /// An observer that takes the geometry of the contact.
+  static constexpr bool watches_geometry =
+      requires(Observer & o, const contact_key& k, const contact_geometry& g, const vec3& f) {
+    o(k, g, f, true);
+  };
+  /// An observer that takes the point of the force, and both centres as seen from body a.
+  static constexpr bool watches_loads =
+      requires(Observer & o, const contact_key& k, const vec3& p, const pair_force& f) {
+    o(k, p, p, p, f, true);
+  };
+  static constexpr bool remembers = state_type::law::remembers;
+  /// Whether the force rotates a body of this shape.
+  template <class Shape>
+  static constexpr bool turns = !law::central || !Shape::isotropic;
+  static constexpr bool booked = !observed && watches<Scenario, energy_ledger>;
+  static constexpr bool balanced = !observed && watches<Scenario, momentum_balance>;
+  using store_a = body_store<ShapeA, typename Scenario::features>;
+  using store_b = body_store<ShapeB, typename Scenario::features>;
+
+ public:
+  force_adder(state_type& s, Observer& observer)
+      : s_(s),
+        observer_(observer),
+        a_(s.template of<ShapeA>().movable),
+        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
+        first_a_(s.template of<ShapeA>().first),
+        first_b_(paired ? s.template of<ShapeB>().first : 0) {}
+
+  void operator()(std::size_t i, std::size_t j, real, real, history_place) { (*this)(i, j, 0, 0); }
+  void operator()(std::size_t i, std::size_t j, real, real) {
+    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
+      if (b_.id[j] < a_.id[i]) std::swap(i, j);
+    const bool own_a = i < a_.locals;
+    bool own_b = !paired || j < b_.locals;
+    at_.a = a_.position[i], at_.b = b_.position[j], at_.body_b = j;
+    if constexpr (paired && state_type::periodic) {
+      at_ = minimum_image<ShapeA, ShapeB>(s_, i, j);
+      if (!at_.known) return;
+      own_b = at_.body_b < b_.locals;
+    }
+    const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
+    if constexpr (paired && !state_type::link_type::alone)
+      if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
+    if (!((own_a && moves_a) || (own_b && moves_b))) return;
+    const bool boundary = paired && own_a != own_b && moves_a && moves_b;
+    const real range = range_of(i, j);
+    collide_pair(
+        a_.shape[i], {at_.a, a_.pose(i).orientation}, b_.shape[j], {at_.b, b_.pose(j).orientation},
+        range, [&](const contact_geometry& g) __attribute__((always_inline)) {
+          if (!(g.gap < range)) return;
+          if constexpr (paired)
+            if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
+                                    : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
+              return;
+          const contact_key key{a_.id[i], b_.id[j], g.feature};
+          const bool counts = own_a || !boundary;
+          const pair_force f = add(i, j, g, key, counts);
+          if constexpr (surveyed) {
+          } else if constexpr (watches_geometry) {
+            observer_(key, g, f.force, counts);
+          } else if constexpr (watches_loads) {
+            // As in add(): for immovable bodies the point is on their surface.
+            const real inwards = paired ? 0 : real(0.5) * g.gap;
+            observer_(key, vec3(g.point + inwards * g.normal), at_.a, at_.b, f, counts);
+          } else if constexpr (observed) {
+            observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
+          } else {
+            if (law::reaches && g.gap >= 0 && is_zero(f)) return;
+            auto& count = std::get<soft_contacts>(s_.contacts);
+            ++(counts ? count.here : count.doubled);
+            if constexpr (watches<Scenario, penetration_monitor>)
+              if (counts) s_.monitors.overlaps.add(g.gap);
+          }
+        });
+  }
+
+ private:
+  /// The range beyond touch of the law for this pair.
+  [[nodiscard]] real range_of(std::size_t i, std::size_t j) {
+    if constexpr (!law::reaches) {
+      return (void)i, (void)j, 0;
+    } else {
+      real curvature = 1 / s_.soft.bodies[first_a_ + i].radius;
+      if constexpr (paired)
+        curvature += 1 / s_.soft.bodies[first_b_ + at_.body_b].radius;
+      else if constexpr (ShapeB::finite)
+        curvature += 1 / sphere_radius(b_.shape[j]);
+      const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
+      return pair.known ? law::range(pair, 1 / curvature) : 0;
+    }
+  }
+  [[gnu::always_inline]] inline pair_force add(std::size_t i, std::size_t j,
+                                               const contact_geometry& g, const contact_key& key,
+                                               bool counts) {
+    soft_body& A = s_.soft.bodies[first_a_ + i];
+    contact_kinematics t;
+    t.normal = g.normal;
+    t.gap = g.gap;
+    vec3 arm_a = g.point - at_.a, arm_b{0, 0, 0};
+    // As for hard contacts: for immovable bodies the point is on their surface.
+    if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
+    t.velocity = A.v + A.w.cross(arm_a);
+    t.spin = A.w;
+    t.mean_spin = 0.5 * g.normal.dot(A.w);
+    real inverse_mass = A.inverse_mass, curvature = 1 / A.radius;
+    real rolling = A.inverse_mass * curvature * curvature;
+    soft_body* B = nullptr;
+    if constexpr (paired) {
+      B = &s_.soft.bodies[first_b_ + at_.body_b];
+      arm_b = g.point - at_.b;
+      t.velocity -= B->v + B->w.cross(arm_b);
+      t.spin -= B->w;
+      t.mean_spin += 0.5 * g.normal.dot(B->w);
+      inverse_mass += B->inverse_mass;
+      curvature += 1 / B->radius;
+      rolling += B->inverse_mass / (B->radius * B->radius);
+    } else {
+      if constexpr (ShapeB::finite) curvature += 1 / sphere_radius(b_.shape[j]);
+      if constexpr (state_type::drives) {
+        arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
+        t.velocity -= surface_velocity_of(j, arm_b);
+        t.spin -= b_.angular_velocity[j];
+        t.mean_spin += 0.5 * g.normal.dot(b_.angular_velocity[j]);
+      }
+    }
+    t.mass = 1 / inverse_mass;
+    t.radius = 1 / curvature;
+    t.step = s_.dt;
+    t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
+
+    typename law::memory memory;
+    if constexpr (remembers)
+      if (const auto* old = s_.history.find(key)) memory = *old;
+    const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
+    s_.soft.pairs.require_known(pair, a_.material[i], b_.material[j]);
+    if constexpr (surveyed) {
+      const stored_energy e = law::stored(t, pair, memory);
+      if (counts) observer_.normal += e.normal, observer_.across += e.kept;
+      return {};
+    }
+    std::conditional_t<booked, booked_contact, not_booked> books;
+    const pair_force f = law::force(t, pair, observed ? 0 : s_.dt, memory, books);
+    if constexpr (observed) return f;
+    (void)counts;
+    if (!law::reaches || g.gap < 0)
+      s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.velocity));
+    if constexpr (remembers) s_.recorded.add(key, memory);
+
+    A.force += f.force;
+    if constexpr (turns<ShapeA>) A.torque += arm_a.cross(f.force);
+    if constexpr (law::exerts_moment) A.torque += f.moment;
+    if constexpr (paired) {
+      B->force -= f.force;
+      if constexpr (turns<ShapeB>) B->torque -= arm_b.cross(f.force);
+      if constexpr (law::exerts_moment) B->torque -= f.moment;
+    }
+    if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
+    if constexpr (booked) book(i, at_.body_b, books, arm_a, arm_b, counts);
+    if constexpr (balanced) {
+      vec3& ground = s_.monitors.momentum.ground_force;
+      if (B == nullptr || B->inverse_mass == 0)
+        ground += f.force;
+      else if (A.inverse_mass == 0)
+        ground -= f.force;
+    }
+    return f;
+  }
+  void book(std::size_t i, std::size_t j, const booked_contact& c, const vec3& arm_a,
+            const vec3& arm_b, bool counts) {
+    spring_record& r = s_.monitors.springs;
+    if (counts) {
+      r.normal += c.stored, r.released += c.released, r.across_before += c.across_before;
+      r.across += c.across, r.yielded += c.yielded;
+    }
+    const soft_body& A = s_.soft.bodies[first_a_ + i];
+    add_split(a_.split[i], 1, c, arm_a, turns<ShapeA>);
+    if constexpr (paired) {
+      const soft_body& B = s_.soft.bodies[first_b_ + j];
+      add_split(b_.split[j], -1, c, arm_b, turns<ShapeB>);
+      if (B.inverse_mass == 0)
+        add_power(r, 1, c, B.v + B.w.cross(arm_b), B.w);
+      else if (A.inverse_mass == 0)
+        add_power(r, -1, c, A.v + A.w.cross(arm_a), A.w);
+    } else if constexpr (state_type::drives) {
+      add_power(r, 1, c, surface_velocity_of(j, arm_b), b_.angular_velocity[j]);
+    }
+    (void)j, (void)arm_b;
+  }
+
+  [[nodiscard]] static bool is_zero(const pair_force& f) {
+    const vec3 zero(0, 0, 0);
+    return f.force == zero && f.moment == zero;
+  }
+  [[nodiscard]] vec3 surface_velocity_of(std::size_t j, const vec3& arm) const {
+    return b_.velocity[j] + b_.angular_velocity[j].cross(arm);
+  }
+
+  state_type& s_;
+  Observer& observer_;
+  store_a& a_;
+  store_b& b_;
+  std::size_t first_a_, first_b_;
+  image_pair at_;  ///< the present pair
+};
+
+/// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.
+template <class Scenario, class F>
+void each_movable_store(world_state<Scenario>& s, F&& f) {
+  s.each_finite_shape([&](auto& b) { f(b.movable, b.first); });
+}
+
+/// Reads the motion of all bodies, and resets the sums of their forces to zero.
+template <class Scenario>
+void gather_motion(world_state<Scenario>& s) {
+  s.soft.pairs.follow(s.materials);
+  each_movable_store(s, [&](auto& store, std::size_t first) {
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      soft_body& body = s.soft.bodies[first + i];
+      body = {};
+      body.v = store.velocity[i];
+      body.w = store.angular_velocity[i];
+      body.inverse_mass = store.inverse_mass[i];
+      body.radius = sphere_radius(store.shape[i]);
+    }
+  });
+}
+
+/// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
+/// over all ranks each acts on each of its bodies once; or observer(key, geometry, force on a,
+/// counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
+/// force and moment on a, counts_here). Changes nothing that a step depends on.
+template <class Scenario, class Observer>
+void observe_forces(world_state<Scenario>& s, Observer&& observer) {
+  std::vector<bool> changed;  // for the next step to read
+  s.each_shape([&](const auto& b) { changed.push_back(b.globals_changed); });
+  prepare_detection(s);
+  std::size_t k = 0;
+  s.each_shape([&](auto& b) { b.globals_changed = changed[k++]; });
+  gather_motion(s);
+  using observer_type = std::remove_reference_t<Observer>;
+  each_neighbour_pair(s, [&]<class A, class B, partner P>() {
+    return force_adder<Scenario, A, B, P, observer_type>(s, observer);
+  });
+}
+
+/// The energies of the springs in the present state.
+template <class Scenario>
+[[nodiscard]] spring_energies survey_springs(world_state<Scenario>& s) {
+  spring_energies e;
+  observe_forces(s, e);
+  return e;
+}
+
+/// Forces and torques of all contacts, from the present positions and velocities; the springs of
+/// the contacts are advanced by dt. Needs the pairs of find_close_pairs().
+template <class Scenario>
+void measure_forces(world_state<Scenario>& s) {
+  using law = typename world_state<Scenario>::law;
+  gather_motion(s);
+  auto& count = std::get<soft_contacts>(s.contacts);
+  if constexpr (law::remembers) s.recorded.reset(count.size());
+  if constexpr (world_state<Scenario>::drives) forget_forces(s);
+  count = {};
+  if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
+  if constexpr (watches<Scenario, energy_ledger>) {
+    s.monitors.springs.measure_anew();
+    each_movable_store(s, [](auto& store, std::size_t) {
+      std::fill(store.split.begin(), store.split.end(), split_forces{});
+    });
+  }
+  if constexpr (watches<Scenario, momentum_balance>)
+    s.monitors.momentum.ground_force = vec3(0, 0, 0);
+  std::nullptr_t nobody = nullptr;
+  each_found_pair(s, [&]<class A, class B, partner P>() {
+    return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
+  });
+  if constexpr (law::remembers) std::swap(s.history, s.recorded);
+
+  each_movable_store(s, [&](auto& store, std::size_t first) {
+    if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_forces)
+      for (std::size_t i = 0; i < store.locals; ++i) {
+        store.contact_force[i] = s.soft.bodies[first + i].force;
+        store.contact_torque[i] = s.soft.bodies[first + i].torque;
+      }
+  });
+}
+
+// The energy of the springs at both ends of a step, for the energy ledger. Forces are computed at
+// one of them, at the start or (Verlet) at the end; the energy at the other one is computed
+// separately.
+
+template <class Scenario>
+void open_springs_as_measured(world_state<Scenario>& s) {
+  const spring_record& r = s.monitors.springs;
+  open_springs(s, r.normal.value() + r.released.value() + r.across_before.value());
+}
+template <class Scenario>
+void survey_at_end(world_state<Scenario>& s) {
+  const spring_energies now = survey_springs(s);
+  close_springs(s, now.sum(), s.monitors.springs.across.value() - now.across.value());
+}
+template <class Scenario>
+void survey_at_start(world_state<Scenario>& s) {
+  const spring_energies now = survey_springs(s);
+  s.monitors.springs.across_at_start = now.across.value();
+  open_springs(s, now.sum());
+}
+template <class Scenario>
+void close_springs_as_measured(world_state<Scenario>& s) {
+  const spring_record& r = s.monitors.springs;
+  close_springs(s, r.normal.value() + r.across.value(),
+                r.across_at_start - r.across_before.value());
+}
+
+/// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have
+/// acted for the time `h`.
+template <class Scenario>
+void kick(world_state<Scenario>& s, real h) {
+  const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, h);
+  each_movable_store(s, [&](auto& store, std::size_t first) {
+    using store_type = std::remove_reference_t<decltype(store)>;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      const real inverse_mass = store.inverse_mass[i];
+      if (inverse_mass == 0) continue;
+      vec3 force, torque;
+      if constexpr (store_type::keeps_contact_forces) {
+        force = store.contact_force[i];
+        torque = store.contact_torque[i];
+      } else {
+        force = s.soft.bodies[first + i].force;
+        torque = s.soft.bodies[first + i].torque;
+      }
+      if constexpr (store_type::forced) {
+        force += store.force[i];
+        torque += store.torque[i];
+      }
+      if constexpr (store_type::tensor) {
+        const quat q = store.orientation_of[i];
+        torque = q * vec3((q.conjugate() * torque).cwiseQuotient(store.shape[i].inertia()));
+      } else {
+        torque *= 1 / store.shape[i].inertia()[0];
+      }
+      const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
+                 w = store.angular_velocity[i] + (h * inverse_mass) * torque;
+      if constexpr (watches<Scenario, energy_ledger> || watches<Scenario, momentum_balance>)
+        book_kick(s, store, i, h, kept, v, w);
+      store.velocity[i] = kept * v;
+      store.angular_velocity[i] = kept * w;
+    }
+  });
+  if constexpr (watches<Scenario, energy_ledger> || watches<Scenario, momentum_balance>)
+    book_kick_of_fixed(s, h);
+}
+
+/// Positions and orientations of the bodies owned here, after free motion for the time `h`.
+template <class Scenario>
+void drift(world_state<Scenario>& s, real h) {
+  each_movable_store(s, [&](auto& store, std::size_t) {
+    using store_type = std::remove_reference_t<decltype(store)>;
+    finite_watch watch;
+    for (std::size_t i = 0; i < store.locals; ++i) {
+      if (store.inverse_mass[i] == 0) continue;
+      store.position[i] += h * store.velocity[i];
+      const vec3 w = store.angular_velocity[i];
+      const quat q = store.pose(i).orientation;
+      if constexpr (store_type::tensor)
+        store.angular_velocity[i] = rotate_freely(
+            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), h);
+      else if constexpr (store_type::oriented)
+        store.orientation_of[i] =
+            turned<real>(store.orientation_of[i], vec3(h * store.angular_velocity[i]));
+      if constexpr (watches<Scenario, energy_ledger>) book_drift(s, store, i, h, w, q);
+      (void)w, (void)q;
+      watch.look(store.position[i]);
+      watch.look(store.angular_velocity[i]);
+      if constexpr (store_type::oriented) watch.look(store.orientation_of[i]);
+    }
+    if (watch.doubtful()) refuse_infinite_motion(s, store);
+  });
+}
+
+/// Resets the user's forces after a step.
+template <class Scenario>
+void end_forces(world_state<Scenario>& s) {
+  each_movable_store(s, [&](auto& store, std::size_t) {
+    if constexpr (std::remove_reference_t<decltype(store)>::forced) {
+      std::fill(store.force.begin(), store.force.end(), vec3(0, 0, 0));
+      std::fill(store.torque.begin(), store.torque.end(), vec3(0, 0, 0));
+    }
+  });
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,32 @@
+#pragma once
+// One time step: the integrator defines the order of the stages, and the features of the scenario
+// act at each (body/stages.hpp).
+#include "talus/features/balancing/balancing.hpp"
+#include "talus/features/continuous_collision/continuous_collision.hpp"
+#include "talus/features/driven/driven_hooks.hpp"
+#include "talus/features/energy_ledger/energy_ledger.hpp"
+#include "talus/features/momentum_balance.hpp"
+#include "talus/features/penetration_monitor.hpp"
+#include "talus/features/sleeping/sleeping.hpp"
+#include "talus/ghosts/migrate_and_refresh.hpp"
+#include "talus/state/hooks.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/integrators/moreau_midpoint.hpp"
+#include "talus/step/integrators/semi_implicit_euler.hpp"
+#include "talus/step/integrators/velocity_verlet.hpp"
+#include "talus/step/residual_monitor.hpp"
+#include "talus/step/sort_bodies.hpp"
+
+namespace talus::detail {
+
+template <class Scenario>
+void step(world_state<Scenario>& s, real dt) {
+  s.dt = dt;
+  if (s.steps % steps_between_sorts == 0) sort_bodies(s);
+  notify_neighbours(s);
+  run_hooks<stages::at_start>(s);
+  Scenario::integrator::step(s);
+  run_hooks<stages::at_end>(s);
+}
+
+}  // namespace talus::detail

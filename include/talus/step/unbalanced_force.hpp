@@ -1,0 +1,75 @@
+#pragma once
+// The residual of soft contacts: the deviation of the bodies from force balance.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/state/state.hpp"
+#include "talus/step/soft_step.hpp"
+
+namespace talus::detail {
+
+/// The forces of the present state, on the bodies owned here.
+struct unbalanced_sums {
+  std::array<double, 4> sums{};  ///< |resultant|^2, bodies, |contact force|^2, contacts
+  double largest = 0;            ///< of the squares of the resultants
+
+  [[nodiscard]] double scale() const {
+    return sums[3] > 0 ? std::sqrt(sums[2] / sums[3]) : 0;  // the typical contact force
+  }
+  [[nodiscard]] double value() const {
+    return scale() > 0 ? std::sqrt(sums[0] / sums[1]) / scale() : 0;
+  }
+  [[nodiscard]] double worst() const { return scale() > 0 ? std::sqrt(largest) / scale() : 0; }
+};
+
+/// Collective: adds up the contact forces on each movable body in contact, and gravity. The user's
+/// forces of the step are already applied, and are excluded.
+template <class Scenario>
+[[nodiscard]] unbalanced_sums measure_unbalanced_force(world_state<Scenario>& s) {
+  unbalanced_sums u;
+  struct load {
+    system_id id = no_id;
+    double mass = 0;
+    bool touches = false;
+    vec3 force{0, 0, 0};
+    [[nodiscard]] bool operator<(const load& other) const { return id < other.id; }
+  };
+  plain_vector<load> loads;
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i)
+      if (const double inverse = b.movable.inverse_mass[i]; inverse != 0)
+        loads.push_back({.id = b.movable.id[i], .mass = 1 / inverse});
+  });
+  sort_values(loads);
+  const auto add = [&](system_id id, const vec3& force) {
+    const auto at = std::lower_bound(loads.begin(), loads.end(), load{.id = id});
+    if (at == loads.end() || at->id != id) return;
+    at->touches = true;
+    at->force += force;
+  };
+  observe_forces(s, [&](const contact_key& key, const vec3& force, bool on_a, bool on_b) {
+    if (on_a) add(key.a, force);
+    if (on_b) add(key.b, -force);
+    const double part = 0.5 * (on_a + on_b);  // each of its two ranks counts a half
+    u.sums[2] += part * force.squaredNorm();
+    u.sums[3] += part;
+  });
+  for (const load& l : loads) {
+    if (!l.touches) continue;
+    const double square = vec3(l.force + l.mass * s.gravity).squaredNorm();
+    u.sums[0] += square;
+    u.sums[1] += 1;
+    if (!(square <= u.largest)) u.largest = square;  // keeps a NaN
+  }
+  s.link->reduce(reduction::sum, u.sums);
+  s.link->reduce(reduction::max, std::span(&u.largest, 1));
+  return u;
+}
+
+}  // namespace talus::detail
