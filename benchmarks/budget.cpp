@@ -42,7 +42,7 @@ bool has_searched(const State& s) {
 template <class World>
 void time_broad_phase(World& w, std::uint64_t repeats, double& build_ms, double& pairs_ms,
                       double& pairs) {
-  auto& s = w.state();
+  auto& s = talus::detail::state_of(w);
   std::vector<double> build, find;
   std::uint64_t count = 0;
   for (std::uint64_t k = 0; k < repeats; ++k) {
@@ -82,15 +82,15 @@ int main(int argc, char** argv) {
       for (setting* each : {&usual, &more, &corrected}) {
         w.solver().iterations = each->iterations;
         w.solver().correction_iterations = each->corrections;
-        const auto before = w.state().seconds;
+        const auto before = w.stage_times();
         const double began = bench::cpu_seconds();
         for (std::uint64_t k = 0; k < turn; ++k) {
           e.step();
-          searches += has_searched(w.state()), ++steps;
+          searches += has_searched(talus::detail::state_of(w)), ++steps;
         }
         each->ms.push_back(1e3 * (bench::cpu_seconds() - began) / turn);
         if (each != &usual) continue;
-        const auto& now = w.state().seconds;
+        const auto now = w.stage_times();
         detect += now.detect - before.detect;
         respond += now.respond - before.respond;
         integrate += now.integrate - before.integrate;
@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
     detect *= total / all, respond *= total / all, integrate *= total / all;
 
     const double n = static_cast<double>(count), c = static_cast<double>(e.contacts());
-    const auto& s = w.state();
+    const auto& s = talus::detail::state_of(w);
     // What a sweep reads of the contacts, what the correction reads, and all of it; eight in a
     // block.
     double swept = 0, corrected_bytes = 0, stored = 0;

@@ -87,13 +87,13 @@ void run(const std::string& name, std::uint64_t bodies, std::uint64_t settle, st
   if (iterations > 0) w.solver().iterations = static_cast<int>(iterations);
   const double dt = 1.0 / 240;
   for (std::uint64_t k = 0; k < settle; ++k) w.step(dt);
-  const stage_seconds before = w.state().seconds;
+  const stage_seconds before = w.stage_times();
   bench::stopwatch watch;
   for (std::uint64_t k = 0; k < measure; ++k) watch.time([&] { w.step(dt); });
-  const stage_seconds now = w.state().seconds;
+  const stage_seconds now = w.stage_times();
 
   std::size_t contacts = 0;
-  w.state().each_contact_list([&](const auto& list) { contacts += list.size(); });
+  talus::detail::state_of(w).each_contact_list([&](const auto& list) { contacts += list.size(); });
   const auto overlap = measure_penetration(w);
   bench::record out;
   out.add("engine", "talus");

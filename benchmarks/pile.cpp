@@ -17,7 +17,7 @@ struct rounded_engine : bench::talus_engine_with<talus::bodies<talus::sphere, ta
 
   void step() {
     talus_engine_with::step();
-    auto& spheres = world().state().of<talus::sphere>().movable;
+    auto& spheres = talus::detail::state_of(world()).of<talus::sphere>().movable;
     const auto round = [](talus::vec3& v, double by) {
       for (int k = 0; k < 3; ++k) {
         const volatile float rounded = static_cast<float>(v[k] + by);

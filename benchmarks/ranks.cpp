@@ -79,7 +79,7 @@ std::vector<bench::ball> collect(talus::world<scenario>& world) {
   const auto array = [](const talus::vec3& v) { return bench::vec{v[0], v[1], v[2]}; };
   talus::detail::byte_buffer mine;
   talus::detail::byte_writer out(mine);
-  const auto& store = world.state().of<talus::sphere>().movable;
+  const auto& store = talus::detail::state_of(world).of<talus::sphere>().movable;
   for (std::size_t i = 0; i < store.locals; ++i)
     out.put(entry{store.id[i],
                   {array(store.position[i]), store.shape[i].radius, array(store.velocity[i]),
@@ -139,7 +139,7 @@ void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::re
   fill(world, run);
   settle(world, run);
   const talus::traffic before = link.counters();
-  const talus::stage_seconds clocks = world.state().seconds;
+  const talus::stage_seconds clocks = world.stage_times();
   link.barrier();
   const double cpu = talus::detail::thread_seconds(), start = talus::detail::wall_seconds();
   std::vector<double> walls;
@@ -155,7 +155,7 @@ void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::re
   const spread wall = spread_of(own_wall);
   std::nth_element(walls.begin(), walls.begin() + walls.size() / 2, walls.end());
   const spread median = spread_of(walls.empty() ? 0 : walls[walls.size() / 2]);
-  const talus::stage_seconds now = world.state().seconds;
+  const talus::stage_seconds now = world.stage_times();
   const spread detect = spread_of(now.detect - clocks.detect);
   const spread respond = spread_of(now.respond - clocks.respond);
   const spread exchange = spread_of(now.exchange - clocks.exchange);
@@ -167,12 +167,13 @@ void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::re
   const spread bodies = spread_of(static_cast<double>(world.local_bodies()));
   const spread neighbours = spread_of(static_cast<double>(world.connections().size()));
   std::uint64_t contact_count = 0, copies = 0;
-  world.state().each_contact_list([&](const auto& list) { contact_count += list.size(); });
-  world.state().each_finite_shape(
+  talus::detail::state_of(world).each_contact_list(
+      [&](const auto& list) { contact_count += list.size(); });
+  talus::detail::state_of(world).each_finite_shape(
       [&](const auto& b) { copies += b.movable.size() - b.movable.locals; });
   const spread contacts = spread_of(static_cast<double>(contact_count));
   const spread shadows = spread_of(static_cast<double>(copies));
-  const spread collectives = spread_of(static_cast<double>(world.state().sent.collectives));
+  const spread collectives = spread_of(static_cast<double>(world.step_messages().collectives));
   const auto overlap = talus::measure_penetration(world);
   const bool pair = link.size() == 2;
   const double short_us = pair ? exchange_us(link, 8) : 0;

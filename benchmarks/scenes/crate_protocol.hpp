@@ -95,7 +95,7 @@ void run_crates(arguments args) {
   out.add("settle", settle);
   out.add("measure", measure);
   if constexpr (requires { engine.world(); }) {
-    const auto& t = engine.world().state().seconds;
+    const auto t = engine.world().stage_times();
     const double steps = static_cast<double>(settle + measure);
     out.add("detect_ms_per_step_all", 1e3 * t.detect / steps);
     out.add("respond_ms_per_step_all", 1e3 * t.respond / steps);

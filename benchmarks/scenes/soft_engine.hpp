@@ -63,7 +63,7 @@ class soft_engine {
   /// Bodies of one rank keep their order.
   [[nodiscard]] std::vector<ball> balls() const {
     const auto array = [](const talus::vec3& v) { return vec{v[0], v[1], v[2]}; };
-    const auto& store = world_.state().template of<talus::sphere>().movable;
+    const auto& store = talus::detail::state_of(world_).template of<talus::sphere>().movable;
     std::vector<ball> all;
     for (std::size_t i = 0; i < store.locals; ++i)
       all.push_back({array(store.position[i]), store.shape[i].radius, array(store.velocity[i]),
@@ -72,7 +72,7 @@ class soft_engine {
   }
   [[nodiscard]] std::size_t contacts() const {
     std::size_t n = 0;
-    world_.state().each_contact_list([&](const auto& list) { n += list.size(); });
+    talus::detail::state_of(world_).each_contact_list([&](const auto& list) { n += list.size(); });
     return n;
   }
   [[nodiscard]] std::vector<loaded_pair> loaded() const {
@@ -82,15 +82,15 @@ class soft_engine {
       for (std::size_t i = 0; i < store.size(); ++i)
         bodies.push_back({store.id[i], {.kind = kind, .other = i}});
     };
-    add(world_.state().template of<talus::sphere>().movable, partner::ball);
-    add(world_.state().template of<talus::plane>().global, partner::wall);
+    add(talus::detail::state_of(world_).template of<talus::sphere>().movable, partner::ball);
+    add(talus::detail::state_of(world_).template of<talus::plane>().global, partner::wall);
     const auto by_id = [](const entry& x, const entry& y) { return x.first < y.first; };
     std::sort(bodies.begin(), bodies.end(), by_id);
     const auto find = [&](talus::system_id id) {
       return std::lower_bound(bodies.begin(), bodies.end(), entry{id, {}}, by_id)->second;
     };
     std::vector<loaded_pair> pairs;
-    for (const auto& c : world_.state().history.entries()) {
+    for (const auto& c : talus::detail::state_of(world_).history.entries()) {
       auto a = find(c.key.a), b = find(c.key.b);
       if (a.kind != partner::ball) std::swap(a, b);
       pairs.push_back({a.other, b.kind, b.other});
@@ -98,7 +98,7 @@ class soft_engine {
     return pairs;
   }
   void describe(record& out) const {
-    const auto& t = world_.state().seconds;
+    const auto t = world_.stage_times();
     const double steps = static_cast<double>(world_.steps());
     out.add("steps_per_step", parts_);
     out.add("stiffness", stiffness_);

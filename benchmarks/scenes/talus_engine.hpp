@@ -81,11 +81,11 @@ class talus_engine_with {
   void iterate(int iterations) {
     if constexpr (!scenario::contact_law::soft) world_.solver().iterations = iterations;
   }
-  void start_measuring() { before_ = world_.state().seconds, steps_before_ = world_.steps(); }
+  void start_measuring() { before_ = world_.stage_times(), steps_before_ = world_.steps(); }
   void watch_loads() {}
 
   [[nodiscard]] std::vector<ball> balls() const {
-    const auto& store = world_.state().template of<talus::sphere>().movable;
+    const auto& store = talus::detail::state_of(world_).template of<talus::sphere>().movable;
     std::vector<ball> all;
     for (const std::size_t i : in_order(store, 0, scene_.balls.size()))
       all.push_back({array(store.position[i]), store.shape[i].radius, array(store.velocity[i]),
@@ -96,7 +96,7 @@ class talus_engine_with {
   [[nodiscard]] std::vector<crate> crates() const {
     std::vector<crate> all = scene_.crates;
     if constexpr (boxes) {
-      const auto& store = world_.state().template of<talus::box>().movable;
+      const auto& store = talus::detail::state_of(world_).template of<talus::box>().movable;
       const auto order = in_order(store, scene_.blocks.size(), all.size());
       for (std::size_t i = 0; i < all.size(); ++i) {
         const std::size_t at = order[i];
@@ -111,7 +111,7 @@ class talus_engine_with {
   }
   [[nodiscard]] std::size_t contacts() const {
     std::size_t n = 0;
-    world_.state().each_contact_list([&](const auto& list) { n += list.size(); });
+    talus::detail::state_of(world_).each_contact_list([&](const auto& list) { n += list.size(); });
     return n;
   }
   [[nodiscard]] std::vector<loaded_pair> loaded() const {
@@ -123,13 +123,13 @@ class talus_engine_with {
       for (std::size_t i = 0; i < count; ++i)
         bodies.push_back({store.id[order[i]], {.kind = kind, .other = i}});
     };
-    const auto& spheres = world_.state().template of<talus::sphere>().movable;
+    const auto& spheres = talus::detail::state_of(world_).template of<talus::sphere>().movable;
     add(spheres, partner::ball, 0, scene_.balls.size());
     add(spheres, partner::boulder, scene_.balls.size(), scene_.boulders.size());
-    const auto& walls = world_.state().template of<talus::plane>().global;
+    const auto& walls = talus::detail::state_of(world_).template of<talus::plane>().global;
     add(walls, partner::wall, 0, walls.size());
     if constexpr (boxes) {
-      const auto& all = world_.state().template of<talus::box>().movable;
+      const auto& all = talus::detail::state_of(world_).template of<talus::box>().movable;
       add(all, partner::block, 0, all.size());
     }
     const auto by_id = [](const entry& x, const entry& y) { return x.first < y.first; };
@@ -138,7 +138,7 @@ class talus_engine_with {
       return std::lower_bound(bodies.begin(), bodies.end(), entry{id, {}}, by_id)->second;
     };
     std::vector<loaded_pair> pairs;
-    for (const auto& c : world_.state().history.entries()) {
+    for (const auto& c : talus::detail::state_of(world_).history.entries()) {
       if (c.memory.squaredNorm() == 0) continue;
       auto a = find(c.key.a), b = find(c.key.b);
       if (a.kind != partner::ball) std::swap(a, b);
@@ -147,7 +147,7 @@ class talus_engine_with {
     return pairs;
   }
   void describe(record& out) const {
-    const auto& t = world_.state().seconds;
+    const auto t = world_.stage_times();
     const double steps = static_cast<double>(world_.steps() - steps_before_);
     out.add("detect_ms_per_step", 1e3 * (t.detect - before_.detect) / steps);
     out.add("respond_ms_per_step", 1e3 * (t.respond - before_.respond) / steps);
@@ -155,18 +155,18 @@ class talus_engine_with {
     if constexpr (!scenario::contact_law::soft)
       out.add("correction_iterations", world_.solver().correction_iterations);
     // Storage of the spheres alone; and with everything held for them: contacts, grid, solver.
-    const auto& store = world_.state().template of<talus::sphere>().movable;
+    const auto& store = talus::detail::state_of(world_).template of<talus::sphere>().movable;
     out.add("bytes_stored_per_body", store.bytes_per_body());
     const double bodies = std::max(1.0, static_cast<double>(world_.local_bodies()));
     out.add("bytes_in_use_per_body", static_cast<double>(talus::bytes_in_use(world_)) / bodies);
     std::size_t contacts = 0, bytes = 0;
-    world_.state().each_contact_list([&](const auto& list) {
+    talus::detail::state_of(world_).each_contact_list([&](const auto& list) {
       contacts += list.size();
       if constexpr (requires { list.bytes(); }) bytes += list.bytes();
     });
     out.add("bytes_of_contacts_per_body", static_cast<double>(bytes) / bodies);
     out.add("bytes_of_history_per_body",
-            static_cast<double>(world_.state().history.bytes()) / bodies);
+            static_cast<double>(talus::detail::state_of(world_).history.bytes()) / bodies);
   }
 
   /// The scene as it was at the start.

@@ -206,7 +206,7 @@ class on_rank {
     for (const auto id : now) result_.crossed += !mine_.contains(id);
     mine_.swap(now);
     if constexpr (!soft)
-      w_.state().each_contact_list([&](const auto& list) {
+      talus::detail::state_of(w_).each_contact_list([&](const auto& list) {
         list.each([&](const auto& c, bool counts) {
           result_.contacts += counts && c.impulse().squaredNorm() > 0;
         });
@@ -244,7 +244,7 @@ class on_rank {
     // I1: every point has one owner, and every body is with the owner of its centre; no NaN.
     for (int k = 0; k < 4; ++k) {
       vec3 p = r_.uniform(vec3(-9, -9, -9), vec3(9, 9, 9));
-      if constexpr (around) p = w_.state().own.box().wrapped(p);
+      if constexpr (around) p = talus::detail::state_of(w_).own.box().wrapped(p);
       std::uint64_t owners = w_.contains(p);
       w_.link().reduce(reduction::sum, std::span(&owners, 1));
       if (owners != 1)
@@ -268,7 +268,7 @@ class on_rank {
     // I2: each contact acts once on each of its bodies, and with the same impulse.
     if constexpr (!soft && !detail::solves_by_colours<typename Scenario::solver>) {
       std::vector<action> actions;
-      w_.state().each_contact_list([&](const auto& list) {
+      talus::detail::state_of(w_).each_contact_list([&](const auto& list) {
         using detail::contact_part;
         const std::size_t inner = list.size(contact_part::interior);
         std::size_t n = 0;

@@ -96,9 +96,9 @@ struct drum {
           link.reduce(reduction::sum, std::span(&gone, 1));
           bodies -= gone, taken += gone;
         }
-        for (const auto& n : w.state().neighbours) moved -= n.channel.taken.bodies;
+        for (const auto& n : talus::detail::state_of(w).neighbours) moved -= n.channel.taken.bodies;
         w.step(dt);
-        for (const auto& n : w.state().neighbours) moved += n.channel.taken.bodies;
+        for (const auto& n : talus::detail::state_of(w).neighbours) moved += n.channel.taken.bodies;
         if (k % 1000 == 0 && w.audit().bodies != bodies)
           throw std::runtime_error("bodies are not as many as were poured in and not taken out");
         if (link.rank() == 0 && k == steps / 10) result.early_mib = resident_mib();

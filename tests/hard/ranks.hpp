@@ -124,7 +124,8 @@ outcome run(const cuts& domains, real dt, int steps,
       result.finite = result.finite && b.position().allFinite() && b.velocity().allFinite() &&
                       b.angular_velocity().allFinite() && std::isfinite(b.orientation().norm());
     });
-    for (const auto& c : w.state().history.entries()) result.contacts += c.memory.norm() > 0;
+    for (const auto& c : talus::detail::state_of(w).history.entries())
+      result.contacts += c.memory.norm() > 0;
   });
   for (const auto& [id, way] : ways) result.bodies.push_back(way);
   return result;

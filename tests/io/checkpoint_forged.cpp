@@ -99,7 +99,7 @@ TEST_CASE("whatever number of a checkpoint is another one, it is refused or the 
   with_world(true, [&](auto& whole) {
     team_over team(whole.link());
     for (int k = 0; k < 250; ++k) {
-      auto tables = tables_of(whole.state());
+      auto tables = tables_of(talus::detail::state_of(whole));
       for (table_part& t : tables) t.memory.reserve(t.memory.size() + 1);  // columns point into it
       auto facts = facts_of(whole, team, {});
       change(tables, facts, random);

@@ -29,14 +29,14 @@ TEST_CASE("a row of bodies through all processes falls asleep, and wakes before 
     for (int k = 0; k < 40; ++k) w.step(0.005);
     const motion before = measure_motion(w);
     CHECK(before.asleep == 16);
-    const std::uint64_t collectives = w.state().sent.collectives;
+    const std::uint64_t collectives = w.step_messages().collectives;
     w.add_if_local(body{.shape = sphere{0.5}, .position = {-1, 0, 0}, .velocity = {4, 0, 0}});
     double last = 0;
     for (int k = 0; k < 60; ++k) {
       w.step(0.005);
       CHECK(std::abs(measure_motion(w).momentum[0] - 4 * before.mass / 16) < 1e-12);
     }
-    CHECK(w.state().sent.collectives == collectives);
+    CHECK(w.step_messages().collectives == collectives);
     CHECK(measure_motion(w).asleep == 0);
     w.for_each_local([&](const auto& b) {
       if (b.position()[0] > 15) last = b.velocity()[0];

@@ -61,7 +61,8 @@ balance collide_often(unsigned seed, int count, const material& m, MakeA&& make_
     std::size_t touched = 0;
     for (int i = 0; i < 240; ++i) {
       w.step(dt);
-      for (const auto& e : w.state().history.entries()) touched += e.memory.norm() > 0;
+      for (const auto& e : talus::detail::state_of(w).history.entries())
+        touched += e.memory.norm() > 0;
     }
     const auto after = measure_motion(w);
     const real scale = std::sqrt(2 * before.mass * before.kinetic_energy);

@@ -192,7 +192,7 @@ inline silo_stress fill_silo(real width, std::size_t n, real seconds, real measu
       height[b.id()] = b.position()[2];
       weight[bin(b.position()[2])] += b.mass() * gravity / static_cast<real>(steps);
     });
-    for (const auto& c : w.state().history.entries()) {
+    for (const auto& c : talus::detail::state_of(w).history.entries()) {
       const auto of_a = height.find(c.key.a), of_b = height.find(c.key.b);
       const bool a = of_a != height.end(), b = of_b != height.end();
       if (a == b) continue;

@@ -41,7 +41,7 @@ agreement across(real cut, int steps, SetUp&& set_up) {
       w.step(1.0 / 240);
       auto& own = impulses[static_cast<std::size_t>(link.rank())];
       own.clear();
-      for (const auto& c : w.state().history.entries())
+      for (const auto& c : talus::detail::state_of(w).history.entries())
         own[{value_of(c.key.a), value_of(c.key.b), c.key.feature}] = c.memory;
       link.barrier();
       if (link.rank() == 0)

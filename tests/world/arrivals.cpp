@@ -29,7 +29,7 @@ using impulses = std::map<detail::contact_key, vec3, in_order>;
 
 template <class World, class F>
 void each_contact(World& w, F&& f) {
-  w.state().each_contact_list([&](const auto& list) {
+  talus::detail::state_of(w).each_contact_list([&](const auto& list) {
     for (const auto part : {contact_part::interior, contact_part::boundary})
       for (std::size_t i = 0; i < list.size(part); ++i)
         f(part, list.key(part, i), list.contact(part, i).impulse());
@@ -79,12 +79,12 @@ TEST_CASE_TEMPLATE(
             apart += !first && old->second != p;  // of two ranks that solve it
           });
           std::set<std::tuple<system_id, system_id, std::uint64_t>> kept;
-          for (const auto& c : w.state().history.entries())
+          for (const auto& c : talus::detail::state_of(w).history.entries())
             doubled += !kept.emplace(c.key.a, c.key.b, c.key.feature).second;
         }
         mine = std::move(now);
         link.barrier();
-        auto& s = const_cast<state&>(w.state());
+        auto& s = const_cast<state&>(talus::detail::state_of(w));
         detail::detect(s);  // as the next step will
         s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
         const std::lock_guard lock(guard);

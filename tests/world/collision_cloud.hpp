@@ -61,7 +61,7 @@ struct collision_cloud {
     r.before = talus::measure_motion(w);
     for (int k = 0; k < steps; ++k) {
       w.step(0.005);
-      w.state().each_contact_list([&](const auto& list) {
+      talus::detail::state_of(w).each_contact_list([&](const auto& list) {
         list.each([&](const auto& c, bool counts) {
           r.collided += counts && c.impulse().squaredNorm() > 0;
         });

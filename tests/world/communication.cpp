@@ -35,7 +35,7 @@ sent busiest_rank(int n) {
                          .velocity = random.uniform(vec3(-1, -1, 0), vec3(1, 1, 0))};
            });
     for (int k = 0; k < 20; ++k) w.step(0.005);
-    const auto& s = w.state().sent;
+    const auto& s = w.step_messages();
     std::array<std::uint64_t, 3> most{s.messages_max, s.bytes_max, s.collectives};
     link.reduce(reduction::max, most);
     if (link.rank() == 0) result = {most[0], most[1], most[2]};

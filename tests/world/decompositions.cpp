@@ -64,7 +64,7 @@ outcome conserve(const Decomposition& d, real inner, real outer, int steps, Velo
     std::uint64_t counts[2] = {0, 0};
     for (int k = 0; k < steps; ++k) {
       w.step(0.005);
-      w.state().each_contact_list([&](const auto& list) {
+      talus::detail::state_of(w).each_contact_list([&](const auto& list) {
         list.each([&](const auto& c, bool counts_here) {
           counts[0] += counts_here && c.impulse().squaredNorm() > 0;
         });
@@ -74,7 +74,7 @@ outcome conserve(const Decomposition& d, real inner, real outer, int steps, Velo
         [&](const auto& b) { counts[1] += !std::binary_search(mine.begin(), mine.end(), b.id()); });
     const motion after = measure_motion(w);
     link.reduce(reduction::sum, std::span(counts));
-    std::uint64_t messages = w.state().sent.messages_max;
+    std::uint64_t messages = w.step_messages().messages_max;
     link.reduce(reduction::max, std::span(&messages, 1));
     if (link.rank() != 0) return;
     all = {counts[1], counts[0], messages};
@@ -130,7 +130,7 @@ TEST_CASE("messages depend on the neighbours of a rank, not on the number of ran
       CHECK(w.connections().size() <= most_neighbours);
       (void)w.material({});
       w.step(0.01);
-      if (link.rank() == 0) most = w.state().sent.messages_max;
+      if (link.rank() == 0) most = w.step_messages().messages_max;
     });
     return most;
   };
@@ -236,7 +236,7 @@ TEST_CASE("fill visits the sites near a rank's own region only") {
           return body<sphere>{.shape = sphere{0.1}, .position = s.position, .material = stuff};
         });
     if (link.rank() == 0) {
-      const auto [lower, upper] = w.state().own.bounds();
+      const auto [lower, upper] = talus::detail::state_of(w).own.bounds();
       CHECK(upper[0] == doctest::Approx(5));
       CHECK(lower[1] == doctest::Approx(-10 / std::sqrt(3)));
     }

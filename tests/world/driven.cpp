@@ -297,8 +297,8 @@ TEST_CASE("a step in which contacts make a body far faster than anything was is 
   c.w.drive(lid, gliding{{0, 0, -2}});
   c.w.add(body{.shape = sphere{1}, .position = {0, 0, 3}, .material = c.rough});
   c.run(0.1, 0.01);
-  CHECK(c.w.state().driving.leap.step == 0);
-  auto& s = c.w.state();
+  CHECK(talus::detail::state_of(c.w).driving.leap.step == 0);
+  auto& s = talus::detail::state_of(c.w);
   s.solver.bodies[0].v = {0, 0, 19};  // the lid moves at 2, the sphere at 1.1
   detail::watch_leaps(s);
   CHECK(s.driving.leap.step == 0);

@@ -158,7 +158,7 @@ using sent = typename detail::columns_that_travel<typename Store::list, Least>::
 template <class World, class Pick>
 std::map<std::uint64_t, byte_buffer> own_values(World& w, Pick&& pick) {
   std::map<std::uint64_t, byte_buffer> values;
-  w.state().each_finite_shape([&](const auto& b) {
+  talus::detail::state_of(w).each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.locals; ++i)
       values[value_of(b.movable.id[i])] = pick(b.movable, i);
   });
@@ -193,7 +193,7 @@ std::size_t copies_agree(World& w) {
   };
   const auto owners = of_all_ranks(w.link(), own_values(w, pick));
   std::size_t copies = 0;
-  w.state().each_finite_shape([&](const auto& b) {
+  talus::detail::state_of(w).each_finite_shape([&](const auto& b) {
     for (std::size_t i = b.movable.locals; i < b.movable.size(); ++i, ++copies) {
       const auto owner = owners.find(value_of(b.movable.id[i]));
       REQUIRE(owner != owners.end());
@@ -244,7 +244,7 @@ TEST_CASE("a column that travels when something has changed does so then, and no
     for (int k = 0; k < 3; ++k) w.step(dt);
     CHECK(copy() == 0);
     // Bypassing the world, as no user can:
-    auto& store = w.state().template of<sphere>().movable;
+    auto& store = talus::detail::state_of(w).template of<sphere>().movable;
     store.template column<changed>()[0] = 5;
     w.step(dt);
     CHECK(copy() == 0);
@@ -282,13 +282,13 @@ TEST_CASE_TEMPLATE("sorting and removal leave each body its columns", Scenario, 
     };
     for (int k = 0; k < 5; ++k) w.step(dt);
     auto before = own_values(w, pick);
-    w.state().each_finite_shape([](auto& b) {
+    talus::detail::state_of(w).each_finite_shape([](auto& b) {
       detail::plain_vector<std::uint32_t> order(b.movable.locals);
       for (std::size_t k = 0; k < order.size(); ++k)
         order[k] = static_cast<std::uint32_t>(order.size() - 1 - k);
       b.movable.permute_locals(order);
     });
-    w.state().changed = true;
+    talus::detail::state_of(w).changed = true;
     CHECK(own_values(w, pick) == before);
     const auto odd = [](const auto& b) { return value_of(b.id()) % 2 == 1; };
     CHECK(w.destroy_if(odd) > 0);

@@ -19,7 +19,7 @@ using pair_of_ids = std::pair<system_id, system_id>;
 
 /// Spheres that overlap each other, a plane, or a global sphere: by geometry, each against each.
 std::set<pair_of_ids> overlapping(const world<heap>& w) {
-  const auto& spheres = w.state().of<sphere>();
+  const auto& spheres = talus::detail::state_of(w).of<sphere>();
   const auto& a = spheres.movable;
   std::set<pair_of_ids> found;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -30,7 +30,7 @@ std::set<pair_of_ids> overlapping(const world<heap>& w) {
     };
     for (std::size_t j = 0; j < i; ++j) with(a, j);
     for (std::size_t j = 0; j < spheres.global.size(); ++j) with(spheres.global, j);
-    const auto& planes = w.state().of<plane>().global;
+    const auto& planes = talus::detail::state_of(w).of<plane>().global;
     for (std::size_t j = 0; j < planes.size(); ++j)
       if (planes.shape[j].normal.dot(a.position[i]) - planes.shape[j].offset < a.shape[i].radius)
         found.insert(std::minmax(a.id[i], planes.id[j]));
@@ -39,7 +39,7 @@ std::set<pair_of_ids> overlapping(const world<heap>& w) {
 }
 std::set<pair_of_ids> contacts(const world<heap>& w) {
   std::set<pair_of_ids> found;
-  w.state().each_contact_list([&](const auto& list) {
+  talus::detail::state_of(w).each_contact_list([&](const auto& list) {
     using detail::contact_part;
     for (std::size_t i = 0; i < list.size(contact_part::interior); ++i) {
       const auto& key = list.key(contact_part::interior, i);
@@ -104,7 +104,7 @@ TEST_CASE(
       const auto found = contacts(s.w);
       compared += expected.size();
       for (const auto& pair : expected) missed += !found.contains(pair);
-      kept += s.w.state().found.steps > 0;
+      kept += talus::detail::state_of(s.w).found.steps > 0;
     }
     CHECK(compared > 10000);
     CHECK(missed == 0);
@@ -118,14 +118,15 @@ TEST_CASE("contacts of kept pairs take up the impulses of the step before") {
   s.w.solver().iterations = 1;  // without a warm start, one sweep cannot carry a heap
   const auto highest = [&] {
     real speed = 0;
-    for (const vec3& v : s.w.state().of<sphere>().movable.velocity) speed += v.norm();
+    for (const vec3& v : talus::detail::state_of(s.w).of<sphere>().movable.velocity)
+      speed += v.norm();
     return speed / static_cast<real>(s.spheres.size());
   };
   const real before = highest();
   int kept = 0;
   for (int step = 0; step < 100; ++step) {
     s.w.step(1.0 / 240);
-    kept += s.w.state().found.steps > 0;
+    kept += talus::detail::state_of(s.w).found.steps > 0;
   }
   CHECK(kept > 50);
   CHECK(highest() < std::max(2 * before, 1e-2));

@@ -70,17 +70,17 @@ void fill(World& w, unsigned seed) {
 template <class World>
 void note(const World& w, findings& all, bool places) {
   const std::lock_guard lock(all.guard);
-  const auto& store = w.state().template of<sphere>().movable;
+  const auto& store = talus::detail::state_of(w).template of<sphere>().movable;
   if (places) {
     for (std::size_t i = 0; i < store.locals; ++i)
       all.spheres.push_back({store.id[i], store.position[i], store.shape[i].radius});
-    const auto& planes = w.state().template of<plane>().global;
+    const auto& planes = talus::detail::state_of(w).template of<plane>().global;
     all.planes.clear();
     for (std::size_t i = 0; i < planes.size(); ++i)
       all.planes.emplace_back(planes.id[i], planes.shape[i]);
     return;
   }
-  w.state().each_contact_list([&](const auto& list) {
+  talus::detail::state_of(w).each_contact_list([&](const auto& list) {
     for (const auto part : {contact_part::interior, contact_part::boundary})
       for (std::size_t i = 0; i < list.size(part); ++i) {
         const auto& key = list.key(part, i);
@@ -91,7 +91,7 @@ void note(const World& w, findings& all, bool places) {
           all.boundary.insert({low, high, w.rank()});
       }
   });
-  (w.state().found.steps > 0 ? all.kept : all.searched) += 1;
+  (talus::detail::state_of(w).found.steps > 0 ? all.kept : all.searched) += 1;
 }
 
 }  // namespace
@@ -113,14 +113,14 @@ TEST_CASE_TEMPLATE("no contact is missed and each is solved once while bodies ch
         link.barrier();
         w.step(1.0 / 240);
         note(w, all, false);
-        const auto& store = w.state().template of<sphere>().movable;
+        const auto& store = talus::detail::state_of(w).template of<sphere>().movable;
         std::set<system_id> now(store.id.begin(), store.id.begin() + std::ptrdiff_t(store.locals));
         std::size_t came = 0;
         for (const auto id : now) came += step > 0 && !mine.contains(id);
         {
           const std::lock_guard lock(all.guard);
           all.moved += came;
-          kept_while_moving += came > 0 && w.state().found.steps > 0;
+          kept_while_moving += came > 0 && talus::detail::state_of(w).found.steps > 0;
         }
         mine = std::move(now);
         link.barrier();
@@ -167,7 +167,7 @@ TEST_CASE("contacts of bodies that change their owner start from the impulses of
   threads::launch({.ranks = 4}, [&](threads::link& link) {
     world<heap> w(link);
     fill(w, 3);
-    auto& s = const_cast<detail::world_state<heap>&>(w.state());
+    auto& s = const_cast<detail::world_state<heap>&>(talus::detail::state_of(w));
     std::set<system_id> mine;
     for (int step = 0; step < 400; ++step) {
       w.step(1.0 / 240);

@@ -184,7 +184,7 @@ TEST_CASE("a body that a rank counts as handed over, and did not pack, is named 
   CHECK(says(run(2,
                  [](row_world& w) {
                    if (w.rank() == 0 && w.steps() == 3)
-                     w.state().neighbours[0].channel.given.add(system_id{77});
+                     talus::detail::state_of(w).neighbours[0].channel.given.add(system_id{77});
                  }),
              {"body 0x4d was lost on the way from rank 0 to rank 1 in step 3",
               "1 bodies were handed over so far, and 0 came"}));
@@ -193,24 +193,24 @@ TEST_CASE("a body that a rank counts as handed over, and did not pack, is named 
 TEST_CASE("a body that vanishes from a rank, or appears there, is named by that rank") {
   CHECK(says(run(2,
                  [](row_world& w) {
-                   auto& store = w.state().of<sphere>().movable;
+                   auto& store = talus::detail::state_of(w).of<sphere>().movable;
                    if (w.rank() == 0 && w.steps() == 3) store.remove_local(0);
                  }),
              {first, "rank 0 should own 1 bodies, and owns 0",
               "(last seen at (9.56, 0, 0)) is lost in step 4"}));
   const auto twice = [](row_world& w) {
-    auto& store = w.state().of<sphere>().movable;
+    auto& store = talus::detail::state_of(w).of<sphere>().movable;
     if (w.rank() != 0 || w.steps() != 3) return;
     store.insert_local();
     store.each_column([](auto& c) { c[1] = c[0]; });
-    w.state().changed = true;
+    talus::detail::state_of(w).changed = true;
   };
   CHECK(says(run(2, twice), {first, "twice"}));
   CHECK(says(run(2,
                  [](row_world& w) {
-                   auto& store = w.state().of<sphere>().movable;
+                   auto& store = talus::detail::state_of(w).of<sphere>().movable;
                    if (w.rank() == 0 && w.steps() == 3)
-                     store.id[0] = system_id{5}, w.state().changed = true;
+                     store.id[0] = system_id{5}, talus::detail::state_of(w).changed = true;
                  }),
              {"step 4", "rank 0 should own 1 bodies, and owns 1", "changed its id"}));
 }
@@ -220,7 +220,7 @@ namespace {
 /// Puts the body of rank 0 on `rank` as well, with a count that hides it.
 void own_too(row_world& w, int rank, real x) {
   if (w.rank() != rank) return;
-  auto& s = w.state();
+  auto& s = talus::detail::state_of(w);
   auto& store = s.of<sphere>().movable;
   const std::size_t i = store.insert_local();
   store.id[i] = detail::id_of_attempt(0);
@@ -253,7 +253,7 @@ TEST_CASE("a body handed over to a rank that sees another owner names both ranks
   CHECK(says(run(3,
                  [](row_world& w) {
                    if (w.rank() != 1 || w.steps() != 2) return;
-                   auto& s = w.state();
+                   auto& s = talus::detail::state_of(w);
                    s.own = row_world::domain_type(grid<dynamic, 1, 1>{.lower = {3}, .upper = {33}},
                                                   1, 3);
                  }),
@@ -262,7 +262,7 @@ TEST_CASE("a body handed over to a rank that sees another owner names both ranks
 
 TEST_CASE("copies that are not those which the owner tells of are named with the body") {
   const auto drop = [](row_world& w) {
-    auto& s = w.state();
+    auto& s = talus::detail::state_of(w);
     auto& store = s.of<sphere>().movable;
     if (w.rank() == 1 && w.steps() == 3 && store.size() > store.locals) {
       store.resize(store.size() - 1);
@@ -274,7 +274,7 @@ TEST_CASE("copies that are not those which the owner tells of are named with the
   CHECK(says(
       run(2,
           [](row_world& w) {
-            auto& store = w.state().of<sphere>().movable;
+            auto& store = talus::detail::state_of(w).of<sphere>().movable;
             if (w.rank() == 1 && w.steps() == 3 && store.size() > store.locals)
               store.id[store.locals] = system_id{9};
           }),
@@ -291,7 +291,7 @@ TEST_CASE("an audit counts the bodies of all ranks, and names one that is lost o
   CHECK(says(run(4,
                  [](row_world& w) {
                    if (w.steps() != 39 || w.rank() != 1) return;
-                   auto& s = w.state();
+                   auto& s = talus::detail::state_of(w);
                    s.owned.remove(s.of<sphere>().movable.id[0]);
                    s.of<sphere>().movable.remove_local(0);
                    s.changed = true;

@@ -90,9 +90,10 @@ outcome run_grains(int ranks) {
     const auto figures = summarize(w, 0, 0);
     // Attractive forces at a positive gap.
     std::uint64_t beyond = 0;
-    detail::each_loaded_contact(w.state(), [&](const loaded_contact& c, bool counts) {
-      beyond += counts && c.force.dot(c.normal) < 0;
-    });
+    detail::each_loaded_contact(talus::detail::state_of(w),
+                                [&](const loaded_contact& c, bool counts) {
+                                  beyond += counts && c.force.dot(c.normal) < 0;
+                                });
     link.reduce(reduction::sum, std::span(&beyond, 1));
     real closure = 0, scheme = 0, dissipated = 0;
     if constexpr (Scenario::template has_feature<energy_ledger>) {
@@ -269,7 +270,7 @@ TEST_CASE("parameters of pairs: given, derived, asked for, changed, and missing"
     w.add(body{.shape = sphere{0.5}, .position = {0, 0, 0}, .material = a});
     w.add(body{.shape = sphere{0.5}, .position = {0.99, 0, 0}, .material = b});
     w.step(1e-4);
-    CHECK(std::get<detail::soft_contacts>(w.state().contacts).size() == 1);
+    CHECK(std::get<detail::soft_contacts>(talus::detail::state_of(w).contacts).size() == 1);
     w.add(body{.shape = sphere{0.5}, .position = {-0.99, 0, 0}, .material = a});
     CHECK_THROWS_WITH_AS(w.step(1e-4),
                          "bodies of the materials 0 and 0 touch, and liquid_bridge has no "
@@ -303,19 +304,19 @@ TEST_CASE("a pair within range without a bridge is no contact") {
     w.add(body{.shape = sphere{0.5}, .position = {0, 0, 0}});
     const auto b = w.add(body{.shape = sphere{0.5}, .position = {1.1, 0, 0}});
     w.step(1e-5);
-    CHECK(std::get<detail::soft_contacts>(w.state().contacts).size() == 0);
+    CHECK(std::get<detail::soft_contacts>(talus::detail::state_of(w).contacts).size() == 0);
     w[b].translate({-0.11, 0, 0});
     w.step(1e-5);
-    CHECK(std::get<detail::soft_contacts>(w.state().contacts).size() == 1);
+    CHECK(std::get<detail::soft_contacts>(talus::detail::state_of(w).contacts).size() == 1);
     w[b].translate({0.11, 0, 0});  // apart, and joined
     w.step(1e-5);
-    CHECK(std::get<detail::soft_contacts>(w.state().contacts).size() == 1);
+    CHECK(std::get<detail::soft_contacts>(talus::detail::state_of(w).contacts).size() == 1);
     CHECK(contact_force(w, b)[0] < 0);
     w[b].translate({0.3, 0, 0});
     w.step(1e-5);
     w[b].translate({-0.3, 0, 0});  // back, and dry
     w.step(1e-5);
-    CHECK(std::get<detail::soft_contacts>(w.state().contacts).size() == 0);
+    CHECK(std::get<detail::soft_contacts>(talus::detail::state_of(w).contacts).size() == 0);
     CHECK(contact_force(w, b)[0] == 0);
     // A law added to a running world reaches farther from the next step on.
     auto more = water;
@@ -325,6 +326,6 @@ TEST_CASE("a pair within range without a bridge is no contact") {
     w.step(1e-5);
     w[b].translate({0.6, 0, 0});
     w.step(1e-5);
-    CHECK(std::get<detail::soft_contacts>(w.state().contacts).size() == 1);
+    CHECK(std::get<detail::soft_contacts>(talus::detail::state_of(w).contacts).size() == 1);
   });
 }

@@ -137,30 +137,30 @@ TEST_CASE("a contact takes the bytes of its law") {
 
 TEST_CASE("a world of spheres holds no tensors and corrects no rotations; one with boxes does") {
   after_steps<spheres>([](auto& w) {
-    const solver_state& s = w.state().solver;
+    const solver_state& s = talus::detail::state_of(w).solver;
     CHECK(s.bodies.size() == 64);
     CHECK(s.shift.size() == 64);
     CHECK(s.tensors.capacity() == 0);
     CHECK(s.turn.capacity() == 0);
     CHECK(s.boundary_contacts.capacity() == 0);
-    CHECK(w.state().neighbours.capacity() == 0);
+    CHECK(talus::detail::state_of(w).neighbours.capacity() == 0);
     MESSAGE("bytes in use per sphere, contacts, grids and solver included: ", bytes_in_use(w) / 64);
   });
   after_steps<boxes>([](auto& w) {
-    CHECK(w.state().solver.tensors.size() == 1);
-    CHECK(w.state().solver.turn.size() == 1);
+    CHECK(talus::detail::state_of(w).solver.tensors.size() == 1);
+    CHECK(talus::detail::state_of(w).solver.turn.size() == 1);
   });
 }
 
 TEST_CASE("without correction nothing is held for it") {
   after_steps<serial_world<hard_contact<coulomb_friction, no_correction>, sphere>>(
-      [](auto& w) { CHECK(w.state().solver.shift.capacity() == 0); });
+      [](auto& w) { CHECK(talus::detail::state_of(w).solver.shift.capacity() == 0); });
 }
 
 TEST_CASE("without friction no contact is handed an impulse across its normal") {
   after_steps<serial_world<hard_contact<>, sphere, box>>([](auto& w) {
     std::size_t contacts = 0;
-    w.state().each_contact_list([&](const auto& list) {
+    talus::detail::state_of(w).each_contact_list([&](const auto& list) {
       list.each([&](const auto& c, bool) {
         ++contacts;
         vec3 normal;

@@ -52,7 +52,7 @@ std::vector<vec3> meeting_at(const vec3& place, int x, int y) {
   std::mutex mutex;
   on<Scenario>(x, y, [&](auto& w) {
     w.material({.restitution = 0.8, .friction = 0.3});
-    const auto& box = w.state().own.box();
+    const auto& box = talus::detail::state_of(w).own.box();
     for (const double side : {-1.0, 1.0})
       w.add_if_local(body{.shape = sphere{0.5},
                           .position = box.wrapped(place + vec3(side, 0.1 * side, 0)),

@@ -74,11 +74,11 @@ TEST_CASE("soft spheres that meet across a side part with the momentum of those 
     on<soft>(x, y, [&](auto& w) {
       w.material({.restitution = 0.7, .friction = 0.4, .stiffness = 1e4});
       for (const double side : {-1.0, 1.0})
-        w.add_if_local(
-            body{.shape = sphere{0.5},
-                 .position = w.state().own.box().wrapped(vec3(place + 0.6 * side, 0.1 * side, 0)),
-                 .velocity = {-side, 0, 0},
-                 .angular_velocity = {0, 0, side}});
+        w.add_if_local(body{.shape = sphere{0.5},
+                            .position = talus::detail::state_of(w).own.box().wrapped(
+                                vec3(place + 0.6 * side, 0.1 * side, 0)),
+                            .velocity = {-side, 0, 0},
+                            .angular_velocity = {0, 0, side}});
       for (int k = 0; k < 4000; ++k) w.step(1e-4);
       const motion all = measure_motion(w);
       CHECK(all.momentum.norm() < 1e-12);
@@ -133,8 +133,9 @@ TEST_CASE("a flow is counted where bodies cross the plane, not where they come i
       CHECK(b.backward == 0);
       w.for_each_local([&](const auto& body) {
         CHECK(body.velocity() == vec3(3, -2, 0));
-        CHECK((w.state().own.box().nearest(body.position(), {4, -2, 0}) - vec3(4, -2, 0)).norm() <
-              1e-9);
+        CHECK((talus::detail::state_of(w).own.box().nearest(body.position(), {4, -2, 0}) -
+               vec3(4, -2, 0))
+                  .norm() < 1e-9);
       });
     });
 }

@@ -169,7 +169,7 @@ TEST_CASE("impulses lie in their cones and the residual falls to the round-off o
           before = r.value;
         }
         bool in_cones = true;
-        w.state().each_contact_list([&](const auto& list) {
+        talus::detail::state_of(w).each_contact_list([&](const auto& list) {
           list.each([&](const auto& c, bool) {
             in_cones = in_cones && c.rn >= 0 && c.rt.norm() <= c.friction * c.rn * (1 + 1e-6f);
           });

@@ -82,7 +82,7 @@ void check_momentum(int ranks, bool angular) {
     std::uint64_t collided = 0;
     for (int k = 0; k < 250; ++k) {
       w.step(0.005);
-      w.state().each_contact_list([&](const auto& list) {
+      talus::detail::state_of(w).each_contact_list([&](const auto& list) {
         list.each([&](const auto& c, bool counts) {
           collided += counts && c.impulse().squaredNorm() > 0;
         });

@@ -325,7 +325,7 @@ TEST_CASE("an island goes on with the impulses it had, and its ranks agree on th
                               .position = {2.0 * k + (z % 2 ? 1.2 : 0.8), 0, z + 0.5}});
       run(w, 200);
       REQUIRE(asleep(w) == bricks);
-      CHECK(w.state().sleep.contacts.entries().size() > 0);
+      CHECK(talus::detail::state_of(w).sleep.contacts.entries().size() > 0);
       run(w, 20);
       w.wake();
       run(w, 1);
@@ -333,7 +333,7 @@ TEST_CASE("an island goes on with the impulses it had, and its ranks agree on th
       CHECK(measure_motion(w).max_speed < 1e-3);  // a fall of one step would make it 5e-2
       std::map<std::array<std::uint64_t, 3>, vec3> impulses;
       double apart = 0, shared = 0;
-      for (const auto& c : w.state().history.entries())
+      for (const auto& c : talus::detail::state_of(w).history.entries())
         impulses[{value_of(c.key.a), value_of(c.key.b), c.key.feature}] = c.memory;
       detail::byte_buffer mine;
       for (const auto& [key, impulse] : impulses) {
@@ -473,7 +473,7 @@ TEST_CASE("ranks agree on who sleeps and on impulses, and what sleeps does not m
           else
             now[b.id()] = {b.is_asleep(), b.position()};
         });
-        for (const auto& c : w.state().history.entries())
+        for (const auto& c : talus::detail::state_of(w).history.entries())
           impulses[rank][{value_of(c.key.a), value_of(c.key.b), c.key.feature}] = c.memory;
       }
       link.barrier();

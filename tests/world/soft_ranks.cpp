@@ -98,7 +98,7 @@ outcome run_heap(int ranks, int steps, real dt) {
     const auto figures = summarize(w, 0, 0);
     const std::lock_guard lock(one_by_one);
     all.crossings += crossings;
-    all.kept += w.state().history.entries().size();
+    all.kept += talus::detail::state_of(w).history.entries().size();
     all.penetration = figures.overlap.mean;
     all.contacts = figures.contacts;
     w.for_each_local([&](const auto& b) {
@@ -162,7 +162,7 @@ void check_momentum(const std::string& name) {
       std::uint64_t met = 0;
       for (int k = 0; k < 500; ++k) {
         w.step(1e-3);
-        met += w.state().history.entries().size();
+        met += talus::detail::state_of(w).history.entries().size();
       }
       const auto after = measure_motion(w);
       link.reduce(reduction::sum, std::span(&met, 1));
@@ -238,7 +238,7 @@ TEST_CASE("what the user moves between steps touches in the next one") {
     const auto other = w.add(body{.shape = sphere{0.5}, .position = {0, 3, 0.7}});
     const auto touching_after_step = [&] {
       w.step(1e-5);
-      return std::get<detail::soft_contacts>(w.state().contacts).size();
+      return std::get<detail::soft_contacts>(talus::detail::state_of(w).contacts).size();
     };
     CHECK(touching_after_step() == 0);
     w[ground].translate({0, 0, 0.21});
@@ -326,8 +326,8 @@ TEST_CASE("what a soft law does not name is not stored") {
     w.add_if_local(body{.shape = sphere{0.5}, .position = {-0.4, 0, 0}, .velocity = {1, 0, 0}});
     w.add_if_local(body{.shape = sphere{0.5}, .position = {0.4, 0.1, 0}});
     w.simulate({.steps = 5, .dt = 1e-3});
-    CHECK(w.state().history.entries().empty());
-    CHECK(std::get<detail::soft_contacts>(w.state().contacts).size() == 1);
+    CHECK(talus::detail::state_of(w).history.entries().empty());
+    CHECK(std::get<detail::soft_contacts>(talus::detail::state_of(w).contacts).size() == 1);
     CHECK_THROWS_WITH_AS(w.material({.density = 1}),
                          "a material of a scenario with linear_spring_dashpot needs a positive "
                          "stiffness, but has 0: set .stiffness",

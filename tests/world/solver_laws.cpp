@@ -155,12 +155,12 @@ TEST_CASE_TEMPLATE(
     std::vector<std::string> digests;
     for (const bool measured : {false, true})
       Heap::on(ranks, 60, [&](auto& w, bool speaks) {
-        CHECK(w.state().sent.collectives == 0);
+        CHECK(w.step_messages().collectives == 0);
         for (int k = 0; k < 30; ++k) {
           w.step(dt);
           if (measured) (void)measure_residual(w);
         }
-        CHECK(w.state().sent.collectives == 0);
+        CHECK(w.step_messages().collectives == 0);
         const auto digest = state_digest(w);
         if (speaks) digests.push_back(digest);
       });
@@ -177,7 +177,7 @@ TEST_CASE_TEMPLATE("impulses lie in their cones, on 1 and 4 ranks", Heap,
       for (int k = 0; k < 20; ++k) {
         w.solver().iterations = 1 + k;
         w.step(dt);
-        detail::each_counted(w.state().contacts, [&](const auto& c) {
+        detail::each_counted(talus::detail::state_of(w).contacts, [&](const auto& c) {
           const vec3 r = c.impulse();
           const real n = c.axis().dot(r);
           largest = std::max(largest, r.norm());

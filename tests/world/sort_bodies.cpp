@@ -29,7 +29,7 @@ vec3 place_of_site(int k) { return vec3(k % side, k / side % side, k / side / si
 
 template <class World>
 real scatter(const World& w) {
-  const auto& store = w.state().template of<sphere>().movable;
+  const auto& store = talus::detail::state_of(w).template of<sphere>().movable;
   return detail::scatter_of(std::span<const vec3>(store.position).first(store.locals));
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("bodies that are in order already are left as they are") {
       order.push_back(w.add(body{.shape = sphere{0.4}, .position = at}).id);
     }
     w.step(0.001);
-    const auto& id = w.state().of<sphere>().movable.id;
+    const auto& id = talus::detail::state_of(w).of<sphere>().movable.id;
     CHECK(std::equal(id.begin(), id.end(), order.begin(), order.end()));
   }
 }
@@ -118,14 +118,14 @@ TEST_CASE("sorting between two steps loses neither contacts nor momentum nor cop
       const motion before = measure_motion(w);
       for (int step = 0; step < 3; ++step) {
         if (step == 2) {  // while the history and the neighbour list are in use
-          scatter_bodies(const_cast<detail::world_state<cloud>&>(w.state()));
+          scatter_bodies(const_cast<detail::world_state<cloud>&>(talus::detail::state_of(w)));
         }
         w.step(0.01);
       }
       CHECK(scatter(w) < 3);
       const motion after = measure_motion(w);
       std::uint64_t contacts = 0;
-      w.state().each_contact_list([&](const auto& list) {
+      talus::detail::state_of(w).each_contact_list([&](const auto& list) {
         list.each([&](const auto& c, bool counts) {
           contacts += counts && c.impulse().squaredNorm() > 0;
         });

@@ -48,7 +48,7 @@ template <class Scenario>
 [[gnu::cold]] std::string read_rank(world<Scenario>& w, const std::string& file,
                                     std::array<std::uint64_t, 2>& rows, pending_wakes& wakes) {
   using access = checkpoint_access;
-  auto& s = w.state();
+  auto& s = state_of(w);
   auto& keeper = access::keeper(w);
   const checkpoint_reader in(file);
   require_same_scenario<Scenario>(in);
@@ -163,8 +163,8 @@ template <class Scenario>
         fail<std::runtime_error>("the checkpoint {} {}", file, e.what());
       }
   });
-  const auto wakes = measure_pending_wakes(w.state());
-  auto tables = tables_of(w.state());
+  const auto wakes = measure_pending_wakes(state_of(w));
+  auto tables = tables_of(state_of(w));
   const auto facts = facts_of(w, team, wakes);
   checkpoint_kind kind;
   team_writer(team, kind, file, force).write(tables, facts);
@@ -215,9 +215,9 @@ template <class Scenario>
           "the checkpoint {} holds {} bodies, but {} are in the domain of some rank: all space "
           "must belong to one rank each",
           file, rows[0], rows[1]);
-    detail::take_stock(w.state());
+    detail::take_stock(detail::state_of(w));
     std::array<double, 3> found{static_cast<double>(w.steps()), -static_cast<double>(w.steps()),
-                                double(detail::twice_owned(w.state()) != no_id)};
+                                double(detail::twice_owned(detail::state_of(w)) != no_id)};
     w.link().reduce(reduction::max, std::span<double>(found));
     if (found[0] != -found[1])
       detail::fail<std::runtime_error>(

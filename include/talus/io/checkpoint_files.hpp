@@ -76,10 +76,10 @@ class checkpoint_files final : public checkpoint_hooks {
     next_poll_ = 0, between_ = 1;  // steps other than those before may take longer
     if (!waiting_) {
       auto& first = checkpoint_access::keeper(w_).first_parameters;
-      if (!first) first = parameters_of(w_.state());
+      if (!first) first = parameters_of(state_of(w_));
       return {.steps = s.steps};
     }
-    auto& state = w_.state();
+    auto& state = state_of(w_);
     const std::uint64_t call = calls_++;
     const course_part* const then = past_.find(call);
     const bool came_to_its_end = then != nullptr && then->calls > 0;
@@ -229,7 +229,7 @@ class checkpoint_files final : public checkpoint_hooks {
     if constexpr (Scenario::contact_law::soft)
       return true;
     else
-      return w_.state().settings.tolerance == 0 && !watches<Scenario, residual_monitor>;
+      return state_of(w_).settings.tolerance == 0 && !watches<Scenario, residual_monitor>;
   }
 
   world<Scenario>& w_;

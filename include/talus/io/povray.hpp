@@ -133,7 +133,7 @@ class povray_scene {
   }
   void add_domain(const vec3& colour) {
     if (world_.connections().empty()) return;
-    const auto& domain = world_.state().own;
+    const auto& domain = view_of(world_).own;
     const vec3 room = 0.02 * (upper_ - lower_);
     out_ << "intersection{box{" << vec3(lower_ - room) << "," << vec3(upper_ + room) << "}";
     povray_region region(out_);

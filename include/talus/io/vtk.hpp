@@ -39,7 +39,7 @@ template <class Scenario>
 void write_vtk_bodies(world<Scenario>& w, checkpoint_team& team, const std::string& file,
                       bool force) {
   vtk_bodies<Scenario> rows;
-  rows.add_all(w.state());
+  rows.add_all(view_of(w));
   write_vtk_file(team, file, vtk_cells::in_a_row(vtk_cell::vertex, rows.points.rows(), 1),
                  std::move(rows.points), std::move(rows.data), w.steps(), w.time(), force);
 }
@@ -55,7 +55,7 @@ template <class Scenario>
 void write_vtk_surfaces(world<Scenario>& w, checkpoint_team& team, const std::string& file,
                         bool force) {
   vtk_surfaces<Scenario> rows;
-  rows.add_all(w.state());
+  rows.add_all(view_of(w));
   write_vtk_file(team, file, rows.cells(), std::move(rows.points), std::move(rows.data), w.steps(),
                  w.time(), force);
 }

@@ -20,7 +20,7 @@ template <class Scenario>
   load_balance found;
   if constexpr (detail::require_feature<Scenario, balancing>()) {
     w.require_all_ranks("measure_balance");
-    const auto& s = w.state();
+    const auto& s = detail::view_of(w);
     found.after = detail::reduce_load(w.link(), detail::load_of(s, s.balance.since_move)).uneven();
     found.moved = s.balance.moved;
     found.before = found.moved > 0 ? s.balance.before : found.after;

@@ -38,7 +38,7 @@ template <class Scenario>
 [[nodiscard]] coordination measure_coordination(world<Scenario>& w) {
   w.require_all_ranks("measure_coordination");
   detail::plain_vector<detail::touch> touches;
-  detail::each_loaded_contact(w.state(), [&](const loaded_contact& c, bool) {
+  detail::each_loaded_contact(detail::state_of(w), [&](const loaded_contact& c, bool) {
     if (c.owned_a && c.moves_a) touches.push_back({c.a, c.b});
     if (c.owned_b && c.moves_b) touches.push_back({c.b, c.a});
   });

@@ -32,7 +32,7 @@ struct soft_scales {
 template <class Scenario>
 [[nodiscard]] real fall_to_planes(const world<Scenario>& w, const vec3& from, const vec3& down) {
   real furthest = 0;
-  w.state().each_shape([&](const auto& b) {
+  state_of(w).each_shape([&](const auto& b) {
     for (const auto& shape : b.global.shape)
       if constexpr (requires { shape.unit_normal(); }) {
         const real towards = -shape.unit_normal().dot(down);
@@ -103,7 +103,7 @@ template <class Scenario>
 /// Calls f(i, j, parameters) for the materials of bodies that may meet, the first of which moves.
 template <class Scenario, class F>
 void each_meeting_pair(world<Scenario>& w, const soft_scales& s, F&& f) {
-  auto& pairs = w.state().soft.pairs;
+  auto& pairs = state_of(w).soft.pairs;
   const material_table& materials = w.materials();
   pairs.follow(materials);
   for (std::size_t i = 0; i < materials.size(); ++i) {

@@ -31,8 +31,8 @@ template <class Scenario>
   energy_balance b;
   if constexpr (detail::require_feature<Scenario, energy_ledger>()) {
     w.require_all_ranks("measure_energy");
-    const auto& r = w.state().monitors.energy;
-    const detail::energy_sums now = detail::energy_of(w.state());
+    const auto& r = detail::view_of(w).monitors.energy;
+    const detail::energy_sums now = detail::energy_of(detail::view_of(w));
     const double energy = now.kinetic + now.potential, then = r.after.kinetic + r.after.potential;
     std::array<double, 21> sums{now.kinetic,
                                 now.potential,
@@ -55,7 +55,8 @@ template <class Scenario>
                                 0,
                                 r.step.sleep,
                                 r.total.sleep};
-    if constexpr (Scenario::contact_law::soft) sums[18] = w.state().monitors.springs.stored;
+    if constexpr (Scenario::contact_law::soft)
+      sums[18] = detail::view_of(w).monitors.springs.stored;
     w.link().reduce(reduction::sum, sums);
     b.worst = r.worst;
     w.link().reduce(reduction::max, std::span(&b.worst, 1));

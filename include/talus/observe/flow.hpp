@@ -33,7 +33,7 @@ namespace detail {
 template <class Scenario>
 class crossing_counter {
  public:
-  crossing_counter(world_state<Scenario>& s, const plane& where) : s_(s), where_(where) {}
+  crossing_counter(const world_state<Scenario>& s, const plane& where) : s_(s), where_(where) {}
 
   void note() {
     before_.clear();
@@ -97,7 +97,7 @@ class crossing_counter {
     return at == id_table::unknown ? nullptr : &before_[at];
   }
 
-  world_state<Scenario>& s_;
+  const world_state<Scenario>& s_;
   plane where_;
   plain_vector<side> before_;
   id_table places_;
@@ -120,7 +120,7 @@ class flow_meter {
   /// meter; counting continues after the meter is destroyed.
   flow_meter(world<Scenario>& w, const plane& where) : w_(w) {
     where.validate();
-    counter_ = std::make_shared<detail::crossing_counter<Scenario>>(w.state(), where);
+    counter_ = std::make_shared<detail::crossing_counter<Scenario>>(detail::view_of(w), where);
     w.before_simulating([counter = counter_] { counter->note(); });
     w.after_each_step([counter = counter_] { counter->count(); });
   }

@@ -15,7 +15,7 @@ namespace detail {
 /// Of hard contacts: their impulses over the length of the step.
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 force_of_impulses(world<Scenario>& w, handle<Shape> h) {
-  auto& s = w.state();
+  auto& s = state_of(w);
   // The owner of a movable body knows all its contacts; those of others are counted by the owners
   // of their partners. (More ranks may store them.)
   detail::plain_vector<system_id> own;
@@ -71,7 +71,7 @@ struct contact_load {
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 contact_force(world<Scenario>& w, handle<Shape> h) {
   w.require_all_ranks("contact_force");
-  auto& s = w.state();
+  auto& s = detail::state_of(w);
   if constexpr (Scenario::contact_law::soft) {
     std::array<double, 3> sum{};
     detail::observe_forces(
@@ -93,7 +93,7 @@ template <class Scenario, class Shape>
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 contact_torque(world<Scenario>& w, handle<Shape> h, const vec3& about) {
   w.require_all_ranks("contact_torque");
-  auto& s = w.state();
+  auto& s = detail::state_of(w);
   const auto found = w.find(h);
   detail::contact_load load{h.id, found && found->is_global(), about};
   if constexpr (Scenario::contact_law::soft) {

@@ -69,7 +69,7 @@ template <class Scenario>
 /// The force of contacts on all bodies that can move, in the present state: internal forces cancel.
 template <class Scenario>
 [[nodiscard, gnu::cold]] balance_sums soft_balance(world<Scenario>& w) {
-  auto& s = w.state();
+  auto& s = state_of(w);
   balance_sums sums;
   id_table own;
   std::size_t all = 0;
@@ -95,7 +95,7 @@ template <class Scenario>
 template <class Scenario>
 [[nodiscard, gnu::cold]] force_balance measure_force_balance(world<Scenario>& w) {
   w.require_all_ranks("measure_force_balance");
-  auto& s = w.state();
+  auto& s = detail::state_of(w);
   force_balance b;
   double asleep = 0;
   if constexpr (detail::world_state<Scenario>::sleeps)

@@ -17,7 +17,7 @@ inline constexpr double deepest_start = 0.1;
 /// it, and nothing on all others. Needs up-to-date shadow copies.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string initial_overlap(world<Scenario>& w) {
-  const deepest_pair worst = measure_gaps(w.state(), mean_radius(w)).worst;
+  const deepest_pair worst = measure_gaps(view_of(w), mean_radius(w)).worst;
   double most = worst.part;
   w.link().reduce(reduction::max, std::span(&most, 1));
   if (!(most > deepest_start)) return {};

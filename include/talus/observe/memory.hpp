@@ -7,7 +7,7 @@ namespace talus {
 /// Bytes that this rank holds for its bodies, their shadow copies and their contacts.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::size_t bytes_in_use(const world<Scenario>& w) {
-  const auto& s = w.state();
+  const auto& s = detail::view_of(w);
   std::size_t bytes = 0;
   const auto of = [&](const auto& column) {
     bytes += column.capacity() * sizeof(typename std::remove_cvref_t<decltype(column)>::value_type);

@@ -40,7 +40,7 @@ template <class Scenario>
   momentum_account m;
   if constexpr (detail::require_feature<Scenario, momentum_balance>()) {
     w.require_all_ranks("measure_momentum");
-    const auto& r = w.state().monitors.momentum;
+    const auto& r = detail::view_of(w).monitors.momentum;
     std::array<double, 20> sums{};
     const auto parts = std::array{r.before.value(), r.after.value(),  r.gravity.value(),
                                   r.forces.value(), r.ground.value(), r.damping.value()};

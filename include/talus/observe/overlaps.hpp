@@ -21,7 +21,7 @@ template <class Scenario>
   overlap_account o;
   if constexpr (detail::require_feature<Scenario, penetration_monitor>()) {
     w.require_all_ranks("measure_overlaps");
-    const auto& r = w.state().monitors.overlaps;
+    const auto& r = detail::view_of(w).monitors.overlaps;
     std::array<double, 4> sums{r.sum, static_cast<double>(r.count), 0, 0};
     w.for_each_local([&](const auto& b) {
       if (!b.is_fixed()) sums[2] += b.shape().bounding_radius(), ++sums[3];

@@ -155,7 +155,7 @@ template <class Scenario>
 [[nodiscard, gnu::cold]] penetration measure_penetration(world<Scenario>& w) {
   w.require_all_ranks("measure_penetration");
   const real radius = detail::mean_radius(w);
-  detail::gap_sums sums = detail::measure_gaps(w.state(), radius);
+  detail::gap_sums sums = detail::measure_gaps(detail::view_of(w), radius);
   std::array<double, 5> total{sums.overlap, sums.overlapping, sums.loaded_gap, sums.loaded,
                               sums.touching};
   w.link().reduce(reduction::sum, total);

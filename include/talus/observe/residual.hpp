@@ -10,7 +10,7 @@ namespace talus {
 template <class Scenario>
 contact_residual measure_residual(world<Scenario>& w) {
   w.require_all_ranks("measure_residual");
-  return detail::last_residual(w.state());
+  return detail::last_residual(detail::state_of(w));
 }
 
 }  // namespace talus

@@ -31,7 +31,7 @@ template <class Scenario>
 /// Collective: the maximum over all ranks, the first of several equal ones.
 template <class Scenario>
 [[nodiscard, gnu::cold]] speed_leap largest_leap_of(world<Scenario>& w) {
-  const speed_leap& mine = w.state().driving.leap;
+  const speed_leap& mine = view_of(w).driving.leap;
   const auto largest = [&](double value) {
     w.link().reduce(reduction::max, std::span(&value, 1));
     return value;
@@ -49,7 +49,7 @@ template <class Scenario>
 /// The number of steps per contact of a soft scenario, and its stability.
 template <class Scenario>
 [[gnu::cold]] void report_soft_step(world<Scenario>& w, talus::summary& r) {
-  const auto& s = w.state();
+  const auto& s = view_of(w);
   const auto scales = measure_soft_scales(w);
   real fastest = s.soft.fastest_approach;
   w.link().reduce(reduction::max, std::span(&fastest, 1));
@@ -66,7 +66,7 @@ template <class Scenario>
 [[nodiscard, gnu::cold]] summary summarize(world<Scenario>& w, double cpu_seconds,
                                            double wall_seconds) {
   w.require_all_ranks("summarize");
-  const auto& s = w.state();
+  const auto& s = detail::view_of(w);
   auto& link = w.link();
   summary r;
   r.policies = detail::policies_in_use(s);

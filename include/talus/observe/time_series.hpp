@@ -47,7 +47,7 @@ class time_series {
     last_ = w.steps();
     const motion m = measure_motion(w);
     const penetration p = measure_penetration(w);
-    std::uint64_t contacts = detail::count_contacts(w.state());
+    std::uint64_t contacts = detail::count_contacts(detail::view_of(w));
     w.link().reduce(reduction::sum, std::span(&contacts, 1));
     constexpr const char *energy = "M L^2/T^2", *momentum = "M L/T";
     detail::plain_vector<measured> columns{

@@ -30,7 +30,7 @@ void add_force_field(World& w, F f, const std::string& name = "force field") {
     const auto done = std::make_shared<record>();
     const auto act = [&w, f = std::move(f), done] {
       if (std::exchange(done->next, w.steps()) == w.steps()) return;
-      auto& s = w.state();
+      auto& s = detail::state_of(w);
       s.each_finite_shape([&](auto& b) {
         auto& store = b.movable;
         for (std::size_t i = 0; i < store.size(); ++i) {  // shadow copies too, as their owners do

@@ -184,9 +184,10 @@ class inserter {
     bool found = false;
     with(x.what, [&](const auto& a) {
       with(y.what, [&](const auto& b) {
-        collide_pair(a.shape, pose{a.position, a.orientation}, b.shape,
-                     pose{detail::seen_from(w_->state(), a.position, b.position), b.orientation}, 0,
-                     [&](const contact_geometry& g) { found = found || g.gap < 0; });
+        collide_pair(
+            a.shape, pose{a.position, a.orientation}, b.shape,
+            pose{detail::seen_from(detail::view_of(*w_), a.position, b.position), b.orientation}, 0,
+            [&](const contact_geometry& g) { found = found || g.gap < 0; });
       });
     });
     return found;

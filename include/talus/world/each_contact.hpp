@@ -225,7 +225,7 @@ void each_loaded_contact(world_state<Scenario>& s, F&& f) {
 /// There are none before the first step.
 template <class Scenario, class F>
 void for_each_contact(world<Scenario>& w, F&& f) {
-  detail::each_loaded_contact(w.state(), [&](const loaded_contact& c, bool counts) {
+  detail::each_loaded_contact(detail::state_of(w), [&](const loaded_contact& c, bool counts) {
     if (counts) f(c);
   });
 }

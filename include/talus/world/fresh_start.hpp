@@ -156,7 +156,7 @@ template <class Scenario>
 template <class Scenario>
 void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
   using state = world_state<Scenario>;
-  state& s = w.state();
+  state& s = state_of(w);
   const bool alone = w.ranks() == 1;
   const id_table own = alone ? id_table{} : own_bodies(s);
   auto history = alone ? std::move(s.history) : of_own_bodies(s.history, own);

@@ -23,6 +23,7 @@
 #include "talus/world/body_checks.hpp"
 #include "talus/world/checkpoints.hpp"
 #include "talus/world/sections.hpp"
+#include "talus/world/state_of.hpp"
 #include "talus/world/view.hpp"
 
 namespace talus {
@@ -587,14 +588,24 @@ class world {
   /// Elapsed time, in units of time.
   [[nodiscard]] real time() const { return state_.time; }
 
-  /// The parts of this world, for observers and outputs.
-  [[nodiscard]] const detail::world_state<Scenario>& state() const { return state_; }
-  [[nodiscard]] detail::world_state<Scenario>& state() { return state_; }
+  /// Seconds of wall time that the stages of the steps so far took on this rank.
+  [[nodiscard]] stage_seconds stage_times() const {
+    const auto& t = state_.seconds;
+    return {t.detect, t.respond, t.integrate, t.exchange};
+  }
+  /// The messages that this rank sent in the steps so far.
+  [[nodiscard]] const step_traffic& step_messages() const { return state_.sent; }
+  /// Periodic space: its edges, and the image of a point nearest to another.
+  [[nodiscard]] const periodic_box& periodic_space() const
+      requires(detail::world_state<Scenario>::periodic) {
+    return state_.own.box();
+  }
   /// The link that sends messages between the ranks, for user-defined reductions.
   [[nodiscard]] link_type& link() { return *state_.link; }
 
  private:
   friend struct detail::checkpoint_access;
+  friend struct detail::world_access;
   static constexpr bool keeps = Scenario::template has_feature<checkpoints>;
   static constexpr bool balances = Scenario::template has_feature<balancing>;
   static constexpr bool by_colours = detail::solves_by_colours<typename Scenario::solver>;

@@ -112,7 +112,7 @@ struct spring_record {
 
 /// Calls f(store, i, index in the solver's arrays) for each body owned here that can move.
 template <class Scenario, class F>
-void each_moving_local(world_state<Scenario>& s, F&& f) {
+void each_moving_local(const world_state<Scenario>& s, F&& f) {
   s.each_finite_shape([&](auto& b) {
     for (std::size_t i = 0; i < b.movable.locals; ++i)
       if (b.movable.inverse_mass[i] != 0) f(b.movable, i, b.first + i);
@@ -134,7 +134,7 @@ template <class Store>
 
 /// Of the bodies owned here, as they are now.
 template <class Scenario>
-[[nodiscard]] energy_sums energy_of(world_state<Scenario>& s) {
+[[nodiscard]] energy_sums energy_of(const world_state<Scenario>& s) {
   compensated_sum<double> kinetic, potential;
   double height = 0;
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {

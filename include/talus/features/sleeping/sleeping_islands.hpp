@@ -144,7 +144,7 @@ class known_bodies {
  public:
   static constexpr std::uint32_t unknown = ~std::uint32_t{0};
 
-  explicit known_bodies(world_state<Scenario>& s) {
+  explicit known_bodies(const world_state<Scenario>& s) {
     s.each_shape([&](const auto& b) { add(b.movable), add(b.global); });
     sort_values(all_);
     if constexpr (world_state<Scenario>::periodic) {  // a body and its images may both be here
@@ -370,7 +370,7 @@ void note_sleepers(world_state<Scenario>& s) {
 
 /// Calls f(contact) for the memory of contacts of sleeping bodies while they are left out.
 template <class Scenario, class F>
-void each_frozen_contact(world_state<Scenario>& s, F&& f) {
+void each_frozen_contact(const world_state<Scenario>& s, F&& f) {
   const known_bodies<Scenario> known(s);
   for (const auto& c : s.sleep.contacts.entries())
     if (known.rest(c.key)) f(c);

@@ -54,7 +54,7 @@ template <class Scenario>
                                                              checkpoint_team& team,
                                                              const pending_wakes& wakes) {
   using access = checkpoint_access;
-  auto& s = w.state();
+  auto& s = state_of(w);
   auto& keeper = access::keeper(w);
   std::vector<small_dataset> out;
   for (const scenario_mark& m : marks_of<Scenario>())

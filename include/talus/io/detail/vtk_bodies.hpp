@@ -139,7 +139,7 @@ class vtk_bodies {
   }
 
   /// All bodies that this rank owns, and on rank 0 the finite global ones.
-  void add_all(world_state<Scenario>& s) {
+  void add_all(const world_state<Scenario>& s) {
     s.each_finite_shape([&](auto& b) {
       const auto rank = static_cast<std::uint32_t>(s.link->rank());
       for (std::size_t i = 0; i < b.movable.locals; ++i) add(s, b.movable, i, rank);
