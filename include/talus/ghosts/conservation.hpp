@@ -15,7 +15,7 @@ namespace talus::detail {
 
 /// The bodies that are owned here.
 template <class Scenario>
-[[nodiscard]] body_count count_owned(const world_state<Scenario>& s) {
+[[nodiscard]] body_count count_owned(const held_bodies<Scenario>& s) {
   body_count here;
   s.each_finite_shape([&](const auto& b) {
     std::uint64_t ids = 0;
@@ -28,13 +28,13 @@ template <class Scenario>
 /// Bodies came here by other means than those of the world, as from a file, on all ranks: the
 /// bodies here become the reference.
 template <class Scenario>
-void take_stock(world_state<Scenario>& s) {
+void take_stock(population<Scenario>& s) {
   s.owned = s.made = count_owned(s);
 }
 
 /// A body that is owned here more than once, or no_id.
 template <class Scenario>
-[[nodiscard, gnu::cold]] system_id twice_owned(const world_state<Scenario>& s) {
+[[nodiscard, gnu::cold]] system_id twice_owned(const held_bodies<Scenario>& s) {
   id_set known(count_owned(s).bodies);
   system_id twice = no_id;
   s.each_finite_shape([&](const auto& b) {
@@ -64,8 +64,8 @@ void require_all_here(const world_state<Scenario>& s) {
 
 /// The owner of a body, and its position, over all ranks. Collective; for messages.
 template <class Scenario>
-[[nodiscard, gnu::cold]] std::string owners_text(const world_state<Scenario>& s, system_id id) {
-  if constexpr (world_state<Scenario>::link_type::alone)
+[[nodiscard, gnu::cold]] std::string owners_text(const population<Scenario>& s, system_id id) {
+  if constexpr (state_traits<Scenario>::link_type::alone)
     return "";
   else {
     byte_buffer mine;

@@ -27,7 +27,7 @@ template <class Partition>
 
 /// The advice that connects two ranks.
 template <class Scenario>
-[[nodiscard]] std::string way_to_connect(const world_state<Scenario>& s, int a, int b) {
+[[nodiscard]] std::string way_to_connect(const rank_state<Scenario>& s, int a, int b) {
   if constexpr (requires { s.own.partition()->neighbours(0, real{}); })
     if (s.own.partition() != nullptr)
       return compose(
@@ -41,8 +41,8 @@ template <class Scenario>
 /// region of a rank that is not connected to this one. (With connections made by hand, such ranks
 /// are unknown here.)
 template <class Shape, class Scenario>
-void require_reached(const world_state<Scenario>& s, system_id id, const Shape& shape,
-                     const vec3& p, real range = 0) {
+void require_reached(const rank_state<Scenario>& s, system_id id, const Shape& shape, const vec3& p,
+                     real range = 0) {
   if constexpr (requires { s.own.partition()->neighbours(0, real{}); }) {
     const real reach = shape.bounding_radius() + range;
     if (reach <= s.own.covered() || !s.own.contains(p)) return;
@@ -62,7 +62,7 @@ void require_reached(const world_state<Scenario>& s, system_id id, const Shape& 
 
 /// Neighbours exchange the lists of their connections. Collective among neighbours.
 template <class Scenario>
-void share_connections(world_state<Scenario>& s) {
+void share_connections(rank_state<Scenario>& s) {
   std::vector<int> ranks;
   for (const auto& n : s.neighbours) ranks.push_back(n.rank);
   for (parcel& p : s.parcels) {
@@ -82,8 +82,8 @@ void share_connections(world_state<Scenario>& s) {
 
 /// The neighbour that owns a shadow copy.
 template <class Shape, class Scenario>
-[[nodiscard]] std::size_t neighbour_of_copy(const world_state<Scenario>& s, std::size_t copy) {
-  using shapes = typename world_state<Scenario>::finite_shapes;
+[[nodiscard]] std::size_t neighbour_of_copy(const population<Scenario>& s, std::size_t copy) {
+  using shapes = typename state_traits<Scenario>::finite_shapes;
   std::size_t last = s.template of<Shape>().movable.locals, n = 0;
   for (; n < s.neighbours.size(); ++n) {
     last += s.neighbours[n].copies[index_of<shapes, Shape>];

@@ -67,14 +67,14 @@ inline constexpr const char* deliver_once =
 
 /// Begins the next message to neighbour `n`.
 template <class Scenario>
-void open_message(world_state<Scenario>& s, std::size_t n) {
+void open_message(rank_state<Scenario>& s, std::size_t n) {
   s.neighbours[n].next_exchange();
   s.parcels[n].out.assign(sizeof(message_header), std::byte{});
 }
 
 /// Writes the header of a complete message; `migration`: with a checksum.
 template <class Scenario>
-void seal_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
+void seal_letter(rank_state<Scenario>& s, std::size_t n, bool handover) {
   auto& channel = s.neighbours[n].channel;
   byte_buffer& out = s.parcels[n].out;
   const message_header head{++channel.sent, channel.given,

@@ -23,7 +23,7 @@ namespace talus::detail {
 /// Applies the connections made or removed since the last migration. Removes the copies of bodies
 /// of ranks that are no longer connected, and sends the other copies in full.
 template <class Scenario>
-void match_connections(world_state<Scenario>& s) {
+void match_connections(population<Scenario>& s) {
   const auto connections = s.own.connections();
   if (std::equal(connections.begin(), connections.end(), s.neighbours.begin(), s.neighbours.end(),
                  [](const auto& c, const auto& n) { return c.rank == n.rank; }))
@@ -41,7 +41,7 @@ void match_connections(world_state<Scenario>& s) {
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
     const auto copies = b.movable.take_shadows();
-    if constexpr (world_state<Scenario>::periodic) {
+    if constexpr (state_traits<Scenario>::periodic) {
       // Connections change on all ranks together there, with all copies.
       for (auto& n : s.neighbours) n.copies = {};
       return s.copies.of[k++].clear();
@@ -65,7 +65,7 @@ struct way {
 
 /// The rank to send to for the owner of `p`: the owner itself, or a neighbour nearer to it.
 template <class Scenario>
-[[nodiscard]] way way_to(const world_state<Scenario>& s, const vec3& p) {
+[[nodiscard]] way way_to(const rank_state<Scenario>& s, const vec3& p) {
   const auto connections = s.own.connections();
   const int owner = s.own.owner(p);
   std::size_t best = 0;
@@ -107,7 +107,7 @@ class bodies_elsewhere {
 };
 
 template <class Scenario>
-[[nodiscard]] bodies_elsewhere movable_copies(const world_state<Scenario>& s) {
+[[nodiscard]] bodies_elsewhere movable_copies(const population<Scenario>& s) {
   bodies_elsewhere all(s.neighbours.size());
   // The memory of a contact that a feature has set aside may be on one rank only.
   if constexpr (has_more_histories<Scenario>) return all;

@@ -37,7 +37,7 @@ template <class Scenario, class Store>
 
 /// All neighbours have the list of the bodies released here.
 template <class Scenario>
-void end_releases(world_state<Scenario>& s) {
+void end_releases(population<Scenario>& s) {
   if (s.released.empty()) return;
   s.released.clear();
   s.each_finite_shape([&](auto& b) {

@@ -68,14 +68,14 @@ template <class Scenario, class Store>
 
 /// Shifts a received copy from its position at the owner to its image on this rank.
 template <class Scenario>
-void put_image(const world_state<Scenario>& s, vec3& position, image_copy& copy) {
+void put_image(const rank_state<Scenario>& s, vec3& position, image_copy& copy) {
   copy.home = position;
   if (copy.image != 0) position += s.own.box().shift(copy.image);
 }
 
 /// Reads the motion of the copies of neighbour n from `in[n]`, unless that is null.
 template <class Scenario>
-void move_shadow_copies(world_state<Scenario>& s, const std::vector<byte_reader*>& in) {
+void move_shadow_copies(population<Scenario>& s, const std::vector<byte_reader*>& in) {
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
     std::size_t i = b.movable.locals;
@@ -83,7 +83,7 @@ void move_shadow_copies(world_state<Scenario>& s, const std::vector<byte_reader*
       for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++i)
         if (in[n] != nullptr) {
           b.movable.unpack_motion(i, *in[n]);
-          if constexpr (world_state<Scenario>::periodic)
+          if constexpr (state_traits<Scenario>::periodic)
             put_image(s, b.movable.position[i], s.copies.of[k][i - b.movable.locals]);
         }
     ++k;
@@ -138,8 +138,8 @@ enum class copy_message : std::uint8_t { nothing, motion, all };
 
 /// Whether no reach on other ranks exceeds that at the last choice of copies.
 template <class Scenario>
-[[nodiscard]] bool reach_still_holds(const world_state<Scenario>& s) {
-  if constexpr (world_state<Scenario>::continuous) return false;  // reach is that of each flight
+[[nodiscard]] bool reach_still_holds(const rank_state<Scenario>& s) {
+  if constexpr (state_traits<Scenario>::continuous) return false;  // reach is that of each flight
   const plain_vector<real>& then = s.choice.reach;
   return std::equal(s.neighbours.begin(), s.neighbours.end(), then.begin(), then.end(),
                     [](const auto& n, real reach) { return n.reach <= reach; });
@@ -148,7 +148,7 @@ template <class Scenario>
 /// Whether the copies chosen last are still complete: the same bodies in the same order, none of
 /// which leaves its skin.
 template <class Scenario>
-[[nodiscard]] bool copies_still_hold(const world_state<Scenario>& s) {
+[[nodiscard]] bool copies_still_hold(const population<Scenario>& s) {
   bool hold = reach_still_holds(s);
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {

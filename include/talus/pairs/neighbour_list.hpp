@@ -19,7 +19,7 @@ namespace talus::detail {
 
 /// Calls visit<A, B, partner>(number) for all pairs of shapes in the order of their lists.
 template <class Scenario, class Visit>
-void each_kind_of_pair(world_state<Scenario>& s, Visit&& visit) {
+void each_kind_of_pair(held_bodies<Scenario>& s, Visit&& visit) {
   std::size_t kind = 0;
   s.each_finite_shape([&](auto& a) {
     using A = typename std::remove_cvref_t<decltype(a)>::shape_type;

@@ -16,9 +16,9 @@ namespace talus::detail {
 
 /// The rank that owns body `i` of a shape's movable bodies, also if it is a shadow copy.
 template <class Scenario, class Bodies>
-[[nodiscard]] int owner_of_index(const world_state<Scenario>& s, const Bodies& bodies,
+[[nodiscard]] int owner_of_index(const rank_state<Scenario>& s, const Bodies& bodies,
                                  std::size_t i) {
-  using shapes = typename world_state<Scenario>::finite_shapes;
+  using shapes = typename state_traits<Scenario>::finite_shapes;
   std::size_t last = bodies.movable.locals;
   for (const auto& n : s.neighbours)
     if (last <= i && i < (last += n.copies[index_of<shapes, typename Bodies::shape_type>]))
@@ -114,7 +114,7 @@ void prepare_detection(world_state<Scenario>& s) {
 /// Finds all pairs of bodies within reach of each other: make<A, B, partner>() returns the receiver
 /// of the pairs of the shapes A and B, as (index of a, index of b, margin of a, margin of b).
 template <class Scenario, class Make>
-void each_neighbour_pair(world_state<Scenario>& s, Make&& make) {
+void each_neighbour_pair(held_bodies<Scenario>& s, Make&& make) {
   const auto margin = [](const auto& store, const plain_vector<real>& reach, std::size_t i) {
     return reach[i] - store.shape[i].bounding_radius();
   };

@@ -15,7 +15,7 @@ struct body_counts {
 /// Gives each shape its range in the arrays of the response: scalar inertia first, then tensors.
 /// The arrays keep the values of the last step until the next one begins.
 template <class Scenario>
-body_counts number_bodies(world_state<Scenario>& s) {
+body_counts number_bodies(held_bodies<Scenario>& s) {
   std::size_t next = 0;
   const auto number = [&](auto& b, bool tensors) {
     if (std::remove_cvref_t<decltype(b.movable)>::tensor != tensors) return;

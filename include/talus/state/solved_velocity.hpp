@@ -20,8 +20,8 @@ template <class Scenario>
 // Always inlined: each is a line or two of the loops that call it.
 
 /// After forces.
-template <class Scenario, class Store>
-[[nodiscard]] [[gnu::always_inline]] inline vec3 free_velocity(const world_state<Scenario>& s,
+template <class Store>
+[[nodiscard]] [[gnu::always_inline]] inline vec3 free_velocity(const step_conditions& s,
                                                                const Store& store, std::size_t i) {
   vec3 v = store.velocity[i];
   if (!store.moves(i)) return v;

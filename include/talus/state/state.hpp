@@ -142,107 +142,66 @@ struct link_of<Transport, true> {
   using type = typename Transport::link;
 };
 
-/// The base holds the contacts and their solver or forces.
+/// What follows from the policies of a scenario, for every part of the state.
 template <class Scenario>
-struct world_state : response_state<Scenario>,
-                     slots_of_features<typename Scenario::features, Scenario>,
-                     Scenario::integrator::template state<Scenario> {
+struct state_traits {
   static_assert(complete<typename Scenario::transport>,
                 "a world needs the transport of its scenario, which is threads unless it names "
                 "another: write #include <talus/parallel/threads.hpp>");
   using link_type = typename link_of<typename Scenario::transport>::type;
   using domain_type =
       std::conditional_t<link_type::alone, lone_domain, domain<typename Scenario::decomposition>>;
-  template <class Shape>
-  using bodies_type =
-      bodies_of_shape<Shape, typename Scenario::features, typename Scenario::broad_phase::search>;
-  using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;
   using law = law_of<Scenario>;
-  using lists_type = typename response_state<Scenario>::lists_type;
-  using history_type = typename response_state<Scenario>::history_type;
+  using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
+  static constexpr std::size_t shape_count = finite_shapes::size;
 
-  world_state(link_type& l, domain_type d) : link(&l), own(std::move(d)) {}
+  /// Whether bodies are followed through a step.
+  static constexpr bool continuous =
+      contains_type<typename Scenario::features, continuous_collision>;
+  /// Whether islands at rest are left out of the steps.
+  static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
+  /// Whether cuts between domains move.
+  static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
+  /// Whether global bodies may be moved.
+  static constexpr bool drives = contains_type<typename Scenario::features, driven>;
+  /// Whether contacts are found and solved in the middle of a step.
+  static constexpr bool midpoint = steps_by_midpoint<Scenario>;
+  /// Steps, or parts of them, for which a body moves between the exchange of shadow copies and the
+  /// action of the contacts found from them.
+  static constexpr real steps_of_reach = midpoint ? 1.5 : 1;
+  /// Whether there are two solvers, of which each run uses one.
+  static constexpr bool two_solvers = !std::is_void_v<typename Scenario::solver_on_request>;
+  /// Whether contacts may be solved colour by colour, so that nothing depends on the ranks.
+  static constexpr bool may_use_colours = may_sweep_by_colours<solvers_of<Scenario>>;
+  /// Whether small groups of contacts are solved across ranks. (With periodic axes, only on ranks
+  /// that hold one image of each body: see sees_single_images().)
+  static constexpr bool islands_across_ranks =
+      !link_type::alone && !law::soft && solves_shared_islands<typename Scenario::solver>;
+  /// Whether space is periodic: then some shadow copies are images, and are shifted.
+  static constexpr bool periodic = domain_type::periodic;
+  using copy_code = detail::copy_code<periodic>;
+};
 
-  link_type* link;
-  domain_type own;
-  tuple_type bodies;
-  material_table materials;
-
+/// The loads, and the course of time.
+struct step_conditions {
   vec3 gravity{0, 0, 0};
   real damping = 1;  ///< part of the velocity kept per unit of time
   real dt = 0;       ///< of the last step, or of the one under way
   std::uint64_t steps = 0;
   real time = 0;
   counted_time clock;  ///< from which `time` follows
-  body_count owned;    ///< the bodies that should be owned here; see ghosts/conservation.hpp
-  body_count made;     ///< created by this rank, minus those that it destroyed
+};
 
-  /// Whether bodies are followed through a step.
-  static constexpr bool continuous =
-      contains_type<typename Scenario::features, continuous_collision>;
+/// The bodies that this rank holds, by shape: its own, shadow copies, and global bodies.
+template <class Scenario>
+struct held_bodies {
+  template <class Shape>
+  using bodies_type =
+      bodies_of_shape<Shape, typename Scenario::features, typename Scenario::broad_phase::search>;
+  using tuple_type = map_to_tuple<typename Scenario::shapes, bodies_type>;
 
-  /// Whether islands at rest are left out of the steps.
-  static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
-
-  /// Whether cuts between domains move.
-  static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
-  /// Whether global bodies may be moved.
-  static constexpr bool drives = contains_type<typename Scenario::features, driven>;
-
-  /// Whether contacts are found and solved in the middle of a step.
-  static constexpr bool midpoint = steps_by_midpoint<Scenario>;
-  /// Steps, or parts of them, for which a body moves between the exchange of shadow copies and the
-  /// action of the contacts found from them.
-  static constexpr real steps_of_reach = midpoint ? 1.5 : 1;
-
-  /// Whether there are two solvers, of which each run uses one.
-  static constexpr bool two_solvers = !std::is_void_v<typename Scenario::solver_on_request>;
-  [[no_unique_address]] std::conditional_t<two_solvers, bool, no_choice> solver_on_request{};
-  /// Whether contacts may be solved colour by colour, so that nothing depends on the ranks.
-  static constexpr bool may_use_colours = may_sweep_by_colours<solvers_of<Scenario>>;
-  /// Whether the contacts of this run are.
-  [[nodiscard]] constexpr bool by_colours() const {
-    if constexpr (two_solvers)
-      return solver_on_request;
-    else
-      return may_use_colours;
-  }
-
-  /// Whether small groups of contacts are solved across ranks. (With periodic axes, only on ranks
-  /// that hold one image of each body: see sees_single_images().)
-  static constexpr bool islands_across_ranks =
-      !link_type::alone && !law::soft && solves_shared_islands<typename Scenario::solver>;
-
-  /// Solves with the second solver from now on.
-  void use_solver_on_request() requires(two_solvers) {
-    solver_on_request = true;
-    each_contact_list([](auto& list) { list.keep_colours(true); });
-  }
-
-  using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
-  static constexpr std::size_t shape_count = finite_shapes::size;
-  using memory_type = std::conditional_t<(filter_types<finite_shapes, shares_data>::size > 0),
-                                         shared_memory, no_shared_memory>;
-  /// Whether space is periodic: then some shadow copies are images, and are shifted.
-  static constexpr bool periodic = domain_type::periodic;
-  using copy_code = detail::copy_code<periodic>;
-  [[no_unique_address]] std::conditional_t<periodic, periodic_ghosts<shape_count>,
-                                           no_periodic_ghosts>
-      copies;
-  std::vector<neighbour<shape_count, memory_type>>
-      neighbours;               ///< one for each connection, in the same order
-  std::vector<parcel> parcels;  ///< likewise: migrations
-  bool strangers = false;       ///< some neighbours are not connected to each other
-  bool changed = true;          ///< bodies were added, removed or changed since the last migration
-  plain_vector<system_id> released;  ///< by the user, before neighbours were notified
-
-  [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
-                                           copy_choice<shape_count>>
-      choice;
-  candidate_pairs found;
-  std::conditional_t<balances, balanced_seconds, stage_seconds> seconds;
-  step_traffic sent;
-  [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
+  tuple_type bodies;
+  material_table materials;
 
   /// Calls f(bodies of a shape) for every shape of the scenario.
   template <class F>
@@ -273,6 +232,89 @@ struct world_state : response_state<Scenario>,
   template <class Shape>
   const auto& of() const {
     return std::get<index_of<typename Scenario::shapes, Shape>>(bodies);
+  }
+};
+
+/// This rank among the others: its domain, its neighbours, and what it has sent them.
+template <class Scenario>
+struct rank_state {
+  using traits = state_traits<Scenario>;
+  using link_type = typename traits::link_type;
+  using domain_type = typename traits::domain_type;
+  static constexpr std::size_t shape_count = traits::shape_count;
+  using memory_type =
+      std::conditional_t<(filter_types<typename traits::finite_shapes, shares_data>::size > 0),
+                         shared_memory, no_shared_memory>;
+
+  rank_state(link_type& l, domain_type d) : link(&l), own(std::move(d)) {}
+
+  link_type* link;
+  domain_type own;
+  body_count owned;  ///< the bodies that should be owned here; see ghosts/conservation.hpp
+  body_count made;   ///< created by this rank, minus those that it destroyed
+  [[no_unique_address]] std::conditional_t<traits::periodic, periodic_ghosts<shape_count>,
+                                           no_periodic_ghosts>
+      copies;
+  std::vector<neighbour<shape_count, memory_type>>
+      neighbours;               ///< one for each connection, in the same order
+  std::vector<parcel> parcels;  ///< likewise: migrations
+  bool strangers = false;       ///< some neighbours are not connected to each other
+  bool changed = true;          ///< bodies were added, removed or changed since the last migration
+  plain_vector<system_id> released;  ///< by the user, before neighbours were notified
+  [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
+                                           copy_choice<shape_count>>
+      choice;
+  step_traffic sent;
+};
+
+/// The bodies here, and what this rank and its neighbours hold of each other's.
+template <class Scenario>
+struct population : held_bodies<Scenario>, rank_state<Scenario> {
+  using rank_state<Scenario>::rank_state;
+};
+
+/// What is recorded of the steps so far.
+template <class Scenario>
+struct step_records {
+  std::conditional_t<state_traits<Scenario>::balances, balanced_seconds, stage_seconds> seconds;
+  [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
+};
+
+/// All parts together. The first base holds the contacts and their solver or forces. A function
+/// takes the narrowest part that it uses.
+template <class Scenario>
+struct world_state : response_state<Scenario>,
+                     slots_of_features<typename Scenario::features, Scenario>,
+                     Scenario::integrator::template state<Scenario>,
+                     step_conditions,
+                     population<Scenario>,
+                     step_records<Scenario>,
+                     state_traits<Scenario> {
+  using traits = state_traits<Scenario>;
+  using typename rank_state<Scenario>::link_type;
+  using typename rank_state<Scenario>::domain_type;
+  using typename traits::law;
+  using rank_state<Scenario>::shape_count;
+  using lists_type = typename response_state<Scenario>::lists_type;
+  using history_type = typename response_state<Scenario>::history_type;
+
+  world_state(link_type& l, domain_type d) : population<Scenario>(l, std::move(d)) {}
+
+  [[no_unique_address]] std::conditional_t<traits::two_solvers, bool, no_choice>
+      solver_on_request{};
+  candidate_pairs found;
+
+  /// Whether the contacts of this run are solved colour by colour.
+  [[nodiscard]] constexpr bool by_colours() const {
+    if constexpr (traits::two_solvers)
+      return solver_on_request;
+    else
+      return traits::may_use_colours;
+  }
+  /// Solves with the second solver from now on.
+  void use_solver_on_request() requires(traits::two_solvers) {
+    solver_on_request = true;
+    each_contact_list([](auto& list) { list.keep_colours(true); });
   }
   template <class F>
   void each_contact_list(F&& f) {

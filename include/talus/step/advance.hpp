@@ -4,8 +4,7 @@
 
 namespace talus::detail {
 
-template <class Scenario>
-void advance(world_state<Scenario>& s) {
+inline void advance(step_conditions& s) {
   s.time = s.clock.after(s.time, s.steps, 1, s.dt);
   ++s.steps;
 }

@@ -237,7 +237,7 @@ class force_adder {
 
 /// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.
 template <class Scenario, class F>
-void each_movable_store(world_state<Scenario>& s, F&& f) {
+void each_movable_store(held_bodies<Scenario>& s, F&& f) {
   s.each_finite_shape([&](auto& b) { f(b.movable, b.first); });
 }
 
@@ -322,7 +322,7 @@ void measure_forces(world_state<Scenario>& s) {
 // separately.
 
 template <class Scenario>
-void open_springs_as_measured(world_state<Scenario>& s) {
+void open_springs_as_measured(step_records<Scenario>& s) {
   const spring_record& r = s.monitors.springs;
   open_springs(s, r.normal.value() + r.released.value() + r.across_before.value());
 }
@@ -338,7 +338,7 @@ void survey_at_start(world_state<Scenario>& s) {
   open_springs(s, now.sum());
 }
 template <class Scenario>
-void close_springs_as_measured(world_state<Scenario>& s) {
+void close_springs_as_measured(step_records<Scenario>& s) {
   const spring_record& r = s.monitors.springs;
   close_springs(s, r.normal.value() + r.across.value(),
                 r.across_at_start - r.across_before.value());
@@ -413,7 +413,7 @@ void drift(world_state<Scenario>& s, real h) {
 
 /// Resets the user's forces after a step.
 template <class Scenario>
-void end_forces(world_state<Scenario>& s) {
+void end_forces(held_bodies<Scenario>& s) {
   each_movable_store(s, [&](auto& store, std::size_t) {
     if constexpr (std::remove_reference_t<decltype(store)>::forced) {
       std::fill(store.force.begin(), store.force.end(), vec3(0, 0, 0));

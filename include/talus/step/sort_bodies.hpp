@@ -86,7 +86,7 @@ inline constexpr real most_scattered = 4;
 
 /// Sorts the bodies owned here if that will pay. References to bodies by index are rebuilt by id.
 template <class Scenario>
-void sort_bodies(world_state<Scenario>& s) {
+void sort_bodies(population<Scenario>& s) {
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     if (store.locals < fewest_to_sort) return;

@@ -91,7 +91,7 @@ template <class Scenario>
 
 /// Positions of the bodies owned here.
 template <class Scenario>
-[[nodiscard]] plain_vector<vec3> places_of_own(const world_state<Scenario>& s) {
+[[nodiscard]] plain_vector<vec3> places_of_own(const held_bodies<Scenario>& s) {
   plain_vector<vec3> places;
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.locals; ++i) places.push_back(b.movable.position[i]);

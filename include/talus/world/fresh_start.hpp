@@ -102,7 +102,7 @@ class id_table {
 
 /// The bodies owned here.
 template <class Scenario>
-[[nodiscard]] id_table own_bodies(const world_state<Scenario>& s) {
+[[nodiscard]] id_table own_bodies(const held_bodies<Scenario>& s) {
   std::size_t all = 0;
   s.each_finite_shape([&](const auto& b) { all += b.movable.locals; });
   id_table own;
@@ -125,7 +125,7 @@ template <class History>
 
 /// Sleeping bodies that are known here, in the order of their ids.
 template <class Scenario>
-[[nodiscard]] plain_vector<system_id> known_sleepers(const world_state<Scenario>& s) {
+[[nodiscard]] plain_vector<system_id> known_sleepers(const held_bodies<Scenario>& s) {
   plain_vector<system_id> all;
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size(); ++i)

@@ -30,9 +30,8 @@
 namespace talus::detail {
 
 /// Acceleration of a body by gravity and the forces on it.
-template <class Scenario, class Store>
-[[nodiscard]] vec3 acceleration_of(const world_state<Scenario>& s, const Store& store,
-                                   std::size_t i) {
+template <class Store>
+[[nodiscard]] vec3 acceleration_of(const step_conditions& s, const Store& store, std::size_t i) {
   if (!store.moves(i)) return {0, 0, 0};
   vec3 a = s.gravity;
   if constexpr (Store::forced) a += store.inverse_mass[i] * store.force[i];
@@ -65,8 +64,8 @@ template <class Scenario, class Store>
 }
 
 /// How far a point of a body can move in this step.
-template <class Scenario, class Store>
-[[nodiscard]] real way_of(const world_state<Scenario>& s, const Store& store, std::size_t i) {
+template <class Store>
+[[nodiscard]] real way_of(const step_conditions& s, const Store& store, std::size_t i) {
   if (store.inverse_mass[i] == 0) return 0;
   real speed = store.velocity[i].norm() + s.dt * acceleration_of(s, store, i).norm();
   if constexpr (Store::tensor)
@@ -98,14 +97,13 @@ template <class A, class B>
 }
 
 /// A distance per step up to which a body counts as slow.
-template <class Scenario>
-[[nodiscard]] real slow_way(const world_state<Scenario>& s, real zone) {
+[[nodiscard]] inline real slow_way(const step_conditions& s, real zone) {
   return 3 * s.gravity.norm() * s.dt * s.dt + real(1e-3) * zone;
 }
 
 /// The definition of an impact of two shapes.
-template <class Scenario, class A, class B>
-[[nodiscard]] impact_search search_for(const world_state<Scenario>& s, const A& a, const B& b) {
+template <class A, class B>
+[[nodiscard]] impact_search search_for(const step_conditions& s, const A& a, const B& b) {
   real thickness = inner_radius(a), size = a.bounding_radius();
   if constexpr (B::finite) {
     thickness = std::min(thickness, inner_radius(b));
@@ -229,7 +227,7 @@ class impact_finder {
 
 /// Copies the value of each body owned here to its images.
 template <class Scenario>
-void give_to_images(world_state<Scenario>& s, plain_vector<real>& values) {
+void give_to_images(population<Scenario>& s, plain_vector<real>& values) {
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
     const auto& copies = s.copies.of[k++];

@@ -112,7 +112,7 @@ struct spring_record {
 
 /// Calls f(store, i, index in the solver's arrays) for each body owned here that can move.
 template <class Scenario, class F>
-void each_moving_local(const world_state<Scenario>& s, F&& f) {
+void each_moving_local(const held_bodies<Scenario>& s, F&& f) {
   s.each_finite_shape([&](auto& b) {
     for (std::size_t i = 0; i < b.movable.locals; ++i)
       if (b.movable.inverse_mass[i] != 0) f(b.movable, i, b.first + i);

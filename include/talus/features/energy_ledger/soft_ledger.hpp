@@ -71,7 +71,7 @@ void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real
 }
 /// The same of moving fixed bodies, and of the forces of fixed and global bodies.
 template <class Scenario>
-void book_kick_of_fixed(world_state<Scenario>& s, real h) {
+void book_kick_of_fixed(step_records<Scenario>& s, real h) {
   if constexpr (watches<Scenario, energy_ledger>) {
     auto& running = s.monitors.energy.running;
     const spring_record& r = s.monitors.springs;
@@ -100,7 +100,7 @@ void book_drift(world_state<Scenario>& s, const Store& store, std::size_t i, rea
 
 /// At the start of a step: `energy` is that of the springs.
 template <class Scenario>
-void open_springs(world_state<Scenario>& s, double energy) {
+void open_springs(step_records<Scenario>& s, double energy) {
   spring_record& r = s.monitors.springs;
   (r.started ? s.monitors.energy.changes : s.monitors.energy.initial) +=
       energy - (r.started ? r.stored : 0);
@@ -118,7 +118,7 @@ void book_migration(world_state<Scenario>& s, real sign) {
 /// At the end: `energy` is that of the springs; `opened` that of the tangential springs of contacts
 /// that opened. It is lost, as is the energy of slip: the springs released it, but not to motion.
 template <class Scenario>
-void close_springs(world_state<Scenario>& s, double energy, double opened) {
+void close_springs(step_records<Scenario>& s, double energy, double opened) {
   energy_record& r = s.monitors.energy;
   spring_record& springs = s.monitors.springs;
   const double lost = springs.yielded.value() + opened, change = energy - springs.start;

@@ -31,8 +31,8 @@ namespace talus::detail {
 
 /// Whether nothing known to this rank can move in this step.
 template <class Scenario>
-[[nodiscard]] bool all_rest(const world_state<Scenario>& s) {
-  if constexpr (!world_state<Scenario>::sleeps) return (void)s, false;
+[[nodiscard]] bool all_rest(const held_bodies<Scenario>& s) {
+  if constexpr (!state_traits<Scenario>::sleeps) return (void)s, false;
   bool rest = true;
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size() && rest; ++i) rest = !b.movable.moves(i);
@@ -41,9 +41,8 @@ template <class Scenario>
 }
 
 /// The largest acceleration of a body by gravity and forces in this step.
-template <class Scenario, class Store>
-[[nodiscard]] real acceleration_bound(const world_state<Scenario>& s, const Store& store,
-                                      std::size_t i) {
+template <class Store>
+[[nodiscard]] real acceleration_bound(const step_conditions& s, const Store& store, std::size_t i) {
   if (!store.moves(i)) return 0;
   real a = s.gravity.norm();
   if constexpr (Store::forced) a += store.inverse_mass[i] * store.force[i].norm();
@@ -144,10 +143,10 @@ class known_bodies {
  public:
   static constexpr std::uint32_t unknown = ~std::uint32_t{0};
 
-  explicit known_bodies(const world_state<Scenario>& s) {
+  explicit known_bodies(const held_bodies<Scenario>& s) {
     s.each_shape([&](const auto& b) { add(b.movable), add(b.global); });
     sort_values(all_);
-    if constexpr (world_state<Scenario>::periodic) {  // a body and its images may both be here
+    if constexpr (state_traits<Scenario>::periodic) {  // a body and its images may both be here
       const auto same = [](const known_body& x, const known_body& y) { return x.id == y.id; };
       all_.erase(std::unique(all_.begin(), all_.end(), same), all_.end());
     }

@@ -50,7 +50,7 @@ struct known_places {
   std::size_t own = 0;
 };
 template <class Scenario>
-[[nodiscard]] known_places places_of_known(const world_state<Scenario>& s) {
+[[nodiscard]] known_places places_of_known(const held_bodies<Scenario>& s) {
   known_places known;
   std::size_t all = 0;
   s.each_finite_shape([&](const auto& b) { all += b.movable.size(); });

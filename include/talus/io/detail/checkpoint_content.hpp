@@ -23,7 +23,7 @@ namespace talus::detail {
 
 /// Names and rows of a scenario's tables, for both directions.
 template <class Scenario, class F>
-void each_table_of_bodies(world_state<Scenario>& s, const char* group, F&& f) {
+void each_table_of_bodies(held_bodies<Scenario>& s, const char* group, F&& f) {
   s.each_shape([&](auto& b) {
     using store = std::remove_cvref_t<decltype(b.movable)>;
     f(b, table_of_shape<store, typename Scenario::shapes>(group));

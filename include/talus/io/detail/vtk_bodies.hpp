@@ -139,7 +139,7 @@ class vtk_bodies {
   }
 
   /// All bodies that this rank owns, and on rank 0 the finite global ones.
-  void add_all(const world_state<Scenario>& s) {
+  void add_all(const population<Scenario>& s) {
     s.each_finite_shape([&](auto& b) {
       const auto rank = static_cast<std::uint32_t>(s.link->rank());
       for (std::size_t i = 0; i < b.movable.locals; ++i) add(s, b.movable, i, rank);
@@ -167,13 +167,13 @@ class vtk_bodies {
     (put(type_list<Columns>{}), ...);
   }
   template <class Store>
-  void add(const world_state<Scenario>& s, const Store& store, std::size_t i, std::uint32_t rank) {
+  void add(const held_bodies<Scenario>& s, const Store& store, std::size_t i, std::uint32_t rank) {
     each_part_of(store, i, [&](const auto& shape, const pose& at, std::uint32_t part) {
       add_one(s, store, i, rank, shape, at, part);
     });
   }
   template <class Store, class Shape>
-  void add_one(const world_state<Scenario>& s, const Store& store, std::size_t i,
+  void add_one(const held_bodies<Scenario>& s, const Store& store, std::size_t i,
                std::uint32_t rank, const Shape& shape, const pose& at, std::uint32_t part) {
     const row_table::key key{value_of(store.id[i]), part, 0};
     const vec3 w = store.angular_velocity[i];

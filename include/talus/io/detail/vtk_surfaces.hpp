@@ -41,7 +41,7 @@ class vtk_surfaces {
   }
 
   /// Those that this rank owns, and on rank 0 the global ones.
-  void add_all(const world_state<Scenario>& s) {
+  void add_all(const population<Scenario>& s) {
     s.each_finite_shape([&](auto& b) {
       using shape = typename std::decay_t<decltype(b.movable)>::shape_type;
       if constexpr (shows_faces<shape>::value) {
