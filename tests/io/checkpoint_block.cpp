@@ -75,7 +75,7 @@ TEST_CASE("a newer format is refused by its number") {
   checkpoint_block b = some_block();
   b.version = checkpoint_version + 1;
   CHECK(refusal(compose_block(b)) ==
-        "is of format 2, but this program knows formats up to 1: build it with a newer talus");
+        "is of format 2, but this program reads formats up to 1: build it with a newer talus");
 }
 
 TEST_CASE("blocks with a right checksum and any content are read or refused, and nothing else") {

@@ -1,4 +1,4 @@
-// expects: bodies<...> takes shapes only, such as sphere, box or plane, and this type is none
+// expects: bodies<...> takes shapes only, such as sphere, box or plane, and this type is not one
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

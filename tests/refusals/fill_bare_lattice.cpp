@@ -1,4 +1,4 @@
-// expects: fill takes sites, and this type is none: a bare lattice has no end, so write lattice &
+// expects: fill takes sites, and this type is not one: a bare lattice has no end, so write lattice &
 // region
 #include "talus/scene/lattice.hpp"
 

@@ -1,4 +1,4 @@
-// expects: a body is added, and this type is none: write body{.shape = sphere{0.5}, .position =
+// expects: a body is added, and this type is not one: write body{.shape = sphere{0.5}, .position =
 // long
 #include "talus/parallel/serial.hpp"
 #include "talus/scene/lattice.hpp"

@@ -1,4 +1,4 @@
-// expects: scenario<...> takes talus policies only, and this type is none: remove it
+// expects: scenario<...> takes talus policies only, and this type is not one: remove it
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

@@ -1,5 +1,5 @@
 // expects: soft_contact<...> takes interaction laws, such as linear_spring_dashpot and hertz_mindlin,
-// expects: coulomb_friction and rolling_resistance, and this type is none of them
+// expects: coulomb_friction and rolling_resistance, and this type is not one of them
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

@@ -1,4 +1,4 @@
-// expects: transport<...> takes serial, threads, mpi or as_launched, and this type is none of them
+// expects: transport<...> takes serial, threads, mpi or as_launched, and this type is not one of them
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

@@ -54,7 +54,8 @@ TEST_CASE("a checkpoint is gone on with by the motion of its run, and by no othe
         if (speed == 3)
           w.simulate({.steps = 9, .dt = 0.005});
         else
-          CHECK_THROWS_WITH_AS(w.step(0.005), doctest::Contains("its motion has it elsewhere"),
+          CHECK_THROWS_WITH_AS(w.step(0.005),
+                               doctest::Contains("its motion starts at another place"),
                                std::runtime_error);
       }
     });

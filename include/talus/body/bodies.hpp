@@ -17,7 +17,7 @@ template <class Shape>
 struct part_of_bodies {
   static_assert(is_shape<Shape>::value,
                 "bodies<...> takes shapes only, such as sphere, box or plane, and this type is "
-                "none: remove it, or make it model talus::concepts::shape");
+                "not one: remove it, or make it model talus::concepts::shape");
 };
 
 }  // namespace detail

@@ -238,7 +238,7 @@ struct part_of_features {
       "features<...> takes orientation, forces, user_ids, visibility, damping, "
       "continuous_collision, sleeping, balancing, checkpoints, vtk_output, driven and the monitors "
       "energy_ledger, momentum_balance, penetration_monitor and residual_monitor, and features of "
-      "one's own (docs/features.md), and this type is none of them: remove it");
+      "one's own (docs/features.md), and this type is not one of them: remove it");
 };
 
 }  // namespace detail

@@ -65,7 +65,7 @@ template <class Part>
 struct part_of_hard_contact {
   static_assert(is_part<Part, roles::contact_law> && !is_law_or_resistance<Part>,
                 "hard_contact<...> takes coulomb_friction, newton_restitution, split_correction "
-                "and no_correction, and this type is none of them: remove it");
+                "and no_correction, and this type is not one of them: remove it");
 };
 
 }  // namespace detail

@@ -17,7 +17,7 @@ struct linear_hash_grid final {
 template <class Method>
 struct broad_phase final {
   static_assert(detail::is_part<Method, roles::broad_phase>,
-                "broad_phase<...> takes a broad phase, and this type is none: write "
+                "broad_phase<...> takes a broad phase, and this type is not one: write "
                 "broad_phase<linear_hash_grid> or broad_phase<sweep_and_prune>");
   static_assert(
       !detail::is_part<Method, roles::broad_phase> || requires { typename Method::search; },

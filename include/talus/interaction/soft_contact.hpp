@@ -37,10 +37,11 @@ inline constexpr bool is_hard_part =
 template <class Part>
 struct part_of_soft_contact {
   static constexpr bool tagged = is_part<Part, roles::contact_law> && !is_hard_part<Part>;
-  static_assert(tagged,
-                "soft_contact<...> takes interaction laws, such as linear_spring_dashpot and "
-                "hertz_mindlin, coulomb_friction and rolling_resistance, and this type is none of "
-                "them: remove it, or make it a law as docs/interaction_laws.md says");
+  static_assert(
+      tagged,
+      "soft_contact<...> takes interaction laws, such as linear_spring_dashpot and "
+      "hertz_mindlin, coulomb_friction and rolling_resistance, and this type is not one of "
+      "them: remove it, or make it a law as docs/interaction_laws.md says");
   static_assert(!tagged || is_resistance<Part> || is_interaction_law<Part>,
                 "soft_contact<...> names a type that says it is part of a contact law and lacks "
                 "what an interaction law offers: name, parameters, memory, force, stored, "

@@ -38,7 +38,7 @@ template <class Decomposition>
 struct decomposition final {
   static_assert(detail::is_decomposition<Decomposition>,
                 "decomposition<...> takes a decomposition, such as grid<2, 2> or by_hand, and this "
-                "type is none: see talus::concepts::decomposition");
+                "type is not one: see talus::concepts::decomposition");
   using talus_role = roles::decomposition;
   using type = Decomposition;
   static std::string describe() {
@@ -60,7 +60,7 @@ struct transport final {
       "transport<as_launched> needs MPI: write #include <talus/mpi.hpp>, or choose threads");
   static_assert(
       !detail::complete<Transport> || detail::is_transport<Transport>,
-      "transport<...> takes serial, threads, mpi or as_launched, and this type is none of "
+      "transport<...> takes serial, threads, mpi or as_launched, and this type is not one of "
       "them: see talus::concepts::transport");
   using talus_role = roles::transport;
   using type = Transport;

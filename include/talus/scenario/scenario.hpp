@@ -107,7 +107,7 @@ struct argument_of_scenario {
                 "for a bare orientation, and likewise for this type");
   static_assert(
       policy<Type> || bare_shape || bare_decomposition || bare_transport || bare_part,
-      "scenario<...> takes talus policies only, and this type is none: remove it, or use "
+      "scenario<...> takes talus policies only, and this type is not one: remove it, or use "
       "one of bodies, hard_contact, soft_contact, solver, broad_phase, integrator, decomposition, "
       "transport, precision, features");
 };
@@ -290,7 +290,7 @@ template <class Body>
 void body_that_is_added() {
   static_assert(
       is_described<Body>,
-      "a body is added, and this type is none: write body{.shape = sphere{0.5}, .position "
+      "a body is added, and this type is not one: write body{.shape = sphere{0.5}, .position "
       "= place.position, .material = stone}");
 }
 

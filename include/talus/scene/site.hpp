@@ -26,7 +26,7 @@ template <class Sites, class Contains, class F>
 void for_each_site(const Sites& sites, const vec3& lower, const vec3& upper, Contains&& contains,
                    F&& f) {
   static_assert(concepts::site_set<Sites>,
-                "fill takes sites, and this type is none: a bare lattice has no end, so write "
+                "fill takes sites, and this type is not one: a bare lattice has no end, so write "
                 "lattice & region, as in simple_cubic{.spacing = 2} & box_region{...}");
   if constexpr (concepts::site_set<Sites>)
     sites.for_each_in(lower, upper, [&](const site& s) {

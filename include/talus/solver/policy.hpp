@@ -64,7 +64,7 @@ struct solver final {
                 "results do not depend on the ranks: write solver<nonlinear_gauss_seidel, "
                 "reproducible>");
   static_assert(detail::is_part<Method, roles::solver>,
-                "solver<...> takes a solver, and this type is none: write "
+                "solver<...> takes a solver, and this type is not one: write "
                 "solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>, "
                 "solver<accelerated_jacobi> or solver<small_steps> (each in talus/solver/ under "
                 "its name)");
@@ -82,7 +82,7 @@ struct solver final {
 template <class Method>
 struct integrator final {
   static_assert(concepts::integrator<Method>,
-                "integrator<...> takes an integrator, and this type is none: write "
+                "integrator<...> takes an integrator, and this type is not one: write "
                 "integrator<semi_implicit_euler>, or integrator<velocity_verlet> for soft "
                 "contacts, or integrator<moreau_midpoint> for hard ones");
   using talus_role = roles::integrator;

@@ -71,7 +71,7 @@ inline constexpr real room_for_reach = 1.25;
 [[gnu::cold]] inline void require_sane(const balance_settings& how) {
   if (how.every < 1 || !(how.above >= 1) || !std::isfinite(how.above))
     fail<std::invalid_argument>(
-        "cuts are looked at every so many steps, 1 or more, and move above a largest share over "
+        "cuts are checked every so many steps, 1 or more, and move above a largest share over "
         "the "
         "mean one of 1 or more, but these are {} and {}",
         how.every, how.above);

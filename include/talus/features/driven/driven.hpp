@@ -88,7 +88,7 @@ void motion_of_body() {
   static_assert(is_motion<Motion>,
                 "world.drive takes a motion: a function of the time that returns a "
                 "rigid_displacement, a rigid_velocity or a surface_velocity, such as oscillation, "
-                "turning, gliding and belt, and this type is none");
+                "turning, gliding and belt, and this type is not one");
 }
 
 template <class Bodies>
@@ -124,8 +124,9 @@ void aim_driven(world_state<Scenario>& s) {
     const bool first = !std::exchange(one.followed, true);
     if (first && state.begun && !next.goes_on)  // begun by the run that wrote the checkpoint
       fail<std::runtime_error>(
-          "the checkpoint has driven body {} at {} at time {}, but its motion has it elsewhere, "
-          "and it would leap: give it the motion of the first run (the same --options), or one "
+          "the checkpoint has driven body {} at {} at time {}, but its motion starts at another "
+          "place: "
+          "give it the motion of the first run (the same --options), or one "
           "that goes on from there",
           one.id, state.at.point, s.time);
     if (next.too_fast)

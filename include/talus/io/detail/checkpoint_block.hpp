@@ -105,7 +105,7 @@ inline constexpr std::size_t checkpoint_block_head = 56;
     throw std::runtime_error("is damaged: the checksum of its first block is wrong");
   if (b.version > checkpoint_version)
     fail<std::runtime_error>(
-        "is of format {}, but this program knows formats up to {}: build it with a newer talus",
+        "is of format {}, but this program reads formats up to {}: build it with a newer talus",
         b.version, checkpoint_version);
   if (b.file_bytes != file_bytes)
     fail<std::runtime_error>("is damaged: it has {} bytes, but was written with {}", file_bytes,

@@ -112,7 +112,7 @@ std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
   };
   constexpr bool known = concepts::site_set<Sites>;
   static_assert(known,
-                "fill takes sites, and this type is none: a bare lattice has no end, so write "
+                "fill takes sites, and this type is not one: a bare lattice has no end, so write "
                 "lattice & region, as in simple_cubic{.spacing = 2} & box_region{...}");
   if constexpr (known)
     sites.for_each_in(lower, upper, [&](const auto& site) {

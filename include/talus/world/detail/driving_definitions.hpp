@@ -13,7 +13,7 @@ detail::driven_body& world<Scenario>::driven_body_of(handle<Shape> h, const char
   const auto at = std::find(store.id.begin(), store.id.end(), h.id);
   if (at == store.id.end())
     detail::fail<std::invalid_argument>(
-        "{} takes a global body, and rank {} knows no global {} {}: add it in world.global(...)",
+        "{} takes a global body, and rank {} has no global {} {}: add it in world.global(...)",
         what, rank(), Shape::name, h.id);
   auto& all = state_.driving.all;
   auto one = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x->id == h.id; });
