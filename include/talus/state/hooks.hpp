@@ -94,6 +94,15 @@ template <class... Features>
 using features_with_hooks =
     join_lists<std::conditional_t<with_hooks<Features>, type_list<Features>, type_list<>>...>;
 
+/// Refuses, once for a feature, hooks whose view is only declared. False after a refusal.
+template <class Scenario, class Feature>
+struct view_of_hooks {
+  static constexpr bool complete = detail::complete<stage_view<Scenario, Feature>>;
+  static_assert(complete,
+                "a world with a feature of one's own needs what its hooks see: write "
+                "#include <talus/feature.hpp>");
+};
+
 template <class Stage, class Feature, class Scenario, class State, class... More>
 void run_hook(State& s, More&... more) {
   using hooks = typename Feature::hooks;
@@ -101,13 +110,9 @@ void run_hook(State& s, More&... more) {
   if constexpr (built_in<Feature>) {
     if constexpr (requires { Stage::template call<hooks>(s, more...); })
       Stage::template call<hooks>(s, more...);
-  } else if constexpr (sizeof...(More) == 0) {
+  } else if constexpr (contains_type<stages::all, Stage>) {
     using view = stage_view<Scenario, Feature>;
-    constexpr bool seen = complete<view>;
-    static_assert(seen,
-                  "a world with a feature of one's own needs what its hooks see: write "
-                  "#include <talus/feature.hpp>");
-    if constexpr (seen)
+    if constexpr (view_of_hooks<Scenario, Feature>::complete)
       if constexpr (requires(view & v) { Stage::template call<hooks>(v); }) {
         view v(s);
         Stage::template call<hooks>(v);
