@@ -113,11 +113,11 @@ int main(int argc, char** argv) {
     s.each_contact_list([&](const auto& list) {
       using contact = typename std::remove_cvref_t<decltype(list)>::contact_type;
       const auto blocks = static_cast<double>(list.size()) / 8;
-      const double push = sizeof(detail::round_block_push<detail::wide_pack<real>>);
-      const double bodies = sizeof(detail::round_block<contact>::a) * (contact::paired ? 2 : 1);
-      swept += blocks * sizeof(detail::round_block<contact>);
+      const double push = sizeof(detail::isotropic_correction<detail::wide_pack<real>>);
+      const double bodies = sizeof(detail::isotropic_block<contact>::a) * (contact::paired ? 2 : 1);
+      swept += blocks * sizeof(detail::isotropic_block<contact>);
       corrected_bytes += blocks * (6 * sizeof(detail::wide_pack<real>) + bodies + push);
-      stored += blocks * (sizeof(detail::round_block<contact>) + push);
+      stored += blocks * (sizeof(detail::isotropic_block<contact>) + push);
     });
     const double body = sizeof(detail::solver_body), shift = sizeof(detail::body_shift);
     const auto& spheres = s.of<sphere>();

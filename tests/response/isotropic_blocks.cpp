@@ -1,4 +1,4 @@
-// Contacts of isotropic bodies in blocks, of eight doubles or sixteen floats: equal results to the
+// Contacts of isotropic bodies in blocks, of eight doubles or sixteen floats: the same bits as the
 // same contacts one by one.
 #include <doctest/doctest.h>
 
@@ -165,8 +165,8 @@ TEST_CASE_TEMPLATE("blocks that are filled in part, and not in their order, cons
   }
 }
 
-TEST_CASE_TEMPLATE("contacts that share no body are solved in blocks as one by one", Real, double,
-                   float) {
+TEST_CASE_TEMPLATE("contacts that share no body are solved in blocks as one by one, to the bit",
+                   Real, double, float) {
   using moving = typename random_heap<Real>::moving;
   const auto allowed = random_heap<Real>::allowed;
   random_heap<Real> random(7);
@@ -191,7 +191,7 @@ TEST_CASE_TEMPLATE("contacts that share no body are solved in blocks as one by o
       const auto d = all[i].relax(t);
       all[i].apply(t, d);
       above += all[i].speed_of(d) > 1e-3;
-      CHECK((blocks[i].impulse() - all[i].impulse()).norm() < allowed(1e-14));
+      CHECK(blocks[i].impulse() == all[i].impulse());
       for (const auto& [which, by] : changed)
         if (which == i) CHECK(by == doctest::Approx(all[i].speed_of(d)).epsilon(allowed(1e-14)));
     }
@@ -203,9 +203,9 @@ TEST_CASE_TEMPLATE("contacts that share no body are solved in blocks as one by o
     all[i].correct_a(t, d), all[i].correct_b(t, d);
   }
   for (std::size_t i = 0; i < s.bodies.size(); ++i) {
-    CHECK((s.bodies[i].v - t.bodies[i].v).norm() < allowed(1e-13));
-    CHECK((s.bodies[i].w - t.bodies[i].w).norm() < allowed(1e-13));
-    CHECK((s.shift[i].v - t.shift[i].v).norm() < allowed(1e-13));
+    CHECK(s.bodies[i].v == t.bodies[i].v);
+    CHECK(s.bodies[i].w == t.bodies[i].w);
+    CHECK(s.shift[i].v == t.shift[i].v);
   }
 }
 
@@ -216,9 +216,6 @@ TEST_CASE_TEMPLATE("rows of four numbers end within the object that they are rea
     const char* const begin = reinterpret_cast<const char*>(&whole);
     return row.begin >= begin && row.begin + 4 * sizeof(Real) <= begin + sizeof whole;
   };
-  const isotropic_contact<law, partner::moving, Real> c;
-  CHECK(inside(c, c.normal));
-  CHECK(inside(c, c.rt));
   const solver_body_of<Real> b;
   CHECK(inside(b, b.v));
   CHECK(inside(b, b.w));

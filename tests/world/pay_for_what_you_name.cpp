@@ -89,7 +89,7 @@ using rough = isotropic_contact<hard_contact<coulomb_friction>, partner::moving>
 using smooth = isotropic_contact<hard_contact<>, partner::moving>;
 static_assert(tangential<rough> && !tangential<smooth>);
 static_assert(sizeof(smooth::change) == sizeof(real));
-static_assert(sizeof(smooth) == sizeof(rough) - sizeof(round_friction<true>));
+static_assert(sizeof(smooth) == sizeof(rough) - sizeof(tangential_rows<real, coulomb_friction>));
 using rough_box =
     general_contact<hard_contact<coulomb_friction>, contact_side::tensor, contact_side::scalar>;
 using smooth_box = general_contact<hard_contact<>, contact_side::tensor, contact_side::scalar>;

@@ -92,8 +92,8 @@ TEST_CASE("velocities and contacts of spheres take half the bytes") {
   CHECK(2 * sizeof(solver_body_of<float>) == sizeof(solver_body));
   CHECK(2 * sizeof(body_shift_of<float>) == sizeof(body_shift));
   const auto per_contact = []<class Contact>(const Contact&) {
-    return (sizeof(round_block<Contact>) +
-            sizeof(round_block_push<wide_pack<typename Contact::number>>)) /
+    return (sizeof(isotropic_block<Contact>) +
+            sizeof(isotropic_correction<wide_pack<typename Contact::number>>)) /
            static_cast<std::size_t>(lanes_of<wide_pack<typename Contact::number>>);
   };
   CHECK(per_contact(in_double{}) == 128);

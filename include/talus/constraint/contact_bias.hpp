@@ -10,8 +10,7 @@ template <bool Biased>
 struct contact_bias {
   static constexpr bool biased = true;
   vec3 bias{0, 0, 0};
-  real unused = 0;              ///< vectors are read together with the number that follows them
-  vec3 bias_in_frame{0, 0, 0};  ///< of a manifold
+  real unused = 0;  ///< vectors are read together with the number that follows them
 };
 template <>
 struct contact_bias<false> {

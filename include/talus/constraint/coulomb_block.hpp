@@ -1,54 +1,87 @@
 #pragma once
-// A contact's own block of the Delassus operator, prepared for many solutions of Coulomb's law.
+// The own blocks of contacts in the Delassus operator, prepared for many solutions of Coulomb's
+// law.
+#include <bit>
 #include <cmath>
+#include <cstddef>
 
 #include "talus/constraint/coulomb.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/pack.hpp"
+#include "talus/core/pack_vector.hpp"
 
 namespace talus::detail {
 
+// All functions that take packs are inlined.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 /// The symmetric block W in the frame (normal, tangent, tangent), and its inverse: most contacts
-/// stick or are open, and need only a product.
-struct coulomb_block {
-  real nn = 0, n1 = 0, n2 = 0, t11 = 0, t12 = 0, t22 = 0;           ///< W
-  real i_nn = 0, i_n1 = 0, i_n2 = 0, i_11 = 0, i_12 = 0, i_22 = 0;  ///< its inverse
-  real inverse_nn = 0;                                              ///< 1 / nn
+/// stick or are open, and need only a product. One block, or one for each lane. What the solution
+/// of a sliding contact alone reads comes last.
+template <class Pack>
+struct coulomb_blocks {
+  using vectors = pack_vector<Pack>;
+  using mask = mask_of<Pack>;
+
+  Pack i_nn{}, i_n1{}, i_n2{}, i_11{}, i_12{}, i_22{};  ///< the inverse of W
+  Pack nn{}, n1{}, n2{};                                ///< W, with those below
+  Pack inverse_nn{};                                    ///< 1 / nn
+  Pack t11{}, t12{}, t22{};
 
   /// From the components of W, which is positive definite.
-  void set(real wnn, real wn1, real wn2, real w11, real w12, real w22) {
+  [[gnu::always_inline]] void set(const Pack& wnn, const Pack& wn1, const Pack& wn2,
+                                  const Pack& w11, const Pack& w12, const Pack& w22) {
     nn = wnn, n1 = wn1, n2 = wn2, t11 = w11, t12 = w12, t22 = w22;
-    const real a = w11 * w22 - w12 * w12, b = wn2 * w12 - wn1 * w22, c = wn1 * w12 - wn2 * w11;
-    const real scale = 1 / (wnn * a + wn1 * b + wn2 * c);
+    const Pack a = w11 * w22 - w12 * w12, b = wn2 * w12 - wn1 * w22, c = wn1 * w12 - wn2 * w11;
+    const Pack scale = 1 / (wnn * a + wn1 * b + wn2 * c);
     i_nn = scale * a, i_n1 = scale * b, i_n2 = scale * c;
     i_11 = scale * (wnn * w22 - wn2 * wn2);
     i_12 = scale * (wn1 * wn2 - wnn * w12);
     i_22 = scale * (wnn * w11 - wn1 * wn1);
     inverse_nn = 1 / wnn;
   }
+
+  /// The impulses that satisfy Coulomb's law (see solve_coulomb), if the impulses `r` leave the
+  /// velocities `u`, relative to the target velocities of separation; 0 in lanes that are not
+  /// `present`.
+  [[nodiscard]] [[gnu::always_inline]] vectors solve(const vectors& r, const vectors& u,
+                                                     const Pack& mu, const mask& present) const {
+    const Pack zero = every_lane<Pack>(0);
+    const Pack n = r.x - (i_nn * u.x + i_n1 * u.y + i_n2 * u.z),
+               x = r.y - (i_n1 * u.x + i_11 * u.y + i_12 * u.z),
+               y = r.z - (i_n2 * u.x + i_12 * u.y + i_22 * u.z);
+    const Pack limit = mu * n;
+    const mask within = x * x + y * y <= limit * limit, pushes = n >= zero;
+    const mask sticks = both(both(pushes, within), present);
+    const Pack un = u.x - (nn * r.x + n1 * r.y + n2 * r.z);
+    const mask opens = un >= zero;
+    const mask slides = both(both(inverted(sticks), inverted(opens)), present);
+    vectors next{sticks ? n : zero, sticks ? x : zero, sticks ? y : zero};
+    for (unsigned left = bits_of(slides); left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      put_lane(next, i, sliding_lane(i).slide(lane(r, i), lane(u, i), lane(un, i), lane(mu, i)));
+    }
+    return next;
+  }
+
+ private:
+  /// Of one lane, what slide() uses.
+  [[nodiscard]] [[gnu::always_inline]] auto sliding_lane(std::size_t l) const;
+};
+
+/// One block.
+struct coulomb_block : coulomb_blocks<real> {
+  using coulomb_blocks<real>::set;
   void set(const mat3& w) {
     set(w(0, 0), (w(0, 1) + w(1, 0)) / 2, (w(0, 2) + w(2, 0)) / 2, w(1, 1), (w(1, 2) + w(2, 1)) / 2,
         w(2, 2));
   }
-  [[nodiscard]] vec3 times(const vec3& r) const {
-    return {nn * r[0] + n1 * r[1] + n2 * r[2], n1 * r[0] + t11 * r[1] + t12 * r[2],
-            n2 * r[0] + t12 * r[1] + t22 * r[2]};
-  }
-
-  /// The impulse that satisfies Coulomb's law (see solve_coulomb), if the impulse `r` leaves the
-  /// velocity `u`, relative to the target velocity of separation.
   [[nodiscard]] vec3 solve(const vec3& r, const vec3& u, real mu) const {
-    const real n = r[0] - (i_nn * u[0] + i_n1 * u[1] + i_n2 * u[2]),
-               x = r[1] - (i_n1 * u[0] + i_11 * u[1] + i_12 * u[2]),
-               y = r[2] - (i_n2 * u[0] + i_12 * u[1] + i_22 * u[2]);
-    const real limit = mu * n;
-    if (n >= 0 && x * x + y * y <= limit * limit) [[likely]]
-      return {n, x, y};  // sticks
-    const real un = u[0] - (nn * r[0] + n1 * r[1] + n2 * r[2]);
-    if (un >= 0) return {0, 0, 0};  // opens
-    return slide(r, u, un, mu);
+    return lane(coulomb_blocks::solve({r[0], r[1], r[2]}, {u[0], u[1], u[2]}, mu, true), 0);
   }
 
-  /// The same for a contact known to slide; uses W and inverse_nn alone. `un` is the normal
+  /// The solution for a contact known to slide; uses W and inverse_nn alone. `un` is the normal
   /// velocity without the impulse. Eliminating the normal leaves the law as (S + lambda) r_t = -c
   /// with the Schur complement S, and mu r_n / |r_t| = 1, which is nearly linear in lambda:
   /// Newton's method starts from the previous lambda, and mostly takes a step or two. If it
@@ -93,5 +126,16 @@ struct coulomb_block {
     return solve_coulomb(mat3(nn, n1, n2, n1, t11, t12, n2, t12, t22), {un, b1, b2}, mu);
   }
 };
+
+template <class Pack>
+inline auto coulomb_blocks<Pack>::sliding_lane(std::size_t l) const {
+  coulomb_block one;
+  one.nn = lane(nn, l), one.n1 = lane(n1, l), one.n2 = lane(n2, l);
+  one.t11 = lane(t11, l), one.t12 = lane(t12, l), one.t22 = lane(t22, l);
+  one.inverse_nn = lane(inverse_nn, l);
+  return one;
+}
+
+#pragma GCC diagnostic pop
 
 }  // namespace talus::detail

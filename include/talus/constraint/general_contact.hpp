@@ -36,35 +36,90 @@ struct normal_impulse {
   friend normal_impulse operator*(real s, const normal_impulse& x) { return {s * x.n}; }
 };
 
-/// Friction data of a general contact: the impulse has three components instead of one.
-template <bool Friction>
-struct general_block {
-  coulomb_block block;
-  vec3 arm{0, 0, 0};  ///< from the centre of a, in the frame of the contact
+/// The local problem of a general contact: its Delassus block in the frame of the contact, where an
+/// impulse with friction has three components, without friction one.
+template <class Cone>
+struct local_problem {
+  using impulse_type = vec3;
+
+ protected:
+  static vec3 seen(const vec3& normal, const vec3& v) {
+    return seen_in(frame_around<real>(normal), v);
+  }
+  static vec3 unseen(const vec3& normal, const vec3& d) {
+    return seen_from(frame_around<real>(normal), d);
+  }
+  /// The part of a relative velocity that the contact acts against.
+  static const vec3& resisted(const vec3& u, const vec3&) { return u; }
+  static real trace_of(const mat3& w, const vec3&) { return trace(w); }
+
+  /// `w` is the block in the frame of the world.
+  void set_block(const mat3& w, const vec3& normal) {
+    const mat3 frame = frame_around<real>(normal);
+    block_.set(frame * w * frame.transpose());
+  }
+  /// The impulse that satisfies the law if `r` leaves the velocity u, relative to the target.
+  [[nodiscard]] vec3 solve(const vec3& r, const vec3& u, const vec3& normal, real target,
+                           real mu) const {
+    vec3 in_frame = seen(normal, u);
+    in_frame[0] -= target;
+    return block_.solve(r, in_frame, mu);
+  }
+  static void project(vec3& r, real mu) {
+    vec3 t{0, r[1], r[2]};
+    Cone::project(r[0], t, mu);
+    r[1] = t[1], r[2] = t[2];
+  }
+  [[nodiscard]] real normal_mobility() const { return block_.nn; }
+  [[nodiscard]] real inverse_normal_mobility() const { return block_.inverse_nn; }
+
+ private:
+  coulomb_block block_;
 };
 template <>
-struct general_block<false> {
-  real delassus = 0;
+struct local_problem<frictionless> {
+  using impulse_type = normal_impulse;
+
+ protected:
+  static normal_impulse seen(const vec3& normal, const vec3& v) { return {normal.dot(v)}; }
+  static vec3 unseen(const vec3& normal, const normal_impulse& d) { return d.n * normal; }
+  static vec3 resisted(const vec3& u, const vec3& normal) { return normal.dot(u) * normal; }
+  static real trace_of(const mat3& w, const vec3& normal) { return normal.dot(w * normal); }
+
+  void set_block(const mat3& w, const vec3& normal) { delassus_ = normal.dot(w * normal); }
+  [[nodiscard]] normal_impulse solve(normal_impulse r, const vec3& u, const vec3& normal,
+                                     real target, real mu) const {
+    r.n -= (normal.dot(u) - target) * inverse_normal_mobility();
+    project(r, mu);
+    return r;
+  }
+  static void project(normal_impulse& r, real) { frictionless::project(r.n); }
+  [[nodiscard]] real normal_mobility() const { return delassus_; }
+  [[nodiscard]] real inverse_normal_mobility() const { return 1 / delassus_; }
+
+ private:
+  real delassus_ = 0;
 };
 
 /// The general contact: Delassus block in the frame (normal, tangent, tangent), solved exactly for
 /// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a
 /// relative to b, impulses act on a.
 template <class Law, contact_side A, contact_side B, class Real = real>
-struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law>> {
+struct general_contact : local_problem<typename Law::cone>, contact_bias<has_bias<Law>> {
+  using cone = typename Law::cone;
   using state = solver_state_of<Real>;  ///< velocities are Reals, all else is real
   static constexpr bool paired = B != contact_side::immovable;
   static constexpr bool manifolds = true;  ///< a pair of bodies has several such contacts
   /// If one of the bodies is isotropic, a pair has one contact. (In reduced precision contacts are
   /// solved one by one.)
-  static constexpr bool swept_in_manifolds = Law::friction && A == contact_side::tensor &&
+  static constexpr bool swept_in_manifolds = cone::rows == 3 && A == contact_side::tensor &&
                                              B != contact_side::scalar &&
                                              std::is_same_v<Real, real>;
-  static constexpr int rows = Law::friction ? 3 : 1;
+  static constexpr int rows = cone::rows;
   /// One by one in the order of the list: stacks converge much faster if the impulses propagate
   /// along them, and the local solution costs more than the waiting.
   static constexpr std::size_t streams = 1;
-  using change = std::conditional_t<Law::friction, vec3, normal_impulse>;  ///< in the frame
+  using change = typename local_problem<cone>::impulse_type;  ///< in the frame
 
   // In this order, because vectors are read together with the number that follows them.
   vec3 normal{0, 0, 1};  ///< from b to a; the tangents are those of frame_around
@@ -82,53 +137,23 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   void prepare(const state& s, real split_a, real split_b) {
     mat3 w = mobility<A>(s, a, arm_a, split_a);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, split_b);
-    if constexpr (Law::friction) {
-      const mat3 frame = frame_around<real>(normal);
-      this->block.set(frame * w * frame.transpose());
-    } else {
-      this->delassus = normal.dot(w * normal);
-    }
-  }
-  /// The same from its manifold.
-  void prepare(const contact_manifold& p) requires(swept_in_manifolds) {
-    this->arm = seen_in(p.frame, arm_a);
-    if constexpr (general_contact::biased) this->bias_in_frame = seen_in(p.frame, this->bias);
-    const vec3& r = this->arm;
-    // The motion that each component of an impulse at the arm causes, and the velocity there.
-    const twist x3 = p.mobility(3), x4 = p.mobility(4), x5 = p.mobility(5),
-                n = p.mobility(0) + (x4 * r[2] - x5 * r[1]),
-                x = p.mobility(1) + (x5 * r[0] - x3 * r[2]),
-                y = p.mobility(2) + (x3 * r[1] - x4 * r[0]);
-    this->block.set(n[0] + (n[4] * r[2] - n[5] * r[1]), n[1] + (n[5] * r[0] - n[3] * r[2]),
-                    n[2] + (n[3] * r[1] - n[4] * r[0]), x[1] + (x[5] * r[0] - x[3] * r[2]),
-                    x[2] + (x[3] * r[1] - x[4] * r[0]), y[2] + (y[3] * r[1] - y[4] * r[0]));
+    this->set_block(w, normal);
   }
   /// Whether the two bodies and the normal are the same.
   [[nodiscard]] bool same_manifold(const general_contact& other) const {
     return a == other.a && b == other.b && normal == other.normal;
   }
   void load_impulse(const vec3& impulse) {
-    r = seen(impulse);
-    clip();
+    r = this->seen(normal, impulse);
+    this->project(r, friction);
   }
   /// The same with the frame around the normal, which those of one manifold share.
-  void load_impulse(const vec3& impulse, const mat3& frame) requires(Law::friction) {
+  void load_impulse(const vec3& impulse, const mat3& frame) requires(rows == 3) {
     r = seen_in(frame, impulse);
-    clip();
+    this->project(r, friction);
   }
-  /// Projects into the cone.
-  void clip() {
-    r[0] = std::max(real{0}, r[0]);
-    if constexpr (Law::friction) {
-      const real limit = friction * r[0], square = r[1] * r[1] + r[2] * r[2];
-      if (square > limit * limit) {
-        const real scale = limit / std::sqrt(square);
-        r[1] *= scale, r[2] *= scale;
-      }
-    }
-  }
-  [[nodiscard]] vec3 impulse() const { return unseen(r); }
-  [[nodiscard]] vec3 impulse(const mat3& frame) const requires(Law::friction) {
+  [[nodiscard]] vec3 impulse() const { return this->unseen(normal, r); }
+  [[nodiscard]] vec3 impulse(const mat3& frame) const requires(rows == 3) {
     return seen_from(frame, r);
   }
   [[nodiscard]] change impulse_in_frame() const { return r; }
@@ -139,28 +164,24 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   [[nodiscard]] const vec3& lever_b() const { return arm_b; }
   [[nodiscard]] change since(const change& before) const { return r - before; }
   /// The change of velocity at the contact that a change of its impulse causes.
-  [[nodiscard]] real speed_of(const change& d) const { return d.norm() * own_mobility(); }
+  [[nodiscard]] real speed_of(const change& d) const { return d.norm() * this->normal_mobility(); }
   /// Replaces the impulse, which may leave the cone for a while; the change is still to be applied.
   void set(const change& next) { r = next; }
 
   // Terms of the residual; see residual.hpp.
   [[nodiscard]] const vec3& axis() const { return normal; }
-  [[nodiscard]] real mu() const { return Law::friction ? friction : 0; }
+  [[nodiscard]] real mu() const { return rows == 3 ? friction : 0; }
   /// Of a against b at the point of contact; without friction its normal part alone.
   [[nodiscard]] vec3 relative_velocity(const state& s) const {
     vec3 u = v_of(s.bodies[a]) + w_of(s.bodies[a]).cross(arm_a);
     if constexpr (paired) u -= v_of(s.bodies[b]) + w_of(s.bodies[b]).cross(arm_b);
-    if constexpr (!Law::friction) u = axis().dot(u) * axis();
-    return u;
+    return this->resisted(u, normal);
   }
   /// Sum of the diagonal of the Delassus block, with undivided masses.
   [[nodiscard]] real delassus_trace(const state& s) const {
     mat3 w = mobility<A>(s, a, arm_a, 1);
     if constexpr (paired) w += mobility<B>(s, b, arm_b, 1);
-    if constexpr (Law::friction)
-      return trace(w);
-    else
-      return axis().dot(w * axis());
+    return this->trace_of(w, normal);
   }
 
   change relax(const state& s) {
@@ -168,13 +189,7 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     if constexpr (paired) u -= v_of(s.bodies[b]) + w_of(s.bodies[b]).cross(arm_b);
     if constexpr (general_contact::biased) u -= this->bias;
     const change before = r;
-    if constexpr (Law::friction) {
-      u = seen(u);
-      u[0] -= target_velocity;
-      r = this->block.solve(r, u, friction);
-    } else {
-      r[0] = std::max(real{0}, r[0] - (axis().dot(u) - target_velocity) * inverse_own_mobility());
-    }
+    r = this->solve(r, u, normal, target_velocity, friction);
     return r - before;
   }
   void apply(state& s, const change& d) const {
@@ -182,12 +197,12 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     if constexpr (paired) apply_to_b(s, d);
   }
   void apply_to_a(state& s, const change& d) const {
-    const vec3 p = unseen(d);
+    const vec3 p = this->unseen(normal, d);
     s.bodies[a].v += in_scalar<Real>(vec3(s.bodies[a].inverse_mass * p));
     s.bodies[a].w += in_scalar<Real>(turn<A>(s, a, arm_a.cross(p)));
   }
   void apply_to_b(state& s, const change& d) const {
-    const vec3 p = unseen(d);
+    const vec3 p = this->unseen(normal, d);
     s.bodies[b].v -= in_scalar<Real>(vec3(s.bodies[b].inverse_mass * p));
     s.bodies[b].w -= in_scalar<Real>(turn<B>(s, b, arm_b.cross(p)));
   }
@@ -196,12 +211,9 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
     const vec3 n = axis();
     real rate = n.dot(shift_at<A>(s, a, arm_a));
     if constexpr (paired) rate -= n.dot(shift_at<B>(s, b, arm_b));
-    return correction_at(rate);
-  }
-  /// The change of the correction's impulse if surfaces separate at `rate`.
-  real correction_at(real rate) {
     const real before = correction_impulse;
-    const real next = correction_impulse - (rate - correction_rate) * inverse_own_mobility();
+    const real next =
+        correction_impulse - (rate - correction_rate) * this->inverse_normal_mobility();
     // Surfaces under load neither separate nor approach except by the position correction.
     correction_impulse = target_velocity == 0 && r[0] > 0 ? next : std::max(real{0}, next);
     return correction_impulse - before;
@@ -212,33 +224,6 @@ struct general_contact : general_block<Law::friction>, contact_bias<has_bias<Law
   }
 
  private:
-  /// In the frame of the contact; an impulse without friction has the normal part alone.
-  [[nodiscard]] change seen(const vec3& v) const {
-    if constexpr (Law::friction)
-      return seen_in(frame_around<real>(normal), v);
-    else
-      return change{normal.dot(v)};
-  }
-  /// Back in the world.
-  [[nodiscard]] vec3 unseen(const change& d) const {
-    if constexpr (Law::friction)
-      return seen_from(frame_around<real>(normal), d);
-    else
-      return d[0] * normal;
-  }
-  /// Along the normal.
-  [[nodiscard]] real own_mobility() const {
-    if constexpr (Law::friction)
-      return this->block.nn;
-    else
-      return this->delassus;
-  }
-  [[nodiscard]] real inverse_own_mobility() const {
-    if constexpr (Law::friction)
-      return this->block.inverse_nn;
-    else
-      return 1 / this->delassus;
-  }
   template <contact_side Side>
   static vec3 turn(const state& s, std::int32_t i, const vec3& moment) {
     if constexpr (Side == contact_side::tensor)

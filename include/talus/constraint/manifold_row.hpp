@@ -18,15 +18,15 @@ class manifold_row : public contact_row<Contact> {
   }
   void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
   void apply(state& s) const { manifolds_.apply_all(this->contacts_, s); }
-  void forward(state& s) { manifolds_.sweep_forward(this->contacts_, s); }
-  void backward(state& s) { manifolds_.sweep_backward(this->contacts_, s); }
+  void forward(state& s) { manifolds_.sweep_forward(s); }
+  void backward(state& s) { manifolds_.sweep_backward(s); }
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
     manifolds_.sweep_watched(this->contacts_, s, [&](std::size_t i, real change) {
       if (change > speed) note(i, change);
     });
   }
-  void correct(state& s) { manifolds_.sweep_correction(this->contacts_, s); }
+  void correct(state& s) { manifolds_.sweep_correction(s); }
 
  private:
   contact_manifolds<Contact, Planner> manifolds_;

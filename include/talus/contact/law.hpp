@@ -1,16 +1,41 @@
 #pragma once
 // hard_contact<...>: bodies do not overlap, and the parts add friction, restitution and correction.
+#include <type_traits>
+
 #include "talus/core/math.hpp"
+#include "talus/core/pack_vector.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/core/type_list.hpp"
 
 namespace talus {
+
+// All functions that take packs are inlined.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 /// Tangential impulse in the cone |p_t| <= mu p_n, against the sliding (Coulomb). Without it:
 /// frictionless, and nothing tangential is stored or computed.
 struct coulomb_friction final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "coulomb_friction";
+
+  /// Rows of the Delassus block of a contact: the normal and two tangents.
+  static constexpr int rows = 3;
+  /// Projects impulses (normal, tangential) of one or several contacts into the cones with the
+  /// friction coefficients mu: the normal part is raised to 0, then the tangential one is
+  /// shortened. Without a branch: whether a contact slides is hard to predict.
+  template <class Pack, class Tangential>
+  [[gnu::always_inline]] static void project(Pack& n, Tangential& t, const Pack& mu) {
+    using namespace detail;
+    n = larger(n, every_lane<Pack>(0));
+    const Pack limit = mu * n, length = square_root(dot(t, t));
+    t = (limit / larger(larger(length, limit), every_lane<Pack>(smallest<lane_of<Pack>>))) * t;
+  }
+
+ private:
+  /// Shorter impulses count as zero.
+  template <class Real>
+  static constexpr Real smallest = std::is_same_v<Real, double> ? Real(1e-150) : Real(1e-19);
 };
 /// Normal velocity after an impact = -e times the one before (Newton). Without it: plastic, e = 0.
 struct newton_restitution final {
@@ -32,10 +57,24 @@ struct no_correction final {
 
 namespace detail {
 
+/// What a hard law without friction has in place of coulomb_friction: its cone is the normal.
+struct frictionless final {
+  static constexpr int rows = 1;
+  template <class Pack>
+  [[gnu::always_inline]] static void project(Pack& n) {
+    n = larger(n, every_lane<Pack>(0));
+  }
+};
+template <bool Friction>
+using cone_of = std::conditional_t<Friction, coulomb_friction, frictionless>;
+
+#pragma GCC diagnostic pop
+
 /// A hard contact law whose contacts also carry a velocity bias; see constraint/contact_bias.hpp.
 template <class Law>
 struct biased_law {
   using memory = typename Law::memory;
+  using cone = typename Law::cone;
   static constexpr bool soft = false, biased = true;
   static constexpr bool friction = Law::friction;
   static constexpr bool restitution = Law::restitution;
@@ -50,6 +89,7 @@ inline constexpr bool has_bias = requires {
 /// them have one type.
 template <bool Friction, bool Biased>
 struct rows_of_contact {
+  using cone = cone_of<Friction>;
   static constexpr bool friction = Friction, biased = Biased;
 };
 template <class Law>
@@ -81,6 +121,7 @@ struct hard_contact final {
   static constexpr bool soft = false;
   static constexpr bool friction = detail::contains_type<list, coulomb_friction>;
   static constexpr bool restitution = detail::contains_type<list, newton_restitution>;
+  using cone = detail::cone_of<friction>;  ///< its part that projects impulses
   /// Whether overlaps are corrected; the default if no correction is named.
   static constexpr bool correction = !detail::contains_type<list, no_correction>;
 

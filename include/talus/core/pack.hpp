@@ -2,6 +2,7 @@
 // Several numbers worked on at once, lane by lane: the same arithmetic, to the bit, in whatever
 // registers the target has.
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <type_traits>
 #include <utility>
@@ -118,6 +119,30 @@ template <class Pack>
   }
 }
 
+/// The lanes where m does not hold.
+template <class Mask>
+[[nodiscard]] [[gnu::always_inline]] inline Mask inverted(const Mask& m) {
+  if constexpr (std::is_same_v<Mask, bool>)
+    return !m;
+  else
+    return ~m;
+}
+/// The lanes where both hold.
+template <class Mask>
+[[nodiscard]] [[gnu::always_inline]] inline Mask both(const Mask& a, const Mask& b) {
+  if constexpr (std::is_same_v<Mask, bool>)
+    return a && b;
+  else
+    return a & b;
+}
+/// The mask holds in lane l too.
+template <class Mask>
+[[gnu::always_inline]] inline void include_lane(Mask& m, std::size_t l) {
+  if constexpr (std::is_same_v<Mask, bool>)
+    m = true;
+  else
+    m[l] = -1;
+}
 /// Bit k is that of lane k, of at most 32.
 template <class Mask>
 [[nodiscard]] [[gnu::always_inline]] inline unsigned bits_of(const Mask& m) {

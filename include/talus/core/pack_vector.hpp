@@ -1,6 +1,11 @@
 #pragma once
 // Vectors and matrices of several things at once.
+#include <cstddef>
+#include <type_traits>
+
+#include "talus/core/math.hpp"
 #include "talus/core/pack.hpp"
+#include "talus/core/pack_rows.hpp"
 
 namespace talus::detail {
 
@@ -26,7 +31,46 @@ struct pack_vector {
   [[gnu::always_inline]] void operator+=(const pack_vector<Pack>& a) {
     x += a.x, y += a.y, z += a.z;
   }
+  [[gnu::always_inline]] void operator-=(const pack_vector<Pack>& a) {
+    x -= a.x, y -= a.y, z -= a.z;
+  }
 };
+/// A vector of each lane; of one lane the vector itself.
+template <class Pack>
+using vectors_of =
+    std::conditional_t<lanes_of<Pack> == 1, vector3<lane_of<Pack>>, pack_vector<Pack>>;
+/// The first three numbers of rows.
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline vectors_of<Pack> vectors_in(
+    const pack_rows<Pack>& rows) {
+  return {rows.x, rows.y, rows.z};
+}
+/// What lane l holds, and the reverse.
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline auto lane(const Pack& p, std::size_t l) {
+  if constexpr (std::is_arithmetic_v<Pack>)
+    return p;
+  else
+    return p[l];
+}
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline vector3<lane_of<Pack>> lane(const pack_vector<Pack>& v,
+                                                                        std::size_t l) {
+  return {lane(v.x, l), lane(v.y, l), lane(v.z, l)};
+}
+template <class Pack>
+[[gnu::always_inline]] inline void put_lane(Pack& p, std::size_t l, const auto& number) {
+  if constexpr (std::is_arithmetic_v<Pack>)
+    p = number;
+  else
+    p[l] = number;
+}
+template <class Pack>
+[[gnu::always_inline]] inline void put_lane(pack_vector<Pack>& v, std::size_t l,
+                                            const vector3<lane_of<Pack>>& of_lane) {
+  put_lane(v.x, l, of_lane[0]), put_lane(v.y, l, of_lane[1]), put_lane(v.z, l, of_lane[2]);
+}
+
 template <class Pack>
 [[nodiscard]] [[gnu::always_inline]] inline Pack dot(const pack_vector<Pack>& a,
                                                      const pack_vector<Pack>& b) {
@@ -36,6 +80,23 @@ template <class Pack>
 [[nodiscard]] [[gnu::always_inline]] inline pack_vector<Pack> crossed(const pack_vector<Pack>& a,
                                                                       const pack_vector<Pack>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// Adds to the first three numbers of rows.
+template <class Pack>
+[[gnu::always_inline]] inline void operator+=(pack_rows<Pack>& rows, const pack_vector<Pack>& a) {
+  rows.x += a.x, rows.y += a.y, rows.z += a.z;
+}
+template <class Pack>
+[[gnu::always_inline]] inline void operator-=(pack_rows<Pack>& rows, const pack_vector<Pack>& a) {
+  rows.x -= a.x, rows.y -= a.y, rows.z -= a.z;
+}
+template <class Real>
+[[gnu::always_inline]] inline void operator+=(pack_rows<Real>& rows, const vector3<Real>& a) {
+  rows.x += a[0], rows.y += a[1], rows.z += a[2];
+}
+template <class Real>
+[[gnu::always_inline]] inline void operator-=(pack_rows<Real>& rows, const vector3<Real>& a) {
+  rows.x -= a[0], rows.y -= a[1], rows.z -= a[2];
 }
 
 /// Matrices by their rows, or symmetric ones of which the upper half counts.

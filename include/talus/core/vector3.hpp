@@ -216,6 +216,17 @@ template <small_vector V>
 [[nodiscard]] inline typename V::Scalar least_of(const V& a) {
   return a.minCoeff();
 }
+// As functions, which packs of vectors have too.
+template <class Real>
+[[nodiscard]] [[gnu::always_inline]] inline Real dot(const vector3<Real>& a,
+                                                     const vector3<Real>& b) {
+  return a.dot(b);
+}
+template <class Real>
+[[nodiscard]] [[gnu::always_inline]] inline vector3<Real> crossed(const vector3<Real>& a,
+                                                                  const vector3<Real>& b) {
+  return a.cross(b);
+}
 /// The vector (x, x, x).
 template <class Real>
 [[nodiscard]] inline vector3<Real> thrice(Real x) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/id_table.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
@@ -171,13 +172,12 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
 
   using remembered = typename world_state<Scenario>::history_type::entry;
   const auto there = leaving.empty() ? bodies_elsewhere(0) : movable_copies(s);
-  sort_values(leaving);
+  const id_table places(leaving, [](const auto& one) { return one.first; });
   each_migrating_history(s, [&](const auto& history) {
     std::vector<plain_vector<remembered>> to(s.parcels.size());
     const auto find = [&](system_id id) {
-      const auto at =
-          std::lower_bound(leaving.begin(), leaving.end(), plain_pair{id, std::size_t{0}});
-      return at != leaving.end() && at->first == id ? at->second : to.size();
+      const auto at = places.find(id);
+      return at == id_table::unknown ? to.size() : leaving[at].second;
     };
     if (!leaving.empty())
       for (const remembered& c : history.entries()) {

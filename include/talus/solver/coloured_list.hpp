@@ -13,9 +13,9 @@
 #include "talus/constraint/residual.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/contact/key.hpp"
-#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/colouring.hpp"
+#include "talus/solver/contact_sums.hpp"
 
 namespace talus::detail {
 
@@ -39,9 +39,8 @@ struct row_of_colour<Contact> {
 /// another rank (shared ones) are computed alike on both ranks, and separately from the others:
 /// their velocities are exchanged first.
 template <class Contact>
-class coloured_list {
+class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
  public:
-  using contact_type = Contact;
   using state = typename Contact::state;
 
   coloured_list();
@@ -131,20 +130,6 @@ class coloured_list {
   }
   void sweep(state& s, std::uint32_t colour, bool shared);
   void correct(state& s, std::uint32_t colour, bool shared);
-
-  // The terms of the contact residual, in double or in sums that do not depend on an order.
-
-  void add_to(residual_scale_of<double>& scale, const state& s) const;
-  void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
-  void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
-  void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
-  /// The same as the first for velocities `after` the step, of which `given` is the part from
-  /// impulses.
-  void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
-  /// Raises the speeds at which bodies penetrate their contact partners; see approach.hpp.
-  void add_approach(const state& after, plain_vector<real>& speeds) const;
-  /// The number of contacts that count on this rank.
-  [[nodiscard]] std::size_t counted() const;
 
  private:
   struct ends_of_contact {
@@ -254,43 +239,6 @@ void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool shared) 
 template <class Contact>
 void coloured_list<Contact>::correct(state& s, std::uint32_t colour, bool shared) {
   if (colour < used_) colours_[colour].parts[shared].row.correct(s);
-}
-
-template <class Contact>
-void coloured_list<Contact>::add_to(residual_scale_of<double>& scale, const state& s) const {
-  add_contacts(scale, *this, s);
-}
-template <class Contact>
-void coloured_list<Contact>::add_to(residual_sums_of<double>& sums, const state& s,
-                                    double rho) const {
-  add_contacts(sums, *this, s, rho);
-}
-template <class Contact>
-void coloured_list<Contact>::add_to(residual_scale_of<exact_sum>& scale, const state& s) const {
-  add_contacts(scale, *this, s);
-}
-template <class Contact>
-void coloured_list<Contact>::add_to(residual_sums_of<exact_sum>& sums, const state& s,
-                                    double rho) const {
-  add_contacts(sums, *this, s, rho);
-}
-
-template <class Contact>
-void coloured_list<Contact>::add_to(residual_scale_of<double>& scale, const state& after,
-                                    const state& given) const {
-  each([&](const auto& c, bool counts_here) {
-    if (counts_here) scale.add(c, after, violation(c, after) - c.relative_velocity(given));
-  });
-}
-template <class Contact>
-void coloured_list<Contact>::add_approach(const state& after, plain_vector<real>& speeds) const {
-  each([&](const auto& c, bool) { detail::add_approach(c, after, speeds); });
-}
-template <class Contact>
-std::size_t coloured_list<Contact>::counted() const {
-  std::size_t n = 0;
-  each([&](const auto&, bool counts_here) { n += counts_here; });
-  return n;
 }
 
 }  // namespace talus::detail

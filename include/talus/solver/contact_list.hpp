@@ -12,10 +12,11 @@
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/contact/key.hpp"
-#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/solver/boundary_contacts.hpp"
 #include "talus/solver/contact_access.hpp"
+#include "talus/solver/contact_sums.hpp"
 
 namespace talus::detail {
 
@@ -55,9 +56,8 @@ struct keyed_contacts {
 /// sweep, these velocities are sent while the others are swept. Loops over the list are compiled
 /// once for a kind of contact: inlined into solvers they would be compiled many times.
 template <class Contact>
-class contact_list {
+class contact_list : public contact_sums<contact_list<Contact>, Contact> {
  public:
-  using contact_type = Contact;
   using state = typename Contact::state;
 
   contact_list();
@@ -65,9 +65,7 @@ class contact_list {
 
   void clear() {
     inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
-    boundary_keys_.clear(), foreign_keys_.clear();
-    boundary_places_.clear();
-    owns_a_.clear();
+    foreign_keys_.clear();
   }
   /// `last` is the position in the history of the contacts of its pair, unknown if null. It is kept
   /// up to date. `at_border`: whether other ranks need the velocity of one of the bodies.
@@ -80,10 +78,7 @@ class contact_list {
   }
   void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
                     history_place* last) {
-    boundary_.push_back(contact);
-    boundary_places_.push_back(last);
-    boundary_keys_.push_back(key);
-    owns_a_.push_back(owns_a);
+    boundary_.add(contact, key, owns_a, last);
   }
   /// A contact of bodies of other ranks, without effect here; see shared_islands.hpp.
   void add_foreign(const Contact& contact, const contact_key& key) {
@@ -92,16 +87,14 @@ class contact_list {
   }
   [[nodiscard]] std::size_t size() const { return interior() + boundary_.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    return inner_.bytes() + border_.bytes() + boundary_.capacity() * sizeof(Contact) +
-           boundary_keys_.capacity() * sizeof(contact_key) +
-           boundary_places_.capacity() * sizeof(history_place*);
+    return inner_.bytes() + border_.bytes() + boundary_.bytes();
   }
 
   /// Calls f(contact, counts_here): a boundary contact counts on the rank that owns its body a.
   template <class F>
   void each(F&& f) const {
     each_interior([&](const auto& c) { f(c, true); });
-    for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
+    for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], boundary_.owns_a(i));
   }
 
   /// Calls f(contact, acts_on_a, acts_on_b): on which of its bodies it acts on this rank. Over all
@@ -110,7 +103,7 @@ class contact_list {
   void each_acting(F&& f) const {
     each_interior([&](const auto& c) { f(c, true, true); });
     for (std::size_t i = 0; i < boundary_.size(); ++i)
-      f(boundary_[i], bool(owns_a_[i]), !owns_a_[i]);
+      f(boundary_[i], boundary_.owns_a(i), !boundary_.owns_a(i));
   }
 
   /// Loads the impulses of the last step.
@@ -148,11 +141,11 @@ class contact_list {
     if (p == contact_part::interior)
       edit_interior(i, f);
     else
-      f((p == contact_part::boundary ? boundary_ : foreign_)[i]);
+      f(p == contact_part::boundary ? boundary_[i] : foreign_[i]);
   }
   [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
     if (p != contact_part::interior)
-      return (p == contact_part::boundary ? boundary_keys_ : foreign_keys_)[i];
+      return p == contact_part::boundary ? boundary_.key(i) : foreign_keys_[i];
     const std::size_t inner = inner_.keys.size();
     return i < inner ? inner_.keys[i] : border_.keys[i - inner];
   }
@@ -163,10 +156,7 @@ class contact_list {
 
   /// Sets an impulse on a of a boundary contact; the change is applied to the body owned here.
   void set_at_boundary(std::size_t i, const vec3& impulse, state& s) {
-    Contact& c = boundary_[i];
-    const auto before = c.impulse_in_frame();
-    c.load_impulse(impulse);
-    apply_to_owned(s, i, c.since(before));
+    boundary_.set(i, impulse, s);
   }
 
   // For the test that impulses add no energy; see step/passivity.hpp.
@@ -179,11 +169,11 @@ class contact_list {
   void edit_interior_contacts(F&& f) {
     for (std::size_t i = 0, n = interior(); i < n; ++i) edit_interior(i, f);
   }
-  [[nodiscard]] bool has_boundary() const { return !boundary_.empty(); }
+  [[nodiscard]] bool has_boundary() const { return boundary_.size() > 0; }
   /// Calls f(contact, whether its body a is owned here).
   template <class F>
   void edit_boundary_contacts(F&& f) {
-    for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], bool(owns_a_[i]));
+    for (std::size_t i = 0; i < boundary_.size(); ++i) f(boundary_[i], boundary_.owns_a(i));
   }
 
   // For solvers other than Gauss-Seidel. Functions that a solver does not call are not compiled.
@@ -193,7 +183,7 @@ class contact_list {
   void each_numbered(F&& f) {
     std::size_t i = 0;
     for (; i < interior(); ++i) edit_interior(i, [&](Contact& c) { f(c, i); });
-    for (Contact& c : boundary_) f(c, i++);
+    for (std::size_t k = 0; k < boundary_.size(); ++k) f(boundary_[k], i++);
   }
   // For solvers that treat all contacts simultaneously.
 
@@ -219,20 +209,6 @@ class contact_list {
   void relax_boundary_correction(state& s);
   void apply_boundary_correction(state& s) const;
 
-  // The terms of the contact residual, in double or in sums that do not depend on an order.
-
-  void add_to(residual_scale_of<double>& scale, const state& s) const;
-  void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
-  void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
-  void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
-  /// The same as the first for velocities `after` the step, of which `given` is the part from
-  /// impulses.
-  void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
-  /// Raises the speeds at which bodies penetrate their contact partners; see approach.hpp.
-  void add_approach(const state& after, plain_vector<real>& speeds) const;
-  /// The number of contacts that count on this rank.
-  [[nodiscard]] std::size_t counted() const;
-
  private:
   using part = keyed_contacts<Contact>;
 
@@ -254,34 +230,12 @@ class contact_list {
   static void sweep(part& p, state& s, bool forward) {
     forward ? p.row.forward(s) : p.row.backward(s);
   }
-  static typename state::number parts_of(const state& s, std::int32_t body) {
-    return static_cast<typename state::number>(
-        std::max(1u, s.boundary_contacts[static_cast<std::size_t>(body)]));
-  }
-  /// Sweeps f(contact, again) forward and backward through the contacts of one pair, isolated from
-  /// all others; the pair's bodies are restored afterwards.
-  template <class F>
-  void by_themselves(state& s, std::size_t first, std::size_t last, F&& f) {
-    const Contact& c = boundary_[first];
-    const split_pair<typename state::number> alone(s, c.a, c.b, parts_of(s, c.a), parts_of(s, c.b));
-    const std::size_t n = last - first;
-    for (std::size_t k = 0; k < 2 * n - 1; ++k)
-      k < n ? f(first + k, false) : f(first + 2 * n - 2 - k, true);
-  }
-  void apply_to_owned(state& s, std::size_t i, const typename Contact::change& d) const {
-    if (owns_a_[i])
-      boundary_[i].apply_to_a(s, d);
-    else if constexpr (Contact::paired)
-      boundary_[i].apply_to_b(s, d);
-  }
 
   part inner_, border_;
-  plain_vector<Contact> boundary_, foreign_;
-  plain_vector<contact_key> boundary_keys_, foreign_keys_;
-  plain_vector<history_place*> boundary_places_;
-  plain_vector<char> owns_a_;  ///< of a boundary contact: whether its body a is owned here, else b
-  plain_vector<typename Contact::change> changes_, before_;
-  plain_vector<decltype(Contact::correction_impulse)> corrections_;
+  boundary_contacts<Contact> boundary_;
+  plain_vector<Contact> foreign_;
+  plain_vector<contact_key> foreign_keys_;
+  plain_vector<typename Contact::change> changes_, before_;  ///< of all, for relax_ahead()
   plain_vector<plain_pair<std::size_t, real>> stalled_;
 };
 
@@ -293,21 +247,19 @@ contact_list<Contact>::~contact_list() = default;
 template <class Contact>
 void contact_list<Contact>::load_impulses(const contact_history& history) {
   for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
-  detail::load_impulses(history, boundary_keys_, boundary_places_, boundary_);
+  boundary_.load_impulses(history);
 }
 
 template <class Contact>
 void contact_list<Contact>::store_impulses(contact_history& history) const {
   for (const part* p : {&inner_, &border_})
     detail::store_impulses(history, p->keys, p->places, p->row);
-  detail::store_impulses(history, boundary_keys_, boundary_places_, boundary_);
+  boundary_.store_impulses(history);
 }
 
 template <class Contact>
 void contact_list<Contact>::count_boundary(state& s) const {
-  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t) {
-    ++s.boundary_contacts[owns_a_[first] ? boundary_[first].a : boundary_[first].b];
-  });
+  boundary_.count(s);
 }
 
 template <class Contact>
@@ -317,14 +269,13 @@ void contact_list<Contact>::prepare_interior(const state& s) {
 
 template <class Contact>
 void contact_list<Contact>::prepare_boundary(const state& s) {
-  for (Contact& c : boundary_) c.prepare(s, parts_of(s, c.a), parts_of(s, c.b));
+  boundary_.prepare(s);
 }
 
 template <class Contact>
 void contact_list<Contact>::warm_start(state& s) const {
   for (const part* p : {&inner_, &border_}) p->row.apply(s);
-  for (std::size_t i = 0; i < boundary_.size(); ++i)
-    apply_to_owned(s, i, boundary_[i].impulse_in_frame());
+  boundary_.warm_start(s);
 }
 
 template <class Contact>
@@ -353,22 +304,12 @@ const plain_vector<plain_pair<std::size_t, real>>& contact_list<Contact>::sweep_
 
 template <class Contact>
 void contact_list<Contact>::relax_boundary(state& s) {
-  changes_.resize(boundary_.size());
-  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
-    changes_[first] = boundary_[first].relax(s);
-    if constexpr (comes_in_manifolds<Contact>)
-      if (last - first > 1)
-        by_themselves(s, first, last, [&](std::size_t i, bool again) {
-          const auto d = again || i > first ? boundary_[i].relax(s) : changes_[i];
-          changes_[i] = again ? changes_[i] + d : d;
-          boundary_[i].apply(s, d);
-        });
-  });
+  boundary_.relax(s);
 }
 
 template <class Contact>
 void contact_list<Contact>::apply_boundary(state& s) const {
-  for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[i]);
+  boundary_.apply(s);
 }
 
 template <class Contact>
@@ -402,7 +343,8 @@ template <class Contact>
 void contact_list<Contact>::apply_all(state& s) const {
   const std::size_t first = interior();
   for (std::size_t i = 0; i < first; ++i) interior(i).apply(s, changes_[i]);
-  for (std::size_t i = 0; i < boundary_.size(); ++i) apply_to_owned(s, i, changes_[first + i]);
+  for (std::size_t i = 0; i < boundary_.size(); ++i)
+    boundary_.apply_to_owned(s, i, changes_[first + i]);
 }
 
 template <class Contact>
@@ -417,66 +359,17 @@ void contact_list<Contact>::correct_inner(state& s) {
 
 template <class Contact>
 void contact_list<Contact>::relax_boundary_correction(state& s) {
-  corrections_.resize(boundary_.size());
-  each_manifold(boundary_keys_, [&](std::size_t first, std::size_t last) {
-    corrections_[first] = boundary_[first].relax_correction(s);
-    if constexpr (comes_in_manifolds<Contact>)
-      if (last - first > 1)
-        by_themselves(s, first, last, [&](std::size_t i, bool again) {
-          const auto d = again || i > first ? boundary_[i].relax_correction(s) : corrections_[i];
-          corrections_[i] = again ? corrections_[i] + d : d;
-          boundary_[i].correct_a(s, d), boundary_[i].correct_b(s, d);
-        });
-  });
+  boundary_.relax_correction(s);
 }
 
 template <class Contact>
 void contact_list<Contact>::apply_boundary_correction(state& s) const {
-  for (std::size_t i = 0; i < boundary_.size(); ++i)
-    owns_a_[i] ? boundary_[i].correct_a(s, corrections_[i])
-               : boundary_[i].correct_b(s, corrections_[i]);
-}
-
-template <class Contact>
-void contact_list<Contact>::add_to(residual_scale_of<double>& scale, const state& s) const {
-  add_contacts(scale, *this, s);
-}
-template <class Contact>
-void contact_list<Contact>::add_to(residual_sums_of<double>& sums, const state& s,
-                                   double rho) const {
-  add_contacts(sums, *this, s, rho);
-}
-template <class Contact>
-void contact_list<Contact>::add_to(residual_scale_of<exact_sum>& scale, const state& s) const {
-  add_contacts(scale, *this, s);
-}
-template <class Contact>
-void contact_list<Contact>::add_to(residual_sums_of<exact_sum>& sums, const state& s,
-                                   double rho) const {
-  add_contacts(sums, *this, s, rho);
+  boundary_.apply_correction(s);
 }
 
 template <class Contact>
 const contact_calls<typename Contact::state>* contact_list<Contact>::calls() {
   return &calls_for<contact_list>;
-}
-
-template <class Contact>
-void contact_list<Contact>::add_to(residual_scale_of<double>& scale, const state& after,
-                                   const state& given) const {
-  each([&](const auto& c, bool counts_here) {
-    if (counts_here) scale.add(c, after, violation(c, after) - c.relative_velocity(given));
-  });
-}
-template <class Contact>
-void contact_list<Contact>::add_approach(const state& after, plain_vector<real>& speeds) const {
-  each([&](const auto& c, bool) { detail::add_approach(c, after, speeds); });
-}
-template <class Contact>
-std::size_t contact_list<Contact>::counted() const {
-  std::size_t n = 0;
-  each([&](const auto&, bool counts_here) { n += counts_here; });
-  return n;
 }
 
 }  // namespace talus::detail

@@ -35,6 +35,18 @@ extern template class coloured_list<usual::pair_of_tensors>;
 extern template class coloured_list<usual::round_and_tensor>;
 extern template class coloured_list<usual::tensor_and_round>;
 extern template class coloured_list<usual::tensor_anchored>;
+extern template class contact_sums<contact_list<usual::round_pair>, usual::round_pair>;
+extern template class contact_sums<contact_list<usual::round_anchored>, usual::round_anchored>;
+extern template class contact_sums<contact_list<usual::pair_of_tensors>, usual::pair_of_tensors>;
+extern template class contact_sums<contact_list<usual::round_and_tensor>, usual::round_and_tensor>;
+extern template class contact_sums<contact_list<usual::tensor_and_round>, usual::tensor_and_round>;
+extern template class contact_sums<contact_list<usual::tensor_anchored>, usual::tensor_anchored>;
+extern template class contact_sums<coloured_list<usual::round_pair>, usual::round_pair>;
+extern template class contact_sums<coloured_list<usual::round_anchored>, usual::round_anchored>;
+extern template class contact_sums<coloured_list<usual::pair_of_tensors>, usual::pair_of_tensors>;
+extern template class contact_sums<coloured_list<usual::round_and_tensor>, usual::round_and_tensor>;
+extern template class contact_sums<coloured_list<usual::tensor_and_round>, usual::tensor_and_round>;
+extern template class contact_sums<coloured_list<usual::tensor_anchored>, usual::tensor_anchored>;
 
 }  // namespace talus::detail
 #endif

@@ -9,10 +9,10 @@
 
 #include "talus/contact/place.hpp"
 #include "talus/core/id.hpp"
+#include "talus/core/id_table.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
-#include "talus/core/sort.hpp"
 
 namespace talus::detail {
 
@@ -44,20 +44,19 @@ inline constexpr std::uint32_t nobody = 0xffffffffu;
 /// The previous indices of bodies, or `nobody`; most are unchanged.
 [[nodiscard]] inline plain_vector<std::uint32_t> numbers_before(
     const plain_vector<noted_body>& before, std::span<const system_id> now) {
-  plain_vector<plain_pair<system_id, std::uint32_t>> others;
+  plain_vector<plain_pair<system_id, std::uint32_t>> others;  // and their numbers before
   const auto stayed = [&](std::size_t i) {
     return i < before.size() && i < now.size() && before[i].id == now[i];
   };
   for (std::size_t i = 0; i < before.size(); ++i)
     if (!stayed(i)) others.emplace_back(before[i].id, static_cast<std::uint32_t>(i));
-  sort_values(others);
+  const id_table places(others, [](const auto& one) { return one.first; });
   plain_vector<std::uint32_t> was(now.size());
   for (std::size_t i = 0; i < now.size(); ++i) {
     was[i] = static_cast<std::uint32_t>(i);
     if (stayed(i)) continue;
-    const auto at =
-        std::lower_bound(others.begin(), others.end(), plain_pair{now[i], std::uint32_t{0}});
-    was[i] = at != others.end() && at->first == now[i] ? at->second : nobody;
+    const auto at = places.find(now[i]);
+    was[i] = at == id_table::unknown ? nobody : others[at].second;
   }
   return was;
 }

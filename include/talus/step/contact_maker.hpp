@@ -10,6 +10,7 @@
 #include "talus/detect/usual_pairs.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
+#include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/contact_conditions.hpp"
@@ -17,27 +18,6 @@
 #include "talus/step/velocity_bias.hpp"
 
 namespace talus::detail {
-
-/// Whether the owner of shadow copy `copy` has a copy of the body `own`, so that both ranks compute
-/// their contact. (It has none in the one step after the user put a body at an unexpected place.)
-template <class Own, class Other, class Scenario>
-[[nodiscard]] bool copied_to_owner(const world_state<Scenario>& s, std::size_t own,
-                                   std::size_t copy) {
-  using shapes = typename world_state<Scenario>::finite_shapes;
-  constexpr std::size_t other = index_of<shapes, Other>;
-  std::size_t last = s.template of<Other>().movable.locals;
-  for (const auto& n : s.neighbours) {
-    last += n.copies[other];
-    if (copy >= last) continue;
-    std::uint32_t image = 0;
-    if constexpr (world_state<Scenario>::periodic)
-      image = periodic_box::reverse(copy_of<Other>(s, copy)->image);
-    const auto& there = n.shadowed[index_of<shapes, Own>];
-    return std::binary_search(there.begin(), there.end(),
-                              world_state<Scenario>::copy_code::of(own, image));
-  }
-  return false;
-}
 
 /// Whether this rank also searches for the contacts between bodies of other ranks.
 template <class Scenario>
@@ -50,13 +30,15 @@ template <class Scenario>
 
 /// Converts the contact points of one pair of shapes to contacts of the solver.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
-class contact_maker {
-  using state_type = world_state<Scenario>;
+class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
+  using base = shape_pairs<Scenario, ShapeA, ShapeB, Partner>;
+  using base::paired, base::driven, base::imaged;
+  using base::position_a, base::position_b, base::pose_a, base::pose_b, base::body_b;
+  using base::s_, base::a_, base::b_, base::first_a_, base::first_b_;
+  using typename base::body_pair, typename base::state_type;
+  using typename base::store_a, typename base::store_b;
   using law = typename state_type::law;
   using number = solved_scalar<Scenario>;
-  static constexpr bool paired = Partner == partner::moving;
-  static constexpr bool driven = !paired && state_type::drives;
-  static constexpr bool imaged = paired && state_type::periodic;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
   template <class A, class B>
@@ -70,18 +52,10 @@ class contact_maker {
   }
   using contact_type = decltype(kind<ShapeA, ShapeB>());
   using list_type = typename state_type::template list_of<contact_type>;
-  using store_a = body_store<ShapeA, typename Scenario::features>;
-  using store_b = body_store<ShapeB, typename Scenario::features>;
 
  public:
   explicit contact_maker(state_type& s)
-      : s_(s),
-        a_(s.template of<ShapeA>().movable),
-        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
-        first_a_(s.template of<ShapeA>().first),
-        first_b_(paired ? s.template of<ShapeB>().first : 0),
-        list_(std::get<list_type>(s.contacts)),
-        motion_(s, a_, b_) {
+      : base(s), list_(std::get<list_type>(s.contacts)), motion_(s, a_, b_) {
     if constexpr (batched) {
       waiting_.places = &s.template of<ShapeA>().places;
       waiting_.places->resize(a_.size());
@@ -120,16 +94,14 @@ class contact_maker {
     vec3 normal{0, 0, 0};
   };
   struct nothing_met {};
-  struct pair_at_hand {
-    std::size_t i = 0, j = 0;
+  struct pair_at_hand : body_pair {
     real margin = 0;
     real radius = 0;  ///< of a
     real slack = 0;   ///< a contact with a larger gap must be about to close
     history_place* last = nullptr;
-    bool own_a = false, boundary = false, foreign = false, moves_a = false, moves_b = false;
+    bool boundary = false, foreign = false;
     bool made = false;  ///< a contact that may get an impulse
     [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
-    [[no_unique_address]] std::conditional_t<imaged, image_pair, nothing_met> at{};
   };
   struct waiting_pairs {
     plain_vector<box_place<real>>* places = nullptr;  ///< of all boxes
@@ -149,34 +121,21 @@ class contact_maker {
   }
 
   void make(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place* last) {
-    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
-      if (b_.id[j] < a_.id[i]) {
-        std::swap(i, j);
-        std::swap(margin_a, margin_b);
-      }
-    pair_at_hand x{.i = i, .j = j, .last = last};
-    x.own_a = i < a_.locals;
-    bool own_b = !paired || j < b_.locals;
-    if constexpr (imaged) {
-      x.at = minimum_image<ShapeA, ShapeB>(s_, i, j);
-      if (!x.at.known) return forget_unless_made(x);
-      own_b = x.at.body_b < b_.locals;
-    }
-    x.moves_a = a_.moves(i), x.moves_b = paired && b_.moves(j);
+    if (this->order(i, j)) std::swap(margin_a, margin_b);
+    pair_at_hand x;
+    x.i = i, x.j = j, x.last = last;
+    if (!this->find(x)) return forget_unless_made(x);
     if constexpr (store_a::sleeps)
       if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);
     if constexpr (paired && !state_type::link_type::alone)
-      if (s_.strangers && !x.own_a && !own_b)
+      if (s_.strangers && !x.own_a && !x.own_b)
         require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j,
                                                      s_.by_colours() ? margin_a + margin_b : 0);
-    x.foreign = !((x.own_a && x.moves_a) || (own_b && x.moves_b));
+    x.foreign = !x.acts_here();
     if (x.foreign && !(shares_islands(s_) && (x.moves_a || x.moves_b)))
       return forget_unless_made(x);
-    x.boundary = paired && x.own_a != own_b && x.moves_a && x.moves_b;
-    if constexpr (paired)
-      if (x.boundary && !(x.own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
-                                  : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
-        return forget_unless_made(x);
+    x.boundary = x.crosses_ranks();
+    if (x.boundary && !this->known_to_both(x)) return forget_unless_made(x);
 
     x.radius = a_.shape[i].bounding_radius();
     x.slack = contact_slack * x.radius;
@@ -338,14 +297,15 @@ class contact_maker {
     earlier_.i = x.i, earlier_.j = x.j;
     auto& points = earlier_.points;
     points.clear();
+    auto& s = s_;
     const auto before = [&]<class Shape>(const auto& store, std::size_t i, const vec3& at,
                                          earlier_contacts::side& side, const Shape&) {
-      side = {at - s_.dt * store.velocity[i], store.velocity[i], store.angular_velocity[i]};
+      side = {at - s.dt * store.velocity[i], store.velocity[i], store.angular_velocity[i]};
       pose p{side.position, store.pose(i).orientation};
       if constexpr (std::remove_cvref_t<decltype(store)>::tensor) {
         earlier_turn& last =
-            s_.midpoints.earlier[index_of<typename state_type::finite_shapes, Shape>][i];
-        if (!last.known) find_earlier_turn(last, store, i, s_.dt);
+            s.midpoints.earlier[index_of<typename state_type::finite_shapes, Shape>][i];
+        if (!last.known) find_earlier_turn(last, store, i, s.dt);
         p.orientation = last.orientation, side.w = last.spin;
       }
       return p;
@@ -368,32 +328,6 @@ class contact_maker {
     }
   }
 
-  /// The second body itself, of which this may be an image of one that is owned here.
-  [[nodiscard]] std::size_t body_b(const pair_at_hand& x) const {
-    if constexpr (imaged)
-      return x.at.body_b;
-    else
-      return x.j;
-  }
-  /// Poses of the two bodies, for this pair.
-  [[nodiscard]] const vec3& position_a(const pair_at_hand& x) const {
-    if constexpr (imaged)
-      return x.at.a;
-    else
-      return a_.position[x.i];
-  }
-  [[nodiscard]] const vec3& position_b(const pair_at_hand& x) const {
-    if constexpr (imaged)
-      return x.at.b;
-    else
-      return b_.position[x.j];
-  }
-  [[nodiscard]] pose pose_a(const pair_at_hand& x) const {
-    return {position_a(x), a_.pose(x.i).orientation};
-  }
-  [[nodiscard]] pose pose_b(const pair_at_hand& x) const {
-    return {position_b(x), b_.pose(x.j).orientation};
-  }
   [[nodiscard]] decltype(auto) place_a(const pair_at_hand& x) const {
     return place_at(x.i, position_a(x));
   }
@@ -459,10 +393,6 @@ class contact_maker {
     }
   }
 
-  state_type& s_;
-  store_a& a_;
-  store_b& b_;
-  std::size_t first_a_, first_b_;
   list_type& list_;
   pair_motion<Scenario, ShapeA, ShapeB, paired> motion_;
   [[no_unique_address]] std::conditional_t<batched, waiting_pairs, none_wait> waiting_;

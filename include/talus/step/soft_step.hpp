@@ -14,6 +14,7 @@
 #include "talus/interaction/composed_law.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/pairs/neighbour_list.hpp"
+#include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/detect.hpp"
 #include "talus/step/finite_motion.hpp"
@@ -23,10 +24,13 @@ namespace talus::detail {
 /// The forces of the contact points of one pair of shapes: added up, with the springs advanced by a
 /// step; or, with an observer, only passed to it, for the present state.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner, class Observer>
-class force_adder {
-  using state_type = world_state<Scenario>;
+class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
+  using base = shape_pairs<Scenario, ShapeA, ShapeB, Partner>;
+  using base::paired;
+  using base::position_a, base::position_b, base::pose_a, base::pose_b, base::body_b;
+  using base::s_, base::a_, base::b_, base::first_a_, base::first_b_;
+  using typename base::body_pair, typename base::state_type;
   using law = typename state_type::law::law;
-  static constexpr bool paired = Partner == partner::moving;
   static constexpr bool observed = !std::is_null_pointer_v<Observer>;
   /// An observer of energies only.
   static constexpr bool surveyed = std::is_same_v<Observer, spring_energies>;
@@ -46,56 +50,40 @@ class force_adder {
   static constexpr bool turns = !law::central || !Shape::isotropic;
   static constexpr bool booked = !observed && watches<Scenario, energy_ledger>;
   static constexpr bool balanced = !observed && watches<Scenario, momentum_balance>;
-  using store_a = body_store<ShapeA, typename Scenario::features>;
-  using store_b = body_store<ShapeB, typename Scenario::features>;
 
  public:
-  force_adder(state_type& s, Observer& observer)
-      : s_(s),
-        observer_(observer),
-        a_(s.template of<ShapeA>().movable),
-        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
-        first_a_(s.template of<ShapeA>().first),
-        first_b_(paired ? s.template of<ShapeB>().first : 0) {}
+  force_adder(state_type& s, Observer& observer) : base(s), observer_(observer) {}
 
   void operator()(std::size_t i, std::size_t j, real, real, history_place) { (*this)(i, j, 0, 0); }
   void operator()(std::size_t i, std::size_t j, real, real) {
-    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
-      if (b_.id[j] < a_.id[i]) std::swap(i, j);
-    const bool own_a = i < a_.locals;
-    bool own_b = !paired || j < b_.locals;
-    at_.a = a_.position[i], at_.b = b_.position[j], at_.body_b = j;
-    if constexpr (paired && state_type::periodic) {
-      at_ = minimum_image<ShapeA, ShapeB>(s_, i, j);
-      if (!at_.known) return;
-      own_b = at_.body_b < b_.locals;
-    }
-    const bool moves_a = a_.inverse_mass[i] != 0, moves_b = paired && b_.inverse_mass[j] != 0;
+    this->order(i, j);
+    body_pair x;
+    x.i = i, x.j = j;
+    if (!this->find(x)) return;
     if constexpr (paired && !state_type::link_type::alone)
-      if (s_.strangers && !own_a && !own_b) require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
-    if (!((own_a && moves_a) || (own_b && moves_b))) return;
-    const bool boundary = paired && own_a != own_b && moves_a && moves_b;
-    const real range = range_of(i, j);
+      if (s_.strangers && !x.own_a && !x.own_b)
+        require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j);
+    if (!x.acts_here()) return;
+    const bool boundary = x.crosses_ranks();
+    const real range = range_of(x);
     collide_pair(
-        a_.shape[i], {at_.a, a_.pose(i).orientation}, b_.shape[j], {at_.b, b_.pose(j).orientation},
+        a_.shape[i], pose_a(x), b_.shape[j], pose_b(x),
         range, [&](const contact_geometry& g) __attribute__((always_inline)) {
           if (!(g.gap < range)) return;
-          if constexpr (paired)
-            if (boundary && !(own_a ? copied_to_owner<ShapeA, ShapeB>(s_, i, j)
-                                    : copied_to_owner<ShapeB, ShapeA>(s_, j, i)))
-              return;
+          if (boundary && !this->known_to_both(x)) return;
           const contact_key key{a_.id[i], b_.id[j], g.feature};
-          const bool counts = own_a || !boundary;
-          const pair_force f = add(i, j, g, key, counts);
+          const bool counts = x.own_a || !boundary;
+          const pair_force f = add(x, g, key, counts);
           if constexpr (surveyed) {
           } else if constexpr (watches_geometry) {
             observer_(key, g, f.force, counts);
           } else if constexpr (watches_loads) {
             // As in add(): for immovable bodies the point is on their surface.
             const real inwards = paired ? 0 : real(0.5) * g.gap;
-            observer_(key, vec3(g.point + inwards * g.normal), at_.a, at_.b, f, counts);
+            observer_(key, vec3(g.point + inwards * g.normal), position_a(x), position_b(x), f,
+                      counts);
           } else if constexpr (observed) {
-            observer_(key, f.force, own_a || !moves_a, own_b || !moves_b);
+            observer_(key, f.force, x.own_a || !x.moves_a, x.own_b || !x.moves_b);
           } else {
             if (law::reaches && g.gap >= 0 && is_zero(f)) return;
             auto& count = std::get<soft_contacts>(s_.contacts);
@@ -108,27 +96,28 @@ class force_adder {
 
  private:
   /// The range beyond touch of the law for this pair.
-  [[nodiscard]] real range_of(std::size_t i, std::size_t j) {
+  [[nodiscard]] real range_of(const body_pair& x) const {
+    const std::size_t i = x.i, j = x.j;
     if constexpr (!law::reaches) {
       return (void)i, (void)j, 0;
     } else {
       real curvature = 1 / s_.soft.bodies[first_a_ + i].radius;
       if constexpr (paired)
-        curvature += 1 / s_.soft.bodies[first_b_ + at_.body_b].radius;
+        curvature += 1 / s_.soft.bodies[first_b_ + body_b(x)].radius;
       else if constexpr (ShapeB::finite)
         curvature += 1 / sphere_radius(b_.shape[j]);
       const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
       return pair.known ? law::range(pair, 1 / curvature) : 0;
     }
   }
-  [[gnu::always_inline]] inline pair_force add(std::size_t i, std::size_t j,
-                                               const contact_geometry& g, const contact_key& key,
-                                               bool counts) {
+  [[gnu::always_inline]] inline pair_force add(const body_pair& x, const contact_geometry& g,
+                                               const contact_key& key, bool counts) {
+    const std::size_t i = x.i, j = x.j;
     soft_body& A = s_.soft.bodies[first_a_ + i];
     contact_kinematics t;
     t.normal = g.normal;
     t.gap = g.gap;
-    vec3 arm_a = g.point - at_.a, arm_b{0, 0, 0};
+    vec3 arm_a = g.point - position_a(x), arm_b{0, 0, 0};
     // As for hard contacts: for immovable bodies the point is on their surface.
     if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
     t.velocity = A.v + A.w.cross(arm_a);
@@ -138,8 +127,8 @@ class force_adder {
     real rolling = A.inverse_mass * curvature * curvature;
     soft_body* B = nullptr;
     if constexpr (paired) {
-      B = &s_.soft.bodies[first_b_ + at_.body_b];
-      arm_b = g.point - at_.b;
+      B = &s_.soft.bodies[first_b_ + body_b(x)];
+      arm_b = g.point - position_b(x);
       t.velocity -= B->v + B->w.cross(arm_b);
       t.spin -= B->w;
       t.mean_spin += 0.5 * g.normal.dot(B->w);
@@ -187,7 +176,7 @@ class force_adder {
       if constexpr (law::exerts_moment) B->torque -= f.moment;
     }
     if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
-    if constexpr (booked) book(i, at_.body_b, books, arm_a, arm_b, counts);
+    if constexpr (booked) book(i, body_b(x), books, arm_a, arm_b, counts);
     if constexpr (balanced) {
       vec3& ground = s_.monitors.momentum.ground_force;
       if (B == nullptr || B->inverse_mass == 0)
@@ -227,12 +216,7 @@ class force_adder {
     return b_.velocity[j] + b_.angular_velocity[j].cross(arm);
   }
 
-  state_type& s_;
   Observer& observer_;
-  store_a& a_;
-  store_b& b_;
-  std::size_t first_a_, first_b_;
-  image_pair at_;  ///< the present pair
 };
 
 /// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.

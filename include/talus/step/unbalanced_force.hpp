@@ -1,12 +1,12 @@
 #pragma once
 // The residual of soft contacts: the deviation of the bodies from force balance.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/id_table.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/state/state.hpp"
@@ -47,11 +47,12 @@ template <class Scenario>
         loads.push_back({.id = b.movable.id[i], .mass = 1 / inverse});
   });
   sort_values(loads);
+  const id_table places(loads, [](const load& l) { return l.id; });
   const auto add = [&](system_id id, const vec3& force) {
-    const auto at = std::lower_bound(loads.begin(), loads.end(), load{.id = id});
-    if (at == loads.end() || at->id != id) return;
-    at->touches = true;
-    at->force += force;
+    const auto at = places.find(id);
+    if (at == id_table::unknown) return;
+    loads[at].touches = true;
+    loads[at].force += force;
   };
   observe_forces(s, [&](const contact_key& key, const vec3& force, bool on_a, bool on_b) {
     if (on_a) add(key.a, force);

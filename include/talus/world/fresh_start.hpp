@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/id_table.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/state/state.hpp"
 #include "talus/world/world.hpp"
@@ -58,46 +59,6 @@ struct checkpoint_access {
   static void require_domain(const World& w) {
     w.require_domain();
   }
-};
-
-/// Bodies by their ids: open addressing, the numbers from 1.
-class id_table {
- public:
-  static constexpr std::uint32_t unknown = ~std::uint32_t{0};
-
-  void reset(std::size_t most) {
-    std::size_t room = 16;
-    while (room < 2 * most) room *= 2;
-    slots_.assign(room, 0);
-    ids_.clear();
-    ids_.reserve(most);
-  }
-  void add(system_id id) {
-    ids_.push_back(id);
-    slots_[free_slot(id)] = static_cast<std::uint32_t>(ids_.size());
-  }
-  /// In the order of insertion; `unknown` if it is absent.
-  [[nodiscard]] std::uint32_t find(system_id id) const {
-    for (std::size_t s = first_slot(id); slots_[s] != 0; s = next(s))
-      if (ids_[slots_[s] - 1] == id) return slots_[s] - 1;
-    return unknown;
-  }
-  [[nodiscard]] bool has(system_id id) const { return find(id) != unknown; }
-
- private:
-  [[nodiscard]] std::size_t first_slot(system_id id) const {
-    return mix(value_of(id)) & (slots_.size() - 1);
-  }
-  [[nodiscard]] std::size_t next(std::size_t slot) const {
-    return (slot + 1) & (slots_.size() - 1);
-  }
-  [[nodiscard]] std::size_t free_slot(system_id id) const {
-    std::size_t s = first_slot(id);
-    while (slots_[s] != 0) s = next(s);
-    return s;
-  }
-  plain_vector<std::uint32_t> slots_;
-  plain_vector<system_id> ids_;
 };
 
 /// The bodies owned here.

@@ -23,6 +23,7 @@
 #include "talus/ghosts/shared_velocities.hpp"
 #include "talus/motion/free_flight.hpp"
 #include "talus/motion/moving_frame.hpp"
+#include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
@@ -158,35 +159,27 @@ template <class ShapeB, bool Paired, class Scenario, class ShapeA, class FlightA
 /// the first round all bodies fly freely. In the second round stopped bodies stay at their
 /// position, in the way of the others.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
-class impact_finder {
-  using state_type = world_state<Scenario>;
-  static constexpr bool paired = Partner == partner::moving;
-  using store_a = body_store<ShapeA, typename Scenario::features>;
-  using store_b = body_store<ShapeB, typename Scenario::features>;
+class impact_finder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
+  using base = shape_pairs<Scenario, ShapeA, ShapeB, Partner>;
+  using base::paired, base::imaged;
+  using base::s_, base::a_, base::b_, base::first_a_, base::first_b_;
+  using typename base::body_pair, typename base::state_type;
+  using typename base::store_b;
 
  public:
-  explicit impact_finder(state_type& s)
-      : s_(s),
-        a_(s.template of<ShapeA>().movable),
-        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
-        first_a_(s.template of<ShapeA>().first),
-        first_b_(paired ? s.template of<ShapeB>().first : 0) {}
+  explicit impact_finder(state_type& s) : base(s) {}
 
   void operator()(std::size_t i, std::size_t j, real, real) {
-    // In the order of their ids, so that every rank that sees the pair computes the same.
-    if constexpr (paired && std::is_same_v<ShapeA, ShapeB>)
-      if (b_.id[j] < a_.id[i]) std::swap(i, j);
-    std::size_t body_b = j;  // the body itself, of which this may be an image
+    this->order(i, j);
+    body_pair x;
+    x.i = i, x.j = j;
+    if (!this->find(x)) return;
+    if (!x.own_a && !(paired && x.own_b)) return;
+    if (!x.moves_a && !x.moves_b) return;
+    const std::size_t body_b = this->body_b(x);
     auto fa = flight_of(s_, a_, i);
     auto fb = flight_of(s_, b_, j);
-    if constexpr (paired && state_type::periodic) {
-      const image_pair at = minimum_image<ShapeA, ShapeB>(s_, i, j);
-      if (!at.known) return;
-      fa.position = at.a, fb.position = at.b, body_b = at.body_b;
-    }
-    if (i >= a_.locals && (!paired || body_b >= b_.locals)) return;
-    const bool moves_a = a_.moves(i), moves_b = paired && b_.moves(j);
-    if (!moves_a && !moves_b) return;
+    fa.position = this->position_a(x), fb.position = this->position_b(x);
     const real zone = contact_zone(a_.shape[i], b_.shape[j]);
     real way = way_of(s_, a_, i);
     if constexpr (paired) way += way_of(s_, b_, j);
@@ -211,18 +204,14 @@ class impact_finder {
     }
     const real t = meeting_of<ShapeB, paired>(s_, a_.shape[i], fa, b_, j, fb, search);
     if (t == never) return;
-    if (moves_a) time_a = std::min(time_a, t);
+    if (x.moves_a) time_a = std::min(time_a, t);
     if constexpr (paired) {
       real& time_b = s_.impacts.found[first_b_ + body_b];
-      if (moves_b) time_b = std::min(time_b, t);
+      if (x.moves_b) time_b = std::min(time_b, t);
     }
   }
 
  private:
-  state_type& s_;
-  store_a& a_;
-  store_b& b_;
-  std::size_t first_a_, first_b_;
 };
 
 /// Copies the value of each body owned here to its images.
@@ -360,35 +349,28 @@ void end_flight(world_state<Scenario>& s, Store& store, std::size_t i, real lost
 
 /// Ends the rest of the step of a body with an impact at its next impact.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
-class flight_stopper {
-  using state_type = world_state<Scenario>;
-  static constexpr bool paired = Partner == partner::moving;
-  using store_a = body_store<ShapeA, typename Scenario::features>;
-  using store_b = body_store<ShapeB, typename Scenario::features>;
+class flight_stopper : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
+  using base = shape_pairs<Scenario, ShapeA, ShapeB, Partner>;
+  using base::paired, base::imaged;
+  using base::s_, base::a_, base::b_, base::first_a_, base::first_b_;
+  using typename base::body_pair, typename base::state_type;
+  using typename base::store_b;
 
  public:
-  explicit flight_stopper(state_type& s)
-      : s_(s),
-        a_(s.template of<ShapeA>().movable),
-        b_(paired ? s.template of<ShapeB>().movable : s.template of<ShapeB>().global),
-        first_a_(s.template of<ShapeA>().first),
-        first_b_(paired ? s.template of<ShapeB>().first : 0) {}
+  explicit flight_stopper(state_type& s) : base(s) {}
 
   void operator()(std::size_t i, std::size_t j, real, real) {
-    [[maybe_unused]] image_pair at{a_.position[i], b_.position[j], j};
-    if constexpr (paired && state_type::periodic) {
-      if constexpr (std::is_same_v<ShapeA, ShapeB>)
-        if (b_.id[j] < a_.id[i]) std::swap(i, j);
-      at = minimum_image<ShapeA, ShapeB>(s_, i, j);
-      if (!at.known) return;
-    }
-    const std::size_t a = first_a_ + i, b = first_b_ + at.body_b;
+    if constexpr (imaged) this->order(i, j);
+    body_pair x;
+    x.i = i, x.j = j;
+    if (!this->find(x)) return;
+    const std::size_t a = first_a_ + i, b = first_b_ + this->body_b(x);
     const auto& time = s_.impacts.time;
     if constexpr (!paired && state_type::drives)
       if (s_.impacts.second_round) return carry(i, j);
     if (state_type::drives && s_.impacts.second_round) return;
-    const bool stops_a = i < a_.locals && time[a] != never;
-    const bool stops_b = paired && at.body_b < b_.locals && time[b] != never;
+    const bool stops_a = x.own_a && time[a] != never;
+    const bool stops_b = paired && x.own_b && time[b] != never;
     if (!stops_a && !stops_b) return;
     // From the later of the two impacts on; a body without impact is still at its start.
     impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
@@ -398,7 +380,7 @@ class flight_stopper {
       fb = rest_of_flight(s_, b_, j, b);
     else
       fb = flight_of(s_, b_, j);
-    if constexpr (paired && state_type::periodic) fa.position = at.a, fb.position = at.b;
+    fa.position = this->position_a(x), fb.position = this->position_b(x);
     const real from_a = time[a] == never ? 0 : time[a];
     const real from_b = !paired || time[b] == never ? 0 : time[b];
     search.from = std::max(from_a, from_b);
@@ -427,11 +409,6 @@ class flight_stopper {
     auto& carrier = s_.impacts.carriers[a];
     if (t < carrier.from) carrier = {t, one->state.at.point, one->next.v, one->next.w};
   }
-
-  state_type& s_;
-  store_a& a_;
-  store_b& b_;
-  std::size_t first_a_, first_b_;
 };
 
 /// The pose at the end of the step of a body that was stopped at `position` and is carried along.

@@ -16,9 +16,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
+#include "talus/core/disjoint_sets.hpp"
 #include "talus/features/energy_ledger/energy_ledger.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
@@ -138,11 +138,10 @@ void count_quiet(world_state<Scenario>& s) {
 /// fixed body with a velocity, as on a belt, it is zero.
 template <class Scenario>
 void join_islands(world_state<Scenario>& s) {
-  auto& parent = s.sleep.roots;
+  disjoint_sets& islands = s.sleep.islands;
   auto& rested = s.sleep.rested;
   const auto& bodies = s.solver.bodies;
-  parent.resize(bodies.size());
-  std::iota(parent.begin(), parent.end(), std::uint32_t{0});
+  islands.reset(bodies.size());
   rested.assign(bodies.size(), std::numeric_limits<float>::infinity());
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size(); ++i)
@@ -166,24 +165,24 @@ void join_islands(world_state<Scenario>& s) {
         else if (bodies[b].inverse_mass == 0)
           carried(a, b);
         else
-          parent[root_of(parent, a)] = root_of(parent, b);
+          islands.join(a, b);
       }
     });
   });
-  for (std::uint32_t k = 0; k < parent.size(); ++k) {
-    float& all = rested[root_of(parent, k)];
+  for (std::uint32_t k = 0; k < islands.size(); ++k) {
+    float& all = rested[islands.root(k)];
     all = std::min(all, rested[k]);
   }
   if constexpr (world_state<Scenario>::may_use_colours &&
                 !world_state<Scenario>::link_type::alone) {
     if (!s.by_colours()) return;
-    plain_vector<real> values(parent.size());
+    plain_vector<real> values(islands.size());
     for (bool lower = true; lower; lower = anywhere(s, lower)) {
-      for (std::uint32_t k = 0; k < parent.size(); ++k) values[k] = rested[root_of(parent, k)];
+      for (std::uint32_t k = 0; k < islands.size(); ++k) values[k] = rested[islands.root(k)];
       shared_velocities<Scenario>(s).share_values(values);
       lower = false;
-      for (std::uint32_t k = 0; k < parent.size(); ++k) {
-        float& all = rested[root_of(parent, k)];
+      for (std::uint32_t k = 0; k < islands.size(); ++k) {
+        float& all = rested[islands.root(k)];
         if (const auto there = static_cast<float>(values[k]); there < all)
           all = there, lower = true;
       }
@@ -202,8 +201,7 @@ void put_to_sleep(world_state<Scenario>& s) {
     auto& store = b.movable;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
-      store.quiet[i] =
-          s.sleep.rested[root_of(s.sleep.roots, static_cast<std::uint32_t>(b.first + i))];
+      store.quiet[i] = s.sleep.rested[s.sleep.islands.root(b.first + i)];
       if (store.quiet[i] < long_enough) continue;
       if constexpr (watches<Scenario, energy_ledger>)
         s.monitors.energy.running.sleep +=

@@ -13,12 +13,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <vector>
 
 #include "talus/contact/key.hpp"
 #include "talus/core/bytes.hpp"
+#include "talus/core/disjoint_sets.hpp"
+#include "talus/core/id_table.hpp"
 #include "talus/core/parcel.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
@@ -141,7 +142,7 @@ struct known_body {
 template <class Scenario>
 class known_bodies {
  public:
-  static constexpr std::uint32_t unknown = ~std::uint32_t{0};
+  static constexpr std::uint32_t unknown = id_table::unknown;
 
   explicit known_bodies(const held_bodies<Scenario>& s) {
     s.each_shape([&](const auto& b) { add(b.movable), add(b.global); });
@@ -150,12 +151,9 @@ class known_bodies {
       const auto same = [](const known_body& x, const known_body& y) { return x.id == y.id; };
       all_.erase(std::unique(all_.begin(), all_.end(), same), all_.end());
     }
+    places_ = id_table(all_, [](const known_body& k) { return k.id; });
   }
-  [[nodiscard]] std::uint32_t find(system_id id) const {
-    const auto at = std::lower_bound(all_.begin(), all_.end(), known_body{.id = id, .own = true});
-    return at == all_.end() || at->id != id ? unknown
-                                            : static_cast<std::uint32_t>(at - all_.begin());
-  }
+  [[nodiscard]] std::uint32_t find(system_id id) const { return places_.find(id); }
   /// Whether one of the two belongs to this rank.
   [[nodiscard]] bool own(const contact_key& k) const {
     const auto a = find(k.a), b = find(k.b);
@@ -187,19 +185,13 @@ class known_bodies {
     }
   }
   plain_vector<known_body> all_;
+  id_table places_;
 };
 
 /// Whether any body may have to wake.
 template <class Scenario>
 [[nodiscard]] bool wakes_pend(const world_state<Scenario>& s) {
   return s.sleep.all || s.sleep.spreads || !s.sleep.touched.empty();
-}
-
-/// Root of the tree of `i`; shortens the path to it.
-template <class Parents>
-[[nodiscard]] std::uint32_t root_of(Parents& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
 }
 
 /// Whether a condition holds on any rank, if sleep must not depend on the ranks.
@@ -266,8 +258,7 @@ void wake_islands(world_state<Scenario>& s) {
   sleep.spreads = false;
   constexpr float never_rests = std::numeric_limits<float>::infinity();
   const known_bodies<Scenario> known(s);
-  plain_vector<std::uint32_t> parent(known.size());
-  std::iota(parent.begin(), parent.end(), std::uint32_t{0});
+  disjoint_sets islands(known.size());
   plain_vector<float> wakes(known.size(), never_rests);
   const auto wake = [&](std::uint32_t k, float quiet) { wakes[k] = std::min(wakes[k], quiet); };
   const auto meet = [&](std::uint32_t sleeper, std::uint32_t k) {
@@ -281,7 +272,7 @@ void wake_islands(world_state<Scenario>& s) {
     const bool sleeps_a = a != known.unknown && known[a].is == known_body::asleep;
     const bool sleeps_b = b != known.unknown && known[b].is == known_body::asleep;
     if (sleeps_a && sleeps_b)
-      parent[root_of(parent, a)] = root_of(parent, b);
+      islands.join(a, b);
     else if (sleeps_a)
       meet(a, b);
     else if (sleeps_b)
@@ -292,7 +283,7 @@ void wake_islands(world_state<Scenario>& s) {
   sleep.touched.clear();
   const auto spread = [&] {
     for (std::uint32_t k = 0; k < known.size(); ++k) {
-      const std::uint32_t root = root_of(parent, k);
+      const std::uint32_t root = islands.root(k);
       wakes[root] = std::min(wakes[root], wakes[k]);
     }
   };
@@ -300,7 +291,7 @@ void wake_islands(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::may_use_colours &&
                 !world_state<Scenario>::link_type::alone) {
     const auto give = [&] {  // to all of each island
-      for (std::uint32_t k = 0; k < known.size(); ++k) wakes[k] = wakes[root_of(parent, k)];
+      for (std::uint32_t k = 0; k < known.size(); ++k) wakes[k] = wakes[islands.root(k)];
     };
     if (everywhere)
       for (give(); share_wakes(s, known, wakes); give()) spread();
@@ -308,7 +299,7 @@ void wake_islands(world_state<Scenario>& s) {
   s.each_finite_shape([&](auto& b) {
     for (std::size_t i = 0; i < b.movable.locals; ++i) {
       if (!b.movable.asleep(i)) continue;
-      const float quiet = all ? 0 : wakes[root_of(parent, known.find(b.movable.id[i]))];
+      const float quiet = all ? 0 : wakes[islands.root(known.find(b.movable.id[i]))];
       if (quiet == never_rests) continue;
       b.movable.flags[i] &= static_cast<std::uint8_t>(~flag_asleep);
       b.movable.quiet[i] = quiet;

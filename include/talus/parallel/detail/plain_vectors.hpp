@@ -8,9 +8,6 @@
 
 namespace talus::detail {
 
-[[nodiscard]] inline real dot(const vec3& a, const vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 [[nodiscard]] inline vec3 cross(const vec3& a, const vec3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }

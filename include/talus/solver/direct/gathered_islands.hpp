@@ -8,7 +8,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -17,6 +16,7 @@
 #include "talus/constraint/solver_state.hpp"
 #include "talus/contact/key.hpp"
 #include "talus/core/bytes.hpp"
+#include "talus/core/disjoint_sets.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/parcel.hpp"
 #include "talus/core/plain_pair.hpp"
@@ -194,13 +194,7 @@ class gathered_islands {
       h.mass = 1 / inverse_mass(s, h.body);
       hub_of[at(h.body)] = static_cast<std::int32_t>(k);
     }
-    plain_vector<std::uint32_t> parent(s.bodies.size());
-    std::iota(parent.begin(), parent.end(), std::uint32_t{0});
-    const auto root = [&](std::int32_t of) {
-      auto i = static_cast<std::uint32_t>(of);
-      while (parent[i] != i) i = parent[i] = parent[parent[i]];
-      return i;
-    };
+    disjoint_sets islands(s.bodies.size());
     const auto name = [&](const contact_ends& c, const contact_key& key) {
       if (const auto h = hub_of[at(c.a)]; h >= 0) hubs_[at(h)].id = key.a;
       if (c.b >= 0)
@@ -209,8 +203,7 @@ class gathered_islands {
     each_contact(lists, contact_part::interior, [&](const contact_ends& c, const member& m) {
       name(c, lists[m.list].key(m.part, m.index));
       if (c.b < 0 || !moves(s, c.a) || !moves(s, c.b)) return;
-      const auto a = root(c.a), b = root(c.b);
-      if (a != b) parent[std::max(a, b)] = std::min(a, b);
+      islands.join(c.a, c.b);
     });
     const auto own_end = [&](const contact_ends& c) { return owner_[at(c.a)] == own ? c.a : c.b; };
     const auto with_hub = [&](const contact_ends& c) {
@@ -221,28 +214,23 @@ class gathered_islands {
     });
 
     plain_vector<std::int32_t> claim(s.bodies.size(), -1);  // a hub of an island
-    plain_vector<std::int32_t> leader(hubs_.size());        // of the hubs that islands join
-    std::iota(leader.begin(), leader.end(), 0);
-    const auto leader_of = [&](std::int32_t h) {
-      while (leader[at(h)] != h) h = leader[at(h)] = leader[at(leader[at(h)])];
-      return h;
-    };
+    disjoint_sets joined_hubs(hubs_.size());                // by islands
     const auto claims = [&](std::uint32_t island, std::int32_t h) {
       if (claim[island] < 0) claim[island] = h;
-      const auto x = leader_of(claim[island]), y = leader_of(h);
-      if (x != y)
-        (hubs_[at(x)].before(hubs_[at(y)], round_) ? leader[at(y)] = x : leader[at(x)] = y);
+      joined_hubs.join(claim[island], h, [&](std::uint32_t x, std::uint32_t y) {
+        return hubs_[x].before(hubs_[y], round_);
+      });
     };
     for (std::size_t k = 0; k < hubs_.size(); ++k)
-      if (hubs_[k].owner == own) claims(root(hubs_[k].body), static_cast<std::int32_t>(k));
+      if (hubs_[k].owner == own) claims(islands.root(hubs_[k].body), static_cast<std::int32_t>(k));
     each_contact(lists, contact_part::boundary, [&](const contact_ends& c, const member&) {
       for (const std::int32_t end : {c.a, c.b})
-        if (hub_of[at(end)] >= 0) claims(root(own_end(c)), hub_of[at(end)]);
+        if (hub_of[at(end)] >= 0) claims(islands.root(own_end(c)), hub_of[at(end)]);
     });
 
     const auto part_of = [&](std::int32_t body) -> part* {
-      const auto h = claim[root(body)];
-      return h < 0 ? nullptr : &parts_[hubs_[at(leader_of(h))].owner];
+      const auto h = claim[islands.root(body)];
+      return h < 0 ? nullptr : &parts_[hubs_[joined_hubs.root(h)].owner];
     };
     each_contact(lists, contact_part::interior, [&](const contact_ends& c, const member& m) {
       part* p = part_of(moves(s, c.a) ? c.a : c.b);

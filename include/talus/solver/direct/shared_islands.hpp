@@ -4,13 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
 
 #include "talus/constraint/solver_state.hpp"
 #include "talus/contact/key.hpp"
+#include "talus/core/disjoint_sets.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
@@ -121,21 +121,14 @@ class shared_islands {
   static bool moves(const State& s, std::int32_t body) {
     return s.bodies[static_cast<std::size_t>(body)].inverse_mass != 0;
   }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
   std::uint32_t root(const State& s, const contact_ends& c) {
-    return root(static_cast<std::uint32_t>(moves(s, c.a) ? c.a : c.b));
+    return sets_.root(moves(s, c.a) ? c.a : c.b);
   }
   void join_bodies(std::span<const access> lists, const State& s) {
-    parent_.resize(s.bodies.size());
-    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    sets_.reset(s.bodies.size());
     each_contact(lists, [&](const contact_ends& c, member) {
       if (c.b < 0 || !moves(s, c.a) || !moves(s, c.b)) return;
-      const auto a = root(static_cast<std::uint32_t>(c.a)),
-                 b = root(static_cast<std::uint32_t>(c.b));
-      if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+      sets_.join(c.a, c.b);
     });
   }
   static void add_body(island& one, const State& s, std::int32_t body, system_id id) {
@@ -245,7 +238,7 @@ class shared_islands {
   bool wanted_ = true, takes_part_ = false;
   plain_vector<body_ties> ties_;
   plain_vector<solver_body_of<number>> free_;
-  plain_vector<std::uint32_t> parent_;
+  disjoint_sets sets_;
 };
 
 }  // namespace talus::detail

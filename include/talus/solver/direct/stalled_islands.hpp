@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "talus/constraint/solver_state.hpp"
+#include "talus/core/disjoint_sets.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
@@ -105,23 +105,16 @@ class stalled_islands {
   }
   static bool moves(const State& s, std::int32_t i) { return body(s, i).inverse_mass != 0; }
 
-  [[nodiscard]] std::uint32_t root(std::int32_t of) {
-    auto i = static_cast<std::uint32_t>(of);
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
   [[nodiscard]] std::uint32_t root(const contact_ends& c, const State& s) {
-    return root(moves(s, c.a) ? c.a : c.b);
+    return sets_.root(moves(s, c.a) ? c.a : c.b);
   }
   void join_bodies(std::span<const access> lists, const State& s) {
-    parent_.resize(s.bodies.size());
-    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    sets_.reset(s.bodies.size());
     for (const access& list : lists)
       for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i) {
         const auto [a, b] = list.ends(contact_part::interior, i);
         if (b < 0 || !moves(s, a) || !moves(s, b)) continue;
-        const auto x = root(a), y = root(b);
-        if (x != y) parent_[std::max(x, y)] = std::min(x, y);
+        sets_.join(a, b);
       }
   }
   void gather(std::span<const access> lists,
@@ -151,7 +144,7 @@ class stalled_islands {
     });
     if (large) find_overloaded(lists, s);
     for (const std::uint32_t i : s.gathered)
-      if (const auto number = number_[root(static_cast<std::int32_t>(i))]; number != 0)
+      if (const auto number = number_[sets_.root(i)]; number != 0)
         islands_[number - 1].elsewhere = true;
     each_contact(lists, s, [&](island& one, const contact_ends&, const member& m) {
       if (!one.sweeps_do()) one.contacts.push_back(m);
@@ -239,7 +232,8 @@ class stalled_islands {
     }
   }
 
-  plain_vector<std::uint32_t> parent_, number_;
+  disjoint_sets sets_;
+  plain_vector<std::uint32_t> number_;
   std::vector<island> islands_;
 };
 
