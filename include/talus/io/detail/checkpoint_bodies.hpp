@@ -172,13 +172,8 @@ void require_sane(const Store& s, std::size_t i, std::size_t materials) {
 
 /// Rows that must be read for the bodies within a box: room for them is reserved at once, and
 /// memory is used only as needed.
-[[nodiscard, gnu::cold]] inline std::uint64_t rows_within(const table_reader& table,
-                                                          const std::pair<vec3, vec3>& bounds) {
-  std::uint64_t rows = 0;
-  for (const table_piece& p : table.pieces())
-    if (overlap(p.box, bounds.first, bounds.second)) rows += p.rows;
-  return rows;
-}
+[[nodiscard, gnu::cold]] std::uint64_t rows_within(const table_reader& table,
+                                                   const std::pair<vec3, vec3>& bounds);
 
 struct no_forms {};
 
@@ -221,3 +216,7 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
 }
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/checkpoint_bodies_definitions.hpp"
+#endif
