@@ -34,6 +34,7 @@
 #include "talus/parallel/serial.hpp"
 #include "talus/parallel/slabs.hpp"
 #include "talus/parallel/threads.hpp"
+#include "talus/parallel/usual_domains.hpp"
 #include "talus/response/accelerated_jacobi.hpp"
 #include "talus/response/coloured_gauss_seidel.hpp"
 #include "talus/response/small_steps.hpp"

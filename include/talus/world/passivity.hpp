@@ -10,6 +10,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/response/contact_work.hpp"
 #include "talus/response/impulse_scale.hpp"
+#include "talus/response/usual_kinds.hpp"
 #include "talus/world/solved_velocity.hpp"
 #include "talus/world/state.hpp"
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -58,19 +59,18 @@ template <class Store>
   return table_columns(saved_columns<Store>{});
 }
 
+/// Of the shape at `number` of these names.
+[[nodiscard, gnu::cold]] std::string path_of_table(const char* group,
+                                                   std::span<const std::string_view> names,
+                                                   std::size_t number);
 /// Tables of the shapes of a scenario: bodies/sphere, and bodies/union_of_2 for a second shape of
 /// that name.
 template <class Store, class Shapes>
 [[nodiscard]] std::string table_of_shape(const char* group) {
-  int same = 1;
-  for_each_type<Shapes>([&](auto type) {
-    using other = typename decltype(type)::type;
-    constexpr bool before = index_of<Shapes, other> < index_of<Shapes, typename Store::shape_type>;
-    if (before && std::string(other::name) == Store::shape_type::name) ++same;
-  });
-  std::string path = std::string("/") + group + "/" + Store::shape_type::name;
-  if (same > 1) path += "_" + std::to_string(same);
-  return path;
+  return []<class... Each>(const char* all, type_list<Each...>) {
+    const std::array<std::string_view, sizeof...(Each)> names{Each::name...};
+    return path_of_table(all, names, index_of<Shapes, typename Store::shape_type>);
+  }(group, Shapes{});
 }
 
 /// The first `n` bodies of a store; the store must not change while the table is in use.

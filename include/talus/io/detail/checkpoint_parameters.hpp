@@ -81,6 +81,9 @@ template <class... Types>
 [[nodiscard]] std::string list_text(type_list<Types...>, const char* name) {
   return describe_list<Types...>(name);
 }
+/// As in features<checkpoints, driven>.
+[[nodiscard, gnu::cold]] std::string sorted_list_text(const char* name,
+                                                      std::vector<std::string> items);
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::vector<scenario_mark> marks_of() {
   std::vector<std::string> features;
@@ -91,13 +94,10 @@ template <class Scenario>
         (Scenario::contact_law::soft && std::is_same_v<feature, energy_ledger>);
     if constexpr (of_bodies && concepts::feature<feature>) features.push_back(feature::name);
   });
-  std::sort(features.begin(), features.end());
-  std::string named;
-  for (const std::string& f : features) named += (named.empty() ? "" : ", ") + f;
   return {{"bodies", list_text(typename Scenario::shapes{}, "bodies")},
           {"contacts", describe_policy<typename Scenario::contact_law>()},
           {"integrator", describe_policy<typename Scenario::integrator>()},
-          {"features", "features<" + named + ">"}};
+          {"features", sorted_list_text("features", std::move(features))}};
 }
 
 /// Numbers of a material, as they are stored.

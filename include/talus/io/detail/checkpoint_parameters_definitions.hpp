@@ -1,6 +1,8 @@
 #pragma once
 // The definitions of checkpoint_parameters.hpp, in the compiled part or in each program.
+#include <algorithm>
 #include "talus/io/detail/checkpoint_parameters.hpp"
+
 #include "talus/io/detail/hdf5_linkage.hpp"
 
 namespace talus::detail {
@@ -149,6 +151,13 @@ TALUS_HDF5_INLINE void get_kept(const checkpoint_reader& in, int rank,
       v.set_integer(v.at, rank == 0 ? sum : 0);
     }
   }
+}
+
+TALUS_HDF5_INLINE std::string sorted_list_text(const char* name, std::vector<std::string> items) {
+  std::sort(items.begin(), items.end());
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return std::string(name) + "<" + text + ">";
 }
 
 }  // namespace talus::detail
