@@ -34,6 +34,7 @@
 #include "talus/parallel/serial.hpp"
 #include "talus/parallel/slabs.hpp"
 #include "talus/parallel/threads.hpp"
+#include "talus/parallel/usual_domains.hpp"
 #include "talus/scenario/scenario.hpp"
 #include "talus/scene/force_field.hpp"
 #include "talus/scene/inflow.hpp"

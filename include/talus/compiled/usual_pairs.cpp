@@ -40,8 +40,10 @@ template void collide(const cylinder&, const pose&, const convex_polyhedron&, co
 template void collide(const convex_polyhedron&, const pose&, const convex_polyhedron&, const pose&,
                       real, const detail::contact_sink&);
 namespace detail {
+template class box_patches<real>;
+template class box_batch<real>;
 template void collide_boxes(const box_place<real>&, const box_place<real>&, const box_batch<real>&,
                             unsigned, real, contact_sink&&);
-}
+}  // namespace detail
 
 }  // namespace talus

@@ -44,9 +44,11 @@ extern template void collide(const cylinder&, const pose&, const convex_polyhedr
 extern template void collide(const convex_polyhedron&, const pose&, const convex_polyhedron&,
                              const pose&, real, const detail::contact_sink&);
 namespace detail {
+extern template class box_patches<real>;
+extern template class box_batch<real>;
 extern template void collide_boxes(const box_place<real>&, const box_place<real>&,
                                    const box_batch<real>&, unsigned, real, contact_sink&&);
-}
+}  // namespace detail
 
 }  // namespace talus
 #endif

@@ -57,32 +57,13 @@ class any_geometry {
     adopt(builder);
   }
   /// The intersection of half-spaces; all of space if there are none.
-  [[nodiscard]] static any_geometry cell(std::span<const half_space> planes) {
-    detail::geometry_builder builder;
-    for (const half_space& h : planes) builder.plane(h);
-    any_geometry g;
-    g.adopt(builder);
-    return g;
-  }
+  [[nodiscard]] static any_geometry cell(std::span<const half_space> planes);
 
   /// See region: positive inside, and at most the distance to the boundary.
-  [[nodiscard]] real value(const vec3& p) const {
-    if (!program_.empty()) return run(p);
-    real result = neutral(all_of_);
-    if (all_of_)
-      for (const half_space& h : planes_) result = std::min(h.value(p), result);
-    else
-      for (const half_space& h : planes_) result = std::max(h.value(p), result);
-    return result;
-  }
+  [[nodiscard]] real value(const vec3& p) const;
   [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
   /// See concepts::polyhedral: as contains, but a shared boundary belongs to one side only.
-  [[nodiscard]] bool owns(const vec3& p) const {
-    const auto inside = [&](const half_space& h) { return h.owns(p); };
-    if (!program_.empty()) return run_owns(p);
-    const auto first = planes_.begin(), last = planes_.end();
-    return all_of_ ? std::all_of(first, last, inside) : std::any_of(first, last, inside);
-  }
+  [[nodiscard]] bool owns(const vec3& p) const;
 
   /// All half-spaces in the region, in canonical order.
   [[nodiscard]] std::span<const half_space> planes() const { return planes_; }
@@ -119,21 +100,8 @@ class any_geometry {
     sink.close();
   }
 
-  void write(detail::byte_writer& out) const {
-    out.put(all_of_);
-    out.put(std::span<const half_space>(planes_));
-    out.put(std::span<const token>(program_));
-    out.put(depth_);
-  }
-  [[nodiscard]] static any_geometry read(detail::byte_reader& in) {
-    any_geometry g;
-    g.all_of_ = in.get<bool>();
-    g.planes_.clear();
-    for (auto n = in.get<std::size_t>(); n > 0; --n) g.planes_.push_back(read_plane(in));
-    g.program_ = in.get_all<token>();
-    g.depth_ = in.get<int>();
-    return g;
-  }
+  void write(detail::byte_writer& out) const;
+  [[nodiscard]] static any_geometry read(detail::byte_reader& in);
 
  private:
   enum class token : std::uint8_t { plane, open_all, open_any, close };
@@ -146,12 +114,7 @@ class any_geometry {
   [[nodiscard]] bool run_owns(const vec3& p) const;
   void adopt(detail::geometry_builder& builder);
   int emit(const detail::geometry_group& group, std::size_t nesting);
-  static half_space read_plane(detail::byte_reader& in) {
-    half_space h(1, 0, 0, 0);
-    const auto raw = in.get<std::array<std::byte, sizeof(half_space)>>();
-    std::memcpy(static_cast<void*>(&h), raw.data(), sizeof h);
-    return h;
-  }
+  static half_space read_plane(detail::byte_reader& in);
 
   detail::plain_vector<half_space> planes_;
   detail::plain_vector<token> program_;  // empty if there is only one group
@@ -168,4 +131,8 @@ class any_geometry {
 
 #ifndef TALUS_COMPILED
 #include "talus/geometry/detail/any_geometry_definitions.hpp"
+#endif
+
+#ifndef TALUS_COMPILED
+#include "talus/geometry/any_geometry_definitions.hpp"
 #endif

@@ -41,28 +41,12 @@ class povray_text {
 };
 
 /// From the frame of a body to that of the world.
-inline void add_placement(povray_text& out, const pose& p) {
-  const mat3 r = p.orientation.toRotationMatrix();
-  out << "matrix<";
-  for (int column = 0; column < 3; ++column)
-    for (int row = 0; row < 3; ++row) out << r(row, column) << ",";
-  out << p.position[0] << "," << p.position[1] << "," << p.position[2] << ">";
-}
+void add_placement(povray_text& out, const pose& p);
 
 /// A colour with red, green and blue in [0, 1].
-[[nodiscard]] inline vec3 colour_of_hue(real hue, real saturation = 0.75, real brightness = 0.9) {
-  const auto channel = [&](real n) {
-    const real k = std::fmod(n + 6 * hue, 6);
-    return brightness * (1 - saturation * std::clamp(std::min(k, 4 - k), real{0}, real{1}));
-  };
-  return {channel(5), channel(3), channel(1)};
-}
+[[nodiscard]] vec3 colour_of_hue(real hue, real saturation = 0.75, real brightness = 0.9);
 /// Colours of neighbouring numbers differ: steps of the golden ratio around the circle of hues.
-[[nodiscard]] inline vec3 colour_of_number(int number) {
-  const real turn = 0.6180339887498949 * number + 0.02;
-  return colour_of_hue(turn - std::floor(turn), number % 2 == 0 ? 0.75 : 0.55,
-                       number % 3 == 2 ? 0.7 : 0.92);
-}
+[[nodiscard]] vec3 colour_of_number(int number);
 /// From blue (0) over green to red (1).
 [[nodiscard]] inline vec3 colour_of_part(real part) {
   return colour_of_hue((1 - std::clamp(part, real{0}, real{1})) * 2 / 3);
@@ -78,22 +62,12 @@ namespace talus {
 inline void povray_form(detail::povray_text& out, const sphere& s) {
   out << "sphere{<0,0,0>," << s.radius;
 }
-inline void povray_form(detail::povray_text& out, const box& b) {
-  const vec3 half = 0.5 * b.size;
-  out << "box{" << vec3(-half) << "," << half;
-}
+void povray_form(detail::povray_text& out, const box& b);
 inline void povray_form(detail::povray_text& out, const plane& p) {
   out << "plane{" << p.unit_normal() << "," << p.offset;
 }
-inline void povray_form(detail::povray_text& out, const cylinder& c) {
-  const vec3 end{0, 0, 0.5 * c.length};
-  out << "cylinder{" << vec3(-end) << "," << end << "," << c.radius;
-}
-inline void povray_form(detail::povray_text& out, const capsule& c) {
-  const vec3 end{0, 0, 0.5 * c.length};
-  out << "merge{cylinder{" << vec3(-end) << "," << end << "," << c.radius << "}sphere{"
-      << vec3(-end) << "," << c.radius << "}sphere{" << end << "," << c.radius << "}";
-}
+void povray_form(detail::povray_text& out, const cylinder& c);
+void povray_form(detail::povray_text& out, const capsule& c);
 /// A shape with flat faces, as triangles: an intersection of planes has no bounds for POV-Ray, so
 /// every ray would be tested against every face.
 template <class Shape>
@@ -134,3 +108,7 @@ void povray_form(detail::povray_text& out, const Shape& s) {
 }
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/io/povray_text_definitions.hpp"
+#endif

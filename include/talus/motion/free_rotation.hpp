@@ -112,4 +112,8 @@ template <class Real>
   return q * vector((q.conjugate() * momentum).cwiseProduct(p));
 }
 
+#ifdef TALUS_COMPILED
+extern template vec3 rotate_freely(quat&, const vec3&, const vec3&, real);
+#endif
+
 }  // namespace talus::detail

@@ -68,22 +68,15 @@ struct summary {
 namespace detail {
 
 /// By this run, at least one.
-[[nodiscard]] inline double steps_taken(std::uint64_t steps, std::uint64_t restarted_at) {
-  return steps > restarted_at ? static_cast<double>(steps - restarted_at) : 1;
-}
+[[nodiscard]] double steps_taken(std::uint64_t steps, std::uint64_t restarted_at);
 
 }  // namespace detail
 
 /// Iterations of the contact solver per step.
-[[nodiscard]] inline double mean_iterations(const summary& r) {
-  return static_cast<double>(r.solved.iterations) /
-         static_cast<double>(std::max<std::uint64_t>(1, r.steps));
-}
+[[nodiscard]] double mean_iterations(const summary& r);
 
 /// Whether a run with a tolerance ended above it.
-[[nodiscard]] inline bool above_tolerance(const summary& r) {
-  return r.solver.tolerance > 0 && !(r.residual.value <= r.solver.tolerance);
-}
+[[nodiscard]] bool above_tolerance(const summary& r);
 
 /// Whether the contacts are soft: then there is a critical time step, and nothing to solve.
 [[nodiscard]] inline bool soft(const summary& r) { return r.critical_dt > 0; }
@@ -95,9 +88,7 @@ namespace detail {
 }
 
 /// Whether the shortest soft contact of the run took fewer steps than needed for accuracy.
-[[nodiscard]] inline bool contacts_unresolved(const summary& r) {
-  return r.steps_per_contact > 0 && r.steps_per_contact < detail::steps_of_contact;
-}
+[[nodiscard]] bool contacts_unresolved(const summary& r);
 
 /// Bounds for the warnings of the summary. Overlap over the radius of the thinner body, of hard and
 /// of soft contacts; momentum that contacts do not stop, over the impulse of the weight in a step;
@@ -114,10 +105,10 @@ inline constexpr double balance_bound = 1e-8, balance_bound_mixed = 1e-4;
   return !(r.overlap.deepest <= overlap_bound(r));
 }
 /// Whether contacts leave more momentum than the bound, or do not balance.
-[[nodiscard]] inline bool balance_beyond_bound(const summary& r) {
-  const force_balance& b = r.balance_of_forces;
-  return b.known && (!(b.unstopped <= unstopped_bound) ||
-                     !(b.error <= (r.mixed ? balance_bound_mixed : balance_bound)));
-}
+[[nodiscard]] bool balance_beyond_bound(const summary& r);
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/observe/summary_figures_definitions.hpp"
+#endif

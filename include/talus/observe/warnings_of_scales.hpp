@@ -28,41 +28,10 @@ inline constexpr double longest_fall = 0.1, longest_way = 1;
 inline constexpr std::uint64_t many_steps = 1000;
 
 /// Lines of a summary, each with advice; empty if nothing looks wrong.
-[[nodiscard, gnu::cold]] inline std::string warnings_of_scales(const run_scales& r) {
-  if (r.bodies == 0)
-    return "  warning  there is no body: make some by world.fill, add_if_local or add before "
-           "world.simulate\n";
-  if (r.movable == 0 || r.steps == 0) return {};
-  if (r.gravity == 0 && r.fastest == 0)
-    return "  warning  nothing moves, and there is no gravity: call world.gravity({0, 0, -9.81}) "
-           "before world.simulate\n";
-  std::string all;
-  const double fall = r.gravity * r.dt * r.dt / r.radius, way = r.fastest * r.dt / r.radius;
-  const double time = static_cast<double>(r.steps) * r.dt;
-  const double whole = 0.5 * r.gravity * time * time / r.radius;
-  if (fall > longest_fall)
-    all += compose(
-        "  warning  in one step of {} gravity moves a body by {} of the mean radius {}: take a "
-        "smaller dt, or see whether lengths, gravity and dt have units that fit together\n",
-        text(r.dt, 6), text(fall, 2), text(r.radius, 3));
-  else if (way > longest_way && !r.followed)
-    all += compose(
-        "  warning  in one step of {} the fastest body moves by {} of the mean radius {}: take a "
-        "smaller dt{}\n",
-        text(r.dt, 6), text(way, 2), text(r.radius, 3),
-        r.may_follow ? ", or name features<continuous_collision>" : "");
-  if (r.gravity > 0 && whole < 1 && r.steps >= many_steps && !r.soft)
-    all += compose(
-        "  warning  in all {} steps of {} gravity moves a body by no more than {} of the mean "
-        "radius {}: see whether lengths, gravity and dt have units that fit together\n",
-        r.steps, text(r.dt, 6), text(whole, 2), text(r.radius, 3));
-  if (r.leap.step > 0)
-    all += compose(
-        "  warning  in step {} contacts made a body as fast as {}, where nothing near was faster "
-        "than {}: perhaps something was caught between a driven body and what stands still, and "
-        "came free; leave it room (twice the largest body), or press with world.hold_force\n",
-        r.leap.step, text(r.leap.after, 3), text(r.leap.before, 3));
-  return all;
-}
+[[nodiscard, gnu::cold]] std::string warnings_of_scales(const run_scales& r);
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/observe/warnings_of_scales_definitions.hpp"
+#endif

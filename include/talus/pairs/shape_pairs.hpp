@@ -70,13 +70,13 @@ class shape_pairs {
 
   /// Bodies of one shape in the order of their ids, so that every rank that sees the pair computes
   /// the same. Returns whether they have changed places.
-  bool order(std::size_t& i, std::size_t& j) const {
+  [[gnu::always_inline]] bool order(std::size_t& i, std::size_t& j) const {
     if constexpr (alike)
       if (b_.id[j] < a_.id[i]) return std::swap(i, j), true;
     return (void)i, (void)j, false;
   }
   /// Completes the pair of x.i and x.j. Returns false if it is found through another image.
-  [[nodiscard]] bool find(body_pair& x) const {
+  [[nodiscard]] [[gnu::always_inline]] bool find(body_pair& x) const {
     x.own_a = x.i < a_.locals;
     x.own_b = !paired || x.j < b_.locals;
     if constexpr (imaged) {

@@ -81,12 +81,7 @@ class any_decomposition {
 
   [[nodiscard]] int size() const { return made_of_ ? made_of_->size() : 0; }
   /// Throws invalid_argument if none was chosen, and the exceptions of the chosen one.
-  [[nodiscard]] any_partition resolve(int ranks) const {
-    if (!made_of_)
-      detail::fail<std::invalid_argument>(
-          "no decomposition was chosen for {} ranks: give one to decompose", ranks);
-    return made_of_->resolve(ranks);
-  }
+  [[nodiscard]] any_partition resolve(int ranks) const;
   /// The decomposition that was chosen if it is of this type, else null.
   template <class Decomposition>
   [[nodiscard]] const Decomposition* as() const {
@@ -135,3 +130,7 @@ class any_decomposition {
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/any_decomposition_definitions.hpp"
+#endif

@@ -37,12 +37,7 @@ int first_containing(const std::tuple<Regions...>& regions, const vec3& p) {
   std::apply([&](const auto&... region) { (void)(first(region, p) || ...); }, regions);
   return first.position();
 }
-inline int first_containing(const std::vector<any_geometry>& regions, const vec3& p) {
-  first_region first;
-  for (const any_geometry& region : regions)
-    if (first(region, p)) break;
-  return first.position();
-}
+int first_containing(const std::vector<any_geometry>& regions, const vec3& p);
 
 template <class... Regions>
 std::vector<any_geometry> as_list(const std::tuple<Regions...>& regions) {
@@ -176,3 +171,7 @@ cells(Regions...) -> cells<Regions...>;
 cells(std::vector<any_geometry>)->cells<>;
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/cells_definitions.hpp"
+#endif

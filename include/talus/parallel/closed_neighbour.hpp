@@ -24,20 +24,7 @@ class closed_neighbour {
     half_space face;  ///< The plane of the region that the point is furthest behind.
   };
   /// The nearest of all pieces within `radius`; cheap for distant points.
-  [[nodiscard]] std::optional<place> within(const vec3& p, real radius) const {
-    std::optional<place> best;
-    if (-region_.value(p) > radius) return best;
-    for (const detail::convex_piece& piece : pieces_) {
-      const vec3 q = detail::nearest_point(piece, p);
-      const real distance = (q - p).norm();
-      if (distance > radius || (best && distance >= best->distance)) continue;
-      const auto face = std::min_element(
-          piece.begin(), piece.end(),
-          [&](const half_space& a, const half_space& b) { return a.value(p) < b.value(p); });
-      if (face != piece.end()) best = place{q, distance, *face};
-    }
-    return best;
-  }
+  [[nodiscard]] std::optional<place> within(const vec3& p, real radius) const;
 
  private:
   int rank_;
@@ -46,3 +33,7 @@ class closed_neighbour {
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/closed_neighbour_definitions.hpp"
+#endif

@@ -16,18 +16,8 @@ struct connection {
 
   friend bool operator==(const connection&, const connection&) = default;
 
-  void write(detail::byte_writer& out) const {
-    out.put(rank);
-    geometry.write(out);
-    out.put(overlap);
-  }
-  [[nodiscard]] static connection read(detail::byte_reader& in) {
-    connection c;
-    c.rank = in.get<int>();
-    c.geometry = any_geometry::read(in);
-    c.overlap = in.get<real>();
-    return c;
-  }
+  void write(detail::byte_writer& out) const;
+  [[nodiscard]] static connection read(detail::byte_reader& in);
 };
 
 namespace detail {
@@ -35,20 +25,12 @@ namespace detail {
 /// The connected rank that claims a point, for connections by hand: of several the one with the
 /// smallest value (the innermost region), then the most specific one, then the lowest; -1 if none
 /// does.
-[[nodiscard]] inline int claimant(std::span<const connection> connections, const vec3& p) {
-  const connection* best = nullptr;
-  real value = 0;
-  for (const connection& c : connections) {
-    if (!c.geometry.owns(p)) continue;
-    const real v = c.geometry.value(p);
-    if (best && (v > value || (v == value && c.geometry.depth() <= best->geometry.depth())))
-      continue;
-    best = &c;
-    value = v;
-  }
-  return best ? best->rank : -1;
-}
+[[nodiscard]] int claimant(std::span<const connection> connections, const vec3& p);
 
 }  // namespace detail
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/connection_definitions.hpp"
+#endif

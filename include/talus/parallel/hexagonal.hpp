@@ -35,86 +35,16 @@ class hexagonal_cells {
     return detail::plus(centre_, spacing_, offset(place_of(rank)));
   }
 
-  [[nodiscard]] int owner(const vec3& point) const {
-    if (detail::has_nan(point)) return -1;
-    vec3 p = detail::bounded(point);
-    const real scale = detail::largest(p) > 1e200 ? 0x1p-200 : 1;  // only directions count there
-    for (int k = 0; k < 3; ++k) p[k] = p[k] * scale - centre_[k] * scale;
-    const real u = detail::exact_dot(frame_.first, p) / spacing_;
-    const real w = detail::exact_dot(frame_.second, p) / spacing_ * height_;
+  [[nodiscard]] int owner(const vec3& point) const;
 
-    // The nearest centre has the largest score. Scores order the cells totally, so two ranks never
-    // claim the same point, and three ranks never pass a point in a circle.
-    const auto score = [&](const place& at) {
-      const real norm = at.q * at.q + at.q * at.r + at.r * at.r;
-      return detail::rounded((at.q + at.r / real(2)) * u) + detail::rounded(at.r * w) - norm / 2;
-    };
-    place best = guess(u, w);
-    real highest = score(best);
-    for (bool moved = true; moved;) {
-      moved = false;
-      const place from = best;
-      for (const place& step : steps_) {
-        const place next{from.q + step.q, from.r + step.r};
-        if (distance(next) > rings_) continue;
-        const real s = score(next);
-        if (s > highest || (s == highest && rank_of(next) < rank_of(best)))
-          best = next, highest = s, moved = true;
-      }
-    }
-    return rank_of(best);
-  }
-
-  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const {
-    const place at = place_of(rank);
-    std::vector<int> ranks;
-    if (reach > 0) {
-      const auto own = planes(rank);
-      for (int other = 0; other < size(); ++other) {
-        if (other == rank) continue;
-        const auto theirs = planes(other);
-        if (detail::come_within(rank < other ? own : theirs, rank < other ? theirs : own, reach))
-          ranks.push_back(other);
-      }
-      return ranks;
-    }
-    for (const place& step : steps_)
-      if (const place next{at.q + step.q, at.r + step.r}; distance(next) <= rings_)
-        ranks.push_back(rank_of(next));
-    std::sort(ranks.begin(), ranks.end());
-    return ranks;
-  }
+  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const;
   [[nodiscard]] any_geometry geometry(int rank) const { return any_geometry::cell(planes(rank)); }
-  [[nodiscard]] std::pair<vec3, vec3> bounds(int rank) const {
-    const auto cell = planes(rank);
-    return detail::bounds_of({&cell, 1});
-  }
+  [[nodiscard]] std::pair<vec3, vec3> bounds(int rank) const;
 
   /// Ranks are numbered outwards ring by ring, in each ring from `start` on towards the second
   /// direction.
-  [[nodiscard]] place place_of(int rank) const {
-    if (rank < 0 || rank >= size())
-      detail::fail<std::invalid_argument>("there is no rank {} in {} hexagonal cells", rank,
-                                          size());
-    if (rank == 0) return {0, 0};
-    int ring = 1;
-    while (size_of(ring) <= rank) ++ring;
-    const int along = rank - size_of(ring - 1);
-    const place corner = steps_[along / ring], side = steps_[(along / ring + 2) % 6];
-    const int k = along % ring;
-    return {ring * corner.q + k * side.q, ring * corner.r + k * side.r};
-  }
-  [[nodiscard]] static int rank_of(const place& at) {
-    const int ring = distance(at);
-    if (ring == 0) return 0;
-    const auto [q, r] = at;
-    const int first = size_of(ring - 1);
-    if (r == ring && q <= 0 && q > -ring) return first + ring - q;
-    if (q == -ring && r > 0) return first + 2 * ring + ring - r;
-    if (r == -ring && q >= 0 && q < ring) return first + 4 * ring + q;
-    if (q == ring && r < 0) return first + 5 * ring + r + ring;
-    return q > 0 ? first + r : first + 3 * ring - r;
-  }
+  [[nodiscard]] place place_of(int rank) const;
+  [[nodiscard]] static int rank_of(const place& at);
 
  private:
   static constexpr real height_ = 0.8660254037844386;  // of a triangle, sqrt(3)/2
@@ -130,37 +60,9 @@ class hexagonal_cells {
     return std::max({std::abs(at.q), std::abs(at.r), std::abs(at.q + at.r)});
   }
   /// A cell near the point: the one in which it lies, except for round-off and points outside.
-  [[nodiscard]] place guess(real u, real w) const {
-    real r = w / (height_ * height_), q = u - r / 2;
-    const real out = std::max({std::abs(q), std::abs(r), std::abs(q + r)});
-    if (out > rings_) q *= rings_ / out, r *= rings_ / out;
-    real nq = std::round(q), nr = std::round(r);
-    const real ns = std::round(-q - r);
-    const real dq = std::abs(nq - q), dr = std::abs(nr - r), ds = std::abs(ns + q + r);
-    if (dq > dr && dq > ds)
-      nq = -nr - ns;
-    else if (dr > ds)
-      nr = -nq - ns;
-    const place near{static_cast<int>(nq), static_cast<int>(nr)};
-    return distance(near) <= rings_ ? near : place{0, 0};
-  }
+  [[nodiscard]] place guess(real u, real w) const;
   /// One plane for each pair of neighbours, computed identically by both.
-  [[nodiscard]] detail::convex_piece planes(int rank) const {
-    const place at = place_of(rank);
-    detail::convex_piece result;
-    for (std::size_t i = 0; i < 6; ++i) {
-      if (distance({at.q + steps_[i].q, at.r + steps_[i].r}) > rings_) continue;
-      const place step = steps_[i % 3];
-      const place from = i < 3 ? at : place{at.q - step.q, at.r - step.r};
-      const vec3& normal = normals_[i % 3];
-      const real steps = from.q * step.q + from.r * step.r +
-                         (from.q * step.r + from.r * step.q + 1) / real(2);  // in halves: exact
-      const half_space beyond(
-          normal, detail::exact_dot(normal, centre_) + detail::rounded(steps * spacing_));
-      result.push_back(i < 3 ? beyond.flipped() : beyond);
-    }
-    return result;
-  }
+  [[nodiscard]] detail::convex_piece planes(int rank) const;
 
   int rings_;
   real spacing_;
@@ -237,3 +139,7 @@ struct hexagonal {
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/hexagonal_definitions.hpp"
+#endif

@@ -26,55 +26,26 @@ class ring_cells {
 
   /// Sector k lies between the boundaries k and k + 1, the last one ends at the first boundary. No
   /// sector is wider than half a turn. `closed_end`: the last sector is not connected to the first.
-  ring_cells(std::vector<boundary> boundaries, real hub, bool closed_end)
-      : boundaries_(std::move(boundaries)), hub_(hub), closed_end_(closed_end) {
-    while (half_ + 1 < boundaries_.size() && boundaries_[half_ + 1].angle < pi - 1e-12) ++half_;
-  }
+  ring_cells(std::vector<boundary> boundaries, real hub, bool closed_end);
 
   [[nodiscard]] int size() const { return static_cast<int>(boundaries_.size()); }
 
-  [[nodiscard]] int owner(const vec3& point) const {
-    if (detail::has_nan(point)) return -1;
-    if (size() == 1) return 0;
-    const vec3 p = detail::bounded(point);
-    // In the first half turn the last boundary behind the point, else the last one of the others.
-    const bool first_half = boundaries_[0].plane.owns(p);
-    const auto from = boundaries_.begin() + (first_half ? 1 : offset(half_ + 1));
-    const auto to = first_half ? boundaries_.begin() + offset(half_ + 1) : boundaries_.end();
-    const auto next =
-        std::partition_point(from, to, [&](const boundary& b) { return b.plane.owns(p); });
-    return static_cast<int>(next - boundaries_.begin()) - 1;
-  }
+  [[nodiscard]] int owner(const vec3& point) const;
 
-  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const {
-    return select(rank, [&](int other) {
-      if (in_sequence(rank, other)) return true;
-      if (!(reach > 0)) return false;
-      // Between the points of the two sectors on the hub that are nearest to each other.
-      const real narrow = std::min(gap(rank, other), pi);
-      return 2 * hub_ * portable::sin(narrow / 2) <= reach * (1 + 1e-12);
-    });
-  }
+  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const;
   /// The other sectors, which meet this one at the axis, or at the closed end.
   [[nodiscard]] std::vector<int> closed(int rank) const {
     return select(rank, [&](int other) { return !in_sequence(rank, other); });
   }
   [[nodiscard]] any_geometry geometry(int rank) const { return any_geometry::cell(planes(rank)); }
-  [[nodiscard]] std::pair<vec3, vec3> bounds(int rank) const {
-    const auto cell = planes(rank);
-    return detail::bounds_of({&cell, 1});
-  }
+  [[nodiscard]] std::pair<vec3, vec3> bounds(int rank) const;
 
  private:
   static std::ptrdiff_t offset(std::size_t i) { return static_cast<std::ptrdiff_t>(i); }
   [[nodiscard]] const boundary& at(int sector) const {
     return boundaries_[static_cast<std::size_t>(sector)];
   }
-  void require(int rank) const {
-    if (rank < 0 || rank >= size())
-      detail::fail<std::invalid_argument>("there is no rank {} in a ring of {} sectors", rank,
-                                          size());
-  }
+  void require(int rank) const;
   template <class Test>
   [[nodiscard]] std::vector<int> select(int rank, Test&& test) const {
     require(rank);
@@ -83,23 +54,10 @@ class ring_cells {
       if (other != rank && test(other)) ranks.push_back(other);
     return ranks;
   }
-  [[nodiscard]] bool in_sequence(int a, int b) const {
-    const int apart = std::abs(a - b);
-    return apart == 1 || (apart == size() - 1 && !closed_end_);
-  }
+  [[nodiscard]] bool in_sequence(int a, int b) const;
   /// The angle between two sectors, on the shorter way that is not closed.
-  [[nodiscard]] real gap(int a, int b) const {
-    const int low = std::min(a, b), high = std::max(a, b);
-    const real across = at(high).angle - at(low + 1).angle;
-    if (closed_end_) return across;
-    const real end = high + 1 < size() ? at(high + 1).angle : 2 * pi;
-    return std::min(across, 2 * pi - end + at(low).angle);
-  }
-  [[nodiscard]] detail::convex_piece planes(int rank) const {
-    require(rank);
-    if (size() == 1) return {};
-    return {at(rank).plane, at((rank + 1) % size()).plane.flipped()};
-  }
+  [[nodiscard]] real gap(int a, int b) const;
+  [[nodiscard]] detail::convex_piece planes(int rank) const;
 
   std::vector<boundary> boundaries_;
   std::size_t half_ = 0;  // the last boundary within half a turn of the first
@@ -172,3 +130,7 @@ struct ring {
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/ring_definitions.hpp"
+#endif

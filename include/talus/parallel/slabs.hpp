@@ -23,43 +23,15 @@ class slab_cells {
   [[nodiscard]] int size() const { return static_cast<int>(cuts_.size()) + 1; }
   [[nodiscard]] const std::vector<real>& cuts() const { return cuts_; }
 
-  [[nodiscard]] int owner(const vec3& p) const {
-    if (detail::has_nan(p)) return -1;
-    const real at = towards_.value(detail::bounded(p));
-    const auto slab = towards_.faces_up() ? std::upper_bound(cuts_.begin(), cuts_.end(), at)
-                                          : std::lower_bound(cuts_.begin(), cuts_.end(), at);
-    return static_cast<int>(slab - cuts_.begin());
-  }
-  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const {
-    require(rank);
-    std::vector<int> ranks;
-    const auto near = [&](int below, int above) {
-      const real from = upper(below), to = upper(above - 1);
-      return to - from <= reach + 1e-13 * (std::abs(from) + std::abs(to));
-    };
-    for (int r = 0; r < size(); ++r)
-      if (r != rank && near(std::min(r, rank), std::max(r, rank))) ranks.push_back(r);
-    return ranks;
-  }
+  [[nodiscard]] int owner(const vec3& p) const;
+  [[nodiscard]] std::vector<int> neighbours(int rank, real reach) const;
   [[nodiscard]] any_geometry geometry(int rank) const { return any_geometry::cell(planes(rank)); }
-  [[nodiscard]] std::pair<vec3, vec3> bounds(int rank) const {
-    const detail::convex_piece slab = planes(rank);
-    return detail::bounds_of({&slab, 1});
-  }
+  [[nodiscard]] std::pair<vec3, vec3> bounds(int rank) const;
 
  private:
-  void require(int rank) const {
-    if (rank < 0 || rank >= size())
-      detail::fail<std::invalid_argument>("there is no rank {} in {} slabs", rank, size());
-  }
+  void require(int rank) const;
   [[nodiscard]] real upper(int slab) const { return cuts_[static_cast<std::size_t>(slab)]; }
-  [[nodiscard]] detail::plain_vector<half_space> planes(int rank) const {
-    require(rank);
-    detail::plain_vector<half_space> result;
-    if (rank > 0) result.emplace_back(towards_.normal(), upper(rank - 1));
-    if (rank + 1 < size()) result.push_back(half_space(towards_.normal(), upper(rank)).flipped());
-    return result;
-  }
+  [[nodiscard]] detail::plain_vector<half_space> planes(int rank) const;
 
   half_space towards_;
   std::vector<real> cuts_;
@@ -141,3 +113,7 @@ struct slabs {
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/slabs_definitions.hpp"
+#endif

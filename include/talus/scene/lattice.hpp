@@ -28,10 +28,7 @@ struct body_centred_cubic {
 
   static constexpr std::int64_t period = 2;
   [[nodiscard]] vec3 step() const { return {spacing, spacing, spacing / 2}; }
-  [[nodiscard]] vec3 shift(bool, bool odd_layer) const {
-    const real s = odd_layer ? spacing / 2 : 0;
-    return {s, s, 0};
-  }
+  [[nodiscard]] vec3 shift(bool, bool odd_layer) const;
 };
 
 /// The corners and the centres of faces of cubes.
@@ -52,13 +49,8 @@ struct hexagonal_close_packed {
   vec3 origin{0, 0, 0};  ///< one of the sites
 
   static constexpr std::int64_t period = 2;
-  [[nodiscard]] vec3 step() const {
-    return {spacing, spacing * std::sqrt(real(0.75)), spacing * std::sqrt(real(2) / 3)};
-  }
-  [[nodiscard]] vec3 shift(bool odd_row, bool odd_layer) const {
-    return {odd_row != odd_layer ? spacing / 2 : 0, odd_layer ? spacing / std::sqrt(real(12)) : 0,
-            0};
-  }
+  [[nodiscard]] vec3 step() const;
+  [[nodiscard]] vec3 shift(bool odd_row, bool odd_layer) const;
 };
 
 namespace detail {
@@ -272,3 +264,7 @@ template <detail::lattice Lattice, detail::site_filter Region>
 }
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/scene/lattice_definitions.hpp"
+#endif

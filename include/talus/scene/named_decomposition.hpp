@@ -35,4 +35,9 @@ template <class Result = any_decomposition>
       name);
 }
 
+#ifdef TALUS_COMPILED
+extern template any_decomposition named_decomposition<any_decomposition>(const std::string&,
+                                                                         const vec3&, const vec3&);
+#endif
+
 }  // namespace talus

@@ -26,9 +26,7 @@ struct box_region {
   vec3 upper;  ///< corner with the largest
 
   /// Depth of a point inside, negative outside.
-  [[nodiscard]] real value(const vec3& p) const {
-    return std::min(detail::least_of(vec3(p - lower)), detail::least_of(vec3(upper - p)));
-  }
+  [[nodiscard]] real value(const vec3& p) const;
   /// Whether a point is inside or on the boundary.
   [[nodiscard]] bool contains(const vec3& p) const { return detail::between(lower, p, upper); }
   [[nodiscard]] detail::region_extent extent() const { return {lower, upper, true}; }
@@ -43,20 +41,10 @@ struct vertical_cylinder {
   real upper = detail::unlimited;   ///< highest z
 
   /// Depth of a point inside, negative outside.
-  [[nodiscard]] real value(const vec3& p) const {
-    const real side = radius - portable::hypot(p[0] - centre[0], p[1] - centre[1]);
-    return std::min(side, std::min(p[2] - lower, upper - p[2]));
-  }
+  [[nodiscard]] real value(const vec3& p) const;
   /// Whether a point is inside or on the boundary.
-  [[nodiscard]] bool contains(const vec3& p) const {
-    const real x = p[0] - centre[0], y = p[1] - centre[1];
-    return p[2] >= lower && p[2] <= upper && std::fma(x, x, y * y) <= radius * radius;
-  }
-  [[nodiscard]] detail::region_extent extent() const {
-    return {{centre[0] - radius, centre[1] - radius, lower},
-            {centre[0] + radius, centre[1] + radius, upper},
-            true};
-  }
+  [[nodiscard]] bool contains(const vec3& p) const;
+  [[nodiscard]] detail::region_extent extent() const;
 };
 
 /// A ball about a point, boundary included.
@@ -68,9 +56,7 @@ struct ball_region {
   [[nodiscard]] real value(const vec3& p) const { return radius - (p - centre).norm(); }
   /// Whether a point is inside or on the boundary.
   [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
-  [[nodiscard]] detail::region_extent extent() const {
-    return {centre - detail::thrice<real>(radius), centre + detail::thrice<real>(radius), false};
-  }
+  [[nodiscard]] detail::region_extent extent() const;
 };
 
 namespace detail {
@@ -78,12 +64,7 @@ namespace detail {
 /// Computes the bounds of a geometry from its planes perpendicular to an axis.
 class extent_finder {
  public:
-  void open(bool all_of) {
-    path_.push_back({all_of, {}});
-    if (!all_of) {
-      std::swap(path_.back().extent.lower, path_.back().extent.upper);  // of nothing yet
-    }
-  }
+  void open(bool all_of);
   template <class HalfSpace>
   void plane(const HalfSpace& h) {
     const vec3 n = h.normal();
@@ -96,11 +77,7 @@ class extent_finder {
     for (const group& g : path_) e.prism = e.prism && (n[2] == 0 || (level && g.all_of));
     add(e);
   }
-  void close() {
-    const region_extent e = path_.back().extent;
-    path_.pop_back();
-    add(e);
-  }
+  void close();
   [[nodiscard]] const region_extent& extent() const { return path_.front().extent; }
 
  private:
@@ -108,14 +85,7 @@ class extent_finder {
     bool all_of = true;
     region_extent extent;
   };
-  void add(const region_extent& e) {
-    auto& [all_of, sum] = path_.back();
-    sum.lower =
-        all_of ? detail::upper_of(sum.lower, e.lower) : detail::lower_of(sum.lower, e.lower);
-    sum.upper =
-        all_of ? detail::lower_of(sum.upper, e.upper) : detail::upper_of(sum.upper, e.upper);
-    sum.prism = sum.prism && e.prism;
-  }
+  void add(const region_extent& e);
   std::vector<group> path_{1};
 };
 
@@ -148,3 +118,7 @@ struct both_regions {
 
 }  // namespace detail
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/scene/region_definitions.hpp"
+#endif

@@ -14,13 +14,7 @@ namespace talus {
 
 namespace detail {
 
-inline void require_sizes(real lower, real upper, const char* what) {
-  if (!(lower > 0 && lower <= upper) || !std::isfinite(upper))
-    fail<std::invalid_argument>(
-        "{} lie between two positive lengths, the lower one first, but "
-        "these are {} and {}",
-        what, lower, upper);
-}
+void require_sizes(real lower, real upper, const char* what);
 
 }  // namespace detail
 
@@ -30,10 +24,7 @@ struct uniform_size {
   real upper = 1;  ///< length
 
   /// Throws invalid_argument unless 0 < lower <= upper, both finite.
-  real operator()(random_stream& random) const {
-    detail::require_sizes(lower, upper, "uniform sizes");
-    return random.uniform(lower, upper);
-  }
+  real operator()(random_stream& random) const;
 };
 
 /// A lognormal distribution by number, not by mass, which is common for crushed and for grown
@@ -47,24 +38,7 @@ struct lognormal_size {
 
   /// Throws invalid_argument unless 0 < lower <= upper, the median is positive and sigma not
   /// negative, and if hardly any size lies between the bounds.
-  real operator()(random_stream& random) const {
-    detail::require_sizes(lower, upper, "lognormal sizes");
-    detail::require_positive(median, "the median of lognormal sizes");
-    if (!(sigma >= 0) || !std::isfinite(sigma))
-      detail::fail<std::invalid_argument>(
-          "sigma of lognormal sizes must be finite and not negative, but is {}", sigma);
-    for (int tries = 0; tries < 10000; ++tries) {
-      // Marsaglia's polar method (1964); the second number that it makes is not used.
-      const real x = 2 * random.uniform() - 1, y = 2 * random.uniform() - 1, s = x * x + y * y;
-      if (s >= 1 || s == 0) continue;
-      const real size = median * portable::exp(sigma * x * std::sqrt(-2 * portable::log(s) / s));
-      if (size >= lower && size <= upper) return size;
-    }
-    detail::fail<std::invalid_argument>(
-        "lognormal sizes of median {} and sigma {} hardly ever lie between {} and {}: widen the "
-        "bounds",
-        median, sigma, lower, upper);
-  }
+  real operator()(random_stream& random) const;
 };
 
 /// A sieve curve: a few sizes, each with its fraction of the mass. The probability of a size by
@@ -76,27 +50,15 @@ class sieve_curve {
     real mass = 1;  ///< part of all mass, in any unit
   };
   /// Throws invalid_argument without any fraction, and for a size or a mass that is not positive.
-  explicit sieve_curve(std::initializer_list<fraction> fractions) {
-    real sum = 0;
-    for (const fraction& f : fractions) {
-      detail::require_positive(f.size, "a size of a sieve curve");
-      detail::require_positive(f.mass, "the mass of a fraction of a sieve curve");
-      sum += f.mass / (f.size * f.size * f.size);
-      sizes_.push_back(f.size);
-      below_.push_back(sum);
-    }
-    if (sizes_.empty())
-      detail::fail<std::invalid_argument>("a sieve curve has at least one fraction");
-  }
-  real operator()(random_stream& random) const {
-    const real x = random.uniform() * below_.back();
-    std::size_t k = 0;
-    while (k + 1 < below_.size() && x >= below_[k]) ++k;
-    return sizes_[k];
-  }
+  explicit sieve_curve(std::initializer_list<fraction> fractions);
+  real operator()(random_stream& random) const;
 
  private:
   detail::plain_vector<real> sizes_, below_;
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/scene/sizes_definitions.hpp"
+#endif

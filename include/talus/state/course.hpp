@@ -23,30 +23,14 @@ struct course_part {
 
 class course {
  public:
-  void begin(std::uint64_t asked, std::uint64_t steps) {
-    now_ = course_part{.asked = asked};
-    from_ = steps;
-  }
+  void begin(std::uint64_t asked, std::uint64_t steps);
   /// The call under way ends with this step.
   void stop() {
     if (now_) now_->stopped = true;
   }
-  void end(std::uint64_t steps) {
-    if (!now_) return;
-    now_->taken = steps - from_;
-    now_->calls = 1;
-    if (!past_.empty() && past_.back().alike(*now_))
-      ++past_.back().calls;
-    else
-      past_.push_back(*now_);
-    now_.reset();
-  }
+  void end(std::uint64_t steps);
   /// All calls so far; the present one ends after that step.
-  [[nodiscard]] std::vector<course_part> parts(std::uint64_t steps) const {
-    std::vector<course_part> all = past_;
-    if (now_) all.push_back({now_->asked, steps - from_, now_->stopped ? 1u : 0u, now_->stopped});
-    return all;
-  }
+  [[nodiscard]] std::vector<course_part> parts(std::uint64_t steps) const;
 
  private:
   std::vector<course_part> past_;
@@ -62,23 +46,16 @@ class past_course {
 
   [[nodiscard]] bool known() const { return !parts_.empty(); }
   /// The calls of that run, including the last one.
-  [[nodiscard]] std::uint64_t calls() const {
-    std::uint64_t n = 0;
-    for (const course_part& p : parts_) n += std::max<std::uint64_t>(p.calls, 1);
-    return n;
-  }
+  [[nodiscard]] std::uint64_t calls() const;
   /// The call of that number, from 0; nothing after the last.
-  [[nodiscard]] const course_part* find(std::uint64_t call) const {
-    for (const course_part& p : parts_) {
-      const std::uint64_t n = std::max<std::uint64_t>(p.calls, 1);
-      if (call < n) return &p;
-      call -= n;
-    }
-    return nullptr;
-  }
+  [[nodiscard]] const course_part* find(std::uint64_t call) const;
 
  private:
   std::vector<course_part> parts_;
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/state/course_definitions.hpp"
+#endif

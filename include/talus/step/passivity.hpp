@@ -11,6 +11,7 @@
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/detect/time_of_impact.hpp"
+#include "talus/solver/usual_kinds.hpp"
 #include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
 

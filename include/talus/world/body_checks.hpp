@@ -8,9 +8,7 @@
 
 namespace talus::detail {
 
-inline void require_finite(const char* what, const vec3& v) {
-  if (!finite(v)) fail<std::invalid_argument>("{} must be finite, but is {}", what, text(v));
-}
+void require_finite(const char* what, const vec3& v);
 
 /// Throws invalid_argument, with the value, for a body with values out of range or not finite.
 template <class Shape>
@@ -56,3 +54,7 @@ void require_movable(const body<Shape>& b, int rank) {
 }
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/world/body_checks_definitions.hpp"
+#endif

@@ -15,22 +15,9 @@ struct open_sections {
 
   /// Throws runtime_error in an exclusive section: `what` involves all ranks, so that calling it on
   /// one of them would wait for the others for ever. This also holds in a serial program.
-  void require_all_ranks(const char* what, int rank) const {
-    if (exclusive)
-      fail<std::runtime_error>(
-          "{} was called inside an exclusive section on rank {}, but all ranks must take part: "
-          "move "
-          "the call behind the section",
-          what, rank);
-  }
+  void require_all_ranks(const char* what, int rank) const;
   /// Throws logic_error in a global section, whose bodies `what` would not make global.
-  void refuse_in_global(const char* what, int rank) const {
-    if (global)
-      fail<std::logic_error>(
-          "{} was called inside a global section on rank {}, but each body it makes belongs to one "
-          "rank: call it outside of the section, or use add",
-          what, rank);
-  }
+  void refuse_in_global(const char* what, int rank) const;
 };
 
 }  // namespace detail
@@ -40,26 +27,7 @@ class exclusive_section {
  public:
   /// Throws runtime_error inside another exclusive section, logic_error inside a global section,
   /// and invalid_argument for a rank that the job does not have.
-  exclusive_section(detail::open_sections& open, int wanted, int rank, int ranks) : open_(open) {
-    if (open.exclusive)
-      detail::fail<std::runtime_error>(
-          "an exclusive section was opened inside another one on rank {}: close the first before "
-          "the "
-          "second",
-          rank);
-    if (open.global)
-      detail::fail<std::logic_error>(
-          "an exclusive section was opened inside a global section on rank {}: global bodies are "
-          "made "
-          "alike on all ranks, so put the section before or behind it",
-          rank);
-    if (wanted < 0 || wanted >= ranks)
-      detail::fail<std::invalid_argument>(
-          "there is no rank {} for an exclusive section: this job has {} rank(s), numbered from 0",
-          wanted, ranks);
-    active_ = wanted == rank;
-    open_.exclusive = active_;
-  }
+  exclusive_section(detail::open_sections& open, int wanted, int rank, int ranks);
   exclusive_section(const exclusive_section&) = delete;
   exclusive_section& operator=(const exclusive_section&) = delete;
   ~exclusive_section() {
@@ -77,18 +45,7 @@ class exclusive_section {
 class global_section {
  public:
   /// Throws runtime_error inside another global section and logic_error inside an exclusive one.
-  global_section(detail::open_sections& open, int rank) : open_(open) {
-    if (open.global)
-      detail::fail<std::runtime_error>(
-          "a global section was opened inside another one on rank {}: one is enough", rank);
-    if (open.exclusive)
-      detail::fail<std::logic_error>(
-          "a global section was opened inside an exclusive section on rank {}: global bodies must "
-          "be "
-          "made on all ranks, so move it behind the section",
-          rank);
-    open_.global = true;
-  }
+  global_section(detail::open_sections& open, int rank);
   global_section(const global_section&) = delete;
   global_section& operator=(const global_section&) = delete;
   ~global_section() { open_.global = false; }
@@ -98,3 +55,7 @@ class global_section {
 };
 
 }  // namespace talus
+
+#ifndef TALUS_COMPILED
+#include "talus/world/sections_definitions.hpp"
+#endif

@@ -8,6 +8,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -58,19 +59,18 @@ template <class Store>
   return table_columns(saved_columns<Store>{});
 }
 
+/// Of the shape at `number` of these names.
+[[nodiscard, gnu::cold]] std::string path_of_table(const char* group,
+                                                   std::span<const std::string_view> names,
+                                                   std::size_t number);
 /// Tables of the shapes of a scenario: bodies/sphere, and bodies/union_of_2 for a second shape of
 /// that name.
 template <class Store, class Shapes>
 [[nodiscard]] std::string table_of_shape(const char* group) {
-  int same = 1;
-  for_each_type<Shapes>([&](auto type) {
-    using other = typename decltype(type)::type;
-    constexpr bool before = index_of<Shapes, other> < index_of<Shapes, typename Store::shape_type>;
-    if (before && std::string(other::name) == Store::shape_type::name) ++same;
-  });
-  std::string path = std::string("/") + group + "/" + Store::shape_type::name;
-  if (same > 1) path += "_" + std::to_string(same);
-  return path;
+  return []<class... Each>(const char* all, type_list<Each...>) {
+    const std::array<std::string_view, sizeof...(Each)> names{Each::name...};
+    return path_of_table(all, names, index_of<Shapes, typename Store::shape_type>);
+  }(group, Shapes{});
 }
 
 /// The first `n` bodies of a store; the store must not change while the table is in use.
@@ -172,13 +172,8 @@ void require_sane(const Store& s, std::size_t i, std::size_t materials) {
 
 /// Rows that must be read for the bodies within a box: room for them is reserved at once, and
 /// memory is used only as needed.
-[[nodiscard, gnu::cold]] inline std::uint64_t rows_within(const table_reader& table,
-                                                          const std::pair<vec3, vec3>& bounds) {
-  std::uint64_t rows = 0;
-  for (const table_piece& p : table.pieces())
-    if (overlap(p.box, bounds.first, bounds.second)) rows += p.rows;
-  return rows;
-}
+[[nodiscard, gnu::cold]] std::uint64_t rows_within(const table_reader& table,
+                                                   const std::pair<vec3, vec3>& bounds);
 
 struct no_forms {};
 
@@ -221,3 +216,7 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
 }
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/checkpoint_bodies_definitions.hpp"
+#endif

@@ -81,6 +81,9 @@ template <class... Types>
 [[nodiscard]] std::string list_text(type_list<Types...>, const char* name) {
   return describe_list<Types...>(name);
 }
+/// As in features<checkpoints, driven>.
+[[nodiscard, gnu::cold]] std::string sorted_list_text(const char* name,
+                                                      std::vector<std::string> items);
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::vector<scenario_mark> marks_of() {
   std::vector<std::string> features;
@@ -91,161 +94,31 @@ template <class Scenario>
         (Scenario::contact_law::soft && std::is_same_v<feature, energy_ledger>);
     if constexpr (of_bodies && concepts::feature<feature>) features.push_back(feature::name);
   });
-  std::sort(features.begin(), features.end());
-  std::string named;
-  for (const std::string& f : features) named += (named.empty() ? "" : ", ") + f;
   return {{"bodies", list_text(typename Scenario::shapes{}, "bodies")},
           {"contacts", describe_policy<typename Scenario::contact_law>()},
           {"integrator", describe_policy<typename Scenario::integrator>()},
-          {"features", "features<" + named + ">"}};
+          {"features", sorted_list_text("features", std::move(features))}};
 }
 
 /// Numbers of a material, as they are stored.
-[[nodiscard, gnu::cold]] inline std::array<double, 8> numbers_of(const material& m) {
-  return {m.density,   m.restitution,    m.friction,      m.sliding_friction(),
-          m.stiffness, m.youngs_modulus, m.poisson_ratio, m.rolling_friction};
-}
-[[nodiscard, gnu::cold]] inline std::vector<double> numbers_of(const material_table& all) {
-  std::vector<double> numbers;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (const double x : numbers_of(all[material_id(i)])) numbers.push_back(x);
-  return numbers;
-}
+[[nodiscard, gnu::cold]] std::array<double, 8> numbers_of(const material& m);
+[[nodiscard, gnu::cold]] std::vector<double> numbers_of(const material_table& all);
 /// The pairs that have properties of their own: both numbers, restitution, friction, dynamic
 /// friction.
-[[nodiscard, gnu::cold]] inline std::vector<double> numbers_of_pairs(const material_table& all) {
-  std::vector<double> numbers;
-  for (const auto& own : all.own_pairs().entries()) {
-    const pair_material& p = own.value;
-    numbers.insert(numbers.end(), {double(own.low), double(own.high), p.restitution, p.friction,
-                                   p.dynamic_friction});
-  }
-  return numbers;
-}
+[[nodiscard, gnu::cold]] std::vector<double> numbers_of_pairs(const material_table& all);
 /// Throws runtime_error if the set-up has made other materials.
-[[gnu::cold]] inline void require_materials(const checkpoint_reader& in,
-                                            const material_table& mine) {
-  constexpr std::array names{"density",   "restitution",     "friction",      "dynamic friction",
-                             "stiffness", "Young's modulus", "Poisson ratio", "rolling friction"};
-  const auto theirs = in.reals("/materials/each", checkpoint_reader::any, 8);
-  if (theirs.size() != 8 * mine.size())
-    fail<std::runtime_error>(
-        "is of a run with {} materials, and this program has made {}: its set-up must make the "
-        "same",
-        theirs.size() / 8, mine.size());
-  const auto own = numbers_of(mine);
-  for (std::size_t k = 0; k < own.size(); ++k)
-    if (own[k] != theirs[k])
-      fail<std::runtime_error>(
-          "is of a run whose material {} has the {} {}, and this program gives it {}: its set-up "
-          "must make the same materials",
-          k / 8, names[k % 8], theirs[k], own[k]);
-  // A pair set in only one of the two runs may still be equal.
-  const auto same = [](const pair_material& a, const pair_material& b) {
-    return a.restitution == b.restitution && a.friction == b.friction &&
-           a.sliding_friction() == b.sliding_friction();
-  };
-  const auto refuse = [](std::uint32_t a, std::uint32_t b) {
-    fail<std::runtime_error>(
-        "is of a run with other properties for contacts of the materials {} and {} (world."
-        "material_pair): its set-up must make the same",
-        a, b);
-  };
-  if (!in.has("/materials/own_pairs")) {  // written before these were stored: the whole square
-    const auto n = mine.size();
-    const auto all = in.reals("/materials/pairs", n * n, 3);
-    for (std::size_t k = 0; k < n * n; ++k)
-      if (!same({all[3 * k], all[3 * k + 1], all[3 * k + 2]},
-                mine.pair(material_id(k / n), material_id(k % n))))
-        refuse(static_cast<std::uint32_t>(k / n), static_cast<std::uint32_t>(k % n));
-    return;
-  }
-  const auto pairs = in.reals("/materials/own_pairs", checkpoint_reader::any, 5);
-  pair_table<pair_material> of_file;
-  for (std::size_t k = 0; k < pairs.size(); k += 5) {
-    if (!(pairs[k] >= 0 && pairs[k] <= pairs[k + 1] && pairs[k + 1] < double(mine.size())))
-      fail<std::runtime_error>("is damaged: it has a pair of the materials {} and {}", pairs[k],
-                               pairs[k + 1]);
-    const auto a = static_cast<std::uint32_t>(pairs[k]),
-               b = static_cast<std::uint32_t>(pairs[k + 1]);
-    const pair_material p{pairs[k + 2], pairs[k + 3], pairs[k + 4]};
-    if (!same(p, mine.pair(material_id(a), material_id(b)))) refuse(a, b);
-    of_file.set(a, b, p);
-  }
-  for (const auto& own : mine.own_pairs().entries()) {
-    const material &a = mine[material_id(own.low)], &b = mine[material_id(own.high)];
-    if (of_file.find(own.low, own.high) == nullptr && !same(own.value, mean_of(a, b)))
-      refuse(own.low, own.high);
-  }
-}
+[[gnu::cold]] void require_materials(const checkpoint_reader& in, const material_table& mine);
 
 /// Kept values: names, their meanings with numbers of bytes, and the bytes.
-[[nodiscard, gnu::cold]] inline std::string names_of(const std::vector<kept_value>& values) {
-  std::string names;
-  for (const kept_value& v : values) names += v.name + '\n';
-  return names;
-}
+[[nodiscard, gnu::cold]] std::string names_of(const std::vector<kept_value>& values);
 /// Collective, because of the sums.
-[[gnu::cold]] inline void put_kept(checkpoint_team& team, const std::vector<kept_value>& values,
-                                   std::vector<small_dataset>& out) {
-  std::vector<std::uint64_t> kinds;
-  byte_buffer bytes;
-  byte_writer to(bytes);
-  for (const kept_value& v : values) {
-    kinds.push_back(static_cast<std::uint64_t>(v.means));
-    kinds.push_back(v.bytes);
-    if (v.means == kept_value::kind::alike) {
-      const auto* at = static_cast<const std::byte*>(v.at);
-      bytes.insert(bytes.end(), at, at + v.bytes);
-    } else if (v.means == kept_value::kind::sum_of_reals) {
-      byte_buffer mine;
-      byte_writer(mine).put(v.real_number(v.at));
-      double sum = 0;
-      for (const byte_buffer& each : team.gather(mine)) sum += byte_reader(each).get<double>();
-      to.put(sum);
-    } else {
-      std::uint64_t sum = v.integer(v.at);
-      team.sum(std::span(&sum, 1));
-      to.put(sum);
-    }
-  }
-  out.push_back(text_dataset("/kept/names", names_of(values)));
-  out.push_back(numbers_dataset<std::uint64_t>("/kept/kinds", kinds, 2));
-  out.push_back({"/kept/values", number_type::u8, bytes.size(), 1, bytes});
-}
-[[gnu::cold]] inline void get_kept(const checkpoint_reader& in, int rank,
-                                   const std::vector<kept_value>& values) {
-  const std::string theirs = in.text("/kept/names"), mine = names_of(values);
-  const auto line = [](std::string names) {
-    if (names.empty()) return std::string("nothing");
-    names.pop_back();
-    for (char& c : names)
-      if (c == '\n') c = ',';
-    return names;
-  };
-  if (theirs != mine)
-    fail<std::runtime_error>("is of a run that kept {}, and this program keeps {} (world.keep)",
-                             line(theirs), line(mine));
-  const auto kinds = in.integers("/kept/kinds", values.size(), 2);
-  const auto bytes = in.numbers<std::byte>("/kept/values", number_type::u8);
-  byte_reader from(bytes);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const kept_value& v = values[k];
-    if (kinds[2 * k] != static_cast<std::uint64_t>(v.means) || kinds[2 * k + 1] != v.bytes)
-      fail<std::runtime_error>(
-          "is of a run that kept '{}' as another type of value: its type must stay the same",
-          v.name);
-    if (v.means == kept_value::kind::alike) {
-      auto* to = static_cast<std::byte*>(v.at);
-      for (std::size_t i = 0; i < v.bytes; ++i) to[i] = from.get<std::byte>();
-    } else if (v.means == kept_value::kind::sum_of_reals) {
-      const auto sum = from.get<double>();
-      v.set_real(v.at, rank == 0 ? sum : 0);
-    } else {
-      const auto sum = from.get<std::uint64_t>();
-      v.set_integer(v.at, rank == 0 ? sum : 0);
-    }
-  }
-}
+[[gnu::cold]] void put_kept(checkpoint_team& team, const std::vector<kept_value>& values,
+                            std::vector<small_dataset>& out);
+[[gnu::cold]] void get_kept(const checkpoint_reader& in, int rank,
+                            const std::vector<kept_value>& values);
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/checkpoint_parameters_definitions.hpp"
+#endif

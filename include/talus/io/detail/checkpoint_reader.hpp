@@ -24,30 +24,7 @@ namespace talus::detail {
 class checkpoint_reader {
  public:
   /// Throws runtime_error for a file that cannot be opened, is not a checkpoint, or is damaged.
-  [[gnu::cold]] explicit checkpoint_reader(const std::string& name) : only_(hdf5_mutex()) {
-    const system_file file(name, O_RDONLY);
-    struct stat found {};
-    if (!file.good() || ::fstat(file.id(), &found) != 0)
-      fail<std::runtime_error>("cannot be read: {}", system_words());
-    const auto length = static_cast<std::uint64_t>(found.st_size);
-    byte_buffer head(std::min<std::uint64_t>(length, 512));
-    if (!S_ISREG(found.st_mode) || !file.read(0, head))
-      throw std::runtime_error("cannot be read: it is no file");
-    if (head.size() == 512) {  // its stated length, if plausible; read_block checks it
-      std::uint32_t bytes = 0;
-      std::memcpy(&bytes, head.data() + 36, 4);
-      head.resize(std::min<std::uint64_t>({std::max(bytes, 512u), length, 1u << 26}));
-      if (!file.read(0, head)) throw std::runtime_error("cannot be read to its end");
-    }
-    const checkpoint_block block = read_block(head, length);
-    if (checksum_of_rest(file.id(), block) != block.rest_checksum)
-      throw std::runtime_error("is damaged: the checksum of what describes its tables is wrong");
-    const hdf5_handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "read");
-#if H5_VERSION_GE(1, 10, 7)
-    hdf5_ok(H5Pset_file_locking(access, false, true), "read");
-#endif
-    file_.emplace(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "read");
-  }
+  [[gnu::cold]] explicit checkpoint_reader(const std::string& name);
 
   /// Whether there is such a dataset.
   [[nodiscard]] bool has(const std::string& path) const {
@@ -74,10 +51,7 @@ class checkpoint_reader {
                                                     std::uint32_t width = 1) const {
     return numbers<std::uint64_t>(path, number_type::u64, rows, width);
   }
-  [[nodiscard]] std::string text(const std::string& path) const {
-    const auto bytes = numbers<char>(path, number_type::u8);
-    return {bytes.begin(), bytes.end()};
-  }
+  [[nodiscard]] std::string text(const std::string& path) const;
   [[nodiscard]] table_reader table(const std::string& path, std::vector<table_column> columns,
                                    bool extras) const {
     return {*file_, path, std::move(columns), extras};
@@ -91,3 +65,7 @@ class checkpoint_reader {
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/checkpoint_reader_definitions.hpp"
+#endif

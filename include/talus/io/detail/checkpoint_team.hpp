@@ -48,17 +48,7 @@ class checkpoint_team {
   }
 
  private:
-  [[gnu::cold]] void agree(const std::string& problem) {
-    std::uint64_t any = !problem.empty();
-    most(std::span(&any, 1));
-    if (any == 0) return;
-    byte_buffer mine;
-    for (const char c : problem) mine.push_back(static_cast<std::byte>(c));
-    for (const byte_buffer& words : gather_all(mine))
-      if (!words.empty())
-        throw std::runtime_error(
-            std::string(reinterpret_cast<const char*>(words.data()), words.size()));
-  }
+  [[gnu::cold]] void agree(const std::string& problem);
 };
 
 template <class Link>
@@ -89,3 +79,7 @@ class team_over final : public checkpoint_team {
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/checkpoint_team_definitions.hpp"
+#endif

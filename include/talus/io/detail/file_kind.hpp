@@ -25,14 +25,8 @@ struct small_dataset {
   byte_buffer bytes;
 };
 
-[[nodiscard, gnu::cold]] inline byte_buffer bytes_of_text(const std::string& text) {
-  const auto* at = reinterpret_cast<const std::byte*>(text.data());
-  return {at, at + text.size()};
-}
-[[nodiscard, gnu::cold]] inline small_dataset text_dataset(std::string path,
-                                                           const std::string& text) {
-  return {std::move(path), number_type::u8, text.size(), 1, bytes_of_text(text)};
-}
+[[nodiscard, gnu::cold]] byte_buffer bytes_of_text(const std::string& text);
+[[nodiscard, gnu::cold]] small_dataset text_dataset(std::string path, const std::string& text);
 template <class T>
 [[nodiscard, gnu::cold]] small_dataset numbers_dataset(std::string path, std::span<const T> values,
                                                        std::uint32_t width = 1) {
@@ -75,10 +69,11 @@ class file_kind {
   virtual void verify(int /*file*/) {}
 };
 
-[[gnu::cold]] inline void write_small(hid_t file, const std::string& path, number_type type,
-                                      std::uint64_t rows, std::uint32_t width, const void* data) {
-  create_dataset(file, path, {type, rows, width});
-  if (rows > 0) write_whole(file, path, type, data);
-}
+[[gnu::cold]] void write_small(hid_t file, const std::string& path, number_type type,
+                               std::uint64_t rows, std::uint32_t width, const void* data);
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/file_kind_definitions.hpp"
+#endif

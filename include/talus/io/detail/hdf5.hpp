@@ -18,19 +18,12 @@
 namespace talus::detail {
 
 /// The library is not thread-safe, and there is one of it in a process: locked while it is used.
-[[nodiscard]] inline std::mutex& hdf5_mutex() {
-  static std::mutex one;
-  return one;
-}
+[[nodiscard]] std::mutex& hdf5_mutex();
 
 /// In its lifetime HDF5 prints nothing.
 class silent_hdf5 {
  public:
-  silent_hdf5() {
-    H5open();
-    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
+  silent_hdf5();
   silent_hdf5(const silent_hdf5&) = delete;
   silent_hdf5& operator=(const silent_hdf5&) = delete;
   ~silent_hdf5() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
@@ -41,17 +34,7 @@ class silent_hdf5 {
 };
 
 /// The first cause of HDF5's last error.
-[[nodiscard, gnu::cold]] inline std::string hdf5_words() {
-  std::string words;
-  H5Ewalk2(
-      H5E_DEFAULT, H5E_WALK_UPWARD,
-      [](unsigned n, const H5E_error2_t* e, void* out) -> herr_t {
-        if (n == 0 && e->desc != nullptr) *static_cast<std::string*>(out) = e->desc;
-        return 0;
-      },
-      &words);
-  return words.empty() ? "HDF5 gives no reason" : words;
-}
+[[nodiscard, gnu::cold]] std::string hdf5_words();
 
 /// Throws runtime_error, "cannot be <done>: <why>", for a return value of HDF5 that signals
 /// failure.
@@ -89,20 +72,9 @@ class hdf5_handle {
 /// The type of the rows of a dataset. In the file all numbers are little-endian.
 enum class number_type : std::uint8_t { f64, f32, u64, u32, u16, u8, i64 };
 
-[[nodiscard]] inline std::size_t bytes_of(number_type t) {
-  constexpr std::size_t bytes[] = {8, 4, 8, 4, 2, 1, 8};
-  return bytes[static_cast<int>(t)];
-}
-[[nodiscard, gnu::cold]] inline hid_t type_in_file(number_type t) {
-  const hid_t types[] = {H5T_IEEE_F64LE, H5T_IEEE_F32LE, H5T_STD_U64LE, H5T_STD_U32LE,
-                         H5T_STD_U16LE,  H5T_STD_U8LE,   H5T_STD_I64LE};
-  return types[static_cast<int>(t)];
-}
-[[nodiscard, gnu::cold]] inline hid_t type_in_memory(number_type t) {
-  const hid_t types[] = {H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT, H5T_NATIVE_UINT64, H5T_NATIVE_UINT32,
-                         H5T_NATIVE_UINT16, H5T_NATIVE_UINT8, H5T_NATIVE_INT64};
-  return types[static_cast<int>(t)];
-}
+[[nodiscard]] std::size_t bytes_of(number_type t);
+[[nodiscard, gnu::cold]] hid_t type_in_file(number_type t);
+[[nodiscard, gnu::cold]] hid_t type_in_memory(number_type t);
 
 /// A dataset: rows of `width` numbers.
 struct dataset_shape {
@@ -114,102 +86,39 @@ struct dataset_shape {
 
 /// Makes a dataset whose position in the file is fixed at once, without filling it, and its parent
 /// groups. Returns the position of its rows in the file; 0 if it has none.
-[[gnu::cold]] inline std::uint64_t create_dataset(hid_t file, const std::string& path,
-                                                  const dataset_shape& shape) {
-  const hsize_t extent[] = {shape.rows, shape.width};
-  const hdf5_handle space(H5Screate_simple(shape.width == 1 ? 1 : 2, extent, nullptr), H5Sclose,
-                          "written");
-  const hdf5_handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "written");
-  hdf5_ok(H5Pset_create_intermediate_group(links, 1), "written");
-  const hdf5_handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "written");
-  hdf5_ok(H5Pset_layout(how, H5D_CONTIGUOUS), "written");
-  hdf5_ok(H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY), "written");
-  hdf5_ok(H5Pset_fill_time(how, H5D_FILL_TIME_NEVER), "written");
-  hdf5_ok(H5Pset_obj_track_times(how, false), "written");
-  hdf5_handle set(
-      H5Dcreate2(file, path.c_str(), type_in_file(shape.type), space, links, how, H5P_DEFAULT),
-      H5Dclose, "written");
-  const haddr_t at = shape.rows > 0 ? H5Dget_offset(set) : 0;
-  if (at == HADDR_UNDEF) throw std::runtime_error("cannot be written: HDF5 gave a table no place");
-  set.close("written");
-  return at;
-}
+[[gnu::cold]] std::uint64_t create_dataset(hid_t file, const std::string& path,
+                                           const dataset_shape& shape);
 
-[[gnu::cold]] inline void write_whole(hid_t file, const std::string& path, number_type type,
-                                      const void* data) {
-  const hdf5_handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "written");
-  hdf5_ok(H5Dwrite(set, type_in_memory(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "written");
-}
+[[gnu::cold]] void write_whole(hid_t file, const std::string& path, number_type type,
+                               const void* data);
 
 /// An attribute of an existing group: numbers.
-[[gnu::cold]] inline void write_attribute(hid_t file, const std::string& group, const char* name,
-                                          std::span<const std::int64_t> values) {
-  const hsize_t extent = values.size();
-  const hdf5_handle at(H5Oopen(file, group.c_str(), H5P_DEFAULT), H5Oclose, "written");
-  const hdf5_handle space(H5Screate_simple(1, &extent, nullptr), H5Sclose, "written");
-  const hdf5_handle set(H5Acreate2(at, name, H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT),
-                        H5Aclose, "written");
-  hdf5_ok(H5Awrite(set, H5T_NATIVE_INT64, values.data()), "written");
-}
+[[gnu::cold]] void write_attribute(hid_t file, const std::string& group, const char* name,
+                                   std::span<const std::int64_t> values);
 /// The same: a word, in as many bytes as it has letters.
-[[gnu::cold]] inline void write_attribute(hid_t file, const std::string& group, const char* name,
-                                          const std::string& word) {
-  const hdf5_handle at(H5Oopen(file, group.c_str(), H5P_DEFAULT), H5Oclose, "written");
-  const hdf5_handle type(H5Tcopy(H5T_C_S1), H5Tclose, "written");
-  hdf5_ok(H5Tset_size(type, word.size()), "written");
-  const hdf5_handle space(H5Screate(H5S_SCALAR), H5Sclose, "written");
-  const hdf5_handle set(H5Acreate2(at, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                        "written");
-  hdf5_ok(H5Awrite(set, type, word.data()), "written");
-}
+[[gnu::cold]] void write_attribute(hid_t file, const std::string& group, const char* name,
+                                   const std::string& word);
 
 /// Rows [first, first + rows) of the space of a dataset, and as many in memory.
 class row_selection {
  public:
-  row_selection(hid_t set, std::uint64_t first, std::uint64_t rows, std::uint32_t width)
-      : file_(H5Dget_space(set), H5Sclose, "used"), memory_(space_of(rows, width)) {
-    const hsize_t start[] = {first, 0}, count[] = {rows, width};
-    if (rows > 0)
-      hdf5_ok(H5Sselect_hyperslab(file_, H5S_SELECT_SET, start, nullptr, count, nullptr), "used");
-    else
-      hdf5_ok(H5Sselect_none(file_), "used"), hdf5_ok(H5Sselect_none(memory_), "used");
-  }
+  row_selection(hid_t set, std::uint64_t first, std::uint64_t rows, std::uint32_t width);
   [[nodiscard]] hid_t file() const { return file_; }
   [[nodiscard]] hid_t memory() const { return memory_; }
 
  private:
-  static hdf5_handle space_of(std::uint64_t rows, std::uint32_t width) {
-    const hsize_t extent[] = {rows > 0 ? rows : 1, width};
-    return {H5Screate_simple(width == 1 ? 1 : 2, extent, nullptr), H5Sclose, "used"};
-  }
+  static hdf5_handle space_of(std::uint64_t rows, std::uint32_t width);
   hdf5_handle file_, memory_;
 };
 
 /// The dataset at `path`, which must hold rows of `width` such numbers. Any width fits 0.
 class open_dataset {
  public:
-  open_dataset(hid_t file, const std::string& path, number_type type, std::uint32_t width)
-      : set_(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "read"), type_(type) {
-    const hdf5_handle space(H5Dget_space(set_), H5Sclose, "read");
-    const hdf5_handle stored(H5Dget_type(set_), H5Tclose, "read");
-    hsize_t extent[2] = {0, 1};
-    const int rank = H5Sget_simple_extent_ndims(space);
-    if (rank < 1 || rank > 2 || H5Sget_simple_extent_dims(space, extent, nullptr) != rank ||
-        H5Tequal(stored, type_in_file(type)) <= 0 || (width != 0 && extent[1] != width) ||
-        extent[1] == 0 || extent[1] > 1u << 20)
-      fail<std::runtime_error>("is damaged: its dataset {} is not what it should be", path);
-    rows_ = extent[0];
-    width_ = static_cast<std::uint32_t>(extent[1]);
-  }
+  open_dataset(hid_t file, const std::string& path, number_type type, std::uint32_t width);
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
   [[nodiscard]] std::uint32_t width() const { return width_; }
   /// `out` holds `count` rows. The caller has checked the number of rows.
-  void read(std::uint64_t first, std::uint64_t count, void* out) const {
-    if (count == 0) return;
-    const row_selection rows(set_, first, count, width_);
-    hdf5_ok(H5Dread(set_, type_in_memory(type_), rows.memory(), rows.file(), H5P_DEFAULT, out),
-            "read");
-  }
+  void read(std::uint64_t first, std::uint64_t count, void* out) const;
 
  private:
   hdf5_handle set_;
@@ -219,3 +128,7 @@ class open_dataset {
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/hdf5_definitions.hpp"
+#endif

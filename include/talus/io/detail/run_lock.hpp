@@ -27,58 +27,18 @@ struct lock_holder {
   std::string host, pid, since;
   std::string started;  ///< of the process, in ticks since boot; distinguishes a reused pid
 
-  [[nodiscard, gnu::cold]] static lock_holder this_process() {
-    char host[256] = "";
-    ::gethostname(host, sizeof host - 1);
-    char when[64] = "";
-    const std::time_t now = std::time(nullptr);
-    struct tm date {};
-    if (::localtime_r(&now, &date) != nullptr)
-      std::strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &date);
-    const std::string pid = std::to_string(::getpid());
-    return {host, pid, when, start_of(pid)};
-  }
-  [[nodiscard, gnu::cold]] static lock_holder from_text(const std::string& text) {
-    return {line(text, "host "), line(text, "process "), line(text, "since "),
-            line(text, "started ")};
-  }
-  [[nodiscard, gnu::cold]] std::string text() const {
-    return std::string(mark) + "host " + host + "\nprocess " + pid + "\nsince " + since +
-           "\nstarted " + started + "\n";
-  }
-  [[nodiscard, gnu::cold]] std::string words() const {
-    if (pid.empty()) return "another process";
-    return compose("process {} on {}, since {}", pid, host, since);
-  }
+  [[nodiscard, gnu::cold]] static lock_holder this_process();
+  [[nodiscard, gnu::cold]] static lock_holder from_text(const std::string& text);
+  [[nodiscard, gnu::cold]] std::string text() const;
+  [[nodiscard, gnu::cold]] std::string words() const;
   /// Whether it is a process of this machine that still runs.
-  [[nodiscard, gnu::cold]] bool lives_here() const {
-    const auto number = static_cast<pid_t>(std::strtol(pid.c_str(), nullptr, 10));
-    if (number <= 0 || host != this_process().host) return false;
-    if (::kill(number, 0) != 0 && errno != EPERM) return false;
-    return start_of(pid) == started;
-  }
+  [[nodiscard, gnu::cold]] bool lives_here() const;
 
  private:
   /// The value of the line that begins with `key`.
-  [[nodiscard, gnu::cold]] static std::string line(const std::string& text, const char* key) {
-    const auto at = text.find('\n' + std::string(key));
-    if (at == text.npos) return {};
-    const auto begin = at + 1 + std::string_view(key).size();
-    return text.substr(begin, text.find('\n', begin) - begin);
-  }
+  [[nodiscard, gnu::cold]] static std::string line(const std::string& text, const char* key);
   /// The 22nd field of /proc/PID/stat; the second may hold blanks and ends with the last ')'.
-  [[nodiscard, gnu::cold]] static std::string start_of(const std::string& pid) {
-    const int id = ::open(("/proc/" + pid + "/stat").c_str(), O_RDONLY | O_CLOEXEC);
-    if (id < 0) return {};
-    std::string text(1024, '\0');
-    const ssize_t length = ::read(id, text.data(), text.size());
-    ::close(id);
-    text.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
-    std::size_t at = text.rfind(')');
-    for (int field = 2; field < 22 && at != text.npos; ++field) at = text.find(' ', at + 1);
-    if (at == text.npos) return {};
-    return text.substr(at + 1, text.find(' ', at + 1) - at - 1);
-  }
+  [[nodiscard, gnu::cold]] static std::string start_of(const std::string& pid);
 };
 
 /// Such a lock during its lifetime. The rank of a run that renames the files holds it.
@@ -86,91 +46,26 @@ class run_lock {
  public:
   /// Throws runtime_error, the second half of a sentence that begins with the file, if another run
   /// holds it or no lock can be made.
-  [[gnu::cold]] explicit run_lock(const std::string& file) : name_(file + ".lock") {
-    for (int attempt = 0; attempt < 100; ++attempt) {
-      open();
-      const bool locked = ::flock(id_, LOCK_EX | LOCK_NB) == 0;
-      const int error = errno;
-      if (!locked && error == EWOULDBLOCK) refuse();
-      if (!locked && error != EINTR && lock_holder::from_text(text()).lives_here()) refuse();
-      // (Without locks of the file system, only the text counts; that of another machine is
-      // ignored: a run that was killed there would block all others.)
-      if (error == EINTR && !locked) {
-        close();
-        continue;
-      }
-      if (!is_named()) {  // its holder has meanwhile removed it
-        close();
-        continue;
-      }
-      // (A full disk has no room for the text; the lock holds without it.)
-      if (::ftruncate(id_, 0) == 0) (void)write_text(id_, lock_holder::this_process().text());
-      if (locked) remove_parts_of(file);
-      return;
-    }
-    fail<std::runtime_error>("cannot be locked by {}: other runs take the lock again and again",
-                             name_);
-  }
+  [[gnu::cold]] explicit run_lock(const std::string& file);
   run_lock(const run_lock&) = delete;
   run_lock& operator=(const run_lock&) = delete;
-  ~run_lock() {
-    if (id_ >= 0 && is_named()) ::unlink(name_.c_str());
-    close();
-  }
+  ~run_lock();
   /// Whether this is the lock of that file, for any form of its path.
-  [[nodiscard, gnu::cold]] bool is_of(const std::string& file) const {
-    struct stat theirs {
-    }, mine{};
-    return ::stat((file + ".lock").c_str(), &theirs) == 0 && ::fstat(id_, &mine) == 0 &&
-           theirs.st_dev == mine.st_dev && theirs.st_ino == mine.st_ino;
-  }
+  [[nodiscard, gnu::cold]] bool is_of(const std::string& file) const;
 
  private:
-  [[gnu::cold]] void open() {
-    struct stat found {};
-    id_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
-    if (id_ < 0)
-      fail<std::runtime_error>(
-          "cannot be written: {}: {}; name a file in a folder that exists, is writable and has "
-          "room",
-          name_, system_words());
-    const bool regular = ::fstat(id_, &found) == 0 && S_ISREG(found.st_mode);
-    if (regular && (found.st_size == 0 || text().starts_with(lock_holder::mark))) return;
-    close();
-    fail<std::runtime_error>(
-        "needs {} for its lock, and something else is there: move that away, or name another file",
-        name_);
-  }
-  void close() {
-    if (id_ >= 0) ::close(id_);
-    id_ = -1;
-  }
-  [[nodiscard, gnu::cold]] bool is_named() const {
-    struct stat named {
-    }, mine{};
-    return ::lstat(name_.c_str(), &named) == 0 && ::fstat(id_, &mine) == 0 &&
-           named.st_dev == mine.st_dev && named.st_ino == mine.st_ino;
-  }
-  [[nodiscard, gnu::cold]] std::string text() const {
-    std::string all(1024, '\0');
-    const ssize_t length = ::pread(id_, all.data(), all.size(), 0);
-    all.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
-    return all;
-  }
-  [[noreturn, gnu::cold]] void refuse() {
-    std::string who = text();
-    for (int wait = 0; wait < 20 && who.empty(); ++wait) {  // the lock was just taken
-      ::usleep(10000);
-      who = text();
-    }
-    close();
-    fail<std::runtime_error>(
-        "is being written by another run ({}): wait for its end or stop it, or name another file",
-        lock_holder::from_text(who).words());
-  }
+  [[gnu::cold]] void open();
+  void close();
+  [[nodiscard, gnu::cold]] bool is_named() const;
+  [[nodiscard, gnu::cold]] std::string text() const;
+  [[noreturn, gnu::cold]] void refuse();
 
   std::string name_;
   int id_ = -1;
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/run_lock_definitions.hpp"
+#endif

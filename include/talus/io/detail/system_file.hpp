@@ -19,30 +19,9 @@
 namespace talus::detail {
 
 /// Reads bytes of an open file. False at its end, and if reading fails.
-[[nodiscard]] inline bool read_at(int file, std::uint64_t at, std::span<std::byte> into) {
-  while (!into.empty()) {
-    const ssize_t n = ::pread(file, into.data(), into.size(), static_cast<off_t>(at));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    into = into.subspan(static_cast<std::size_t>(n));
-    at += static_cast<std::uint64_t>(n);
-  }
-  return true;
-}
+[[nodiscard]] bool read_at(int file, std::uint64_t at, std::span<std::byte> into);
 /// Writes bytes of an open file. Returns how many, and sets errno if these are not all.
-[[nodiscard]] inline std::size_t write_at(int file, std::uint64_t at,
-                                          std::span<const std::byte> from) {
-  std::size_t written = 0;
-  while (written < from.size()) {
-    const ssize_t n = ::pwrite(file, from.data() + written, from.size() - written,
-                               static_cast<off_t>(at + written));
-    if (n < 0 && errno == EINTR) continue;
-    if (n == 0) errno = ENOSPC;
-    if (n <= 0) break;
-    written += static_cast<std::size_t>(n);
-  }
-  return written;
-}
+[[nodiscard]] std::size_t write_at(int file, std::uint64_t at, std::span<const std::byte> from);
 
 /// An open file, by system calls.
 class system_file {
@@ -79,16 +58,7 @@ class no_size_signal {
 };
 
 /// Throws runtime_error if this process may not write so long a file.
-[[gnu::cold]] inline void require_size_allowed(std::uint64_t bytes) {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-      bytes > limit.rlim_cur)
-    fail<std::runtime_error>(
-        "cannot be written: it needs some {} bytes, and files may have {} (ulimit -f), {} bytes "
-        "are missing: raise that limit",
-        bytes, static_cast<std::uint64_t>(limit.rlim_cur),
-        bytes - static_cast<std::uint64_t>(limit.rlim_cur));
-}
+[[gnu::cold]] void require_size_allowed(std::uint64_t bytes);
 
 /// Whether an error means that there is no room.
 [[nodiscard]] inline bool no_room(int error) {
@@ -98,13 +68,10 @@ class no_size_signal {
 /// Makes an empty file `bytes` long and reserves room on the disk for all of it, so that a full
 /// disk is detected here, where one rank fails alone. Returns the error, or 0. (If the file system
 /// cannot reserve room, the rank that writes to a full disk detects it.)
-[[nodiscard, gnu::cold]] inline int reserve_file(int file, std::uint64_t bytes) {
-  if (::ftruncate(file, static_cast<off_t>(bytes)) != 0) return errno;
-  int failed = 0;
-  do {
-    failed = ::fallocate(file, 0, 0, static_cast<off_t>(bytes)) != 0 ? errno : 0;
-  } while (failed == EINTR);
-  return failed == EOPNOTSUPP || failed == ENOSYS ? 0 : failed;
-}
+[[nodiscard, gnu::cold]] int reserve_file(int file, std::uint64_t bytes);
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/system_file_definitions.hpp"
+#endif

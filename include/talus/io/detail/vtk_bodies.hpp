@@ -16,14 +16,7 @@ namespace talus::detail {
 /// Shapes by number, as the column `shape` has them.
 inline constexpr std::string_view vtk_shape_names[] = {
     "sphere", "box", "capsule", "cylinder", "convex_polyhedron", "triangle_mesh"};
-[[nodiscard, gnu::cold]] inline std::uint8_t vtk_shape_number(std::string_view name) {
-  std::uint8_t n = 0;
-  for (const std::string_view known : vtk_shape_names) {
-    if (known == name) return n;
-    ++n;
-  }
-  return n;
-}
+[[nodiscard, gnu::cold]] std::uint8_t vtk_shape_number(std::string_view name);
 
 /// Lengths of a shape along the axes of its body: the scale factors for a sphere, box or cylinder
 /// of size 1.
@@ -203,3 +196,7 @@ class vtk_bodies {
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/vtk_bodies_definitions.hpp"
+#endif

@@ -20,11 +20,7 @@ class vtk_kind final : public file_kind {
   [[nodiscard]] const output_kind& looks() const override { return vtk_output_file; }
   /// A series survives a kill of its run, but not a power failure.
   [[nodiscard]] bool durable() const override { return false; }
-  [[gnu::cold]] void describe_file(hid_t file) override {
-    const std::int64_t version[] = {1, 0};
-    write_attribute(file, "/VTKHDF", "Version", version);
-    write_attribute(file, "/VTKHDF", "Type", "UnstructuredGrid");
-  }
+  [[gnu::cold]] void describe_file(hid_t file) override;
 };
 
 /// Kinds of cells, as numbered by VTK.
@@ -38,13 +34,7 @@ struct vtk_cells {
 
   /// Each takes the next points, so many of them.
   [[nodiscard, gnu::cold]] static vtk_cells in_a_row(vtk_cell kind, std::size_t points,
-                                                     std::size_t of_each) {
-    vtk_cells all{kind, std::vector<std::int64_t>(points), {}};
-    for (std::size_t k = 0; k < points; ++k) all.points[k] = static_cast<std::int64_t>(k);
-    for (std::size_t end = of_each; end <= points; end += of_each)
-      all.ends.push_back(static_cast<std::int64_t>(end));
-    return all;
-  }
+                                                     std::size_t of_each);
 };
 
 /// Numbers of points, of cells, and of points of all cells.
@@ -54,63 +44,17 @@ struct vtk_counts {
 
 /// The cells of the file; `before` is the number of those of the ranks before. The first rank adds
 /// the start of the first cell.
-[[nodiscard, gnu::cold]] inline std::vector<table_part> tables_of(const vtk_cells& cells,
-                                                                  const vtk_counts& before,
-                                                                  bool first_rank) {
-  std::vector<table_part> tables;
-  const auto add = [&](const char* name, number_type type, std::size_t rows, auto&& value) {
-    table_part& t = tables.emplace_back();
-    t.path = "/VTKHDF";
-    t.rows = rows;
-    byte_buffer bytes;
-    bytes.reserve(t.rows * bytes_of(type));
-    byte_writer out(bytes);
-    for (std::size_t i = 0; i < rows; ++i) out.put(value(i));
-    t.memory.push_back(std::move(bytes));
-    t.columns.push_back({name, type, 1, t.memory.back().data()});
-  };
-  add("Connectivity", number_type::i64, cells.points.size(),
-      [&](std::size_t i) { return before.points + cells.points[i]; });
-  add("Types", number_type::u8, cells.ends.size(), [&](std::size_t) { return cells.kind; });
-  const std::size_t begin = first_rank ? 1 : 0;
-  add("Offsets", number_type::i64, cells.ends.size() + begin, [&](std::size_t i) {
-    return before.corners + (i < begin ? std::int64_t{0} : cells.ends[i - begin]);
-  });
-  return tables;
-}
+[[nodiscard, gnu::cold]] std::vector<table_part> tables_of(const vtk_cells& cells,
+                                                           const vtk_counts& before,
+                                                           bool first_rank);
 
 /// Collective: writes cells, their points, and data, of points or of cells.
-[[gnu::cold]] inline void write_vtk_file(checkpoint_team& team, const std::string& file,
-                                         const vtk_cells& cells, row_table&& points,
-                                         row_table&& data, std::uint64_t step, double time,
-                                         bool force) {
-  byte_buffer mine;
-  byte_writer(mine).put(vtk_counts{static_cast<std::int64_t>(points.rows()),
-                                   static_cast<std::int64_t>(cells.ends.size()),
-                                   static_cast<std::int64_t>(cells.points.size())});
-  vtk_counts before, all;
-  int rank = 0;
-  const auto add = [](vtk_counts& sum, const vtk_counts& n) {
-    sum.points += n.points, sum.cells += n.cells, sum.corners += n.corners;
-  };
-  for (const byte_buffer& each : team.gather_all(mine)) {
-    const auto n = byte_reader(each).get<vtk_counts>();
-    if (rank++ < team.rank()) add(before, n);
-    add(all, n);
-  }
-  std::vector<table_part> tables = tables_of(cells, before, team.rank() == 0);
-  tables.push_back(points.take());
-  tables.push_back(data.take());
-  const auto whole = [](const char* name, std::int64_t value) {
-    return numbers_dataset<std::int64_t>(std::string("/VTKHDF/") + name, std::span(&value, 1));
-  };
-  const std::vector<small_dataset> small{
-      whole("NumberOfPoints", all.points), whole("NumberOfCells", all.cells),
-      whole("NumberOfConnectivityIds", all.corners),
-      whole("FieldData/step", static_cast<std::int64_t>(step)),
-      numbers_dataset<double>("/VTKHDF/FieldData/time", std::span(&time, 1))};
-  vtk_kind how;
-  team_writer(team, how, file, force).write(tables, small);
-}
+[[gnu::cold]] void write_vtk_file(checkpoint_team& team, const std::string& file,
+                                  const vtk_cells& cells, row_table&& points, row_table&& data,
+                                  std::uint64_t step, double time, bool force);
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED_HDF5
+#include "talus/io/detail/vtk_file_definitions.hpp"
+#endif

@@ -12,30 +12,16 @@
 namespace talus::detail {
 
 /// Whether a flaw of this kind between these ranks is in the list already.
-inline bool known(const std::vector<connection_flaw>& flaws, const connection_flaw& f) {
-  return std::any_of(flaws.begin(), flaws.end(), [&](const connection_flaw& g) {
-    return g.kind == f.kind && std::min(g.rank, g.other) == std::min(f.rank, f.other) &&
-           std::max(g.rank, g.other) == std::max(f.rank, f.other);
-  });
-}
+bool known(const std::vector<connection_flaw>& flaws, const connection_flaw& f);
 
-inline std::string summary(const std::vector<connection_flaw>& flaws) {
-  constexpr std::size_t most = 10;
-  std::string text = "the domains of the ranks do not fit together:";
-  for (std::size_t i = 0; i < std::min(most, flaws.size()); ++i) text += "\n- " + flaws[i].message;
-  if (flaws.size() > most) text += compose("\n- and {} more", flaws.size() - most);
-  return text;
-}
+std::string summary(const std::vector<connection_flaw>& flaws);
 
 /// Ownership by hand: a rank owns the points that no connected rank claims.
 struct hand_rule {
   static constexpr bool generated = false;
   std::span<const std::vector<connection>> all;
   /// The owner according to a rank.
-  [[nodiscard]] int owner(int rank, const vec3& p) const {
-    const int claimed = claimant(all[rank], p);
-    return claimed < 0 ? rank : claimed;
-  }
+  [[nodiscard]] int owner(int rank, const vec3& p) const;
   [[nodiscard]] std::vector<int> neighbours(int) const { return {}; }
 };
 
@@ -348,3 +334,7 @@ class connection_checker {
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/detail/check_connections_definitions.hpp"
+#endif

@@ -24,11 +24,7 @@ class wait_watch {
       : patience_(how.patience), give_up_(how.give_up), report_(how.report) {}
   wait_watch(wait_watch&& other) noexcept
       : patience_(other.patience_), give_up_(other.give_up_), report_(std::move(other.report_)) {}
-  wait_watch& operator=(wait_watch&& other) noexcept {
-    patience_ = other.patience_, give_up_ = other.give_up_;
-    report_ = std::move(other.report_);
-    return *this;
-  }
+  wait_watch& operator=(wait_watch&& other) noexcept;
 
   [[nodiscard]] bool active() const { return patience_ > 0; }
   [[nodiscard]] double patience() const { return patience_; }
@@ -36,28 +32,12 @@ class wait_watch {
   [[nodiscard]] double end_after() const { return give_up_ > 0 ? patience_ + give_up_ : 0; }
 
   /// True for one caller in each period of ten times the patience, and for one that ends the run.
-  [[nodiscard]] bool mine_to_report(bool ends) {
-    if (ends) return !ends_.exchange(true);
-    const std::int64_t now =
-        std::chrono::duration_cast<std::chrono::milliseconds>(clock::now().time_since_epoch())
-            .count();
-    std::int64_t silent = silent_until_.load();
-    return now >= silent && silent_until_.compare_exchange_strong(
-                                silent, now + static_cast<std::int64_t>(1e4 * patience_));
-  }
+  [[nodiscard]] bool mine_to_report(bool ends);
   [[gnu::cold]] void report(const std::string& stuck, const std::string& waiting, bool ends) const {
     report_(text(stuck, waiting, ends));
   }
   [[nodiscard, gnu::cold]] std::string text(const std::string& stuck, const std::string& waiting,
-                                            bool ends) const {
-    return compose(
-        "{} has kept others waiting for {} seconds{}: {} wait{}; look for a callback or "
-        "a loop that does not end there{}",
-        stuck, talus::detail::text(ends ? end_after() : patience_, 4),
-        ends ? ", and the run ends" : "", waiting,
-        waiting.find(',') == std::string::npos ? "s" : "",
-        ends || give_up_ > 0 ? "" : ", or let --give-up SECONDS end such a run");
-  }
+                                            bool ends) const;
 
  private:
   double patience_ = 0, give_up_ = 0;
@@ -75,11 +55,7 @@ class wait_clock {
 
   /// Time until the next check: first the patience, then a second or the rest until the end of the
   /// run.
-  [[nodiscard]] std::chrono::duration<double> next() const {
-    const double waited = seconds(), end = how_.end_after();
-    if (waited < how_.patience()) return std::chrono::duration<double>(how_.patience() - waited);
-    return std::chrono::duration<double>(end > 0 ? std::clamp(end - waited, 0.01, 1.0) : 1.0);
-  }
+  [[nodiscard]] std::chrono::duration<double> next() const;
   /// Whether the wait has exceeded the limit of the run.
   [[nodiscard]] bool passed() const {
     return how_.end_after() > 0 && seconds() >= how_.end_after();
@@ -94,3 +70,7 @@ class wait_clock {
 };
 
 }  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/parallel/detail/wait_watch_definitions.hpp"
+#endif
