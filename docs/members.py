@@ -19,6 +19,7 @@ SHEET = [
         ("world/checkpoints.hpp", "simulation", "simulation"),
         ("state/body_count.hpp", "body_count", "body_count"),
         ("state/response_state.hpp", "convergence", "convergence"),
+        ("world/joint_handle.hpp", "joint_handle", "joint_handle<Scenario, Kind>"),
         ("constraint/solver_settings.hpp", "solver_settings", "solver_settings"),
     ]),
     ("Bodies", "What is added, what `for_each_local` and `world[handle]` give, and shapes.", [

@@ -30,11 +30,14 @@ struct head_on_impact;
 
 // Arguments of solvers; see solver/.
 struct solver_settings;
+// Results of joints; see body/joints.hpp.
+struct wrench;
 
 namespace detail {
 
 template <class Real>
 struct solver_state_of;
+struct jointed_body;
 struct solved;
 struct contact_key;
 enum class history_place : std::uint32_t;
@@ -361,17 +364,15 @@ concept resistance = contact_data<Part> &&
 /// - `apply(s, change)`, `apply_to_a(s, change)`: applies a change to both bodies, to a
 /// - `impulse_in_frame()`, `set(change)`, `since(change)`: the impulse in that frame; sets a new
 ///   one; the difference to an earlier one
-/// - `load_impulse(p)`, `impulse()`: the impulse on a in the world, for warm starts. A loaded
-///   impulse is projected into the set of admissible impulses
 /// - `relax_correction(s)`, `correct_a(s, x)`, `correct_b(s, x)`: the same for the
 ///   pseudo-velocities of the position correction
-/// - `relative_velocity(s)`, `delassus_trace(s)`, `axis()`, `mu()`, `target_velocity`: the terms of
-///   the residual; `axes()`, `lever_a()`, `lever_b()`: its frame and arms
+/// - `relative_velocity(s)`, `delassus_trace(s)`: the velocity of its rows, and the sum of the
+///   diagonal of its effective inverse mass, with undivided masses; terms of the residual
 /// - `speed_of(change)`: the change of velocity at the constraint that a change of impulse causes
 template <class Kind>
 concept constraint_kind = std::is_trivially_copyable_v<Kind> &&
     requires(Kind c, const Kind& k, typename Kind::state& s, const typename Kind::state& seen,
-             const typename Kind::change& d, const vec3& p) {
+             const typename Kind::change& d) {
   { Kind::paired } -> std::convertible_to<bool>;
   { Kind::rows } -> std::convertible_to<int>;
   { k.a } -> std::convertible_to<std::int32_t>;
@@ -383,20 +384,66 @@ concept constraint_kind = std::is_trivially_copyable_v<Kind> &&
   { k.impulse_in_frame() } -> std::convertible_to<typename Kind::change>;
   c.set(d);
   { k.since(d) } -> std::same_as<typename Kind::change>;
-  c.load_impulse(p);
-  { k.impulse() } -> std::convertible_to<vec3>;
   k.correct_a(s, c.relax_correction(s));
   k.correct_b(s, c.relax_correction(s));
-  { k.relative_velocity(seen) } -> std::convertible_to<vec3>;
+  k.relative_velocity(seen);
   { k.delassus_trace(seen) } -> std::convertible_to<real>;
+  { k.speed_of(d) } -> std::convertible_to<real>;
+};
+
+/// A constraint that bounds impulses by a cone: a contact.
+/// - `load_impulse(p)`, `impulse()`: the impulse on a in the world, for warm starts. A loaded
+///   impulse is projected into the set of admissible impulses
+/// - `axis()`, `mu()`, `target_velocity`: further terms of the residual; `axes()`, `lever_a()`,
+///   `lever_b()`: its frame and arms
+template <class Kind>
+concept contact_kind = constraint_kind<Kind> &&
+    requires(Kind c, const Kind& k, const typename Kind::state& seen, const vec3& p) {
+  c.load_impulse(p);
+  { k.impulse() } -> std::convertible_to<vec3>;
+  { k.relative_velocity(seen) } -> std::convertible_to<vec3>;
   { k.axis() } -> std::convertible_to<vec3>;
   { k.mu() } -> std::convertible_to<real>;
   { k.target_velocity } -> std::convertible_to<real>;
   { k.axes() } -> std::convertible_to<mat3>;
   { k.lever_a() } -> std::convertible_to<vec3>;
   { k.lever_b() } -> std::convertible_to<vec3>;
-  { k.speed_of(d) } -> std::convertible_to<real>;
 };
+
+/// The rows of a joint in the solver; `State` is solver_state_of<Real>. Besides a constraint, whose
+/// impulses have no bounds:
+/// - `place(anchors, a, b, dt)`: sets arms and position error from the present poses of both bodies
+///   (detail::jointed_body), before a step of dt
+/// - `on_a()`, `on_b()`: the wrench of its impulse on each body, about the centre of mass; linear
+///   impulses are opposite, and so are moments about one point
+template <class Row>
+concept joint_row = constraint_kind<Row> &&
+    requires(Row r, const Row& k, const typename Row::anchors& x, const detail::jointed_body& body,
+             real dt) {
+  r.place(x, body, body, dt);
+  { k.on_a() } -> std::same_as<wrench>;
+  { k.on_b() } -> std::same_as<wrench>;
+};
+
+/// A kind of joint, a part of joints<...>: a value type that the user fills in, in the coordinates
+/// of the world.
+/// - `name`: its name in messages and checkpoints
+/// - `validate()`: throws invalid_argument that names the wrong value
+/// - `anchors`: the joint as its bodies carry it, in their frames; made of reals. It travels with
+///   the bodies, and is written to checkpoints
+/// - `fix(a, b)`: the anchors for bodies with these poses
+/// - `distance(anchors)`, static: the distance of the centres of mass that the joint allows
+/// - `row<State>`: its rows in a solver, a joint_row; the type of its impulse, `change`, is made of
+///   reals and is kept from step to step
+template <class Kind>
+concept joint_kind = detail::part_for<Kind, roles::joints> && std::is_trivially_copyable_v<Kind> &&
+    requires(const Kind& k, const pose& p, const typename Kind::anchors& x) {
+  { Kind::name } -> std::convertible_to<const char*>;
+  { k.validate() } -> std::same_as<void>;
+  { k.fix(p, p) } -> std::same_as<typename Kind::anchors>;
+  { Kind::distance(x) } -> std::convertible_to<real>;
+  requires joint_row<typename Kind::template row<detail::solver_state_of<double>>>;
+} && std::is_trivially_copyable_v<typename Kind::anchors>;
 
 /// The constraints of one kind on a rank, as a solver stores them.
 /// - `add(constraint, key, a_moves, b_moves, place, at_border)`: one that this rank solves by

@@ -117,7 +117,7 @@ inline constexpr bool round_with_arm<general_contact<Rows, A, B>> =
 
 template <class Kind>
 void obeys_all_laws(std::int32_t a, std::int32_t b) {
-  static_assert(concepts::constraint_kind<Kind>);
+  static_assert(concepts::contact_kind<Kind>);
   static_assert(concepts::constraint_list<contact_list<Kind>>);
   static_assert(concepts::constraint_list<coloured_list<Kind>>);
   static_assert(concepts::constraint_list<either_list<Kind>>);

@@ -2,6 +2,7 @@
 // Interior contacts that are solved one by one, in a row.
 #include <cstddef>
 
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -54,7 +55,9 @@ class contact_row {
   void correct(state& s) {
     in_streams([&](Contact& c) {
       const auto d = c.relax_correction(s);
-      if (d != 0) c.correct_a(s, d), c.correct_b(s, d);
+      if constexpr (!is_joint<Contact>)
+        if (d == 0) return;
+      c.correct_a(s, d), c.correct_b(s, d);
     });
   }
 

@@ -1,5 +1,8 @@
 #pragma once
-// The work of a contact on its two bodies, in parts: for monitors of energy and momentum.
+// The work of a constraint on its two bodies, that of a contact in parts: for monitors of energy
+// and momentum.
+#include "talus/body/jointed_body.hpp"
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
@@ -43,6 +46,37 @@ template <class Contact>
     return v - c.arm_b * c.axis().cross(w);
   else
     return v;
+}
+
+/// The work of the impulse of a constraint on its body a, which moves with v and rotates with w.
+template <class Constraint>
+[[nodiscard]] real work_on_a(const Constraint& c, const vec3& v, const vec3& w) {
+  if constexpr (is_joint<Constraint>) {
+    return work_of(c.on_a(), v, w);
+  } else {
+    const split_impulse p = impulse_in_parts(c);
+    return (p.normal + p.tangential).dot(velocity_on_a(c, v, w));
+  }
+}
+/// The same for body b.
+template <class Constraint>
+[[nodiscard]] real work_on_b(const Constraint& c, const vec3& v, const vec3& w) {
+  if constexpr (is_joint<Constraint>) {
+    return work_of(c.on_b(), v, w);
+  } else {
+    const split_impulse p = impulse_in_parts(c);
+    return -(p.normal + p.tangential).dot(velocity_on_b(c, v, w));
+  }
+}
+/// The impulse of a constraint on its body a.
+template <class Constraint>
+[[nodiscard]] vec3 impulse_on_a(const Constraint& c) {
+  if constexpr (is_joint<Constraint>) {
+    return c.on_a().impulse;
+  } else {
+    const split_impulse p = impulse_in_parts(c);
+    return p.normal + p.tangential;
+  }
 }
 
 }  // namespace talus::detail

@@ -6,6 +6,7 @@
 #include <span>
 #include <tuple>
 
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/natural_map.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/core/math.hpp"
@@ -31,12 +32,16 @@ void each_counted(const Lists& lists, F&& f) {
   each_of(lists, of_list);
 }
 
-/// The relative velocity, minus the target of gap and restitution.
+/// The relative velocity, minus the target of gap and restitution. That of a joint has no target.
 template <class Contact>
-[[nodiscard]] vec3 violation(const Contact& c, const typename Contact::state& s) {
-  vec3 u = c.relative_velocity(s) - c.target_velocity * c.axis();
-  if constexpr (Contact::biased) u -= c.bias;
-  return u;
+[[nodiscard]] auto violation(const Contact& c, const typename Contact::state& s) {
+  if constexpr (is_joint<Contact>) {
+    return c.relative_velocity(s);
+  } else {
+    vec3 u = c.relative_velocity(s) - c.target_velocity * c.axis();
+    if constexpr (Contact::biased) u -= c.bias;
+    return u;
+  }
 }
 
 /// Of all contacts together, the parts of the residual that no iteration changes. Sums over ranks,
@@ -67,11 +72,20 @@ struct residual_sums_of {
 
   template <class Contact>
   void add(const Contact& c, const typename Contact::state& s, double rho) {
-    const vec3 r = c.impulse(), u = violation(c, s);
-    const double square = natural_map(r, u, c.axis(), c.mu(), rho).squaredNorm();
-    sums[0] += square;
-    sums[1] += r.squaredNorm();
-    sums[2] += u.squaredNorm();
+    double square = 0;
+    if constexpr (is_joint<Contact>) {  // any impulse is admissible, so the map is rho u
+      const auto u = c.relative_velocity(s);
+      square = rho * rho * u.squaredNorm();
+      sums[0] += square;
+      sums[1] += c.impulse_in_frame().squaredNorm();
+      sums[2] += u.squaredNorm();
+    } else {
+      const vec3 r = c.impulse(), u = violation(c, s);
+      square = natural_map(r, u, c.axis(), c.mu(), rho).squaredNorm();
+      sums[0] += square;
+      sums[1] += r.squaredNorm();
+      sums[2] += u.squaredNorm();
+    }
     sums[3] += 1;
     if (!(square <= largest)) largest = square;  // keeps a NaN
   }

@@ -12,11 +12,12 @@ inline constexpr bool is_there = false;
 
 }  // namespace detail
 
-struct joints final {
+struct hinge final {
   template <class T>
   struct refusal {
     static_assert(detail::is_there<T>,
-                  "talus has no joints, hinges or limits: docs/not_there.md says which code has");
+                  "talus has no hinges or limits: two joints on one axis make a hinge, and "
+                  "docs/not_there.md says which code has more");
   };
 };
 struct motors final {
@@ -24,7 +25,7 @@ struct motors final {
   struct refusal {
     static_assert(detail::is_there<T>,
                   "talus has no motors on joints: world.drive moves bodies, and docs/not_there.md "
-                  "says which code has joints");
+                  "says which code has them");
   };
 };
 struct cohesion final {
@@ -79,7 +80,7 @@ namespace detail {
 template <class>
 inline constexpr bool is_missing = false;
 template <>
-inline constexpr bool is_missing<joints> = true;
+inline constexpr bool is_missing<hinge> = true;
 template <>
 inline constexpr bool is_missing<motors> = true;
 template <>

@@ -20,6 +20,7 @@ struct decomposition {};
 struct transport {};
 struct precision {};
 struct features {};
+struct joints {};
 }  // namespace roles
 
 /// A policy names its role; `scenario<...>` takes policies in any order and recognises them by

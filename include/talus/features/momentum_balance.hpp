@@ -31,13 +31,10 @@ template <class Scenario>
 [[nodiscard]] vec3 impulse_of_ground(const world_state<Scenario>& s) {
   const auto& solver = s.solver;
   compensated_sum<vec3> sum;
-  s.each_contact_list([&](const auto& list) {
+  s.each_constraint_list([&](const auto& list) {
     list.each_acting([&](const auto& c, bool on_a, bool on_b) {
       if (!on_a || !on_b) return;  // both can move
-      const auto give = [&](real sign) {
-        const split_impulse p = impulse_in_parts(c);
-        sum += vec3(sign * (p.normal + p.tangential));
-      };
+      const auto give = [&](real sign) { sum += vec3(sign * impulse_on_a(c)); };
       if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
         const auto b = static_cast<std::size_t>(c.b);
         if (solver.bodies[b].inverse_mass == 0 || b >= solver.first_global)

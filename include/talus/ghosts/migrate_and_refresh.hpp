@@ -17,6 +17,7 @@
 #include "talus/ghosts/shadow_copies.hpp"
 #include "talus/ghosts/stages.hpp"
 #include "talus/state/hooks.hpp"
+#include "talus/state/joints.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
@@ -173,12 +174,13 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   using remembered = typename world_state<Scenario>::history_type::entry;
   const auto there = leaving.empty() ? bodies_elsewhere(0) : movable_copies(s);
   const id_table places(leaving, [](const auto& one) { return one.first; });
+  const std::size_t stays = s.parcels.size();
+  const auto find = [&](system_id id) {
+    const auto at = places.find(id);
+    return at == id_table::unknown ? stays : leaving[at].second;
+  };
   each_migrating_history(s, [&](const auto& history) {
     std::vector<plain_vector<remembered>> to(s.parcels.size());
-    const auto find = [&](system_id id) {
-      const auto at = places.find(id);
-      return at == id_table::unknown ? to.size() : leaving[at].second;
-    };
     if (!leaving.empty())
       for (const remembered& c : history.entries()) {
         const auto a = find(c.key.a), b = find(c.key.b);
@@ -188,6 +190,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
     for (std::size_t n = 0; n < to.size(); ++n)
       byte_writer(s.parcels[n].out).put(std::span<const remembered>(to[n]));
   });
+  if constexpr (world_state<Scenario>::has_joints) send_joints(s, find);
 
   for (std::size_t n = 0; n < s.parcels.size(); ++n) seal_letter(s, n, true);
   s.link->start(s.parcels);
@@ -222,8 +225,11 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
           history.add_arrived(c.key, c.memory);
     };
     each_migrating_history(s, receive);
+    if constexpr (world_state<Scenario>::has_joints) receive_joints(s, in);
     close_message(s, n, in);
   }
+  if constexpr (world_state<Scenario>::has_joints)
+    if (!leaving.empty()) keep_own_joints(s);
   require_new(s, came);
   return passing;
 }

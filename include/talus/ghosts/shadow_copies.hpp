@@ -16,6 +16,7 @@
 #include "talus/state/acting_range.hpp"
 #include "talus/state/body_numbers.hpp"
 #include "talus/state/hooks.hpp"
+#include "talus/state/joints.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
@@ -261,6 +262,7 @@ void measure_reach(world_state<Scenario>& s) {
         require_reached(s, b.movable.id[i], b.movable.shape[i], b.movable.position[i], range);
     }
   });
+  if constexpr (world_state<Scenario>::has_joints) reach_jointed(s);
   real& said = s.choice.announced;
   if (world_state<Scenario>::continuous)
     said = largest;

@@ -14,6 +14,7 @@
 #include "talus/io/detail/checkpoint_contacts.hpp"
 #include "talus/io/detail/checkpoint_content.hpp"
 #include "talus/io/detail/checkpoint_course.hpp"
+#include "talus/io/detail/checkpoint_joints.hpp"
 #include "talus/io/detail/checkpoint_monitors.hpp"
 #include "talus/io/detail/checkpoint_parameters.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
@@ -141,6 +142,7 @@ template <class Scenario>
   const id_table own = own_bodies(s);
   table_reader contacts = in.table("/contacts", columns_of_contacts<memory>(), false);
   s.history = read_contacts<history>(contacts, own, bounds);
+  read_joints(in, s, own, bounds);
   if constexpr (world_state<Scenario>::sleeps) {
     table_reader sleeping = in.table("/sleeping_contacts", columns_of_contacts<memory>(), false);
     s.sleep.contacts = read_contacts<history>(sleeping, own, bounds);

@@ -40,7 +40,7 @@ template <class Scenario>
 [[nodiscard, gnu::cold]] balance_sums hard_balance(world_state<Scenario>& s) {
   auto after = s.solver, given = s.solver;
   for (auto& body : given.bodies) body.v = body.w = {0, 0, 0};
-  s.each_contact_list([&](const auto& list) {
+  s.each_constraint_list([&](const auto& list) {
     if constexpr (requires { list.warm_start(given); }) list.warm_start(given);
   });
   if constexpr (!world_state<Scenario>::link_type::alone) refresh_last_step(s, after, given);

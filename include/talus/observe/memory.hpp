@@ -19,7 +19,7 @@ template <class Scenario>
     of(b.global_reach);
     bytes += b.grid.bytes() + b.global_grid.bytes();
   });
-  s.each_contact_list([&](const auto& list) { bytes += list.bytes(); });
+  s.each_constraint_list([&](const auto& list) { bytes += list.bytes(); });
   if constexpr (Scenario::contact_law::soft) {
     of(s.soft.bodies);
     bytes += s.soft.pairs.bytes() + s.recorded.bytes();

@@ -11,6 +11,7 @@
 #include "talus/interaction/soft_contact.hpp"
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/policy.hpp"
+#include "talus/scenario/joints.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
 #include "talus/solver/policy.hpp"
@@ -64,6 +65,8 @@ template <class Part>
 inline constexpr bool spelled_as_policy<transport<Part>> = true;
 template <class Part>
 inline constexpr bool spelled_as_policy<precision<Part>> = true;
+template <class... Kinds>
+inline constexpr bool spelled_as_policy<joints<Kinds...>> = true;
 
 /// Refuses a type that is not a policy, with matching advice.
 template <class Type>
@@ -105,11 +108,14 @@ struct argument_of_scenario {
   static_assert(!is_part<Type, roles::features>,
                 "scenario<...> takes a feature inside features<...>: write features<orientation> "
                 "for a bare orientation, and likewise for this type");
+  static_assert(!is_part<Type, roles::joints>,
+                "scenario<...> takes a joint inside joints<...>: write joints<ball_joint> for a "
+                "bare ball_joint, and likewise for this type");
   static_assert(
       policy<Type> || bare_shape || bare_decomposition || bare_transport || bare_part,
       "scenario<...> takes talus policies only, and this type is not one: remove it, or use "
       "one of bodies, hard_contact, soft_contact, solver, broad_phase, integrator, decomposition, "
-      "transport, precision, features");
+      "transport, precision, features, joints");
 };
 
 /// A policy refuses its own wrong arguments; outside of concepts, because compilers print more in
@@ -147,6 +153,9 @@ struct scenario final {
   static_assert(detail::at_most_one<roles::features, Policies...>,
                 "scenario<...> names the role 'features' twice: put all of them into one "
                 "features<...>");
+  static_assert(detail::at_most_one<roles::joints, Policies...>,
+                "scenario<...> names the role 'joints' twice: put all of them into one "
+                "joints<...>");
 
  private:
   template <class Role, class Default>
@@ -160,6 +169,7 @@ struct scenario final {
   using transport_policy = pick<roles::transport, talus::transport<threads>>;
   using precision_policy = pick<roles::precision, talus::precision<double>>;
   using features_policy = pick<roles::features, talus::features<>>;
+  using joints_policy = pick<roles::joints, talus::joints<>>;
   using law_policy = pick<roles::contact_law,
                           hard_contact<coulomb_friction, newton_restitution, split_correction>>;
 
@@ -173,10 +183,24 @@ struct scenario final {
       !law_policy::soft || !(names<continuous_collision> || names<sleeping>),
       "scenario<...> names soft_contact<...> and a feature that needs the impulses of hard "
       "contacts: remove continuous_collision and sleeping, or use hard_contact<...>");
-  using kept_features =
-      std::conditional_t<verlet,
-                         detail::list_with<typename features_policy::list, detail::contact_forces>,
+  static constexpr bool has_joints = joints_policy::list::size > 0;
+  static_assert(!has_joints || !law_policy::soft,
+                "scenario<...> names joints and soft_contact<...>, but joints are solved together "
+                "with hard contacts: use hard_contact<...>");
+  static_assert(!has_joints || law_policy::soft || law_policy::correction,
+                "scenario<...> names joints and a contact law without a position correction, which "
+                "keeps joints together: add split_correction to hard_contact<...>");
+  static_assert(!has_joints || !(names<continuous_collision> || names<sleeping>),
+                "scenario<...> names joints and continuous_collision or sleeping, which do not see "
+                "joints yet: remove the feature, or the joints");
+  /// Joints turn with their bodies.
+  using oriented_features =
+      std::conditional_t<has_joints && !names<orientation>,
+                         detail::list_with<typename features_policy::list, orientation>,
                          typename features_policy::list>;
+  using kept_features =
+      std::conditional_t<verlet, detail::list_with<oriented_features, detail::contact_forces>,
+                         oriented_features>;
   static constexpr bool in_double = std::is_same_v<typename precision_policy::type, double>;
   static_assert(in_double || !law_policy::soft,
                 "scenario<...> names soft_contact<...> and a precision other than double, but soft "
@@ -231,6 +255,7 @@ struct scenario final {
   using features = std::conditional_t<                           ///< none
       law_policy::soft && names<energy_ledger>,
       detail::list_with<kept_features, detail::split_contact_forces>, kept_features>;
+  using joints = typename joints_policy::list;  ///< none
 
   template <class Shape>
   static constexpr bool has_shape = detail::contains_type<shapes, Shape>;
@@ -245,7 +270,8 @@ struct scenario final {
          contact_law::soft ? std::string() : describe_policy<solver_policy>(),
          describe_policy<broad_phase_policy>(), describe_policy<integrator_policy>(),
          describe_policy<decomposition_policy>(), describe_policy<transport_policy>(),
-         describe_policy<precision_policy>(), describe_policy<features_policy>()},
+         describe_policy<precision_policy>(), describe_policy<features_policy>(),
+         describe_policy<joints_policy>()},
         " ");
   }
 };
@@ -294,6 +320,12 @@ void body_that_is_added() {
       "= place.position, .material = stone}");
 }
 
+template <class Kind, class Scenario>
+void joint_of_scenario() {
+  static_assert(contains_type<typename Scenario::joints, Kind>,
+                "this scenario does not have this kind of joint: add it to its joints<...>");
+}
+
 /// Refuses a shape that is absent from the scenario, in one sentence. False after a refusal, so
 /// that `if constexpr (require_shape<Scenario, Shape>())` suppresses further errors.
 template <class Scenario, class Shape>
@@ -309,6 +341,12 @@ consteval bool require_body() {
     return require_shape<Scenario, decltype(Body::shape)>();
   else
     return false;
+}
+/// The same for a kind of joint.
+template <class Scenario, class Kind>
+consteval bool require_joint() {
+  if (false) joint_of_scenario<Kind, Scenario>();
+  return contains_type<typename Scenario::joints, Kind>;
 }
 /// The same for a feature, such as user_ids.
 template <class Scenario, class Feature>

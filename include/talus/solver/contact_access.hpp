@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "talus/constraint/island_contact.hpp"
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/contact/key.hpp"
+#include "talus/core/each.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 
@@ -118,14 +120,15 @@ inline constexpr contact_calls<typename List::state> calls_for{
       return list_at<List>(l).sweep_watched(s, speed);
     }};
 
-/// All lists of a tuple.
+/// All lists of contacts of a tuple.
 template <class State, class Lists>
 [[nodiscard]] plain_vector<contact_access<State>> access_to(Lists& lists) {
-  return std::apply(
-      [](auto&... list) {
-        return plain_vector<contact_access<State>>{contact_access<State>(list)...};
-      },
-      lists);
+  plain_vector<contact_access<State>> all;
+  each_of(lists, [&](auto& list) {
+    if constexpr (!is_joint<typename std::remove_cvref_t<decltype(list)>::contact_type>)
+      all.push_back(contact_access<State>(list));
+  });
+  return all;
 }
 
 }  // namespace talus::detail

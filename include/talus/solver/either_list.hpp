@@ -90,4 +90,13 @@ template <bool Coloured, class... Contacts>
   return std::tie(std::get<either_list<Contacts>>(lists).template of<Coloured>()...);
 }
 
+/// The same of one list.
+template <bool Coloured, class List>
+[[nodiscard]] auto& list_in_use(List& list) {
+  if constexpr (requires { list.template of<Coloured>(); })
+    return list.template of<Coloured>();
+  else
+    return list;
+}
+
 }  // namespace talus::detail

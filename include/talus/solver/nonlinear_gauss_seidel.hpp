@@ -3,6 +3,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/solver_settings.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/core/each.hpp"
@@ -56,6 +57,7 @@ struct nonlinear_gauss_seidel final {
       const bool more = k + 1 < watch.limit();
       if (looks && k + 1 == settings.iterations) {
         detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s);
+        detail::sweep_joints(lists, s);
         if constexpr (!alone)
           if (more) ranks.share_velocities();
       } else {

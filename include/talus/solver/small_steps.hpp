@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/rebound.hpp"
 #include "talus/constraint/solver_settings.hpp"
 #include "talus/constraint/solver_state.hpp"
@@ -60,6 +61,16 @@ struct contact_course {
   static real approach(const Contact& c, const solver_state& s) {
     return c.axis().dot(c.relative_velocity(s));
   }
+};
+
+/// The same of a joint, whose conditions do not change.
+template <class Contact>
+requires is_joint<Contact>
+struct contact_course<Contact> {
+  typename Contact::change total;
+
+  contact_course(const Contact& c, const solver_state&) : total(0 * c.impulse_in_frame()) {}
+  void advance(Contact&, const solver_state&, real, real, real) {}
 };
 
 }  // namespace detail

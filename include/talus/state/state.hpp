@@ -23,6 +23,7 @@
 #include "talus/state/candidate_pairs.hpp"
 #include "talus/state/counted_time.hpp"
 #include "talus/state/feature_states.hpp"
+#include "talus/state/joint_table.hpp"
 #include "talus/state/monitors.hpp"
 #include "talus/state/periodic_ghosts.hpp"
 #include "talus/state/response_state.hpp"
@@ -129,6 +130,17 @@ using response_state =
                          solved_scalar<Scenario>,
                          contains_type<typename Scenario::features, driven>>::type;
 
+/// The joints that this rank holds; nothing if the scenario names none.
+template <class Scenario, class Kinds = typename Scenario::joints>
+struct joint_state {
+  template <class Kind>
+  using list_of_kind = typename lists_for<solvers_of<Scenario>>::template list<
+      joint_in_list<typename Kind::template row<solver_state_of<solved_scalar<Scenario>>>>>;
+  joint_table<Kinds, list_of_kind> joints;
+};
+template <class Scenario>
+struct joint_state<Scenario, type_list<>> {};
+
 /// The link of a transport; of a refused one, a type that causes no further errors.
 struct no_link {
   static constexpr bool alone = true;
@@ -164,6 +176,8 @@ struct state_traits {
   static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
   /// Whether global bodies may be moved.
   static constexpr bool drives = contains_type<typename Scenario::features, driven>;
+  /// Whether bodies may be joined.
+  static constexpr bool has_joints = Scenario::joints::size > 0;
   /// Whether contacts are found and solved in the middle of a step.
   static constexpr bool midpoint = steps_by_midpoint<Scenario>;
   /// Steps, or parts of them, for which a body moves between the exchange of shadow copies and the
@@ -175,8 +189,9 @@ struct state_traits {
   static constexpr bool may_use_colours = may_sweep_by_colours<solvers_of<Scenario>>;
   /// Whether small groups of contacts are solved across ranks. (With periodic axes, only on ranks
   /// that hold one image of each body: see sees_single_images().)
-  static constexpr bool islands_across_ranks =
-      !link_type::alone && !law::soft && solves_shared_islands<typename Scenario::solver>;
+  /// With joints they are left to the sweeps: contacts alone do not show the whole of an island.
+  static constexpr bool islands_across_ranks = !link_type::alone && !law::soft && !has_joints &&
+                                               solves_shared_islands<typename Scenario::solver>;
   /// Whether space is periodic: then some shadow copies are images, and are shifted.
   static constexpr bool periodic = domain_type::periodic;
   using copy_code = detail::copy_code<periodic>;
@@ -284,6 +299,7 @@ struct step_records {
 /// takes the narrowest part that it uses.
 template <class Scenario>
 struct world_state : response_state<Scenario>,
+                     joint_state<Scenario>,
                      slots_of_features<typename Scenario::features, Scenario>,
                      Scenario::integrator::template state<Scenario>,
                      step_conditions,
@@ -314,7 +330,11 @@ struct world_state : response_state<Scenario>,
   /// Solves with the second solver from now on.
   void use_solver_on_request() requires(traits::two_solvers) {
     solver_on_request = true;
-    each_contact_list([](auto& list) { list.keep_colours(true); });
+    each_constraint_list([](auto& list) { list.keep_colours(true); });
+  }
+  /// References to the lists of contacts.
+  [[nodiscard]] auto contact_lists() {
+    return std::apply([](auto&... list) { return std::tie(list...); }, this->contacts);
   }
   template <class F>
   void each_contact_list(F&& f) {
@@ -324,7 +344,37 @@ struct world_state : response_state<Scenario>,
   void each_contact_list(F&& f) const {
     detail::each_of(this->contacts, f);
   }
+  using traits::has_joints;
+  template <class F>
+  void each_joint_list(F&& f) {
+    if constexpr (has_joints) this->joints.each_kind([&](auto& of_kind) { f(of_kind.list); });
+  }
+  template <class F>
+  void each_joint_list(F&& f) const {
+    if constexpr (has_joints) this->joints.each_kind([&](const auto& of_kind) { f(of_kind.list); });
+  }
+  /// The lists of contacts, then those of joints.
+  template <class F>
+  void each_constraint_list(F&& f) {
+    each_contact_list(f), each_joint_list(f);
+  }
+  template <class F>
+  void each_constraint_list(F&& f) const {
+    each_contact_list(f), each_joint_list(f);
+  }
 };
+
+/// The lists that the solver in use works on: contacts, then joints, so that joints are the last
+/// that a sweep solves.
+template <bool Coloured, class Scenario>
+[[nodiscard]] decltype(auto) solver_lists(world_state<Scenario>& s) {
+  if constexpr (!world_state<Scenario>::has_joints) {
+    return lists_in_use<Coloured>(s.contacts);
+  } else {
+    return std::apply([](auto&... list) { return std::tie(list_in_use<Coloured>(list)...); },
+                      std::tuple_cat(s.contact_lists(), s.joints.lists()));
+  }
+}
 
 /// Every policy in use, with the active solver; see describe().
 template <class Scenario>

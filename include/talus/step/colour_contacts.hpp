@@ -25,7 +25,7 @@ void colour_contacts(world_state<Scenario>& s) {
   }
   all.start(s.solver.bodies.size());
   plain_vector<std::size_t> ends;  // of the lists, among the units
-  auto&& lists = lists_in_use<true>(s.contacts);
+  auto&& lists = solver_lists<true>(s);
   each_of(lists, [&](const auto& list) {
     list.each_unit([&](contact_unit unit, bool shared) {
       if (shared) unit.line = line_of[static_cast<std::size_t>(unit.b)];

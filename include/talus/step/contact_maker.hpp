@@ -124,6 +124,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (this->order(i, j)) std::swap(margin_a, margin_b);
     pair_at_hand x;
     x.i = i, x.j = j, x.last = last;
+    if constexpr (state_type::has_joints)
+      if (s_.joints.joined(a_.id[i], b_.id[j])) return forget_unless_made(x);
     if (!this->find(x)) return forget_unless_made(x);
     if constexpr (store_a::sleeps)
       if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);

@@ -5,6 +5,7 @@
 #include "talus/pairs/neighbour_list.hpp"
 #include "talus/pairs/search.hpp"
 #include "talus/state/hooks.hpp"
+#include "talus/state/joints.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/contact_maker.hpp"
 #include "talus/step/midpoint.hpp"
@@ -81,6 +82,7 @@ void find_contacts(world_state<Scenario>& s) {
   bool again = false;
   run_hooks<search_stages::contacts_found>(s, again);
   if (again) search();
+  if constexpr (world_state<Scenario>::has_joints) place_joints(s);
 }
 
 }  // namespace talus::detail

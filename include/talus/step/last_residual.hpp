@@ -64,15 +64,16 @@ contact_residual last_hard_residual(world_state<Scenario>& s) {
   // Velocities at the end, and the part of them from impulses: u and W r are computed from these.
   auto after = s.solver, given = s.solver;
   for (auto& body : given.bodies) body.v = body.w = {0, 0, 0};
-  s.each_contact_list([&](const auto& list) {
+  s.each_constraint_list([&](const auto& list) {
     if constexpr (requires { list.warm_start(given); }) list.warm_start(given);
   });
   if constexpr (!world_state<Scenario>::link_type::alone) refresh_last_step(s, after, given);
 
   residual_scale scale;
-  each_of(s.contacts, [&](const auto& list) { list.add_to(scale, after, given); });
+  s.each_constraint_list([&](const auto& list) { list.add_to(scale, after, given); });
   s.link->reduce(reduction::sum, scale.sums);
-  residual_sums sums = sums_of(s.contacts, after, scale.rho());
+  residual_sums sums;
+  s.each_constraint_list([&](const auto& list) { list.add_to(sums, after, scale.rho()); });
   s.link->reduce(reduction::sum, sums.sums);
   s.link->reduce(reduction::max, std::span(&sums.largest, 1));
 

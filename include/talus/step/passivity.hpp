@@ -73,7 +73,7 @@ class passivity {
   /// Calls f(list) for the lists of contacts of the solver in use.
   template <class F>
   void each_list(F&& f) {
-    auto&& lists = lists_in_use<by_colours>(s_.contacts);
+    auto&& lists = solver_lists<by_colours>(s_);
     each_of(lists, f);
   }
   /// Calls f(work, index in the solver's arrays) for each body owned here that can move.
@@ -144,10 +144,8 @@ class passivity {
         if constexpr (contact::paired) {
           const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
           const auto &A = solver_.bodies[a], &B = solver_.bodies[b];
-          const split_impulse parts = impulse_in_parts(c);
-          const vec3 p = parts.normal + parts.tangential;
-          if (A.inverse_mass == 0 && on_b) f(-p.dot(velocity_on_a(c, v_of(A), w_of(A))), b);
-          if (B.inverse_mass == 0 && on_a) f(p.dot(velocity_on_b(c, v_of(B), w_of(B))), a);
+          if (A.inverse_mass == 0 && on_b) f(-work_on_a(c, v_of(A), w_of(A)), b);
+          if (B.inverse_mass == 0 && on_a) f(-work_on_b(c, v_of(B), w_of(B)), a);
         }
       });
     });
@@ -198,7 +196,7 @@ class passivity {
     each_list([&](const auto& list) {
       list.each_interior_contact([&](const auto& c) {
         if constexpr (std::remove_cvref_t<decltype(c)>::paired)
-          if (moves(c.a) && moves(c.b) && c.impulse().squaredNorm() > 0) {
+          if (moves(c.a) && moves(c.b) && acts(c)) {
             const auto a = find(static_cast<std::size_t>(c.a)),
                        b = find(static_cast<std::size_t>(c.b));
             root[std::max(a, b)] = std::min(a, b);
@@ -206,6 +204,13 @@ class passivity {
       });
     });
     for (std::size_t k = 0; k < root.size(); ++k) root[k] = find(k);
+  }
+  template <class Constraint>
+  [[nodiscard]] static bool acts(const Constraint& c) {
+    if constexpr (is_joint<Constraint>)
+      return c.impulse_in_frame().squaredNorm() > 0;
+    else
+      return c.impulse().squaredNorm() > 0;
   }
   [[nodiscard]] bool moves(std::int32_t i) const {
     return i >= 0 && solver_.bodies[static_cast<std::size_t>(i)].inverse_mass != 0;
@@ -233,12 +238,16 @@ class passivity {
           return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
         };
         if (!gains(c.a) && !gains(c.b)) return;
-        const auto target = c.target_velocity;
-        c.target_velocity = std::min(c.target_velocity, decltype(c.target_velocity)(0));
-        c.prepare(solver_, 1, 1);
-        const auto change = c.relax(solver_);
-        c.target_velocity = target;
-        c.apply(solver_, change);
+        if constexpr (is_joint<decltype(c)>) {
+          c.apply(solver_, c.relax(solver_));
+        } else {
+          const auto target = c.target_velocity;
+          c.target_velocity = std::min(c.target_velocity, decltype(c.target_velocity)(0));
+          c.prepare(solver_, 1, 1);
+          const auto change = c.relax(solver_);
+          c.target_velocity = target;
+          c.apply(solver_, change);
+        }
       });
     });
   }
@@ -253,9 +262,12 @@ class passivity {
         each_boundary([&](auto& c, bool owns_a) {
           const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
           const auto& p = s_.passive;
-          const vec3 q = full_impulse(c);
+          const vec3 q = impulse_on_a(c);
           const auto power = [&](const auto& of) {
-            return q.dot(velocity_on_a(c, of[a].v, of[a].w) + velocity_on_b(c, of[b].v, of[b].w));
+            if constexpr (is_joint<decltype(c)>)
+              return work_on_a(c, of[a].v, of[a].w) - work_on_b(c, of[b].v, of[b].w);
+            else
+              return q.dot(velocity_on_a(c, of[a].v, of[a].w) + velocity_on_b(c, of[b].v, of[b].w));
           };
           const real carried = real(0.25) * (power(p.earlier) + power(held(owns_a ? b : a)));
           f({.work = owns_a ? -carried : carried, .shared = q != vec3(0, 0, 0)}, owns_a ? a : b);
@@ -315,18 +327,18 @@ class passivity {
     p.received.assign(solver_.bodies.size(), {});
     each_boundary([&](auto& c, bool owns_a) {
       const auto own = static_cast<std::size_t>(owns_a ? c.a : c.b);
-      const vec3 q = (owns_a ? 1 : -1) * full_impulse(c);
-      p.received[own].v += real(solver_.bodies[own].inverse_mass) * q;
-      p.received[own].w += spin_by(own, owns_a ? c.lever_a() : c.lever_b(), q);
+      if constexpr (is_joint<decltype(c)>) {
+        const wrench x = owns_a ? c.on_a() : c.on_b();
+        p.received[own].v += real(solver_.bodies[own].inverse_mass) * x.impulse;
+        p.received[own].w += spin_by(own, x.moment);
+      } else {
+        const vec3 q = (owns_a ? 1 : -1) * impulse_on_a(c);
+        p.received[own].v += real(solver_.bodies[own].inverse_mass) * q;
+        p.received[own].w += spin_by(own, (owns_a ? c.lever_a() : c.lever_b()).cross(q));
+      }
     });
   }
-  template <class Contact>
-  static vec3 full_impulse(const Contact& c) {
-    const split_impulse p = impulse_in_parts(c);
-    return p.normal + p.tangential;
-  }
-  [[nodiscard]] vec3 spin_by(std::size_t k, const vec3& arm, const vec3& impulse) const {
-    const vec3 twist = arm.cross(impulse);
+  [[nodiscard]] vec3 spin_by(std::size_t k, const vec3& twist) const {
     if (k >= solver_.first_tensor && k - solver_.first_tensor < solver_.tensors.size())
       return solver_.tensor(k) * twist;
     return real(solver_.bodies[k].inverse_inertia) * twist;

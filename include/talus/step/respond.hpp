@@ -6,6 +6,7 @@
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/ghosts/shared_velocities.hpp"
 #include "talus/motion/integrate.hpp"
+#include "talus/state/joints.hpp"
 #include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/colour_contacts.hpp"
@@ -36,6 +37,12 @@ void gather_velocities(world_state<Scenario>& s) {
       solver.tensors[k - solver.first_tensor].setZero();
       if constexpr (world_state<Scenario>::law::correction)
         solver.shift[k] = {{0, 0, 0}, solver.bodies[k].inverse_mass};
+    }
+
+  if constexpr (world_state<Scenario>::has_joints && !world_state<Scenario>::drives)
+    if (const std::size_t k = s.joints.wall; k != no_wall) {
+      if (k >= solver.first_tensor) solver.tensors[k - solver.first_tensor].setZero();
+      solver.shift[k] = {};
     }
 
   s.each_finite_shape([&](auto& b) {
@@ -84,7 +91,7 @@ void solve_contacts(world_state<Scenario>& s) {
   if constexpr (coloured) colour_contacts(s);
   if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
-  auto&& lists = lists_in_use<coloured>(s.contacts);
+  auto&& lists = solver_lists<coloured>(s);
   s.convergence.add(
       Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
       s.settings.tolerance);
@@ -107,6 +114,7 @@ void respond(world_state<Scenario>& s) {
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);
   s.each_contact_list([&](const auto& list) { list.store_impulses(s.history); });
+  if constexpr (world_state<Scenario>::has_joints) store_joint_impulses(s);
 }
 
 /// Moves the bodies owned here with their new velocities.

@@ -22,11 +22,16 @@
 #include "talus/world/balance.hpp"
 #include "talus/world/body_checks.hpp"
 #include "talus/world/checkpoints.hpp"
+#include "talus/world/joint_handle.hpp"
 #include "talus/world/sections.hpp"
 #include "talus/world/state_of.hpp"
 #include "talus/world/view.hpp"
 
 namespace talus {
+
+namespace detail {
+struct body_to_join;
+}
 
 /// How often something is done, in steps.
 struct every {
@@ -405,8 +410,22 @@ class world {
   template <class Shape>
   void halt(handle<Shape> h);
 
+  /// Joins two bodies from now on: `world.join(a, b, ball_joint{.at = point})`, with a kind of
+  /// joint that the scenario names in joints<...>. Joined bodies have no contacts with each other.
+  /// Collective: all ranks call it alike, with a handle or an empty optional handle of each body
+  /// (some rank must have one). One of the bodies may be global. Throws, alike on all ranks,
+  /// invalid_argument for a body that is unknown, the same body twice, two bodies that cannot move,
+  /// and values out of range, and runtime_error in an exclusive section. A step throws
+  /// runtime_error if the bodies are further apart than connections reach (docs/joints.md).
+  template <class A, class B, class Kind>
+  joint_handle<Scenario, Kind> join(const A& a, const B& b, const Kind& how);
+  /// Removes a joint, unless that was done before. All ranks call it alike; throws runtime_error in
+  /// an exclusive section.
+  template <class Kind>
+  void release(const joint_handle<Scenario, Kind>& joint);
+
   /// Removes a body that this rank owns, or a global one (on all ranks alike). Throws
-  /// invalid_argument if it is unknown and logic_error if it is a shadow copy.
+  /// invalid_argument if it is unknown and logic_error if it is a shadow copy, or has a joint.
   template <class Shape>
   void destroy(handle<Shape> h);
 
@@ -659,6 +678,15 @@ class world {
   system_id insert(const body<Shape>& b, system_id id);
   template <class Shape>
   handle<Shape> add_global(const body<Shape>& b);
+  template <class S, class K>
+  friend class joint_handle;
+  template <class Shape>
+  detail::body_to_join agree_on_body(system_id named, const char* which);
+  template <class Shape>
+  [[nodiscard]] bool owns_body(const detail::body_to_join& one) const;
+  template <class Kind>
+  [[nodiscard]] const detail::joint_record<Kind>* find_joint(
+      const joint_handle<Scenario, Kind>& joint);
   template <class Shape>
   detail::driven_body& driven_body_of(handle<Shape> h, const char* what);
   template <class Bodies, class Store, class F>
@@ -696,4 +724,5 @@ class world {
 #include "talus/world/detail/bodies_definitions.hpp"
 #include "talus/world/detail/connections_definitions.hpp"
 #include "talus/world/detail/driving_definitions.hpp"
+#include "talus/world/detail/joining_definitions.hpp"
 #include "talus/world/detail/time_definitions.hpp"

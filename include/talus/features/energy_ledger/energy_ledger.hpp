@@ -20,7 +20,7 @@ struct energy_flows {
   double work = 0;        ///< done by forces and torques of the user, and by fixed bodies with a
                           ///< velocity on the bodies that they carry along
   double friction = 0;    ///< dissipated by tangential impulses
-  double impact = 0;      ///< dissipated by normal impulses
+  double impact = 0;      ///< dissipated by normal impulses, and by those of joints
   double damping = 0;     ///< dissipated by damping
   double correction = 0;  ///< added by the position correction
   double scheme = 0;      ///< added by the time stepping: -m g^2 dt^2/2 per step of a free fall,
@@ -201,6 +201,27 @@ void book_contacts(world_state<Scenario>& s) {
   });
 }
 
+/// The same of joints. Their impulses do no work at the exact velocities; what they take is booked
+/// as impact: the part of the velocities that the rotation of a step has brought across the joint.
+template <class Scenario>
+void book_joints(world_state<Scenario>& s) {
+  energy_record& r = s.monitors.energy;
+  const auto& solver = s.solver;
+  s.each_joint_list([&](const auto& list) {
+    list.each_acting([&](const auto& c, bool on_a, bool on_b) {
+      const auto book = [&](std::int32_t body, const wrench& x) {
+        const auto k = static_cast<std::size_t>(body);
+        const real work = work_of(x, r.mean[k].v, r.mean[k].w);
+        if (solver.bodies[k].inverse_mass == 0 || k >= solver.first_global) r.running.work -= work;
+        r.running.impact -= work;
+        r.exchanged += std::abs(work);
+      };
+      if (on_a) book(c.a, c.on_a());
+      if (on_b) book(c.b, c.on_b());
+    });
+  });
+}
+
 /// After the response, before positions move: velocities before it are still in the store, those
 /// after it in the solver's arrays.
 template <class Scenario>
@@ -216,6 +237,8 @@ void book_response(world_state<Scenario>& s) {
                    0.5 * (b.movable.angular_velocity[i] + solved_spin(s, b.movable, i, k))};
     }
   });
+  if constexpr (world_state<Scenario>::has_joints)
+    if (s.joints.wall != no_wall) r.mean[s.joints.wall] = {{0, 0, 0}, {0, 0, 0}};
   if constexpr (world_state<Scenario>::drives)
     for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k)
       r.mean[k] = {v_of(solver.bodies[k]), w_of(solver.bodies[k])};
@@ -244,6 +267,7 @@ void book_response(world_state<Scenario>& s) {
     if constexpr (store_type::tensor) r.running.scheme += -0.5 * kept * kept * spin;
   });
   book_contacts(s);
+  if constexpr (world_state<Scenario>::has_joints) book_joints(s);
 }
 
 /// Of continuous collision: a body was moved to its impact, before the response. `from`, `turned`

@@ -13,6 +13,7 @@
 #include "talus/io/detail/checkpoint_contacts.hpp"
 #include "talus/io/detail/checkpoint_course.hpp"
 #include "talus/io/detail/checkpoint_interactions.hpp"
+#include "talus/io/detail/checkpoint_joints.hpp"
 #include "talus/io/detail/checkpoint_monitors.hpp"
 #include "talus/io/detail/checkpoint_parameters.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
@@ -45,6 +46,7 @@ template <class Scenario>
   tables.push_back(part_of_contacts(s.history, known, "/contacts"));
   if constexpr (world_state<Scenario>::sleeps)
     tables.push_back(part_of_contacts(s.sleep.contacts, known, "/sleeping_contacts"));
+  add_joint_tables(s, tables);
   return tables;
 }
 
@@ -73,6 +75,7 @@ template <class Scenario>
   whole("/run/seed", access::seed(w));
   whole("/run/fills", access::fills(w));
   whole("/run/attempts", access::attempts(w));
+  if constexpr (world_state<Scenario>::has_joints) whole("/run/joints", s.joints.made);
   whole("/run/ranks", static_cast<std::uint64_t>(w.ranks()));
   out.push_back(numbers_dataset<std::uint64_t>("/run/added_by_rank", added));
   out.push_back(numbers_dataset<double>("/run/time", std::span(&s.time, 1)));

@@ -94,10 +94,13 @@ template <class Scenario>
         (Scenario::contact_law::soft && std::is_same_v<feature, energy_ledger>);
     if constexpr (of_bodies && concepts::feature<feature>) features.push_back(feature::name);
   });
+  const std::string joints = Scenario::joints::size == 0
+                                 ? std::string()
+                                 : " " + list_text(typename Scenario::joints{}, "joints");
   return {{"bodies", list_text(typename Scenario::shapes{}, "bodies")},
           {"contacts", describe_policy<typename Scenario::contact_law>()},
           {"integrator", describe_policy<typename Scenario::integrator>()},
-          {"features", sorted_list_text("features", std::move(features))}};
+          {"features", sorted_list_text("features", std::move(features)) + joints}};
 }
 
 /// Numbers of a material, as they are stored.

@@ -153,6 +153,8 @@ void world<Scenario>::destroy(handle<Shape> h) {
         "the {} {} was destroyed on rank {}, which holds a shadow copy only: destroy it where "
         "is_remote() is false",
         Shape::name, h.id, rank());
+  if constexpr (detail::world_state<Scenario>::has_joints)
+    detail::refuse_jointed(state_, Shape::name, h.id);
   if (found.is_global()) {
     if (sections_.exclusive)
       detail::fail<std::logic_error>(
@@ -182,6 +184,8 @@ std::size_t world<Scenario>::destroy_if(Predicate&& predicate) {
     for (std::size_t i = 0; i < b.movable.locals;) {
       view<shape> v(state_, sections_, b.movable, i, false);
       if (predicate(std::as_const(v))) {
+        if constexpr (detail::world_state<Scenario>::has_joints)
+          detail::refuse_jointed(state_, shape::name, b.movable.id[i]);
         note_destroyed(b.movable.id[i]);
         b.movable.remove_local(i);
         ++removed;

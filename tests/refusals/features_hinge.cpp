@@ -1,11 +1,11 @@
-// expects: talus has no joints, hinges or limits: docs/not_there.md says which code has
+// expects: talus has no hinges or limits: two joints on one axis make a hinge
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL
 using parts = features<driven>;
 #else
-using parts = features<joints>;
+using parts = features<hinge>;
 #endif
 
 const parts checked;

@@ -1,0 +1,37 @@
+#pragma once
+// The rows of a joint as an element of a constraint list. Lists of joints stand beside those of
+// contacts in all solvers.
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "talus/core/each.hpp"
+
+namespace talus::detail {
+
+/// The properties of a joint that lists read, and where its record is.
+template <class Row>
+struct joint_in_list : Row {
+  static constexpr bool is_joint = true;
+  static constexpr bool paired = true;     ///< something immovable is in the solver's arrays, too
+  static constexpr bool manifolds = true;  ///< two bodies may have several joints
+  static constexpr std::size_t streams = 1;
+  std::uint32_t record = 0;
+};
+
+/// A constraint of a joint, whose impulses have no bounds.
+template <class Constraint>
+concept is_joint = requires {
+  requires std::remove_cvref_t<Constraint>::is_joint;
+};
+
+/// Sweeps the joints once more, after something else has changed velocities.
+template <class Lists, class State>
+void sweep_joints(Lists& lists, State& s) {
+  each_of(lists, [&](auto& list) {
+    if constexpr (is_joint<typename std::remove_cvref_t<decltype(list)>::contact_type>)
+      list.sweep_border(s, true), list.sweep_inner(s, true);
+  });
+}
+
+}  // namespace talus::detail

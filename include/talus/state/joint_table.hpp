@@ -1,0 +1,166 @@
+#pragma once
+// The joints that a rank holds: those of the bodies it owns. They migrate with their bodies.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+
+#include "talus/constraint/solver_state.hpp"
+#include "talus/core/each.hpp"
+#include "talus/core/id.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/plain_pair.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/core/type_list.hpp"
+
+namespace talus::detail {
+
+/// The identity of a joint, on every rank: its bodies in the order in which they were joined, and
+/// the number of the call that joined them. The order of joints in lists.
+struct joint_key {
+  system_id a = no_id, b = no_id;
+  std::uint64_t number = 0;
+
+  friend bool operator==(const joint_key&, const joint_key&) = default;
+  friend bool operator<(const joint_key& x, const joint_key& y) {
+    if (x.a != y.a) return value_of(x.a) < value_of(y.a);
+    if (x.b != y.b) return value_of(x.b) < value_of(y.b);
+    return x.number < y.number;
+  }
+};
+
+/// A joint as it migrates and is stored.
+template <class Kind>
+struct joint_record {
+  using impulse_type = typename Kind::template row<solver_state>::change;
+  joint_key key;
+  typename Kind::anchors anchors;
+  impulse_type impulse;  ///< of the last step
+  bool acts = false;     ///< on a body owned here, which is not fixed
+};
+
+/// The joints of one kind, in the order of their keys, and their rows in the solver.
+template <class Kind, class List>
+struct joints_of_kind {
+  using kind = Kind;
+  using record = joint_record<Kind>;
+  plain_vector<record> records;
+  List list;
+
+  [[nodiscard]] record* find(const joint_key& key) {
+    record* at = place(key);
+    return at != records.end() && at->key == key ? at : nullptr;
+  }
+  /// Unless it is there already: both ranks of a joint may send it.
+  void add(const record& r) {
+    record* at = place(r.key);
+    if (at == records.end() || !(at->key == r.key)) records.insert(at, r);
+  }
+
+ private:
+  [[nodiscard]] record* place(const joint_key& key) {
+    return std::lower_bound(records.begin(), records.end(), key,
+                            [](const record& r, const joint_key& k) { return r.key < k; });
+  }
+};
+
+/// The bodies that joints of this rank join.
+struct jointed_ids {
+  struct member {
+    system_id id = no_id;
+    real reach = 0;  ///< how far the centre of a partner may be
+    friend bool operator<(const member& x, const member& y) {
+      return value_of(x.id) < value_of(y.id);
+    }
+  };
+  plain_vector<member> members;                          ///< in the order of their ids
+  plain_vector<plain_pair<system_id, system_id>> pairs;  ///< the lower id first; sorted
+
+  static constexpr std::size_t unknown = ~std::size_t{0};
+  [[nodiscard]] std::size_t find(system_id id) const {
+    const auto at = std::lower_bound(members.begin(), members.end(), member{id});
+    return at != members.end() && at->id == id ? static_cast<std::size_t>(at - members.begin())
+                                               : unknown;
+  }
+  [[nodiscard]] bool joined(system_id a, system_id b) const {
+    if (pairs.empty()) return false;
+    if (value_of(b) < value_of(a)) std::swap(a, b);
+    return std::binary_search(pairs.begin(), pairs.end(), plain_pair{a, b});
+  }
+};
+
+inline constexpr std::size_t no_wall = ~std::size_t{0};
+
+template <class Kinds, template <class> class ListOf>
+class joint_table;
+template <class... Kinds, template <class> class ListOf>
+class joint_table<type_list<Kinds...>, ListOf> {
+ public:
+  std::uint64_t made = 0;      ///< calls of join so far; alike on all ranks
+  std::size_t wall = no_wall;  ///< what global bodies are in the solver's arrays, if joints need it
+
+  template <class F>
+  void each_kind(F&& f) {
+    each_of(kinds_, f);
+  }
+  template <class F>
+  void each_kind(F&& f) const {
+    each_of(kinds_, f);
+  }
+  template <class Kind>
+  [[nodiscard]] auto& of() {
+    return std::get<joints_of_kind<Kind, ListOf<Kind>>>(kinds_);
+  }
+  [[nodiscard]] auto lists() {
+    return std::tie(std::get<joints_of_kind<Kinds, ListOf<Kinds>>>(kinds_).list...);
+  }
+  /// To be called when records were added or removed.
+  void changed() { known_ = false; }
+  /// Number of joints here.
+  [[nodiscard]] std::size_t size() const {
+    std::size_t n = 0;
+    each_kind([&](const auto& of_kind) { n += of_kind.records.size(); });
+    return n;
+  }
+  [[nodiscard]] const jointed_ids& ids() {
+    if (!known_) list_ids();
+    return ids_;
+  }
+  /// Whether two bodies have a joint: then they have no contacts.
+  [[nodiscard]] bool joined(system_id a, system_id b) { return ids().joined(a, b); }
+
+ private:
+  void list_ids() {
+    ids_.members.clear(), ids_.pairs.clear();
+    each_kind([&](const auto& of_kind) {
+      using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
+      for (const auto& r : of_kind.records) {
+        // A body reaches its partner alone, whatever is known of the partner's reach.
+        const real reach = slack * kind::distance(r.anchors);
+        ids_.members.push_back({r.key.a, reach}), ids_.members.push_back({r.key.b, reach});
+        const bool in_order = value_of(r.key.a) < value_of(r.key.b);
+        ids_.pairs.push_back({in_order ? r.key.a : r.key.b, in_order ? r.key.b : r.key.a});
+      }
+    });
+    auto& all = ids_.members;
+    std::sort(all.begin(), all.end());
+    std::size_t kept = 0;
+    for (const auto& m : all)
+      if (kept > 0 && all[kept - 1].id == m.id)
+        all[kept - 1].reach = std::max(all[kept - 1].reach, m.reach);
+      else
+        all[kept++] = m;
+    all.resize(kept);
+    sort_values(ids_.pairs);
+    known_ = true;
+  }
+  /// Of the distance of two jointed bodies: for the position error.
+  static constexpr real slack = 1.25;
+
+  std::tuple<joints_of_kind<Kinds, ListOf<Kinds>>...> kinds_;
+  jointed_ids ids_;
+  bool known_ = false;
+};
+
+}  // namespace talus::detail

@@ -1,0 +1,206 @@
+#pragma once
+// Joints in a step: their rows for the solver, the impulses that they keep, and their migration.
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <type_traits>
+#include <vector>
+
+#include "talus/body/jointed_body.hpp"
+#include "talus/contact/key.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/state/kinematic_bodies.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+/// A body of a joint, as this rank sees it.
+struct joint_end {
+  bool known = false, own = false, moves = false, global = false;
+  bool at_border = false;    ///< other ranks need its velocity
+  std::int32_t number = -1;  ///< in the solver's arrays
+  vec3 position{0, 0, 0};    ///< at its owner
+  quat orientation{1, 0, 0, 0};
+  vec3 velocity{0, 0, 0}, spin{0, 0, 0};
+  real inverse_mass = 0;
+};
+
+/// Calls f(bodies of a shape, i, number of the member) for the movable bodies known here that have
+/// joints, those owned here first.
+template <class Scenario, class F>
+void each_jointed(world_state<Scenario>& s, bool owned_here, F&& f) {
+  const jointed_ids& ids = s.joints.ids();
+  if (ids.members.empty()) return;
+  s.each_finite_shape([&](auto& b) {
+    const std::size_t end = owned_here ? b.movable.locals : b.movable.size();
+    for (std::size_t i = owned_here ? 0 : b.movable.locals; i < end; ++i)
+      if (const std::size_t k = ids.find(b.movable.id[i]); k != jointed_ids::unknown) f(b, i, k);
+  });
+}
+
+/// The bodies of the joints of this rank, as jointed_ids numbers them.
+template <class Scenario>
+[[nodiscard]] plain_vector<joint_end> find_joint_ends(world_state<Scenario>& s) {
+  const jointed_ids& ids = s.joints.ids();
+  plain_vector<joint_end> ends(ids.members.size());
+  if (ends.empty()) return ends;
+  for (const bool own : {true, false})
+    each_jointed(s, own, [&](auto& b, std::size_t i, std::size_t k) {
+      if (ends[k].known) return;  // an image of a body that is here
+      using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      const auto& store = b.movable;
+      joint_end& end = ends[k];
+      end.known = true, end.own = own, end.moves = store.moves(i);
+      end.number = static_cast<std::int32_t>(b.first + i);
+      end.position = store.position[i];
+      if constexpr (world_state<Scenario>::periodic)
+        if (const image_copy* copy = copy_of<shape>(s, i)) end.position = copy->home;
+      end.orientation = store.pose(i).orientation;
+      end.velocity = store.velocity[i], end.spin = store.angular_velocity[i];
+      end.inverse_mass = store.inverse_mass[i];
+      if constexpr (!world_state<Scenario>::link_type::alone)
+        end.at_border = b.first + i < s.at_border.size() && s.at_border[b.first + i];
+    });
+  return ends;
+}
+/// Adds the global bodies to them. Those that no one drives are one immovable body of the solver.
+template <class Scenario>
+void find_global_ends(world_state<Scenario>& s, plain_vector<joint_end>& ends) {
+  s.joints.wall = no_wall;
+  const jointed_ids& ids = s.joints.ids();
+  if (ends.empty()) return;
+  s.each_shape([&](auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    const auto& store = b.global;
+    for (std::size_t j = 0; j < store.size(); ++j) {
+      const std::size_t k = ids.find(store.id[j]);
+      if (k == jointed_ids::unknown) continue;
+      joint_end& end = ends[k];
+      end.known = end.global = true;
+      end.position = store.position[j], end.orientation = store.pose(j).orientation;
+      end.velocity = store.velocity[j], end.spin = store.angular_velocity[j];
+      if constexpr (world_state<Scenario>::drives) {
+        end.number = number_of_global<shape>(s, j, end.velocity, end.spin, -1, 0);
+      } else {
+        if (s.joints.wall == no_wall) {
+          s.joints.wall = s.solver.bodies.size();
+          s.solver.bodies.push_back({});
+        }
+        end.number = static_cast<std::int32_t>(s.joints.wall);
+      }
+    }
+  });
+}
+
+template <class Scenario>
+[[noreturn, gnu::cold]] void fail_jointed(const world_state<Scenario>& s, system_id known,
+                                          const vec3& place, system_id missing, real distance) {
+  fail<std::runtime_error>(
+      "body {} at {} on rank {} is joined to body {}, which this rank does not know in step {}: it "
+      "is further away than connections reach; connect ranks within {} of each other, by that "
+      "reach in world.decompose(..., reach)",
+      known, text(place), s.link->rank(), missing, s.steps, text(distance, 4));
+}
+
+/// Fills the lists of joints for the step under way. Those of two movable bodies on two ranks are
+/// boundary constraints of both.
+template <class Scenario>
+void place_joints(world_state<Scenario>& s) {
+  s.each_joint_list([](auto& list) { list.clear(); });
+  plain_vector<joint_end> ends = find_joint_ends(s);
+  find_global_ends(s, ends);
+  const jointed_ids& ids = s.joints.ids();
+  s.joints.each_kind([&](auto& of_kind) {
+    std::uint32_t number = 0;
+    for (auto& r : of_kind.records) {
+      const std::uint32_t record = number++;
+      const std::size_t at_a = ids.find(r.key.a), at_b = ids.find(r.key.b);
+      const joint_end &a = ends[at_a], &b = ends[at_b];
+      if (!a.known) fail_jointed(s, r.key.b, b.position, r.key.a, ids.members[at_a].reach);
+      if (!b.known) fail_jointed(s, r.key.a, a.position, r.key.b, ids.members[at_b].reach);
+      r.acts = (a.own && a.moves) || (b.own && b.moves);
+      if (!r.acts) continue;
+      typename std::remove_cvref_t<decltype(of_kind.list)>::contact_type c;
+      c.a = a.number, c.b = b.number, c.record = record;
+      c.place(r.anchors, jointed_body{{a.position, a.orientation}, a.spin},
+              jointed_body{{seen_from(s, a.position, b.position), b.orientation}, b.spin}, s.dt);
+      c.set(r.impulse);
+      const contact_key key{r.key.a, r.key.b, r.key.number};
+      if (a.moves && b.moves && a.own != b.own)
+        of_kind.list.add_boundary(c, key, a.own, nullptr);
+      else
+        of_kind.list.add(c, key, a.moves, b.moves, nullptr, a.at_border || b.at_border);
+    }
+  });
+}
+
+/// After the response: for the next step, and for handles.
+template <class Scenario>
+void store_joint_impulses(world_state<Scenario>& s) {
+  s.joints.each_kind([&](auto& of_kind) {
+    of_kind.list.each(
+        [&](const auto& c, bool) { of_kind.records[c.record].impulse = c.impulse_in_frame(); });
+  });
+}
+
+/// Bodies reach their jointed partners, so that both owners know both bodies.
+template <class Scenario>
+void reach_jointed(world_state<Scenario>& s) {
+  const jointed_ids& ids = s.joints.ids();
+  for (const bool own : {true, false})
+    each_jointed(s, own, [&](auto& b, std::size_t i, std::size_t k) {
+      b.reach[i] = std::max(b.reach[i], ids.members[k].reach);
+    });
+}
+
+/// Adds to each message the joints of the bodies that leave in it: destination(id) is the index of
+/// the message, or their number.
+template <class Scenario, class Destination>
+void send_joints(world_state<Scenario>& s, Destination&& destination) {
+  s.joints.each_kind([&](const auto& of_kind) {
+    using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
+    std::vector<plain_vector<record>> to(s.parcels.size());
+    for (const record& r : of_kind.records) {
+      const std::size_t a = destination(r.key.a), b = destination(r.key.b);
+      if (a < to.size()) to[a].push_back(r);
+      if (b < to.size() && b != a) to[b].push_back(r);
+    }
+    for (std::size_t n = 0; n < to.size(); ++n)
+      byte_writer(s.parcels[n].out).put(std::span<const record>(to[n]));
+  });
+}
+template <class Scenario>
+void receive_joints(world_state<Scenario>& s, byte_reader& in) {
+  s.joints.each_kind([&](auto& of_kind) {
+    using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
+    for (const record& r : in.get_all<record>()) of_kind.add(r), s.joints.changed();
+  });
+}
+/// Removes the joints of bodies that are all owned elsewhere.
+template <class Scenario>
+void keep_own_joints(world_state<Scenario>& s) {
+  if (s.joints.size() == 0) return;
+  const jointed_ids ids = s.joints.ids();
+  plain_vector<char> own(ids.members.size(), 0);
+  each_jointed(s, true, [&](auto&, std::size_t, std::size_t k) { own[k] = true; });
+  s.joints.each_kind([&](auto& of_kind) {
+    std::size_t kept = 0;
+    for (const auto& r : of_kind.records)
+      if (own[ids.find(r.key.a)] || own[ids.find(r.key.b)]) of_kind.records[kept++] = r;
+    of_kind.records.resize(kept);
+  });
+  s.joints.changed();
+}
+
+/// Throws logic_error if a body that is to be destroyed has joints.
+template <class Scenario>
+void refuse_jointed(world_state<Scenario>& s, const char* shape, system_id id) {
+  if (s.joints.ids().find(id) != jointed_ids::unknown)
+    fail<std::logic_error>(
+        "the {} {} was destroyed on rank {} while it has a joint: release its joints first, on all "
+        "ranks",
+        shape, id, s.link->rank());
+}
+
+}  // namespace talus::detail
