@@ -4,6 +4,7 @@
 #error \
     "talus needs Eigen 3.4, fmt and Boost.Hana: in CMake write find_package(talus) and link talus::talus"
 #endif
+#include "talus/constraint/ball_joint.hpp"
 #include "talus/detect/sweep_and_prune.hpp"
 #include "talus/observe/balance.hpp"
 #include "talus/observe/critical_dt.hpp"
