@@ -4,7 +4,7 @@
 #include "scenes/talus_engine.hpp"
 #include "talus/solver/accelerated_jacobi.hpp"
 #include "talus/solver/coloured_gauss_seidel.hpp"
-#include "talus/solver/small_steps.hpp"
+#include "talus/solver/substepping.hpp"
 
 namespace {
 
@@ -56,8 +56,8 @@ int main(int argc, char** argv) {
       run_with<talus::solver<talus::coloured_gauss_seidel>>(args);
     else if (solver == "accelerated_jacobi")
       run_with<talus::solver<talus::accelerated_jacobi>>(args);
-    else if (solver == "small_steps")
-      run_with<talus::solver<talus::small_steps>>(args);
+    else if (solver == "substepping")
+      run_with<talus::solver<talus::substepping>>(args);
     else
       throw std::invalid_argument("there is no solver '" + solver + "'");
   });

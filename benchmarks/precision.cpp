@@ -2,7 +2,7 @@
 #include "scenes/precision.hpp"
 #include "scenes/talus_engine.hpp"
 #include "talus/solver/accelerated_jacobi.hpp"
-#include "talus/solver/small_steps.hpp"
+#include "talus/solver/substepping.hpp"
 
 namespace {
 
@@ -34,8 +34,8 @@ int main(int argc, char** argv) {
       run_with<nonlinear_gauss_seidel>(chosen, "talus");
     else if (solver == "accelerated_jacobi")
       run_with<accelerated_jacobi>(chosen, "talus_jacobi");
-    else if (solver == "small_steps")
-      run_with<small_steps>(chosen, "talus_small");
+    else if (solver == "substepping")
+      run_with<substepping>(chosen, "talus_small");
     else if (solver == "soft_contact")  // none: springs and dashpots, for spheres
       run_spheres<soft_contact<linear_spring_dashpot, coulomb_friction>>(chosen, "talus_soft");
     else

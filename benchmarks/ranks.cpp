@@ -117,17 +117,17 @@ void settle(talus::world<scenario>& world, const run_of_ranks& run) {
 
 /// Microseconds of an exchange of so many bytes each way between two ranks, at best.
 double exchange_us(talus::as_launched::link& link, std::size_t bytes) {
-  std::vector<talus::parcel> parcels(1);
-  parcels[0].rank = 1 - link.rank();
+  std::vector<talus::neighbour_message> neighbour_messages(1);
+  neighbour_messages[0].rank = 1 - link.rank();
   double best = std::numeric_limits<double>::infinity();
   for (int round = 0; round < 20; ++round) {
     const int repeats = 50;
     link.barrier();
     const double start = talus::detail::wall_seconds();
     for (int k = 0; k < repeats; ++k) {
-      parcels[0].out.resize(bytes), parcels[0].in.resize(bytes);
-      link.start_fixed(parcels);
-      link.finish_fixed(parcels);
+      neighbour_messages[0].out.resize(bytes), neighbour_messages[0].in.resize(bytes);
+      link.start_fixed(neighbour_messages);
+      link.finish_fixed(neighbour_messages);
     }
     best = std::min(best, 1e6 * (talus::detail::wall_seconds() - start) / repeats);
   }

@@ -101,7 +101,7 @@ check() {
       while IFS=: read -r line what; do
         echo "$header:$line: $what: features act by their hooks, at stages: no step names one"
         faults=$((faults + 1))
-      done < <(grep -nE 'watches<|has_feature|world_state<.*>::(sleeps|drives|continuous|balances)' \
+      done < <(grep -nE 'monitored<|has_feature|world_state<.*>::(sleeps|drives|continuous|balances)' \
         "$header" || true)
     fi
   done < <(find "$tree/talus" -name '*.hpp' | sort)
@@ -126,7 +126,7 @@ self_test() {
   printf '#include "talus/core/none.hpp"\n#include "g.hpp"\n' >geometry/detail/h.hpp
   printf '#include "talus/geometry/detail/h.hpp"\n# include <boost/mpi.hpp>\n' >world/w.hpp
   echo '#include <mpi.h>' >parallel/mpi.hpp
-  printf '\n  if constexpr (watches<Scenario, energy_ledger>) book(s);\n' >step/step.hpp
+  printf '\n  if constexpr (monitored<Scenario, energy_ledger>) book(s);\n' >step/step.hpp
   touch odd/o.hpp
   echo '#include "talus/state/q.hpp"' >state/p.hpp
   echo '#include "talus/state/p.hpp"' >state/q.hpp

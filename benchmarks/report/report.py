@@ -31,7 +31,7 @@ FALLEN = 30.0  # and those of what broke down
 PROGRAMS = {
     "talus": ["precision"],
     "talus_jacobi": ["precision", "--solver", "accelerated_jacobi"],
-    "talus_small": ["precision", "--solver", "small_steps"],
+    "talus_small": ["precision", "--solver", "substepping"],
     "talus_soft": ["precision", "--solver", "soft_contact"],
     "bullet": ["precision_bullet"],
     "bullet64": ["precision_bullet64"],

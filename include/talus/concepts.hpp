@@ -17,7 +17,7 @@
 namespace talus {
 
 // Arguments of links and transports; see parallel/.
-struct parcel;
+struct neighbour_message;
 struct traffic;
 struct launch_settings;
 enum class reduction;
@@ -217,16 +217,17 @@ concept movable_decomposition = generating_decomposition<Decomposition> &&
 /// - `counters()`: the traffic that this rank has sent so far
 template <class Link>
 concept link = std::movable<Link> &&
-    requires(Link l, const Link& c, std::span<parcel> parcels, detail::byte_buffer& bytes,
-             reduction how, std::span<double> reals, std::span<std::uint64_t> counts) {
+    requires(Link l, const Link& c, std::span<neighbour_message> neighbour_messages,
+             detail::byte_buffer& bytes, reduction how, std::span<double> reals,
+             std::span<std::uint64_t> counts) {
   { Link::alone } -> std::convertible_to<bool>;
   { c.rank() } -> std::same_as<int>;
   { c.size() } -> std::same_as<int>;
   { c.counters() } -> std::same_as<const traffic&>;
-  l.start(parcels);
-  l.finish(parcels);
-  l.start_fixed(parcels);
-  l.finish_fixed(parcels);
+  l.start(neighbour_messages);
+  l.finish(neighbour_messages);
+  l.start_fixed(neighbour_messages);
+  l.finish_fixed(neighbour_messages);
   l.barrier();
   { l.gather(bytes) } -> std::same_as<std::vector<detail::byte_buffer>>;
   { l.gather_all(bytes) } -> std::same_as<std::vector<detail::byte_buffer>>;
@@ -493,7 +494,7 @@ concept ghost_exchange = requires(Exchange e, std::span<double> sums) {
 ///   residual. Impulses end in their admissible sets, and each acts on its two bodies with opposite
 ///   sign; over ranks it refreshes ghosts by `ranks`, and reduces over all ranks only if a
 ///   tolerance is set
-/// - `divides_the_step`, optional: if true, positions also follow solver_state::drift
+/// - `uses_substeps`, optional: if true, positions also follow solver_state::drift
 /// - `by_colours`, optional: if true, it sweeps colour by colour, in an order that depends on the
 ///   ids of bodies
 template <class Method>

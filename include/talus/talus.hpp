@@ -60,5 +60,5 @@
 #include "talus/shape/union_of.hpp"
 #include "talus/solver/accelerated_jacobi.hpp"
 #include "talus/solver/coloured_gauss_seidel.hpp"
-#include "talus/solver/small_steps.hpp"
+#include "talus/solver/substepping.hpp"
 #include "talus/world/world.hpp"

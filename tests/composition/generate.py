@@ -16,7 +16,7 @@ ON_OFF = ["orientation", "forces", "user_ids", "visibility", "damping", "continu
 FACTORS = {
     "shapes": ["spheres", "boxes", "rounded", "compound"],
     "law": ["hard", "hard_smooth", "hard_overlapping", "soft_linear", "soft_hertz"],
-    "solver": ["nonlinear_gauss_seidel", "reproducible", "accelerated_jacobi", "small_steps", "none"],
+    "solver": ["nonlinear_gauss_seidel", "reproducible", "accelerated_jacobi", "substepping", "none"],
     "broad_phase": ["linear_hash_grid", "sweep_and_prune"],
     "integrator": ["semi_implicit_euler", "velocity_verlet", "moreau_midpoint"],
     "decomposition": ["grid", "ring", "hexagonal", "bisection", "periodic", "cells"],
@@ -40,9 +40,9 @@ def refused(a, b):
             pair("law", soft, "precision", ["mixed_precision"]) or
             pair("law", soft, "integrator", ["moreau_midpoint"]) or
             pair("law", hard, "integrator", ["velocity_verlet"]) or
-            pair("solver", ["accelerated_jacobi", "small_steps", "none"], "precision", ["mixed_precision"]) or
+            pair("solver", ["accelerated_jacobi", "substepping", "none"], "precision", ["mixed_precision"]) or
             pair("integrator", ["moreau_midpoint"], "continuous_collision", ["on"]) or
-            pair("integrator", ["moreau_midpoint"], "solver", ["small_steps"]) or
+            pair("integrator", ["moreau_midpoint"], "solver", ["substepping"]) or
             pair("decomposition", ["periodic"], "transport", ["serial"]) or
             pair("balancing", ["on"], "decomposition", ["grid", "ring", "hexagonal", "periodic", "cells"]))
 
@@ -137,7 +137,7 @@ DECOMPOSITIONS = {
     return std::pair(2, type(cells(side, complement(side))));""")}
 HEADERS = ["shape/sphere", "shape/box", "shape/capsule", "shape/cylinder", "shape/plane",
            "shape/convex_polyhedron", "shape/union_of", "solver/coloured_gauss_seidel",
-           "solver/accelerated_jacobi", "solver/small_steps", "detect/sweep_and_prune",
+           "solver/accelerated_jacobi", "solver/substepping", "detect/sweep_and_prune",
            "parallel/any_decomposition", "parallel/bisection", "parallel/cells", "parallel/grid",
            "parallel/hexagonal", "parallel/periodic", "parallel/ring", "parallel/serial",
            "parallel/threads"]

@@ -367,7 +367,7 @@ TEST_CASE("a resting box keeps its normal and its features while it trembles") {
 }
 
 TEST_CASE(
-    "a box that slides and turns on another keeps its features, so that its load is remembered") {
+    "a box that slides and turns on another keeps its features, so that its load is stored_entry") {
   const posed below = unit_box({0, 0, 0});
   for (const bool swap : {false, true}) {
     const auto names = [&](const posed& above) {

@@ -217,7 +217,7 @@ class on_rank {
   /// but the sum of kinetic and potential energy falls. (Across ranks the default solver's sum is
   /// not exact, and bodies that are followed to their impact have other velocities there.)
   void look_at_energy() {
-    if constexpr (detail::watches<Scenario, energy_ledger> && !soft) {
+    if constexpr (detail::monitored<Scenario, energy_ledger> && !soft) {
       const energy_balance e = measure_energy(w_);
       const real work = -(e.step.friction + e.step.impact);
       const real gain = std::min(work, e.step.net() - e.step.correction);

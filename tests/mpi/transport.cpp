@@ -65,20 +65,20 @@ TEST_CASE("mpi: links do not hear each other, nor the user's own messages") {
   links.emplace_back(world(), 18);
   const int me = world().rank(), next = (me + 1) % world().size();
   const auto foreign = world().isend(next, 0, me);  // on the same communicator, another tag
-  std::vector<std::vector<parcel>> parcels;
-  for (auto& l : links) parcels.push_back(parcels_around(l));
+  std::vector<std::vector<neighbour_message>> neighbour_messages;
+  for (auto& l : links) neighbour_messages.push_back(parcels_around(l));
   const auto content = [](std::size_t k, int from, int to) {
     byte_buffer bytes;
     fill(bytes, from, to, static_cast<int>(k), 20 + k);
     return bytes;
   };
   for (std::size_t k = 0; k < links.size(); ++k) {
-    for (parcel& p : parcels[k]) p.out = content(k, me, p.rank);
-    links[k].start(parcels[k]);
+    for (neighbour_message& p : neighbour_messages[k]) p.out = content(k, me, p.rank);
+    links[k].start(neighbour_messages[k]);
   }
   for (std::size_t k = links.size(); k-- > 0;) {  // in reverse order
-    links[k].finish(parcels[k]);
-    for (const parcel& p : parcels[k]) CHECK(p.in == content(k, p.rank, me));
+    links[k].finish(neighbour_messages[k]);
+    for (const neighbour_message& p : neighbour_messages[k]) CHECK(p.in == content(k, p.rank, me));
   }
   int from = -1;
   world().recv(boost::mpi::any_source, 0, from);
@@ -92,8 +92,8 @@ TEST_CASE("mpi: a part of the processes, with a tag of its own") {
   mpi::launch({launch_settings{.ranks = part.size()}, part, 5}, [&](mpi::link& l) {
     CHECK(l.size() == part.size());
     CHECK(l.rank() == part.rank());
-    auto parcels = parcels_around(l);
-    for (int step = 0; step < 10; ++step) exchange_unknown(l, parcels, step);
+    auto neighbour_messages = parcels_around(l);
+    for (int step = 0; step < 10; ++step) exchange_unknown(l, neighbour_messages, step);
   });
 }
 

@@ -29,11 +29,11 @@ std::string self;
 /// Exchanges with neighbours and all ranks, without end or until `when` throws.
 template <class Link>
 void work(Link& l, const std::function<void(int step)>& when) {
-  auto parcels = parcels_around(l);
+  auto neighbour_messages = parcels_around(l);
   for (int step = 0;; ++step) {
     when(step);
-    exchange_unknown(l, parcels, step);
-    exchange_fixed(l, parcels, step);
+    exchange_unknown(l, neighbour_messages, step);
+    exchange_fixed(l, neighbour_messages, step);
   }
 }
 
@@ -85,15 +85,17 @@ const std::map<std::string, std::function<void()>> jobs = {
     {"returns",  // while the others exchange
      [] {
        mpi::launch(launch_settings{}, [](auto& l) {
-         auto parcels = parcels_around(l);
-         for (int step = 0; step < 30 || l.rank() != 2; ++step) exchange_unknown(l, parcels, step);
+         auto neighbour_messages = parcels_around(l);
+         for (int step = 0; step < 30 || l.rank() != 2; ++step)
+           exchange_unknown(l, neighbour_messages, step);
        });
      }},
     {"returns_fixed",
      [] {
        mpi::launch(launch_settings{}, [](auto& l) {
-         auto parcels = parcels_around(l);
-         for (int step = 0; step < 30 || l.rank() != 0; ++step) exchange_fixed(l, parcels, step);
+         auto neighbour_messages = parcels_around(l);
+         for (int step = 0; step < 30 || l.rank() != 0; ++step)
+           exchange_fixed(l, neighbour_messages, step);
        });
      }},
     {"returns_before_a_meeting",
@@ -115,12 +117,12 @@ const std::map<std::string, std::function<void()>> jobs = {
     {"sends_much_to_one_that_returned",
      [] {
        mpi::launch(launch_settings{}, [](auto& l) {
-         std::vector<parcel> parcels{{l.rank() ^ 1}};
-         parcels[0].out.resize(1 << 24);
+         std::vector<neighbour_message> neighbour_messages{{l.rank() ^ 1}};
+         neighbour_messages[0].out.resize(1 << 24);
          if (l.rank() == 1) return;
-         if (l.rank() > 1) parcels.clear();
-         l.start(parcels);
-         l.finish(parcels);
+         if (l.rank() > 1) neighbour_messages.clear();
+         l.start(neighbour_messages);
+         l.finish(neighbour_messages);
        });
      }},
     {"some_end_later",  // and no rank waits in vain
@@ -128,11 +130,11 @@ const std::map<std::string, std::function<void()>> jobs = {
        mpi::launch(launch_settings{}, [](auto& l) {
          (void)l.gather(byte_buffer(10));
          if (l.rank() % 2) return;
-         std::vector<parcel> parcels{{l.rank() ^ 2}};
-         parcels[0].out.resize(8);
+         std::vector<neighbour_message> neighbour_messages{{l.rank() ^ 2}};
+         neighbour_messages[0].out.resize(8);
          if (l.rank() == 2) std::this_thread::sleep_for(3s);
-         l.start(parcels);
-         l.finish(parcels);
+         l.start(neighbour_messages);
+         l.finish(neighbour_messages);
          std::fputs("done\n", stderr);
        });
      }},
@@ -156,11 +158,11 @@ const std::map<std::string, std::function<void()>> jobs = {
     {"wrong_size",
      [] {
        mpi::launch(launch_settings{}, [](auto& l) {
-         std::vector<parcel> parcels{{l.rank() ^ 1}};
-         parcels[0].out.resize(l.rank() == 2 ? 80 : 40);
-         parcels[0].in.resize(40);
-         l.start_fixed(parcels);
-         l.finish_fixed(parcels);
+         std::vector<neighbour_message> neighbour_messages{{l.rank() ^ 1}};
+         neighbour_messages[0].out.resize(l.rank() == 2 ? 80 : 40);
+         neighbour_messages[0].in.resize(40);
+         l.start_fixed(neighbour_messages);
+         l.finish_fixed(neighbour_messages);
        });
      }},
     {"threads", [] { threads::launch({}, [](auto&) { std::fputs("ran\n", stderr); }); }},

@@ -16,7 +16,7 @@
 #include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/id.hpp"
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
@@ -52,10 +52,10 @@ inline std::vector<int> around(int rank, int ranks) {
 }
 
 template <class Link>
-std::vector<parcel> parcels_around(const Link& l) {
-  std::vector<parcel> parcels;
-  for (const int rank : around(l.rank(), l.size())) parcels.push_back({rank});
-  return parcels;
+std::vector<neighbour_message> parcels_around(const Link& l) {
+  std::vector<neighbour_message> neighbour_messages;
+  for (const int rank : around(l.rank(), l.size())) neighbour_messages.push_back({rank});
+  return neighbour_messages;
 }
 
 /// Content that depends on sender, receiver and time.
@@ -81,26 +81,27 @@ inline std::size_t some_size(int from, int to, int step) {
 inline std::size_t fixed_size(int from, int to) { return 48u * ((from * 3 + to * 5) % 13); }
 
 template <class Link>
-void exchange_unknown(Link& l, std::vector<parcel>& parcels, int step) {
+void exchange_unknown(Link& l, std::vector<neighbour_message>& neighbour_messages, int step) {
   const int me = l.rank();
-  for (parcel& p : parcels) fill(p.out, me, p.rank, step, some_size(me, p.rank, step));
-  l.start(parcels);
-  l.finish(parcels);
-  for (const parcel& p : parcels) {
+  for (neighbour_message& p : neighbour_messages)
+    fill(p.out, me, p.rank, step, some_size(me, p.rank, step));
+  l.start(neighbour_messages);
+  l.finish(neighbour_messages);
+  for (const neighbour_message& p : neighbour_messages) {
     demand_content(p.in, p.rank, me, step, some_size(p.rank, me, step));
     demand(p.out.empty(), "out is empty after finish");
   }
 }
 template <class Link>
-void exchange_fixed(Link& l, std::vector<parcel>& parcels, int step) {
+void exchange_fixed(Link& l, std::vector<neighbour_message>& neighbour_messages, int step) {
   const int me = l.rank();
-  for (parcel& p : parcels) {
+  for (neighbour_message& p : neighbour_messages) {
     fill(p.out, me, p.rank, step, fixed_size(me, p.rank));
     p.in.resize(fixed_size(p.rank, me));
   }
-  l.start_fixed(parcels);
-  l.finish_fixed(parcels);
-  for (const parcel& p : parcels) {
+  l.start_fixed(neighbour_messages);
+  l.finish_fixed(neighbour_messages);
+  for (const neighbour_message& p : neighbour_messages) {
     demand_content(p.in, p.rank, me, step, fixed_size(p.rank, me));
     demand(p.out.size() == fixed_size(me, p.rank), "out keeps its size after finish_fixed");
   }
@@ -127,9 +128,9 @@ void knows_itself(int ranks) {
 template <concepts::transport Transport>
 void delivers_in_order(int ranks, int steps = 60) {
   on_ranks<Transport>(ranks, [&](auto& l) {
-    auto parcels = parcels_around(l);
-    for (int step = 0; step < steps; ++step) exchange_unknown(l, parcels, step);
-    for (int step = 0; step < steps; ++step) exchange_fixed(l, parcels, step);
+    auto neighbour_messages = parcels_around(l);
+    for (int step = 0; step < steps; ++step) exchange_unknown(l, neighbour_messages, step);
+    for (int step = 0; step < steps; ++step) exchange_fixed(l, neighbour_messages, step);
   });
 }
 
@@ -138,8 +139,8 @@ template <concepts::transport Transport>
 void keeps_apart_what_drifts(int ranks, int steps = 60) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     std::mt19937 random(static_cast<unsigned>(l.rank()));
-    auto parcels = parcels_around(l);
-    auto few = parcels;  // another set of parcels between the same ranks
+    auto neighbour_messages = parcels_around(l);
+    auto few = neighbour_messages;  // another set of parcels between the same ranks
     for (int step = 0; step < steps; ++step) {
       if (random() % 8 == 0)
         std::this_thread::sleep_for(std::chrono::microseconds(random() % 2000));
@@ -150,7 +151,7 @@ void keeps_apart_what_drifts(int ranks, int steps = 60) {
           demand(all[r] == byte_buffer(r + 1, std::byte(step)), "gather_all amid exchanges");
         (void)l.gather(mine);
       }
-      step % 3 ? exchange_fixed(l, parcels, step) : exchange_unknown(l, few, step);
+      step % 3 ? exchange_fixed(l, neighbour_messages, step) : exchange_unknown(l, few, step);
     }
   });
 }
@@ -159,13 +160,13 @@ void keeps_apart_what_drifts(int ranks, int steps = 60) {
 template <concepts::transport Transport>
 void lets_ends_drift(int ranks, int steps = 40) {
   on_ranks<Transport>(ranks, [&](auto& l) {
-    std::vector<parcel> parcels;
+    std::vector<neighbour_message> neighbour_messages;
     for (const int r : {l.rank() - 1, l.rank() + 1})
-      if (r >= 0 && r < ranks) parcels.push_back({r});
+      if (r >= 0 && r < ranks) neighbour_messages.push_back({r});
     for (int step = 0; step < steps; ++step) {
       if (step == 10 && l.rank() == ranks - 1)
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      exchange_fixed(l, parcels, step);
+      exchange_fixed(l, neighbour_messages, step);
     }
   });
 }
@@ -173,17 +174,18 @@ void lets_ends_drift(int ranks, int steps = 40) {
 template <concepts::transport Transport>
 void exchanges_nothing(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
-    std::vector<parcel> none;
+    std::vector<neighbour_message> none;
     l.start(none);
     l.finish(none);
     l.start_fixed(none);
     l.finish_fixed(none);
-    auto parcels = parcels_around(l);  // and empty messages
-    l.start_fixed(parcels);
-    l.finish_fixed(parcels);
-    l.start(parcels);
-    l.finish(parcels);
-    for (const parcel& p : parcels) demand(p.in.empty(), "an empty message is empty");
+    auto neighbour_messages = parcels_around(l);  // and empty messages
+    l.start_fixed(neighbour_messages);
+    l.finish_fixed(neighbour_messages);
+    l.start(neighbour_messages);
+    l.finish(neighbour_messages);
+    for (const neighbour_message& p : neighbour_messages)
+      demand(p.in.empty(), "an empty message is empty");
   });
 }
 
@@ -191,23 +193,25 @@ template <concepts::transport Transport>
 void talks_to_itself(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     const int me = l.rank(), next = (me + 1) % ranks, last = (me + ranks - 1) % ranks;
-    std::vector<parcel> parcels{{me}, {me}};
+    std::vector<neighbour_message> neighbour_messages{{me}, {me}};
     for (int step = 0; step < 3; ++step) {
-      for (int k = 0; k < 2; ++k) fill(parcels[k].out, me, me, 2 * step + k, 100 + k);
-      l.start(parcels);
-      l.finish(parcels);
-      for (int k = 0; k < 2; ++k) demand_content(parcels[k].in, me, me, 2 * step + k, 100 + k);
+      for (int k = 0; k < 2; ++k) fill(neighbour_messages[k].out, me, me, 2 * step + k, 100 + k);
+      l.start(neighbour_messages);
+      l.finish(neighbour_messages);
+      for (int k = 0; k < 2; ++k)
+        demand_content(neighbour_messages[k].in, me, me, 2 * step + k, 100 + k);
     }
     // Several connections to one neighbour, as in a periodic domain: in the order of the lists.
-    parcels = {{next}, {next}, {last}, {last}};
+    neighbour_messages = {{next}, {next}, {last}, {last}};
     for (int k = 0; k < 4; ++k) {
-      fill(parcels[k].out, me, parcels[k].rank, k, 64);
-      parcels[k].in.resize(64);
+      fill(neighbour_messages[k].out, me, neighbour_messages[k].rank, k, 64);
+      neighbour_messages[k].in.resize(64);
     }
-    l.start_fixed(parcels);
-    l.finish_fixed(parcels);
+    l.start_fixed(neighbour_messages);
+    l.finish_fixed(neighbour_messages);
     for (int k = 0; k < 4; ++k)
-      demand_content(parcels[k].in, parcels[k].rank, me, ranks > 2 ? (k + 2) % 4 : k, 64);
+      demand_content(neighbour_messages[k].in, neighbour_messages[k].rank, me,
+                     ranks > 2 ? (k + 2) % 4 : k, 64);
   });
 }
 
@@ -271,7 +275,7 @@ void reduces_while_it_goes_on(int ranks, int rounds = 40) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     const int me = l.rank();
     std::mt19937 random(static_cast<unsigned>(7 + me));
-    auto parcels = parcels_around(l);
+    auto neighbour_messages = parcels_around(l);
     const auto value = [](int r, int round) { return std::sin(r + 0.1 * round) * (1 + r % 3); };
     for (int round = 0; round < rounds; ++round) {
       const auto how = static_cast<reduction>(round % 3);
@@ -279,7 +283,7 @@ void reduces_while_it_goes_on(int ranks, int rounds = 40) {
       if (round % 5 == 0) expected = values = {};  // an empty reduction is allowed too
       l.start_reduce(how, std::span<const double>(values));
       l.reduce(how, std::span(expected));  // a collective in between
-      for (int k = 0; k < round % 4; ++k) exchange_fixed(l, parcels, 4 * round + k);
+      for (int k = 0; k < round % 4; ++k) exchange_fixed(l, neighbour_messages, 4 * round + k);
       if (random() % 8 == 0)
         std::this_thread::sleep_for(std::chrono::microseconds(random() % 2000));
       l.finish_reduce(std::span(values));
@@ -305,16 +309,17 @@ template <concepts::transport Transport>
 void counts_what_it_sends(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
     demand(l.counters() == traffic{}, "counters begin at 0");
-    auto parcels = parcels_around(l);
+    auto neighbour_messages = parcels_around(l);
     std::uint64_t bytes = 0;
     for (int step = 0; step < 5; ++step) {
-      for (const parcel& p : parcels)
+      for (const neighbour_message& p : neighbour_messages)
         bytes += some_size(l.rank(), p.rank, step) + fixed_size(l.rank(), p.rank);
-      exchange_unknown(l, parcels, step);
-      exchange_fixed(l, parcels, step);
+      exchange_unknown(l, neighbour_messages, step);
+      exchange_fixed(l, neighbour_messages, step);
     }
     const traffic exchanged = l.counters();
-    demand(exchanged == traffic{10 * parcels.size(), bytes, 0}, "one message a parcel, all bytes");
+    demand(exchanged == traffic{10 * neighbour_messages.size(), bytes, 0},
+           "one message a neighbour_message, all bytes");
     byte_buffer some(10);
     double x = 1;
     std::uint64_t n = 1;
@@ -332,28 +337,29 @@ void counts_what_it_sends(int ranks) {
 template <concepts::transport Transport>
 void refuses_misuse(int ranks) {
   on_ranks<Transport>(ranks, [&](auto& l) {
-    std::vector<parcel> parcels{{l.rank()}}, others = parcels, wrong{{ranks}};
+    std::vector<neighbour_message> neighbour_messages{{l.rank()}}, others = neighbour_messages,
+                                                                   wrong{{ranks}};
     demand_error<std::invalid_argument>([&] { l.start(wrong); }, "no such rank",
                                         fmt::format("rank {}, but", ranks));
     wrong[0].rank = -1;
     demand_error<std::invalid_argument>([&] { l.start_fixed(wrong); }, "no rank");
-    demand_error<std::logic_error>([&] { l.finish(parcels); }, "finish without start");
-    l.start(parcels);
+    demand_error<std::logic_error>([&] { l.finish(neighbour_messages); }, "finish without start");
+    l.start(neighbour_messages);
     demand_error<std::logic_error>([&] { l.start(others); }, "two at a time");
-    demand_error<std::logic_error>([&] { l.finish(others); }, "other parcels");
-    demand_error<std::logic_error>([&] { l.finish_fixed(parcels); }, "the other finish");
+    demand_error<std::logic_error>([&] { l.finish(others); }, "other neighbour_messages");
+    demand_error<std::logic_error>([&] { l.finish_fixed(neighbour_messages); }, "the other finish");
     demand_error<std::logic_error>([&] { l.barrier(); }, "a collective inside an exchange");
-    l.finish(parcels);
-    for (const std::size_t size : {8u, 16u}) {  // less and more than expected
-      parcels[0].rank = l.rank() ^ 1;           // a pair
-      if (parcels[0].rank >= ranks) parcels[0].rank = l.rank();
-      parcels[0].out.resize(size);
-      parcels[0].in.resize(12);
-      l.start_fixed(parcels);
-      demand_error<std::runtime_error>([&] { l.finish_fixed(parcels); }, "a wrong size",
+    l.finish(neighbour_messages);
+    for (const std::size_t size : {8u, 16u}) {    // less and more than expected
+      neighbour_messages[0].rank = l.rank() ^ 1;  // a pair
+      if (neighbour_messages[0].rank >= ranks) neighbour_messages[0].rank = l.rank();
+      neighbour_messages[0].out.resize(size);
+      neighbour_messages[0].in.resize(12);
+      l.start_fixed(neighbour_messages);
+      demand_error<std::runtime_error>([&] { l.finish_fixed(neighbour_messages); }, "a wrong size",
                                        "expected 12 bytes from rank");
     }
-    exchange_unknown(l, parcels, 3);  // and it still works
+    exchange_unknown(l, neighbour_messages, 3);  // and it still works
     demand(l.counters().collectives == 0, "what is refused is not counted");
   });
 }

@@ -82,15 +82,15 @@ TEST_CASE("threads: a thousand ranks") {
 TEST_CASE("threads: the iterations of a solver allocate nothing") {
   long before = -1, after = -1;
   threads::launch({.ranks = 4}, [&](auto& l) {
-    auto parcels = parcels_around(l);
+    auto neighbour_messages = parcels_around(l);
     const auto iterate = [&](int times) {
       for (int i = 0; i < times; ++i) {
-        for (parcel& p : parcels) {
+        for (neighbour_message& p : neighbour_messages) {
           p.out.resize(fixed_size(l.rank(), p.rank));
           p.in.resize(fixed_size(p.rank, l.rank()));
         }
-        l.start_fixed(parcels);
-        l.finish_fixed(parcels);
+        l.start_fixed(neighbour_messages);
+        l.finish_fixed(neighbour_messages);
       }
     };
     iterate(50);
@@ -106,10 +106,10 @@ TEST_CASE("threads: the iterations of a solver allocate nothing") {
 TEST_CASE("threads: a blocked rank burns no core") {
   const auto cpu = std::clock();
   threads::launch({.ranks = 8}, [&](auto& l) {
-    auto parcels = parcels_around(l);
+    auto neighbour_messages = parcels_around(l);
     for (int step = 0; step < 4; ++step) {
       if (l.rank() == 0) std::this_thread::sleep_for(100ms);
-      exchange_fixed(l, parcels, step);
+      exchange_fixed(l, neighbour_messages, step);
       l.barrier();
     }
   });
@@ -124,15 +124,15 @@ TEST_CASE("threads: an error on one rank ends all, whatever the others wait for"
     std::atomic<int> ended_by_it = 0;
     const auto run = [&] {
       threads::launch({.ranks = 7}, [&](auto& l) {
-        auto parcels = parcels_around(l);
+        auto neighbour_messages = parcels_around(l);
         try {
           for (int step = 0;; ++step) {
             if (step == 20 && l.rank() == culprit) throw custom("rank is tired");
-            exchange_unknown(l, parcels, step);
+            exchange_unknown(l, neighbour_messages, step);
             if (l.rank() % 2)
-              exchange_fixed(l, parcels, step);
+              exchange_fixed(l, neighbour_messages, step);
             else
-              exchange_fixed(l, parcels, step);
+              exchange_fixed(l, neighbour_messages, step);
             if (step % 5 == 0) (void)l.gather_all(byte_buffer(10));
           }
         } catch (const aborted&) {
@@ -164,10 +164,10 @@ TEST_CASE("threads: what would wait for ever is an error that says who waits for
   SUBCASE("a connection that only one side knows") {
     const auto run = [] {
       threads::launch({.ranks = 4}, [](auto& l) {
-        std::vector<parcel> parcels;
-        if (l.rank() == 1) parcels.push_back({2});
-        l.start(parcels);
-        l.finish(parcels);
+        std::vector<neighbour_message> neighbour_messages;
+        if (l.rank() == 1) neighbour_messages.push_back({2});
+        l.start(neighbour_messages);
+        l.finish(neighbour_messages);
         l.barrier();
       });
     };
@@ -209,8 +209,8 @@ TEST_CASE("threads: launches may be nested and follow one another") {
   std::atomic<int> inner = 0;
   threads::launch({.ranks = 3}, [&](auto& outer) {
     threads::launch({.ranks = 2}, [&](auto& l) {
-      auto parcels = parcels_around(l);
-      exchange_unknown(l, parcels, outer.rank());
+      auto neighbour_messages = parcels_around(l);
+      exchange_unknown(l, neighbour_messages, outer.rank());
       ++inner;
     });
     outer.barrier();

@@ -9,14 +9,14 @@
 #include <talus/observe/momentum.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/box.hpp>
-#include <talus/solver/small_steps.hpp>
+#include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
 
 namespace {
 
-using divided = scenario<bodies<sphere, box, plane>, solver<small_steps>, transport<serial>,
+using divided = scenario<bodies<sphere, box, plane>, solver<substepping>, transport<serial>,
                          features<continuous_collision, energy_ledger, momentum_balance>>;
 using moved = scenario<bodies<sphere, box, plane>, transport<serial>,
                        features<continuous_collision, driven, energy_ledger>>;

@@ -9,7 +9,7 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/solver/accelerated_jacobi.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
-#include <talus/solver/small_steps.hpp>
+#include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
 #include <type_traits>
 #include <vector>
@@ -121,7 +121,7 @@ void check_all(int ranks, double round_off) {
 }  // namespace
 
 TEST_CASE_TEMPLATE("contacts add no energy in any step, at any number of iterations", Solver,
-                   nonlinear_gauss_seidel, coloured_gauss_seidel, accelerated_jacobi, small_steps) {
+                   nonlinear_gauss_seidel, coloured_gauss_seidel, accelerated_jacobi, substepping) {
   check_all<scene<Solver>>(1, 1e-13);
 }
 

@@ -1,4 +1,4 @@
-// expects: for a bare nonlinear_gauss_seidel, and likewise for accelerated_jacobi and small_steps
+// expects: for a bare nonlinear_gauss_seidel, and likewise for accelerated_jacobi and substepping
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

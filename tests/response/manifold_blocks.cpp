@@ -199,7 +199,7 @@ TEST_CASE("a chain of patches is solved in the order of the list") {
   check<true>(p, row);
 }
 
-TEST_CASE("impulses are remembered in the world, whatever the sign of a zero in the normal") {
+TEST_CASE("impulses are stored_entry in the world, whatever the sign of a zero in the normal") {
   plain_vector<contact_of<true>> row;
   for (const real zero : {0.0, -0.0, 0.0}) {
     auto& c = row.emplace_back();

@@ -2,7 +2,7 @@
 // Granular media at rest: packing fractions, coordination, Janssen's silo, angle of repose.
 #include <doctest/doctest.h>
 
-#include <talus/solver/small_steps.hpp>
+#include <talus/solver/substepping.hpp>
 
 #include "granular_media.hpp"
 #include "record.hpp"
@@ -54,5 +54,5 @@ TEST_CASE("the angle of repose grows with friction and saturates") {
   check_at_least("angle of repose", "rise in all, degrees", 5, angles.back() - angles.front());
   check_absolute("angle of repose", "mu 0.8 against 0.6, degrees", angles[4], angles[5], 2);
   check_absolute("angle of repose", "small steps against Gauss-Seidel, mu 0.4, degrees", angles[3],
-                 repose<solver<small_steps>>(0.4, 30, 6, 14), 2);
+                 repose<solver<substepping>>(0.4, 30, 6, 14), 2);
 }

@@ -300,10 +300,10 @@ TEST_CASE("a step in which contacts make a body far faster than anything was is 
   CHECK(talus::detail::state_of(c.w).driving.leap.step == 0);
   auto& s = talus::detail::state_of(c.w);
   s.solver.bodies[0].v = {0, 0, 19};  // the lid moves at 2, the sphere at 1.1
-  detail::watch_leaps(s);
+  detail::monitor_leaps(s);
   CHECK(s.driving.leap.step == 0);
   s.solver.bodies[0].v = {0, 0, 40};
-  detail::watch_leaps(s);
+  detail::monitor_leaps(s);
   const detail::speed_leap leap = s.driving.leap;
   CHECK(leap.step == 11);
   CHECK(leap.after == 40);

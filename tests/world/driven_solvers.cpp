@@ -11,7 +11,7 @@
 #include <talus/observe/momentum.hpp>
 #include <talus/observe/penetration.hpp>
 #include <talus/solver/accelerated_jacobi.hpp>
-#include <talus/solver/small_steps.hpp>
+#include <talus/solver/substepping.hpp>
 
 #include "driven_mixer.hpp"
 
@@ -45,7 +45,7 @@ void mix(double most_overlap, real dt = 0.005, double round_off = 1e-11) {
 
 TEST_CASE("all solvers stir and shake, and the books close") {
   mix<mixer<watched>>(0.3);
-  mix<mixer<watched, solver<small_steps>>>(0.3);
+  mix<mixer<watched, solver<substepping>>>(0.3);
   mix<mixer<watched, solver<accelerated_jacobi>>>(0.4);
   mix<mixer<watched, precision<mixed_precision>>>(0.3, 0.005, 1e-6);
 }

@@ -16,7 +16,7 @@
 #include <talus/shape/box.hpp>
 #include <talus/solver/accelerated_jacobi.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
-#include <talus/solver/small_steps.hpp>
+#include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
@@ -127,8 +127,8 @@ void holds(real gap, real momentum = 1e-13) {
 TEST_CASE("joints hold with accelerated_jacobi") {
   holds<row<solver<accelerated_jacobi>, decomposition<cells>>>(2e-3);
 }
-TEST_CASE("joints hold with small_steps") {
-  holds<row<solver<small_steps>, decomposition<cells>>>(2e-3);
+TEST_CASE("joints hold with substepping") {
+  holds<row<solver<substepping>, decomposition<cells>>>(2e-3);
 }
 TEST_CASE("joints hold in mixed precision") {
   holds<row<precision<mixed_precision>, decomposition<cells>>>(1e-3, 1e-5);

@@ -27,19 +27,20 @@ struct faulty {
    public:
     link(team& others, int rank) : threads::link(others, rank), team_(&others) {}
 
-    void start(std::span<parcel> parcels) {
-      for (parcel& p : parcels) {
+    void start(std::span<neighbour_message> neighbour_messages) {
+      for (neighbour_message& p : neighbour_messages) {
         const int copies = way ? way(rank(), p.rank, p.out) : 1;
         for (int k = 1; k < copies; ++k) team_->send(rank(), p.rank, detail::byte_buffer(p.out));
         if (copies > 0) team_->send(rank(), p.rank, std::move(p.out));
         p.out.clear();
       }
     }
-    void finish(std::span<parcel> parcels) {
-      team_->receive(rank(), parcels, [](parcel& p, detail::byte_buffer& message) {
-        p.in = std::move(message);
-        p.out.clear();
-      });
+    void finish(std::span<neighbour_message> neighbour_messages) {
+      team_->receive(rank(), neighbour_messages,
+                     [](neighbour_message& p, detail::byte_buffer& message) {
+                       p.in = std::move(message);
+                       p.out.clear();
+                     });
     }
 
    private:

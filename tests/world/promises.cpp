@@ -13,7 +13,7 @@
 #include <talus/shape/box.hpp>
 #include <talus/solver/accelerated_jacobi.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
-#include <talus/solver/small_steps.hpp>
+#include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 
@@ -71,7 +71,7 @@ std::vector<std::string> digests(int ranks, bool boxes) {
 
 TEST_CASE_TEMPLATE(
     "3,000 steps of a pile of spheres and of one of boxes end with the same bits again", Scene,
-    scene<>, scene<solver<accelerated_jacobi>>, scene<solver<small_steps>>,
+    scene<>, scene<solver<accelerated_jacobi>>, scene<solver<substepping>>,
     scene<solver<reproducible>>, soft) {
   for (const bool boxes : {false, true})
     for (const int ranks : {1, 4}) {

@@ -13,7 +13,7 @@
 #include <talus/scene/lattice.hpp>
 #include <talus/solver/accelerated_jacobi.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
-#include <talus/solver/small_steps.hpp>
+#include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
@@ -30,7 +30,7 @@ struct heap {
                                  decomposition<grid<dynamic, dynamic>>, features<Monitors...>>;
   using world_type = world<scenario_type>;
   static constexpr real side = 4.5;
-  static constexpr bool divides = detail::divides_the_step<Solver>;
+  static constexpr bool divides = detail::uses_substeps<Solver>;
   enum class kind { heap, cloud };
 
   static void set_up(world_type& w, kind what) {
@@ -74,7 +74,7 @@ struct heap {
 };
 
 /// With substeps the books include those of the substeps.
-using divided = heap<small_steps, energy_ledger, momentum_balance>;
+using divided = heap<substepping, energy_ledger, momentum_balance>;
 
 template <class World>
 std::string solver_name(const World&) {
@@ -267,7 +267,7 @@ TEST_CASE("more parts of a step bring a divided heap nearer to rest") {
 
 TEST_CASE_TEMPLATE(
     "restitution: a ball bounces to e^2 of its height and rests in time, and one at rest stays",
-    Solver, nonlinear_gauss_seidel, accelerated_jacobi, small_steps) {
+    Solver, nonlinear_gauss_seidel, accelerated_jacobi, substepping) {
   using balls = scenario<bodies<sphere, plane>, transport<serial>, solver<Solver>>;
   for (const real e : {0.5, 0.9}) {
     CAPTURE(e);
@@ -308,7 +308,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE("restitution: five balls that fall into a crate come to rest and do not jitter",
-                   Solver, nonlinear_gauss_seidel, accelerated_jacobi, small_steps) {
+                   Solver, nonlinear_gauss_seidel, accelerated_jacobi, substepping) {
   using balls = scenario<bodies<sphere, plane>, transport<serial>, solver<Solver>>;
   serial::link link;
   world<balls> w(link);

@@ -42,8 +42,8 @@ struct body_motion {
 
 /// A solver with substeps, so that positions follow more velocities than the last one.
 template <class Solver>
-inline constexpr bool divides_the_step = requires {
-  requires Solver::divides_the_step;
+inline constexpr bool uses_substeps = requires {
+  requires Solver::uses_substeps;
 };
 
 /// A solver that solves small groups of contacts across ranks as one problem; see

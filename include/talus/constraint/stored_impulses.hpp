@@ -36,28 +36,28 @@ class kept_pair {
   }
   [[nodiscard]] const vec3* find(const contact_key& key) const {
     if (searched_) return history_.find(key);
-    for (const remembered_contact& old : row_)
+    for (const stored_contact& old : row_)
       if (old.key.feature == key.feature) return &old.memory;
     return nullptr;
   }
   template <class F>
   void each(F&& f) const {
     if (searched_) return history_.each_of_pair(key_, f);
-    for (const remembered_contact& old : row_) f(old);
+    for (const stored_contact& old : row_) f(old);
   }
 
  private:
   const contact_history& history_;
   const contact_key& key_;
-  std::span<const remembered_contact> row_;
+  std::span<const stored_contact> row_;
   bool searched_;
 };
 
 /// The stored impulses of a pair of bodies; of more points than there is room, none.
-class remembered_pair {
+class stored_pair {
  public:
-  explicit remembered_pair(const kept_pair& kept) {
-    kept.each([&](const remembered_contact& old) {
+  explicit stored_pair(const kept_pair& kept) {
+    kept.each([&](const stored_contact& old) {
       if (size_ < most) found_[size_] = {&old, false};
       ++size_;
     });
@@ -87,7 +87,7 @@ class remembered_pair {
 
  private:
   struct entry {
-    const remembered_contact* old;
+    const stored_contact* old;
     bool present;
   };
   static constexpr std::size_t most = 16;
@@ -128,7 +128,7 @@ class shared_frame {
 /// points of a manifold that no longer exist are distributed to new ones, in equal parts: while a
 /// body slides or rocks, the touching parts change, but hardly the load.
 template <class Contact>
-void recall_patch(remembered_pair& before, std::span<const contact_key> keys,
+void recall_patch(stored_pair& before, std::span<const contact_key> keys,
                   std::span<Contact> contacts) {
   std::array<std::size_t, 64> heirs;
   std::size_t count = 0;
@@ -152,7 +152,7 @@ void load_impulses(const contact_history& history, const plain_vector<contact_ke
     const kept_pair kept(history, keys[first], places[first]);
     while (last < contacts.size() && keys[last].same_pair(keys[first])) ++last;
     if constexpr (comes_in_manifolds<Contact>) {
-      remembered_pair before(kept);
+      stored_pair before(kept);
       if (before.complete()) {
         recall_patch(before, std::span(keys).subspan(first, last - first),
                      std::span(contacts).subspan(first, last - first));

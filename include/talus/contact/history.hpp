@@ -141,6 +141,6 @@ class history_of {
 
 /// The history of hard contacts.
 using contact_history = history_of<vec3>;
-using remembered_contact = kept_contact<vec3>;
+using stored_contact = kept_contact<vec3>;
 
 }  // namespace talus::detail

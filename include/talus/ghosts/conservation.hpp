@@ -136,7 +136,7 @@ template <class Scenario>
 }
 
 /// The description of the copies that a neighbour should have: which bodies, and in which order.
-struct copies_told {
+struct copies_reported {
   body_count count;
   std::uint64_t order = 0;
 
@@ -144,13 +144,13 @@ struct copies_told {
     count.add(id);
     order += count.bodies * value_of(id);
   }
-  friend bool operator==(const copies_told&, const copies_told&) = default;
+  friend bool operator==(const copies_reported&, const copies_reported&) = default;
 };
 
 /// Throws runtime_error unless the copies here match the descriptions of the neighbours.
 template <class Scenario>
-void require_copies(const world_state<Scenario>& s, const plain_vector<copies_told>& told) {
-  plain_vector<copies_told> here(s.neighbours.size());
+void require_copies(const world_state<Scenario>& s, const plain_vector<copies_reported>& told) {
+  plain_vector<copies_reported> here(s.neighbours.size());
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
     std::size_t i = b.movable.locals;

@@ -65,14 +65,14 @@ template <class Scenario>
 void share_connections(rank_state<Scenario>& s) {
   std::vector<int> ranks;
   for (const auto& n : s.neighbours) ranks.push_back(n.rank);
-  for (parcel& p : s.parcels) {
+  for (neighbour_message& p : s.neighbour_messages) {
     p.out.clear();
     byte_writer(p.out).put(std::span<const int>(ranks));
   }
-  s.link->start(s.parcels);
-  s.link->finish(s.parcels);
-  for (std::size_t n = 0; n < s.parcels.size(); ++n)
-    s.neighbours[n].connected = byte_reader(s.parcels[n].in).template get_all<int>();
+  s.link->start(s.neighbour_messages);
+  s.link->finish(s.neighbour_messages);
+  for (std::size_t n = 0; n < s.neighbour_messages.size(); ++n)
+    s.neighbours[n].connected = byte_reader(s.neighbour_messages[n].in).template get_all<int>();
   s.strangers = false;
   for (const auto& a : s.neighbours)
     for (const auto& b : s.neighbours)

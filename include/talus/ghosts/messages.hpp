@@ -69,14 +69,14 @@ inline constexpr const char* deliver_once =
 template <class Scenario>
 void open_message(rank_state<Scenario>& s, std::size_t n) {
   s.neighbours[n].next_exchange();
-  s.parcels[n].out.assign(sizeof(message_header), std::byte{});
+  s.neighbour_messages[n].out.assign(sizeof(message_header), std::byte{});
 }
 
 /// Writes the header of a complete message; `migration`: with a checksum.
 template <class Scenario>
-void seal_letter(rank_state<Scenario>& s, std::size_t n, bool handover) {
+void seal_message(rank_state<Scenario>& s, std::size_t n, bool handover) {
   auto& channel = s.neighbours[n].channel;
-  byte_buffer& out = s.parcels[n].out;
+  byte_buffer& out = s.neighbour_messages[n].out;
   const message_header head{++channel.sent, channel.given,
                             handover ? sum_of(std::span(out).subspan(sizeof(message_header))) : 0};
   std::memcpy(out.data(), &head, sizeof head);
@@ -85,9 +85,9 @@ void seal_letter(rank_state<Scenario>& s, std::size_t n, bool handover) {
 /// Opens the message from neighbour `n`, and returns a reader of its content. Throws runtime_error,
 /// with the ranks, the step, and the body if it is one, unless the message is the next in sequence.
 template <class Scenario>
-[[nodiscard]] byte_reader read_letter(world_state<Scenario>& s, std::size_t n, bool handover) {
+[[nodiscard]] byte_reader read_message(world_state<Scenario>& s, std::size_t n, bool handover) {
   auto& channel = s.neighbours[n].channel;
-  const auto in = std::span<const std::byte>(s.parcels[n].in);
+  const auto in = std::span<const std::byte>(s.neighbour_messages[n].in);
   const int from = s.neighbours[n].rank, here = s.link->rank();
   message_header head;
   if (in.size() >= sizeof head) std::memcpy(&head, in.data(), sizeof head);

@@ -31,14 +31,14 @@ void match_connections(population<Scenario>& s) {
                  [](const auto& c, const auto& n) { return c.rank == n.rank; }))
     return;
   auto before = std::exchange(s.neighbours, {});
-  s.parcels.clear();
+  s.neighbour_messages.clear();
   for (const auto& c : connections) {
     const auto old =
         std::find_if(before.begin(), before.end(), [&](const auto& n) { return n.rank == c.rank; });
     auto& now = s.neighbours.emplace_back();
     if (old != before.end()) now = std::move(*old);
     now.rank = c.rank;
-    s.parcels.push_back({.rank = c.rank});
+    s.neighbour_messages.push_back({.rank = c.rank});
   }
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
@@ -133,11 +133,11 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
   require_all_here(s);
   update_ranges(s);
   plain_vector<plain_pair<system_id, std::size_t>> leaving;
-  for (std::size_t n = 0; n < s.parcels.size(); ++n) open_message(s, n);
+  for (std::size_t n = 0; n < s.neighbour_messages.size(); ++n) open_message(s, n);
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     plain_vector<std::size_t> gone;
-    std::vector<plain_vector<plain_pair<std::size_t, bool>>> to(s.parcels.size());
+    std::vector<plain_vector<plain_pair<std::size_t, bool>>> to(s.neighbour_messages.size());
     for (std::size_t i = 0; i < store.locals; ++i) {
       const vec3& p = store.position[i];
       if (!finite(p)) fail_lost(s, store.id[i], p);
@@ -146,7 +146,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
         if (!s.own.box().contains(p)) store.position[i] = s.own.box().wrapped(p);
         if (s.own.contains(p)) continue;
       }
-      if (s.parcels.empty()) fail_lost(s, store.id[i], p);
+      if (s.neighbour_messages.empty()) fail_lost(s, store.id[i], p);
       const auto [n, ends_there] = way_to(s, p);
       if (!ends_there && after_step) refuse_long_flight(s, store, i);
       to[n].emplace_back(i, ends_there);
@@ -156,7 +156,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
         s.neighbours[n].reach = std::max(s.neighbours[n].reach, shadow_reach(s, store, i));
     }
     for (std::size_t n = 0; n < to.size(); ++n) {
-      byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
+      byte_writer out(s.neighbour_messages[n].out, s.neighbours[n].shared());
       out.put(static_cast<std::uint64_t>(to[n].size()));
       for (const auto& [i, ends_there] : to[n]) {
         s.neighbours[n].channel.given.add(store.id[i]);
@@ -171,35 +171,35 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
     store.append_from(copies, 0, copies.size());
   });
 
-  using remembered = typename world_state<Scenario>::history_type::entry;
+  using stored_entry = typename world_state<Scenario>::history_type::entry;
   const auto there = leaving.empty() ? bodies_elsewhere(0) : movable_copies(s);
   const id_table places(leaving, [](const auto& one) { return one.first; });
-  const std::size_t stays = s.parcels.size();
+  const std::size_t stays = s.neighbour_messages.size();
   const auto find = [&](system_id id) {
     const auto at = places.find(id);
     return at == id_table::unknown ? stays : leaving[at].second;
   };
   each_migrating_history(s, [&](const auto& history) {
-    std::vector<plain_vector<remembered>> to(s.parcels.size());
+    std::vector<plain_vector<stored_entry>> to(s.neighbour_messages.size());
     if (!leaving.empty())
-      for (const remembered& c : history.entries()) {
+      for (const stored_entry& c : history.entries()) {
         const auto a = find(c.key.a), b = find(c.key.b);
         if (a < to.size() && !there.owns(a, c.key.b)) to[a].push_back(c);
         if (b < to.size() && b != a && !there.owns(b, c.key.a)) to[b].push_back(c);
       }
     for (std::size_t n = 0; n < to.size(); ++n)
-      byte_writer(s.parcels[n].out).put(std::span<const remembered>(to[n]));
+      byte_writer(s.neighbour_messages[n].out).put(std::span<const stored_entry>(to[n]));
   });
   if constexpr (world_state<Scenario>::has_joints) send_joints(s, find);
 
-  for (std::size_t n = 0; n < s.parcels.size(); ++n) seal_letter(s, n, true);
-  s.link->start(s.parcels);
-  s.link->finish(s.parcels);
+  for (std::size_t n = 0; n < s.neighbour_messages.size(); ++n) seal_message(s, n, true);
+  s.link->start(s.neighbour_messages);
+  s.link->finish(s.neighbour_messages);
 
   std::size_t passing = 0;
   arrivals came;
-  for (std::size_t n = 0; n < s.parcels.size(); ++n) {
-    byte_reader in = read_letter(s, n, true);
+  for (std::size_t n = 0; n < s.neighbour_messages.size(); ++n) {
+    byte_reader in = read_message(s, n, true);
     s.each_finite_shape([&](auto& b) {
       auto count = in.get<std::uint64_t>();
       if (count == 0) return;
@@ -220,7 +220,7 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
       b.movable.append_from(copies, 0, copies.size());
     });
     const auto receive = [&](auto& history) {
-      for (const remembered& c : in.get_all<remembered>())
+      for (const stored_entry& c : in.get_all<stored_entry>())
         if (!has_more_histories<Scenario> || history.find(c.key) == nullptr)
           history.add_arrived(c.key, c.memory);
     };

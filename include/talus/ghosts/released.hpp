@@ -22,7 +22,7 @@ inline constexpr bool has_more_histories =
     has_hook<ghost_stages::each_history, Scenario, void (*)(const no_choice&)>;
 
 template <class Scenario>
-void forget_contacts(world_state<Scenario>& s, system_id id) {
+void clear_history_of(world_state<Scenario>& s, system_id id) {
   each_migrating_history(s, [id](auto& history) { history.forget(id); });
 }
 
@@ -32,7 +32,7 @@ template <class Scenario, class Store>
 [[gnu::cold]] void note_release(world_state<Scenario>& s, Store& store, std::size_t i) {
   store.flags[i] |= flag_released;
   s.released.push_back(store.id[i]);
-  forget_contacts(s, store.id[i]);
+  clear_history_of(s, store.id[i]);
 }
 
 /// All neighbours have the list of the bodies released here.

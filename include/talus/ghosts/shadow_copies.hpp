@@ -53,8 +53,8 @@ void list_travelling_velocities(world_state<Scenario>& s) {
   // If there is nothing to send, the other side has nothing to send either.
   std::erase_if(s.travelling,
                 [](const auto& other) { return other.sent.empty() && other.received.empty(); });
-  s.velocity_parcels.clear();
-  for (const auto& other : s.travelling) s.velocity_parcels.push_back({.rank = other.rank});
+  s.velocity_messages.clear();
+  for (const auto& other : s.travelling) s.velocity_messages.push_back({.rank = other.rank});
 }
 
 /// The reach of a body until the next copies are made. Soft contacts are found at the positions of
@@ -124,7 +124,7 @@ void rebuild_shadow_copies(world_state<Scenario>& s, const plain_vector<Counts>&
               copy.own = world_state<Scenario>::copy_code::body(s.neighbours[n].shadowed[k][c]);
             put_image(s, b.movable.position.back(), copy);
           }
-          if (b.movable.flags.back() & flag_released) forget_contacts(s, b.movable.id.back());
+          if (b.movable.flags.back() & flag_released) clear_history_of(s, b.movable.id.back());
         }
         s.neighbours[n].copies[k] = copies;
       }
@@ -275,11 +275,11 @@ template <class Scenario>
 void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
   using code = typename world_state<Scenario>::copy_code;
   open_message(s, n);
-  byte_writer out(s.parcels[n].out, s.neighbours[n].shared());
+  byte_writer out(s.neighbour_messages[n].out, s.neighbours[n].shared());
   out.put(s.choice.announced);
   out.put(kind);
   run_hooks<ghost_stages::pack_notice>(s, out);
-  copies_told told;
+  copies_reported told;
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
     for (const auto copy : s.neighbours[n].shadowed[k]) told.add(b.movable.id[code::body(copy)]);
@@ -300,7 +300,7 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
       for (const auto copy : shadowed) b.movable.pack_motion(code::body(copy), out);
     }
   });
-  seal_letter(s, n, false);
+  seal_message(s, n, false);
 }
 
 /// Refreshes the copies that neighbours hold. The choice of copies changes only when necessary, so
@@ -316,24 +316,24 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
     mine = changed ? copy_message::all : copy_message::motion;
     if (!copies_still_hold(s)) choose_copies(s), mine = copy_message::all;
   }
-  for (std::size_t n = 0; n < s.parcels.size(); ++n) pack_copies(s, n, mine);
+  for (std::size_t n = 0; n < s.neighbour_messages.size(); ++n) pack_copies(s, n, mine);
   if (mine == copy_message::all) end_releases(s);
 
-  s.link->start(s.parcels);
-  s.link->finish(s.parcels);
+  s.link->start(s.neighbour_messages);
+  s.link->finish(s.neighbour_messages);
 
   std::vector<byte_reader> in;
   std::vector<byte_reader*> moved, renewed;
   plain_vector<std::array<std::size_t, world_state<Scenario>::shape_count>> before;
-  plain_vector<copies_told> told;
-  in.reserve(s.parcels.size());
+  plain_vector<copies_reported> told;
+  in.reserve(s.neighbour_messages.size());
   bool any = mine == copy_message::all;
-  for (std::size_t n = 0; n < s.parcels.size(); ++n) {
-    byte_reader& message = in.emplace_back(read_letter(s, n, false));
+  for (std::size_t n = 0; n < s.neighbour_messages.size(); ++n) {
+    byte_reader& message = in.emplace_back(read_message(s, n, false));
     s.neighbours[n].reach = message.template get<real>();
     const auto kind = message.template get<copy_message>();
     run_hooks<ghost_stages::unpack_notice>(s, message);
-    told.push_back(message.template get<copies_told>());
+    told.push_back(message.template get<copies_reported>());
     moved.push_back(kind == copy_message::motion ? &message : nullptr);
     renewed.push_back(kind == copy_message::all ? &message : nullptr);
     before.push_back(s.neighbours[n].copies);

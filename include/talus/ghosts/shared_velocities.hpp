@@ -68,15 +68,15 @@ class shared_velocities {
   template <class Lists>
   void solve_gathered_islands(Lists& lists) {
     if constexpr (!state_type::islands_across_ranks) return (void)lists;
-    std::vector<parcel> parcels;
+    std::vector<neighbour_message> neighbour_messages;
     const auto exchange = [&] {
       const stage_clock clock(s_.seconds.exchange);
-      s_.link->start(parcels);
-      s_.link->finish(parcels);
+      s_.link->start(neighbour_messages);
+      s_.link->finish(neighbour_messages);
     };
     s_.islands.solve_gathered(access_to<solver_type>(lists), s_.solver, s_.link->rank(),
-                              travelling(), parcels, exchange);
-    if (parcels.empty()) return;
+                              travelling(), neighbour_messages, exchange);
+    if (neighbour_messages.empty()) return;
     // Exchanges the new velocities of the copies with these ranks.
     const auto with = [&](int rank) -> const auto& {
       return *std::find_if(s_.travelling.begin(), s_.travelling.end(),
@@ -85,14 +85,14 @@ class shared_velocities {
     std::array<real, 6> values{};
     s_.passive.common_before = s_.passive.common;
     s_.passive.refreshed.assign(s_.solver.bodies.size(), 0);
-    for (parcel& p : parcels) {
+    for (neighbour_message& p : neighbour_messages) {
       p.out.clear();
       byte_writer out(p.out);
       for (const std::uint32_t i : with(p.rank).sent)
         put_velocity(i, values.data()), out.put(values);
     }
     exchange();
-    for (parcel& p : parcels) {
+    for (neighbour_message& p : neighbour_messages) {
       byte_reader in(p.in);
       for (const std::uint32_t i : with(p.rank).received)
         get_velocity(i, in.get<std::array<real, 6>>().data()), s_.passive.refreshed[i] = 1;
@@ -194,7 +194,7 @@ class shared_velocities {
     Real values[Scalars];
     std::size_t count = 0;
     for (const auto& other : s_.travelling) {
-      parcel& p = s_.velocity_parcels[count++];
+      neighbour_message& p = s_.velocity_messages[count++];
       p.out.resize(other.sent.size() * bytes);
       p.in.resize(other.received.size() * bytes);
       std::byte* to = p.out.data();
@@ -204,17 +204,17 @@ class shared_velocities {
         to += bytes;
       }
     }
-    s_.link->start_fixed(s_.velocity_parcels);
+    s_.link->start_fixed(s_.velocity_messages);
   }
   template <int Scalars, class Real, class Get>
   void finish(Get&& get) {
     constexpr std::size_t bytes = Scalars * sizeof(Real);
     const stage_clock clock(s_.seconds.exchange);
-    s_.link->finish_fixed(s_.velocity_parcels);
+    s_.link->finish_fixed(s_.velocity_messages);
     Real values[Scalars];
     std::size_t count = 0;
     for (const auto& other : s_.travelling) {
-      const std::byte* from = s_.velocity_parcels[count++].in.data();
+      const std::byte* from = s_.velocity_messages[count++].in.data();
       for (const std::uint32_t i : other.received) {
         std::memcpy(values, from, bytes);
         get(i, values);

@@ -94,7 +94,7 @@ template <class Scenario>
       merge_parameters(s, get("/parameters/at_first"), get("/parameters/at_last"));
   get_monitors(in, s);
   get_records(in, w.records());
-  if constexpr (!world_state<Scenario>::law::soft || watches<Scenario, residual_monitor>) {
+  if constexpr (!world_state<Scenario>::law::soft || monitored<Scenario, residual_monitor>) {
     const auto c = in.reals("/run/convergence", 5);
     for (const std::size_t k : {0, 1, 4})
       if (!(c[k] >= 0 && c[k] <= static_cast<double>(most_counted)))

@@ -229,7 +229,7 @@ class checkpoint_files final : public checkpoint_hooks {
     if constexpr (Scenario::contact_law::soft)
       return true;
     else
-      return state_of(w_).settings.tolerance == 0 && !watches<Scenario, residual_monitor>;
+      return state_of(w_).settings.tolerance == 0 && !monitored<Scenario, residual_monitor>;
   }
 
   world<Scenario>& w_;

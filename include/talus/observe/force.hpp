@@ -29,14 +29,14 @@ template <class Scenario, class Shape>
   double fixed = found && found->is_fixed();
   w.link().reduce(reduction::max, std::span(&fixed, 1));
   vec3 impulse{0, 0, 0};
-  const auto add = [&](const detail::remembered_contact& c) {
+  const auto add = [&](const detail::stored_contact& c) {
     if (c.key.a != h.id && c.key.b != h.id) return;
     const bool first = c.key.a == h.id;
     const bool counts =
         fixed != 0 ? std::binary_search(own.begin(), own.end(), first ? c.key.b : c.key.a) : owned;
     if (counts) impulse += first ? c.memory : vec3(-c.memory);
   };
-  for (const detail::remembered_contact& c : s.history.entries()) add(c);
+  for (const detail::stored_contact& c : s.history.entries()) add(c);
   if constexpr (detail::world_state<Scenario>::sleeps) detail::each_frozen_contact(s, add);
   std::array<double, 3> sum{impulse[0], impulse[1], impulse[2]};
   w.link().reduce(reduction::sum, sum);

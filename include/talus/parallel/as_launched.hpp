@@ -34,10 +34,16 @@ struct as_launched {
 
     void note_step(std::uint64_t step) { any_->note_step(step); }
 
-    void start(std::span<parcel> parcels) { any_->start(parcels); }
-    void finish(std::span<parcel> parcels) { any_->finish(parcels); }
-    void start_fixed(std::span<parcel> parcels) { any_->start_fixed(parcels); }
-    void finish_fixed(std::span<parcel> parcels) { any_->finish_fixed(parcels); }
+    void start(std::span<neighbour_message> neighbour_messages) { any_->start(neighbour_messages); }
+    void finish(std::span<neighbour_message> neighbour_messages) {
+      any_->finish(neighbour_messages);
+    }
+    void start_fixed(std::span<neighbour_message> neighbour_messages) {
+      any_->start_fixed(neighbour_messages);
+    }
+    void finish_fixed(std::span<neighbour_message> neighbour_messages) {
+      any_->finish_fixed(neighbour_messages);
+    }
 
     void barrier() { any_->barrier(); }
     [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine) {

@@ -27,10 +27,18 @@ class link_of_transport final : public any_link {
   void note_step(std::uint64_t step) override {
     if constexpr (requires(link & l) { l.note_step(step); }) own_.note_step(step);
   }
-  void start(std::span<parcel> parcels) override { own_.start(parcels); }
-  void finish(std::span<parcel> parcels) override { own_.finish(parcels); }
-  void start_fixed(std::span<parcel> parcels) override { own_.start_fixed(parcels); }
-  void finish_fixed(std::span<parcel> parcels) override { own_.finish_fixed(parcels); }
+  void start(std::span<neighbour_message> neighbour_messages) override {
+    own_.start(neighbour_messages);
+  }
+  void finish(std::span<neighbour_message> neighbour_messages) override {
+    own_.finish(neighbour_messages);
+  }
+  void start_fixed(std::span<neighbour_message> neighbour_messages) override {
+    own_.start_fixed(neighbour_messages);
+  }
+  void finish_fixed(std::span<neighbour_message> neighbour_messages) override {
+    own_.finish_fixed(neighbour_messages);
+  }
   void barrier() override { own_.barrier(); }
   [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine) override {
     return own_.gather(mine);

@@ -60,12 +60,12 @@ struct mpi {
     [[nodiscard]] const boost::mpi::communicator& communicator() const { return ranks_; }
     /// From now on nobody is waited for whose program has ended, as `who_left` records, and long
     /// waits are reported.
-    void heed(detail::mpi_verdict& who_left, detail::wait_watch& watch);
+    void heed(detail::mpi_verdict& who_left, detail::wait_monitor& watch);
 
-    void start(std::span<parcel> parcels);
-    void finish(std::span<parcel> parcels);
-    void start_fixed(std::span<parcel> parcels);
-    void finish_fixed(std::span<parcel> parcels);
+    void start(std::span<neighbour_message> neighbour_messages);
+    void finish(std::span<neighbour_message> neighbour_messages);
+    void start_fixed(std::span<neighbour_message> neighbour_messages);
+    void finish_fixed(std::span<neighbour_message> neighbour_messages);
 
     void barrier();
     [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine);
@@ -82,10 +82,10 @@ struct mpi {
     /// From rank 0 upwards, so that all ranks have the same to the bit.
     static void combine(reduction how, std::span<double> values, std::span<const double> all);
     /// But to itself: what comes from there is what was sent there, parcel by parcel.
-    void send_all(std::span<const parcel> parcels);
+    void send_all(std::span<const neighbour_message> neighbour_messages);
     /// The next message of rank `from`, of any size.
     void receive(int from, byte_buffer& data);
-    void await_sends(std::span<const parcel> parcels);
+    void await_sends(std::span<const neighbour_message> neighbour_messages);
     /// Returns MPI_SUCCESS or MPI_ERR_TRUNCATE. (One by one: Open MPI 4.1 may crash in MPI_Waitall
     /// when one of the messages is too long.)
     int wait(MPI_Request& request, int other, MPI_Status* status = MPI_STATUS_IGNORE);

@@ -30,37 +30,37 @@ TALUS_MPI_INLINE mpi::link::link(const boost::mpi::communicator& ranks, int tag)
                                         largest);
 }
 
-TALUS_MPI_INLINE void mpi::link::start(std::span<parcel> parcels) {
-  exchange_.start(parcels, sizes::unknown, rank_, size_);
-  send_all(parcels);
+TALUS_MPI_INLINE void mpi::link::start(std::span<neighbour_message> neighbour_messages) {
+  exchange_.start(neighbour_messages, sizes::unknown, rank_, size_);
+  send_all(neighbour_messages);
 }
 
-TALUS_MPI_INLINE void mpi::link::finish(std::span<parcel> parcels) {
-  exchange_.finish(parcels, sizes::unknown, rank_);
-  for (parcel& p : parcels) {
+TALUS_MPI_INLINE void mpi::link::finish(std::span<neighbour_message> neighbour_messages) {
+  exchange_.finish(neighbour_messages, sizes::unknown, rank_);
+  for (neighbour_message& p : neighbour_messages) {
     if (p.rank == rank_)
       p.in.swap(p.out);
     else
       receive(p.rank, p.in);
   }
-  await_sends(parcels);
-  for (parcel& p : parcels) p.out.clear();
+  await_sends(neighbour_messages);
+  for (neighbour_message& p : neighbour_messages) p.out.clear();
 }
 
-TALUS_MPI_INLINE void mpi::link::start_fixed(std::span<parcel> parcels) {
-  exchange_.start(parcels, sizes::fixed, rank_, size_);
+TALUS_MPI_INLINE void mpi::link::start_fixed(std::span<neighbour_message> neighbour_messages) {
+  exchange_.start(neighbour_messages, sizes::fixed, rank_, size_);
   receives_.clear();
-  for (parcel& p : parcels)
+  for (neighbour_message& p : neighbour_messages)
     if (p.rank != rank_)
       BOOST_MPI_CHECK_RESULT(MPI_Irecv, (p.in.data(), count(p.in), MPI_UNSIGNED_CHAR, p.rank, tag_,
                                          ranks_, &receives_.emplace_back()));
-  send_all(parcels);
+  send_all(neighbour_messages);
 }
 
-TALUS_MPI_INLINE void mpi::link::finish_fixed(std::span<parcel> parcels) {
-  exchange_.finish(parcels, sizes::fixed, rank_);
+TALUS_MPI_INLINE void mpi::link::finish_fixed(std::span<neighbour_message> neighbour_messages) {
+  exchange_.finish(neighbour_messages, sizes::fixed, rank_);
   auto next = receives_.begin();
-  for (parcel& p : parcels) {
+  for (neighbour_message& p : neighbour_messages) {
     if (p.rank == rank_) {
       if (p.in.size() != p.out.size()) detail::fail_size(rank_, p, p.out.size());
       p.in.swap(p.out);
@@ -70,7 +70,7 @@ TALUS_MPI_INLINE void mpi::link::finish_fixed(std::span<parcel> parcels) {
     if (wait(*next++, p.rank, &status) == MPI_ERR_TRUNCATE) detail::fail_size(rank_, p, {});
     if (size_of(status) != p.in.size()) detail::fail_size(rank_, p, size_of(status));
   }
-  await_sends(parcels);
+  await_sends(neighbour_messages);
 }
 
 TALUS_MPI_INLINE void mpi::link::barrier() { meet(); }
@@ -164,9 +164,9 @@ TALUS_MPI_INLINE void mpi::link::combine(reduction how, std::span<double> values
     detail::combine<double>(how, values, all.subspan(at, values.size()));
 }
 
-TALUS_MPI_INLINE void mpi::link::send_all(std::span<const parcel> parcels) {
+TALUS_MPI_INLINE void mpi::link::send_all(std::span<const neighbour_message> neighbour_messages) {
   sends_.clear();
-  for (const parcel& p : parcels)
+  for (const neighbour_message& p : neighbour_messages)
     if (p.rank != rank_)
       BOOST_MPI_CHECK_RESULT(MPI_Isend, (p.out.data(), count(p.out), MPI_UNSIGNED_CHAR, p.rank,
                                          tag_, ranks_, &sends_.emplace_back()));
@@ -183,9 +183,10 @@ TALUS_MPI_INLINE void mpi::link::receive(int from, byte_buffer& data) {
   ranks_.recv(from, tag_, bytes(data), count(data));
 }
 
-TALUS_MPI_INLINE void mpi::link::await_sends(std::span<const parcel> parcels) {
+TALUS_MPI_INLINE void mpi::link::await_sends(
+    std::span<const neighbour_message> neighbour_messages) {
   auto next = sends_.begin();
-  for (const parcel& p : parcels)
+  for (const neighbour_message& p : neighbour_messages)
     if (p.rank != rank_) wait(*next++, p.rank);
 }
 
@@ -224,7 +225,7 @@ TALUS_MPI_INLINE int mpi::link::count(const byte_buffer& data) {
   return static_cast<int>(data.size());
 }
 
-TALUS_MPI_INLINE void mpi::link::heed(detail::mpi_verdict& who_left, detail::wait_watch& watch) {
+TALUS_MPI_INLINE void mpi::link::heed(detail::mpi_verdict& who_left, detail::wait_monitor& watch) {
   patience_ = detail::mpi_patience(who_left, watch);
 }
 
@@ -279,7 +280,7 @@ TALUS_MPI_INLINE void mpi::run(const settings& how, const boost::mpi::communicat
         "mpirun -n {}, or do not ask",
         how.ranks, ranks.size(), how.ranks);
   link mine = how.tag ? link(ranks, *how.tag) : link(ranks);
-  detail::wait_watch watch(how);
+  detail::wait_monitor watch(how);
   if (verdict != nullptr) mine.heed(*verdict, watch);
   main(mine);
   if (verdict != nullptr) verdict->leave(mine.counters().collectives);

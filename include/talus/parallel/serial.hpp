@@ -27,18 +27,22 @@ struct serial {
     [[nodiscard]] int size() const { return 1; }
     [[nodiscard]] const traffic& counters() const { return exchange_.sent(); }
 
-    void start(std::span<parcel> parcels) { exchange_.start(parcels, sizes::unknown, 0, 1); }
-    void finish(std::span<parcel> parcels) {
-      exchange_.finish(parcels, sizes::unknown, 0);
-      for (parcel& p : parcels) {
+    void start(std::span<neighbour_message> neighbour_messages) {
+      exchange_.start(neighbour_messages, sizes::unknown, 0, 1);
+    }
+    void finish(std::span<neighbour_message> neighbour_messages) {
+      exchange_.finish(neighbour_messages, sizes::unknown, 0);
+      for (neighbour_message& p : neighbour_messages) {
         p.in.swap(p.out);
         p.out.clear();
       }
     }
-    void start_fixed(std::span<parcel> parcels) { exchange_.start(parcels, sizes::fixed, 0, 1); }
-    void finish_fixed(std::span<parcel> parcels) {
-      exchange_.finish(parcels, sizes::fixed, 0);
-      for (parcel& p : parcels) {
+    void start_fixed(std::span<neighbour_message> neighbour_messages) {
+      exchange_.start(neighbour_messages, sizes::fixed, 0, 1);
+    }
+    void finish_fixed(std::span<neighbour_message> neighbour_messages) {
+      exchange_.finish(neighbour_messages, sizes::fixed, 0);
+      for (neighbour_message& p : neighbour_messages) {
         if (p.in.size() != p.out.size()) detail::fail_size(0, p, p.out.size());
         p.in.swap(p.out);
       }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/parallel/detail/open_exchange.hpp"
 #include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/reduction.hpp"
@@ -36,10 +36,10 @@ struct threads {
     /// The last step that this rank has completed, for the report on ranks that wait for it.
     void note_step(std::uint64_t step);
 
-    void start(std::span<parcel> parcels);
-    void finish(std::span<parcel> parcels);
-    void start_fixed(std::span<parcel> parcels);
-    void finish_fixed(std::span<parcel> parcels);
+    void start(std::span<neighbour_message> neighbour_messages);
+    void finish(std::span<neighbour_message> neighbour_messages);
+    void start_fixed(std::span<neighbour_message> neighbour_messages);
+    void finish_fixed(std::span<neighbour_message> neighbour_messages);
 
     void barrier();
     [[nodiscard]] std::vector<byte_buffer> gather(const byte_buffer& mine);
@@ -51,7 +51,7 @@ struct threads {
     void finish_reduce(std::span<double> values);
 
    private:
-    void post(std::span<parcel> parcels, sizes how);
+    void post(std::span<neighbour_message> neighbour_messages, sizes how);
 
     // `Meeting` and `Contributions` are types of thread_team.
     template <class Meeting, class Read>

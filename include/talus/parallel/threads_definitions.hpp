@@ -52,28 +52,30 @@ void threads::link::combine(reduction how, std::span<T> values, const Contributi
   }
 }
 
-TALUS_INLINE void threads::link::start(std::span<parcel> parcels) { post(parcels, sizes::unknown); }
+TALUS_INLINE void threads::link::start(std::span<neighbour_message> neighbour_messages) {
+  post(neighbour_messages, sizes::unknown);
+}
 
-TALUS_INLINE void threads::link::finish(std::span<parcel> parcels) {
-  exchange_.finish(parcels, sizes::unknown, rank_);
-  team_->receive(rank_, parcels, [](parcel& p, byte_buffer& message) {
+TALUS_INLINE void threads::link::finish(std::span<neighbour_message> neighbour_messages) {
+  exchange_.finish(neighbour_messages, sizes::unknown, rank_);
+  team_->receive(rank_, neighbour_messages, [](neighbour_message& p, byte_buffer& message) {
     p.out = std::exchange(p.in, std::move(message));  // the old buffer serves the next message
     p.out.clear();
   });
 }
 
-TALUS_INLINE void threads::link::start_fixed(std::span<parcel> parcels) {
+TALUS_INLINE void threads::link::start_fixed(std::span<neighbour_message> neighbour_messages) {
   fixed_sizes_.clear();
-  for (const parcel& p : parcels) fixed_sizes_.push_back(p.out.size());
-  post(parcels, sizes::fixed);
+  for (const neighbour_message& p : neighbour_messages) fixed_sizes_.push_back(p.out.size());
+  post(neighbour_messages, sizes::fixed);
 }
 
-TALUS_INLINE void threads::link::finish_fixed(std::span<parcel> parcels) {
-  exchange_.finish(parcels, sizes::fixed, rank_);
-  team_->receive(rank_, parcels, [&](parcel& p, byte_buffer& message) {
+TALUS_INLINE void threads::link::finish_fixed(std::span<neighbour_message> neighbour_messages) {
+  exchange_.finish(neighbour_messages, sizes::fixed, rank_);
+  team_->receive(rank_, neighbour_messages, [&](neighbour_message& p, byte_buffer& message) {
     if (message.size() != p.in.size()) detail::fail_size(rank_, p, message.size());
     p.out = std::exchange(p.in, std::move(message));
-    p.out.resize(fixed_sizes_[static_cast<std::size_t>(&p - parcels.data())]);
+    p.out.resize(fixed_sizes_[static_cast<std::size_t>(&p - neighbour_messages.data())]);
   });
 }
 
@@ -114,9 +116,9 @@ TALUS_INLINE void threads::link::finish_reduce(std::span<double> values) {
   team_->take(rank_, [&](const auto& all) { combine(how, values, all); });
 }
 
-TALUS_INLINE void threads::link::post(std::span<parcel> parcels, sizes how) {
-  exchange_.start(parcels, how, rank_, size());
-  for (parcel& p : parcels) team_->send(rank_, p.rank, std::move(p.out));
+TALUS_INLINE void threads::link::post(std::span<neighbour_message> neighbour_messages, sizes how) {
+  exchange_.start(neighbour_messages, how, rank_, size());
+  for (neighbour_message& p : neighbour_messages) team_->send(rank_, p.rank, std::move(p.out));
 }
 
 TALUS_INLINE int threads::link::size() const { return team_->size(); }
@@ -138,7 +140,7 @@ TALUS_INLINE void threads::launch_each(const launch_settings& settings,
         ranks, most_ranks);
 
   detail::thread_team team(ranks);
-  team.watch(detail::wait_watch(settings));
+  team.watch(detail::wait_monitor(settings));
   std::atomic<int> gate = closed;  // all threads are there before the first begins
   const auto run = [&](int rank) {
     gate.wait(closed);

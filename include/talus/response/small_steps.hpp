@@ -1,3 +1,3 @@
 #pragma once
-// The former place of talus/solver/small_steps.hpp, for programs that include it.
-#include "talus/solver/small_steps.hpp"
+// The former place of talus/solver/substepping.hpp, for programs that include it.
+#include "talus/solver/substepping.hpp"

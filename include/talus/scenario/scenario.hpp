@@ -95,7 +95,7 @@ struct argument_of_scenario {
       !is_part<Type, roles::solver>,
       "scenario<...> takes a solver inside solver<...>: write "
       "solver<nonlinear_gauss_seidel> for a bare nonlinear_gauss_seidel, and likewise for "
-      "accelerated_jacobi and small_steps");
+      "accelerated_jacobi and substepping");
   static_assert(!is_part<Type, roles::broad_phase>,
                 "scenario<...> takes a broad phase inside broad_phase<...>: write "
                 "broad_phase<linear_hash_grid> for a bare linear_hash_grid");
@@ -234,8 +234,8 @@ struct scenario final {
                 "scenario<...> names integrator<moreau_midpoint> and continuous_collision, but one "
                 "finds contacts in the middle of the step and the other at the time of impact: "
                 "keep one of them");
-  static_assert(!midpoint || !detail::divides_the_step<typename solver_policy::type>,
-                "scenario<...> names integrator<moreau_midpoint> and solver<small_steps>, but both "
+  static_assert(!midpoint || !detail::uses_substeps<typename solver_policy::type>,
+                "scenario<...> names integrator<moreau_midpoint> and solver<substepping>, but both "
                 "divide the step: keep one of them");
   static_assert(law_policy::soft || !verlet,
                 "scenario<...> names integrator<velocity_verlet> and hard contacts, whose impulses "

@@ -62,7 +62,7 @@ class convergence {
   [[nodiscard]] int limit() const {
     return watches_ ? settings_.max_iterations : settings_.iterations;
   }
-  [[nodiscard]] bool watches() const { return watches_; }
+  [[nodiscard]] bool monitored() const { return watches_; }
 
   /// Whether the velocities after `k` iterations will be checked.
   [[nodiscard]] bool due(int k) const { return watches_ && k >= next_; }

@@ -66,7 +66,7 @@ struct solver final {
   static_assert(detail::is_part<Method, roles::solver>,
                 "solver<...> takes a solver, and this type is not one: write "
                 "solver<nonlinear_gauss_seidel>, solver<coloured_gauss_seidel>, "
-                "solver<accelerated_jacobi> or solver<small_steps> (each in talus/solver/ under "
+                "solver<accelerated_jacobi> or solver<substepping> (each in talus/solver/ under "
                 "its name)");
   static_assert(!detail::is_part<Method, roles::solver> || concepts::solver<Method>,
                 "solver<...> takes a solver, and this type lacks the static function "

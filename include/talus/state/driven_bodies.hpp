@@ -89,8 +89,8 @@ struct driven_body {
   driven_step next;               ///< the step under way
   vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< change of the velocity since the last one
   // Since the last pair search:
-  vec3 looked{0, 0, 0};  ///< its position
-  real skin = 0;         ///< and the reach of the search; see give_skins()
+  vec3 searched_at{0, 0, 0};  ///< its position
+  real skin = 0;              ///< and the reach of the search; see give_skins()
 };
 
 /// `Shapes` is the number of shapes, planes included.
@@ -99,7 +99,7 @@ struct driven_bodies {
   std::vector<std::unique_ptr<driven_body>> all;
   /// Number in `all` of each global body of a shape, or -1.
   std::array<plain_vector<std::int32_t>, Shapes> numbers;
-  std::size_t looked_for = 0;  ///< how many of `all` have an index there
+  std::size_t listed = 0;  ///< how many of `all` have an index there
   /// Immovable bodies come last in the solver's arrays: resting ones, one for each of `all`, and
   /// the bodies that contacts with rotating ones use.
   std::size_t first = 0;

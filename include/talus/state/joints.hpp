@@ -160,14 +160,14 @@ template <class Scenario, class Destination>
 void send_joints(world_state<Scenario>& s, Destination&& destination) {
   s.joints.each_kind([&](const auto& of_kind) {
     using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
-    std::vector<plain_vector<record>> to(s.parcels.size());
+    std::vector<plain_vector<record>> to(s.neighbour_messages.size());
     for (const record& r : of_kind.records) {
       const std::size_t a = destination(r.key.a), b = destination(r.key.b);
       if (a < to.size()) to[a].push_back(r);
       if (b < to.size() && b != a) to[b].push_back(r);
     }
     for (std::size_t n = 0; n < to.size(); ++n)
-      byte_writer(s.parcels[n].out).put(std::span<const record>(to[n]));
+      byte_writer(s.neighbour_messages[n].out).put(std::span<const record>(to[n]));
   });
 }
 template <class Scenario>

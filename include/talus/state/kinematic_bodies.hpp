@@ -32,7 +32,7 @@ void each_driven(world_state<Scenario>& s, F&& f) {
 template <class Scenario>
 [[nodiscard]] bool driven_are_found(const world_state<Scenario>& s) {
   const auto& d = s.driving;
-  bool found = d.looked_for == d.all.size();
+  bool found = d.listed == d.all.size();
   std::size_t k = 0;
   s.each_shape([&](const auto& b) {
     const auto& numbers = d.numbers[k++];
@@ -48,7 +48,7 @@ template <class Scenario>
 void find_driven(world_state<Scenario>& s) {
   if (driven_are_found(s)) return;
   auto& d = s.driving;
-  d.looked_for = d.all.size();
+  d.listed = d.all.size();
   std::size_t k = 0;
   s.each_shape([&](const auto& b) {
     auto& numbers = d.numbers[k++];
@@ -154,7 +154,7 @@ template <class Scenario>
 void give_skins(world_state<Scenario>& s, real mean) {
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     const auto& store = b.global;
-    one.looked = one.state.at.point;
+    one.searched_at = one.state.at.point;
     const real speed = store.velocity[i].norm();
     const bool turns = store.angular_velocity[i] != vec3(0, 0, 0);
     if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) {
@@ -173,7 +173,7 @@ template <class Scenario>
   bool hold = true;
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     const auto& store = b.global;
-    const vec3 way = one.state.at.point - one.looked;
+    const vec3 way = one.state.at.point - one.searched_at;
     if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) {
       b.global_reach[i] = reach_of(store, i, s.dt);
       const real left = one.skin - b.global_reach[i];

@@ -28,7 +28,7 @@ template <class... Features>
 struct monitor_records<type_list<Features...>> : record_slot<Features>... {};
 
 template <class Scenario, class Feature>
-inline constexpr bool watches = contains_type<typename Scenario::features, Feature>;
+inline constexpr bool monitored = contains_type<typename Scenario::features, Feature>;
 
 }  // namespace detail
 }  // namespace talus

@@ -11,7 +11,7 @@
 #include "talus/constraint/solver_settings.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/contact/history.hpp"
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/interaction/soft_state.hpp"
 #include "talus/solver/coloured_list.hpp"
@@ -84,7 +84,7 @@ struct shared_colours {
   /// For each colour a message to each neighbour that shares contacts of it, and the index of its
   /// connection.
   struct messages {
-    std::vector<parcel> parcels;
+    std::vector<neighbour_message> neighbour_messages;
     plain_vector<std::uint32_t> lines;
   };
   std::vector<messages> of_colour;
@@ -122,10 +122,10 @@ struct hard_response {
   talus::convergence convergence;
   [[no_unique_address]] std::conditional_t<may_sweep_by_colours<Solver>, shared_colours, no_colours>
       colours;
-  std::vector<travelling_velocities> travelling;  ///< in the coming step, without empty ones
-  std::vector<travelling_velocities> travelled;   ///< in the last step
-  std::vector<parcel> velocity_parcels;           ///< one for each of `travelling`
-  plain_vector<char> at_border;                   ///< by solver index: whether the velocity is sent
+  std::vector<travelling_velocities> travelling;     ///< in the coming step, without empty ones
+  std::vector<travelling_velocities> travelled;      ///< in the last step
+  std::vector<neighbour_message> velocity_messages;  ///< one for each of `travelling`
+  plain_vector<char> at_border;  ///< by solver index: whether the velocity is sent
 };
 
 template <class Law>

@@ -10,12 +10,12 @@
 
 #include "talus/body/material.hpp"
 #include "talus/core/each.hpp"
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/parallel/domain.hpp"
-#include "talus/parallel/lone_domain.hpp"
 #include "talus/parallel/reduction.hpp"
+#include "talus/parallel/single_domain.hpp"
 #include "talus/parallel/traffic.hpp"
 #include "talus/scenario/scenario.hpp"
 #include "talus/state/bodies_of_shape.hpp"
@@ -162,7 +162,7 @@ struct state_traits {
                 "another: write #include <talus/parallel/threads.hpp>");
   using link_type = typename link_of<typename Scenario::transport>::type;
   using domain_type =
-      std::conditional_t<link_type::alone, lone_domain, domain<typename Scenario::decomposition>>;
+      std::conditional_t<link_type::alone, single_domain, domain<typename Scenario::decomposition>>;
   using law = law_of<Scenario>;
   using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
   static constexpr std::size_t shape_count = finite_shapes::size;
@@ -271,10 +271,10 @@ struct rank_state {
                                            no_periodic_ghosts>
       copies;
   std::vector<neighbour<shape_count, memory_type>>
-      neighbours;               ///< one for each connection, in the same order
-  std::vector<parcel> parcels;  ///< likewise: migrations
-  bool strangers = false;       ///< some neighbours are not connected to each other
-  bool changed = true;          ///< bodies were added, removed or changed since the last migration
+      neighbours;  ///< one for each connection, in the same order
+  std::vector<neighbour_message> neighbour_messages;  ///< likewise: migrations
+  bool strangers = false;  ///< some neighbours are not connected to each other
+  bool changed = true;     ///< bodies were added, removed or changed since the last migration
   plain_vector<system_id> released;  ///< by the user, before neighbours were notified
   [[no_unique_address]] std::conditional_t<link_type::alone, no_copy_choice,
                                            copy_choice<shape_count>>

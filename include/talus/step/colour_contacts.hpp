@@ -41,16 +41,18 @@ void colour_contacts(world_state<Scenario>& s) {
   });
   all.colour([&](bool first) {
     const stage_clock clock(s.seconds.exchange);
-    std::vector<parcel> parcels;
+    std::vector<neighbour_message> neighbour_messages;
     for (colour_line& l : all.lines)
       if (first || l.open())
-        parcels.push_back({.rank = l.rank, .out = std::move(l.out), .in = std::move(l.in)});
-    s.link->start(parcels);
-    s.link->finish(parcels);
+        neighbour_messages.push_back(
+            {.rank = l.rank, .out = std::move(l.out), .in = std::move(l.in)});
+    s.link->start(neighbour_messages);
+    s.link->finish(neighbour_messages);
     std::size_t n = 0;
     for (colour_line& l : all.lines)
       if (first || l.open())
-        l.out = std::move(parcels[n].out), l.in = std::move(parcels[n].in), ++n;
+        l.out = std::move(neighbour_messages[n].out), l.in = std::move(neighbour_messages[n].in),
+        ++n;
   });
   std::size_t unit = 0;
   const std::size_t* end = ends.data();
@@ -68,8 +70,9 @@ void colour_contacts(world_state<Scenario>& s) {
     for (std::size_t n = 0; n < all.lines.size(); ++n)
       if (all.lines[n].first[c + 1] > all.lines[n].first[c])
         m.lines.push_back(static_cast<std::uint32_t>(n));
-    m.parcels.resize(m.lines.size());
-    for (std::size_t k = 0; k < m.lines.size(); ++k) m.parcels[k].rank = all.lines[m.lines[k]].rank;
+    m.neighbour_messages.resize(m.lines.size());
+    for (std::size_t k = 0; k < m.lines.size(); ++k)
+      m.neighbour_messages[k].rank = all.lines[m.lines[k]].rank;
   }
 }
 
@@ -117,13 +120,14 @@ class coloured_velocities : public shared_velocities<Scenario> {
     for (std::size_t k = 0; k < m.lines.size(); ++k) {
       const colour_line& l = s_.colours.all.lines[m.lines[k]];
       const std::uint32_t first = l.first[colour], count = l.first[colour + 1] - first;
-      m.parcels[k].out.resize(count * bytes), m.parcels[k].in.resize(count * bytes);
+      m.neighbour_messages[k].out.resize(count * bytes),
+          m.neighbour_messages[k].in.resize(count * bytes);
       for (std::uint32_t u = 0; u < count; ++u) {
         put(static_cast<std::uint32_t>(l.own[first + u]), values);
-        std::memcpy(m.parcels[k].out.data() + u * bytes, values, bytes);
+        std::memcpy(m.neighbour_messages[k].out.data() + u * bytes, values, bytes);
       }
     }
-    s_.link->start_fixed(m.parcels);
+    s_.link->start_fixed(m.neighbour_messages);
   }
   template <int Scalars, class Real, class Get>
   void finish(std::uint32_t colour, Get&& get) {
@@ -131,13 +135,13 @@ class coloured_velocities : public shared_velocities<Scenario> {
     if (m.lines.empty()) return;
     const stage_clock clock(s_.seconds.exchange);
     constexpr std::size_t bytes = Scalars * sizeof(Real);
-    s_.link->finish_fixed(m.parcels);
+    s_.link->finish_fixed(m.neighbour_messages);
     Real values[Scalars];
     for (std::size_t k = 0; k < m.lines.size(); ++k) {
       const colour_line& l = s_.colours.all.lines[m.lines[k]];
       const std::uint32_t first = l.first[colour], count = l.first[colour + 1] - first;
       for (std::uint32_t u = 0; u < count; ++u) {
-        std::memcpy(values, m.parcels[k].in.data() + u * bytes, bytes);
+        std::memcpy(values, m.neighbour_messages[k].in.data() + u * bytes, bytes);
         get(static_cast<std::uint32_t>(l.foreign[first + u]), values);
       }
     }

@@ -83,7 +83,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       const auto add_point = [&](const contact_geometry& g) { add(x, g); };
       if (near >> k & 1u)
         collide_boxes(place_a(x), place_b(x), waiting_.tests, k, x.margin, contact_sink(add_point));
-      forget_unless_made(x);
+      drop_unless_made(x);
     }
   }
 
@@ -116,7 +116,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   };
   struct no_earlier_pair {};
 
-  static void forget_unless_made(const pair_at_hand& x) {
+  static void drop_unless_made(const pair_at_hand& x) {
     if (!x.made && x.last != nullptr) *x.last = history_place::none;
   }
 
@@ -125,19 +125,18 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     pair_at_hand x;
     x.i = i, x.j = j, x.last = last;
     if constexpr (state_type::has_joints)
-      if (s_.joints.joined(a_.id[i], b_.id[j])) return forget_unless_made(x);
-    if (!this->find(x)) return forget_unless_made(x);
+      if (s_.joints.joined(a_.id[i], b_.id[j])) return drop_unless_made(x);
+    if (!this->find(x)) return drop_unless_made(x);
     if constexpr (store_a::sleeps)
-      if (meet_sleeper(s_, a_, i, b_, j)) return forget_unless_made(x);
+      if (meet_sleeper(s_, a_, i, b_, j)) return drop_unless_made(x);
     if constexpr (paired && !state_type::link_type::alone)
       if (s_.strangers && !x.own_a && !x.own_b)
         require_acquainted<Scenario, ShapeA, ShapeB>(s_, i, j,
                                                      s_.by_colours() ? margin_a + margin_b : 0);
     x.foreign = !x.acts_here();
-    if (x.foreign && !(shares_islands(s_) && (x.moves_a || x.moves_b)))
-      return forget_unless_made(x);
+    if (x.foreign && !(shares_islands(s_) && (x.moves_a || x.moves_b))) return drop_unless_made(x);
     x.boundary = x.crosses_ranks();
-    if (x.boundary && !this->known_to_both(x)) return forget_unless_made(x);
+    if (x.boundary && !this->known_to_both(x)) return drop_unless_made(x);
 
     x.radius = a_.shape[i].bounding_radius();
     x.slack = contact_slack * x.radius;
@@ -171,12 +170,12 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           const auto& [shape, place] = global_before<ShapeB>(b_, j, -t);
           collide_pair(a_.shape[i], pose_a(x), shape, place, x.margin,
                        [&](const contact_geometry& g) { add(x, g); });
-          return forget_unless_made(x);
+          return drop_unless_made(x);
         }
       collide_pair(a_.shape[i], pose_a(x), b_.shape[j], pose_b(x), x.margin,
                    [&](const contact_geometry& g) { add(x, g); });
     }
-    forget_unless_made(x);
+    drop_unless_made(x);
   }
 
   /// If bodies are followed: the time in this step at which a body at its impact meets a driven
@@ -222,7 +221,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       motion_.add_flight(u, i, j);
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
-    if constexpr (watches<Scenario, penetration_monitor>)
+    if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
     c.a = static_cast<std::int32_t>(first_a_ + i);
@@ -238,7 +237,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       c.bias = bias_of(x, g, u, pulled);
       u += g.normal.dot(c.bias) * g.normal;  // the rest may be an impact
     }
-    const auto want = conditions_of<law, divides_the_step<typename Scenario::solver>>(
+    const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
         creep(x.radius), s_.settings.correction);
     real target = want.target_velocity;

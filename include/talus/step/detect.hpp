@@ -75,7 +75,7 @@ template <class Scenario>
 void find_contacts(world_state<Scenario>& s) {
   const auto search = [&] {
     run_hooks<stages::before_detect>(s);
-    if constexpr (world_state<Scenario>::midpoint) forget_earlier_turns(s);
+    if constexpr (world_state<Scenario>::midpoint) clear_earlier_turns(s);
     detect(s);
   };
   search();

@@ -39,19 +39,19 @@ void refresh_last_step(world_state<Scenario>& s, solver_state_of<Real>& x,
   const auto each = [&](std::uint32_t i, auto&& f) {
     f(x.bodies[i].v), f(x.bodies[i].w), f(y.bodies[i].v), f(y.bodies[i].w);
   };
-  std::vector<parcel> parcels;
+  std::vector<neighbour_message> neighbour_messages;
   for (const auto& other : s.travelled) {
-    parcel& p = parcels.emplace_back(parcel{.rank = other.rank});
+    neighbour_message& p = neighbour_messages.emplace_back(neighbour_message{.rank = other.rank});
     p.out.resize(other.sent.size() * bytes);
     p.in.resize(other.received.size() * bytes);
     std::byte* to = p.out.data();
     for (const auto i : other.sent)
       each(i, [&](const vector& v) { std::memcpy(to, v.data(), sizeof v), to += sizeof v; });
   }
-  s.link->start_fixed(parcels);
-  s.link->finish_fixed(parcels);
-  for (std::size_t n = 0; n < parcels.size(); ++n) {
-    const std::byte* from = parcels[n].in.data();
+  s.link->start_fixed(neighbour_messages);
+  s.link->finish_fixed(neighbour_messages);
+  for (std::size_t n = 0; n < neighbour_messages.size(); ++n) {
+    const std::byte* from = neighbour_messages[n].in.data();
     for (const auto i : s.travelled[n].received)
       each(i, [&](vector& v) { std::memcpy(v.data(), from, sizeof v), from += sizeof v; });
   }

@@ -45,7 +45,7 @@ void drift_to_midpoint(world_state<Scenario>& s) {
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.size(); ++i) {
       if (!store.moves(i)) continue;
-      if constexpr (watches<Scenario, energy_ledger> && store_type::tensor) {
+      if constexpr (monitored<Scenario, energy_ledger> && store_type::tensor) {
         const auto spin_energy = [&] {
           return 0.5 *
                  twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]);
@@ -72,7 +72,7 @@ void drift_to_midpoint(world_state<Scenario>& s) {
 
 /// Before contacts are searched: resets the rotations of the last step.
 template <class Scenario>
-void forget_earlier_turns(world_state<Scenario>& s) {
+void clear_earlier_turns(world_state<Scenario>& s) {
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
     auto& earlier = s.midpoints.earlier[k++];

@@ -90,7 +90,7 @@ class pair_motion {
   /// Converts the normal velocity after the impact to that at the end of the step. (A solver with
   /// substeps computes that itself.)
   void add_flight_after(real& target, std::size_t i, std::size_t j, const vec3& normal) const {
-    if constexpr (divides_the_step<typename Scenario::solver>) return;
+    if constexpr (uses_substeps<typename Scenario::solver>) return;
     const bool rebounds = target > 0;
     target += normal.dot(to_fly(a_, i, first_a_, rebounds));
     if constexpr (Paired) target -= normal.dot(to_fly(b_, j, first_b_, rebounds));

@@ -49,7 +49,7 @@ class passivity {
   static constexpr bool alone = state_type::link_type::alone;
   static constexpr bool by_colours = Ranks::coloured;
   static constexpr int most_plastic_sweeps = 50;
-  static constexpr bool divided = divides_the_step<typename Scenario::solver>;
+  static constexpr bool divided = uses_substeps<typename Scenario::solver>;
 
  public:
   passivity(state_type& s, Ranks& ranks) : s_(s), ranks_(ranks), solver_(s.solver) {}

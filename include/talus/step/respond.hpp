@@ -30,7 +30,7 @@ void gather_velocities(world_state<Scenario>& s) {
     solver.boundary_contacts.assign(solver.bodies.size(), 0);
     s.passive.common.resize(solver.bodies.size());
   }
-  constexpr bool divided = divides_the_step<typename Scenario::solver>;
+  constexpr bool divided = uses_substeps<typename Scenario::solver>;
   if constexpr (divided) solver.gain.assign(solver.bodies.size(), {});
   if constexpr (world_state<Scenario>::drives)
     for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k) {
@@ -101,7 +101,7 @@ void solve_contacts(world_state<Scenario>& s) {
 /// Solves the contact problem: afterwards the solver's velocities satisfy the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
-  if constexpr (world_state<Scenario>::sleeps && !watches<Scenario, energy_ledger>)
+  if constexpr (world_state<Scenario>::sleeps && !monitored<Scenario, energy_ledger>)
     if (s.settings.tolerance == 0 && !s.by_colours() && all_rest(s))
       return;  // no rank waits for this one
   gather_velocities(s);
@@ -125,7 +125,7 @@ void integrate(world_state<Scenario>& s) {
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;
-    constexpr bool divided = divides_the_step<typename Scenario::solver>;
+    constexpr bool divided = uses_substeps<typename Scenario::solver>;
     finite_watch watch;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
@@ -144,7 +144,7 @@ void integrate(world_state<Scenario>& s) {
             rate += (real(0.5) * t) * acceleration_of(s, store, i);
           left = s.impacts.found[b.first + i] - t;
           rate *= left / s.dt;
-          if constexpr (watches<Scenario, energy_ledger>) {
+          if constexpr (monitored<Scenario, energy_ledger>) {
             vec3 missing = s.dt * (store.velocity[i] - rate);
             if constexpr (divided) missing += s.dt * solver.drift[b.first + i].v;
             book_stop(s, store, i, missing);
@@ -160,7 +160,7 @@ void integrate(world_state<Scenario>& s) {
         if (struck && s.impacts.carriers[b.first + i].from < s.dt) {
           const vec3 held = store.position[i];
           store.position[i] = carried_to(s.impacts.carriers[b.first + i], held, s.dt);
-          if constexpr (watches<Scenario, energy_ledger>)
+          if constexpr (monitored<Scenario, energy_ledger>)
             book_stop(s, store, i, held - store.position[i]);
         }
       if constexpr (store_type::tensor) {

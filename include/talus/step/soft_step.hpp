@@ -48,8 +48,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   /// Whether the force rotates a body of this shape.
   template <class Shape>
   static constexpr bool turns = !law::central || !Shape::isotropic;
-  static constexpr bool booked = !observed && watches<Scenario, energy_ledger>;
-  static constexpr bool balanced = !observed && watches<Scenario, momentum_balance>;
+  static constexpr bool booked = !observed && monitored<Scenario, energy_ledger>;
+  static constexpr bool balanced = !observed && monitored<Scenario, momentum_balance>;
 
  public:
   force_adder(state_type& s, Observer& observer) : base(s), observer_(observer) {}
@@ -88,7 +88,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
             if (law::reaches && g.gap >= 0 && is_zero(f)) return;
             auto& count = std::get<soft_contacts>(s_.contacts);
             ++(counts ? count.here : count.doubled);
-            if constexpr (watches<Scenario, penetration_monitor>)
+            if constexpr (monitored<Scenario, penetration_monitor>)
               if (counts) s_.monitors.overlaps.add(g.gap);
           }
         });
@@ -277,14 +277,14 @@ void measure_forces(world_state<Scenario>& s) {
   if constexpr (law::remembers) s.recorded.reset(count.size());
   if constexpr (world_state<Scenario>::drives) forget_forces(s);
   count = {};
-  if constexpr (watches<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
-  if constexpr (watches<Scenario, energy_ledger>) {
+  if constexpr (monitored<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
+  if constexpr (monitored<Scenario, energy_ledger>) {
     s.monitors.springs.measure_anew();
     each_movable_store(s, [](auto& store, std::size_t) {
       std::fill(store.split.begin(), store.split.end(), split_forces{});
     });
   }
-  if constexpr (watches<Scenario, momentum_balance>)
+  if constexpr (monitored<Scenario, momentum_balance>)
     s.monitors.momentum.ground_force = vec3(0, 0, 0);
   std::nullptr_t nobody = nullptr;
   each_found_pair(s, [&]<class A, class B, partner P>() {
@@ -358,13 +358,13 @@ void kick(world_state<Scenario>& s, real h) {
       }
       const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
                  w = store.angular_velocity[i] + (h * inverse_mass) * torque;
-      if constexpr (watches<Scenario, energy_ledger> || watches<Scenario, momentum_balance>)
+      if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
         book_kick(s, store, i, h, kept, v, w);
       store.velocity[i] = kept * v;
       store.angular_velocity[i] = kept * w;
     }
   });
-  if constexpr (watches<Scenario, energy_ledger> || watches<Scenario, momentum_balance>)
+  if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
     book_kick_of_fixed(s, h);
 }
 
@@ -385,7 +385,7 @@ void drift(world_state<Scenario>& s, real h) {
       else if constexpr (store_type::oriented)
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], vec3(h * store.angular_velocity[i]));
-      if constexpr (watches<Scenario, energy_ledger>) book_drift(s, store, i, h, w, q);
+      if constexpr (monitored<Scenario, energy_ledger>) book_drift(s, store, i, h, w, q);
       (void)w, (void)q;
       watch.look(store.position[i]);
       watch.look(store.angular_velocity[i]);

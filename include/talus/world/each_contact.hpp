@@ -197,7 +197,7 @@ void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& 
   } else {
     if (!(s.dt > 0)) return;
     pair_points<Scenario> points(s, places);
-    const auto tell = [&](const remembered_contact& r) {
+    const auto tell = [&](const stored_contact& r) {
       if (r.memory[0] == 0 && r.memory[1] == 0 && r.memory[2] == 0) return;
       loaded_contact c{.a = r.key.a, .b = r.key.b, .feature = r.key.feature};
       c.force = r.memory / s.dt;
@@ -209,7 +209,7 @@ void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& 
       if (!bounded) c.centre_b = c.point;
       f(std::as_const(c), c.moves_a ? c.owned_a : c.owned_b);
     };
-    for (const remembered_contact& r : s.history.entries()) tell(r);
+    for (const stored_contact& r : s.history.entries()) tell(r);
     if constexpr (world_state<Scenario>::sleeps) each_frozen_contact(s, tell);
   }
 }

@@ -135,7 +135,7 @@ void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
   s.each_shape([](auto& b) { b.globals_changed = true; });
   if constexpr (!state::link_type::alone) {
     s.neighbours.clear();
-    s.parcels.clear();
+    s.neighbour_messages.clear();
     s.choice = {};
   }
   s.changed = true;

@@ -158,7 +158,7 @@ class body_view {
     if constexpr (!state_type::link_type::alone)
       detail::note_release(*s_, *store_, i_);
     else if (s_->by_colours())
-      detail::forget_contacts(*s_, id());
+      detail::clear_history_of(*s_, id());
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Wakes the island of the body, and resets its rest time. (So does every change of a body except

@@ -42,7 +42,7 @@ template <class Store>
 /// Half of the step, or of its first substep: a velocity is the true one that much earlier.
 template <class Scenario>
 [[nodiscard]] real half_part(const world_state<Scenario>& s) {
-  if constexpr (divides_the_step<typename Scenario::solver>)
+  if constexpr (uses_substeps<typename Scenario::solver>)
     return real(0.5) * s.dt / s.settings.iterations;
   else
     return real(0.5) * s.dt;
@@ -287,7 +287,7 @@ void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pai
       else if constexpr (store_type::oriented)
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], t * store.angular_velocity[i]);
-      if constexpr (watches<Scenario, energy_ledger>)
+      if constexpr (monitored<Scenario, energy_ledger>)
         if (i < store.locals) book_flight(s, store, i, from, w);
       (void)from, (void)w;
     }
@@ -316,7 +316,7 @@ template <class Scenario, class Store>
   if (store.inverse_mass[i] == 0) return f;
   const real t = s.impacts.time[body];
   f.velocity = solved_velocity(s, store, i, body);
-  constexpr bool divided = divides_the_step<typename Scenario::solver>;
+  constexpr bool divided = uses_substeps<typename Scenario::solver>;
   if constexpr (divided)
     f.velocity += s.solver.drift[body].v;  // the mean of its substeps
   else if (t != never)
@@ -340,10 +340,10 @@ void end_flight(world_state<Scenario>& s, Store& store, std::size_t i, real lost
   if (!(lost > 0) || square == 0) return;
   const real gained = 2 * lost * acceleration_of(s, store, i).dot(v);
   store.velocity[i] = std::sqrt(std::max<real>(0, 1 - gained / square)) * v;
-  if constexpr (watches<Scenario, energy_ledger>)
+  if constexpr (monitored<Scenario, energy_ledger>)
     s.monitors.energy.running.scheme +=
         (store.velocity[i].squaredNorm() - square) / (2 * store.inverse_mass[i]);
-  if constexpr (watches<Scenario, momentum_balance>)
+  if constexpr (monitored<Scenario, momentum_balance>)
     s.monitors.momentum.gravity += (store.velocity[i] - v) / store.inverse_mass[i];
 }
 

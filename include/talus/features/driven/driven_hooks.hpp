@@ -2,8 +2,8 @@
 // features<driven>: its state (state/driven_bodies.hpp), and the stages at which it acts
 // (features/driven/driven.hpp, features/driven/servo.hpp).
 #include "talus/features/driven/driven.hpp"
+#include "talus/features/driven/monitor_leaps.hpp"
 #include "talus/features/driven/servo.hpp"
-#include "talus/features/driven/watch_leaps.hpp"
 #include "talus/state/driven_bodies.hpp"
 #include "talus/state/state.hpp"
 
@@ -24,7 +24,7 @@ struct driven::hooks {
     if constexpr (Scenario::contact_law::soft)
       push_servos(s);
     else
-      settle_servos(s), watch_leaps(s);
+      settle_servos(s), monitor_leaps(s);
   }
   template <class Scenario>
   static void after_move(detail::world_state<Scenario>& s) {

@@ -95,7 +95,7 @@ void settle_servos(world_state<Scenario>& s) {
     real shift = 0;
     if constexpr (world_state<Scenario>::law::correction)
       shift += in_scalar<real>(s.solver.shift[k].v).dot(one.holds.axis);
-    if constexpr (divides_the_step<typename Scenario::solver>)
+    if constexpr (uses_substeps<typename Scenario::solver>)
       shift += s.solver.drift[k].v.dot(one.holds.axis);
     one.sums.shift += mass * shift;
   }

@@ -258,7 +258,7 @@ void book_response(world_state<Scenario>& s) {
       r.running.work += s.dt * (store.force[i].dot(mean.v) + store.torque[i].dot(mean.w));
     if constexpr (world_state<Scenario>::law::correction)
       r.running.correction += -pull.dot(in_scalar<real>(solver.shift[k].v));
-    if constexpr (divides_the_step<typename Scenario::solver>)
+    if constexpr (uses_substeps<typename Scenario::solver>)
       r.running.scheme += -pull.dot(solver.drift[k].v);
     const bool damped = kept != 1;
     if (!damped && !store_type::tensor) return;

@@ -44,7 +44,7 @@ template <class Scenario, class Store>
 void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real h, real kept,
                const vec3& v, const vec3& w) {
   const real mass = 1 / store.inverse_mass[i];
-  if constexpr (watches<Scenario, energy_ledger>) {
+  if constexpr (monitored<Scenario, energy_ledger>) {
     energy_record& r = s.monitors.energy;
     const vec3 mv = 0.5 * (store.velocity[i] + v), mw = 0.5 * (store.angular_velocity[i] + w);
     const split_forces& f = store.split[i];
@@ -62,7 +62,7 @@ void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real
       r.running.damping += 0.5 * (1 - kept * kept) * (mass * v.squaredNorm() + spin);
     }
   }
-  if constexpr (watches<Scenario, momentum_balance>) {
+  if constexpr (monitored<Scenario, momentum_balance>) {
     momentum_record& r = s.monitors.momentum;
     r.gravity += vec3((h * mass) * s.gravity);
     if constexpr (Store::forced) r.forces += vec3(h * store.force[i]);
@@ -72,7 +72,7 @@ void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real
 /// The same of moving fixed bodies, and of the forces of fixed and global bodies.
 template <class Scenario>
 void book_kick_of_fixed(step_records<Scenario>& s, real h) {
-  if constexpr (watches<Scenario, energy_ledger>) {
+  if constexpr (monitored<Scenario, energy_ledger>) {
     auto& running = s.monitors.energy.running;
     const spring_record& r = s.monitors.springs;
     const double spring = h * r.spring_power.value(), dashpot = h * r.dashpot_power.value(),
@@ -82,7 +82,7 @@ void book_kick_of_fixed(step_records<Scenario>& s, real h) {
     running.impact += dashpot;
     running.friction += friction;
   }
-  if constexpr (watches<Scenario, momentum_balance>)
+  if constexpr (monitored<Scenario, momentum_balance>)
     s.monitors.momentum.ground += vec3(h * s.monitors.momentum.ground_force);
 }
 

@@ -112,7 +112,7 @@ template <class Scenario>
 
 /// Adds the step to the rest time of each body owned here.
 template <class Scenario>
-void count_quiet(world_state<Scenario>& s) {
+void advance_sleep_timers(world_state<Scenario>& s) {
   const auto dt = static_cast<float>(s.dt);
   const real slow = s.sleep.settings.speed * s.sleep.settings.speed;
   s.each_finite_shape([&](auto& b) {
@@ -139,22 +139,23 @@ void count_quiet(world_state<Scenario>& s) {
 template <class Scenario>
 void join_islands(world_state<Scenario>& s) {
   disjoint_sets& islands = s.sleep.islands;
-  auto& rested = s.sleep.rested;
+  auto& island_timer = s.sleep.island_timer;
   const auto& bodies = s.solver.bodies;
   islands.reset(bodies.size());
-  rested.assign(bodies.size(), std::numeric_limits<float>::infinity());
+  island_timer.assign(bodies.size(), std::numeric_limits<float>::infinity());
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size(); ++i)
       if (!b.movable.moves(i)) {
         continue;
       } else if (i < b.movable.locals) {
-        rested[b.first + i] = b.movable.quiet[i];
+        island_timer[b.first + i] = b.movable.quiet[i];
       } else if (!s.by_colours()) {  // otherwise, owners send it below
-        rested[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
+        island_timer[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
       }
   });
   const auto carried = [&](std::size_t body, std::size_t by) {
-    if (v_of(bodies[by]) != vec3(0, 0, 0) || w_of(bodies[by]) != vec3(0, 0, 0)) rested[body] = 0;
+    if (v_of(bodies[by]) != vec3(0, 0, 0) || w_of(bodies[by]) != vec3(0, 0, 0))
+      island_timer[body] = 0;
   };
   s.each_contact_list([&](const auto& list) {
     list.each([&](const auto& c, bool) {
@@ -170,19 +171,19 @@ void join_islands(world_state<Scenario>& s) {
     });
   });
   for (std::uint32_t k = 0; k < islands.size(); ++k) {
-    float& all = rested[islands.root(k)];
-    all = std::min(all, rested[k]);
+    float& all = island_timer[islands.root(k)];
+    all = std::min(all, island_timer[k]);
   }
   if constexpr (world_state<Scenario>::may_use_colours &&
                 !world_state<Scenario>::link_type::alone) {
     if (!s.by_colours()) return;
     plain_vector<real> values(islands.size());
     for (bool lower = true; lower; lower = anywhere(s, lower)) {
-      for (std::uint32_t k = 0; k < islands.size(); ++k) values[k] = rested[islands.root(k)];
+      for (std::uint32_t k = 0; k < islands.size(); ++k) values[k] = island_timer[islands.root(k)];
       shared_velocities<Scenario>(s).share_values(values);
       lower = false;
       for (std::uint32_t k = 0; k < islands.size(); ++k) {
-        float& all = rested[islands.root(k)];
+        float& all = island_timer[islands.root(k)];
         if (const auto there = static_cast<float>(values[k]); there < all)
           all = there, lower = true;
       }
@@ -193,7 +194,7 @@ void join_islands(world_state<Scenario>& s) {
 /// After positions have moved: puts to sleep the islands that have rested long enough.
 template <class Scenario>
 void put_to_sleep(world_state<Scenario>& s) {
-  count_quiet(s);
+  advance_sleep_timers(s);
   if (s.steps % steps_between_rests != 0) return;
   join_islands(s);
   const auto long_enough = static_cast<float>(s.sleep.settings.time);
@@ -201,9 +202,9 @@ void put_to_sleep(world_state<Scenario>& s) {
     auto& store = b.movable;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
-      store.quiet[i] = s.sleep.rested[s.sleep.islands.root(b.first + i)];
+      store.quiet[i] = s.sleep.island_timer[s.sleep.islands.root(b.first + i)];
       if (store.quiet[i] < long_enough) continue;
-      if constexpr (watches<Scenario, energy_ledger>)
+      if constexpr (monitored<Scenario, energy_ledger>)
         s.monitors.energy.running.sleep +=
             0.5 *
             (store.velocity[i].squaredNorm() / store.inverse_mass[i] +

@@ -38,16 +38,17 @@ struct sleep_state {
   plain_vector<system_id> asleep;  ///< all that are known here, sorted
   plain_vector<waker> touched;     ///< own bodies that an awake body approaches
   disjoint_sets islands;           ///< in the solver's indices
-  plain_vector<float> rested;      ///< of each island, at its root
-  bool all = false;                ///< all are to wake
-  bool changed = false;            ///< own bodies fell asleep or woke, neighbours not yet notified
-  bool noted = false;              ///< the memory was sorted after wake_disturbed() began
-  bool spreads = false;            ///< a body known here woke: others of its island may have to
-  bool disturbed = false;          ///< own immovable bodies are marked as disturbed
+  plain_vector<float> island_timer;  ///< of each island, at its root
+  bool all = false;                  ///< all are to wake
+  bool changed = false;    ///< own bodies fell asleep or woke, neighbours not yet notified
+  bool noted = false;      ///< the memory was sorted after wake_disturbed() began
+  bool spreads = false;    ///< a body known here woke: others of its island may have to
+  bool disturbed = false;  ///< own immovable bodies are marked as disturbed
 
   [[nodiscard]] std::size_t bytes() const {
     return contacts.bytes() + asleep.capacity() * sizeof(system_id) +
-           touched.capacity() * sizeof(waker) + islands.bytes() + rested.capacity() * sizeof(float);
+           touched.capacity() * sizeof(waker) + islands.bytes() +
+           island_timer.capacity() * sizeof(float);
   }
 };
 

@@ -20,7 +20,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/disjoint_sets.hpp"
 #include "talus/core/id_table.hpp"
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/detect/narrow.hpp"
@@ -231,13 +231,14 @@ template <class Scenario>
       ++k;
     });
   };
-  std::vector<parcel> parcels;
-  for (const auto& n : s.neighbours) parcels.push_back({.rank = n.rank});
-  each(true, [&](std::size_t n, float& value) { byte_writer(parcels[n].out).put(value); });
-  s.link->start(parcels);
-  s.link->finish(parcels);
+  std::vector<neighbour_message> neighbour_messages;
+  for (const auto& n : s.neighbours) neighbour_messages.push_back({.rank = n.rank});
+  each(true,
+       [&](std::size_t n, float& value) { byte_writer(neighbour_messages[n].out).put(value); });
+  s.link->start(neighbour_messages);
+  s.link->finish(neighbour_messages);
   std::vector<byte_reader> in;
-  for (const parcel& p : parcels) in.emplace_back(p.in);
+  for (const neighbour_message& p : neighbour_messages) in.emplace_back(p.in);
   bool lower = false;
   each(false, [&](std::size_t n, float& value) {
     const float there = in[n].template get<float>();

@@ -90,7 +90,7 @@ template <class Scenario>
   out.push_back(text_dataset("/parameters/names", names));
   if constexpr (world_state<Scenario>::balances)
     out.push_back(numbers_dataset<double>("/run/cuts", access::cuts(w)));
-  if constexpr (!world_state<Scenario>::law::soft || watches<Scenario, residual_monitor>) {
+  if constexpr (!world_state<Scenario>::law::soft || monitored<Scenario, residual_monitor>) {
     const talus::convergence& c = s.convergence;
     out.push_back(numbers_dataset<double>(
         "/run/convergence",

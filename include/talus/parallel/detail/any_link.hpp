@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 
@@ -27,10 +27,10 @@ class any_link {
   [[nodiscard]] virtual int size() const = 0;
   [[nodiscard]] virtual const traffic& counters() const = 0;
   virtual void note_step(std::uint64_t step) = 0;
-  virtual void start(std::span<parcel> parcels) = 0;
-  virtual void finish(std::span<parcel> parcels) = 0;
-  virtual void start_fixed(std::span<parcel> parcels) = 0;
-  virtual void finish_fixed(std::span<parcel> parcels) = 0;
+  virtual void start(std::span<neighbour_message> neighbour_messages) = 0;
+  virtual void finish(std::span<neighbour_message> neighbour_messages) = 0;
+  virtual void start_fixed(std::span<neighbour_message> neighbour_messages) = 0;
+  virtual void finish_fixed(std::span<neighbour_message> neighbour_messages) = 0;
   virtual void barrier() = 0;
   [[nodiscard]] virtual std::vector<byte_buffer> gather(const byte_buffer& mine) = 0;
   [[nodiscard]] virtual std::vector<byte_buffer> gather_all(const byte_buffer& mine) = 0;

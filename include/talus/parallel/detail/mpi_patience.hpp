@@ -11,7 +11,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/parallel/detail/mpi_verdict.hpp"
-#include "talus/parallel/detail/wait_watch.hpp"
+#include "talus/parallel/detail/wait_monitor.hpp"
 
 namespace talus::detail {
 
@@ -22,7 +22,7 @@ class mpi_patience {
   static constexpr int all = -1;
 
   mpi_patience() = default;  ///< waits for ever
-  mpi_patience(mpi_verdict& who_left, wait_watch& watch) : who_left_(&who_left), watch_(&watch) {}
+  mpi_patience(mpi_verdict& who_left, wait_monitor& watch) : who_left_(&who_left), watch_(&watch) {}
 
   /// Calls done() until it is true. Throws runtime_error if `other`, or for a collective call (the
   /// `call`-th) any rank, has ended its program before it came so far, and nothing of it arrived in
@@ -116,7 +116,7 @@ class mpi_patience {
   }
 
   mpi_verdict* who_left_ = nullptr;
-  wait_watch* watch_ = nullptr;
+  wait_monitor* watch_ = nullptr;
 };
 
 }  // namespace talus::detail

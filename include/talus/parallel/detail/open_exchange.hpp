@@ -7,7 +7,7 @@
 #include <string>
 
 #include "talus/core/error.hpp"
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/traffic.hpp"
 
@@ -17,9 +17,9 @@ class open_exchange {
  public:
   enum class sizes { unknown, fixed };
 
-  void start(std::span<const parcel> parcels, sizes how, int rank, int ranks);
+  void start(std::span<const neighbour_message> neighbour_messages, sizes how, int rank, int ranks);
 
-  void finish(std::span<const parcel> parcels, sizes how, int rank);
+  void finish(std::span<const neighbour_message> neighbour_messages, sizes how, int rank);
 
   void count_collective(int rank);
 
@@ -30,7 +30,7 @@ class open_exchange {
 
  private:
   traffic sent_;
-  std::span<const parcel> parcels_;
+  std::span<const neighbour_message> parcels_;
   sizes how_ = sizes::unknown;
   bool open_ = false;
   reduction how_reduced_ = reduction::sum;
@@ -39,7 +39,7 @@ class open_exchange {
 };
 
 /// Throws because the message of a neighbour has another size than expected.
-[[noreturn]] void fail_size(int rank, const parcel& p, std::optional<std::size_t> came);
+[[noreturn]] void fail_size(int rank, const neighbour_message& p, std::optional<std::size_t> came);
 
 }  // namespace talus::detail
 

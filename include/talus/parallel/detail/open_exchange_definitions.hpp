@@ -5,28 +5,30 @@
 
 namespace talus::detail {
 
-TALUS_INLINE void open_exchange::start(std::span<const parcel> parcels, sizes how, int rank,
-                                       int ranks) {
+TALUS_INLINE void open_exchange::start(std::span<const neighbour_message> neighbour_messages,
+                                       sizes how, int rank, int ranks) {
   if (open_)
     fail<std::logic_error>("rank {} starts an exchange before it has finished the last one", rank);
-  for (const parcel& p : parcels) {
+  for (const neighbour_message& p : neighbour_messages) {
     if (p.rank < 0 || p.rank >= ranks)
-      fail<std::invalid_argument>("rank {} has a parcel for rank {}, but ranks are 0 to {}", rank,
-                                  p.rank, ranks - 1);
+      fail<std::invalid_argument>(
+          "rank {} has a neighbour_message for rank {}, but ranks are 0 to {}", rank, p.rank,
+          ranks - 1);
     sent_.bytes += p.out.size();
   }
-  sent_.messages += parcels.size();
-  parcels_ = parcels;
+  sent_.messages += neighbour_messages.size();
+  parcels_ = neighbour_messages;
   how_ = how;
   open_ = true;
 }
 
-TALUS_INLINE void open_exchange::finish(std::span<const parcel> parcels, sizes how, int rank) {
-  if (!open_ || how != how_ || parcels.data() != parcels_.data() ||
-      parcels.size() != parcels_.size())
+TALUS_INLINE void open_exchange::finish(std::span<const neighbour_message> neighbour_messages,
+                                        sizes how, int rank) {
+  if (!open_ || how != how_ || neighbour_messages.data() != parcels_.data() ||
+      neighbour_messages.size() != parcels_.size())
     fail<std::logic_error>(
         "rank {} finishes an exchange that it has not started: start and finish (start_fixed and "
-        "finish_fixed) take the same parcels, in turn",
+        "finish_fixed) take the same neighbour_messages, in turn",
         rank);
   open_ = false;
 }
@@ -55,7 +57,7 @@ TALUS_INLINE reduction open_exchange::finish_reduce(std::size_t values, int rank
   return how_reduced_;
 }
 
-TALUS_INLINE void fail_size(int rank, const parcel& p, std::optional<std::size_t> came) {
+TALUS_INLINE void fail_size(int rank, const neighbour_message& p, std::optional<std::size_t> came) {
   fail<std::runtime_error>(
       "rank {} expected {} bytes from rank {}, but {} came: the two ranks disagree about what they "
       "share, or one has called start and the other start_fixed",

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
-#include "talus/core/parcel.hpp"
-#include "talus/parallel/detail/wait_watch.hpp"
+#include "talus/core/neighbour_message.hpp"
+#include "talus/parallel/detail/wait_monitor.hpp"
 
 namespace talus::detail {
 
@@ -34,7 +34,7 @@ class thread_team {
   explicit thread_team(int ranks);
   [[nodiscard]] int size() const { return static_cast<int>(boxes_.size()); }
   /// Sets the waiting time after which a rank is reported, see launch_settings.
-  void watch(wait_watch how) { watch_ = std::move(how); }
+  void watch(wait_monitor how) { watch_ = std::move(how); }
   /// The last step that `rank` has completed.
   void note_step(int rank, std::uint64_t step);
 
@@ -42,18 +42,18 @@ class thread_team {
 
   /// Waits for one message per parcel, then passes each to take(parcel, buffer).
   template <class Take>
-  void receive(int rank, std::span<parcel> parcels, Take take) {
+  void receive(int rank, std::span<neighbour_message> neighbour_messages, Take take) {
     mailbox& box = boxes_[static_cast<std::size_t>(rank)];
     std::unique_lock lock(box.mutex);
     box.missing = 0;
     int first_missing = busy;
-    for (const parcel& p : parcels) {
+    for (const neighbour_message& p : neighbour_messages) {
       queue& q = box.from(p.rank);
       if (++q.claimed <= q.messages.size()) continue;
       if (box.missing++ == 0) first_missing = p.rank;
     }
     if (box.missing > 0) sleep(rank, first_missing, lock, box.bell, [&] { return !box.missing; });
-    for (parcel& p : parcels) {
+    for (neighbour_message& p : neighbour_messages) {
       queue& q = box.from(p.rank);
       q.claimed = 0;
       byte_buffer message = std::move(q.messages.front());
@@ -173,7 +173,7 @@ class thread_team {
   std::vector<mailbox> boxes_;
   std::vector<std::atomic<int>> doing_;            // busy, ended, ..., or the rank it waits for
   std::vector<std::atomic<std::uint64_t>> steps_;  // that each rank has completed
-  wait_watch watch_;
+  wait_monitor watch_;
   std::atomic<int> running_;  // ranks that neither sleep nor have ended
   std::atomic<int> left_ = 0;
 

@@ -1,17 +1,17 @@
 #pragma once
-// The definitions of wait_watch.hpp, in the compiled part or in each program.
+// The definitions of wait_monitor.hpp, in the compiled part or in each program.
 #include "talus/core/linkage.hpp"
-#include "talus/parallel/detail/wait_watch.hpp"
+#include "talus/parallel/detail/wait_monitor.hpp"
 
 namespace talus::detail {
 
-TALUS_INLINE wait_watch& wait_watch::operator=(wait_watch&& other) noexcept {
+TALUS_INLINE wait_monitor& wait_monitor::operator=(wait_monitor&& other) noexcept {
   patience_ = other.patience_, give_up_ = other.give_up_;
   report_ = std::move(other.report_);
   return *this;
 }
 
-TALUS_INLINE bool wait_watch::mine_to_report(bool ends) {
+TALUS_INLINE bool wait_monitor::mine_to_report(bool ends) {
   if (ends) return !ends_.exchange(true);
   const std::int64_t now =
       std::chrono::duration_cast<std::chrono::milliseconds>(clock::now().time_since_epoch())
@@ -21,8 +21,8 @@ TALUS_INLINE bool wait_watch::mine_to_report(bool ends) {
                               silent, now + static_cast<std::int64_t>(1e4 * patience_));
 }
 
-TALUS_INLINE std::string wait_watch::text(const std::string& stuck, const std::string& waiting,
-                                          bool ends) const {
+TALUS_INLINE std::string wait_monitor::text(const std::string& stuck, const std::string& waiting,
+                                            bool ends) const {
   return compose(
       "{} has kept others waiting for {} seconds{}: {} wait{}; look for a callback or "
       "a loop that does not end there{}",

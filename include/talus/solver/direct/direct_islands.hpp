@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/solver/contact_access.hpp"
 #include "talus/solver/direct/body_ties.hpp"
 
@@ -45,10 +45,11 @@ class direct_islands {
   void add_hub(std::uint32_t body);
   /// After the ties of all bodies have been shared.
   void solve_shared(std::span<const access> lists, State& s);
-  /// After the last sweep. `parcels` becomes one for each other rank that takes part; `exchange()`
-  /// sends and receives them.
+  /// After the last sweep. `neighbour_messages` becomes one for each other rank that takes part;
+  /// `exchange()` sends and receives them.
   void solve_gathered(std::span<const access> lists, State& s, int own,
-                      std::span<const travelling_bodies> travelling, std::vector<parcel>& parcels,
+                      std::span<const travelling_bodies> travelling,
+                      std::vector<neighbour_message>& neighbour_messages,
                       const std::function<void()>& exchange);
 
  private:

@@ -57,9 +57,9 @@ void direct_islands<State>::solve_shared(std::span<const access> lists, State& s
 template <class State>
 void direct_islands<State>::solve_gathered(std::span<const access> lists, State& s, int own,
                                            std::span<const travelling_bodies> travelling,
-                                           std::vector<parcel>& parcels,
+                                           std::vector<neighbour_message>& neighbour_messages,
                                            const std::function<void()>& exchange) {
-  parts_->gathered.solve(lists, s, own, travelling, parcels, exchange);
+  parts_->gathered.solve(lists, s, own, travelling, neighbour_messages, exchange);
 }
 
 }  // namespace talus::detail

@@ -18,7 +18,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/disjoint_sets.hpp"
 #include "talus/core/id.hpp"
-#include "talus/core/parcel.hpp"
+#include "talus/core/neighbour_message.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
@@ -106,23 +106,24 @@ class gathered_islands {
     });
   }
 
-  /// After the last sweep. `parcels` becomes one for each other rank that takes part; `exchange()`
-  /// sends and receives them.
+  /// After the last sweep. `neighbour_messages` becomes one for each other rank that takes part;
+  /// `exchange()` sends and receives them.
   void solve(std::span<const access> lists, State& s, int own,
-             std::span<const travelling_bodies> travelling, std::vector<parcel>& parcels,
+             std::span<const travelling_bodies> travelling,
+             std::vector<neighbour_message>& neighbour_messages,
              const std::function<void()>& exchange) {
-    parcels.clear();
+    neighbour_messages.clear();
     if (hubs_.empty()) return;
     note_owners(s, own, travelling);
     for (const auto& other : travelling)
       if (holds_hub(other.sent) || holds_hub(other.received))
-        parcels.push_back({.rank = other.rank});
+        neighbour_messages.push_back({.rank = other.rank});
     find_parts(lists, s, own);
-    for (parcel& p : parcels) tell(lists, s, parts_[p.rank], p.out);
+    for (neighbour_message& p : neighbour_messages) tell(lists, s, parts_[p.rank], p.out);
     exchange();
-    solve_here(lists, s, parts_[own], parcels);
+    solve_here(lists, s, parts_[own], neighbour_messages);
     exchange();
-    for (parcel& p : parcels) {
+    for (neighbour_message& p : neighbour_messages) {
       byte_reader in(p.in);
       take(lists, s, parts_[p.rank], in.get_all<vec3>());
     }
@@ -150,13 +151,13 @@ class gathered_islands {
     bool too_large = false;
   };
   /// Their form in messages.
-  struct told_body {
+  struct reported_body {
     system_id id;
     vec3 v, w;
     real inverse_mass;
     mat3 inverse_inertia;
   };
-  struct told_contact {
+  struct reported_contact {
     contact_key key;
     std::int32_t a_moves, b_moves, boundary, none;
     island_contact contact;
@@ -261,17 +262,18 @@ class gathered_islands {
     (void)parts_[own];
   }
 
-  [[nodiscard]] told_body body_of(const State& s, system_id id, std::int32_t body) const {
+  [[nodiscard]] reported_body body_of(const State& s, system_id id, std::int32_t body) const {
     const auto& b = s.bodies[at(body)];
     return {
         id, v_of(b), w_of(b), real(b.inverse_mass),
         at(body) >= s.first_tensor ? s.tensor(at(body)) : diagonal_matrix<real>(b.inverse_inertia)};
   }
   /// With the velocity of immovable bodies included in its target and drive.
-  [[nodiscard]] told_contact contact_of(std::span<const access> lists, const State& s,
-                                        const member& m) const {
-    told_contact t{lists[m.list].key(m.part, m.index), 0, 0,
-                   m.part == contact_part::boundary,   0, lists[m.list].contact(m.part, m.index)};
+  [[nodiscard]] reported_contact contact_of(std::span<const access> lists, const State& s,
+                                            const member& m) const {
+    reported_contact t{
+        lists[m.list].key(m.part, m.index), 0, 0,
+        m.part == contact_part::boundary,   0, lists[m.list].contact(m.part, m.index)};
     island_contact& c = t.contact;
     vec3 u{0, 0, 0};
     const auto look = [&](std::int32_t body, const vec3& arm, real sign) -> std::int32_t {
@@ -299,17 +301,17 @@ class gathered_islands {
 
   /// Solves the own part together with the received parcels, and writes the answers.
   void solve_here(std::span<const access> lists, State& s, const part& own,
-                  std::vector<parcel>& parcels) {
+                  std::vector<neighbour_message>& neighbour_messages) {
     solver_state all;
     std::map<system_id, std::int32_t> number;
-    const auto add_body = [&](const told_body& b) {
+    const auto add_body = [&](const reported_body& b) {
       number.emplace(b.id, static_cast<std::int32_t>(all.bodies.size()));
       all.bodies.push_back({b.v, b.inverse_mass, b.w, 0});
       all.tensors.push_back(b.inverse_inertia);
     };
     plain_vector<island_contact> contacts;
     std::map<place, std::int32_t> between;  // contacts between ranks come from both
-    const auto add_contact = [&](const told_contact& t) -> std::int32_t {
+    const auto add_contact = [&](const reported_contact& t) -> std::int32_t {
       island_contact c = t.contact;
       const auto find = [&](std::int32_t moving, system_id id, std::int32_t& body) {
         body = -1;
@@ -328,20 +330,21 @@ class gathered_islands {
       return static_cast<std::int32_t>(contacts.size()) - 1;
     };
 
-    std::vector<plain_vector<told_contact>> told(parcels.size() + 1);
+    std::vector<plain_vector<reported_contact>> told(neighbour_messages.size() + 1);
     bool too_large = own.too_large;
     for (const auto& [id, body] : own.bodies) add_body(body_of(s, id, body));
     for (const member& m : own.contacts) told.back().push_back(contact_of(lists, s, m));
-    for (std::size_t n = 0; n < parcels.size(); ++n) {
-      byte_reader in(parcels[n].in);
+    for (std::size_t n = 0; n < neighbour_messages.size(); ++n) {
+      byte_reader in(neighbour_messages[n].in);
       if (in.get<std::uint64_t>() != 0) too_large = true;
-      for (auto count = in.get<std::uint64_t>(); count > 0; --count) add_body(in.get<told_body>());
       for (auto count = in.get<std::uint64_t>(); count > 0; --count)
-        told[n].push_back(in.get<told_contact>());
+        add_body(in.get<reported_body>());
+      for (auto count = in.get<std::uint64_t>(); count > 0; --count)
+        told[n].push_back(in.get<reported_contact>());
     }
     std::vector<plain_vector<std::int32_t>> places(told.size());
     for (std::size_t n = told.size(); n-- > 0;)
-      for (const told_contact& t : told[n]) places[n].push_back(add_contact(t));
+      for (const reported_contact& t : told[n]) places[n].push_back(add_contact(t));
 
     contact_vector r;
     if (contacts.size() > 4 * most_contacts) s.islands.skip(contacts.size()), too_large = true;
@@ -356,11 +359,11 @@ class gathered_islands {
       }
       return impulses;
     };
-    for (std::size_t n = 0; n < parcels.size(); ++n) {
-      parcels[n].out.clear();
-      byte_writer(parcels[n].out).put(std::span<const vec3>(answer(n)));
+    for (std::size_t n = 0; n < neighbour_messages.size(); ++n) {
+      neighbour_messages[n].out.clear();
+      byte_writer(neighbour_messages[n].out).put(std::span<const vec3>(answer(n)));
     }
-    take(lists, s, own, answer(parcels.size()));
+    take(lists, s, own, answer(neighbour_messages.size()));
   }
   bool improve(const plain_vector<island_contact>& contacts, const solver_state& all,
                contact_vector& r, State& s) {

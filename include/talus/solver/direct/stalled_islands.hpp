@@ -56,14 +56,14 @@ class stalled_islands {
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
-    bool solved = false, looked = false;
+    bool solved = false, searched_at = false;
     for (const auto& [stall, i] : worst_first)
       if (-stall > let_be * s.speed) {
-        looked = true;
+        searched_at = true;
         solved |= solve_one(islands_[i], lists, s, budget);
       }
     s.islands.close(budget);
-    if (!solved && (looked || stalled > many)) s.islands.pause();
+    if (!solved && (searched_at || stalled > many)) s.islands.pause();
   }
 
  private:

@@ -11,17 +11,17 @@
 namespace talus {
 
 /// The counterpart of domain<...> for a link that never has a second rank.
-class lone_domain {
+class single_domain {
  public:
   static constexpr bool periodic = false;
 
   /// Checks the decomposition, although it is not used.
   template <concepts::decomposition Decomposition>
-  lone_domain(const Decomposition& d, int, int, real = 0) {
+  single_domain(const Decomposition& d, int, int, real = 0) {
     if constexpr (concepts::generating_decomposition<Decomposition>)
       (void)d.resolve(d.size() > 0 ? d.size() : 1);
   }
-  [[nodiscard]] static lone_domain undivided(int, int) { return {}; }
+  [[nodiscard]] static single_domain undivided(int, int) { return {}; }
 
   /// All forms of domain::connect; there is no rank to connect to: invalid_argument.
   void connect(int rank, real, real, real, real, real = 0) { refuse(rank); }
@@ -48,7 +48,7 @@ class lone_domain {
   }
 
  private:
-  lone_domain() = default;
+  single_domain() = default;
   [[noreturn]] static void refuse(int rank) {
     detail::fail<std::invalid_argument>(
         "rank 0 cannot connect to rank {}: it is alone in a serial program; choose another "

@@ -18,7 +18,7 @@ inline constexpr real largest_leap = 10;
 /// Records if contacts have made a body of this rank faster than any body known to it could: bodies
 /// caught between a driven body and a wall hold unbounded impulses, and release them.
 template <class Scenario>
-void watch_leaps(world_state<Scenario>& s) {
+void monitor_leaps(world_state<Scenario>& s) {
   real before = s.driving.fastest, after = 0;
   s.each_shape([&](const auto& b) {
     using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;

@@ -8,7 +8,7 @@ namespace talus {
 /// start() to finish() neither buffer may be touched. After finish() `in` holds the message of the
 /// neighbour and `out` is empty; after finish_fixed() `out` keeps its size, but not its content.
 /// (Ranks inside one process swap buffers instead of copying them.)
-struct parcel {
+struct neighbour_message {
   int rank = -1;
   detail::byte_buffer out{};
   detail::byte_buffer in{};

@@ -84,10 +84,10 @@ struct contact_course<Contact> {
 /// With a tolerance each substep is iterated to it. After the step contacts hold the impulses of
 /// the whole step; measure_residual() compares these with the velocities at its end, so that an
 /// impact within the step counts as a residual.
-struct small_steps final {
+struct substepping final {
   using talus_part_of = roles::solver;
-  static constexpr const char* name = "small_steps";
-  static constexpr bool divides_the_step = true;
+  static constexpr const char* name = "substepping";
+  static constexpr bool uses_substeps = true;
 
   /// As nonlinear_gauss_seidel::solve; in addition it fills solver_state::drift.
   template <class Lists, class Ranks>
@@ -192,5 +192,8 @@ struct small_steps final {
     return watch.end(k, [&] { ranks.share_velocities(); });
   }
 };
+
+/// The former name.
+using small_steps = substepping;
 
 }  // namespace talus

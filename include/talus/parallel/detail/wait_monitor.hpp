@@ -15,16 +15,16 @@
 namespace talus::detail {
 
 /// The settings and the last reports, for the ranks of a process.
-class wait_watch {
+class wait_monitor {
   using clock = std::chrono::steady_clock;
 
  public:
-  wait_watch() = default;  ///< reports nothing
-  explicit wait_watch(const launch_settings& how)
+  wait_monitor() = default;  ///< reports nothing
+  explicit wait_monitor(const launch_settings& how)
       : patience_(how.patience), give_up_(how.give_up), report_(how.report) {}
-  wait_watch(wait_watch&& other) noexcept
+  wait_monitor(wait_monitor&& other) noexcept
       : patience_(other.patience_), give_up_(other.give_up_), report_(std::move(other.report_)) {}
-  wait_watch& operator=(wait_watch&& other) noexcept;
+  wait_monitor& operator=(wait_monitor&& other) noexcept;
 
   [[nodiscard]] bool active() const { return patience_ > 0; }
   [[nodiscard]] double patience() const { return patience_; }
@@ -51,7 +51,7 @@ class wait_clock {
   using clock = std::chrono::steady_clock;
 
  public:
-  explicit wait_clock(const wait_watch& how) : how_(how), began_(clock::now()) {}
+  explicit wait_clock(const wait_monitor& how) : how_(how), began_(clock::now()) {}
 
   /// Time until the next check: first the patience, then a second or the rest until the end of the
   /// run.
@@ -65,7 +65,7 @@ class wait_clock {
   }
 
  private:
-  const wait_watch& how_;
+  const wait_monitor& how_;
   clock::time_point began_;
 };
 
