@@ -259,6 +259,13 @@ void has_collectives(int ranks) {
     std::uint64_t n[] = {big + me};
     l.reduce(reduction::max, std::span<std::uint64_t>(n));
     demand(n[0] == big + ranks - 1, "max of counts is exact");
+    const std::uint64_t huge = ~std::uint64_t{0} - ranks;
+    std::uint64_t ends[] = {me == 0 ? huge : std::uint64_t{1}};
+    l.reduce(reduction::max, std::span<std::uint64_t>(ends));
+    demand(ends[0] == huge, "the max of counts holds above 2^63");
+    ends[0] = me == 0 ? 1 : huge;
+    l.reduce(reduction::min, std::span<std::uint64_t>(ends));
+    demand(ends[0] == 1, "the min of counts holds above 2^63");
     n[0] = big + me;
     l.reduce(reduction::min, std::span<std::uint64_t>(n));
     demand(n[0] == big, "min of counts is exact");

@@ -125,13 +125,23 @@ TALUS_MPI_INLINE void mpi::link::reduce(reduction how, std::span<double> values)
 TALUS_MPI_INLINE void mpi::link::reduce(reduction how, std::span<std::uint64_t> values) {
   meet();
   if (values.empty()) return;
-  const std::vector<std::uint64_t> mine(values.begin(), values.end());
-  const auto with = [&](auto op) {
-    boost::mpi::all_reduce(ranks_, mine.data(), static_cast<int>(mine.size()), values.data(), op);
+  const auto with = [&]<class Number>(const std::vector<Number>& mine, Number* all, auto op) {
+    boost::mpi::all_reduce(ranks_, mine.data(), static_cast<int>(mine.size()), all, op);
   };
-  if (how == reduction::sum) with(std::plus<std::uint64_t>{});
-  if (how == reduction::min) with(boost::mpi::minimum<std::uint64_t>{});
-  if (how == reduction::max) with(boost::mpi::maximum<std::uint64_t>{});
+  if (how == reduction::sum) {
+    with(std::vector<std::uint64_t>(values.begin(), values.end()), values.data(),
+         std::plus<std::uint64_t>{});
+    return;
+  }
+  // Open MPI 4.1 compares unsigned numbers above 2^63 as negative ones, so they are compared as
+  // signed numbers in the same order.
+  constexpr std::uint64_t middle = std::uint64_t{1} << 63;
+  std::vector<std::int64_t> mine, most(values.size());
+  for (const std::uint64_t v : values) mine.push_back(static_cast<std::int64_t>(v ^ middle));
+  if (how == reduction::min) with(mine, most.data(), boost::mpi::minimum<std::int64_t>{});
+  if (how == reduction::max) with(mine, most.data(), boost::mpi::maximum<std::int64_t>{});
+  for (std::size_t k = 0; k < values.size(); ++k)
+    values[k] = static_cast<std::uint64_t>(most[k]) ^ middle;
 }
 
 TALUS_MPI_INLINE void mpi::link::start_reduce(reduction how, std::span<const double> values) {

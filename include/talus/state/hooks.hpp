@@ -146,7 +146,7 @@ void run_hooks(const world_state<Scenario>& s, More&... more) {
 /// Whether some built-in feature of a scenario acts at a stage.
 template <class Stage, class Scenario, class... More>
 inline constexpr bool has_hook = []<class... Features>(type_list<Features...>) {
-  const auto acts = []<class Feature>() {
+  [[maybe_unused]] const auto acts = []<class Feature>() {
     if constexpr (built_in<Feature> && with_hooks<Feature>)
       return requires(world_state<Scenario> & s, More & ... more) {
         Stage::template call<typename Feature::hooks>(s, more...);

@@ -40,25 +40,20 @@ struct body_to_join {
 template <class Scenario>
 template <class Shape>
 detail::body_to_join world<Scenario>::agree_on_body(system_id named, const char* which) {
-  // The largest and the least id that a rank names, by halves: Open MPI 4.1 compares whole numbers
-  // above 2^63 as negative ones.
-  constexpr std::uint64_t half = 0xffff'ffffull;
-  std::array<std::uint64_t, 5> ids{};
-  if (named != no_id) {
-    const std::uint64_t high = value_of(named) >> 32, low = value_of(named) & half;
-    ids = {1, high, low, half - high, half - low};
-  }
+  // The largest id that a rank names, and the least one by its complement.
+  std::array<std::uint64_t, 3> ids{};
+  if (named != no_id) ids = {1, value_of(named), ~value_of(named)};
   state_.link->reduce(reduction::max, std::span(ids));
   if (ids[0] == 0)
     detail::fail<std::invalid_argument>(
         "join was called without {} body: no rank has passed a handle of it", which);
-  if (ids[1] != half - ids[3] || ids[2] != half - ids[4])
+  if (ids[1] != ~ids[2])
     detail::fail<std::invalid_argument>(
         "join was called with different handles of {} body: pass the same handle on all ranks, or "
         "none; this rank has passed {}",
         which, named == no_id ? std::string("none") : detail::text(named));
   detail::body_to_join one;
-  one.id = system_id{ids[1] << 32 | ids[2]};
+  one.id = system_id{ids[1]};
   auto& bodies = state_.template of<Shape>();
   std::array<double, 9> facts{};  // owners, whether it can move, position, orientation
   const auto tell = [&](const auto& store, std::size_t end) {
