@@ -1,5 +1,5 @@
 // expects: decomposition<...> takes a decomposition, such as grid<2, 2> or by_hand, and this type
-// is none
+// is not one
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

@@ -1,4 +1,4 @@
-// expects: joints<...> takes kinds of joints, and this type is none: remove it, or make it model
+// expects: joints<...> takes kinds of joints, and this type is not one: remove it
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 
