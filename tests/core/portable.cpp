@@ -7,6 +7,7 @@
 #include <limits>
 #include <talus/core/portable_powers.hpp>
 #include <talus/core/portable_trigonometry.hpp>
+#include <talus/core/quick_functions.hpp>
 #include <talus/core/random.hpp>
 
 using namespace talus;
@@ -166,4 +167,21 @@ TEST_CASE("exponentials, logarithms and powers are right to one or two units in 
   CHECK(portable::pow(10, -3) == 0.001);
   CHECK(portable::pow(10, 400) == infinity);
   CHECK(portable::pow(10, -400) == 0);
+}
+
+TEST_CASE("the quick root and logarithm are right to a few units in the last place") {
+  random_stream random(3, 4);
+  const auto of_size = any_size(-900, 900);
+  real root = 0, logarithm = 0;
+  for (int k = 0; k < 100000; ++k) {
+    const real x = std::abs(of_size(random));
+    root = std::max(root, std::abs(detail::quick_cbrt(x) / std::cbrt(x) - 1));
+    const real y = random.uniform(1e-3, 1e3);
+    const real wanted = std::log(y);
+    logarithm = std::max(logarithm, std::abs(detail::quick_log(y) - wanted) / std::abs(wanted));
+  }
+  CHECK(root < 1e-15);
+  CHECK(logarithm < 1e-14);
+  CHECK(detail::quick_cbrt(0) == 0);
+  CHECK(detail::quick_log(1) == 0);
 }
