@@ -313,6 +313,7 @@ concept contact_data = detail::part_for<Part, roles::contact_law> && requires {
 ///   not decreasing with it; without it the law acts where bodies overlap
 /// - `combine(material, material, pair_material)`: the parameters of a pair for which the user set
 ///   none; without it world.interaction(...) sets them
+/// - `require_parameters(p)`: throws invalid_argument for parameters without meaning
 /// - `require_material(material)`: throws invalid_argument for a material that it cannot use;
 ///   `rigid_by(material)`: the field that makes bodies of it rigid, or null
 /// - `longest_step_of_body(material, radius)`: the same of each body, for any partner

@@ -6,6 +6,7 @@
 #endif
 #include "talus/constraint/ball_joint.hpp"
 #include "talus/detect/sweep_and_prune.hpp"
+#include "talus/interaction/liquid_bridge.hpp"
 #include "talus/observe/balance.hpp"
 #include "talus/observe/critical_dt.hpp"
 #include "talus/observe/digest.hpp"

@@ -4,6 +4,9 @@
 
 #include <doctest/doctest.h>
 
+#include <talus/interaction/film_bridge.hpp>
+#include <talus/interaction/liquid_bridge.hpp>
+
 #include "../../examples/own_law/liquid_bridge.hpp"
 
 using namespace talus;
@@ -20,6 +23,14 @@ const material glass{.density = 1,
                      .rolling_friction = 0.05};
 const liquid_bridge::parameters water{.tension = 0.7, .angle = 0.3, .volume = 1e-3};
 constexpr real overlap = 1e-2;
+/// The same for a law of the library, with a viscous force.
+template <class Parameters>
+Parameters water_of() {
+  if constexpr (std::is_same_v<Parameters, liquid_bridge::parameters>)
+    return water;
+  else
+    return {.tension = 0.7, .angle = 0.3, .volume = 1e-3, .viscosity = 0.01};
+}
 
 /// Gives a composed law a name, which the parts of a scenario have.
 template <class... Parts>
@@ -35,7 +46,7 @@ struct composed : soft_contact<Parts...>::law {
       if constexpr (detail::combines<Part>)
         own = Part::combine(glass, glass, both);
       else
-        own = water;
+        own = water_of<typename Part::parameters>();
     });
     return all;
   }
@@ -53,6 +64,9 @@ TEST_CASE("the laws of the library fulfil the law suite, each alone") {
   const pair_material both = detail::mean_of(glass, glass);
   check_law<linear_spring_dashpot>(linear_spring_dashpot::combine(glass, glass, both), overlap);
   check_law<hertz_mindlin>(hertz_mindlin::combine(glass, glass, both), overlap);
+  check_law<willett_bridge>(water_of<willett_bridge::parameters>(), overlap);
+  check_law<rabinovich_bridge>(water_of<rabinovich_bridge::parameters>(), overlap);
+  check_law<from_films<willett_bridge>>(water_of<willett_bridge::parameters>(), overlap);
 }
 
 TEST_CASE("a law of one's own fulfils it") { check_law<liquid_bridge>(water, overlap); }
@@ -66,6 +80,8 @@ TEST_CASE("what soft_contact composes of laws and resistances fulfils it") {
   check_composed<liquid_bridge>();
   check_composed<linear_spring_dashpot, liquid_bridge>();
   check_composed<hertz_mindlin, coulomb_friction, rolling_resistance, liquid_bridge>();
+  check_composed<hertz_mindlin, coulomb_friction, rolling_resistance, willett_bridge>();
+  check_composed<linear_spring_dashpot, rabinovich_bridge>();
 }
 
 TEST_CASE("the forces of laws add up, each with its own parameters and memory") {
@@ -139,4 +155,94 @@ TEST_CASE("what lacks an expression is no interaction law") {
   static_assert(concepts::bearing_law<linear_spring_dashpot>);
   static_assert(concepts::bearing_law<hertz_mindlin>);
   static_assert(!concepts::bearing_law<liquid_bridge>);
+}
+
+TEST_CASE("Willett's force and its rupture have the values of the literature") {
+  // Two spheres of 1 mm, V = 8e-11 m^3, water of 0.07 N/m.
+  const real r = 1e-3, effective = r / 2, v = 8e-11, gamma = 0.07;
+  for (const real theta : {0.0, 0.4}) {
+    const willett_bridge::parameters p{.tension = gamma, .angle = theta, .volume = v};
+    const real end = (1 + theta / 2) * std::cbrt(v);
+    CHECK(willett_bridge::range(p, effective) == doctest::Approx(end).epsilon(1e-12));
+    willett_bridge::memory memory;
+    for (const real gap : {-1e-6, 0.0, 1e-6, 1e-4, 2e-4, 4e-4}) {
+      CAPTURE(gap);
+      const contact_kinematics c{.gap = gap, .radius = effective};
+      const real s = std::max(0.0, gap) * std::sqrt(r / v);
+      const real f = 2 * pi * r * gamma * std::cos(theta) / (1 + 1.05 * s + 2.5 * s * s);
+      CHECK(willett_bridge::force(c, p, 1e-6, memory).force[2] ==
+            doctest::Approx(-f).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("Rabinovich's force, for equal and unequal spheres and a sphere on a wall") {
+  const real v = 8e-11, gamma = 0.07, theta = 0.3;
+  const rabinovich_bridge::parameters p{.tension = gamma, .angle = theta, .volume = v};
+  rabinovich_bridge::memory memory{.volume = v};
+  for (const real gap : {1e-6, 1e-4, 4e-4}) {
+    CAPTURE(gap);
+    // With 2 R_a R_b / (R_a + R_b) of two spheres.
+    const real r = 2 * 1e-3 * 3e-3 / (1e-3 + 3e-3);
+    const real d = gap / 2 * (std::sqrt(1 + 2 * v / (pi * r * gap * gap)) - 1);
+    const real f = 2 * pi * r * gamma * std::cos(theta) / (1 + gap / (2 * d));
+    contact_kinematics c{.gap = gap, .radius = 1 / (1 / 1e-3 + 1 / 3e-3)};
+    CHECK(rabinovich_bridge::force(c, p, 1e-6, memory).force[2] ==
+          doctest::Approx(-f).epsilon(1e-12));
+    // On a wall 4 pi R gamma cos(theta) / (1 + S/d), d = sqrt(S^2 + V / (pi R)) - S.
+    const real d_wall = std::sqrt(gap * gap + v / (pi * 1e-3)) - gap;
+    const real f_wall = 4 * pi * 1e-3 * gamma * std::cos(theta) / (1 + gap / d_wall);
+    c.radius = 1e-3;
+    CHECK(rabinovich_bridge::force(c, p, 1e-6, memory).force[2] ==
+          doctest::Approx(-f_wall).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("the viscous force of a bridge has its closed forms along and across the normal") {
+  const real R = 0.5e-3, eta = 0.01, v = 8e-11, gap = 2e-5;
+  const willett_bridge::parameters p{.volume = v, .viscosity = eta, .roughness = 1e-6};
+  contact_kinematics c{.gap = gap, .velocity = {0.3, -0.2, -0.1}, .radius = R};
+  willett_bridge::memory memory{.volume = v};
+  const vec3 f = willett_bridge::force(c, p, 1e-6, memory).force;
+  const real finite = 1 - gap / std::sqrt(gap * gap + 2 * v / (pi * 2 * R));
+  const real across = 6 * pi * eta * R * (8.0 / 15 * std::log(R / gap) + 0.9588);
+  CHECK(f[0] == doctest::Approx(-0.3 * across).epsilon(1e-12));
+  CHECK(f[1] == doctest::Approx(0.2 * across).epsilon(1e-12));
+  CHECK(f[2] == doctest::Approx(0.1 * 6 * pi * eta * R * R * finite * finite / gap).epsilon(1e-12));
+  // Below the height of the asperities it does not grow.
+  c.gap = 0.5e-6;
+  const vec3 near = willett_bridge::force(c, p, 1e-6, memory).force;
+  c.gap = -1e-6;
+  CHECK(distance(near, willett_bridge::force(c, p, 1e-6, memory).force) < 1e-15);
+}
+
+TEST_CASE(
+    "a bridge from films takes what they offer, up to its volume, and keeps it to its rupture") {
+  using films = from_films<willett_bridge>;
+  using phase = detail::bridge_phase;
+  const willett_bridge::parameters p{.tension = 0.7, .angle = 0.3, .volume = 1e-3};
+  const auto c = contact_at(-overlap);
+  films::memory memory;
+  CHECK(films::force(c, p, 1e-4, memory).force.norm() == 0);
+  CHECK(memory.phase == phase::wanted);
+  memory = {.volume = 5e-3, .phase = phase::offered};
+  auto same = memory;
+  (void)films::force(c, p, 0, same);
+  CHECK(same.phase == phase::offered);  // no time, no change
+  const real f = films::force(c, p, 1e-4, memory).force.norm();
+  CHECK(memory.phase == phase::formed);
+  CHECK(memory.volume == p.volume);
+  CHECK(f == doctest::Approx(willett_bridge::pull_off_force(p, c.radius)).epsilon(1e-14));
+  memory.phase = phase::wet, memory.volume = 1e-4;
+  CHECK(memory.held() == 1e-4);
+  auto wide = contact_at(1.15 * std::cbrt(1e-4) * (1 - 1e-12));
+  CHECK(films::force(wide, p, 1e-4, memory).force.norm() > 0);
+  CHECK(memory.phase == phase::wet);
+  wide.gap *= 1 + 1e-11;
+  CHECK(films::force(wide, p, 1e-4, memory).force.norm() == 0);
+  CHECK(memory.phase == phase::ruptured);
+  CHECK(memory.volume == 1e-4);  // for the films
+  memory = {.volume = 0, .phase = phase::offered};
+  (void)films::force(c, p, 1e-4, memory);
+  CHECK(memory.phase == phase::dry);
 }

@@ -18,6 +18,9 @@ struct driven;
 struct energy_ledger;
 struct momentum_balance;
 struct continuous_collision;
+/// Bodies carry a film of liquid, which bridges between them take and give back:
+/// <talus/liquid.hpp>.
+struct surface_liquid;
 
 /// Spheres carry an orientation too. (Boxes always do.)
 struct orientation final {

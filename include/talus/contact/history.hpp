@@ -109,6 +109,8 @@ class history_of {
       if (entries_[slots_[s] - 1].key.same_pair(pair)) f(entries_[slots_[s] - 1]);
   }
   [[nodiscard]] std::span<const entry> entries() const { return entries_; }
+  /// To change memories; keys stay.
+  [[nodiscard]] std::span<entry> entries() { return entries_; }
   [[nodiscard]] std::size_t bytes() const {
     return entries_.capacity() * sizeof(entry) + slots_.capacity() * sizeof(std::uint32_t);
   }

@@ -36,14 +36,6 @@ struct cohesion final {
                   "docs/interaction_laws.md how to write such a law");
   };
 };
-struct liquid_bridges final {
-  template <class T>
-  struct refusal {
-    static_assert(detail::is_there<T>,
-                  "talus has no liquid bridges: docs/not_there.md says which code has, and "
-                  "docs/interaction_laws.md how to write such a law");
-  };
-};
 struct bonds final {
   template <class T>
   struct refusal {
@@ -85,8 +77,6 @@ template <>
 inline constexpr bool is_missing<motors> = true;
 template <>
 inline constexpr bool is_missing<cohesion> = true;
-template <>
-inline constexpr bool is_missing<liquid_bridges> = true;
 template <>
 inline constexpr bool is_missing<bonds> = true;
 template <>

@@ -8,6 +8,7 @@
 #include "talus/core/precision.hpp"
 #include "talus/core/rounding.hpp"
 #include "talus/detect/policy.hpp"
+#include "talus/interaction/film_bridge.hpp"
 #include "talus/interaction/soft_contact.hpp"
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/policy.hpp"
@@ -183,6 +184,12 @@ struct scenario final {
       !law_policy::soft || !(names<continuous_collision> || names<sleeping>),
       "scenario<...> names soft_contact<...> and a feature that needs the impulses of hard "
       "contacts: remove continuous_collision and sleeping, or use hard_contact<...>");
+  static_assert(!detail::law_takes_liquid<law_policy> || names<surface_liquid>,
+                "scenario<...> names bridges from_films<...>, but its bodies carry no liquid: add "
+                "features<surface_liquid>, or use the bridge without from_films");
+  static_assert(detail::law_takes_liquid<law_policy> || !names<surface_liquid>,
+                "scenario<...> names surface_liquid, and no contact law that takes liquid from the "
+                "bodies: add from_films<willett_bridge> to soft_contact<...>");
   static constexpr bool has_joints = joints_policy::list::size > 0;
   static_assert(!has_joints || !law_policy::soft,
                 "scenario<...> names joints and soft_contact<...>, but joints are solved together "

@@ -6,13 +6,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "talus/state/feature_states.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/state.hpp"
+#include "talus/world/contact_memories.hpp"
 #include "talus/world/each_contact.hpp"
 
 namespace talus {
@@ -152,6 +155,53 @@ class stage_view {
     find_contacts();
     for (const stage_contact& c : contacts_) f(c);
   }
+  /// Calls f(contact_memory) for the memories that `Law` has of contacts that act on a movable body
+  /// owned here and for which select(memory) holds, in an order that depends on the ids of the
+  /// bodies. f may change them: the next step starts from that. Both ranks see the memory of a
+  /// contact across ranks, and must make the same of it. From after_solve on these are the memories
+  /// that the forces of the step left; before, those of the last step.
+  template <class Law, class Select, class F>
+  void for_each_memory(Select&& select, F&& f) {
+    using law = typename Scenario::contact_law::law;
+    std::vector<entry_type*> chosen;
+    for (entry_type& e : s_.history.entries())
+      if (select(std::as_const(law::template of<Law>(e.memory)))) chosen.push_back(&e);
+    visit_memories<Law>(chosen, f);
+  }
+  /// At after_solve the same for the memories before the forces of the step, to read: for those for
+  /// which select(memory before, pointer to the one after) holds. That pointer is null if the
+  /// contact has ended.
+  template <class Law, class Select, class F>
+  void for_each_former_memory(Select&& select, F&& f) {
+    using law = typename Scenario::contact_law::law;
+    const auto after = std::as_const(s_.history).entries();
+    std::vector<const entry_type*> chosen;
+    std::size_t next = 0;  // contacts mostly keep their order
+    for (const entry_type& e : std::as_const(s_.recorded).entries()) {
+      const typename law::memory* now = nullptr;
+      if (next < after.size() && after[next].key == e.key)
+        now = &after[next++].memory;
+      else if (now = s_.history.find(e.key); now != nullptr)
+        next = place_of(after, now) + 1;
+      if (select(law::template of<Law>(e.memory),
+                 now == nullptr ? nullptr : &law::template of<Law>(*now)))
+        chosen.push_back(&e);
+    }
+    visit_memories<Law>(chosen, f);
+  }
+  /// Calls f(body) for a body of a contact that this rank owns; body.set<Column>(value) changes a
+  /// column. Nothing happens for other bodies.
+  template <class F>
+  void with_local(std::size_t number, F&& f) {
+    std::size_t first = 0;
+    s_.each_shape([&](auto& b) {
+      using store = std::remove_reference_t<decltype(b.movable)>;
+      if constexpr (store::shape_type::finite)
+        if (number >= first && number - first < b.movable.locals)
+          f(stage_body<Scenario, store, columns>(s_, b.movable, number - first, false, number));
+      first += b.movable.size() + b.global.size();
+    });
+  }
   /// Calls f(body) for a body of a contact, to read.
   template <class F>
   void with_body(std::size_t number, F&& f) const {
@@ -163,9 +213,26 @@ class stage_view {
   }
 
  private:
+  using entry_type = typename state_type::history_type::entry;
+
+  /// The index of the entry with this memory.
+  [[nodiscard]] static std::size_t place_of(std::span<const entry_type> entries,
+                                            const void* memory) {
+    const auto* first = reinterpret_cast<const std::byte*>(&entries.front().memory);
+    return static_cast<std::size_t>(static_cast<const std::byte*>(memory) - first) /
+           sizeof(entry_type);
+  }
+  template <class Law, class Entry, class F>
+  void visit_memories(std::vector<Entry*>& chosen, F&& f) {
+    if (chosen.empty()) return;
+    detail::sort_by_key(chosen);
+    if (!places_) places_.emplace(s_);
+    detail::each_memory_of<Law>(*places_, chosen, f);
+  }
   void find_contacts() {
-    if (places_) return;
-    places_.emplace(s_);
+    if (found_) return;
+    found_ = true;
+    if (!places_) places_.emplace(s_);
     const auto note = [&](const loaded_contact& c, bool counts) {
       contacts_.push_back({c, places_->number_of(c.a), places_->number_of(c.b), counts});
     };
@@ -184,6 +251,7 @@ class stage_view {
   state_type& s_;
   std::optional<detail::body_places<Scenario>> places_;
   std::vector<stage_contact> contacts_;
+  bool found_ = false;  ///< contacts_ are those of the step
 };
 
 }  // namespace talus

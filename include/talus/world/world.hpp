@@ -200,7 +200,8 @@ class world {
                                                          ...) TALUS_REFUSED;
   /// Parameters of an interaction law for contacts between two materials, in either order, instead
   /// of those that the law combines from both: `p` is of the type law::parameters. Alike on all
-  /// ranks. Throws invalid_argument for a material of another world.
+  /// ranks. Throws invalid_argument for a material of another world, and for parameters that the
+  /// law refuses.
   template <class Parameters>
   void interaction(material_id a, material_id b,
                    const Parameters& p) requires(Scenario::contact_law::soft) {
@@ -212,6 +213,7 @@ class world {
                   "that soft_contact<...> names");
     if constexpr (!std::is_void_v<part>) {
       sections_.require_all_ranks("interaction", rank());
+      if constexpr (requires { part::require_parameters(p); }) part::require_parameters(p);
       state_.soft.pairs.template give<part>(state_.materials, a, b, p);
       // The reach of bodies may have changed.
       state_.changed = true, synchronized_ = false;
