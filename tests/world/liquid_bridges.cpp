@@ -240,6 +240,38 @@ TEST_CASE("momentum is conserved with bridges, over ranks and the sides of a per
   }
 }
 
+TEST_CASE("a wet cluster conserves momentum and angular momentum over ranks") {
+  for (const int ranks : {1, 2, 4}) {
+    CAPTURE(ranks);
+    threads::launch({.ranks = ranks}, [&](threads::link& link) {
+      world<film_scene<>> w(link, domains{.lower = {-4, -4}, .upper = {4, 4}});
+      const auto m = w.material(grain);
+      auto sticky = water;
+      sticky.tension = 1, sticky.viscosity = 0.2;
+      w.interaction(m, m, sticky);
+      random_stream random(8, 1);
+      for (int k = 0; k < 27; ++k) {
+        const vec3 at = vec3(0.3, -0.2, 0.1) + 0.79 * vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        w.add_if_local(body{.shape = sphere{random.uniform(0.37, 0.42)},
+                            .position = at,
+                            .velocity = vec3(2, 1, 0) + vec3(0, 0, 3).cross(at),
+                            .angular_velocity = random.uniform(vec3(-9, -9, -9), vec3(9, 9, 9))});
+      }
+      w.for_each_local([](auto&& b) { b.template set<liquid>(0.02 * b.shape().volume()); });
+      const motion before = measure_motion(w);
+      for (int k = 0; k < 800; ++k) w.step(2e-4);
+      const motion after = measure_motion(w);
+      const auto liquids = total_liquid(w);
+      if (link.rank() != 0) return;
+      CHECK(liquids.count > 20);
+      CHECK((after.momentum - before.momentum).norm() < 1e-12 * before.momentum.norm());
+      CHECK((after.angular_momentum - before.angular_momentum).norm() <
+            1e-12 * before.angular_momentum.norm());
+      CHECK(after.kinetic_energy < 0.99 * before.kinetic_energy);
+    });
+  }
+}
+
 TEST_CASE("a shaken wet heap loses no liquid, and moves alike on any ranks and after a restart") {
   using scene = film_scene<energy_ledger>;
   const std::string file = "liquid_bridges_restart.h5";

@@ -2,7 +2,9 @@
 // Liquid bridges whose liquid comes from films on the bodies: the law of a bridge of any volume,
 // with a memory that features<surface_liquid> fills and empties.
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 
 #include "talus/core/math.hpp"
@@ -24,6 +26,15 @@ enum class bridge_phase : std::uint64_t {
   dry,      ///< the bodies touch, and their films offered nothing
   ruptured  ///< in this step: the films have not got the liquid back yet
 };
+
+/// "from_films<name>".
+[[nodiscard]] consteval std::array<char, 64> in_from_films(std::string_view name) {
+  std::array<char, 64> text{};
+  const std::string_view opening = "from_films<";
+  char* end = std::copy(opening.begin(), opening.end(), text.begin());
+  *std::copy(name.begin(), name.end(), end) = '>';
+  return text;
+}
 
 /// A law that takes the liquid of its bridges from the films of bodies.
 template <class Part>
@@ -49,7 +60,8 @@ requires(ContactLaw::soft) inline constexpr bool law_takes_liquid<ContactLaw> =
 template <class Bridge>
 struct from_films final {
   using talus_part_of = roles::contact_law;
-  static constexpr const char* name = Bridge::name;
+  static constexpr auto name_of_law = detail::in_from_films(Bridge::name);
+  static constexpr const char* name = name_of_law.data();
   static constexpr bool exerts_moment = false;
   static constexpr bool takes_liquid = true;
   using parameters = typename Bridge::parameters;
