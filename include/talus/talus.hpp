@@ -62,4 +62,5 @@
 #include "talus/solver/accelerated_jacobi.hpp"
 #include "talus/solver/coloured_gauss_seidel.hpp"
 #include "talus/solver/substepping.hpp"
+#include "talus/world/bonds.hpp"
 #include "talus/world/world.hpp"

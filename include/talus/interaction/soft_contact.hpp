@@ -16,6 +16,7 @@
 #include "talus/interaction/composed_law.hpp"
 #include "talus/interaction/hertz_mindlin.hpp"
 #include "talus/interaction/linear_spring_dashpot.hpp"
+#include "talus/interaction/parallel_bond.hpp"
 #include "talus/interaction/rolling_resistance.hpp"
 #include "talus/interaction/tangential_spring.hpp"
 
