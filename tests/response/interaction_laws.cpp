@@ -67,6 +67,8 @@ TEST_CASE("the laws of the library fulfil the law suite, each alone") {
   check_law<willett_bridge>(water_of<willett_bridge::parameters>(), overlap);
   check_law<rabinovich_bridge>(water_of<rabinovich_bridge::parameters>(), overlap);
   check_law<from_films<willett_bridge>>(water_of<willett_bridge::parameters>(), overlap);
+  check_law<parallel_bond>(parallel_bond::parameters{.youngs_modulus = 1e5, .range = 0.05},
+                           overlap);
 }
 
 TEST_CASE("a law of one's own fulfils it") { check_law<liquid_bridge>(water, overlap); }

@@ -28,8 +28,7 @@ std::array<vec3, 2> momentum_of(World& w, Link& link) {
   vec3 p{0, 0, 0}, l{0, 0, 0};
   w.for_each_local([&](const auto& b) {
     p += b.mass() * b.velocity();
-    l += b.mass() * (b.position().cross(b.velocity()) +
-                     0.4 * 0.25 * b.angular_velocity());
+    l += b.mass() * (b.position().cross(b.velocity()) + 0.4 * 0.25 * b.angular_velocity());
   });
   std::array<real, 6> sum{p[0], p[1], p[2], l[0], l[1], l[2]};
   link.reduce(reduction::sum, std::span(sum));
@@ -41,7 +40,8 @@ std::array<vec3, 2> momentum_of(World& w, Link& link) {
 TEST_CASE("a fibre of bonds bends and swings as a beam") {
   const real L = 0.15, d = 2.83e-3, E = 1e9, rho = 420;
   const int elements = 20;
-  const real l = L / elements, R = l / 2, section = pi * d * d / 4, second = pi * d * d * d * d / 64;
+  const real l = L / elements, R = l / 2, section = pi * d * d / 4,
+             second = pi * d * d * d * d / 64;
   serial::link link;
   world<fibre> w{link};
   const real density = rho * section * l / (4 * pi / 3 * R * R * R);
@@ -100,7 +100,7 @@ TEST_CASE("a bond breaks at the load of its strength, in tension and in shear") 
   // A load applied at once doubles the static stress.
   const auto broken_by = [](real load, const vec3& along, bool tension) {
     serial::link link;
-  world<fibre> w{link};
+    world<fibre> w{link};
     const auto m = w.material({.density = 1000, .stiffness = 1});
     parallel_bond::parameters p{.youngs_modulus = 1e7, .range = 0.5};
     (tension ? p.tensile_strength : p.shear_strength) = 1e4;
@@ -121,8 +121,8 @@ TEST_CASE("a bond breaks at the load of its strength, in tension and in shear") 
     }
     return std::uint64_t{0};
   };
-  const real pull = 1e4 * pi;           // strength times area
-  const real torque = 1e4 * pi / 2;     // strength times polar moment over radius
+  const real pull = 1e4 * pi;        // strength times area
+  const real torque = 1e4 * pi / 2;  // strength times polar moment over radius
   CHECK(broken_by(0.49 * pull, {1, 0, 0}, true) == 0);
   CHECK(broken_by(0.51 * pull, {1, 0, 0}, true) == 1);
   CHECK(broken_by(0.49 * torque, {0, 0, 0}, false) == 0);
@@ -130,8 +130,7 @@ TEST_CASE("a bond breaks at the load of its strength, in tension and in shear") 
 }
 
 TEST_CASE("bonded bodies move alike on any ranks, and keep their momentum") {
-  using scene = scenario<bodies<sphere>, glued, decomposition<domains>,
-                         transport<threads>>;
+  using scene = scenario<bodies<sphere>, glued, decomposition<domains>, transport<threads>>;
   const auto run = [](int ranks) {
     std::string digest;
     bond_count count;
@@ -150,9 +149,10 @@ TEST_CASE("bonded bodies move alike on any ranks, and keep their momentum") {
                                               .damping_ratio = 0.02});
       for (int k = 0; k < 64; ++k) {
         const vec3 x{k % 4 - 1.5, k / 4 % 4 - 1.5, k / 16 - 1.5};
-        w.add_if_local(body{.shape = sphere{0.5},
-                            .position = x,
-                            .velocity = vec3(1, 0.3, 0) + vec3(-1.2 * x[1], 1.2 * x[0], 0.4 * x[0])});
+        w.add_if_local(
+            body{.shape = sphere{0.5},
+                 .position = x,
+                 .velocity = vec3(1, 0.3, 0) + vec3(-1.2 * x[1], 1.2 * x[0], 0.4 * x[0])});
       }
       CHECK(bond_within(w, 1e-9) == 144);
       const auto before = momentum_of(w, link);

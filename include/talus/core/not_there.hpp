@@ -36,13 +36,6 @@ struct cohesion final {
                   "docs/interaction_laws.md how to write such a law");
   };
 };
-struct bonds final {
-  template <class T>
-  struct refusal {
-    static_assert(detail::is_there<T>,
-                  "talus has no bonds between bodies: docs/not_there.md says which code has");
-  };
-};
 struct ellipsoid final {
   template <class T>
   struct refusal {
@@ -77,8 +70,6 @@ template <>
 inline constexpr bool is_missing<motors> = true;
 template <>
 inline constexpr bool is_missing<cohesion> = true;
-template <>
-inline constexpr bool is_missing<bonds> = true;
 template <>
 inline constexpr bool is_missing<ellipsoid> = true;
 template <>

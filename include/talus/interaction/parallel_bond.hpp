@@ -122,8 +122,7 @@ struct parallel_bond final {
                                             const memory& m) {
     if (m.radius == 0) return {};
     const real stretch = c.gap - m.gap;
-    return {.normal = stiffness(p, m).stretch * stretch * stretch / 2,
-            .kept = across_energy(p, m)};
+    return {.normal = stiffness(p, m).stretch * stretch * stretch / 2, .kept = across_energy(p, m)};
   }
   /// The largest tensile and shear stress of a beam, at its rim, in the middle of its length.
   struct stresses {
@@ -152,9 +151,9 @@ struct parallel_bond final {
   }
   [[nodiscard]] static stresses stress_of(const memory& m, const stiffnesses& k, real pull) {
     const real square = m.radius * m.radius, area = pi * square, second = area * square / 4;
-    return {pull / area + k.bend * m.bend.norm() * m.radius / second,
-            k.shear * m.shear.norm() / area +
-                k.twist * std::abs(m.twist) * m.radius / (2 * second)};
+    return {
+        pull / area + k.bend * m.bend.norm() * m.radius / second,
+        k.shear * m.shear.norm() / area + k.twist * std::abs(m.twist) * m.radius / (2 * second)};
   }
   [[nodiscard]] static bond_break exceeds(const contact_kinematics& c, const parameters& p,
                                           const memory& m, const stiffnesses& k, real pull) {

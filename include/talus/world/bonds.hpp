@@ -23,15 +23,15 @@ namespace talus {
 /// A bond, or the remains of one while its bodies are within range.
 struct bond_view {
   system_id a = no_id, b = no_id;
-  vec3 point{0, 0, 0};                    ///< midway between the surfaces
-  vec3 normal{0, 0, 1};                   ///< unit, from b towards a
-  bond_break broken = bond_break::none;   ///< how it has broken
-  parallel_bond::stresses stress;         ///< of a bond that holds
+  vec3 point{0, 0, 0};                   ///< midway between the surfaces
+  vec3 normal{0, 0, 1};                  ///< unit, from b towards a
+  bond_break broken = bond_break::none;  ///< how it has broken
+  parallel_bond::stresses stress;        ///< of a bond that holds
 };
 
 /// Bonds over all ranks; alike on all of them.
 struct bond_count {
-  std::uint64_t intact = 0;  ///< that hold
+  std::uint64_t intact = 0;                         ///< that hold
   std::uint64_t tension = 0, shear = 0, range = 0;  ///< broken so, the bodies still within range
 };
 
@@ -145,8 +145,7 @@ std::uint64_t make_bonds(world<Scenario>& w, Wanted&& wanted) {
 template <class Scenario>
 std::uint64_t bond_within(world<Scenario>& w, real distance) {
   detail::require_bond_law<Scenario>();
-  return detail::make_bonds(w,
-                            [&](system_id, system_id, real gap) { return gap <= distance; });
+  return detail::make_bonds(w, [&](system_id, system_id, real gap) { return gap <= distance; });
 }
 
 /// Collective: bonds the pairs of a list, which is alike on all ranks. Returns the number of new
@@ -157,8 +156,7 @@ std::uint64_t bond_pairs(world<Scenario>& w,
                          std::span<const std::pair<system_id, system_id>> list) {
   detail::require_bond_law<Scenario>();
   std::set<std::pair<std::uint64_t, std::uint64_t>> wanted;
-  for (const auto& [a, b] : list)
-    wanted.insert(std::minmax({value_of(a), value_of(b)}));
+  for (const auto& [a, b] : list) wanted.insert(std::minmax({value_of(a), value_of(b)}));
   const std::uint64_t made = detail::make_bonds(w, [&](system_id a, system_id b, real) {
     return wanted.count(std::minmax({value_of(a), value_of(b)})) > 0;
   });
