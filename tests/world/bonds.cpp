@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <talus/observe/digest.hpp>
+#include <talus/observe/energy.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
@@ -176,4 +177,30 @@ TEST_CASE("bonded bodies move alike on any ranks, and keep their momentum") {
   const std::string one = run(1);
   CHECK(run(2) == one);
   CHECK(run(4) == one);
+}
+
+TEST_CASE("the energy of bonds that swing, break and damp is booked") {
+  using scene = scenario<bodies<sphere>, glued, transport<serial>, features<energy_ledger>>;
+  serial::link link;
+  world<scene> w{link};
+  const auto m = w.material({.density = 1, .stiffness = 1e3});
+  w.interaction(m, m,
+                parallel_bond::parameters{.youngs_modulus = 1e4,
+                                          .poissons_ratio = 0.2,
+                                          .range = 0.3,
+                                          .tensile_strength = 100,
+                                          .damping_ratio = 0.02});
+  for (int k = 0; k < 4; ++k)
+    (void)w.add(body{.shape = sphere{0.5},
+                     .position = {real(k), 0, 0},
+                     .velocity = {k == 3 ? 2.0 : 0.0, 0.3 * k * k, 0},
+                     .angular_velocity = {0.5 * k, 0, 0}});
+  CHECK(bond_within(w, 1e-9) == 3);
+  for (int k = 0; k < 1000; ++k) w.step(1e-4);
+  const bond_count n = count_bonds(w);
+  CHECK(n.tension > 0);
+  CHECK(n.intact + n.tension == 3);
+  const auto e = measure_energy(w);
+  CHECK(e.total.friction + e.total.impact > 0);
+  CHECK(std::abs(e.worst) < 1e-9);
 }
