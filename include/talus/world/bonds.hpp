@@ -26,7 +26,7 @@ struct bond_view {
   vec3 point{0, 0, 0};                   ///< midway between the surfaces
   vec3 normal{0, 0, 1};                  ///< unit, from b towards a
   bond_break broken = bond_break::none;  ///< how it has broken
-  parallel_bond::stresses stress;        ///< of a bond that holds
+  parallel_bond::stresses stress{};      ///< of a bond that holds
 };
 
 /// Bonds over all ranks; alike on all of them.
@@ -51,7 +51,7 @@ constexpr void require_bond_law() {
                 "bonds need the law parallel_bond: add it to soft_contact<...> of the scenario");
 }
 
-/// A random factor of the strength of a bond, the same on any rank, with the mean of a Weibull
+/// A random factor of the strength of a bond, the same on any rank, from a Weibull
 /// distribution of scale 1.
 [[nodiscard]] inline real weakening_of(const parallel_bond::parameters& p, system_id a,
                                        system_id b) {
@@ -59,7 +59,7 @@ constexpr void require_bond_law() {
   const std::uint64_t first = std::min(value_of(a), value_of(b)),
                       second = std::max(value_of(a), value_of(b));
   random_stream random(p.seed, mix(first) ^ (second * 0x9e3779b97f4a7c15ull));
-  return std::pow(-std::log1p(-random.uniform()), 1 / p.weibull_modulus);
+  return portable::pow(-portable::log(1 - random.uniform()), 1 / p.weibull_modulus);
 }
 
 inline void require_bond_parameters(const parallel_bond::parameters& p, real gap, system_id a,
