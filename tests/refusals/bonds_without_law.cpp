@@ -1,4 +1,4 @@
-// bonds need the law parallel_bond: add it to soft_contact<...> of the scenario
+// expects: bonds need the law parallel_bond: add it to soft_contact<...> of the scenario
 #include <talus/talus.hpp>
 
 using dry = talus::scenario<talus::bodies<talus::sphere>,
