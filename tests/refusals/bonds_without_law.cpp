@@ -1,8 +1,14 @@
 // expects: bonds need the law parallel_bond: add it to soft_contact<...> of the scenario
-#include <talus/talus.hpp>
+#include "talus/talus.hpp"
+using namespace talus;
 
-using dry = talus::scenario<talus::bodies<talus::sphere>,
-                            talus::soft_contact<talus::linear_spring_dashpot>,
-                            talus::transport<talus::serial>>;
+#ifdef TALUS_CONTROL
+using contact = soft_contact<linear_spring_dashpot, parallel_bond>;
+#else
+using contact = soft_contact<linear_spring_dashpot>;
+#endif
+using rock = scenario<bodies<sphere>, contact, transport<serial>>;
 
-void glue(talus::world<dry>& w) { (void)talus::bond_within(w, 0.1); }
+void glue(world<rock>& w) { (void)bond_within(w, 0.1); }
+
+int main() {}
