@@ -117,8 +117,7 @@ struct surface_liquid {
     template <class Stage>
     using law_of = detail::film_law<typename std::remove_cvref_t<Stage>::scenario_type>;
 
-    /// Calls f(body) for a body that can move; returns whether there is none, so that the other
-    /// body of a contact keeps all the liquid.
+    /// Whether a body cannot move; the other body of a contact then gives and gets all the liquid.
     static bool is_wall(const auto& stage, std::size_t number) {
       bool wall = false;
       if (number != unknown) stage.with_body(number, [&](const auto& b) { wall = b.is_fixed(); });
