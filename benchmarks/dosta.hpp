@@ -22,10 +22,10 @@ struct materials {
   talus::material_id m1, m2, steel;
 };
 
-/// Adds the materials and their pairs. `softness` divides Young's moduli: 1 as
-/// published, 500 in the cheap variant of the drum.
+/// Adds the materials and their pairs. `softness` divides Young's moduli of the spheres: 1 as
+/// published, 500 in the cheap variant of the drum. `softness_of_steel` divides that of steel.
 template <class World>
-materials add_materials(World& world, double softness = 1) {
+materials add_materials(World& world, double softness = 1, double softness_of_steel = 1) {
   const auto add = [&](double modulus, double density, double restitution, double friction) {
     return world.material({.density = density,
                            .restitution = restitution,
@@ -34,7 +34,7 @@ materials add_materials(World& world, double softness = 1) {
                            .poisson_ratio = 0.2});
   };
   const materials m{add(1e9 / softness, 2500, 0.5, 0.3), add(0.5e9 / softness, 2000, 0.4, 0.4),
-                    add(210e9 / softness, 7200, 0.6, 0.5)};
+                    add(210e9 / softness_of_steel, 7200, 0.6, 0.5)};
   world.material_pair(m.m1, m.m2, {.restitution = 0.45, .friction = 0.2});
   world.material_pair(m.m1, m.steel, {.restitution = 0.4, .friction = 0.2});
   world.material_pair(m.m2, m.steel, {.restitution = 0.4, .friction = 0.2});

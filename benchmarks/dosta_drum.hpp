@@ -21,10 +21,10 @@ using drum_scenario =
                     talus::features<talus::driven>>;
 
 struct drum_settings {
-  double softness = 500;  ///< divides Young's moduli: 1 as published, 500 in the cheap variant
-  double dt = 1e-4;       ///< seconds; 8e-7 for softness 1
-  double time = 5;        ///< seconds
-  std::string curve;      ///< file for the numbers over time, or empty
+  double softness = 500;   ///< divides Young's moduli: 1 as published, 500 in the cheap variant
+  double dt = 1e-4;        ///< seconds; 8e-7 for softness 1
+  double time = 5;         ///< seconds
+  std::string curve = {};  ///< file for the numbers over time, or empty
 };
 
 /// Spheres in the quadrant x > 0, z > 0 and in the opposite one, and what the run cost.

@@ -15,7 +15,7 @@ struct penetration_options : options {
   double softness = 100;
   std::string particles, curve;
 
-  penetration_options() { steps = 5000, dt = 1e-5; }
+  penetration_options() { steps = 5000, dt = 5e-6; }
   void describe(auto& line) {
     options::describe(line);
     line.add("--spheres", spheres, "of the bed, without --particles", 100);
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
         const double bead = 0.001, radius = 0.01 * size, speed = 5;
         world.decompose({.lower = {-half_x, -half_y}, .upper = {half_x, half_y}});
         world.gravity({0, 0, -dosta::gravity});
-        const auto materials = dosta::add_materials(world, options.softness);
+        const auto materials = dosta::add_materials(world, options.softness, options.softness);
         world.global([&](auto& scope) {
           scope.add(plane{.normal = {0, 0, 1}, .offset = floor}, materials.steel);
           scope.add(plane{.normal = {1, 0, 0}, .offset = -half_x}, materials.steel);
@@ -60,7 +60,8 @@ int main(int argc, char** argv) {
                         .material = materials.m1,
                         .velocity = random.uniform(vec3(-0.1, -0.1, -0.1), vec3(0.1, 0.1, 0.1))};
           });
-          world.simulate({.steps = 6000, .dt = options.dt});
+          world.simulate({.steps = static_cast<std::uint64_t>(std::llround(0.06 / options.dt)),
+                          .dt = options.dt});
         }
         take_pictures(world, options,
                       {.from = {0, -6 * half_x, 2 * half_x},
@@ -68,7 +69,7 @@ int main(int argc, char** argv) {
                        .angle = 30,
                        .ground = false});
 
-        // The top of the bed is the height below which 99.5 % of the beads lie.
+        // The bed ends above its highest bead.
         double top = -1;
         world.for_each_local([&](const auto& b) {
           if (!b.is_fixed()) top = std::max(top, b.position()[2] + bead);
@@ -78,7 +79,7 @@ int main(int argc, char** argv) {
         const double from = world.time();
         add({0, 0, start}, radius, materials.steel, {0, 0, -speed});
 
-        // Height, speed and kinetic energy of the steel sphere.
+        // Height and velocity of the steel sphere.
         const auto look = [&] {
           std::array<double, 2> seen{};
           world.for_each_local([&](const auto& b) {
