@@ -12,7 +12,7 @@ using bed = scenario<bodies<sphere, plane>, soft_contact<hertz_mindlin, coulomb_
 
 struct penetration_options : options {
   int spheres = 1000;
-  double softness = 100;
+  double softness = 200;
   std::string particles, curve;
 
   penetration_options() { steps = 5000, dt = 5e-6; }

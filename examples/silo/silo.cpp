@@ -7,13 +7,14 @@
 #include "../../benchmarks/dosta.hpp"
 using namespace talus;
 
-using silo = scenario<bodies<sphere, triangle_mesh, plane>,
-                      soft_contact<hertz_mindlin, coulomb_friction>, integrator<velocity_verlet>,
-                      decomposition<grid<dynamic, dynamic>>, transport<as_launched>>;
+using silo =
+    scenario<bodies<sphere, triangle_mesh, plane>, soft_contact<hertz_mindlin, coulomb_friction>,
+             integrator<velocity_verlet>, decomposition<grid<dynamic, dynamic>>,
+             transport<as_launched>, features<visibility>>;
 
 struct silo_options : options {
   int spheres = 700;
-  double softness = 600, orifice = 0.012, settling = 0.2;
+  double softness = 1000, orifice = 0.012, settling = 0.2;
   bool m2 = false;
   std::string walls, curve;
 
@@ -21,7 +22,7 @@ struct silo_options : options {
   void describe(auto& line) {
     options::describe(line);
     line.add("--spheres", spheres, "number of spheres", 100);
-    line.add("--softness", softness, "divides Young's modulus", 1.0, 1000.0);
+    line.add("--softness", softness, "divides Young's modulus", 1.0, 10000.0);
     line.add("--orifice", orifice, "radius of the orifice in metres", 0.008, 0.05);
     line.add("--settling", settling, "seconds before the orifice opens", 0.0, 10.0);
     line.add("--m2", m2, "spheres of the second material, not of the first one");
@@ -44,7 +45,7 @@ int main(int argc, char** argv) {
   return run<silo, silo_options>(argc, argv, [](auto& world, const silo_options& options) {
     const double size = std::cbrt(options.spheres / 100000.0), bead = 0.002;
     const double R = options.walls.empty() ? std::max(0.1 * size, 1.7 * options.orifice) : 0.1;
-    const double cone = R - options.orifice, H = 20 * R;  // heights of the cone and of the cylinder
+    const double cone = R - options.orifice, H = 6 * R;  // heights of the cone and of the cylinder
     // The lips of the published walls, of which one or the other is read.
     const double lip = options.walls.empty()     ? 0
                        : options.orifice > 0.025 ? -0.0554222
@@ -55,20 +56,25 @@ int main(int argc, char** argv) {
     const auto materials = dosta::add_materials(world, options.softness);
     const auto stuff = options.m2 ? materials.m2 : materials.m1;
     const double density = options.m2 ? 2000 : 2500;
-    const triangle_mesh surface =
-        options.walls.empty()
-            ? surface_of_revolution({{options.orifice, lip}, {R, lip + cone}, {R, lip + cone + H}},
-                                    {.sectors = 32})
-            : triangle_mesh(dosta::read_triangles(options.walls));
     handle<plane> gate;
     world.global([&](auto& scope) {
-      const pose at = placed(surface);
-      scope.add(surface, materials.steel, at.position, at.orientation);
+      const auto add = [&](const triangle_mesh& surface, bool visible) {
+        const pose at = placed(surface);
+        const auto wall = scope.add(surface, materials.steel, at.position, at.orientation);
+        world[wall].set_visible(visible);
+      };
+      if (!options.walls.empty()) add(triangle_mesh(dosta::read_triangles(options.walls)), false);
+      for (const bool front : {false, true})  // without its front the silo shows what is in it
+        if (options.walls.empty())
+          add(surface_of_revolution({{options.orifice, lip}, {R, lip + cone}, {R, lip + cone + H}},
+                                    {.sectors = 32, .from = front ? -pi : 0, .to = front ? 0 : pi}),
+              !front);
       gate = scope.add(plane{.normal = {0, 0, 1}, .offset = lip}, materials.steel);
+      world[gate].set_visible(false);
     });
     const auto sites =
         simple_cubic{.spacing = 2.1 * bead, .origin = {bead, bead, lip + 1.1 * bead}} &
-        box_region{{-R, -R, lip}, {R, R, lip + 0.9 * H}} &
+        box_region{{-R, -R, lip}, {R, R, lip + cone + 0.9 * H}} &
         inside{R, options.orifice, lip, 1.05 * bead};
     world.fill(sites.first(options.spheres), [&](const site& place, random_stream& random) {
       return body{.shape = sphere{bead},
