@@ -46,6 +46,11 @@ int main(int argc, char** argv) {
           world.add_if_local(
               body{.shape = sphere{r}, .position = at, .material = m, .velocity = velocity});
         };
+        take_pictures(world, options,
+                      {.from = {0, -5 * half_x, 2 * half_x},
+                       .at = {0, 0, 0.8 * floor},
+                       .angle = 30,
+                       .ground = false});
         if (published) {
           for (const auto& g : dosta::read_spheres(options.particles))
             add(g.position, g.radius, materials.m1, {0, 0, 0});
@@ -63,12 +68,6 @@ int main(int argc, char** argv) {
           world.simulate({.steps = static_cast<std::uint64_t>(std::llround(0.06 / options.dt)),
                           .dt = options.dt});
         }
-        take_pictures(world, options,
-                      {.from = {0, -6 * half_x, 2 * half_x},
-                       .at = {0, 0, 0.3 * floor},
-                       .angle = 30,
-                       .ground = false});
-
         // The bed ends above its highest bead.
         double top = -1;
         world.for_each_local([&](const auto& b) {

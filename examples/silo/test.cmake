@@ -2,5 +2,5 @@
 # flows slower. No sphere is lost through the walls: those that left and those within are all.
 set(flows "filled EQUAL 700" "dt_above_critical EQUAL 0" "mass_flow_rate_over_beverloo LESS 1.33")
 add_example_test(m1 ARGS --quiet CHECK ${flows} "mass_flow_rate_over_beverloo GREATER 0.9" "left GREATER 350")
-add_example_test(m2 ARGS --quiet --m2 --ranks 2 CHECK ${flows} "mass_flow_rate_over_beverloo GREATER 0.75"
-                                                "left GREATER 300")
+add_example_test(m2 ARGS --quiet --m2 CHECK ${flows} "mass_flow_rate_over_beverloo GREATER 0.75"
+                                      "left GREATER 300")
