@@ -98,6 +98,7 @@ SHEET = [
         ("scene/inflow.hpp", ["insert_by_rate"]),
         ("scene/outflow.hpp", ["*"]),
         ("scene/pictures.hpp", ["take_pictures"]),
+        ("scene/fluid.hpp", ["*"]),
         ("scene/force_field.hpp", ["*"]),
     ]),
 ]

@@ -38,6 +38,7 @@
 #include "talus/parallel/threads.hpp"
 #include "talus/parallel/usual_domains.hpp"
 #include "talus/scenario/scenario.hpp"
+#include "talus/scene/fluid.hpp"
 #include "talus/scene/force_field.hpp"
 #include "talus/scene/inflow.hpp"
 #include "talus/scene/lattice.hpp"

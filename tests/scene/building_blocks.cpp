@@ -11,6 +11,7 @@
 #include <talus/observe/penetration.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
+#include <talus/scene/fluid.hpp>
 #include <talus/scene/force_field.hpp>
 #include <talus/scene/inflow.hpp>
 #include <talus/scene/outflow.hpp>
@@ -298,4 +299,110 @@ TEST_CASE("bodies go round a centre that attracts them, across ranks") {
       if (ranks == 1) digest = mine;
       if (w.rank() == 0) CHECK(mine == digest);
     });
+}
+
+TEST_CASE("a sphere in a fluid relaxes as Stokes says, with any time step") {
+  threads::launch({.ranks = 1}, [&](threads::link& link) {
+    const double radius = 0.1, density = 2, viscosity = 0.3, gravity = 9.81;
+    const double tau = density * 4 * radius * radius / (18 * viscosity);
+    const double terminal = -(density - 0.5) / density * gravity * tau;
+    for (const double ratio : {1e-3, 0.1, 1.0, 1e4}) {
+      INFO("dt / tau = ", ratio);
+      world<scene> w(link, {.lower = {-4, -4}, .upper = {4, 4}});
+      w.material({.density = density});
+      w.gravity({0, 0, -gravity});
+      const auto ball =
+          w.add(body{.shape = sphere{radius}, .position = {0, 0, 0}, .velocity = {0, 0, 2}});
+      add_fluid(w, fluid{.density = 0.5, .viscosity = viscosity}, stokes_drag{});
+      const auto after = [&](double time) {
+        return terminal + (2 - terminal) * std::exp(-time / tau);
+      };
+      w.simulate({.steps = 7, .dt = ratio * tau});
+      CHECK(w[ball].velocity()[2] == doctest::Approx(after(7 * ratio * tau)).epsilon(1e-11));
+      w.simulate({.steps = 3, .dt = 2 * ratio * tau});  // another step after the forces were added
+      CHECK(w[ball].velocity()[2] == doctest::Approx(after(13 * ratio * tau)).epsilon(1e-11));
+    }
+  });
+}
+
+TEST_CASE("drag laws balance the weight at the terminal velocity of their formulas") {
+  const double radius = 0.002, density = 2500, rho = 1000, mu = 1e-3, gravity = 9.81;
+  const double weight = (density - rho) * 4 * pi / 3 * radius * radius * radius * gravity;
+  const auto terminal = [&](auto law, double free) {
+    double fall = 0;
+    threads::launch({.ranks = 1}, [&](threads::link& link) {
+      world<scene> w(link, {.lower = {-4, -4}, .upper = {4, 4}});
+      w.material({.density = density});
+      w.gravity({0, 0, -gravity});
+      const auto ball = w.add(body{.shape = sphere{radius}});
+      add_fluid(w,
+                fluid{.density = rho,
+                      .viscosity = mu,
+                      .void_fraction = [free](const vec3&, real) { return free; }},
+                law);
+      w.simulate({.steps = 3000, .dt = 1e-3});
+      fall = -w[ball].velocity()[2];
+    });
+    return fall;
+  };
+  const double area = pi * radius * radius;
+  {
+    const double v = terminal(schiller_naumann_drag{}, 1), re = rho * 2 * radius * v / mu;
+    const double cd = re < 1000 ? 24 / re * (1 + 0.15 * std::pow(re, 0.687)) : 0.44;
+    CHECK(0.5 * rho * cd * area * v * v == doctest::Approx(weight).epsilon(1e-9));
+  }
+  for (const double free : {1.0, 0.7, 0.4}) {
+    const double v = terminal(di_felice_drag{}, free), re = free * rho * 2 * radius * v / mu;
+    const double cd = std::pow(0.63 + 4.8 / std::sqrt(re), 2);
+    const double chi = 3.7 - 0.65 * std::exp(-0.5 * std::pow(1.5 - std::log10(re), 2));
+    CHECK(0.5 * rho * cd * area * v * v * std::pow(free, 2 - chi) ==
+          doctest::Approx(weight).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("buoyancy alone carries a body of the density of the fluid, and lifts a lighter one") {
+  threads::launch({.ranks = 1}, [&](threads::link& link) {
+    for (const double density : {1000.0, 500.0}) {
+      world<scene> w(link, {.lower = {-4, -4}, .upper = {4, 4}});
+      w.material({.density = density});
+      w.gravity({0, 0, -9.81});
+      const auto ball = w.add(body{.shape = sphere{0.1}});
+      add_fluid(w, fluid{.density = 1000}, no_drag{});
+      w.simulate({.steps = 100, .dt = 0.01});
+      CHECK(w[ball].velocity()[2] == doctest::Approx(9.81 * (1000 / density - 1)).epsilon(1e-12));
+    }
+  });
+}
+
+TEST_CASE("spheres in a vortex have the same bits on any number of ranks") {
+  std::string digest;
+  for (const int ranks : {1, 2, 4})
+    on(ranks, [&](auto& w) {
+      for (int k = 0; k < 20; ++k)
+        (void)w.add_if_local(body{.shape = sphere{0.1},
+                                  .position = {0.15 * k - 1.5, 0.3 * (k % 3) - 0.2, 0},
+                                  .velocity = {0, 0.1 * k, 0}});
+      add_fluid(w, fluid{.density = 1,
+                         .viscosity = 0.1,
+                         .velocity = [](const vec3& x, real) { return vec3(-x[1], x[0], 0); },
+                         .void_fraction = 0.8});
+      w.simulate({.steps = 200, .dt = 0.01});
+      const std::string mine = state_digest(w);
+      if (ranks == 1) digest = mine;
+      if (w.rank() == 0) CHECK(mine == digest);
+    });
+}
+
+TEST_CASE("a fluid that makes no sense is refused with its value") {
+  on(1, [&](auto& w) {
+    CHECK_THROWS_WITH_AS(add_fluid(w, fluid{.density = -1, .viscosity = 1}),
+                         doctest::Contains("not negative, but is -1"), std::invalid_argument);
+    CHECK_THROWS_WITH_AS(add_fluid(w, fluid{.density = 1}), doctest::Contains("viscosity"),
+                         std::invalid_argument);
+    (void)w.add(body{.shape = sphere{0.1}});
+    add_fluid(w, fluid{.density = 1, .viscosity = 1, .void_fraction = 1.5});
+    CHECK_THROWS_WITH_AS(w.simulate({.steps = 1, .dt = 0.1}),
+                         doctest::Contains("the void fraction of the fluid is 1.5"),
+                         std::runtime_error);
+  });
 }
