@@ -1,7 +1,8 @@
-"""BED in talus and in the programs of the field: from the same settled state, in turns, one core.
+"""BED in talus and in other programs of the discrete element method, from the same settled state.
 
-Each rival is a program of its own and gets a deck and the state as text. Its rate is that of the CPU
-time of its loop of steps; the state that it reaches is judged as that of talus is."""
+The engines run in turns; a row has the median of their rates. Each rival is a program of its own and
+gets a deck and the state as text. Its rate is that of the CPU time of its loop of steps; the state that
+it reaches is judged as that of talus is."""
 import argparse
 import json
 import os
@@ -19,30 +20,31 @@ SETTLE = 15000  # steps: 1.2 s
 
 def main():
     options = parse()
-    unknown = [name for name in options.rivals if name not in RIVALS]
-    if unknown:
-        sys.exit(f"dem: no '{unknown[0]}' runs 'dem'; its rivals are: {', '.join(RIVALS)}")
-    folder = os.path.join(options.build, "bed", str(options.bodies))
+    folder = os.path.join(options.build, "bed", f"{options.bodies}_{options.settle}")
     os.makedirs(folder, exist_ok=True)
-    scene = settled(options, folder)
-    engines = {"talus": lambda: talus(options, scene)}
+    engines = {}
+    for ranks in options.ranks:
+        engines[name_of(ranks)] = lambda ranks=ranks: talus(options, scene, ranks)
     for name in options.rivals:
-        program = RIVALS[name].program()
-        if program is None:
-            sys.exit(f"dem: {name} is not installed (apt install {name})")
-        engines[name] = lambda name=name: rival(name, options, scene)
-    if options.ranks > 1:
-        engines[f"talus on {options.ranks} ranks"] = lambda: talus(options, scene, options.ranks)
+        if RIVALS[name].program() is None:
+            print(f"dem: {name} is left out, it is not installed (apt install {name})",
+                  file=sys.stderr)
+        else:
+            engines[name] = lambda name=name: rival(name, options, scene)
+    scene = settled(options, folder)
     runs = {name: [] for name in engines}
     for turn in range(options.turns):
         for name, run in engines.items():
             runs[name].append(run())
             print(f"dem: turn {turn + 1}, {name}: {rate(runs[name][-1]):.3g} particle-steps/s",
                   file=sys.stderr)
-    # The fastest turn: other programs on the machine only slow one down.
-    rows = [max(all_turns, key=rate) for all_turns in runs.values()]
-    for row, all_turns in zip(rows, runs.values()):
-        row["median_of_turns"] = statistics.median(map(rate, all_turns))
+    rows = []
+    for turns in runs.values():
+        row = dict(turns[0])
+        row["particle_steps_per_second"] = statistics.median(map(rate, turns))
+        row["fastest_turn"] = max(map(rate, turns))
+        row["turns"] = options.turns
+        rows.append(row)
     text = "[\n" + ",\n".join(json.dumps(row, indent=2) for row in rows) + "\n]\n"
     if options.json:
         with open(options.json, "w") as file:
@@ -53,17 +55,46 @@ def main():
 
 
 def parse():
-    parser = argparse.ArgumentParser(prog="./dev bench dem")
-    parser.add_argument("build", help="folder of the benchmark programs")
-    parser.add_argument("--bodies", type=int, default=8000)
-    parser.add_argument("--rivals", type=lambda text: [x for x in text.split(",") if x], default=[])
+    parser = argparse.ArgumentParser(prog="./dev bench dem", allow_abbrev=False)
+    parser.add_argument("build", help="folder of the benchmark programs (./dev fills it in)")
+    parser.add_argument("--bodies", type=positive, default=8000)
+    parser.add_argument("--rivals", type=rivals, default=[], help=",".join(RIVALS))
     parser.add_argument("--json", default="", help="file for the rows")
-    parser.add_argument("--steps", type=int, default=500, help="that are measured")
-    parser.add_argument("--turns", type=int, default=3, help="of which the fastest counts")
-    parser.add_argument("--ranks", type=int, default=1, help="measure talus on these too")
+    parser.add_argument("--steps", type=positive, default=500, help="that are measured")
+    parser.add_argument("--turns", type=positive, default=3, help="of which the median counts")
+    parser.add_argument("--ranks", type=rank_counts, default=[1], help="of talus, such as 1,2")
+    parser.add_argument("--settle", type=positive, default=SETTLE, help="steps before the first turn")
+    parser.add_argument("--quick", action="store_true", help="500 bodies, 1 turn of 50 steps")
     options = parser.parse_args()
+    if options.quick:
+        options.bodies, options.steps, options.turns, options.settle = 500, 50, 1, 2000
+    if options.json and not os.path.isdir(os.path.dirname(os.path.abspath(options.json))):
+        parser.error(f"there is no folder for --json {options.json}")
     options.build = os.path.abspath(options.build)
     return options
+
+
+def positive(text):
+    if not text.isdigit() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"needs a whole number from 1, not '{text}'")
+    return int(text)
+
+
+def rank_counts(text):
+    return [positive(word) for word in text.split(",")]
+
+
+def rivals(text):
+    names = [word for word in text.split(",") if word]
+    for name in names:
+        if name not in RIVALS:
+            raise argparse.ArgumentTypeError(
+                f"no '{name}' runs 'dem'; its rivals are: {', '.join(RIVALS)}")
+    return names
+
+
+def name_of(ranks):
+    return "talus" if ranks == 1 else f"talus on {ranks} ranks"
 
 
 def rate(row):
@@ -80,8 +111,8 @@ def settled(options, folder):
     values = os.path.join(folder, "state.json")
     if not os.path.exists(values):
         print(f"dem: settling {options.bodies} spheres", file=sys.stderr)
-        said = output_of([program(options), "--bodies", str(options.bodies), "--settle", str(SETTLE),
-                          "--write", scene["state"]])
+        said = output_of([program(options), "--bodies", str(options.bodies), "--settle",
+                          str(options.settle), "--write", scene["state"]])
         with open(values, "w") as file:
             file.write(said)
     with open(values) as file:
@@ -91,14 +122,13 @@ def settled(options, folder):
     return scene
 
 
-def talus(options, scene, ranks=1):
+def talus(options, scene, ranks):
     words = [program(options), "--bodies", str(options.bodies), "--from", scene["state"],
              "--measure", str(options.steps), "--parts", "1"]
     if ranks > 1:
         words = ["mpirun", "-q", "-n", str(ranks), "--oversubscribe", *words]
     row = json.loads(output_of(words))
-    if ranks > 1:
-        row["engine"] = f"talus on {ranks} ranks"
+    row["engine"] = name_of(ranks)
     return row
 
 
@@ -131,10 +161,11 @@ def output_of(words, folder=None):
 
 
 def table(rows):
+    alone = rate(rows[0])
     print(f"{'engine':16} {'particle-steps/s':>17} {'talus/it':>9} {'contacts':>9} "
           f"{'overlap_mean':>13} {'energy/body':>12}", file=sys.stderr)
     for row in rows:
-        print(f"{row['engine']:16} {rate(row):17.4g} {rate(rows[0]) / rate(row):9.2f} "
+        print(f"{row['engine']:16} {rate(row):17.4g} {alone / rate(row):9.2f} "
               f"{row.get('contacts', '-'):>9} {row.get('overlap_mean', '-'):>13} "
               f"{row.get('kinetic_energy_per_body', '-'):>12}", file=sys.stderr)
 
