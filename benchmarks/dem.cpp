@@ -10,16 +10,15 @@
 
 namespace {
 
-using scenario =
+using scenario = talus::scenario<talus::bodies<talus::sphere, talus::plane>,
+                                 talus::soft_contact<talus::hertz_mindlin, talus::coulomb_friction>,
+                                 talus::integrator<talus::velocity_verlet>,
+                                 talus::decomposition<talus::grid<talus::dynamic>>,
+                                 talus::transport<talus::as_launched>>;
+using alone =
     talus::scenario<talus::bodies<talus::sphere, talus::plane>,
                     talus::soft_contact<talus::hertz_mindlin, talus::coulomb_friction>,
-                    talus::integrator<talus::velocity_verlet>,
-                    talus::decomposition<talus::grid<talus::dynamic>>,
-                    talus::transport<talus::as_launched>>;
-using alone = talus::scenario<talus::bodies<talus::sphere, talus::plane>,
-                              talus::soft_contact<talus::hertz_mindlin, talus::coulomb_friction>,
-                              talus::integrator<talus::velocity_verlet>,
-                              talus::transport<talus::serial>>;
+                    talus::integrator<talus::velocity_verlet>, talus::transport<talus::serial>>;
 
 talus::vec3 vector(const bench::vec& v) { return {v[0], v[1], v[2]}; }
 
@@ -54,8 +53,8 @@ void take_back(World& world, bench::bed& bed) {
             [&](std::size_t a, std::size_t b) { return store.id[a] < store.id[b]; });
   for (std::size_t k = 0; k < order.size(); ++k) {
     const std::size_t i = order[k];
-    bed.start.balls[k] = {array(store.position[i]), store.shape[i].radius,
-                          array(store.velocity[i]), array(store.angular_velocity[i])};
+    bed.start.balls[k] = {array(store.position[i]), store.shape[i].radius, array(store.velocity[i]),
+                          array(store.angular_velocity[i])};
   }
 }
 
@@ -145,17 +144,18 @@ int main(int argc, char** argv) {
   return bench::guarded([&] {
     bench::arguments args(argc, argv);
     const auto bodies = args.count("bodies", 8000);
-    const auto settle = args.count("settle", 0);         // this many steps, then --write
-    const auto write = args.text("write", "");           // the state at the end
-    const auto from = args.text("from", "");             // begin with a state that was written
-    const auto judge = args.text("judge", "");           // a line for each body: x y z vx vy vz
+    const auto settle = args.count("settle", 0);  // this many steps, then --write
+    const auto write = args.text("write", "");    // the state at the end
+    const auto from = args.text("from", "");      // begin with a state that was written
+    const auto judge = args.text("judge", "");    // a line for each body: x y z vx vy vz
     const auto steps = args.count("measure", 500);
-    const auto parts = args.count("parts", 5);           // of which the fastest counts
+    const auto parts = args.count("parts", 5);  // of which the fastest counts
     const auto ranks = static_cast<int>(args.count("ranks", 0));
     const auto file = args.text("json", "");
     if (!args.done()) return;
     if (parts == 0 || steps < parts)
-      throw std::invalid_argument("--measure needs at least as many steps as --parts, which needs 1");
+      throw std::invalid_argument(
+          "--measure needs at least as many steps as --parts, which needs 1");
 
     bench::bed bed(bodies);
     if (!from.empty()) bed.read(from, false);
@@ -188,8 +188,8 @@ int main(int argc, char** argv) {
     talus::mpi::settings settings;
     settings.argc = &argc, settings.argv = &argv;
     settings.ranks = ranks;
-    talus::as_launched::launch(
-        settings, [&](auto& link) { measure_rank(link, bed, steps, parts, out); });
+    talus::as_launched::launch(settings,
+                               [&](auto& link) { measure_rank(link, bed, steps, parts, out); });
     if (talus::detail::find_launcher().rank == 0) out.write(file);
   });
 }

@@ -30,11 +30,8 @@ struct bed {
     start.density = density;
     start.gravity = -gravity;
     start.between_balls = {.friction = friction, .restitution = restitution};
-    start.walls = {{{0, 0, 1}, 0},
-                   {{1, 0, 0}, 0},
-                   {{-1, 0, 0}, -width},
-                   {{0, 1, 0}, 0},
-                   {{0, -1, 0}, -width}};
+    start.walls = {
+        {{0, 0, 1}, 0}, {{1, 0, 0}, 0}, {{-1, 0, 0}, -width}, {{0, 1, 0}, 0}, {{0, -1, 0}, -width}};
     for (std::uint64_t k = 0; k < bodies; ++k) {
       const std::uint64_t site[3] = {k % sites, k / sites % sites, k / sites / sites};
       dice roll(1, k);
@@ -42,8 +39,7 @@ struct bed {
       b.radius = roll.between(0.9 * radius, 1.1 * radius);
       const double play = 0.8 * (spacing / 2 - b.radius);
       for (std::size_t i = 0; i < 3; ++i)
-        b.position[i] =
-            spacing * (static_cast<double>(site[i]) + 0.5) + roll.between(-play, play);
+        b.position[i] = spacing * (static_cast<double>(site[i]) + 0.5) + roll.between(-play, play);
       start.balls.push_back(b);
     }
   }

@@ -175,8 +175,9 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
 
   /// The force of a contact; `memory` is advanced by `dt`. A booked_contact is filled.
   template <class Booked>
-  [[nodiscard]] static pair_force force(const contact_kinematics& c, const parameters& p, real dt,
-                                        memory& m, Booked& books) {
+  [[nodiscard, gnu::always_inline]] static inline pair_force force(const contact_kinematics& c,
+                                                                   const parameters& p, real dt,
+                                                                   memory& m, Booked& books) {
     pair_force sum;
     bearing_of<Bearer> b;
     bool bears = false;  // whether the law with the bearing acts

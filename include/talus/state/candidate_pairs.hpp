@@ -87,6 +87,11 @@ struct candidate_pairs {
   int failures = 0;  ///< searches in a row that were valid for less than two steps
   int pause = 0;     ///< steps without a kept neighbour list: bodies move too fast
 
+  /// The history has been written anew: contacts are found by key in the next step.
+  void forget_places() {
+    for (auto& list : lists)
+      for (close_pair& pair : list) pair.last = history_place::unknown;
+  }
   [[nodiscard]] std::size_t bytes() const {
     std::size_t sum = 0;
     for (const shape& s : shapes) sum += s.bodies.capacity() * sizeof(noted_body);

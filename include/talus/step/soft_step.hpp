@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "talus/core/portable_powers.hpp"
@@ -54,9 +55,26 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
  public:
   force_adder(state_type& s, Observer& observer) : base(s), observer_(observer) {}
 
-  void operator()(std::size_t i, std::size_t j, real, real, history_place) { (*this)(i, j, 0, 0); }
   void operator()(std::size_t i, std::size_t j, real, real) {
+    history_place last = history_place::unknown;
+    meet(i, j, last);
+  }
+  /// The same for a kept candidate pair.
+  void operator()(std::size_t i, std::size_t j, real, real, history_place& last) {
+    if constexpr (observed)
+      (*this)(i, j, 0, 0);
+    else
+      meet(i, j, last);
+  }
+
+ private:
+  using memory_type = typename law::memory;
+
+  /// `last` is the place of the memories of the last step, and becomes the place of the new ones.
+  [[gnu::always_inline]] inline void meet(std::size_t i, std::size_t j, history_place& last) {
     this->order(i, j);
+    // A pair that another rank alone computes is looked up by its key when it acts here.
+    const history_place before = std::exchange(last, history_place::unknown);
     body_pair x;
     x.i = i, x.j = j;
     if (!this->find(x)) return;
@@ -66,14 +84,18 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (!x.acts_here()) return;
     const bool boundary = x.crosses_ranks();
     const real range = range_of(x);
+    last = history_place::none;
     collide_pair(
         a_.shape[i], pose_a(x), b_.shape[j], pose_b(x),
         range, [&](const contact_geometry& g) __attribute__((always_inline)) {
           if (!(g.gap < range)) return;
-          if (boundary && !this->known_to_both(x)) return;
+          if (boundary && !this->known_to_both(x)) {
+            last = history_place::unknown;
+            return;
+          }
           const contact_key key{a_.id[i], b_.id[j], g.feature};
           const bool counts = x.own_a || !boundary;
-          const pair_force f = add(x, g, key, counts);
+          const pair_force f = add(x, g, key, counts, before, last);
           if constexpr (surveyed) {
           } else if constexpr (watches_geometry) {
             observer_(key, g, f.force, counts);
@@ -93,8 +115,16 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           }
         });
   }
-
- private:
+  /// The memory of a contact from the last step, or null if it is new. Contacts of a pair are
+  /// recorded consecutively, and a place that has lost its pair is replaced by a search by key.
+  [[nodiscard]] const memory_type* former(const contact_key& key, history_place at) const {
+    if (at == history_place::none) return nullptr;
+    const auto row = s_.history.row(at, key);
+    if (row.empty()) return s_.history.find(key);
+    for (const auto& e : row)
+      if (e.key.feature == key.feature) return &e.memory;
+    return nullptr;
+  }
   /// The range beyond touch of the law for this pair.
   [[nodiscard]] real range_of(const body_pair& x) const {
     const std::size_t i = x.i, j = x.j;
@@ -111,7 +141,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
   }
   [[gnu::always_inline]] inline pair_force add(const body_pair& x, const contact_geometry& g,
-                                               const contact_key& key, bool counts) {
+                                               const contact_key& key, bool counts,
+                                               history_place before, history_place& last) {
     const std::size_t i = x.i, j = x.j;
     soft_body& A = s_.soft.bodies[first_a_ + i];
     contact_kinematics t;
@@ -149,9 +180,9 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     t.step = s_.dt;
     t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
 
-    typename law::memory memory;
+    memory_type memory;
     if constexpr (remembers)
-      if (const auto* old = s_.history.find(key)) memory = *old;
+      if (const auto* old = former(key, before)) memory = *old;
     const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
     s_.soft.pairs.require_known(pair, a_.material[i], b_.material[j]);
     if constexpr (surveyed) {
@@ -162,10 +193,13 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     std::conditional_t<booked, booked_contact, not_booked> books;
     const pair_force f = law::force(t, pair, observed ? 0 : s_.dt, memory, books);
     if constexpr (observed) return f;
-    (void)counts;
+    (void)counts, (void)before, (void)last;
     if (!law::reaches || g.gap < 0)
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.velocity));
-    if constexpr (remembers) s_.recorded.add(key, memory);
+    if constexpr (remembers) {
+      if (last == history_place::none) last = s_.recorded.next_place();
+      s_.recorded.add(key, memory);
+    }
 
     A.force += f.force;
     if constexpr (turns<ShapeA>) A.torque += arm_a.cross(f.force);

@@ -121,6 +121,7 @@ std::uint64_t make_bonds(world<Scenario>& w, Wanted&& wanted) {
   auto old = std::move(s.history);
   s.history = {};
   s.history.reset(old.entries().size() + made.size());
+  s.found.forget_places();
   std::uint64_t count = 0;
   for (const found& f : made) {
     typename law::memory m{};
