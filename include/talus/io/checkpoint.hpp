@@ -142,6 +142,7 @@ template <class Scenario>
   const id_table own = own_bodies(s);
   table_reader contacts = in.table("/contacts", columns_of_contacts<memory>(), false);
   s.history = read_contacts<history>(contacts, own, bounds);
+  if constexpr (std::remove_cvref_t<decltype(s)>::law::soft) s.found.forget_places();
   read_joints(in, s, own, bounds);
   if constexpr (world_state<Scenario>::sleeps) {
     table_reader sleeping = in.table("/sleeping_contacts", columns_of_contacts<memory>(), false);

@@ -155,6 +155,7 @@ void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
     w.synchronize();
   }
   s.history = std::move(history);
+  if constexpr (std::remove_cvref_t<decltype(s)>::law::soft) s.found.forget_places();
 }
 
 }  // namespace talus::detail
