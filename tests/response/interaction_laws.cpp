@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <talus/adhesion.hpp>
 #include <talus/interaction/film_bridge.hpp>
 #include <talus/interaction/liquid_bridge.hpp>
 
@@ -23,11 +24,26 @@ const material glass{.density = 1,
                      .rolling_friction = 0.05};
 const liquid_bridge::parameters water{.tension = 0.7, .angle = 0.3, .volume = 1e-3};
 constexpr real overlap = 1e-2;
+[[nodiscard]] jkr_adhesion::parameters sticky() {
+  return jkr_adhesion::combine(glass, glass, detail::mean_of(glass, glass),
+                               {.work_of_adhesion = 5});
+}
+const cohesive_spring::parameters clay{
+    .loading = 1e4, .unloading = 4e4, .cohesive = 2e4, .plasticity_depth = 0.05, .damping = 0.1};
+
 /// The same for a law of the library, with a viscous force.
 template <class Parameters>
 Parameters water_of() {
   if constexpr (std::is_same_v<Parameters, liquid_bridge::parameters>)
     return water;
+  else if constexpr (std::is_same_v<Parameters, jkr_adhesion::parameters>)
+    return sticky();
+  else if constexpr (std::is_same_v<Parameters, cohesive_spring::parameters>)
+    return clay;
+  else if constexpr (std::is_same_v<Parameters, twisting_resistance::parameters>)
+    return {0.05};
+  else if constexpr (std::is_same_v<Parameters, dmt_adhesion::parameters>)
+    return {3};
   else
     return {.tension = 0.7, .angle = 0.3, .volume = 1e-3, .viscosity = 0.01};
 }
@@ -71,6 +87,19 @@ TEST_CASE("the laws of the library fulfil the law suite, each alone") {
                            overlap);
 }
 
+TEST_CASE("the laws of adhesion fulfil the law suite, each alone") {
+  check_law<jkr_adhesion>(sticky(), overlap);
+  check_law<jkr_adhesion>(jkr_adhesion::combine(glass, glass, detail::mean_of(glass, glass), {}),
+                          overlap);
+  check_law<dmt_adhesion>(dmt_adhesion::parameters{3}, overlap);
+  check_law<linear_cohesion>(linear_cohesion::parameters{1e3}, overlap);
+  check_law<van_der_waals>(
+      van_der_waals::parameters{.hamaker = 1e-3, .least_distance = 1e-3, .cutoff = 0.05}, overlap);
+  check_law<cohesive_spring>(clay, overlap);
+  check_law<cohesive_spring>(cohesive_spring::parameters{.loading = 1e4, .unloading = 1e4},
+                             overlap);
+}
+
 TEST_CASE("a law of one's own fulfils it") { check_law<liquid_bridge>(water, overlap); }
 
 TEST_CASE("what soft_contact composes of laws and resistances fulfils it") {
@@ -84,6 +113,9 @@ TEST_CASE("what soft_contact composes of laws and resistances fulfils it") {
   check_composed<hertz_mindlin, coulomb_friction, rolling_resistance, liquid_bridge>();
   check_composed<hertz_mindlin, coulomb_friction, rolling_resistance, willett_bridge>();
   check_composed<linear_spring_dashpot, rabinovich_bridge>();
+  check_composed<jkr_adhesion, coulomb_friction, rolling_resistance, twisting_resistance>();
+  check_composed<cohesive_spring, coulomb_friction, twisting_resistance>();
+  check_composed<hertz_mindlin, coulomb_friction, twisting_resistance, dmt_adhesion>();
 }
 
 TEST_CASE("the forces of laws add up, each with its own parameters and memory") {

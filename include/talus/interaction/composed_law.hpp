@@ -287,7 +287,11 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     stored_energy before;
     if constexpr (is_booked<Booked>) before = Law::stored(c, of<Law>(p), of<Law>(m));
     const auto f = Law::force(c, of<Law>(p), dt, of<Law>(m));
-    if constexpr (std::is_same_v<Law, Bearer>) b = f, bears = true;
+    if constexpr (std::is_same_v<Law, Bearer>) {
+      b = f;
+      // Within its range the law bears nothing before the bodies touch.
+      bears = !has_range<Law> || f.stiffness > 0;
+    }
     if constexpr (std::is_same_v<Law, first_of<Laws...>>)
       sum.force = f.force;
     else

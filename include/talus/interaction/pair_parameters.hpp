@@ -28,10 +28,30 @@ void require_yielding(const material& m) {
         Shape::name, field);
 }
 
-/// The parameters of a part that were set for pairs of materials.
+/// What a scenario gives to a part for a pair of materials: its parameters, or its type `given`,
+/// from which and from the materials it derives them.
+template <class Part>
+struct given_type {
+  using type = typename Part::parameters;
+};
+template <class Part>
+requires requires { typename Part::given; }
+struct given_type<Part> {
+  using type = typename Part::given;
+};
+template <class Part>
+using given_of = typename given_type<Part>::type;
+/// The name of that type, for messages.
+template <class Part>
+inline constexpr const char* given_name = requires {
+  typename Part::given;
+}
+? "given" : "parameters";
+
+/// What was given to a part for pairs of materials.
 template <class Part>
 struct given_parameters {
-  pair_table<typename Part::parameters> of_pairs;
+  pair_table<given_of<Part>> of_pairs;
 };
 
 template <class Law, class Parts>
@@ -49,14 +69,14 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
   /// invalid_argument for materials of another world.
   template <class Part>
   void give(const material_table& materials, material_id a, material_id b,
-            const typename Part::parameters& p) {
+            const given_of<Part>& p) {
     (void)materials[a], (void)materials[b];
     given_parameters<Part>::of_pairs.set(number(a), number(b), p);
     ++given_;
   }
-  /// The parameters that were set for a part.
+  /// What was given to a part.
   template <class Part>
-  [[nodiscard]] const pair_table<typename Part::parameters>& given() const {
+  [[nodiscard]] const pair_table<given_of<Part>>& given() const {
     return given_parameters<Part>::of_pairs;
   }
 
@@ -94,8 +114,8 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
       if (given<Part>().find(number(a), number(b)) == nullptr)
         fail<std::runtime_error>(
             "{} has no parameters for the materials {} and {}: give them to world.interaction, as "
-            "a value of {}::parameters",
-            Part::name, number(a), number(b), Part::name);
+            "a value of {}::{}",
+            Part::name, number(a), number(b), Part::name, given_name<Part>);
   }
   /// Throws runtime_error for a touching pair of bodies whose parameters were not set.
   static void require_known(const parameters& p, material_id a, material_id b) {
@@ -120,9 +140,12 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
   void derive(parameters& all, material_id a, material_id b, const material& x, const material& y,
               const pair_material& both) const {
     auto& own = Law::template of<Part>(all);
-    if (const auto* given = given_parameters<Part>::of_pairs.find(number(a), number(b)))
-      own = *given;
-    else if constexpr (combines<Part>)
+    if (const auto* given = given_parameters<Part>::of_pairs.find(number(a), number(b))) {
+      if constexpr (requires { typename Part::given; })
+        own = Part::combine(x, y, both, *given);
+      else
+        own = *given;
+    } else if constexpr (combines<Part>)
       own = Part::combine(x, y, both);
     else
       all.known = false;
@@ -141,15 +164,15 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
           few, materials.size());
   }
   [[gnu::cold, gnu::noinline]] static void refuse_unknown(material_id a, material_id b) {
-    const char* name = "";
+    const char *name = "", *type = "";
     const auto look = [&]<class Part>() {
-      if (!combines<Part>) name = Part::name;
+      if (!combines<Part>) name = Part::name, type = given_name<Part>;
     };
     (look.template operator()<Parts>(), ...);
     fail<std::runtime_error>(
         "bodies of the materials {} and {} touch, and {} has no parameters for that pair: give "
-        "them to world.interaction, as a value of {}::parameters",
-        number(a), number(b), name, name);
+        "them to world.interaction, as a value of {}::{}",
+        number(a), number(b), name, name, type);
   }
 
   const material_table* materials_ = nullptr;
@@ -163,7 +186,7 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
 template <class Law>
 using pair_parameters_of = pair_parameters<Law, typename Law::parts>;
 
-/// The part with these parameters, or void.
+/// The part that is given this type, or void.
 template <class Parameters, class Parts>
 struct part_with;
 template <class Parameters>
@@ -172,7 +195,7 @@ struct part_with<Parameters, type_list<>> {
 };
 template <class Parameters, class First, class... Rest>
 struct part_with<Parameters, type_list<First, Rest...>> {
-  using type = typename std::conditional_t<std::is_same_v<Parameters, typename First::parameters>,
+  using type = typename std::conditional_t<std::is_same_v<Parameters, given_of<First>>,
                                            std::type_identity<First>,
                                            part_with<Parameters, type_list<Rest...>>>::type;
 };

@@ -1,8 +1,10 @@
 #pragma once
 // Rolling resistance of soft contacts.
 #include <cmath>
+#include <stdexcept>
 
 #include "talus/body/material.hpp"
+#include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/interaction/contact_kinematics.hpp"
@@ -37,6 +39,14 @@ struct rolling_resistance final {
     }
   };
 
+  /// Throws invalid_argument for a coefficient without meaning.
+  static void require_parameters(const parameters& p) {
+    if (!(p.rolling_friction >= 0) || !std::isfinite(p.rolling_friction))
+      detail::fail<std::invalid_argument>(
+          "rolling_resistance has .rolling_friction = {}: give a finite number that is not "
+          "negative, the lever arm over the effective radius",
+          p.rolling_friction);
+  }
   /// The mean of both.
   [[nodiscard]] static parameters combine(const material& a, const material& b,
                                           const pair_material&) {

@@ -18,7 +18,7 @@ namespace talus::detail {
 template <class Part>
 struct interaction_entry {
   std::uint32_t low, high;
-  typename Part::parameters value;
+  given_of<Part> value;
 };
 template <class Part, class Pairs>
 [[nodiscard, gnu::cold]] std::vector<interaction_entry<Part>> given_interactions(
