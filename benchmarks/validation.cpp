@@ -9,14 +9,18 @@
 
 #include "validation_chung_ooi.hpp"
 #include "validation_closed_forms.hpp"
+#include "validation_cohesion.hpp"
 #include "validation_dosta.hpp"
+#include "validation_fluid.hpp"
 
 namespace {
 
 /// The themes; add a line for a new one.
 const std::vector<validation::theme> themes{{"chung_ooi", validation::chung_ooi},
                                             {"dosta", validation::dosta},
-                                            {"closed_forms", validation::closed_forms}};
+                                            {"closed_forms", validation::closed_forms},
+                                            {"cohesion", validation::cohesion},
+                                            {"fluid", validation::fluid}};
 
 int run(int argc, char** argv) {
   std::string only, file;

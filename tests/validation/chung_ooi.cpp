@@ -1,9 +1,11 @@
 // The cases of ./dev bench validation that take seconds: the tests of Chung and Ooi (2011), single
-// contacts of Dosta and others (2024), closed forms; and the array that it writes.
+// contacts of Dosta and others (2024), closed forms, adhesion, drag; and the array that it writes.
 #include <doctest/doctest.h>
 
 #include "../../benchmarks/validation_chung_ooi.hpp"
 #include "../../benchmarks/validation_closed_forms.hpp"
+#include "../../benchmarks/validation_cohesion.hpp"
+#include "../../benchmarks/validation_fluid.hpp"
 #include "record.hpp"
 
 namespace {
@@ -40,6 +42,18 @@ TEST_CASE("the integration of an oblique impact has the closed form of sliding a
 TEST_CASE("closed forms of rigid bodies with hard contacts") {
   validation::report results;
   validation::closed_forms(results, {.quick = true});
+  check(results);
+}
+
+TEST_CASE("pull-off forces and impacts of the laws of adhesion") {
+  validation::report results;
+  validation::cohesion(results, {.quick = true});
+  check(results);
+}
+
+TEST_CASE("terminal velocities of the laws of drag") {
+  validation::report results;
+  validation::fluid(results, {.quick = true});
   check(results);
 }
 
