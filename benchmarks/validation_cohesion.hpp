@@ -46,7 +46,7 @@ hanging hang(const Given& given, double expected, double press, const effort& ho
   w.global([&](auto& scope) { scope.add(talus::plane{.normal = {0, 0, -1}}, m); });
   const auto ball = w.add(talus::body{
       .shape = talus::sphere{radius}, .position = {0, 0, -radius * (1 - 1e-6)}, .material = m});
-  const int steps = how.quick ? 20000 : 100000;
+  const int steps = how.quick ? 100000 : 500000;
   const double dt = 0.2 * talus::critical_dt(w);
   const auto load = [&](double from, double to) {  // positive downwards
     for (int k = 0; k < steps; ++k) {
