@@ -15,7 +15,7 @@ using bench = scenario<bodies<sphere, plane, box>,
 struct powder_options : options {
   double bond = 0, size = 1;
 
-  powder_options() { steps = 40000, dt = 2.5e-4; }
+  powder_options() { steps = 20000, dt = 2e-3; }
   void describe(auto& line) {
     options::describe(line);
     line.add("--bond", bond, "number: pull-off force over weight of a grain", 0.0, 100.0);
@@ -23,21 +23,19 @@ struct powder_options : options {
   }
 };
 
-/// Angle of the surface in degrees: of the line through the highest grains of strips along x,
-/// without the outermost ones.
-double slope_of(const std::vector<double>& tops) {
-  double n = 0, x = 0, z = 0, xx = 0, xz = 0;
-  for (std::size_t k = 1; k + 1 < tops.size(); ++k) {
-    const double at = static_cast<double>(k);
-    n += 1, x += at, z += tops[k], xx += at * at, xz += at * tops[k];
-  }
-  return std::atan2(-(n * xz - x * z), n * xx - x * x) * 180 / pi;
+/// Angle of repose in degrees, of a slope from the edge of the ledge to the height at the wall:
+/// without its top it is a triangle, and what is missing of the rectangle gives its width. Heights
+/// are those of strips of this width.
+double slope_of(const std::vector<double>& heights, double width) {
+  double missing = 0;
+  for (const double h : heights) missing += (heights[0] - h) * width;
+  return std::atan2(0.5 * heights[0] * heights[0], std::max(missing, 0.0)) * 180 / pi;
 }
 
 int main(int argc, char** argv) {
   return run<bench, powder_options>(argc, argv, [](auto& world, const powder_options& options) {
     // Lengths in diameters of grains, times in sqrt(diameter / gravity), masses in those of grains.
-    const double L = 20 * options.size, W = 5, H = 16 * options.size, fall = 0.6 * H;
+    const double L = 20 * options.size, W = 5, H = 16 * options.size, fall = H;
     world.decompose({{.lower = {0, 0}, .upper = {2 * L, W}}});
     world.gravity({0, 0, -1});
     const double modulus = 2e4, radius = 0.5;
@@ -77,18 +75,28 @@ int main(int argc, char** argv) {
 
     world.simulate({.steps = options.steps, .dt = options.dt});
 
-    std::vector<double> tops(static_cast<std::size_t>(0.8 * L / 2), 0);
-    double moving = 0, on_ledge = 0;
+    // Of each strip along the ledge the number of grains and the sum of their heights; of all the
+    // number, and that of those on the ledge that move.
+    constexpr std::size_t strips = 8;
+    std::vector<double> sums(2 * strips + 2, 0);
+    const double width = L / strips;
     world.for_each_local([&](const auto& b) {
       const vec3 at = b.position();
-      if (b.is_fixed() || at[2] < 0) return;
-      on_ledge += 1, moving = std::max(moving, b.velocity().norm());
-      const auto strip = static_cast<std::size_t>(std::max(0.0, at[0]) / 2);
-      if (strip < tops.size()) tops[strip] = std::max(tops[strip], at[2]);
+      if (b.is_fixed()) return;
+      sums[2 * strips] += 1;
+      if (at[2] < 0 || at[0] > L) return;
+      const auto k = std::min(strips - 1, static_cast<std::size_t>(std::max(0.0, at[0]) / width));
+      sums[k] += 1, sums[strips + k] += at[2], sums[2 * strips + 1] += b.velocity().norm() > 0.1;
     });
-    world.link().reduce(reduction::max, std::span<double>(tops));
-    world.link().reduce(reduction::max, std::span<double>(&moving, 1));
-    world.link().reduce(reduction::sum, std::span<double>(&on_ledge, 1));
-    return results{{"angle", slope_of(tops)}, {"grains_on_ledge", on_ledge}, {"fastest", moving}};
+    world.link().reduce(reduction::sum, std::span<double>(sums));
+    std::vector<double> heights;
+    double stays = 0;
+    for (std::size_t k = 0; k < strips; ++k) {
+      stays += sums[k];
+      heights.push_back(sums[k] > 0 ? 2 * sums[strips + k] / sums[k] : 0);
+    }
+    return results{{"angle", slope_of(heights, width)},
+                   {"part_on_ledge", stays / sums[2 * strips]},
+                   {"part_moving", sums[2 * strips + 1] / sums[2 * strips]}};
   });
 }

@@ -313,6 +313,8 @@ concept contact_data = detail::part_for<Part, roles::contact_law> && requires {
 ///   not decreasing with it; without it the law acts where bodies overlap
 /// - `combine(material, material, pair_material)`: the parameters of a pair for which the user set
 ///   none; without it world.interaction(...) sets them
+/// - `given` and `combine(a, b, both, g)`: the type that world.interaction takes in place of the
+///   parameters, and the parameters from it and two materials
 /// - `require_parameters(p)`: throws invalid_argument for parameters without meaning
 /// - `require_material(material)`: throws invalid_argument for a material that it cannot use;
 ///   `rigid_by(material)`: the field that makes bodies of it rigid, or null

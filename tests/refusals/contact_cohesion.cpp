@@ -1,4 +1,4 @@
-// expects: talus has no cohesion: docs/not_there.md says which code has
+// expects: talus has no part 'cohesion': soft_contact<...> takes jkr_adhesion
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

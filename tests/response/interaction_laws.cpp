@@ -280,3 +280,59 @@ TEST_CASE(
   (void)films::force(c, p, 1e-4, memory);
   CHECK(memory.phase == phase::dry);
 }
+
+TEST_CASE("a contact of JKR in tension bears friction up to mu (f + 2 f_c), until its neck tears") {
+  const auto p = sticky();
+  jkr_adhesion::memory memory;
+  contact_kinematics c = contact_at(1e-9);
+  c.velocity = vec3(0, 0, 0);
+  CHECK(jkr_adhesion::force(c, p, 1e-4, memory).force.norm() == 0);
+  c.gap = -1e-9;
+  const real most = jkr_adhesion::pull_off_force(p, c.radius);
+  CHECK(most == doctest::Approx(1.5 * pi * 5 * 0.4));
+  const auto touch = jkr_adhesion::force(c, p, 1e-4, memory);
+  CHECK(touch.force.dot(c.normal) == doctest::Approx(-8.0 / 9 * most).epsilon(1e-4));
+  CHECK(touch.pressing == doctest::Approx((2 - 8.0 / 9) * most).epsilon(1e-4));
+  c.gap = jkr_adhesion::range(p, c.radius) * (1 - 1e-12);
+  const auto end = jkr_adhesion::force(c, p, 1e-4, memory);
+  CHECK(end.force.dot(c.normal) == doctest::Approx(-5.0 / 9 * most).epsilon(1e-4));
+  CHECK(end.pressing == doctest::Approx((2 - 5.0 / 9) * most).epsilon(1e-4));
+}
+
+TEST_CASE("Luding's spring follows its branches, and reloads from the limit of attraction") {
+  auto p = clay;
+  p.damping = 0;
+  cohesive_spring::memory memory;
+  contact_kinematics c = contact_at(-overlap);
+  c.velocity = vec3(0, 0, 0);
+  const auto force_at = [&](real d) {
+    c.gap = -d;
+    return cohesive_spring::force(c, p, 1e-4, memory).force.dot(c.normal);
+  };
+  const real most = 4.0 / 3 * 0.05 * 2 * c.radius;
+  const real k = 1e4 + 3e4 * overlap / most, zero = (1 - 1e4 / k) * overlap;
+  CHECK(force_at(overlap) == doctest::Approx(1e4 * overlap));
+  CHECK(force_at(0.9 * overlap) == doctest::Approx(k * (0.9 * overlap - zero)));
+  CHECK(force_at(overlap) == doctest::Approx(1e4 * overlap));  // the same line upwards
+  const real low = 0.3 * k * zero / (k + 2e4);
+  CHECK(force_at(low) == doctest::Approx(-2e4 * low));
+  CHECK(memory.deepest < overlap);
+  CHECK(force_at(1.5 * low) > -2e4 * 1.4 * low);  // steeper than back along the limit
+  CHECK(cohesive_spring::pull_off_force(p, c.radius, overlap) ==
+        doctest::Approx(2e4 * k * zero / (k + 2e4)));
+}
+
+TEST_CASE("twisting resistance yields at its lever arm times the normal force") {
+  const twisting_resistance::parameters p{.twisting_friction = 0.1};
+  const bearing b{.pressing = 3, .stiffness = 1e4, .tangential = 3e3};
+  contact_kinematics c = contact_at(-overlap);
+  c.spin = 2 * c.normal;
+  twisting_resistance::memory memory;
+  interaction_force f;
+  for (int k = 0; k < 1000; ++k) f = twisting_resistance::force(c, b, p, 1e-2, memory);
+  CHECK(f.moment.dot(c.normal) == doctest::Approx(-0.1 * 0.4 * 3));
+  CHECK(f.lost == doctest::Approx(0.12 * 2e-2));
+  c.spin = 2 * vec3(c.normal[1], -c.normal[0], 0);  // across the normal
+  memory = {};
+  CHECK(twisting_resistance::force(c, b, p, 1e-2, memory).moment.norm() < 1e-15);
+}

@@ -31,9 +31,11 @@ struct motors final {
 struct cohesion final {
   template <class T>
   struct refusal {
-    static_assert(detail::is_there<T>,
-                  "talus has no cohesion: docs/not_there.md says which code has, and "
-                  "docs/interaction_laws.md how to write such a law");
+    static_assert(
+        detail::is_there<T>,
+        "talus has no part 'cohesion': soft_contact<...> takes jkr_adhesion, dmt_adhesion, "
+        "linear_cohesion, cohesive_spring or van_der_waals of <talus/adhesion.hpp>, see "
+        "docs/adhesion.md");
   };
 };
 struct ellipsoid final {
