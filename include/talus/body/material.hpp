@@ -61,6 +61,9 @@ struct pair_material {
   real friction = 0;     ///< static, and dynamic unless given
   /// At most `friction`; NaN means the same as that.
   real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
+  /// Force that touching bodies resist when they are pulled apart [M L/T^2]; normal_cohesion. Other
+  /// laws do not use it.
+  real cohesion = 0;
 
   /// Coefficient of dynamic friction, that of static friction unless given.
   [[nodiscard]] constexpr real sliding_friction() const {

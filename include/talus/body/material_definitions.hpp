@@ -18,8 +18,12 @@ TALUS_INLINE material_id material_table::add(const material& m) {
 }
 
 TALUS_INLINE void material_table::set_pair(material_id a, material_id b, const pair_material& p) {
-  const pair_material all{p.restitution, p.friction, p.sliding_friction()};
+  const pair_material all{p.restitution, p.friction, p.sliding_friction(), p.cohesion};
   check(all.restitution, all.friction, all.dynamic_friction);
+  if (!(p.cohesion >= 0) || !std::isfinite(p.cohesion))
+    detail::fail<std::invalid_argument>(
+        "the cohesion of a pair of materials must be finite and not negative, but is {}",
+        p.cohesion);
   require_known(a);
   require_known(b);
   pairs_.set(number(a), number(b), all);

@@ -42,6 +42,16 @@ struct newton_restitution final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "newton_restitution";
 };
+/// Touching surfaces stick: the normal impulse of a pair of bodies may pull with up to F_c dt, with
+/// F_c = pair_material::cohesion, and |p_t| <= mu (p_n + F_c dt). This is the cone of Coulomb shifted
+/// along the normal: Coulomb's law with cohesion (Radjai and Dubois, "Discrete-element modeling of
+/// granular materials", 2011). A pair shares F_c equally among its touching points. Surfaces touch
+/// if their gap is within the slack of detection, contact_slack times the (smaller) bounding radius,
+/// or would be closed by gravity in a step; beyond that the bond is broken until they touch again.
+struct normal_cohesion final {
+  using talus_part_of = roles::contact_law;
+  static constexpr const char* name = "normal_cohesion";
+};
 /// The position correction: overlap from round-off and truncated iterations is removed from the
 /// positions alone; the correction never enters the velocities, so it adds no kinetic energy. On
 /// unless turned off.
@@ -70,6 +80,12 @@ using cone_of = std::conditional_t<Friction, coulomb_friction, frictionless>;
 
 #pragma GCC diagnostic pop
 
+/// Whether touching surfaces attract each other; see normal_cohesion.
+template <class Law>
+inline constexpr bool is_cohesive = requires {
+  requires Law::cohesive;
+};
+
 /// A hard contact law whose contacts also carry a velocity bias; see constraint/contact_bias.hpp.
 template <class Law>
 struct biased_law {
@@ -79,6 +95,7 @@ struct biased_law {
   static constexpr bool friction = Law::friction;
   static constexpr bool restitution = Law::restitution;
   static constexpr bool correction = Law::correction;
+  static constexpr bool cohesive = is_cohesive<Law>;
 };
 template <class Law>
 inline constexpr bool has_bias = requires {
@@ -104,8 +121,8 @@ inline constexpr bool is_law_or_resistance = requires {
 template <class Part>
 struct part_of_hard_contact {
   static_assert(is_part<Part, roles::contact_law> && !is_law_or_resistance<Part>,
-                "hard_contact<...> takes coulomb_friction, newton_restitution, split_correction "
-                "and no_correction, and this type is not one of them: remove it");
+                "hard_contact<...> takes coulomb_friction, newton_restitution, normal_cohesion, "
+                "split_correction and no_correction, and this type is not one of them: remove it");
 };
 
 }  // namespace detail
@@ -121,6 +138,7 @@ struct hard_contact final {
   static constexpr bool soft = false;
   static constexpr bool friction = detail::contains_type<list, coulomb_friction>;
   static constexpr bool restitution = detail::contains_type<list, newton_restitution>;
+  static constexpr bool cohesive = detail::contains_type<list, normal_cohesion>;
   using cone = detail::cone_of<friction>;  ///< its part that projects impulses
   /// Whether overlaps are corrected; the default if no correction is named.
   static constexpr bool correction = !detail::contains_type<list, no_correction>;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/body/material.hpp"
+#include "talus/constraint/cohesion.hpp"
 #include "talus/core/each.hpp"
 #include "talus/core/neighbour_message.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -164,6 +165,9 @@ struct state_traits {
   using domain_type =
       std::conditional_t<link_type::alone, single_domain, domain<typename Scenario::decomposition>>;
   using law = law_of<Scenario>;
+  /// Of the contacts of this step, if touching bodies stick.
+  [[no_unique_address]] std::conditional_t<is_cohesive<law>, attractions, no_attractions>
+      attraction;
   using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
   static constexpr std::size_t shape_count = finite_shapes::size;
 

@@ -251,6 +251,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if constexpr (state_type::islands_across_ranks)
       if (x.foreign) return list_.add_foreign(c, key);
     x.made = true;
+    if constexpr (is_cohesive<law>)
+      if (g.gap <= std::max(x.slack, pulled * s_.dt * s_.dt))
+        if (const real force = material().cohesion; force > 0) {
+          std::int32_t b = -1;
+          if constexpr (contact_type::paired) b = c.b;
+          s_.attraction.add({key, c.a, b, force, g.normal, arm_a, arm_b});
+        }
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else

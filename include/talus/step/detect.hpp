@@ -44,6 +44,7 @@ void wake_ahead(world_state<Scenario>& s) {
 template <class Scenario>
 void detect(world_state<Scenario>& s) {
   s.each_contact_list([](auto& list) { list.clear(); });
+  if constexpr (is_cohesive<typename world_state<Scenario>::law>) s.attraction.clear();
   constexpr bool continuous = world_state<Scenario>::continuous;
   if constexpr (world_state<Scenario>::sleeps && continuous) wake_ahead(s);
   if constexpr (world_state<Scenario>::sleeps)

@@ -2,6 +2,7 @@
 // Second and third stage of a step: velocities from forces and contacts, then positions.
 #include <cmath>
 
+#include "talus/constraint/cohesion.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/ghosts/shared_velocities.hpp"
@@ -82,6 +83,8 @@ void gather_velocities(world_state<Scenario>& s) {
       }
     }
   });
+  if constexpr (is_cohesive<typename world_state<Scenario>::law>)
+    attract<divided>(s.attraction, solver, s.dt);
 }
 
 /// Solves the contact problem with one of the solvers of the scenario.

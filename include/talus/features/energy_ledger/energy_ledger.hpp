@@ -199,6 +199,18 @@ void book_contacts(world_state<Scenario>& s) {
       r.exchanged += std::abs(normal) + std::abs(tangential);
     });
   });
+  // The solver's impulses do not contain the attraction of normal_cohesion.
+  if constexpr (is_cohesive<typename world_state<Scenario>::law>)
+    s.attraction.each(s.dt, [&](std::size_t k, const vec3& p, const vec3& moment) {
+      bool owned = false;
+      s.each_finite_shape(
+          [&](const auto& b) { owned |= k >= b.first && k - b.first < b.movable.locals; });
+      if (!owned) return;
+      const real work = p.dot(r.mean[k].v) + moment.dot(r.mean[k].w);
+      if (solver.bodies[k].inverse_mass == 0) r.running.work -= work;
+      r.running.impact -= work;
+      r.exchanged += std::abs(work);
+    });
 }
 
 /// The same of joints. Their impulses do no work at the exact velocities; what they take is booked
