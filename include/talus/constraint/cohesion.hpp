@@ -19,9 +19,9 @@ struct attraction {
   vec3 normal{0, 0, 0}, arm_a{0, 0, 0}, arm_b{0, 0, 0};
 };
 
-/// The attractions of a step. With r' = r + F_c dt n, the law of normal_cohesion for the impulse r is
-/// Coulomb's law for r', and the velocities without r' are those without r, changed by -F_c dt n. So
-/// this impulse is applied first, as that of a force, and every solver then finds r'.
+/// The attractions of a step. With r' = r + F_c dt n, the law of normal_cohesion for the impulse r
+/// is Coulomb's law for r', and the velocities without r' are those without r, changed by -F_c dt
+/// n. So this impulse is applied first, as that of a force, and every solver then finds r'.
 class attractions {
  public:
   void clear() { all_.clear(); }
