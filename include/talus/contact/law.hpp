@@ -43,11 +43,12 @@ struct newton_restitution final {
   static constexpr const char* name = "newton_restitution";
 };
 /// Touching surfaces stick: the normal impulse of a pair of bodies may pull with up to F_c dt, with
-/// F_c = pair_material::cohesion, and |p_t| <= mu (p_n + F_c dt). This is the cone of Coulomb shifted
-/// along the normal: Coulomb's law with cohesion (Radjai and Dubois, "Discrete-element modeling of
-/// granular materials", 2011). A pair shares F_c equally among its touching points. Surfaces touch
-/// if their gap is within the slack of detection, contact_slack times the (smaller) bounding radius,
-/// or would be closed by gravity in a step; beyond that the bond is broken until they touch again.
+/// F_c = pair_material::cohesion, and |p_t| <= mu (p_n + F_c dt). This is the cone of Coulomb
+/// shifted along the normal: Coulomb's law with cohesion (Radjai and Dubois, "Discrete-element
+/// modeling of granular materials", 2011). A pair shares F_c equally among its touching points.
+/// Surfaces touch if their gap is within the slack of detection, contact_slack times the (smaller)
+/// bounding radius, or would be closed by gravity in a step; beyond that they part. Observers of
+/// contact forces show p + F_c dt. Zero cohesion is the law without this part.
 struct normal_cohesion final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "normal_cohesion";

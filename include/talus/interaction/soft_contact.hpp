@@ -32,8 +32,8 @@ template <class Part>
 inline constexpr bool is_interaction_law = concepts::interaction_law<Part>;
 template <class Part>
 inline constexpr bool is_hard_part =
-    std::is_same_v<Part, newton_restitution> || std::is_same_v<Part, normal_cohesion> || std::is_same_v<Part, split_correction> ||
-    std::is_same_v<Part, no_correction>;
+    std::is_same_v<Part, newton_restitution> || std::is_same_v<Part, normal_cohesion> ||
+    std::is_same_v<Part, split_correction> || std::is_same_v<Part, no_correction>;
 
 template <class Part>
 struct part_of_soft_contact {
