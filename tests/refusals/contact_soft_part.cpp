@@ -1,5 +1,5 @@
-// expects: hard_contact<...> takes coulomb_friction, newton_restitution, split_correction and
-// no_correction, and this type is not one of them
+// expects: hard_contact<...> takes coulomb_friction, newton_restitution, normal_cohesion,
+// split_correction and no_correction, and this type is not one of them
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

@@ -13,9 +13,9 @@ struct material_fields {
   static constexpr auto says = material;
   template <sentence S> using refused = no_material<S>;
 };
-inline constexpr sentence pair_material = "world.material_pair(a, b, {...}) takes the fields restitution, friction and dynamic_friction, in this order";
+inline constexpr sentence pair_material = "world.material_pair(a, b, {...}) takes the fields restitution, friction, dynamic_friction and cohesion, in this order";
 template <sentence S> struct no_pair_material {
-  static_assert(unrefused<S>, "world.material_pair(a, b, {...}) takes the fields restitution, friction and dynamic_friction, in this order");
+  static_assert(unrefused<S>, "world.material_pair(a, b, {...}) takes the fields restitution, friction, dynamic_friction and cohesion, in this order");
 };
 struct pair_material_fields {
   static constexpr auto says = pair_material;
