@@ -1,5 +1,5 @@
-// expects: world.material_pair(a, b, {...}) takes the fields restitution, friction and
-// dynamic_friction, in this order
+// expects: world.material_pair(a, b, {...}) takes the fields restitution, friction,
+// dynamic_friction and cohesion, in this order
 #include "talus/parallel/serial.hpp"
 #include "talus/world/world.hpp"
 using namespace talus;
