@@ -168,3 +168,36 @@ TEST_CASE("no cohesion leaves the bits of the law without it, and ranks agree to
   CHECK(one == digest_of_pile<sticky>(2, 0.05));
   CHECK(one == digest_of_pile<sticky>(4, 0.05));
 }
+
+TEST_CASE("a collapsing column stays the higher the more its spheres stick") {
+  // Bond numbers: cohesion over the weight of a sphere, with steps of an hundredth of a second.
+  const auto height = [](real bond) {
+    real mean = 0;
+    in_world<scenario<bodies<sphere, plane>, sticky, transport<threads>>>([&](auto& w) {
+      w.gravity({0, 0, -g});
+      const real radius = 0.1, weight = 4.0 / 3 * std::acos(real(-1)) * 1e-3 * g;
+      const auto wet = w.material({.density = 1, .friction = 0.3});
+      w.material_pair(wet, wet, {.friction = 0.3, .cohesion = bond * weight});
+      w.global([&](auto& scope) { scope.add(plane{}, wet); });
+      w.seed(3);
+      w.fill(simple_cubic{.spacing = 0.2, .origin = {0.1, 0.1, 0.1}} &
+                 box_region{{-0.4, -0.4, 0}, {0.4, 0.4, 1.6}},
+             [&](const site& place, random_stream& random) {
+               return body{.shape = sphere{radius * random.uniform(0.97, 1.0)},
+                           .position = place.position,
+                           .material = wet};
+             });
+      for (int k = 0; k < 200; ++k) w.step(0.01);
+      int count = 0;
+      w.for_each_local([&](const auto& b) { mean += b.position()[2], ++count; });
+      mean /= count;
+    });
+    return mean;
+  };
+  const real dry = height(0), damp = height(3), wet = height(30);
+  CAPTURE(dry);
+  CAPTURE(damp);
+  CAPTURE(wet);
+  CHECK(damp > 1.1 * dry);
+  CHECK(wet > 1.1 * damp);
+}
