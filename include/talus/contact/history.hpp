@@ -34,13 +34,10 @@ class history_of {
     arrived_ = nothing;
     indexed_ = false;
   }
-  void add(const contact_key& key, const Memory& memory) {
+  [[gnu::always_inline]] inline void add(const contact_key& key, const Memory& memory) {
     entries_.push_back({key, memory});
-    if (!indexed_) return;
-    if (2 * entries_.size() > slots_.size())
-      index();
-    else
-      insert(entries_.size());
+    if (indexed_) [[unlikely]]
+      index_last();
   }
   /// The same for a contact of a body that has arrived; several ranks may send it.
   void add_arrived(const contact_key& key, const Memory& memory) {
@@ -90,6 +87,13 @@ class history_of {
     while (last < end && entries_[last].key.same_pair(pair)) ++last;
     return std::span(entries_).subspan(first, last - first);
   }
+  /// Loads the contacts of a pair that row() is asked for soon.
+  [[gnu::always_inline]] inline void prefetch(history_place place) const {
+    const auto first = static_cast<std::size_t>(place);
+    if (first >= entries_.size()) return;
+    const char* const line = reinterpret_cast<const char*>(entries_.data() + first);
+    __builtin_prefetch(line), __builtin_prefetch(line + sizeof(entry) - 1);
+  }
   /// The memory of the contact from the last step, or null if it is new.
   [[nodiscard]] const Memory* find(const contact_key& key) const {
     if (entries_.empty()) return nullptr;
@@ -116,6 +120,12 @@ class history_of {
   }
 
  private:
+  [[gnu::noinline]] void index_last() {
+    if (2 * entries_.size() > slots_.size())
+      index();
+    else
+      insert(entries_.size());
+  }
   void insert(std::size_t number) const {
     const auto mask = slots_.size() - 1;
     auto s = entries_[number - 1].key.hash() & mask;

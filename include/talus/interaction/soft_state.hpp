@@ -19,9 +19,9 @@ struct alignas(64) soft_body {
   vec3 w{0, 0, 0};
   real radius = 0;  ///< of the sphere itself, or of one of equal volume
   vec3 force{0, 0, 0};
-  real unused_1 = 0;  ///< padding for the fourth number of a row
+  real curvature = 0;  ///< 1 / radius
   vec3 torque{0, 0, 0};
-  real unused_2 = 0;
+  real unused = 0;  ///< padding for the fourth number of a row
 };
 
 /// The number of contacts, for observers; the contacts themselves are not kept.

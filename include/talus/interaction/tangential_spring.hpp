@@ -14,7 +14,8 @@ namespace talus::detail {
 /// A vector of the plane of contact carried along from the last step: rotated into the present
 /// plane and with the two bodies about the normal, its length kept (Luding 2008, "Cohesive,
 /// frictional powders", section 2.4).
-[[nodiscard]] inline vec3 carried_along(const vec3& old, const vec3& normal, real turn) {
+[[nodiscard, gnu::always_inline]] inline vec3 carried_along(const vec3& old, const vec3& normal,
+                                                            real turn) {
   const real square = old.squaredNorm();
   if (square == 0) return old;
   vec3 now = old - normal.dot(old) * normal;

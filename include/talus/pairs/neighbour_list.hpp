@@ -243,23 +243,47 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
     constexpr bool moving = P == partner::moving;
     const auto& a = of_a.movable;
     const auto& b = moving ? of_b.movable : of_b.global;
-    for (close_pair& pair : s.found.lists[kind]) {
+    const auto reach_of_b = [&](std::size_t j) -> real {
+      real reach = 0;
+      if constexpr (B::finite) reach = moving ? of_b.reach[j] : of_b.global_reach[j];
+      return (void)j, reach;
+    };
+    const auto margin = [](const auto& store, real reach, std::size_t k) {
+      return reach - store.shape[k].bounding_radius();
+    };
+    const auto take_pair = [&](close_pair & pair) __attribute__((always_inline)) {
       const std::size_t i = pair.i, j = pair.j;
-      const auto margin = [](const auto& store, real reach, std::size_t k) {
-        return reach - store.shape[k].bounding_radius();
-      };
-      const real reach_a = of_a.reach[i];
       real margin_b = 0;
-      if constexpr (B::finite) {
-        const real reach_b = moving ? of_b.reach[j] : of_b.global_reach[j];
-        const real reach = reach_a + reach_b;
-        if ((a.position[i] - b.position[j]).squaredNorm() > reach * reach) {
-          pair.last = history_place::none;
-          continue;
+      if constexpr (B::finite) margin_b = margin(b, reach_of_b(j), j);
+      take(i, j, margin(a, of_a.reach[i], i), margin_b, pair.last);
+    };
+    auto& list = s.found.lists[kind];
+    if constexpr (!B::finite) {
+      for (close_pair& pair : list) take_pair(pair);
+    } else {
+      // Distances are compared for a block of pairs first, without branches: about half of the
+      // pairs of a neighbour list are apart, in no order that a processor could predict.
+      constexpr std::size_t block = 256, ahead = 6;
+      std::array<std::uint32_t, block + 1> close;
+      for (std::size_t first = 0; first < list.size(); first += block) {
+        close_pair* const pairs = list.data() + first;
+        const std::size_t size = std::min(block, list.size() - first);
+        std::size_t count = 0;
+        for (std::size_t k = 0; k < size; ++k) {
+          close_pair& pair = pairs[k];
+          const real reach = of_a.reach[pair.i] + reach_of_b(pair.j);
+          const bool apart =
+              (a.position[pair.i] - b.position[pair.j]).squaredNorm() > reach * reach;
+          close[count] = static_cast<std::uint32_t>(k);
+          count += apart ? 0 : 1;
+          pair.last = apart ? history_place::none : pair.last;
         }
-        margin_b = margin(b, reach_b, j);
+        for (std::size_t k = 0; k < count; ++k) {
+          if constexpr (requires { take.prefetch(pairs[0]); })
+            if (k + ahead < count) take.prefetch(pairs[close[k + ahead]]);
+          take_pair(pairs[close[k]]);
+        }
       }
-      take(i, j, margin(a, reach_a, i), margin_b, pair.last);
     }
     if constexpr (requires { take.finish(); }) take.finish();
   });

@@ -66,6 +66,16 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     else
       meet(i, j, last);
   }
+  /// Loads what a pair that follows soon needs.
+  [[gnu::always_inline]] inline void prefetch(const close_pair& pair) const {
+    const auto load = [](const soft_body& body) {
+      const char* const line = reinterpret_cast<const char*>(&body);
+      __builtin_prefetch(line, 1), __builtin_prefetch(line + 64, 1);
+    };
+    load(s_.soft.bodies[first_a_ + pair.i]);
+    if constexpr (paired) load(s_.soft.bodies[first_b_ + pair.j]);
+    if constexpr (remembers) s_.history.prefetch(pair.last);
+  }
 
  private:
   using memory_type = typename law::memory;
@@ -131,9 +141,9 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if constexpr (!law::reaches) {
       return (void)i, (void)j, 0;
     } else {
-      real curvature = 1 / s_.soft.bodies[first_a_ + i].radius;
+      real curvature = s_.soft.bodies[first_a_ + i].curvature;
       if constexpr (paired)
-        curvature += 1 / s_.soft.bodies[first_b_ + body_b(x)].radius;
+        curvature += s_.soft.bodies[first_b_ + body_b(x)].curvature;
       else if constexpr (ShapeB::finite)
         curvature += 1 / sphere_radius(b_.shape[j]);
       const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
@@ -154,7 +164,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     t.velocity = A.v + A.w.cross(arm_a);
     t.spin = A.w;
     t.mean_spin = 0.5 * g.normal.dot(A.w);
-    real inverse_mass = A.inverse_mass, curvature = 1 / A.radius;
+    real inverse_mass = A.inverse_mass, curvature = A.curvature;
     real rolling = A.inverse_mass * curvature * curvature;
     soft_body* B = nullptr;
     if constexpr (paired) {
@@ -164,7 +174,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       t.spin -= B->w;
       t.mean_spin += 0.5 * g.normal.dot(B->w);
       inverse_mass += B->inverse_mass;
-      curvature += 1 / B->radius;
+      curvature += B->curvature;
       rolling += B->inverse_mass / (B->radius * B->radius);
     } else {
       if constexpr (ShapeB::finite) curvature += 1 / sphere_radius(b_.shape[j]);
@@ -271,6 +281,7 @@ void gather_motion(world_state<Scenario>& s) {
       body.w = store.angular_velocity[i];
       body.inverse_mass = store.inverse_mass[i];
       body.radius = sphere_radius(store.shape[i]);
+      body.curvature = 1 / body.radius;
     }
   });
 }
