@@ -1,4 +1,4 @@
-// expects: talus has no part 'cohesion': soft_contact<...> takes jkr_adhesion
+// expects: talus has no part 'cohesion': hard_contact<...> takes normal_cohesion, soft_contact<...> takes jkr_adhesion
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

@@ -33,7 +33,8 @@ struct cohesion final {
   struct refusal {
     static_assert(
         detail::is_there<T>,
-        "talus has no part 'cohesion': soft_contact<...> takes jkr_adhesion, dmt_adhesion, "
+        "talus has no part 'cohesion': hard_contact<...> takes normal_cohesion, soft_contact<...> "
+        "takes jkr_adhesion, dmt_adhesion, "
         "linear_cohesion, cohesive_spring or van_der_waals of <talus/adhesion.hpp>, see "
         "docs/adhesion.md");
   };

@@ -40,11 +40,10 @@ template <class World>
     if (b.broken == bond_break::none) return;
     const auto [low, high] = std::minmax({value_of(b.a), value_of(b.b)});
     if (seen.insert({low, high}).second)
-      mine.push_back(
-          {low,
-           high,
-           {b.point[0], b.point[1], b.point[2], b.normal[0], b.normal[1], b.normal[2]},
-           b.broken});
+      mine.push_back({low,
+                      high,
+                      {b.point[0], b.point[1], b.point[2], b.normal[0], b.normal[1], b.normal[2]},
+                      b.broken});
   });
   byte_buffer bytes(mine.size() * sizeof(break_record));
   if (!mine.empty()) std::memcpy(bytes.data(), mine.data(), bytes.size());

@@ -1,0 +1,8 @@
+# The disc splits, by bonds that break in tension, at a strength below that of the bonds; both plates carry the load.
+add_example_test(splits ARGS --quiet --strength 5 --steps 6000
+                 CHECK "strength_over_bonds GREATER 0.5" "strength_over_bonds LESS 1" "broken GREATER 100"
+                       "uneven LESS 0.1" "dt_above_critical EQUAL 0")
+
+# The same bits on any ranks, and over restarts: bonds go with their bodies, broken or not.
+add_same_bits_test(same_bits RESTART STEPS 3000 ARGS --radius 15 --length 7 --strength 3 RESULTS load broken
+                   RUNS "--ranks 1" "--ranks 4" "mpi 2")
