@@ -14,7 +14,7 @@ struct press_options : options {
   double radius = 25, length = 10.5, strength = 10;
   std::string breaks;
 
-  press_options() { steps = 12000, dt = 1e-7; }
+  press_options() { steps = 16000, dt = 1e-7; }
   void describe(auto& line) {
     options::describe(line);
     line.add("--radius", radius, "of the disc, mm", 8.0, 500.0);
@@ -43,15 +43,15 @@ int main(int argc, char** argv) {
     world.interaction(rock, rock,
                       parallel_bond::parameters{.youngs_modulus = modulus,
                                                 .poissons_ratio = 0.2,
-                                                .range = 0.3 * d,
+                                                .range = 0.5 * d,
                                                 .tensile_strength = options.strength,
                                                 .shear_strength = 3 * options.strength,
-                                                .weibull_modulus = 8,
+                                                .weibull_modulus = 3,
                                                 .damping_ratio = 0.1});
     world.interaction(rock, steel, parallel_bond::parameters{});
     // The places of a face-centred cubic lattice, shaken inside; the ends are ground flat. Every
     // rank draws the same numbers, and adds what it owns.
-    const double half = 1.08 * d / std::sqrt(2.0);  // of the lattice constant
+    const double half = 1.15 * d / std::sqrt(2.0);  // of the lattice constant
     const disc cylinder{R};
     const int most = static_cast<int>(R / half) + 1, deep = static_cast<int>(0.5 * L / half) + 1;
     random_stream random(options.seed, 1);
@@ -62,13 +62,13 @@ int main(int argc, char** argv) {
           if ((x + y + z) % 2 != 0 || !cylinder.contains(site) || std::abs(site[1]) > 0.5 * L)
             continue;
           const bool inside = std::abs(site[2]) < 0.85 * R;
-          const double size = inside ? random.uniform(0.9, 1.) : 1;
+          const double size = inside ? random.uniform(0.8, 0.92) : 1;
           const vec3 shift = random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1));
           world.add_if_local(body{.shape = sphere{0.5 * d * size},
-                                  .position = site + (inside ? 0.04 * d : 0) * shift,
+                                  .position = site + (inside ? 0.08 * d : 0) * shift,
                                   .material = rock});
         }
-    const std::uint64_t bonds = bond_within(world, 0.25 * d);
+    const std::uint64_t bonds = bond_within(world, 0.4 * d);
     // Plates that begin where the outermost spheres are.
     std::array<double, 2> ends{-1e9, -1e9};
     world.for_each_local([&](const auto& b) {
@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
       upper = scope.add(plane{{0, 0, -1}, -ends[0]}, steel);
       lower = scope.add(plane{{0, 0, 1}, -ends[1]}, steel);
     });
-    const double speed = 40 * R / 25;  // of each plate, mm/s
+    const double speed = 20 * R / 25;  // of each plate, mm/s
     world.drive(upper, gliding{{0, 0, -speed}});
     world.drive(lower, gliding{{0, 0, speed}});
     if (!options.breaks.empty()) record_breaks(world, options.breaks, every{20});
