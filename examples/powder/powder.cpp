@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
                       .velocity = random.uniform(vec3(-0.1, -0.1, -0.1), vec3(0.1, 0.1, 0))};
         });
     take_pictures(world, options,
-                  {.from = {L, -2.2 * L, 0.9 * L}, .at = {L, 0.5 * W, 0.1 * L}, .angle = 45});
+                  {.from = {0.8 * L, -2.6 * L, 0.9 * L}, .at = {0.8 * L, 0.5 * W, 0}, .angle = 45});
 
     world.simulate({.steps = options.steps, .dt = options.dt});
 
