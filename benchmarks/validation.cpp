@@ -7,11 +7,13 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "validation_bonds.hpp"
 #include "validation_chung_ooi.hpp"
 #include "validation_closed_forms.hpp"
 #include "validation_cohesion.hpp"
 #include "validation_dosta.hpp"
 #include "validation_fluid.hpp"
+#include "validation_hard_cohesion.hpp"
 
 namespace {
 
@@ -20,6 +22,8 @@ const std::vector<validation::theme> themes{{"chung_ooi", validation::chung_ooi}
                                             {"dosta", validation::dosta},
                                             {"closed_forms", validation::closed_forms},
                                             {"cohesion", validation::cohesion},
+                                            {"hard_cohesion", validation::hard_cohesion},
+                                            {"bonds", validation::bonds},
                                             {"fluid", validation::fluid}};
 
 int run(int argc, char** argv) {

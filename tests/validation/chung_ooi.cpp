@@ -2,10 +2,12 @@
 // contacts of Dosta and others (2024), closed forms, adhesion, drag; and the array that it writes.
 #include <doctest/doctest.h>
 
+#include "../../benchmarks/validation_bonds.hpp"
 #include "../../benchmarks/validation_chung_ooi.hpp"
 #include "../../benchmarks/validation_closed_forms.hpp"
 #include "../../benchmarks/validation_cohesion.hpp"
 #include "../../benchmarks/validation_fluid.hpp"
+#include "../../benchmarks/validation_hard_cohesion.hpp"
 #include "record.hpp"
 
 namespace {
@@ -48,6 +50,18 @@ TEST_CASE("closed forms of rigid bodies with hard contacts") {
 TEST_CASE("pull-off forces and impacts of the laws of adhesion") {
   validation::report results;
   validation::cohesion(results, {.quick = true});
+  check(results);
+}
+
+TEST_CASE("bonds stretch, twist, break and swing as beams do") {
+  validation::report results;
+  validation::bonds(results, {.quick = true});
+  check(results);
+}
+
+TEST_CASE("hard contacts that stick bear their cohesion and the friction of it") {
+  validation::report results;
+  validation::hard_cohesion(results, {.quick = true});
   check(results);
 }
 
