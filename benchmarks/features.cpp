@@ -48,7 +48,8 @@ int main(int argc, char** argv) {
     bench::arguments args(argc, argv);
     const bench::pile_run run(args);
     if (!args.done()) return;
-    const auto [count, settle, measure, start, file] = run;
+    const auto [one, settle, measure, tiles, start, file] = run;
+    const auto count = one * tiles * tiles;
     const bench::scene s = run.scene();
     using round = bodies<sphere, plane>;
     contenders all;

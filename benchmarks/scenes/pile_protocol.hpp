@@ -25,6 +25,7 @@ void run_pile(arguments args) {
   const auto relax = args.count("relax", 60);              // can only shrink; steps between them
   const auto ratio = args.count("ratio", 0);               // 0: planes, else a vessel of spheres
   const auto seed = args.count("seed", 1);
+  const auto tiles = args.count("tiles", 1);  // copies along each side of the box
   const auto start = args.text("from", "");
   const auto keep = args.text("keep", "");
   const auto file = args.text("json", "");
@@ -36,6 +37,7 @@ void run_pile(arguments args) {
       ratio > 0 ? vessel_scene(bodies, static_cast<double>(ratio), seed) : pile_scene(bodies, seed);
   const std::string identity = digest(s);
   if (!start.empty()) load_state(s, start);
+  if (tiles > 1) s = tiled(s, tiles);
   const double before = resident_bytes();
   Engine engine(s, iterations.front());
   const double still = 1e-3 * s.density * 4 / 3 * std::numbers::pi * std::pow(0.45, 4) * -s.gravity;
@@ -60,19 +62,24 @@ void run_pile(arguments args) {
     }
     if constexpr (requires { engine.start_measuring(); }) engine.start_measuring();
     stopwatch watch;
+    const double faults = page_faults();
     for (std::uint64_t step = 0; step < measure; ++step) {
       if (step + 1 == measure) engine.watch_loads();
       watch.time([&] { engine.step(); });
     }
 
+    const double faults_per_step = (page_faults() - faults) / static_cast<double>(measure);
+
     record out;
     add_common(out, s, engine, watch, identity);
+    out.add("page_faults_per_step", faults_per_step);
     double volume = 0, weighted_height = 0;
     for (const ball& b : engine.balls()) {
       volume += mass(b, 1);
       weighted_height += mass(b, 1) * b.position[2];
     }
-    const double side = pile_side(bodies);  // a level pile is twice as high as its centre of mass
+    const double side = static_cast<double>(tiles) *
+                        pile_side(bodies);  // a level pile is twice as high as its centre of mass
     out.add("packing_fraction", volume / (side * side * 2 * weighted_height / volume));
     out.add("size_ratio", ratio);
     out.add("resident_bytes_per_body",

@@ -55,6 +55,40 @@ inline scene pile_scene(std::size_t bodies, std::uint64_t seed = 1) {
   return bed_scene(sites, sites, bodies, seed);
 }
 
+/// `tiles` by `tiles` copies of a pile that may have settled, side by side in one box: every other
+/// copy is mirrored, so that bodies at a wall touch their images there. Bodies come in the order of
+/// the lattice of the whole bed.
+inline scene tiled(const scene& pile, std::size_t tiles) {
+  const std::size_t sites = pile_sites(pile.balls.size());
+  const double side = pile_side(pile.balls.size());
+  scene s = pile;
+  s.balls.clear();
+  s.balls.reserve(tiles * tiles * pile.balls.size());
+  for (wall& w : s.walls)
+    if (w.offset != 0) w.offset *= static_cast<double>(tiles);
+  for (std::size_t first = 0; first < pile.balls.size(); first += sites * sites)
+    for (std::size_t row = 0; row < tiles * sites; ++row)
+      for (std::size_t column = 0; column < tiles * sites; ++column) {
+        const std::size_t tile[] = {column / sites, row / sites};
+        std::size_t at[] = {column % sites, row % sites};
+        for (std::size_t k = 0; k < 2; ++k)
+          if (tile[k] % 2 == 1) at[k] = sites - 1 - at[k];
+        const std::size_t n = first + at[1] * sites + at[0];
+        if (n >= pile.balls.size()) continue;
+        ball b = pile.balls[n];
+        for (std::size_t k = 0; k < 2; ++k) {
+          const auto before = static_cast<double>(tile[k]);
+          if (tile[k] % 2 == 1) {  // the spin is an axial vector
+            b.position[k] = side - b.position[k], b.velocity[k] = -b.velocity[k];
+            for (std::size_t c = 0; c < 3; ++c) b.spin[c] = c == k ? b.spin[c] : -b.spin[c];
+          }
+          b.position[k] += before * side;
+        }
+        s.balls.push_back(b);
+      }
+  return s;
+}
+
 /// The same pile in a vessel of spheres `ratio` times as large as its bodies: one instead of the
 /// floor and one instead of each wall, each touching from outside the plane that it replaces. As
 /// they are nearly plane, the bodies have as many contacts as between planes.

@@ -1,6 +1,7 @@
 #pragma once
 // The state of a scene's balls in a file, so that a pile that has settled once can be measured many
 // times; and how much memory this process holds.
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -51,17 +52,26 @@ struct pile_run {
       : bodies(args.count("bodies", 8000)),
         settle(args.count("settle", 720)),
         measure(args.count("measure", 120)),
+        tiles(args.count("tiles", 1)),
         from(args.text("from", "")),
         file(args.text("json", "")) {}
   [[nodiscard]] bench::scene scene() const {
     bench::scene s = pile_scene(bodies);
     if (!from.empty()) load_state(s, from);
-    return s;
+    return tiles > 1 ? tiled(s, tiles) : s;
   }
 
   std::uint64_t bodies, settle, measure;  ///< the latter two in steps
+  std::uint64_t tiles;                    ///< copies of the pile along each side of the box
   std::string from, file;
 };
+
+/// Pages that this process has received from the kernel so far.
+inline double page_faults() {
+  rusage use{};
+  getrusage(RUSAGE_SELF, &use);
+  return static_cast<double>(use.ru_minflt + use.ru_majflt);
+}
 
 /// Bytes of this process that are in memory.
 inline double resident_bytes() {

@@ -30,7 +30,8 @@ class history_of {
   /// Makes room for `n` contacts; call before adding.
   void reset(std::size_t n) {
     entries_.clear();
-    entries_.reserve(n);
+    // With some slack, so that a slowly growing number of contacts does not allocate in each step.
+    if (n > entries_.capacity()) entries_.reserve(n + n / 8);
     arrived_ = nothing;
     indexed_ = false;
   }
