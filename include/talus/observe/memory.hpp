@@ -17,6 +17,7 @@ template <class Scenario>
     b.global.each_column(of);
     of(b.reach);
     of(b.global_reach);
+    if constexpr (requires { b.places; }) of(b.places);
     bytes += b.grid.bytes() + b.global_grid.bytes();
   });
   s.each_constraint_list([&](const auto& list) { bytes += list.bytes(); });

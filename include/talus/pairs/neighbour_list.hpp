@@ -269,14 +269,18 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
         close_pair* const pairs = list.data() + first;
         const std::size_t size = std::min(block, list.size() - first);
         std::size_t count = 0;
-        for (std::size_t k = 0; k < size; ++k) {
-          close_pair& pair = pairs[k];
-          const real reach = of_a.reach[pair.i] + reach_of_b(pair.j);
-          const bool apart =
-              (a.position[pair.i] - b.position[pair.j]).squaredNorm() > reach * reach;
-          close[count] = static_cast<std::uint32_t>(k);
-          count += apart ? 0 : 1;
-          pair.last = apart ? history_place::none : pair.last;
+        if constexpr (requires { take.find_near(pairs, size, close.data()); }) {
+          count = take.find_near(pairs, size, close.data());
+        } else {
+          for (std::size_t k = 0; k < size; ++k) {
+            close_pair& pair = pairs[k];
+            const real reach = of_a.reach[pair.i] + reach_of_b(pair.j);
+            const bool apart =
+                (a.position[pair.i] - b.position[pair.j]).squaredNorm() > reach * reach;
+            close[count] = static_cast<std::uint32_t>(k);
+            count += apart ? 0 : 1;
+            pair.last = apart ? history_place::none : pair.last;
+          }
         }
         for (std::size_t k = 0; k < count; ++k) {
           if constexpr (requires { take.prefetch(pairs[0]); })

@@ -9,6 +9,8 @@
 #include "talus/core/type_list.hpp"
 #include "talus/detect/box_place.hpp"
 #include "talus/detect/hash_grid.hpp"
+#include "talus/detect/sphere_batch.hpp"
+#include "talus/shape/sphere.hpp"
 
 namespace talus::detail {
 
@@ -16,12 +18,16 @@ namespace talus::detail {
 /// that are about to close keep their impulse and their place.
 inline constexpr real contact_slack = 0.01;
 
-/// Poses of the bodies of a shape, computed once for the detection of a step.
+/// What detection reads of the bodies of a shape, computed once per step.
 template <class Shape>
 struct places_of {};
 template <>
 struct places_of<box> {
   plain_vector<box_place<real>> places;
+};
+template <>
+struct places_of<sphere> {
+  plain_vector<moving_sphere> places;
 };
 
 template <class Shape, class Features, class Search>

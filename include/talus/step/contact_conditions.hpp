@@ -5,6 +5,7 @@
 #include "talus/body/material.hpp"
 #include "talus/constraint/rebound.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/pack.hpp"
 
 namespace talus::detail {
 
@@ -13,6 +14,31 @@ namespace talus::detail {
 struct contact_conditions {
   real target_velocity = 0, correction_rate = 0, friction = 0;
 };
+
+/// The part of the conditions that follows from the gap alone, of one contact or of several. Up to
+/// a gap of `held` surfaces are in resting contact.
+template <class Pack>
+struct gap_conditions {
+  Pack target_velocity, correction_rate;
+};
+template <class Law, class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline gap_conditions<Pack> conditions_of_gap(
+    const Pack& gap, const Pack& held, real dt, real correction) {
+  const Pack zero = every_lane<Pack>(0), rate = -gap / every_lane<Pack>(dt);
+  const auto rests = gap <= held;
+  gap_conditions<Pack> c{rests ? zero : rate, zero};
+  if constexpr (Law::correction)
+    c.correction_rate = rests ? every_lane<Pack>(-correction) * gap / every_lane<Pack>(dt) : rate;
+  return c;
+}
+/// The gap up to which an acceleration of `pull` holds surfaces together.
+template <class Law, class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline Pack held_gap(const Pack& pull, real dt) {
+  if constexpr (Law::correction)
+    return pull * dt * dt;
+  else
+    return (void)pull, (void)dt, every_lane<Pack>(0);
+}
 
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
 /// - Gaps that gravity would close within a step count as closed: surfaces hold there, u_n >= 0,
@@ -35,9 +61,8 @@ template <class Law, bool Divided, class Fall>
                                                Fall&& fall, real creep, real correction) {
   contact_conditions c;
   const real un = normal.dot(u);
-  const bool held = gap <= (Law::correction ? gravity * dt * dt : 0);
-  c.target_velocity = held ? 0 : -gap / dt;
-  if constexpr (Law::correction) c.correction_rate = held ? -correction * gap / dt : -gap / dt;
+  const auto by_gap = conditions_of_gap<Law, real>(gap, held_gap<Law>(gravity, dt), dt, correction);
+  c.target_velocity = by_gap.target_velocity, c.correction_rate = by_gap.correction_rate;
   if constexpr (Law::restitution)
     if (pair.restitution > 0 && un < -2 * gravity * dt)
       if (const real a = fall(); gap + (un - std::max(a, real{0}) * dt) * dt <= 0)

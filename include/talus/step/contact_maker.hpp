@@ -7,6 +7,7 @@
 
 #include "talus/core/plain_vector.hpp"
 #include "talus/detect/box_batch.hpp"
+#include "talus/detect/sphere_batch.hpp"
 #include "talus/detect/usual_pairs.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
@@ -39,8 +40,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   using typename base::store_a, typename base::store_b;
   using law = typename state_type::law;
   using number = solved_scalar<Scenario>;
+  using wide = wide_pack<real>;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
+  /// Contacts of spheres are computed several at a time, where only their motion counts.
+  static constexpr bool packed =
+      paired && std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere> && !imaged &&
+      !state_type::continuous && !state_type::midpoint && !is_cohesive<law>;
   template <class A, class B>
   static auto kind() {
     if constexpr (paired)
@@ -61,6 +67,14 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       waiting_.places->resize(a_.size());
       for (std::size_t i = 0; i < a_.size(); ++i)
         (*waiting_.places)[i] = place_of<real>(a_.shape[i], a_.pose(i));
+    } else if constexpr (packed) {
+      const auto& reach = s.template of<ShapeA>().reach;
+      waiting_.spheres = &s.template of<ShapeA>().places;
+      waiting_.spheres->resize(a_.size());
+      for (std::size_t i = 0; i < a_.size(); ++i)
+        (*waiting_.spheres)[i] = {a_.position[i],         reach[i],
+                                  a_.velocity[i],         a_.shape[i].radius,
+                                  a_.angular_velocity[i], 0};
     }
   }
 
@@ -73,7 +87,47 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
     make(i, j, margin_a, margin_b, &last);
   }
+  /// Writes the indices of those of `size` kept pairs that are within reach, and returns how many.
+  /// The others lose their place in the history. (`near` has room for one more.)
+  [[nodiscard]] std::size_t find_near(close_pair* pairs, std::size_t size,
+                                      std::uint32_t* near) const requires(packed) {
+    constexpr std::size_t lanes = sphere_batch::capacity;
+    const moving_sphere* const spheres = waiting_.spheres->data();
+    std::size_t count = 0;
+    for (std::size_t first = 0; first < size; first += lanes) {
+      close_pair* const group = pairs + first;
+      const std::size_t n = std::min(lanes, size - first);
+      const auto at = [&](int k) { return std::min(static_cast<std::size_t>(k), n - 1); };
+      const unsigned bits = spheres_within_reach(
+          [&](int k) -> const moving_sphere& { return spheres[group[at(k)].i]; },
+          [&](int k) -> const moving_sphere& { return spheres[group[at(k)].j]; });
+      for (std::size_t k = 0; k < n; ++k) {
+        const bool is_near = (bits >> k & 1u) != 0;
+        near[count] = static_cast<std::uint32_t>(first + k);
+        count += is_near ? 1 : 0;
+        group[k].last = is_near ? group[k].last : history_place::none;
+      }
+    }
+    return count;
+  }
   /// To be called after the last pair: some pairs wait until a batch is full.
+  void finish() requires(packed) {
+    const unsigned count = waiting_.count;
+    waiting_.count = 0;
+    if (count == 0) return;
+    const unsigned met = waiting_.batch.collide(count, motion_.gravity(), s_.dt);
+    for (unsigned k = 0; k < waiting_.batch.capacity; ++k) {
+      const pair_at_hand& x = waiting_.pairs[k < count ? k : 0];
+      waiting_.pull[k] = motion_.pull(x.i, x.j);
+    }
+    waiting_.conditions =
+        conditions_of_gap<law, wide>(waiting_.batch.gap, held_gap<law, wide>(waiting_.pull, s_.dt),
+                                     s_.dt, s_.settings.correction);
+    for (unsigned k = 0; k < count; ++k) {
+      if (met >> k & 1u) add_lane(waiting_.pairs[k], k);
+      drop_unless_made(waiting_.pairs[k]);
+    }
+  }
   void finish() requires(batched) {
     const unsigned count = waiting_.count, near = waiting_.tests.test();
     waiting_.count = 0;
@@ -108,6 +162,18 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     box_batch<real> tests;
     std::array<pair_at_hand, box_batch<real>::capacity> pairs;
     unsigned count = 0;
+  };
+  /// Pairs of spheres, and the properties of the last pair of materials.
+  struct waiting_spheres {
+    plain_vector<moving_sphere>* spheres = nullptr;  ///< all of them
+    sphere_batch batch;
+    std::array<pair_at_hand, sphere_batch::capacity> pairs;
+    unsigned count = 0;
+    wide pull;
+    gap_conditions<wide> conditions;
+    bool known = false;
+    material_id material_a{}, material_b{};
+    pair_material between{};
   };
   struct none_wait {};
   struct earlier_pair {
@@ -158,6 +224,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       waiting_.pairs[lane] = x;
       waiting_.tests.set(lane, place_a(x), place_b(x), x.margin);
       if (waiting_.count == waiting_.tests.capacity) finish();
+      return;
+    } else if constexpr (packed) {
+      const unsigned lane = waiting_.count++;
+      const auto& spheres = *waiting_.spheres;
+      waiting_.pairs[lane] = x;
+      waiting_.batch.set(lane, spheres[i], spheres[j], x.margin, x.slack);
+      if (waiting_.count == waiting_.batch.capacity) finish();
       return;
     } else if constexpr (ShapeA::isotropic && ShapeB::isotropic &&
                          !(driven && state_type::continuous)) {  // a single point
@@ -244,24 +317,69 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
     if constexpr (state_type::midpoint)
       if (target != 0) c.bias = {0, 0, 0};
-    c.target_velocity = static_cast<decltype(c.target_velocity)>(target);
-    c.correction_rate = static_cast<decltype(c.correction_rate)>(want.correction_rate);
-    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
+    set_conditions(c, target, want.correction_rate, want.friction);
     const contact_key key{a_.id[i], b_.id[j], g.feature};
-    if constexpr (state_type::islands_across_ranks)
-      if (x.foreign) return list_.add_foreign(c, key);
-    x.made = true;
     if constexpr (is_cohesive<law>)
-      if (g.gap <= std::max(x.slack, pulled * s_.dt * s_.dt))
+      if (!x.foreign && g.gap <= std::max(x.slack, pulled * s_.dt * s_.dt))
         if (const real force = material().cohesion; force > 0) {
           std::int32_t b = -1;
           if constexpr (contact_type::paired) b = c.b;
           s_.attraction.add({key, c.a, b, force, g.normal, arm_a, arm_b});
         }
+    add_to_list(x, c, key);
+  }
+  static void set_conditions(contact_type& c, real target, real rate, real friction) {
+    c.target_velocity = static_cast<decltype(c.target_velocity)>(target);
+    c.correction_rate = static_cast<decltype(c.correction_rate)>(rate);
+    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(friction);
+  }
+  [[gnu::always_inline]] void add_to_list(pair_at_hand& x, const contact_type& c,
+                                          const contact_key& key) {
+    if constexpr (state_type::islands_across_ranks)
+      if (x.foreign) return list_.add_foreign(c, key);
+    x.made = true;
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else
-      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_border(i, body_b(x)));
+      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_border(x.i, body_b(x)));
+  }
+
+  /// The contact of a pair of spheres that has been computed in lane k.
+  [[gnu::always_inline]] void add_lane(pair_at_hand& x, unsigned k) requires(packed) {
+    const sphere_batch& of = waiting_.batch;
+    const real gap = of.gap[k];
+    if constexpr (monitored<Scenario, penetration_monitor>)
+      if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(gap);
+    contact_type c;
+    c.a = static_cast<std::int32_t>(first_a_ + x.i);
+    c.b = static_cast<std::int32_t>(first_b_ + x.j);
+    const vec3 normal = lane(of.normal, k);
+    c.normal = in_scalar<number>(normal);
+    if constexpr (law::friction) {
+      c.arm_a = static_cast<number>(of.arm_a[k]);
+      c.arm_b = static_cast<number>(of.arm_b[k]);
+    }
+    const pair_material& between = materials_of(x);
+    const real pull = waiting_.pull[k];
+    const bool rebounds = between.restitution > 0 && of.approach[k] < -2 * pull * s_.dt;
+    if (rebounds || between.dynamic_friction < between.friction) [[unlikely]] {
+      const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
+          between, normal, lane(of.velocity, k), gap, s_.dt, pull,
+          [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius), s_.settings.correction);
+      set_conditions(c, want.target_velocity, want.correction_rate, want.friction);
+    } else {
+      set_conditions(c, waiting_.conditions.target_velocity[k],
+                     waiting_.conditions.correction_rate[k], between.friction);
+    }
+    add_to_list(x, c, {a_.id[x.i], b_.id[x.j], 0});
+  }
+  [[nodiscard]] const pair_material& materials_of(const pair_at_hand& x) requires(packed) {
+    const material_id a = a_.material[x.i], b = b_.material[x.j];
+    if (!waiting_.known || a != waiting_.material_a || b != waiting_.material_b) {
+      waiting_.known = true, waiting_.material_a = a, waiting_.material_b = b;
+      waiting_.between = s_.materials.pair(a, b);
+    }
+    return waiting_.between;
   }
 
   /// The relative velocity of a lasting contact at the end of the step; see velocity_bias.hpp.
@@ -403,7 +521,9 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
 
   list_type& list_;
   pair_motion<Scenario, ShapeA, ShapeB, paired> motion_;
-  [[no_unique_address]] std::conditional_t<batched, waiting_pairs, none_wait> waiting_;
+  [[no_unique_address]] std::conditional_t<batched, waiting_pairs,
+                                           std::conditional_t<packed, waiting_spheres, none_wait>>
+      waiting_;
   [[no_unique_address]] std::conditional_t<state_type::midpoint, earlier_pair, no_earlier_pair>
       earlier_;
 };

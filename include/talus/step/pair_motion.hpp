@@ -39,6 +39,7 @@ class pair_motion {
     if constexpr (driven) closing -= b_.angular_velocity[j].norm() * radius * s_.dt;
     return g.gap + closing > slack;
   }
+  [[nodiscard]] real gravity() const { return gravity_; }
   /// How far both may move in this step, in sum.
   [[nodiscard]] real margin_in_step(std::size_t i, std::size_t j) const {
     return margin_of(a_, i) + margin_of(b_, j);

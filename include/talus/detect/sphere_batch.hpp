@@ -1,0 +1,105 @@
+#pragma once
+// Pairs of spheres, eight at a time: whether they are near each other, and their contacts. The
+// numbers of a pair do not depend on the others and are those of the functions of single pairs, to
+// the bit.
+#include <array>
+#include <cstddef>
+
+#include "talus/core/math.hpp"
+#include "talus/core/pack.hpp"
+#include "talus/core/pack_rows.hpp"
+#include "talus/core/pack_vector.hpp"
+
+namespace talus::detail {
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+/// What detection reads of a sphere, in rows of four numbers; written once per step.
+struct alignas(32) moving_sphere {
+  vec3 position{0, 0, 0};
+  real reach = 0;
+  vec3 velocity{0, 0, 0};
+  real radius = 0;
+  vec3 spin{0, 0, 0};
+  real unused = 0;
+};
+
+/// Bit k is set unless the spheres of pair k are out of reach of each other. `a(k)` and `b(k)` are
+/// those spheres.
+template <class A, class B>
+[[nodiscard]] [[gnu::always_inline]] inline unsigned spheres_within_reach(A&& a, B&& b) {
+  using wide = wide_pack<real>;
+  const auto row = [](const moving_sphere& x) { return row_of(x, x.position); };
+  const auto rows_a = gather<wide>([&](int k) { return row(a(k)); });
+  const auto rows_b = gather<wide>([&](int k) { return row(b(k)); });
+  const pack_vector<wide> d = vectors_in(rows_a) - vectors_in(rows_b);
+  const wide reach = rows_a.w + rows_b.w;
+  return bits_of(inverted(dot(d, d) > reach * reach));
+}
+
+/// Up to eight pairs, added one by one, and their contacts.
+class sphere_batch {
+  using wide = wide_pack<real>;
+
+ public:
+  static constexpr unsigned capacity = lanes_of<wide>;
+
+  /// A contact has a gap of at most `margin`; one with a gap above `slack` must be about to close.
+  void set(unsigned lane, const moving_sphere& a, const moving_sphere& b, real margin, real slack) {
+    a_[lane] = &a, b_[lane] = &b;
+    margin_[lane] = margin, slack_[lane] = slack;
+  }
+  /// Computes the contacts of the first `count` pairs. Bit k is set if pair k has one.
+  [[nodiscard]] unsigned collide(unsigned count, real gravity, real dt) {
+    for (unsigned k = count; k < capacity; ++k) a_[k] = a_[0], b_[k] = b_[0];
+    const auto rows = [](const auto& of, auto part) {
+      return gather<wide>([&](int k) {
+        const moving_sphere& x = *of[static_cast<std::size_t>(k)];
+        return row_of(x, x.*part);
+      });
+    };
+    const auto place_a = rows(a_, &moving_sphere::position);
+    const auto place_b = rows(b_, &moving_sphere::position);
+    const auto motion_a = rows(a_, &moving_sphere::velocity);
+    const auto motion_b = rows(b_, &moving_sphere::velocity);
+    const auto spin_a = rows(a_, &moving_sphere::spin);
+    const auto spin_b = rows(b_, &moving_sphere::spin);
+
+    const wide zero = every_lane<wide>(0), one = every_lane<wide>(1);
+    const pack_vector<wide> d = vectors_in(place_a) - vectors_in(place_b);
+    const wide touch = motion_a.w + motion_b.w, reach = touch + margin_;
+    const wide squared = dot(d, d), distance = square_root(squared), inverse = one / distance;
+    const auto apart = squared > every_lane<wide>(1e-200);  // else along z
+    normal = {apart ? inverse * d.x : zero, apart ? inverse * d.y : zero,
+              apart ? inverse * d.z : one};
+    gap = distance - touch;
+    const wide half = every_lane<wide>(0.5) * gap;
+    const pack_vector<wide> point = vectors_in(place_b) + (motion_b.w + half) * normal;
+    const pack_vector<wide> lever_a = point - vectors_in(place_a);
+    const pack_vector<wide> lever_b = point - vectors_in(place_b);
+    velocity = vectors_in(motion_a) + crossed(vectors_in(spin_a), lever_a);
+    velocity -= vectors_in(motion_b) + crossed(vectors_in(spin_b), lever_b);
+    approach = dot(normal, velocity);
+    arm_a = -dot(normal, lever_a);
+    arm_b = dot(normal, lever_b);
+    const wide closing = approach * dt - every_lane<wide>(2 * gravity * dt * dt);
+    const auto near = squared <= reach * reach;
+    const auto left_out = (gap > slack_) & (gap + closing > slack_);
+    return bits_of(both(near, inverted(left_out))) & ((1u << count) - 1);
+  }
+
+  pack_vector<wide> normal;    ///< from b to a
+  pack_vector<wide> velocity;  ///< of a against b at the contact
+  wide gap;
+  wide approach;      ///< the velocity along the normal
+  wide arm_a, arm_b;  ///< distances of the contact from the centres
+
+ private:
+  std::array<const moving_sphere*, capacity> a_, b_;
+  wide margin_{}, slack_{};
+};
+
+#pragma GCC diagnostic pop
+
+}  // namespace talus::detail
