@@ -165,7 +165,22 @@ class isotropic_blocks {
     const std::uint32_t slot = slots_[i];
     return slot & overflow ? overflow_[slot & ~overflow] : get(slot / lanes, slot % lanes);
   }
-  [[nodiscard]] vec3 impulse(std::size_t i) const { return (*this)[i].impulse(); }
+  [[nodiscard]] vec3 impulse(std::size_t i) const {
+    const std::uint32_t slot = slots_[i];
+    if (slot & overflow) return overflow_[slot & ~overflow].impulse();
+    return in_scalar<real>(blocks_[slot / lanes].impulse_of(slot % lanes));
+  }
+  /// Calls f(a, b) for the bodies of contacts that have an impulse, in no particular order.
+  template <class F>
+  void each_loaded_pair(F&& f) const requires(paired) {
+    for (const block& x : used()) {
+      const pack_vector<wide> p = x.impulse_in_frame().along(x.normal);
+      for (std::size_t l = 0; l < lanes; ++l)
+        if (in_scalar<real>(lane(p, l)).squaredNorm() > 0) f(x.a[l], x.b[l]);
+    }
+    for (const Contact& c : overflow_)
+      if (c.impulse().squaredNorm() > 0) f(c.a, c.b);
+  }
   template <class F>
   void edit(std::size_t i, F&& f) {
     const std::uint32_t slot = slots_[i];
@@ -178,7 +193,8 @@ class isotropic_blocks {
   void load_impulses(const contact_history& history, const plain_vector<contact_key>& keys,
                      const plain_vector<history_place*>& places) {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-      const vec3* found = kept_pair(history, keys[i], places[i]).find(keys[i]);
+      const vec3* found = places[i] != nullptr ? history.at(*places[i], keys[i]) : nullptr;
+      if (found == nullptr) found = kept_pair(history, keys[i], places[i]).find(keys[i]);
       if (found == nullptr) continue;
       const std::uint32_t slot = slots_[i];
       if (slot & overflow) {

@@ -248,6 +248,13 @@ struct isotropic_rows : tangential_rows<Pack, Cone> {
   void get(std::size_t l, one_lane& c) const {
     each_part(*this, c, [l](const auto& mine, auto& of_c) { of_c = lane(mine, l); });
   }
+  /// The impulse of lane l, in the world.
+  [[nodiscard]] [[gnu::always_inline]] vector3<lane_of<Pack>> impulse_of(std::size_t l) const {
+    typename one_lane::change r;
+    r.n = lane(rn, l);
+    if constexpr (requires { r.t; }) r.t = lane(this->rt, l);
+    return r.along(lane(normal, l));
+  }
   /// Keeps an impulse of the last step for lane l; then load_kept_impulses() loads those of all.
   void keep_impulse(std::size_t l, const vector3<lane_of<Pack>>& impulse) {
     this->keep(l, impulse, lane(normal, l), rn);

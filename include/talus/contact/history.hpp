@@ -88,6 +88,12 @@ class history_of {
     while (last < end && entries_[last].key.same_pair(pair)) ++last;
     return std::span(entries_).subspan(first, last - first);
   }
+  /// The memory of the contact stored there, or null if it is that of another.
+  [[nodiscard]] [[gnu::always_inline]] inline const Memory* at(history_place place,
+                                                               const contact_key& key) const {
+    const auto i = static_cast<std::size_t>(place);
+    return i < entries_.size() && entries_[i].key == key ? &entries_[i].memory : nullptr;
+  }
   /// Loads the contacts of a pair that row() is asked for soon.
   [[gnu::always_inline]] inline void prefetch(history_place place) const {
     const auto first = static_cast<std::size_t>(place);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 
+#include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/pack.hpp"
 #include "talus/core/pack_rows.hpp"
@@ -15,14 +16,14 @@ namespace talus::detail {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-/// What detection reads of a sphere, in rows of four numbers; written once per step.
+/// What detection reads of a sphere, in rows as large as four numbers; written once per step.
 struct alignas(32) moving_sphere {
   vec3 position{0, 0, 0};
   real reach = 0;
   vec3 velocity{0, 0, 0};
   real radius = 0;
   vec3 spin{0, 0, 0};
-  real unused = 0;
+  system_id id = no_id;
 };
 
 /// Bit k is set unless the spheres of pair k are out of reach of each other. `a(k)` and `b(k)` are

@@ -165,6 +165,17 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void each_interior_contact(F&& f) const {
     each_interior(f);
   }
+  /// Calls f(a, b) for the bodies of interior contacts that have an impulse, in no particular
+  /// order.
+  template <class F>
+  void each_loaded_pair(F&& f) const requires(Contact::paired && !is_joint<Contact>) {
+    for (const part* p : {&inner_, &border_})
+      if constexpr (requires { p->row.each_loaded_pair(f); })
+        p->row.each_loaded_pair(f);
+      else
+        for (std::size_t i = 0; i < p->row.size(); ++i)
+          if (const auto& c = p->row[i]; c.impulse().squaredNorm() > 0) f(c.a, c.b);
+  }
   template <class F>
   void edit_interior_contacts(F&& f) {
     for (std::size_t i = 0, n = interior(); i < n; ++i) edit_interior(i, f);

@@ -74,7 +74,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       for (std::size_t i = 0; i < a_.size(); ++i)
         (*waiting_.spheres)[i] = {a_.position[i],         reach[i],
                                   a_.velocity[i],         a_.shape[i].radius,
-                                  a_.angular_velocity[i], 0};
+                                  a_.angular_velocity[i], a_.id[i]};
     }
   }
 
@@ -94,20 +94,26 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     constexpr std::size_t lanes = sphere_batch::capacity;
     const moving_sphere* const spheres = waiting_.spheres->data();
     std::size_t count = 0;
-    for (std::size_t first = 0; first < size; first += lanes) {
-      close_pair* const group = pairs + first;
-      const std::size_t n = std::min(lanes, size - first);
-      const auto at = [&](int k) { return std::min(static_cast<std::size_t>(k), n - 1); };
-      const unsigned bits = spheres_within_reach(
+    const auto test = [&](close_pair* group, auto&& at) {
+      return spheres_within_reach(
           [&](int k) -> const moving_sphere& { return spheres[group[at(k)].i]; },
           [&](int k) -> const moving_sphere& { return spheres[group[at(k)].j]; });
-      for (std::size_t k = 0; k < n; ++k) {
-        const bool is_near = (bits >> k & 1u) != 0;
-        near[count] = static_cast<std::uint32_t>(first + k);
-        count += is_near ? 1 : 0;
-        group[k].last = is_near ? group[k].last : history_place::none;
-      }
+    };
+    const auto note = [&](std::size_t k, bool is_near) {
+      near[count] = static_cast<std::uint32_t>(k);
+      count += is_near ? 1 : 0;
+      pairs[k].last = is_near ? pairs[k].last : history_place::none;
+    };
+    std::size_t first = 0;
+    for (; first + lanes <= size; first += lanes) {
+      const unsigned bits = test(pairs + first, [](int k) { return k; });
+#pragma GCC unroll 8
+      for (std::size_t k = 0; k < lanes; ++k) note(first + k, (bits >> k & 1u) != 0);
     }
+    if (first == size) return count;
+    const int last = static_cast<int>(size - first) - 1;
+    const unsigned bits = test(pairs + first, [&](int k) { return std::min(k, last); });
+    for (std::size_t k = 0; first + k < size; ++k) note(first + k, (bits >> k & 1u) != 0);
     return count;
   }
   /// To be called after the last pair: some pairs wait until a batch is full.
@@ -186,10 +192,20 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (!x.made && x.last != nullptr) *x.last = history_place::none;
   }
 
+  /// A pair of spheres is written to its lane at once: copies of it would wait for the stores of
+  /// its parts.
+  [[nodiscard]] pair_at_hand& place_of_next([[maybe_unused]] pair_at_hand& local) {
+    if constexpr (packed)
+      return waiting_.pairs[waiting_.count];
+    else
+      return local;
+  }
+
   void make(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place* last) {
     if (this->order(i, j)) std::swap(margin_a, margin_b);
-    pair_at_hand x;
-    x.i = i, x.j = j, x.last = last;
+    [[maybe_unused]] pair_at_hand local;
+    pair_at_hand& x = place_of_next(local);
+    x.i = i, x.j = j, x.last = last, x.made = false;
     if constexpr (state_type::has_joints)
       if (s_.joints.joined(a_.id[i], b_.id[j])) return drop_unless_made(x);
     if (!this->find(x)) return drop_unless_made(x);
@@ -228,7 +244,6 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     } else if constexpr (packed) {
       const unsigned lane = waiting_.count++;
       const auto& spheres = *waiting_.spheres;
-      waiting_.pairs[lane] = x;
       waiting_.batch.set(lane, spheres[i], spheres[j], x.margin, x.slack);
       if (waiting_.count == waiting_.batch.capacity) finish();
       return;
@@ -371,7 +386,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       set_conditions(c, waiting_.conditions.target_velocity[k],
                      waiting_.conditions.correction_rate[k], between.friction);
     }
-    add_to_list(x, c, {a_.id[x.i], b_.id[x.j], 0});
+    add_to_list(x, c, {(*waiting_.spheres)[x.i].id, (*waiting_.spheres)[x.j].id, 0});
   }
   [[nodiscard]] const pair_material& materials_of(const pair_at_hand& x) requires(packed) {
     const material_id a = a_.material[x.i], b = b_.material[x.j];

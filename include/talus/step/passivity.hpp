@@ -49,6 +49,7 @@ class passivity {
   static constexpr bool alone = state_type::link_type::alone;
   static constexpr bool by_colours = Ranks::coloured;
   static constexpr int most_plastic_sweeps = 50;
+  static constexpr bool always = true;
   static constexpr bool divided = uses_substeps<typename Scenario::solver>;
 
  public:
@@ -76,12 +77,13 @@ class passivity {
     auto&& lists = solver_lists<by_colours>(s_);
     each_of(lists, f);
   }
-  /// Calls f(work, index in the solver's arrays) for each body owned here that can move.
+  /// Calls f(work, index in the solver's arrays) for each body owned here that can move, while
+  /// `more`.
   template <class F>
-  void each_body(F&& f) {
+  void each_body(F&& f, const bool& more = always) {
     s_.each_finite_shape([&](const auto& b) {
       const auto& store = b.movable;
-      for (std::size_t i = 0; i < store.size(); ++i) {
+      for (std::size_t i = 0; more && i < store.size(); ++i) {
         const std::size_t k = b.first + i;
         if (i >= store.locals && solver_.bodies[k].inverse_mass != 0) continue;
         if (solver_.bodies[k].inverse_mass == 0) {
@@ -158,13 +160,16 @@ class passivity {
     found_ = false;
     // An island that gains energy contains a body on which impulses do work, and one that gains
     // energy.
-    bool worked = false, rose = false;
-    each_body([&](const impulse_work& w, std::size_t) {
-      const real round_off = impulse_work::round_off(w.size);
-      worked = worked || w.work > round_off;
-      rose = rose || w.work + w.rise > round_off;
-    });
-    if (!worked || !rose) return;
+    bool worked = false, rose = false, unknown = true;
+    each_body(
+        [&](const impulse_work& w, std::size_t) {
+          const real round_off = impulse_work::round_off(w.size);
+          worked = worked || w.work > round_off;
+          rose = rose || w.work + w.rise > round_off;
+          unknown = !worked || !rose;
+        },
+        unknown);
+    if (unknown) return;
     join_islands();
     add_up_islands();
     const auto& works = s_.passive.works;
@@ -193,15 +198,19 @@ class passivity {
       while (root[k] != k) k = root[k] = root[root[k]];
       return k;
     };
+    const auto join = [&](std::int32_t one, std::int32_t other) {
+      if (!moves(one) || !moves(other)) return;
+      const auto a = find(static_cast<std::size_t>(one)), b = find(static_cast<std::size_t>(other));
+      root[std::max(a, b)] = std::min(a, b);
+    };
     each_list([&](const auto& list) {
-      list.each_interior_contact([&](const auto& c) {
-        if constexpr (std::remove_cvref_t<decltype(c)>::paired)
-          if (moves(c.a) && moves(c.b) && acts(c)) {
-            const auto a = find(static_cast<std::size_t>(c.a)),
-                       b = find(static_cast<std::size_t>(c.b));
-            root[std::max(a, b)] = std::min(a, b);
-          }
-      });
+      if constexpr (requires { list.each_loaded_pair(join); })
+        list.each_loaded_pair(join);
+      else
+        list.each_interior_contact([&](const auto& c) {
+          if constexpr (std::remove_cvref_t<decltype(c)>::paired)
+            if (acts(c)) join(c.a, c.b);
+        });
     });
     for (std::size_t k = 0; k < root.size(); ++k) root[k] = find(k);
   }
