@@ -39,6 +39,12 @@ class history_of {
     if (indexed_) [[unlikely]]
       index_last();
   }
+  /// Adds room for `n` contacts, which the caller fills in, or removes again with drop_last().
+  [[nodiscard, gnu::always_inline]] inline entry* add_some(std::size_t n) {
+    indexed_ = false;
+    return entries_.extend(n);
+  }
+  [[gnu::always_inline]] inline void drop_last(std::size_t n) { entries_.shorten(n); }
   /// The same for a contact of a body that has arrived; several ranks may send it.
   void add_arrived(const contact_key& key, const Memory& memory) {
     arrived_ = std::min(arrived_, entries_.size());
@@ -87,6 +93,15 @@ class history_of {
     while (last < end && entries_[last].key.same_pair(pair)) ++last;
     return std::span(entries_).subspan(first, last - first);
   }
+  /// The memory of a contact from the last step, or null if it is new. Contacts of a pair are
+  /// recorded consecutively, and a place that has lost its pair is replaced by a search by key.
+  [[nodiscard, gnu::always_inline]] inline const Memory* former(history_place place,
+                                                                const contact_key& key) const {
+    if (place == history_place::none) return nullptr;
+    const auto first = static_cast<std::size_t>(place);
+    if (first < entries_.size() && entries_[first].key == key) return &entries_[first].memory;
+    return search(place, key);
+  }
   /// Loads the contacts of a pair that row() is asked for soon.
   [[gnu::always_inline]] inline void prefetch(history_place place) const {
     const auto first = static_cast<std::size_t>(place);
@@ -120,6 +135,14 @@ class history_of {
   }
 
  private:
+  [[nodiscard, gnu::noinline]] const Memory* search(history_place place,
+                                                    const contact_key& key) const {
+    const auto of_pair = row(place, key);
+    if (of_pair.empty()) return find(key);
+    for (const auto& e : of_pair)
+      if (e.key.feature == key.feature) return &e.memory;
+    return nullptr;
+  }
   [[gnu::noinline]] void index_last() {
     if (2 * entries_.size() > slots_.size())
       index();
