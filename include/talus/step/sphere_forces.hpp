@@ -50,14 +50,27 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   static constexpr bool imaged = base::imaged;
 
  public:
-  explicit sphere_forces(state_type& s) : base(s) {}
+  explicit sphere_forces(state_type& s)
+      : base(s), bodies_(s.soft.bodies.data()), places_(s.soft.places.data()) {}
 
-  /// Adds the forces of `count` candidate pairs at most as far apart as they reach, by their
-  /// numbers.
+  /// Adds the forces of `count` candidate pairs at most as far apart as they reach, by their numbers.
   void operator()(close_pair* pairs, const std::uint32_t* close, std::size_t count) {
     std::size_t chosen = 0;
     for (std::size_t k = 0; k < count; ++k) chosen += choose_pair(pairs[close[k]], chosen);
-    for (std::size_t k = 0; k < chosen; k += lanes) add(k, std::min(lanes, chosen - k));
+    if (chosen == 0) return;
+    const std::size_t full = chosen / lanes * lanes, last = chosen - 1;
+    // The lanes beyond the last pair repeat it, and nothing of them is used.
+    for (std::size_t k = chosen; k < full + lanes; ++k) {
+      pair_[k] = pair_[last], body_a_[k] = body_a_[last], body_b_[k] = body_b_[last];
+      place_a_[k] = place_a_[last], place_b_[k] = place_b_[last];
+    }
+    for (std::size_t k = 0; k < chosen && k < 2 * lanes; ++k) prefetch(k);
+    for (std::size_t k = 0; k < full; k += lanes) {
+      for (std::size_t l = k + 2 * lanes; l < k + 3 * lanes; ++l)
+        if (l < chosen) prefetch(l);
+      add(k, lanes);
+    }
+    if (full < chosen) add(full, chosen - full);
   }
   void finish() {
     for (std::size_t l = 0; l < lanes; ++l)
@@ -86,34 +99,35 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
         }
         pair.last = before;
         if constexpr (imaged) {
-          place_a_[k] = {this->position_a(x), a_.shape[x.i].radius};
-          place_b_[k] = {this->position_b(x), a_.shape[x.j].radius};
-          body_b_[k] = static_cast<std::uint32_t>(this->body_b(x));
+          images_[2 * k] = {this->position_a(x), a_.shape[x.i].radius};
+          images_[2 * k + 1] = {this->position_b(x), a_.shape[x.j].radius};
+          place_a_[k] = &images_[2 * k], place_b_[k] = &images_[2 * k + 1];
+          body_a_[k] = &s_.soft.bodies[first_a_ + x.i];
+          body_b_[k] = &s_.soft.bodies[first_a_ + this->body_b(x)];
         }
       }
     }
+    if constexpr (!imaged) {
+      const std::size_t i = first_a_ + pair.i, j = first_a_ + pair.j;
+      body_a_[k] = bodies_ + i, body_b_[k] = bodies_ + j;
+      place_a_[k] = places_ + i, place_b_[k] = places_ + j;
+    }
     return true;
+  }
+  /// Loads what a pair that follows soon needs.
+  [[gnu::always_inline]] inline void prefetch(std::size_t k) const {
+    const auto load = [](const void* line) { __builtin_prefetch(line, 1); };
+    const auto after = [](const soft_body* body) { return reinterpret_cast<const char*>(body) + 64; };
+    load(body_a_[k]), load(after(body_a_[k]));
+    load(body_b_[k]), load(after(body_b_[k]));
+    if constexpr (remembers) s_.history.prefetch(pair_[k]->last);
   }
 
   /// The contacts of the pairs written down from `first` on.
   [[gnu::always_inline]] inline void add(std::size_t first, std::size_t count) {
-    const auto at = [&](int l) __attribute__((always_inline)) {
-      return first + std::min(static_cast<std::size_t>(l), count - 1);
-    };
-    soft_body *body_a[lanes], *body_b[lanes];
-    const soft_place *place_a[lanes], *place_b[lanes];
-    for (int l = 0; l < static_cast<int>(lanes); ++l) {
-      const std::size_t k = at(l);
-      const std::size_t i = pair_[k]->i, j = pair_[k]->j;
-      body_a[l] = &s_.soft.bodies[first_a_ + i];
-      if constexpr (imaged) {
-        body_b[l] = &s_.soft.bodies[first_a_ + body_b_[k]];
-        place_a[l] = &place_a_[k], place_b[l] = &place_b_[k];
-      } else {
-        body_b[l] = &s_.soft.bodies[first_a_ + j];
-        place_a[l] = &s_.soft.places[first_a_ + i], place_b[l] = &s_.soft.places[first_a_ + j];
-      }
-    }
+    soft_body *const *const body_a = &body_a_[first], *const *const body_b = &body_b_[first];
+    const soft_place *const *const place_a = &place_a_[first],
+                            *const *const place_b = &place_b_[first];
     const auto rows = [](auto&& row) __attribute__((always_inline)) { return gather<number>(row); };
     const auto pa = rows([&](int l) { return row_of(*place_a[l], place_a[l]->position); });
     const auto pb = rows([&](int l) { return row_of(*place_b[l], place_b[l]->position); });
@@ -140,7 +154,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
                         (moving >> l & 1) != 0 ? history_place::none : history_place::unknown);
     if (live == 0) return;
 
-    read_parameters(first, count, live);
+    read_parameters(first, live);
     typename law::template memory_of<number> memory;
     if constexpr (remembers) read_memory(first, count, before, memory);
     not_booked books;
@@ -197,14 +211,13 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     }
   }
 
-  [[gnu::always_inline]] inline void read_parameters(std::size_t first, std::size_t count,
-                                                     unsigned live) {
+  [[gnu::always_inline]] inline void read_parameters(std::size_t first, unsigned live) {
     auto& pairs = s_.soft.pairs;
     const typename law::parameters* of_lane[lanes];
     typename law::parameters copy[lanes];
     bool same = true;
     for (std::size_t l = 0; l < lanes; ++l) {
-      const close_pair& pair = *pair_[first + std::min(l, count - 1)];
+      const close_pair& pair = *pair_[first + l];
       const material_id a = a_.material[pair.i], b = a_.material[pair.j];
       of_lane[l] = &pairs.pair(a, b);
       if ((live >> l & 1) != 0) pairs.require_known(*of_lane[l], a, b);
@@ -289,20 +302,24 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     (void)first, (void)gap;
   }
 
-  static constexpr std::size_t most = pairs_of_block;
+  static constexpr std::size_t most = pairs_of_block + lanes;
   struct nothing {};
   template <bool Needed, class T>
-  using if_needed = std::conditional_t<Needed, std::array<T, most>, nothing>;
+  using if_needed = std::conditional_t<Needed, T, nothing>;
 
   memory_type fresh_{};
   number fastest_{};
   typename law::template parameters_of<number> parameters_;
   const typename law::parameters* parameters_of_all_ = nullptr;  ///< of all lanes, if they agree
+  soft_body* const bodies_;
+  const soft_place* const places_;
   // The pairs of the block that act here.
   std::array<close_pair*, most> pair_;
-  [[no_unique_address]] if_needed<!alone || imaged, bool> counts_;  ///< on this rank
-  [[no_unique_address]] if_needed<imaged, soft_place> place_a_, place_b_;
-  [[no_unique_address]] if_needed<imaged, std::uint32_t> body_b_;
+  std::array<soft_body*, most> body_a_, body_b_;
+  std::array<const soft_place*, most> place_a_, place_b_;
+  [[no_unique_address]] if_needed<!alone || imaged, std::array<bool, most>>
+      counts_;  ///< on this rank
+  [[no_unique_address]] if_needed<imaged, std::array<soft_place, 2 * most>> images_;
 };
 
 #pragma GCC diagnostic pop
