@@ -266,17 +266,15 @@ inline constexpr std::size_t pairs_of_block = 256;
   using number = wide_pack<real>;
   constexpr std::size_t lanes = lanes_of<number>;
   std::size_t count = 0;
-  const auto compare = [&](std::size_t first, const close_pair* of_lane,
-                           std::size_t left) __attribute__((always_inline)) {
+  const auto compare = [&](std::size_t first, const close_pair* of_lane, std::size_t left)
+      __attribute__((always_inline)) {
     const auto at = [&](const soft_place& p) __attribute__((always_inline)) {
       return row_of(p, p.position);
     };
-    const auto of_a = gather<number>([&](int l) __attribute__((always_inline)) {
-      return at(a[of_lane[l].i]);
-    });
-    const auto of_b = gather<number>([&](int l) __attribute__((always_inline)) {
-      return at(b[of_lane[l].j]);
-    });
+    const auto of_a =
+        gather<number>([&](int l) __attribute__((always_inline)) { return at(a[of_lane[l].i]); });
+    const auto of_b =
+        gather<number>([&](int l) __attribute__((always_inline)) { return at(b[of_lane[l].j]); });
     const auto d = vectors_in(of_a) - vectors_in(of_b);
     const number reach = of_a.w + of_b.w;
     const unsigned apart = bits_of(dot(d, d) > reach * reach);
@@ -289,8 +287,7 @@ inline constexpr std::size_t pairs_of_block = 256;
     }
   };
   const std::size_t full = size / lanes * lanes;
-  for (std::size_t first = 0; first < full; first += lanes)
-    compare(first, pairs + first, lanes);
+  for (std::size_t first = 0; first < full; first += lanes) compare(first, pairs + first, lanes);
   if (full < size) {
     close_pair rest[lanes];
     for (std::size_t l = 0; l < lanes; ++l) rest[l] = pairs[std::min(full + l, size - 1)];

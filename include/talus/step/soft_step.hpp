@@ -329,7 +329,7 @@ void measure_forces(world_state<Scenario>& s) {
     else
       return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
   });
-  if constexpr (law::remembers) std::swap(s.history, s.recorded);
+  if constexpr (law::remembers) s.recorded.hold_places(), std::swap(s.history, s.recorded);
 
   each_movable_store(s, [&](auto& store, std::size_t first) {
     if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_forces)

@@ -42,7 +42,6 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   using law = typename state_type::law::law;
   using number = wide_pack<real>;
   using vectors = vectors_of<number>;
-  using memory_type = typename law::memory;
   using entry = typename state_type::history_type::entry;
   static constexpr std::size_t lanes = lanes_of<number>;
   static constexpr bool remembers = state_type::law::remembers;
@@ -51,9 +50,22 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
 
  public:
   explicit sphere_forces(state_type& s)
-      : base(s), bodies_(s.soft.bodies.data()), places_(s.soft.places.data()) {}
+      : base(s),
+        places_hold_(s.history.places_hold()),
+        bodies_(s.soft.bodies.data()),
+        places_(s.soft.places.data()) {
+    const auto& material = a_.material;
+    one_material_ = s.soft.pairs.holds_all();
+    for (std::size_t i = 0; i < a_.size(); ++i)
+      one_material_ = one_material_ && material[i] == material[0];
+    if (a_.size() == 0 || !one_material_) return;
+    const auto& all = s.soft.pairs.pair(material[0], material[0]);
+    one_material_ = all.known;
+    spread(all);
+  }
 
-  /// Adds the forces of `count` candidate pairs at most as far apart as they reach, by their numbers.
+  /// Adds the forces of `count` candidate pairs at most as far apart as they reach, by their
+  /// numbers.
   void operator()(close_pair* pairs, const std::uint32_t* close, std::size_t count) {
     std::size_t chosen = 0;
     for (std::size_t k = 0; k < count; ++k) chosen += choose_pair(pairs[close[k]], chosen);
@@ -117,7 +129,9 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   /// Loads what a pair that follows soon needs.
   [[gnu::always_inline]] inline void prefetch(std::size_t k) const {
     const auto load = [](const void* line) { __builtin_prefetch(line, 1); };
-    const auto after = [](const soft_body* body) { return reinterpret_cast<const char*>(body) + 64; };
+    const auto after = [](const soft_body* body) {
+      return reinterpret_cast<const char*>(body) + 64;
+    };
     load(body_a_[k]), load(after(body_a_[k]));
     load(body_b_[k]), load(after(body_b_[k]));
     if constexpr (remembers) s_.history.prefetch(pair_[k]->last);
@@ -126,8 +140,8 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   /// The contacts of the pairs written down from `first` on.
   [[gnu::always_inline]] inline void add(std::size_t first, std::size_t count) {
     soft_body *const *const body_a = &body_a_[first], *const *const body_b = &body_b_[first];
-    const soft_place *const *const place_a = &place_a_[first],
-                            *const *const place_b = &place_b_[first];
+    const soft_place *const *const place_a = &place_a_[first], *const *const place_b =
+                                                                   &place_b_[first];
     const auto rows = [](auto&& row) __attribute__((always_inline)) { return gather<number>(row); };
     const auto pa = rows([&](int l) { return row_of(*place_a[l], place_a[l]->position); });
     const auto pb = rows([&](int l) { return row_of(*place_b[l], place_b[l]->position); });
@@ -147,23 +161,20 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     const auto moves = inverted(both(a.inverse_mass == real(0), b.inverse_mass == real(0)));
     const auto touch = both(g.squared <= g.touch * g.touch, g.gap < real(0));
     const unsigned moving = bits_of(moves) & ((1u << count) - 1), live = bits_of(touch) & moving;
-    history_place before[lanes];
-    for (std::size_t l = 0; l < count; ++l)
-      before[l] =
-          std::exchange(pair_[first + l]->last,
-                        (moving >> l & 1) != 0 ? history_place::none : history_place::unknown);
-    if (live == 0) return;
+    if (live == 0) return leave(first, count, moving);
 
     read_parameters(first, live);
     typename law::template memory_of<number> memory;
-    if constexpr (remembers) read_memory(first, count, before, memory);
+    const entry* old[lanes];  // null for a new contact
+    if constexpr (remembers) read_memory(first, live, old, memory);
     not_booked books;
     const pair_force_of<number> f =
         law::template force<number>(t, parameters_, s_.dt, memory, books);
 
     const number approach = -dot(t.normal, t.velocity);
     fastest_ = choose(both(moves, both(touch, approach > fastest_)), approach, fastest_);
-    if constexpr (remembers) write_memory(first, live, memory);
+    leave(first, count, moving);
+    if constexpr (remembers) write_memory(first, live, old, memory);
     count_contacts(first, live, g.gap);
 
     row_pack<real> force[lanes], torque_a[lanes], torque_b[lanes];
@@ -200,6 +211,12 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     for_lanes(live, add_to_bodies);
   }
 
+  /// Pairs without contact keep no place; one of two immovable bodies is looked up by its key.
+  [[gnu::always_inline]] inline void leave(std::size_t first, std::size_t count, unsigned moving) {
+    for (std::size_t l = 0; l < count; ++l)
+      pair_[first + l]->last =
+          (moving >> l & 1) != 0 ? history_place::none : history_place::unknown;
+  }
   /// Calls f(l) for the lanes of the mask, in their order.
   template <class F>
   [[gnu::always_inline]] static inline void for_lanes(unsigned live, F&& f) {
@@ -212,10 +229,10 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   }
 
   [[gnu::always_inline]] inline void read_parameters(std::size_t first, unsigned live) {
+    if (one_material_) return;
     auto& pairs = s_.soft.pairs;
     const typename law::parameters* of_lane[lanes];
     typename law::parameters copy[lanes];
-    bool same = true;
     for (std::size_t l = 0; l < lanes; ++l) {
       const close_pair& pair = *pair_[first + l];
       const material_id a = a_.material[pair.i], b = a_.material[pair.j];
@@ -223,10 +240,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       if ((live >> l & 1) != 0) pairs.require_known(*of_lane[l], a, b);
       if (!pairs.holds_all()) [[unlikely]]
         copy[l] = *of_lane[l], of_lane[l] = &copy[l];
-      same = same && of_lane[l] == parameters_of_all_;
     }
-    if (same) return;
-    parameters_of_all_ = nullptr;
     law::each_part([&]<class Part>() {
       auto& packs = law::template of<Part>(parameters_);
       gather_fields<number>(
@@ -234,51 +248,64 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
             return law::template of<Part>(*of_lane[l]);
           });
     });
-    bool uniform = pairs.holds_all();
-    for (std::size_t l = 1; l < lanes; ++l) uniform = uniform && of_lane[l] == of_lane[0];
-    if (uniform) parameters_of_all_ = of_lane[0];
   }
 
+  void spread(const typename law::parameters& all) {
+    law::each_part([&]<class Part>() {
+      spread_fields<number>(law::template of<Part>(parameters_), law::template of<Part>(all));
+    });
+  }
   [[nodiscard]] contact_key key_of(const close_pair& pair) const {
     return {a_.id[pair.i], a_.id[pair.j], 0};
   }
   template <class Memory>
-  [[gnu::always_inline]] inline void read_memory(std::size_t first, std::size_t count,
-                                                 const history_place (&before)[lanes],
-                                                 Memory& memory) {
-    const memory_type* old[lanes];
+  [[gnu::always_inline]] inline void read_memory(std::size_t first, unsigned live,
+                                                 const entry* (&old)[lanes], Memory& memory) {
     for (std::size_t l = 0; l < lanes; ++l) {
-      old[l] = &fresh_;
-      if (l >= count || before[l] == history_place::none) continue;
-      if (const memory_type* m = s_.history.former(before[l], key_of(*pair_[first + l])))
-        old[l] = m;
+      const history_place place = pair_[first + l]->last;
+      old[l] = places_hold_ ? s_.history.at(place) : nullptr;
+      if (old[l] == nullptr && place != history_place::none && (live >> l & 1) != 0) [[unlikely]]
+        old[l] = s_.history.former_entry(place, key_of(*pair_[first + l]));
     }
     law::each_part([&]<class Part>() {
       gather_fields<number>(
           law::template of<Part>(memory), [&](int l) __attribute__((always_inline))->const auto& {
-            return law::template of<Part>(*old[l]);
+            const entry* const e = old[l] != nullptr ? old[l] : &fresh_;
+            return law::template of<Part>(e->memory);
           });
     });
   }
   template <class Memory>
   [[gnu::always_inline]] inline void write_memory(std::size_t first, unsigned live,
+                                                  const entry* const (&old)[lanes],
                                                   const Memory& memory) {
     const auto place = static_cast<std::uint32_t>(s_.recorded.next_place());
     entry* const entries = s_.recorded.add_some(lanes);
     entry* at[lanes];
     entry unused;
     std::uint32_t next = 0;
-    for (std::size_t l = 0; l < lanes; ++l) {
-      if ((live >> l & 1) == 0) {
-        at[l] = &unused;
-        continue;
+    if (live == (1u << lanes) - 1) {
+      for (std::uint32_t l = 0; l < lanes; ++l) {
+        pair_[first + l]->last = static_cast<history_place>(place + l);
+        at[l] = entries + l;
       }
-      close_pair& pair = *pair_[first + l];
-      pair.last = static_cast<history_place>(place + next);
-      at[l] = entries + next++;
-      at[l]->key = key_of(pair);
+      next = lanes;
+    } else {
+      for (std::size_t l = 0; l < lanes; ++l) {
+        if ((live >> l & 1) == 0) {
+          at[l] = &unused;
+          continue;
+        }
+        pair_[first + l]->last = static_cast<history_place>(place + next);
+        at[l] = entries + next++;
+      }
+      s_.recorded.drop_last(lanes - next);
     }
-    s_.recorded.drop_last(lanes - next);
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (old[l] != nullptr) [[likely]]
+        at[l]->key = old[l]->key;
+      else
+        at[l]->key = key_of(*pair_[first + l]);
     law::each_part([&]<class Part>() {
       scatter_fields<number>(
           law::template of<Part>(memory), [&](int l) __attribute__((always_inline))->auto& {
@@ -307,10 +334,11 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   template <bool Needed, class T>
   using if_needed = std::conditional_t<Needed, T, nothing>;
 
-  memory_type fresh_{};
+  entry fresh_{};
+  const bool places_hold_;
   number fastest_{};
   typename law::template parameters_of<number> parameters_;
-  const typename law::parameters* parameters_of_all_ = nullptr;  ///< of all lanes, if they agree
+  bool one_material_ = false;  ///< so that all contacts have the same parameters
   soft_body* const bodies_;
   const soft_place* const places_;
   // The pairs of the block that act here.
