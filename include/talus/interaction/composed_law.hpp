@@ -189,7 +189,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
   }
   /// Calls f.template operator()<Part>() for all parts.
   template <class F>
-  static void each_part(F&& f) {
+  [[gnu::always_inline]] static inline void each_part(F&& f) {
     (f.template operator()<Laws>(), ...);
     (f.template operator()<Resistances>(), ...);
   }

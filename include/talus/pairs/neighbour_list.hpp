@@ -279,11 +279,12 @@ inline constexpr std::size_t pairs_of_block = 256;
     const number reach = of_a.w + of_b.w;
     const unsigned apart = bits_of(dot(d, d) > reach * reach);
     for (std::size_t l = 0; l < left; ++l) {
-      close_pair& pair = pairs[first + l];
-      const bool away = (apart >> l & 1) != 0;
+      const unsigned away = apart >> l & 1;
       close[count] = static_cast<std::uint32_t>(first + l);
-      count += away ? 0 : 1;
-      pair.last = away ? history_place::none : pair.last;
+      count += away ^ 1;
+      // Without a branch: history_place::none has all bits.
+      history_place& last = pairs[first + l].last;
+      last = static_cast<history_place>(static_cast<std::uint32_t>(last) | -away);
     }
   };
   const std::size_t full = size / lanes * lanes;

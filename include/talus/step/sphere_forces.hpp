@@ -241,7 +241,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       if (!pairs.holds_all()) [[unlikely]]
         copy[l] = *of_lane[l], of_lane[l] = &copy[l];
     }
-    law::each_part([&]<class Part>() {
+    law::each_part([&]<class Part>() __attribute__((always_inline)) {
       auto& packs = law::template of<Part>(parameters_);
       gather_fields<number>(
           packs, [&](int l) __attribute__((always_inline))->const auto& {
@@ -251,7 +251,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   }
 
   void spread(const typename law::parameters& all) {
-    law::each_part([&]<class Part>() {
+    law::each_part([&]<class Part>() __attribute__((always_inline)) {
       spread_fields<number>(law::template of<Part>(parameters_), law::template of<Part>(all));
     });
   }
@@ -267,7 +267,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       if (old[l] == nullptr && place != history_place::none && (live >> l & 1) != 0) [[unlikely]]
         old[l] = s_.history.former_entry(place, key_of(*pair_[first + l]));
     }
-    law::each_part([&]<class Part>() {
+    law::each_part([&]<class Part>() __attribute__((always_inline)) {
       gather_fields<number>(
           law::template of<Part>(memory), [&](int l) __attribute__((always_inline))->const auto& {
             const entry* const e = old[l] != nullptr ? old[l] : &fresh_;
@@ -306,7 +306,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
         at[l]->key = old[l]->key;
       else
         at[l]->key = key_of(*pair_[first + l]);
-    law::each_part([&]<class Part>() {
+    law::each_part([&]<class Part>() __attribute__((always_inline)) {
       scatter_fields<number>(
           law::template of<Part>(memory), [&](int l) __attribute__((always_inline))->auto& {
             return law::template of<Part>(at[l]->memory);
