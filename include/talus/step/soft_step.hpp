@@ -14,7 +14,7 @@
 #include "talus/features/driven/servo.hpp"
 #include "talus/features/energy_ledger/soft_ledger.hpp"
 #include "talus/interaction/composed_law.hpp"
-#include "talus/interaction/pair_motion.hpp"
+#include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/pairs/neighbour_list.hpp"
 #include "talus/pairs/shape_pairs.hpp"

@@ -13,7 +13,7 @@
 #include "talus/core/pack_vector.hpp"
 #include "talus/detect/pairs/sphere_sphere.hpp"
 #include "talus/interaction/composed_law.hpp"
-#include "talus/interaction/pair_motion.hpp"
+#include "talus/interaction/pair_kinematics.hpp"
 #include "talus/interaction/soft_state.hpp"
 #include "talus/pairs/neighbour_list.hpp"
 #include "talus/pairs/shape_pairs.hpp"
