@@ -22,10 +22,16 @@ struct traffic;
 struct launch_settings;
 enum class reduction;
 // Arguments and results of interaction laws; see interaction/contact_kinematics.hpp.
-struct contact_kinematics;
-struct interaction_force;
+template <class Number>
+struct contact_kinematics_of;
+using contact_kinematics = contact_kinematics_of<double>;
+template <class Number>
+struct interaction_force_of;
+using interaction_force = interaction_force_of<double>;
 struct stored_energy;
-struct bearing;
+template <class Number>
+struct bearing_of;
+using bearing = bearing_of<double>;
 struct head_on_impact;
 
 // Arguments of solvers; see solver/.

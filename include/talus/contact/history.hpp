@@ -33,13 +33,25 @@ class history_of {
     // With some slack, so that a slowly growing number of contacts does not allocate in each step.
     if (n > entries_.capacity()) entries_.reserve(n + n / 8);
     arrived_ = nothing;
-    indexed_ = false;
+    indexed_ = false, places_hold_ = false;
   }
+  /// Whether every place that the neighbour list holds is that of the contact of its pair: nothing
+  /// was added since the step that recorded them. Otherwise keys are compared.
+  [[nodiscard]] bool places_hold() const { return places_hold_; }
+  /// A step has recorded all contacts of the neighbour list.
+  void hold_places() { places_hold_ = true; }
   [[gnu::always_inline]] inline void add(const contact_key& key, const Memory& memory) {
     entries_.push_back({key, memory});
+    places_hold_ = false;
     if (indexed_) [[unlikely]]
       index_last();
   }
+  /// Adds room for `n` contacts, which the caller fills in, or removes again with drop_last().
+  [[nodiscard, gnu::always_inline]] inline entry* add_some(std::size_t n) {
+    indexed_ = false;
+    return entries_.extend(n);
+  }
+  [[gnu::always_inline]] inline void drop_last(std::size_t n) { entries_.shorten(n); }
   /// The same for a contact of a body that has arrived; several ranks may send it.
   void add_arrived(const contact_key& key, const Memory& memory) {
     arrived_ = std::min(arrived_, entries_.size());
@@ -94,6 +106,25 @@ class history_of {
     const auto i = static_cast<std::size_t>(place);
     return i < entries_.size() && entries_[i].key == key ? &entries_[i].memory : nullptr;
   }
+  /// The memory of a contact from the last step, or null if it is new. Contacts of a pair are
+  /// recorded consecutively, and a place that has lost its pair is replaced by a search by key.
+  [[nodiscard]] const Memory* former(history_place place, const contact_key& key) const {
+    return memory_of(former_entry(place, key));
+  }
+  /// The same with its key.
+  [[nodiscard]] const entry* former_entry(history_place place, const contact_key& key) const {
+    if (place == history_place::none) return nullptr;
+    const auto of_pair = row(place, key);
+    if (of_pair.empty()) return find_entry(key);
+    for (const entry& e : of_pair)
+      if (e.key.feature == key.feature) return &e;
+    return nullptr;
+  }
+  /// The entry at a place of the neighbour list if places_hold(), or null if it is a mark.
+  [[nodiscard, gnu::always_inline]] inline const entry* at(history_place place) const {
+    const auto n = static_cast<std::size_t>(place);
+    return n < entries_.size() ? &entries_[n] : nullptr;
+  }
   /// Loads the contacts of a pair that row() is asked for soon.
   [[gnu::always_inline]] inline void prefetch(history_place place) const {
     const auto first = static_cast<std::size_t>(place);
@@ -103,12 +134,7 @@ class history_of {
   }
   /// The memory of the contact from the last step, or null if it is new.
   [[nodiscard]] const Memory* find(const contact_key& key) const {
-    if (entries_.empty()) return nullptr;
-    if (!indexed_) index();
-    const auto mask = slots_.size() - 1;
-    for (auto s = key.hash() & mask; slots_[s] != 0; s = (s + 1) & mask)
-      if (entries_[slots_[s] - 1].key == key) return &entries_[slots_[s] - 1].memory;
-    return nullptr;
+    return memory_of(find_entry(key));
   }
   /// Calls f(entry) for all contacts of a pair.
   template <class F>
@@ -127,6 +153,17 @@ class history_of {
   }
 
  private:
+  [[nodiscard]] static const Memory* memory_of(const entry* e) {
+    return e == nullptr ? nullptr : &e->memory;
+  }
+  [[nodiscard]] const entry* find_entry(const contact_key& key) const {
+    if (entries_.empty()) return nullptr;
+    if (!indexed_) index();
+    const auto mask = slots_.size() - 1;
+    for (auto s = key.hash() & mask; slots_[s] != 0; s = (s + 1) & mask)
+      if (entries_[slots_[s] - 1].key == key) return &entries_[slots_[s] - 1];
+    return nullptr;
+  }
   [[gnu::noinline]] void index_last() {
     if (2 * entries_.size() > slots_.size())
       index();
@@ -154,6 +191,7 @@ class history_of {
 
   plain_vector<entry> entries_;
   std::size_t arrived_ = nothing;  ///< the first entry from another rank
+  bool places_hold_ = false;
   mutable bool indexed_ = false;
   mutable plain_vector<std::uint32_t> slots_;  ///< index of the entry, from 1; 0 is empty
 };

@@ -66,6 +66,18 @@ template <class Pack>
   return a > b ? a : b;
 }
 
+/// Lane by lane, b where one of both is not a number (as std::min(b, a)).
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline Pack smaller(const Pack& a, const Pack& b) {
+  return a < b ? a : b;
+}
+/// Lane by lane, a where the mask holds, b elsewhere.
+template <class Mask, class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline Pack choose(const Mask& m, const Pack& a,
+                                                        const Pack& b) {
+  return m ? a : b;
+}
+
 /// The widest register for a part of the lanes, and its square root.
 template <class Real>
 struct root_part_of_one {
@@ -157,6 +169,14 @@ template <class Mask>
     for (int k = 0; k < lanes_of<Mask>; ++k) bits |= (m[k] != 0 ? 1u : 0u) << k;
     return bits;
   }
+}
+template <class Mask>
+[[nodiscard]] [[gnu::always_inline]] inline bool any_lane(const Mask& m) {
+  return bits_of(m) != 0;
+}
+template <class Mask>
+[[nodiscard]] [[gnu::always_inline]] inline bool all_lanes(const Mask& m) {
+  return !any_lane(inverted(m));
 }
 
 #pragma GCC diagnostic pop

@@ -39,6 +39,35 @@ struct pack_vector {
 template <class Pack>
 using vectors_of =
     std::conditional_t<lanes_of<Pack> == 1, vector3<lane_of<Pack>>, pack_vector<Pack>>;
+/// The number, or pack of numbers, of which a vector has three.
+template <class Vector>
+struct number_in;
+template <class Real>
+struct number_in<vector3<Real>> {
+  using type = Real;
+};
+template <class Pack>
+struct number_in<pack_vector<Pack>> {
+  using type = Pack;
+};
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline vectors_of<Pack> every_lane_of(lane_of<Pack> x,
+                                                                           lane_of<Pack> y,
+                                                                           lane_of<Pack> z) {
+  return {every_lane<Pack>(x), every_lane<Pack>(y), every_lane<Pack>(z)};
+}
+/// Lane by lane, a where the mask holds, b elsewhere.
+template <class Real>
+[[nodiscard]] [[gnu::always_inline]] inline vector3<Real> choose(bool m, const vector3<Real>& a,
+                                                                 const vector3<Real>& b) {
+  return m ? a : b;
+}
+template <class Mask, class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline pack_vector<Pack> choose(const Mask& m,
+                                                                     const pack_vector<Pack>& a,
+                                                                     const pack_vector<Pack>& b) {
+  return {choose(m, a.x, b.x), choose(m, a.y, b.y), choose(m, a.z, b.z)};
+}
 /// The first three numbers of rows.
 template <class Pack>
 [[nodiscard]] [[gnu::always_inline]] inline vectors_of<Pack> vectors_in(

@@ -138,6 +138,14 @@ class plain_vector {
     return back();
   }
   void pop_back() { --size_; }
+  /// Appends `n` values that the caller assigns, and returns the first of them.
+  [[nodiscard]] T* extend(std::size_t n) {
+    make_room(size_ + n);
+    size_ += n;
+    return data_ + size_ - n;
+  }
+  /// Removes the last `n` values.
+  void shorten(std::size_t n) { size_ -= n; }
   /// Appends `n` values from another place.
   void append(const T* values, std::size_t n) {
     if (n == 0) return;

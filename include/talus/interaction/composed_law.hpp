@@ -11,10 +11,15 @@
 #include "talus/body/material.hpp"
 #include "talus/concepts.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/pack.hpp"
+#include "talus/core/pack_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/interaction/contact_kinematics.hpp"
 
 namespace talus::detail {
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 /// The bearing of a law for friction; a plain bearing if no law has one.
 template <class Law>
@@ -25,8 +30,32 @@ template <>
 struct bearing_of_law<void> {
   using type = bearing;
 };
+/// The same for several contacts at once.
+template <class Law, class Number>
+struct bearing_in {
+  using type = typename bearing_of_law<Law>::type::template with<Number>;
+};
 template <class Law>
-using bearing_of = typename bearing_of_law<Law>::type;
+struct bearing_in<Law, real> : bearing_of_law<Law> {};
+
+/// Parameters and memory of a part, of one contact or of several at once.
+template <class Part, class Number>
+struct part_in {
+  using parameters = typename Part::template parameters_of<Number>;
+  using memory = typename Part::template memory_of<Number>;
+};
+template <class Part>
+struct part_in<Part, real> {
+  using parameters = typename Part::parameters;
+  using memory = typename Part::memory;
+};
+/// Whether a part can be evaluated for several contacts at once: its parameters, its memory and its
+/// force are templates of the number.
+template <class Part>
+concept in_packs = requires {
+  typename Part::template parameters_of<wide_pack<real>>;
+  typename Part::template memory_of<wide_pack<real>>;
+};
 
 // The declared properties of a part.
 
@@ -60,12 +89,12 @@ inline constexpr bool bounds_bodies = requires(const material& m) {
 };
 
 /// A part's own parameters and memory, distinguished by the part.
-template <class Part>
+template <class Part, class Number = real>
 struct parameters_of_part {
-  typename Part::parameters value{};
+  typename part_in<Part, Number>::parameters value{};
 };
-template <class Part>
-struct memory_of_part : Part::memory {};
+template <class Part, class Number = real>
+struct memory_of_part : part_in<Part, Number>::memory {};
 
 template <class First, class...>
 struct first_type {
@@ -92,9 +121,12 @@ struct knowledge<false> {
 };
 
 /// The force and moment of a contact on body a; the opposite acts on body b.
-struct pair_force {
-  vec3 force{0, 0, 0}, moment{0, 0, 0};
+template <class Number>
+struct pair_force_of {
+  vectors_of<Number> force = every_lane_of<Number>(0, 0, 0),
+                     moment = every_lane_of<Number>(0, 0, 0);
 };
+using pair_force = pair_force_of<real>;
 /// The entries of a contact for the energy ledger: forces and moments on body a, and energies.
 struct booked_contact {
   vec3 spring{0, 0, 0}, dashpot{0, 0, 0}, friction{0, 0, 0};
@@ -118,41 +150,46 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
   static constexpr bool needs_parameters =
       !(... && combines<Laws>) || !(... && combines<Resistances>);
 
-  struct parameters : parameters_of_part<Laws>...,
-                      parameters_of_part<Resistances>...,
-                      knowledge<needs_parameters> {
-    friend bool operator==(const parameters& x, const parameters& y) {
+  template <class Number>
+  struct parameters_of : parameters_of_part<Laws, Number>...,
+                         parameters_of_part<Resistances, Number>...,
+                         knowledge<needs_parameters> {
+    friend bool operator==(const parameters_of& x, const parameters_of& y) {
       return x.known == y.known && (... && (of<Laws>(x) == of<Laws>(y))) &&
              (... && (of<Resistances>(x) == of<Resistances>(y)));
     }
   };
-  struct memory : memory_of_part<Laws>..., memory_of_part<Resistances>... {
+  using parameters = parameters_of<real>;
+  template <class Number>
+  struct memory_of : memory_of_part<Laws, Number>..., memory_of_part<Resistances, Number>... {
     /// Calls f(name, value) for the columns of a checkpoint.
     template <class Memory, class F>
     static void each_column(Memory& m, F&& f) {
       each_part([&]<class Part>() { column_of_part<Part>(of<Part>(m), f); });
     }
   };
+  using memory = memory_of<real>;
 
-  template <class Part>
-  [[nodiscard]] static const typename Part::parameters& of(const parameters& p) {
-    return static_cast<const parameters_of_part<Part>&>(p).value;
+  template <class Part, class Number>
+  [[nodiscard]] static const auto& of(const parameters_of<Number>& p) {
+    return static_cast<const parameters_of_part<Part, Number>&>(p).value;
   }
-  template <class Part>
-  [[nodiscard]] static typename Part::parameters& of(parameters& p) {
-    return static_cast<parameters_of_part<Part>&>(p).value;
+  template <class Part, class Number>
+  [[nodiscard]] static auto& of(parameters_of<Number>& p) {
+    return static_cast<parameters_of_part<Part, Number>&>(p).value;
   }
-  template <class Part>
-  [[nodiscard]] static typename Part::memory& of(memory& m) {
-    return static_cast<memory_of_part<Part>&>(m);
+  template <class Part, class Number>
+  [[nodiscard]] static typename part_in<Part, Number>::memory& of(memory_of<Number>& m) {
+    return static_cast<memory_of_part<Part, Number>&>(m);
   }
-  template <class Part>
-  [[nodiscard]] static const typename Part::memory& of(const memory& m) {
-    return static_cast<const memory_of_part<Part>&>(m);
+  template <class Part, class Number>
+  [[nodiscard]] static const typename part_in<Part, Number>::memory& of(
+      const memory_of<Number>& m) {
+    return static_cast<const memory_of_part<Part, Number>&>(m);
   }
   /// Calls f.template operator()<Part>() for all parts.
   template <class F>
-  static void each_part(F&& f) {
+  [[gnu::always_inline]] static inline void each_part(F&& f) {
     (f.template operator()<Laws>(), ...);
     (f.template operator()<Resistances>(), ...);
   }
@@ -162,6 +199,9 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
       (... || has_moment<Laws>) || (... || has_moment<Resistances>);
   static constexpr bool reaches = (... || has_range<Laws>);
   static constexpr bool bounds_each_body = (... || bounds_bodies<Laws>);
+  /// Whether several contacts can be evaluated at once.
+  static constexpr bool in_packs =
+      !reaches && (... && detail::in_packs<Laws>)&&(... && detail::in_packs<Resistances>);
   /// The range of the law beyond touch, for these parameters and this effective radius.
   [[nodiscard]] static real range(const parameters& p, real radius) {
     real furthest = 0;
@@ -174,12 +214,12 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
   }
 
   /// The force of a contact; `memory` is advanced by `dt`. A booked_contact is filled.
-  template <class Booked>
-  [[nodiscard, gnu::always_inline]] static inline pair_force force(const contact_kinematics& c,
-                                                                   const parameters& p, real dt,
-                                                                   memory& m, Booked& books) {
-    pair_force sum;
-    bearing_of<Bearer> b;
+  template <class Number, class Booked>
+  [[nodiscard, gnu::always_inline]] static inline pair_force_of<Number> force(
+      const contact_kinematics_of<Number>& c, const parameters_of<Number>& p, real dt,
+      memory_of<Number>& m, Booked& books) {
+    pair_force_of<Number> sum;
+    typename bearing_in<Bearer, Number>::type b;
     bool bears = false;  // whether the law with the bearing acts
     (add_law<Laws>(sum, b, bears, c, p, dt, m, books), ...);
     (add_resistance<Resistances>(sum, b, bears, c, p, dt, m, books), ...);
@@ -275,22 +315,25 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     else
       return c.gap < 0;
   }
-  template <class Law, class Booked>
-  [[gnu::always_inline]] static inline void add_law(pair_force& sum, bearing_of<Bearer>& b,
-                                                    bool& bears, const contact_kinematics& c,
-                                                    const parameters& p, real dt, memory& m,
-                                                    Booked& books) {
-    if (!acts<Law>(c, p)) {
-      of<Law>(m) = {};
-      return;
-    }
+  template <class Law, class Number, class Bearing, class Booked>
+  [[gnu::always_inline]] static inline void add_law(pair_force_of<Number>& sum, Bearing& b,
+                                                    bool& bears,
+                                                    const contact_kinematics_of<Number>& c,
+                                                    const parameters_of<Number>& p, real dt,
+                                                    memory_of<Number>& m, Booked& books) {
+    if constexpr (reaches)
+      if (!acts<Law>(c, p)) {
+        of<Law>(m) = {};
+        return;
+      }
     stored_energy before;
     if constexpr (is_booked<Booked>) before = Law::stored(c, of<Law>(p), of<Law>(m));
     const auto f = Law::force(c, of<Law>(p), dt, of<Law>(m));
     if constexpr (std::is_same_v<Law, Bearer>) {
       b = f;
+      bears = true;
       // Within its range the law bears nothing before the bodies touch.
-      bears = !has_range<Law> || f.stiffness > 0;
+      if constexpr (has_range<Law>) bears = f.stiffness > 0;
     }
     if constexpr (std::is_same_v<Law, first_of<Laws...>>)
       sum.force = f.force;
@@ -300,19 +343,19 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     if constexpr (is_booked<Booked>)
       book_law<Law>(books, c, f, before, Law::stored(c, of<Law>(p), of<Law>(m)));
   }
-  template <class Part, class Booked>
-  [[gnu::always_inline]] static inline void add_resistance(pair_force& sum,
-                                                           const bearing_of<Bearer>& b, bool bears,
-                                                           const contact_kinematics& c,
-                                                           const parameters& p, real dt, memory& m,
-                                                           Booked& books) {
+  template <class Part, class Number, class Bearing, class Booked>
+  [[gnu::always_inline]] static inline void add_resistance(pair_force_of<Number>& sum,
+                                                           const Bearing& b, bool bears,
+                                                           const contact_kinematics_of<Number>& c,
+                                                           const parameters_of<Number>& p, real dt,
+                                                           memory_of<Number>& m, Booked& books) {
     if (!bears) {
       of<Part>(m) = {};
       return;
     }
     if constexpr (is_booked<Booked>)
       books.across_before += Part::stored(c, b, of<Part>(p), of<Part>(m));
-    const interaction_force f = Part::force(c, b, of<Part>(p), dt, of<Part>(m));
+    const interaction_force_of<Number> f = Part::force(c, b, of<Part>(p), dt, of<Part>(m));
     if constexpr (has_force<Part>) sum.force += f.force;
     if constexpr (has_moment<Part>) sum.moment += f.moment;
     if constexpr (is_booked<Booked>) {
@@ -343,5 +386,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     books.yielded += released + f.lost;
   }
 };
+
+#pragma GCC diagnostic pop
 
 }  // namespace talus::detail

@@ -1,33 +1,47 @@
 #pragma once
 // Arguments and results of an interaction law: the kinematics of a contact point, the force on a
-// body, and the energy that the contact stores.
+// body, and the energy that the contact stores. Those of one contact have numbers, those of several
+// contacts at once have packs (core/pack.hpp).
 #include "talus/core/math.hpp"
+#include "talus/core/pack.hpp"
+#include "talus/core/pack_vector.hpp"
 
 namespace talus {
 
 /// The relative motion of two bodies at a point where they touch or nearly touch. Velocities are
 /// those of body a relative to body b.
-struct contact_kinematics {
-  vec3 normal{0, 0, 1};      ///< unit, from b to a
-  real gap = 0;              ///< signed distance of the surfaces; an overlap is negative
-  vec3 velocity{0, 0, 0};    ///< of the surfaces at the point of contact
-  vec3 spin{0, 0, 0};        ///< angular velocity
-  real mean_spin = 0;        ///< of the two bodies about the normal, not a difference
-  real mass = 1;             ///< reduced: 1 / (1/m_a + 1/m_b)
-  real radius = 1;           ///< effective: 1 / (1/R_a + 1/R_b)
-  real rolling_inertia = 1;  ///< reduced moment of inertia about the point of contact
-  real step = 0;             ///< the time step of the simulation; 0 if unknown
+template <class Number>
+struct contact_kinematics_of {
+  using vector = detail::vectors_of<Number>;
+
+  vector normal = detail::every_lane_of<Number>(0, 0, 1);  ///< unit, from b to a
+  Number gap{};  ///< signed distance of the surfaces; an overlap is negative
+  vector velocity = detail::every_lane_of<Number>(0, 0, 0);  ///< of the surfaces at the point
+  vector spin = detail::every_lane_of<Number>(0, 0, 0);      ///< angular velocity
+  Number mean_spin{};  ///< of the two bodies about the normal, not a difference
+  Number mass = detail::every_lane<Number>(1);    ///< reduced: 1 / (1/m_a + 1/m_b)
+  Number radius = detail::every_lane<Number>(1);  ///< effective: 1 / (1/R_a + 1/R_b)
+  Number rolling_inertia =
+      detail::every_lane<Number>(1);  ///< reduced moment of inertia about the point of contact
+  real step = 0;                      ///< the time step of the simulation; 0 if unknown
 };
+using contact_kinematics = contact_kinematics_of<real>;
 
 /// Force and moment on body a at the point of contact; the opposite acts on body b.
-struct interaction_force {
-  vec3 force{0, 0, 0};
-  vec3 moment{0, 0, 0};
+template <class Number>
+struct interaction_force_of {
+  using vector = detail::vectors_of<Number>;
+
+  vector force = detail::every_lane_of<Number>(0, 0, 0);
+  vector moment = detail::every_lane_of<Number>(0, 0, 0);
   // For features<energy_ledger>; otherwise the compiler removes their computation.
-  vec3 conserved{0, 0, 0};         ///< part of the force that comes from the stored energy
-  vec3 conserved_moment{0, 0, 0};  ///< part of the moment that comes from it
-  real lost = 0;                   ///< energy of `stored_energy::kept` that this step dissipated
+  /// Part of the force that comes from the stored energy.
+  vector conserved = detail::every_lane_of<Number>(0, 0, 0);
+  /// Part of the moment that comes from it.
+  vector conserved_moment = detail::every_lane_of<Number>(0, 0, 0);
+  Number lost{};  ///< energy of `stored_energy::kept` that this step dissipated
 };
+using interaction_force = interaction_force_of<real>;
 
 /// Energy that a contact returns when the bodies move back.
 struct stored_energy {
@@ -36,20 +50,31 @@ struct stored_energy {
 };
 
 /// Inputs of friction and rolling resistance from the law with the normal force.
-struct bearing {
-  real pressing = 0;    ///< normal force that bounds friction, not negative
-  real stiffness = 0;   ///< force per overlap, along the normal
-  real tangential = 0;  ///< force per displacement, across the normal
-  real damping = 0;     ///< damping ratio across the normal
+template <class Number>
+struct bearing_of {
+  using number = Number;
+  template <class Other>
+  using with = bearing_of<Other>;  ///< the same of other numbers
+
+  Number pressing{};    ///< normal force that bounds friction, not negative
+  Number stiffness{};   ///< force per overlap, along the normal
+  Number tangential{};  ///< force per displacement, across the normal
+  Number damping{};     ///< damping ratio across the normal
 };
+using bearing = bearing_of<real>;
 /// The same if the stiffness across the normal grows with the circle of contact (Mindlin 1949).
-struct growing_bearing : bearing {
-  real contact_radius = 0;         ///< of the circle of contact
-  real tangential_per_radius = 0;  ///< stiffness across the normal over that radius
+template <class Number>
+struct growing_bearing_of : bearing_of<Number> {
+  template <class Other>
+  using with = growing_bearing_of<Other>;
+
+  Number contact_radius{};         ///< of the circle of contact
+  Number tangential_per_radius{};  ///< stiffness across the normal over that radius
 };
+using growing_bearing = growing_bearing_of<real>;
 /// The force of a law that bounds friction.
 template <class Bearing>
-struct bearing_force : interaction_force, Bearing {};
+struct bearing_force : interaction_force_of<typename Bearing::number>, Bearing {};
 
 /// Two bodies in a head-on impact.
 struct head_on_impact {

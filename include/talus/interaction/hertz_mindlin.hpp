@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
 
 #include "talus/body/material.hpp"
 #include "talus/core/error.hpp"
@@ -14,6 +15,9 @@
 
 namespace talus {
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 /// Interaction law: elastic spheres (Hertz 1882), force with the power 3/2 of the overlap; across
 /// it the stiffness of Mindlin (1949) at no slip; a dashpot that makes restitution independent of
 /// speed (Tsuji, Tanaka, Ishida 1992). A shape that is not a sphere counts as one of its volume.
@@ -24,12 +28,16 @@ struct hertz_mindlin final {
 
   /// Of a pair of materials. Stiffnesses are these times the radius sqrt(R d) of the circle of
   /// contact, of effective radius R and overlap d.
-  struct parameters {
-    real modulus = 0;     ///< 4/3 E*
-    real tangential = 0;  ///< 8 G*
-    real damping = 0;     ///< damping ratio, not negative
-    friend bool operator==(const parameters&, const parameters&) = default;
+  template <class Number>
+  struct parameters_of {
+    Number modulus{};     ///< 4/3 E*
+    Number tangential{};  ///< 8 G*
+    Number damping{};     ///< damping ratio, not negative
+    friend bool operator==(const parameters_of&, const parameters_of&) = default;
   };
+  using parameters = parameters_of<real>;
+  template <class Number>
+  using memory_of = no_memory;
   using memory = no_memory;
 
   /// Throws invalid_argument for a material without Young's modulus.
@@ -55,13 +63,17 @@ struct hertz_mindlin final {
     return {4.0 / 3 / (normal(a) + normal(b)), 8 / (shear(a) + shear(b)),
             detail::damping_of_restitution(both.restitution)};
   }
-  [[nodiscard, gnu::always_inline]] static inline growing_bearing bears(const contact_kinematics& c,
-                                                                        const parameters& p) {
-    const real radius = std::sqrt(c.radius * -c.gap);
-    return {{0, p.modulus * radius, p.tangential * radius, p.damping}, radius, p.tangential};
+  template <class Number>
+  [[nodiscard, gnu::always_inline]] static inline growing_bearing_of<Number> bears(
+      const contact_kinematics_of<Number>& c,
+      const std::type_identity_t<parameters_of<Number>>& p) {
+    const Number radius = detail::square_root(Number(c.radius * -c.gap));
+    return {{Number{}, p.modulus * radius, p.tangential * radius, p.damping}, radius, p.tangential};
   }
-  [[nodiscard, gnu::always_inline]] static inline bearing_force<growing_bearing> force(
-      const contact_kinematics& c, const parameters& p, real, memory&) {
+  template <class Number>
+  [[nodiscard, gnu::always_inline]] static inline bearing_force<growing_bearing_of<Number>> force(
+      const contact_kinematics_of<Number>& c, const std::type_identity_t<parameters_of<Number>>& p,
+      real, memory&) {
     constexpr real critical = 2.2360679774997896964;  // sqrt(5), see damping_of_restitution()
     return detail::normal_force(c, bears(c, p), critical, p.damping);
   }
@@ -89,5 +101,7 @@ struct hertz_mindlin final {
     return real(2.9432655) * real(0.995) * detail::damped_duration(p.damping) * deepest / hit.speed;
   }
 };
+
+#pragma GCC diagnostic pop
 
 }  // namespace talus

@@ -2,6 +2,7 @@
 // The linear spring-dashpot law (Cundall, Strack 1979).
 #include <cmath>
 #include <stdexcept>
+#include <type_traits>
 
 #include "talus/body/material.hpp"
 #include "talus/core/error.hpp"
@@ -12,6 +13,9 @@
 
 namespace talus {
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 /// Interaction law: force proportional to the overlap, and a dashpot that makes two spheres rebound
 /// with the coefficient of restitution of their materials at any speed (Schwager, Poeschel 2007); 0
 /// stands for 0.005. The force never pulls.
@@ -21,12 +25,16 @@ struct linear_spring_dashpot final {
   static constexpr bool central = true;
 
   /// Of a pair of materials.
-  struct parameters {
-    real stiffness = 0;   ///< force per overlap, along the normal
-    real tangential = 0;  ///< force per displacement, across it
-    real damping = 0;     ///< damping ratio, not negative
-    friend bool operator==(const parameters&, const parameters&) = default;
+  template <class Number>
+  struct parameters_of {
+    Number stiffness{};   ///< force per overlap, along the normal
+    Number tangential{};  ///< force per displacement, across it
+    Number damping{};     ///< damping ratio, not negative
+    friend bool operator==(const parameters_of&, const parameters_of&) = default;
   };
+  using parameters = parameters_of<real>;
+  template <class Number>
+  using memory_of = no_memory;
   using memory = no_memory;
 
   /// Throws invalid_argument for a material without a stiffness.
@@ -48,12 +56,15 @@ struct linear_spring_dashpot final {
     const real k = in_series(a.stiffness, b.stiffness);
     return {k, 2.0 / 7 * k, detail::damping_of_restitution(both.restitution)};
   }
-  [[nodiscard, gnu::always_inline]] static inline bearing bears(const contact_kinematics&,
-                                                                const parameters& p) {
-    return {0, p.stiffness, p.tangential, p.damping};
+  template <class Number>
+  [[nodiscard, gnu::always_inline]] static inline bearing_of<Number> bears(
+      const contact_kinematics_of<Number>&, const std::type_identity_t<parameters_of<Number>>& p) {
+    return {Number{}, p.stiffness, p.tangential, p.damping};
   }
-  [[nodiscard, gnu::always_inline]] static inline bearing_force<bearing> force(
-      const contact_kinematics& c, const parameters& p, real, memory&) {
+  template <class Number>
+  [[nodiscard, gnu::always_inline]] static inline bearing_force<bearing_of<Number>> force(
+      const contact_kinematics_of<Number>& c, const std::type_identity_t<parameters_of<Number>>& p,
+      real, memory&) {
     return detail::normal_force(c, bears(c, p), 2, p.damping);
   }
   [[nodiscard]] static stored_energy stored(const contact_kinematics& c, const parameters& p,
@@ -76,5 +87,7 @@ struct linear_spring_dashpot final {
     return 2 * a * b / (a + b);
   }
 };
+
+#pragma GCC diagnostic pop
 
 }  // namespace talus

@@ -46,21 +46,28 @@ inline constexpr real least_restitution = 0.005;
 /// not resolve it stays stable. (At a fifth of the critical time step it is resolved.)
 inline constexpr real most_damping = 0.5;
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 /// Spring and dashpot along the normal; the sum never pulls. `critical` is the dashpot's constant
 /// over sqrt(m K) at critical damping.
-template <class Bearing>
+template <class Number, class Bearing>
 [[nodiscard, gnu::always_inline]] inline bearing_force<Bearing> normal_force(
-    const contact_kinematics& c, const Bearing& b, real critical, real ratio) {
-  real damping = critical * ratio * std::sqrt(c.mass * b.stiffness);
-  if (ratio > 1 && c.step > 0) damping = std::min(damping, most_damping * c.mass / c.step);
+    const contact_kinematics_of<Number>& c, const Bearing& b, real critical, const Number& ratio) {
+  Number damping = critical * ratio * square_root(Number(c.mass * b.stiffness));
+  if (c.step > 0 && any_lane(ratio > real(1)))
+    damping =
+        choose(ratio > real(1), smaller(Number(most_damping * c.mass / c.step), damping), damping);
   bearing_force<Bearing> f;
   static_cast<Bearing&>(f) = b;
-  const real spring = b.stiffness * -c.gap;
-  f.pressing = std::max(real{0}, spring - damping * c.normal.dot(c.velocity));
+  const Number spring = b.stiffness * -c.gap;
+  f.pressing = larger(Number(spring - damping * dot(c.normal, c.velocity)), Number{});
   f.force = f.pressing * c.normal;
   f.conserved = spring * c.normal;
   return f;
 }
+
+#pragma GCC diagnostic pop
 
 /// Duration of a contact of this damping ratio over half a period of the undamped spring: 2 acos(z)
 /// / (pi sqrt(1 - z^2)), or 2 acosh(z) / (pi sqrt(z^2 - 1)) if it is overdamped.

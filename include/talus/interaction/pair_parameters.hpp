@@ -93,6 +93,8 @@ class pair_parameters<Law, type_list<Parts...>> : given_parameters<Parts>... {
       for (std::size_t j = 0; j < size_; ++j)
         pairs_[i * size_ + j] = derived(static_cast<material_id>(i), static_cast<material_id>(j));
   }
+  /// Whether pair() returns values that stay where they are until materials change.
+  [[nodiscard]] bool holds_all() const { return size_ != 0; }
   /// Valid until the next call.
   [[nodiscard]] const parameters& pair(material_id a, material_id b) {
     if (size_ != 0)

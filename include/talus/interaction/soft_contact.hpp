@@ -79,9 +79,9 @@ struct law_of_parts;
 template <class... Laws, class... Resistances>
 struct law_of_parts<type_list<Laws...>, type_list<Resistances...>> {
   using bearer_type = typename bearer<type_list<Laws...>>::type;
-  using type = composed_law<
-      bearer_type, type_list<Laws...>,
-      type_list<typename resistance_on<Resistances, bearing_of<bearer_type>>::type...>>;
+  using type = composed_law<bearer_type, type_list<Laws...>,
+                            type_list<typename resistance_on<
+                                Resistances, typename bearing_of_law<bearer_type>::type>::type...>>;
 };
 
 }  // namespace detail

@@ -24,6 +24,12 @@ struct alignas(64) soft_body {
   real unused = 0;  ///< padding for the fourth number of a row
 };
 
+/// Where a body is, as used by the comparison of distances.
+struct alignas(32) soft_place {
+  vec3 position{0, 0, 0};
+  real reach = 0;
+};
+
 /// The number of contacts, for observers; the contacts themselves are not kept.
 struct soft_contacts {
   std::size_t here = 0;     ///< that count on this rank
@@ -35,7 +41,8 @@ struct soft_contacts {
 
 template <class Law>
 struct soft_state {
-  plain_vector<soft_body> bodies;  ///< shape by shape, locals before shadow copies
+  plain_vector<soft_body> bodies;   ///< shape by shape, locals before shadow copies
+  plain_vector<soft_place> places;  ///< likewise
   pair_parameters_of<typename Law::law> pairs;
   real fastest_approach = 0;  ///< along the normal of a contact, in all steps so far
 };

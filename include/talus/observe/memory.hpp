@@ -22,7 +22,7 @@ template <class Scenario>
   });
   s.each_constraint_list([&](const auto& list) { bytes += list.bytes(); });
   if constexpr (Scenario::contact_law::soft) {
-    of(s.soft.bodies);
+    of(s.soft.bodies), of(s.soft.places);
     bytes += s.soft.pairs.bytes() + s.recorded.bytes();
   } else {
     of(s.solver.bodies);

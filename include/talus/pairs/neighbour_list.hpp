@@ -8,8 +8,13 @@
 #include <cstdint>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
+#include "talus/core/pack.hpp"
+#include "talus/core/pack_rows.hpp"
+#include "talus/core/pack_vector.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/interaction/soft_state.hpp"
 #include "talus/pairs/pair_order.hpp"
 #include "talus/pairs/search.hpp"
 #include "talus/shape/sphere.hpp"
@@ -137,6 +142,18 @@ template <class Scenario>
     return numbers_changed(s) && renumber_pairs(s) && all_within_skin(s);
 }
 
+/// The body of the lesser id is the first one of a pair of two of one shape.
+template <class Scenario>
+void put_in_order_of_ids(world_state<Scenario>& s) {
+  each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
+    if constexpr (std::is_same_v<A, B> && P == partner::moving) {
+      const auto& id = s.template of<A>().movable.id;
+      for (close_pair& pair : s.found.lists[kind])
+        if (id[pair.j] < id[pair.i]) std::swap(pair.i, pair.j);
+    }
+  });
+}
+
 /// Searches for all pairs that are within reach of each other, or within the skin around.
 template <class Scenario>
 void find_pairs_with_skin(world_state<Scenario>& s) {
@@ -187,6 +204,7 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
     };
   });
   if constexpr (world_state<Scenario>::law::soft) {
+    put_in_order_of_ids(s);
     edges_by_partner by_partner;
     each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
       order_pairs<A, B, P == partner::moving>(s, by_partner, found.lists[kind]);
@@ -233,6 +251,54 @@ template <class Scenario>
   return false;
 }
 
+/// The number of pairs whose distances are compared before the close ones are used.
+inline constexpr std::size_t pairs_of_block = 256;
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+/// Writes down the numbers of those of `size` pairs that are within reach, and returns how many
+/// they are. The others lose their place in the history. Without branches: about half of the pairs
+/// of a neighbour list are apart, in no order that a processor could predict.
+[[gnu::always_inline]] inline std::size_t find_close(
+    close_pair* pairs, std::size_t size, const soft_place* a, const soft_place* b,
+    std::array<std::uint32_t, pairs_of_block + 1>& close) {
+  using number = wide_pack<real>;
+  constexpr std::size_t lanes = lanes_of<number>;
+  std::size_t count = 0;
+  const auto compare = [&](std::size_t first, const close_pair* of_lane, std::size_t left)
+      __attribute__((always_inline)) {
+    const auto at = [&](const soft_place& p) __attribute__((always_inline)) {
+      return row_of(p, p.position);
+    };
+    const auto of_a =
+        gather<number>([&](int l) __attribute__((always_inline)) { return at(a[of_lane[l].i]); });
+    const auto of_b =
+        gather<number>([&](int l) __attribute__((always_inline)) { return at(b[of_lane[l].j]); });
+    const auto d = vectors_in(of_a) - vectors_in(of_b);
+    const number reach = of_a.w + of_b.w;
+    const unsigned apart = bits_of(dot(d, d) > reach * reach);
+    for (std::size_t l = 0; l < left; ++l) {
+      const unsigned away = apart >> l & 1;
+      close[count] = static_cast<std::uint32_t>(first + l);
+      count += away ^ 1;
+      // Without a branch: history_place::none has all bits.
+      history_place& last = pairs[first + l].last;
+      last = static_cast<history_place>(static_cast<std::uint32_t>(last) | -away);
+    }
+  };
+  const std::size_t full = size / lanes * lanes;
+  for (std::size_t first = 0; first < full; first += lanes) compare(first, pairs + first, lanes);
+  if (full < size) {
+    close_pair rest[lanes];
+    for (std::size_t l = 0; l < lanes; ++l) rest[l] = pairs[std::min(full + l, size - 1)];
+    compare(full, rest, size - full);
+  }
+  return count;
+}
+
+#pragma GCC diagnostic pop
+
 /// Like each_close_pair(), for the pairs found.
 template <class Scenario, class Make>
 void each_found_pair(world_state<Scenario>& s, Make&& make) {
@@ -251,7 +317,7 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
     const auto margin = [](const auto& store, real reach, std::size_t k) {
       return reach - store.shape[k].bounding_radius();
     };
-    const auto take_pair = [&](close_pair & pair) __attribute__((always_inline)) {
+    const auto take_pair = [&](auto& pair) __attribute__((always_inline)) {
       const std::size_t i = pair.i, j = pair.j;
       real margin_b = 0;
       if constexpr (B::finite) margin_b = margin(b, reach_of_b(j), j);
@@ -261,16 +327,17 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
     if constexpr (!B::finite) {
       for (close_pair& pair : list) take_pair(pair);
     } else {
-      // Distances are compared for a block of pairs first, without branches: about half of the
-      // pairs of a neighbour list are apart, in no order that a processor could predict.
-      constexpr std::size_t block = 256, ahead = 6;
-      std::array<std::uint32_t, block + 1> close;
-      for (std::size_t first = 0; first < list.size(); first += block) {
+      constexpr std::size_t ahead = 6;
+      std::array<std::uint32_t, pairs_of_block + 1> close;
+      for (std::size_t first = 0; first < list.size(); first += pairs_of_block) {
         close_pair* const pairs = list.data() + first;
-        const std::size_t size = std::min(block, list.size() - first);
+        const std::size_t size = std::min(pairs_of_block, list.size() - first);
         std::size_t count = 0;
         if constexpr (requires { take.find_near(pairs, size, close.data()); }) {
           count = take.find_near(pairs, size, close.data());
+        } else if constexpr (world_state<Scenario>::law::soft && moving) {
+          count = find_close(pairs, size, s.soft.places.data() + of_a.first,
+                             s.soft.places.data() + of_b.first, close);
         } else {
           for (std::size_t k = 0; k < size; ++k) {
             close_pair& pair = pairs[k];
@@ -282,10 +349,14 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
             pair.last = apart ? history_place::none : pair.last;
           }
         }
-        for (std::size_t k = 0; k < count; ++k) {
-          if constexpr (requires { take.prefetch(pairs[0]); })
-            if (k + ahead < count) take.prefetch(pairs[close[k + ahead]]);
-          take_pair(pairs[close[k]]);
+        if constexpr (requires { take(pairs, close.data(), count); }) {
+          take(pairs, close.data(), count);
+        } else {
+          for (std::size_t k = 0; k < count; ++k) {
+            if constexpr (requires { take.prefetch(pairs[0]); })
+              if (k + ahead < count) take.prefetch(pairs[close[k + ahead]]);
+            take_pair(pairs[close[k]]);
+          }
         }
       }
     }

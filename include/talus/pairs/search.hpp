@@ -31,7 +31,7 @@ template <class Scenario>
 void count_bodies(world_state<Scenario>& s) {
   const body_counts count = number_bodies(s);
   if constexpr (world_state<Scenario>::law::soft) {
-    s.soft.bodies.resize(count.all);
+    s.soft.bodies.resize(count.all), s.soft.places.resize(count.all);
   } else {
     s.solver.first_tensor = count.scalar;
     s.solver.bodies.resize(count.all);

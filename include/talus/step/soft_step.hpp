@@ -5,6 +5,7 @@
 // is conserved to round-off.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -13,12 +14,14 @@
 #include "talus/features/driven/servo.hpp"
 #include "talus/features/energy_ledger/soft_ledger.hpp"
 #include "talus/interaction/composed_law.hpp"
+#include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/pairs/neighbour_list.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/detect.hpp"
 #include "talus/step/finite_motion.hpp"
+#include "talus/step/sphere_forces.hpp"
 
 namespace talus::detail {
 
@@ -125,16 +128,6 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           }
         });
   }
-  /// The memory of a contact from the last step, or null if it is new. Contacts of a pair are
-  /// recorded consecutively, and a place that has lost its pair is replaced by a search by key.
-  [[nodiscard]] const memory_type* former(const contact_key& key, history_place at) const {
-    if (at == history_place::none) return nullptr;
-    const auto row = s_.history.row(at, key);
-    if (row.empty()) return s_.history.find(key);
-    for (const auto& e : row)
-      if (e.key.feature == key.feature) return &e.memory;
-    return nullptr;
-  }
   /// The range beyond touch of the law for this pair.
   [[nodiscard]] real range_of(const body_pair& x) const {
     const std::size_t i = x.i, j = x.j;
@@ -155,28 +148,25 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
                                                history_place before, history_place& last) {
     const std::size_t i = x.i, j = x.j;
     soft_body& A = s_.soft.bodies[first_a_ + i];
-    contact_kinematics t;
-    t.normal = g.normal;
-    t.gap = g.gap;
     vec3 arm_a = g.point - position_a(x), arm_b{0, 0, 0};
     // As for hard contacts: for immovable bodies the point is on their surface.
     if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
-    t.velocity = A.v + A.w.cross(arm_a);
-    t.spin = A.w;
-    t.mean_spin = 0.5 * g.normal.dot(A.w);
-    real inverse_mass = A.inverse_mass, curvature = A.curvature;
-    real rolling = A.inverse_mass * curvature * curvature;
+    contact_kinematics t;
     soft_body* B = nullptr;
     if constexpr (paired) {
       B = &s_.soft.bodies[first_b_ + body_b(x)];
       arm_b = g.point - position_b(x);
-      t.velocity -= B->v + B->w.cross(arm_b);
-      t.spin -= B->w;
-      t.mean_spin += 0.5 * g.normal.dot(B->w);
-      inverse_mass += B->inverse_mass;
-      curvature += B->curvature;
-      rolling += B->inverse_mass / (B->radius * B->radius);
+      t = kinematics_of_pair<real>(
+          g.normal, g.gap, {A.v, A.w, A.inverse_mass, A.radius, A.curvature, arm_a},
+          {B->v, B->w, B->inverse_mass, B->radius, B->curvature, arm_b}, s_.dt);
     } else {
+      t.normal = g.normal;
+      t.gap = g.gap;
+      t.velocity = A.v + A.w.cross(arm_a);
+      t.spin = A.w;
+      t.mean_spin = 0.5 * g.normal.dot(A.w);
+      real curvature = A.curvature;
+      const real rolling = A.inverse_mass * curvature * curvature;
       if constexpr (ShapeB::finite) curvature += 1 / sphere_radius(b_.shape[j]);
       if constexpr (state_type::drives) {
         arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
@@ -184,15 +174,15 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         t.spin -= b_.angular_velocity[j];
         t.mean_spin += 0.5 * g.normal.dot(b_.angular_velocity[j]);
       }
+      t.mass = 1 / A.inverse_mass;
+      t.radius = 1 / curvature;
+      t.step = s_.dt;
+      t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
     }
-    t.mass = 1 / inverse_mass;
-    t.radius = 1 / curvature;
-    t.step = s_.dt;
-    t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
 
     memory_type memory;
     if constexpr (remembers)
-      if (const auto* old = former(key, before)) memory = *old;
+      if (const auto* old = s_.history.former(before, key)) memory = *old;
     const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
     s_.soft.pairs.require_known(pair, a_.material[i], b_.material[j]);
     if constexpr (surveyed) {
@@ -273,15 +263,16 @@ void each_movable_store(held_bodies<Scenario>& s, F&& f) {
 template <class Scenario>
 void gather_motion(world_state<Scenario>& s) {
   s.soft.pairs.follow(s.materials);
-  each_movable_store(s, [&](auto& store, std::size_t first) {
+  s.each_finite_shape([&](auto& b) {
+    const auto& [store, first, reach] = std::tie(b.movable, b.first, b.reach);
     for (std::size_t i = 0; i < store.size(); ++i) {
-      soft_body& body = s.soft.bodies[first + i];
-      body = {};
-      body.v = store.velocity[i];
-      body.w = store.angular_velocity[i];
-      body.inverse_mass = store.inverse_mass[i];
-      body.radius = sphere_radius(store.shape[i]);
-      body.curvature = 1 / body.radius;
+      const real radius = sphere_radius(store.shape[i]);
+      s.soft.bodies[first + i] = {.v = store.velocity[i],
+                                  .inverse_mass = store.inverse_mass[i],
+                                  .w = store.angular_velocity[i],
+                                  .radius = radius,
+                                  .curvature = 1 / radius};
+      s.soft.places[first + i] = {store.position[i], reach[i]};
     }
   });
 }
@@ -333,9 +324,12 @@ void measure_forces(world_state<Scenario>& s) {
     s.monitors.momentum.ground_force = vec3(0, 0, 0);
   std::nullptr_t nobody = nullptr;
   each_found_pair(s, [&]<class A, class B, partner P>() {
-    return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
+    if constexpr (forces_in_packs<Scenario, A, B, P>)
+      return sphere_forces<Scenario>(s);
+    else
+      return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
   });
-  if constexpr (law::remembers) std::swap(s.history, s.recorded);
+  if constexpr (law::remembers) s.recorded.hold_places(), std::swap(s.history, s.recorded);
 
   each_movable_store(s, [&](auto& store, std::size_t first) {
     if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_forces)
