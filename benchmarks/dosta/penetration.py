@@ -14,6 +14,7 @@ import contact
 
 LIGGGHTS = """units si
 hard_particles yes
+soft_particles yes
 atom_style granular
 atom_modify map array
 newton off
@@ -89,7 +90,8 @@ def main():
         text = (LIGGGHTS if code == "liggghts" else LAMMPS).format(
             folder=folder, properties=contact.liggghts_properties(), laws=laws, dt=dt, every=every,
             steps=steps, bead_law=contact.lammps_law(0, 2), ball_law=contact.lammps_law(2, 2))
-        print("#", contact.loop_of(contact.execute(code, text, folder)))
+        contact.execute(code, text, folder)
+        print(f"# CPU seconds, with reading: {contact.cpu_seconds():.2f}")
         with open(os.path.join(folder, "out.dump")) as file:
             lines = file.read().splitlines()
     for at, line in enumerate(lines):
