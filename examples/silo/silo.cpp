@@ -16,7 +16,7 @@ struct silo_options : options {
   int spheres = 700;
   double softness = 1000, orifice = 0.012, settling = 0.2;
   bool m2 = false;
-  std::string walls, curve;
+  std::string walls, curve, settled;
 
   silo_options() { steps = 8000, dt = 4e-5; }
   void describe(auto& line) {
@@ -28,6 +28,7 @@ struct silo_options : options {
     line.add("--m2", m2, "spheres of the second material, not of the first one");
     line.add("--walls", walls, "file of the triangles of the silo");
     line.add("--curve", curve, "file for time and number of spheres above the lip");
+    line.add("--settled", settled, "file for the spheres of rank 0 when the orifice opens");
   }
 };
 
@@ -88,6 +89,17 @@ int main(int argc, char** argv) {
         {.from = {0, -7 * R, 4 * R}, .at = {0, 0, 1.5 * R}, .angle = 36, .ground = false});
     const double settled = std::ceil(options.settling / options.dt);
     world.simulate({.steps = static_cast<std::uint64_t>(settled), .dt = options.dt});
+
+    if (!options.settled.empty() && world.link().rank() == 0) {
+      std::ofstream out(options.settled);
+      out.precision(17);
+      world.for_each_local([&](const auto& b) {
+        out << bead;
+        for (const vec3& x : {b.position(), b.velocity(), b.angular_velocity()})
+          out << " " << x[0] << " " << x[1] << " " << x[2];
+        out << "\n";
+      });
+    }
 
     // Spheres above the lip, and those in a slice of the cylinder or of the cone, for their
     // density.

@@ -19,6 +19,8 @@ template <class Scenario>
     of(b.global_reach);
     if constexpr (requires { b.places; }) of(b.places);
     bytes += b.grid.bytes() + b.global_grid.bytes();
+    if constexpr (requires { b.near; })
+      for (const auto& lists : b.near) bytes += lists.bytes();
   });
   s.each_constraint_list([&](const auto& list) { bytes += list.bytes(); });
   if constexpr (Scenario::contact_law::soft) {

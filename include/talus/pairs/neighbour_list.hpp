@@ -17,6 +17,7 @@
 #include "talus/interaction/soft_state.hpp"
 #include "talus/pairs/pair_order.hpp"
 #include "talus/pairs/search.hpp"
+#include "talus/pairs/shape_pairs.hpp"
 #include "talus/shape/sphere.hpp"
 #include "talus/state/state.hpp"
 
@@ -154,6 +155,26 @@ void put_in_order_of_ids(world_state<Scenario>& s) {
   });
 }
 
+/// Whether a triangle of global surface j is in reach of body i of shape A, which includes its
+/// skin, until the next search. Contacts of hard laws have a slack beside the reach.
+template <class A, class B, class Scenario>
+[[nodiscard]] bool surface_in_reach(world_state<Scenario>& s, std::size_t i, std::size_t j) {
+  const auto& of_a = s.template of<A>();
+  const auto& surfaces = s.template of<B>().global;
+  const real size = of_a.movable.shape[i].bounding_radius();
+  real reach = of_a.reach[i] + (contact_slack + real(1e-6)) * size;
+  if constexpr (world_state<Scenario>::drives)
+    if (const driven_body* one = driven_at<B>(s, j)) {
+      if (!follows_turns<B, Scenario>) return true;
+      reach += one->skin - (1 + contact_slack) * surfaces.shape[j].bounding_radius();
+    }
+  const vec3 centre = surfaces.pose(j).to_body(of_a.movable.position[i]);
+  bool near = false;
+  surface_near<A, B>(s, i, j).each_within(centre, vec3(reach, reach, reach), size,
+                                          [&](std::uint32_t) { near = true; });
+  return near;
+}
+
 /// Searches for all pairs that are within reach of each other, or within the skin around.
 template <class Scenario>
 void find_pairs_with_skin(world_state<Scenario>& s) {
@@ -187,7 +208,9 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
                         P == partner::moving ? with.movable : with.global, j))
           return;
       }
-      if constexpr (!B::finite && collidable<sphere, B>) {
+      if constexpr (P == partner::immovable && keeps_near<A, B>) {
+        if (!surface_in_reach<A, B>(s, i, j)) return;
+      } else if constexpr (!B::finite && collidable<sphere, B>) {
         const auto& a = s.template of<A>();
         const auto& b = s.template of<B>().global;
         bool near = false;

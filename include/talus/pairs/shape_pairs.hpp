@@ -32,6 +32,15 @@ template <class Own, class Other, class Scenario>
   return false;
 }
 
+/// Global surface j beside body i of shape A.
+template <class A, class B, class Scenario>
+[[nodiscard]] auto surface_near(world_state<Scenario>& s, std::size_t i, std::size_t j) {
+  constexpr std::size_t a = index_of<typename world_state<Scenario>::finite_shapes, A>;
+  auto& surfaces = s.template of<B>();
+  if (surfaces.near.size() <= a) surfaces.near.resize(a + 1);
+  return surfaces.global.shape[j].near(surfaces.near[a], i, j, surfaces.global.size());
+}
+
 /// The bodies of two shapes, the second ones movable or global. Base of what is done for each pair.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 class shape_pairs {
@@ -120,6 +129,14 @@ class shape_pairs {
   }
   [[nodiscard]] pose pose_b(const body_pair& x) const {
     return {position_b(x), b_.pose(x.j).orientation};
+  }
+
+  /// The second shape of the pair (i, j); of a surface that part which is near the first body.
+  [[nodiscard]] decltype(auto) shape_b(std::size_t i, std::size_t j) const {
+    if constexpr (!paired && keeps_near<ShapeA, ShapeB>)
+      return surface_near<ShapeA, ShapeB>(s_, i, j);
+    else
+      return std::as_const(b_.shape[j]);
   }
 
   state_type& s_;

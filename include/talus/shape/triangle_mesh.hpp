@@ -13,6 +13,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/near_triangles.hpp"
 #include "talus/shape/triangle_tree.hpp"
 
 namespace talus {
@@ -48,6 +49,19 @@ class triangle_mesh {
   }
 
   [[nodiscard]] const detail::triangle_tree& tree() const { return *data_; }
+  /// Calls f(number) for the triangles whose boxes overlap the box `centre` ± `reach`, in the frame
+  /// of the body. `size` is the bounding radius of what is there.
+  template <class F>
+  void each_within(const vec3& centre, const vec3& reach, real /*size*/, F&& f) const {
+    data_->each_within(centre - reach, centre + reach, f);
+  }
+  using near_lists = detail::near_triangle_lists;
+  /// The same surface beside body i: it searches among the triangles that `lists` keep. It is
+  /// number j of `surfaces`.
+  [[nodiscard]] detail::surface_near_body near(near_lists& lists, std::size_t i, std::size_t j,
+                                               std::size_t surfaces) const {
+    return lists.of(i, j, surfaces, data_);
+  }
   /// Number of triangles.
   [[nodiscard]] std::size_t triangles() const { return data_->triangles.size(); }
   /// The frame of the body in the coordinates of the triangles.

@@ -49,21 +49,27 @@ struct triangle_tree {
     return vertices[triangles[triangle][k]];
   }
 
+  [[nodiscard]] static bool boxes_overlap(const vec3& low, const vec3& high, const vec3& lower,
+                                          const vec3& upper) {
+    return low[0] <= upper[0] && low[1] <= upper[1] && low[2] <= upper[2] && high[0] >= lower[0] &&
+           high[1] >= lower[1] && high[2] >= lower[2];
+  }
+  /// Whether the box around triangle t overlaps this one.
+  [[nodiscard]] bool overlaps(std::uint32_t t, const vec3& lower, const vec3& upper) const {
+    const vec3 &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
+    return boxes_overlap(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c), lower, upper);
+  }
   /// Calls f(number) for the triangles whose boxes overlap this one, in an order that depends on
   /// the mesh alone.
   template <class F>
   void each_within(const vec3& lower, const vec3& upper, F&& f) const {
-    const auto overlaps = [&](const vec3& low, const vec3& high) {
-      return low[0] <= upper[0] && low[1] <= upper[1] && low[2] <= upper[2] &&
-             high[0] >= lower[0] && high[1] >= lower[1] && high[2] >= lower[2];
-    };
     std::array<std::uint32_t, 64> waiting;  // halving 2^32 triangles goes 32 levels deep
     std::size_t size = 0;
     waiting[size++] = 0;
     while (size > 0) {
       const std::uint32_t at = waiting[--size];
       const node& n = nodes[at];
-      if (!overlaps(n.lower, n.upper)) continue;
+      if (!boxes_overlap(n.lower, n.upper, lower, upper)) continue;
       if (n.count == 0) {
         waiting[size++] = n.first;
         waiting[size++] = at + 1;
@@ -71,8 +77,7 @@ struct triangle_tree {
       }
       for (std::uint32_t k = n.first; k < n.first + n.count; ++k) {
         const std::uint32_t t = order[k];
-        const vec3 &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
-        if (overlaps(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c))) f(t);
+        if (overlaps(t, lower, upper)) f(t);
       }
     }
   }

@@ -2,12 +2,14 @@
 // All bodies of one shape known to a rank, and the search structures that find their neighbours.
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "talus/body/store.hpp"
 #include "talus/concepts.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/detect/box_place.hpp"
+#include "talus/detect/collide_pair.hpp"
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/sphere_batch.hpp"
 #include "talus/shape/sphere.hpp"
@@ -30,8 +32,22 @@ struct places_of<sphere> {
   plain_vector<moving_sphere> places;
 };
 
+/// Whether B is a surface that keeps its parts near bodies of shape A.
+template <class A, class B>
+concept keeps_near = requires {
+  requires collides_in_order<typename B::near_lists::view, A>;
+};
+/// Of a surface: its parts near the bodies of each shape.
+template <class Shape>
+struct parts_near {};
+template <class Shape>
+requires requires { typename Shape::near_lists; }
+struct parts_near<Shape> {
+  std::vector<typename Shape::near_lists> near;
+};
+
 template <class Shape, class Features, class Search>
-struct bodies_of_shape : places_of<Shape> {
+struct bodies_of_shape : places_of<Shape>, parts_near<Shape> {
   using shape_type = Shape;
   using store_type = body_store<Shape, Features>;
   static_assert(concepts::pair_search<Search>,

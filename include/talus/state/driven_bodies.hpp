@@ -89,8 +89,9 @@ struct driven_body {
   driven_step next;               ///< the step under way
   vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< change of the velocity since the last one
   // Since the last pair search:
-  vec3 searched_at{0, 0, 0};  ///< its position
-  real skin = 0;              ///< and the reach of the search; see give_skins()
+  vec3 searched_at{0, 0, 0};       ///< its position
+  quat searched_turn{1, 0, 0, 0};  ///< its orientation, if it is a surface that follows_turns
+  real skin = 0;                   ///< and the reach of the search; see give_skins()
 };
 
 /// `Shapes` is the number of shapes, planes included.

@@ -148,16 +148,29 @@ template <class Store>
                   store.velocity[j] + store.angular_velocity[j].cross(p - store.position[j])));
 }
 
+/// Whether the pairs of a driven surface are those of its parts: its skin then includes its
+/// rotation. (For hard contacts that would change the steps of searches, and so their order.)
+template <class Shape, class Scenario>
+inline constexpr bool follows_turns =
+    world_state<Scenario>::law::soft && !world_state<Scenario>::sleeps && requires {
+  typename Shape::near_lists;
+};
+
 /// Records the poses of driven bodies at a pair search, and the reach of the search: unlimited for
 /// a rotating plane, marked by a negative skin.
 template <class Scenario>
 void give_skins(world_state<Scenario>& s, real mean) {
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     const auto& store = b.global;
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
     one.searched_at = one.state.at.point;
-    const real speed = store.velocity[i].norm();
+    real speed = store.velocity[i].norm();
     const bool turns = store.angular_velocity[i] != vec3(0, 0, 0);
-    if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) {
+    if constexpr (shape::finite) {
+      if constexpr (follows_turns<shape, Scenario>) {
+        one.searched_turn = store.pose(i).orientation;
+        speed += store.shape[i].bounding_radius() * store.angular_velocity[i].norm();
+      }
       one.skin = reach_of(store, i, s.dt);
       if (speed > 0 || turns)
         one.skin += skin_of(store.shape[i].bounding_radius(), mean, speed, s.dt);
@@ -173,10 +186,15 @@ template <class Scenario>
   bool hold = true;
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     const auto& store = b.global;
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
     const vec3 way = one.state.at.point - one.searched_at;
-    if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite) {
+    if constexpr (shape::finite) {
       b.global_reach[i] = reach_of(store, i, s.dt);
-      const real left = one.skin - b.global_reach[i];
+      real left = one.skin - b.global_reach[i];
+      if constexpr (follows_turns<shape, Scenario>) {
+        const quat turn = store.pose(i).orientation * one.searched_turn.conjugate();
+        left -= 2 * vec3(turn.x(), turn.y(), turn.z()).norm() * store.shape[i].bounding_radius();
+      }
       hold = hold && left >= 0 && way.squaredNorm() <= left * left;
     } else if (one.skin >= 0) {
       const bool turns = store.angular_velocity[i] != vec3(0, 0, 0);

@@ -260,7 +260,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
                        [&](const contact_geometry& g) { add(x, g); });
           return drop_unless_made(x);
         }
-      collide_pair(a_.shape[i], pose_a(x), b_.shape[j], pose_b(x), x.margin,
+      collide_pair(a_.shape[i], pose_a(x), this->shape_b(i, j), pose_b(x), x.margin,
                    [&](const contact_geometry& g) { add(x, g); });
     }
     drop_unless_made(x);

@@ -99,7 +99,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const real range = range_of(x);
     last = history_place::none;
     collide_pair(
-        a_.shape[i], pose_a(x), b_.shape[j], pose_b(x),
+        a_.shape[i], pose_a(x), this->shape_b(i, j), pose_b(x),
         range, [&](const contact_geometry& g) __attribute__((always_inline)) {
           if (!(g.gap < range)) return;
           if (boundary && !this->known_to_both(x)) {

@@ -16,6 +16,10 @@ namespace talus {
 
 namespace detail {
 
+template <class Shape>
+inline constexpr bool is_surface =
+    std::is_same_v<Shape, triangle_mesh> || std::is_same_v<Shape, surface_near_body>;
+
 /// The number of a triangle beside the parts that meet: 12 bits of it above the four that its own
 /// corners, edges and sides need, the rest in bits 48 to 63.
 [[nodiscard]] inline std::uint64_t feature_of(std::uint32_t triangle, std::uint64_t parts) {
@@ -74,15 +78,16 @@ class flat_polyhedron {
 
 /// Calls `sink(contact_geometry)` for each face, edge and corner of the surface whose point nearest
 /// to the centre has a gap of at most `margin`. Reads no orientation of the sphere.
-template <class Sink>
-void collide(const triangle_mesh& a, const pose& pa, const sphere& b, const pose& pb, real margin,
+template <class A, class Sink>
+requires detail::is_surface<A>
+void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real margin,
              Sink&& sink) {
   const detail::triangle_tree& m = a.tree();
   const vec3 centre = pa.to_body(pb.position);
   const real reach = b.radius + margin;
   const vec3 around(reach, reach, reach);
   detail::felt_points felt(real(1e-9) * b.radius);
-  m.each_within(centre - around, centre + around, [&](std::uint32_t t) {
+  a.each_within(centre, around, b.radius, [&](std::uint32_t t) {
     const auto q =
         detail::nearest_on_triangle(centre, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
     const vec3 away = centre - q.at;
@@ -101,10 +106,10 @@ void collide(const triangle_mesh& a, const pose& pa, const sphere& b, const pose
 /// Calls `sink(contact_geometry)` for the points of each triangle with a gap of at most `margin`,
 /// up to four each. Inner edges over which the surface is flat, or bends towards the body, act as
 /// the plane of their triangle.
-template <class B, class Sink>
-requires(detail::convex_rank<B> > 0) void collide(const triangle_mesh& a, const pose& pa,
-                                                  const B& b, const pose& pb, real margin,
-                                                  Sink&& sink) {
+template <class A, class B, class Sink>
+requires(detail::is_surface<A> &&
+         (detail::convex_rank<B> > 0)) void collide(const A& a, const pose& pa, const B& b,
+                                                    const pose& pb, real margin, Sink&& sink) {
   const detail::triangle_tree& m = a.tree();
   const pose back = detail::inverse(pa);
   const pose there = detail::combined(back, pb);
@@ -112,7 +117,7 @@ requires(detail::convex_rank<B> > 0) void collide(const triangle_mesh& a, const 
   const vec3 reach = b.half_extents(there) + vec3(margin, margin, margin);
   detail::flat_polyhedron flat;
   detail::felt_points felt(real(1e-6) * size);
-  m.each_within(there.position - reach, there.position + reach, [&](std::uint32_t t) {
+  a.each_within(there.position, reach, size + margin, [&](std::uint32_t t) {
     const vec3 middle = pa.to_world(flat.become(m, t));
     const detail::convex_view<real> view_a(flat.mesh(), pose{vec3(0, 0, 0), pa.orientation}),
         view_b(b, pose{pb.position - middle, pb.orientation});
