@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "talus/core/error.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/interaction/soft_state.hpp"
 #include "talus/interaction/time_step.hpp"
@@ -146,6 +148,18 @@ template <class Scenario>
   });
   if constexpr (has_bonds<Scenario>) least = std::min(least, longest_step_of_bonds(w));
   return least;
+}
+
+/// Collective: the warning about a time step that is not stable for the present bodies, alike on
+/// all ranks, or nothing.
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::string unstable_step(world<Scenario>& w, real dt) {
+  const real longest = longest_stable_step(w, measure_soft_scales(w));
+  if (!(dt > longest)) return {};
+  return compose(
+      "dt {} is above the critical time step {} of the soft contacts: the results will mean "
+      "nothing; take a fifth of it or less",
+      text(dt, 6), text(longest, 4));
 }
 
 /// Of critical_dt(), from measured data.
