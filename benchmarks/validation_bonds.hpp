@@ -1,9 +1,14 @@
 #pragma once
 /// \file
-/// Bonds: stretch, torsion, the loads that break a bond, and a fibre as a beam.
+/// Bonds: stretch, torsion, the loads that break a bond, a fibre as a beam, a lattice in
+/// compression.
 #include <cmath>
 #include <string>
+#include <talus/observe/critical_dt.hpp>
+#include <talus/parallel/grid.hpp>
+#include <talus/parallel/periodic.hpp>
 #include <talus/parallel/serial.hpp>
+#include <talus/parallel/threads.hpp>
 #include <talus/shape/sphere.hpp>
 #include <talus/world/bonds.hpp>
 #include <talus/world/world.hpp>
@@ -150,11 +155,61 @@ inline void fibre(report& out) {
                  "beam, clamped at an end: 1.8751^2 / (2 pi L^2) sqrt(E I / (rho A))"});
 }
 
+/// A face-centred cubic specimen, compressed along a cubic axis between its lowest layer, which is
+/// fixed, and a load on its highest one. Periodic sides keep its width.
+inline void uniaxial(report& out) {
+  using namespace talus;
+  using sides = periodic<grid<dynamic, dynamic>, along::x, along::y>;
+  using specimen = scenario<bodies<sphere>, soft_contact<linear_spring_dashpot, parallel_bond>,
+                            decomposition<sides>, transport<threads>, features<forces>>;
+  const double l = 2 * radius, half = l / std::sqrt(2), multiplier = 0.5;
+  constexpr int across = 8, layers = 8;  // sites of half a lattice constant
+  const sides box{{.lower = {0, 0}, .upper = {across * half, across * half}}};
+  threads::launch({.ranks = 1}, [&](threads::link& link) {
+    talus::world<specimen> w(link, box);
+    const auto m = w.material({.density = density, .stiffness = 1});
+    const parallel_bond::parameters p{.youngs_modulus = modulus,
+                                      .poissons_ratio = ratio,
+                                      .radius_multiplier = multiplier,
+                                      .range = radius,
+                                      .damping_ratio = 0.3};
+    w.interaction(m, m, p);
+    for (int k = 0; k < across * across * layers; ++k) {
+      const int x = k % across, y = k / across % across, z = k / (across * across);
+      if ((x + y + z) % 2 == 0)
+        (void)w.add(body{.shape = sphere{radius},
+                         .position = half * vec3(x + 0.5, y + 0.5, z),
+                         .material = m,
+                         .fixed = z == 0});
+    }
+    (void)bond_within(w, 1e-6 * radius);
+    const parallel_bond::stiffnesses k =
+        parallel_bond::stiffness(p, {.radius = multiplier * radius, .length = l});
+    const double expected = std::sqrt(2) * (k.stretch + k.shear) / l, strain = 1e-5;
+    const double load = strain * expected * l * l, top = (layers - 1) * half;  // on each sphere
+    const double dt = critical_dt(w, 0) / 5;
+    for (int step = 0; step < 4000; ++step) {
+      w.for_each_local([&](auto& b) {
+        if (b.position()[2] > top - 0.5 * half) b.add_force({0, 0, -load});
+      });
+      w.step(dt);
+    }
+    double sum = 0, count = 0;
+    w.for_each_local([&](const auto& b) {
+      if (b.position()[2] > top - 0.5 * half) sum += top - b.position()[2], count += 1;
+    });
+    out.push_back({"bonds/uniaxial compression", "modulus without change of width", "Pa", expected,
+                   load / (l * l) / (sum / count / top), 0.01 * expected,
+                   "lattice of springs: sqrt(2) (k_stretch + k_shear) / l"});
+  });
+}
+
 }  // namespace bond_cases
 
 inline void bonds(report& out, const effort&) {
   bond_cases::single_bonds(out);
   bond_cases::fibre(out);
+  bond_cases::uniaxial(out);
 }
 
 }  // namespace validation

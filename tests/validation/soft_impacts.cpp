@@ -157,6 +157,19 @@ TEST_CASE("the summary warns of contacts with fewer than 20 steps, at the speed 
   CHECK(to_json(coarse).find("\"steps_per_contact\": 10.5") != std::string::npos);
 }
 
+TEST_CASE("a step above the critical one is warned of before the run, with both numbers") {
+  serial::link link;
+  world<hertz_verlet> w(link);
+  w.material({.density = 2500, .restitution = 1, .youngs_modulus = 7e7});
+  w.add(body{.shape = sphere{radius}, .velocity = {5, 0, 0}});
+  const real longest = critical_dt(w, 0);
+  CHECK(talus::detail::unstable_step(w, 0.99 * longest).empty());
+  CHECK(talus::detail::unstable_step(w, 2 * longest) ==
+        "dt " + talus::detail::text(2 * longest, 6) + " is above the critical time step " +
+            talus::detail::text(longest, 4) +
+            " of the soft contacts: the results will mean nothing; take a fifth of it or less");
+}
+
 TEST_CASE("against a rigid wall the stiffness is that of the body alone") {
   // A sphere at rest on a wall: m g over the stiffness, for walls of each kind.
   const real g = 10, weight = 2 * half_mass * g;

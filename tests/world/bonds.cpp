@@ -4,10 +4,13 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <string>
+#include <talus/observe/critical_dt.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/energy.hpp>
+#include <talus/observe/summary.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
@@ -203,4 +206,96 @@ TEST_CASE("the energy of bonds that swing, break and damp is booked") {
   const auto e = measure_energy(w);
   CHECK(e.total.friction + e.total.impact > 0);
   CHECK(std::abs(e.worst) < 1e-9);
+}
+
+TEST_CASE("parameters of bonds without meaning are refused, with the field and its value") {
+  serial::link link;
+  world<fibre> w{link};
+  const auto m = w.material({.density = 1, .stiffness = 1});
+  const parallel_bond::parameters good{.youngs_modulus = 1, .range = 0.1};
+  w.interaction(m, m, good);
+  const real infinite = std::numeric_limits<real>::infinity();
+  for (const real bad : {real(-1), infinite, real(std::nan(""))}) {
+    CAPTURE(bad);
+    const auto refused = [&](real parallel_bond::parameters::*field) {
+      auto p = good;
+      p.*field = bad;
+      CHECK_THROWS_WITH_AS(w.interaction(m, m, p), doctest::Contains("parallel_bond has ."),
+                           std::invalid_argument);
+    };
+    using p = parallel_bond::parameters;
+    for (const auto field : {&p::youngs_modulus, &p::poissons_ratio, &p::radius_multiplier,
+                             &p::range, &p::weibull_modulus, &p::damping_ratio})
+      refused(field);
+    if (bad != infinite) refused(&p::tensile_strength), refused(&p::shear_strength);
+  }
+  auto p = good;
+  p.poissons_ratio = 0.6;
+  CHECK_THROWS_WITH_AS(
+      w.interaction(m, m, p),
+      "parallel_bond has .poissons_ratio = 0.6: give a number above -1 and up to 0.5",
+      std::invalid_argument);
+}
+
+TEST_CASE(
+    "a distance of bonds beyond the range is refused, and pairs without a modulus stay free") {
+  serial::link link;
+  world<fibre> w{link};
+  const auto rock = w.material({.density = 1, .stiffness = 1e3}),
+             sand = w.material({.density = 1, .stiffness = 1e3});
+  w.interaction(rock, rock, parallel_bond::parameters{.youngs_modulus = 1e4, .range = 0.3});
+  w.interaction(rock, sand, parallel_bond::parameters{});
+  system_id ids[3];
+  for (int k = 0; k < 3; ++k)
+    ids[k] =
+        w[w.add(body{
+              .shape = sphere{0.5}, .position = {1.01 * k, 0, 0}, .material = k < 2 ? rock : sand})]
+            .id();
+  CHECK_THROWS_WITH_AS((void)bond_within(w, 0.5),
+                       "bond_within(world, 0.5) reaches beyond the range of parallel_bond, 0.3, "
+                       "where bonds break: give parallel_bond::parameters a longer range, or a "
+                       "shorter distance",
+                       std::invalid_argument);
+  CHECK_THROWS_AS((void)bond_within(w, std::nan("")), std::invalid_argument);
+  CHECK(bond_within(w, 0.1) == 1);
+  const std::pair<system_id, system_id> list[] = {{ids[1], ids[2]}};
+  CHECK_THROWS_WITH_AS((void)bond_pairs(w, list), doctest::Contains("bonded 0 of 1 pairs"),
+                       std::invalid_argument);
+}
+
+TEST_CASE("critical_dt contains the stiffness of bonds: motion is bounded below, and grows above") {
+  const auto kinetic = [](real multiplier, real part, int width, bool& stable) {
+    serial::link link;
+    world<fibre> w{link};
+    const auto m = w.material({.density = 1, .restitution = 1, .stiffness = 1e-3});
+    w.interaction(m, m,
+                  parallel_bond::parameters{.youngs_modulus = 1e4,
+                                            .poissons_ratio = 0.2,
+                                            .radius_multiplier = multiplier,
+                                            .range = 0.3});
+    random_stream random(1, 1);
+    for (int k = 0; k < 8 * width * width; ++k)
+      (void)w.add(body{.shape = sphere{0.5},
+                       .position = vec3(k % 8, k / 8 % width, k / 8 / width),
+                       .velocity = 1e-9 * random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1)),
+                       .angular_velocity = 1e-9 * random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1))});
+    CHECK(bond_within(w, 1e-9) > 0);
+    const real dt = part * critical_dt(w);
+    for (int k = 0; k < 2000; ++k) w.step(dt);
+    stable = measure_motion(w).max_speed < 1e-7;
+    return summarize(w, 0, 0);
+  };
+  bool stable = false;
+  for (const int width : {1, 3})
+    for (const real multiplier : {0.3, 1.0, 2.0}) {
+      CAPTURE(width);
+      CAPTURE(multiplier);
+      summary s = kinetic(multiplier, 0.98, width, stable);
+      CHECK(stable);
+      CHECK_FALSE(dt_above_critical(s));
+      s = kinetic(multiplier, 1.5, width, stable);
+      CHECK_FALSE(stable);
+      // Also where bonds are broken at the end.
+      CHECK(dt_above_critical(s));
+    }
 }

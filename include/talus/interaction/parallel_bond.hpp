@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 
+#include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/interaction/contact_kinematics.hpp"
@@ -24,13 +26,14 @@ enum class bond_break : std::uint8_t {
 /// stretch, shear, bending, torsion and damping. Stress at the rim and breakage after Potyondy and
 /// Cundall 2004 (Int. J. Rock Mech. Min. Sci. 41, 1329, equations 16 and 17); the stiffness across
 /// the normal is that of a Timoshenko beam, which is exact at the nodes for bodies of equal radius.
-/// bond_within(world, distance) makes bonds. A broken bond does not form again. The forces of the
-/// other laws act in parallel, between bonded bodies too: an overlap is pushed apart by both.
+/// bond_within(world, distance) makes bonds. A broken bond does not form again by itself. The
+/// forces of the other laws act in parallel, between bonded bodies too: an overlap is pushed apart
+/// by both.
 struct parallel_bond final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "parallel_bond";
 
-  /// Of a pair of materials.
+  /// Of a pair of materials. Without Young's modulus its bodies are never bonded.
   struct parameters {
     real youngs_modulus = 0;     ///< of the bond, force over area; cement 1e10 Pa
     real poissons_ratio = 0;     ///< defines the shear modulus, for torsion and shear
@@ -67,6 +70,27 @@ struct parallel_bond final {
     real stretch = 0, shear = 0, bend = 0, twist = 0;
   };
 
+  /// Throws invalid_argument for parameters without meaning.
+  static void require_parameters(const parameters& p) {
+    const auto refuse = [](const char* field, real value, const char* wanted) {
+      detail::fail<std::invalid_argument>("parallel_bond has .{} = {}: give {}", field, value,
+                                          wanted);
+    };
+    const auto require = [&](const char* field, real value) {
+      if (!(value >= 0) || !std::isfinite(value))
+        refuse(field, value, "a finite number that is not negative");
+    };
+    require("youngs_modulus", p.youngs_modulus), require("range", p.range);
+    require("weibull_modulus", p.weibull_modulus), require("damping_ratio", p.damping_ratio);
+    if (!(p.poissons_ratio > -1 && p.poissons_ratio <= 0.5))
+      refuse("poissons_ratio", p.poissons_ratio, "a number above -1 and up to 0.5");
+    if (!(p.radius_multiplier > 0) || !std::isfinite(p.radius_multiplier))
+      refuse("radius_multiplier", p.radius_multiplier, "a finite positive number");
+    if (!(p.tensile_strength > 0))
+      refuse("tensile_strength", p.tensile_strength, "a positive stress, or infinity");
+    if (!(p.shear_strength > 0))
+      refuse("shear_strength", p.shear_strength, "a positive stress, or infinity");
+  }
   [[nodiscard]] static real range(const parameters& p, real /*radius*/) { return p.range; }
 
   /// Of a beam that holds.
@@ -134,7 +158,7 @@ struct parallel_bond final {
     const stiffnesses k = stiffness(p, m);
     return stress_of(m, k, k.stretch * (c.gap - m.gap));
   }
-  /// Depends on the radius of the bodies: see critical_dt_of_bonds(world).
+  /// Depends on all bonds of a body: see critical_dt(world).
   [[nodiscard]] static real longest_step(const parameters&, real) {
     return std::numeric_limits<real>::infinity();
   }

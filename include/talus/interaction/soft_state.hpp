@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "talus/core/math.hpp"
@@ -45,6 +46,8 @@ struct soft_state {
   plain_vector<soft_place> places;  ///< likewise
   pair_parameters_of<typename Law::law> pairs;
   real fastest_approach = 0;  ///< along the normal of a contact, in all steps so far
+  /// Longest stable step for the bonds when some were made, of all such moments.
+  real step_of_bonds = std::numeric_limits<real>::infinity();
 };
 
 /// The radius that a shape has in the theory of spheres.

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "talus/core/error.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/interaction/soft_state.hpp"
 #include "talus/interaction/time_step.hpp"
 #include "talus/parallel/reduction.hpp"
+#include "talus/world/bond_time_step.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -143,7 +146,20 @@ template <class Scenario>
   each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto& pair) {
     least = std::min(least, law::longest_step(pair, std::min(s.lightest[i], s.lightest[j])));
   });
+  if constexpr (has_bonds<Scenario>) least = std::min(least, longest_step_of_bonds(w));
   return least;
+}
+
+/// Collective: the warning about a time step that is not stable for the present bodies, alike on
+/// all ranks, or nothing.
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::string unstable_step(world<Scenario>& w, real dt) {
+  const real longest = longest_stable_step(w, measure_soft_scales(w));
+  if (!(dt > longest)) return {};
+  return compose(
+      "dt {} is above the critical time step {} of the soft contacts: the results will mean "
+      "nothing; take a fifth of it or less",
+      text(dt, 6), text(longest, 4));
 }
 
 /// Of critical_dt(), from measured data.
@@ -158,10 +174,10 @@ template <class Scenario>
 /// infinite if nothing moves. A fifth of it is common: at that step a contact takes 20 steps or
 /// more, and the motion is stable. It is the smaller of two values. Stability: for linear springs
 /// the step beyond which a contact of two of the lightest bodies of their materials gains energy;
-/// for Hertz the shortest Rayleigh time of all bodies. Resolution: 5/21 of the shortest contact at
-/// that speed, if that is an impact: faster than gravity times the duration of the contact. So a
-/// speed of 0 gives stability alone. Bodies with many contacts are stiffer. Throws invalid_argument
-/// for a speed that is negative or not finite.
+/// for Hertz the shortest Rayleigh time of all bodies; for bonds a bound for all bonds of a body.
+/// Resolution: 5/21 of the shortest contact at that speed, if that is an impact: faster than
+/// gravity times the duration of the contact. So a speed of 0 gives stability alone. Bodies with
+/// many contacts are stiffer. Throws invalid_argument for a speed that is negative or not finite.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w,
                                real impact_speed) requires(Scenario::contact_law::soft) {

@@ -53,7 +53,7 @@ template <class Scenario>
   const auto scales = measure_soft_scales(w);
   real fastest = s.soft.fastest_approach;
   w.link().reduce(reduction::max, std::span(&fastest, 1));
-  r.critical_dt = longest_stable_step(w, scales);
+  r.critical_dt = std::min(longest_stable_step(w, scales), s.soft.step_of_bonds);
   r.impact_speed_max = fastest;
   const real shortest = shortest_contact(w, scales, fastest);
   if (std::isfinite(shortest) && s.dt > 0) r.steps_per_contact = shortest / s.dt;

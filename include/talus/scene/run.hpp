@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "talus/core/clock.hpp"
+#include "talus/observe/critical_dt.hpp"
 #include "talus/observe/initial_overlap.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/progress.hpp"
@@ -65,6 +66,15 @@ template <class Scenario>
   if (w.steps() > 0) return;
   const std::string words = initial_overlap(w);
   if (!words.empty()) std::fputs(compose("{}: warning: {}\n", name, words).c_str(), stderr);
+}
+
+/// Says that the time step is not stable for soft contacts, on standard error. Collective.
+template <class Scenario>
+[[gnu::cold]] void mention_step(const std::string& name, world<Scenario>& w) {
+  if (w.steps() > 0) return;
+  const std::string words = unstable_step(w, state_of(w).dt);
+  if (w.rank() == 0 && !words.empty())
+    std::fputs(compose("{}: warning: {}\n", name, words).c_str(), stderr);
 }
 
 /// Steps from one reading of the monitors for the progress line to the next: all ranks take part.
@@ -152,6 +162,8 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   w.before_simulating([&] { require_pictures(w, options); });
   w.before_simulating([&] { table.begin(w); });
   if (!options.quiet) w.before_simulating([&] { mention_overlap(name, w); });
+  if constexpr (Scenario::contact_law::soft)
+    if (!options.quiet) w.before_simulating([&] { mention_step(name, w); });
   std::string note;
   w.after_observers([&] {
     if constexpr (has_monitors<Scenario>)

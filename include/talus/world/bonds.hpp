@@ -15,6 +15,7 @@
 #include "talus/core/random.hpp"
 #include "talus/interaction/parallel_bond.hpp"
 #include "talus/step/soft_step.hpp"
+#include "talus/world/bond_time_step.hpp"
 #include "talus/world/each_contact.hpp"
 #include "talus/world/world.hpp"
 
@@ -38,14 +39,6 @@ struct bond_count {
 namespace detail {
 
 template <class Scenario>
-inline constexpr bool has_bonds = [] {
-  if constexpr (Scenario::contact_law::soft)
-    return contains_type<typename Scenario::contact_law::list, parallel_bond>;
-  else
-    return false;
-}();
-
-template <class Scenario>
 constexpr void require_bond_law() {
   static_assert(has_bonds<Scenario>,
                 "bonds need the law parallel_bond: add it to soft_contact<...> of the scenario");
@@ -64,14 +57,6 @@ constexpr void require_bond_law() {
 
 inline void require_bond_parameters(const parallel_bond::parameters& p, real gap, system_id a,
                                     system_id b) {
-  if (!(p.youngs_modulus > 0) || !(p.radius_multiplier > 0) || !(p.poissons_ratio > -1) ||
-      !(p.poissons_ratio <= 0.5) || !(p.damping_ratio >= 0))
-    fail<std::invalid_argument>(
-        "a bond of {} and {} with Young's modulus {}, Poisson's ratio {}, radius multiplier {} and "
-        "damping ratio {}: give parallel_bond::parameters a positive modulus and multiplier, a "
-        "ratio above -1 and up to 0.5, and a damping ratio of at least 0",
-        value_of(a), value_of(b), p.youngs_modulus, p.poissons_ratio, p.radius_multiplier,
-        p.damping_ratio);
   if (!(gap < real(0.98) * p.range))
     fail<std::invalid_argument>(
         "a bond of {} and {} at a gap of {} would break at once, because the range of "
@@ -79,7 +64,8 @@ inline void require_bond_parameters(const parallel_bond::parameters& p, real gap
         value_of(a), value_of(b), gap, p.range);
 }
 
-/// Collective: bonds the pairs for which wanted(a, b, gap) is true and that have none.
+/// Collective: bonds the pairs for which wanted(a, b, gap) is true and that have none, if the
+/// parameters of their materials have a modulus.
 template <class Scenario, class Wanted>
 std::uint64_t make_bonds(world<Scenario>& w, Wanted&& wanted) {
   using law = typename Scenario::contact_law::law;
@@ -110,6 +96,7 @@ std::uint64_t make_bonds(world<Scenario>& w, Wanted&& wanted) {
     look(key.a, ra, ma), look(key.b, rb, mb);
     if (rb == 0) rb = ra;  // an infinite body
     const auto& p = law::template of<parallel_bond>(s.soft.pairs.pair(ma, mb));
+    if (!(p.youngs_modulus > 0)) return;
     require_bond_parameters(p, g.gap, key.a, key.b);
     parallel_bond::memory beam;
     beam.radius = p.radius_multiplier * std::min(ra, rb);
@@ -134,24 +121,39 @@ std::uint64_t make_bonds(world<Scenario>& w, Wanted&& wanted) {
     if (s.history.find(e.key) == nullptr) s.history.add(e.key, e.memory);
   std::uint64_t sum[1] = {count};
   s.link->reduce(reduction::sum, std::span(sum));
+  s.soft.step_of_bonds = std::min(s.soft.step_of_bonds, longest_step_of_bonds(w));
   return sum[0];
+}
+
+/// Throws invalid_argument for a distance of bonds beyond the range of the law for all pairs.
+template <class Scenario>
+void require_bond_distance(world<Scenario>& w, real distance) {
+  real furthest = 0;
+  for (const auto& e : state_of(w).soft.pairs.template given<parallel_bond>().entries())
+    if (e.value.youngs_modulus > 0) furthest = std::max(furthest, e.value.range);
+  if (!(distance < real(0.98) * furthest))
+    fail<std::invalid_argument>(
+        "bond_within(world, {}) reaches beyond the range of parallel_bond, {}, where bonds break: "
+        "give parallel_bond::parameters a longer range, or a shorter distance",
+        distance, furthest);
 }
 
 }  // namespace detail
 
 /// Collective: bonds all pairs of bodies whose surfaces are at most `distance` apart at this
-/// moment, as those of a lattice. Returns the number of new bonds over all ranks. Pairs that have a
-/// bond keep it. Throws invalid_argument for parameters without sense, and for a distance beyond
-/// the range of the law.
+/// moment, as those of a lattice, and whose parameters have a modulus. Returns the number of new
+/// bonds over all ranks. Pairs that have a bond keep it. Throws invalid_argument for a distance
+/// beyond the range of the law.
 template <class Scenario>
 std::uint64_t bond_within(world<Scenario>& w, real distance) {
   detail::require_bond_law<Scenario>();
+  detail::require_bond_distance(w, distance);
   return detail::make_bonds(w, [&](system_id, system_id, real gap) { return gap <= distance; });
 }
 
 /// Collective: bonds the pairs of a list, which is alike on all ranks. Returns the number of new
 /// bonds. Throws invalid_argument, on all ranks, if a pair does not exist, is farther apart than
-/// the range of the law, has a bond already, or is listed twice.
+/// the range of the law, has no modulus or a bond already, or is listed twice.
 template <class Scenario>
 std::uint64_t bond_pairs(world<Scenario>& w,
                          std::span<const std::pair<system_id, system_id>> list) {
@@ -164,7 +166,7 @@ std::uint64_t bond_pairs(world<Scenario>& w,
   if (made != list.size())
     detail::fail<std::invalid_argument>(
         "bond_pairs bonded {} of {} pairs: list each pair once, of bodies without a bond whose "
-        "surfaces are within the range of parallel_bond",
+        "surfaces are within the range of parallel_bond and whose materials have its parameters",
         made, list.size());
   return made;
 }
