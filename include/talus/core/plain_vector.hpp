@@ -24,8 +24,8 @@ inline constexpr bool owns_nothing = std::is_trivially_copyable_v<T>;
 [[gnu::noinline]] inline void release_memory(void* memory, std::size_t alignment) {
   ::operator delete (memory, std::align_val_t{alignment});
 }
-/// Asks the system for large pages, if it grants them on request only: with usual ones, half of a
-/// million bodies miss the tables of pages, and each page costs a fault when it is first touched.
+/// Asks the system for large pages, which some systems grant on request only: each page costs a
+/// fault when it is first touched, so that growing arrays of half a million bodies cost thousands.
 inline void prefer_large_pages(void* memory, std::size_t bytes) {
 #if defined(__linux__)
   constexpr std::size_t page = 4096, worthwhile = std::size_t{4} << 20;

@@ -11,6 +11,7 @@
 #include "talus/detect/usual_pairs.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
+#include "talus/pairs/near_spheres.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
@@ -87,34 +88,10 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
     make(i, j, margin_a, margin_b, &last);
   }
-  /// Writes the indices of those of `size` kept pairs that are within reach, and returns how many.
-  /// The others lose their place in the history. (`near` has room for one more.)
+  /// Those of `size` kept pairs that are within reach; see near_spheres().
   [[nodiscard]] std::size_t find_near(close_pair* pairs, std::size_t size,
                                       std::uint32_t* near) const requires(packed) {
-    constexpr std::size_t lanes = sphere_batch::capacity;
-    const moving_sphere* const spheres = waiting_.spheres->data();
-    std::size_t count = 0;
-    const auto test = [&](close_pair* group, auto&& at) {
-      return spheres_within_reach(
-          [&](int k) -> const moving_sphere& { return spheres[group[at(k)].i]; },
-          [&](int k) -> const moving_sphere& { return spheres[group[at(k)].j]; });
-    };
-    const auto note = [&](std::size_t k, bool is_near) {
-      near[count] = static_cast<std::uint32_t>(k);
-      count += is_near ? 1 : 0;
-      pairs[k].last = is_near ? pairs[k].last : history_place::none;
-    };
-    std::size_t first = 0;
-    for (; first + lanes <= size; first += lanes) {
-      const unsigned bits = test(pairs + first, [](int k) { return k; });
-#pragma GCC unroll 8
-      for (std::size_t k = 0; k < lanes; ++k) note(first + k, (bits >> k & 1u) != 0);
-    }
-    if (first == size) return count;
-    const int last = static_cast<int>(size - first) - 1;
-    const unsigned bits = test(pairs + first, [&](int k) { return std::min(k, last); });
-    for (std::size_t k = 0; first + k < size; ++k) note(first + k, (bits >> k & 1u) != 0);
-    return count;
+    return near_spheres(waiting_.spheres->data(), pairs, size, near);
   }
   /// To be called after the last pair: some pairs wait until a batch is full.
   void finish() requires(packed) {
