@@ -56,14 +56,18 @@ class stalled_islands {
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
-    bool solved = false, searched_at = false;
+    bool solved = false, searched_at = false, balanced = false, tried = false;
     for (const auto& [stall, i] : worst_first)
       if (-stall > let_be * s.speed) {
-        searched_at = true;
-        solved |= solve_one(islands_[i], lists, s, budget);
+        const island& one = islands_[i];
+        if (one.sweeps_do())
+          tried = true, balanced |= balance_one(one, lists, s);
+        else
+          searched_at = true, solved |= solve_one(one, lists, s, budget);
       }
     s.islands.close(budget);
-    if (!solved && (searched_at || stalled > many)) s.islands.pause();
+    if (tried) s.islands.balanced(balanced);
+    if (!solved && !balanced && (searched_at || stalled > many)) s.islands.pause();
   }
 
  private:
@@ -96,7 +100,9 @@ class stalled_islands {
     [[nodiscard]] bool sweeps_do() const { return size > many && !overloaded; }
     /// Upper limit: with four contacts in a row.
     [[nodiscard]] real stall() const {
-      return sweeps_do() || elsewhere ? 0 : stall(1 + 0.25 * static_cast<real>(size));
+      return (sweeps_do() && contacts.empty()) || elsewhere
+                 ? 0
+                 : stall(1 + 0.25 * static_cast<real>(size));
     }
   };
 
@@ -146,8 +152,9 @@ class stalled_islands {
     for (const std::uint32_t i : s.gathered)
       if (const auto number = number_[sets_.root(i)]; number != 0)
         islands_[number - 1].elsewhere = true;
+    const bool balances = s.fall != vec3(0, 0, 0) && s.islands.balances();
     each_contact(lists, s, [&](island& one, const contact_ends&, const member& m) {
-      if (!one.sweeps_do()) one.contacts.push_back(m);
+      if (balances || !one.sweeps_do()) one.contacts.push_back(m);
     });
   }
   /// Calls f(island, ends, contact) for each contact of the islands.
@@ -180,12 +187,39 @@ class stalled_islands {
   }
   static real mass_of(const State& s, std::int32_t i) { return 1 / real(body(s, i).inverse_mass); }
 
+  static plain_vector<island_contact> contacts_of(const island& one,
+                                                  std::span<const access> lists) {
+    plain_vector<island_contact> contacts;
+    contacts.reserve(one.contacts.size());
+    for (const member& m : one.contacts)
+      contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
+    return contacts;
+  }
+  static void set(const island& one, const plain_vector<island_contact>& contacts,
+                  const contact_vector& r, std::span<const access> lists, State& s) {
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const member& m = one.contacts[k];
+      lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
+    }
+  }
+  /// A large island, if the bodies above each other make it a stalled one, and only if they can
+  /// rest on each other.
+  static bool balance_one(const island& one, std::span<const access> lists, State& s) {
+    const plain_vector<island_contact> contacts = contacts_of(one, lists);
+    contact_vector r;
+    const body_problem problem(contacts, s, r);
+    support_balance balance(problem, s.fall);
+    if (one.stall(static_cast<real>(balance.rows())) <= let_be * s.speed) return false;
+    const island_outcome found = solve_by_balance(problem, balance, r);
+    if (!(found.after < found.before)) return false;
+    s.islands.solved();
+    set(one, contacts, r, lists, s);
+    return true;
+  }
   /// Whether the island, with its known length, is stalled and within the budget.
   static bool solve_one(const island& one, std::span<const access> lists, State& s,
                         double& budget) {
-    plain_vector<island_contact> contacts;
-    for (const member& m : one.contacts)
-      contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
+    const plain_vector<island_contact> contacts = contacts_of(one, lists);
     plain_vector<island_contact> ties = contacts;  // immovable bodies do not connect
     for (island_contact& c : ties)
       for (std::int32_t* end : {&c.a, &c.b})
@@ -193,6 +227,16 @@ class stalled_islands {
     const contact_order order(ties);
     const real rows = 1 + static_cast<real>(order.length());
     if (one.stall(rows) <= let_be * s.speed) return false;
+    if (s.fall != vec3(0, 0, 0)) {
+      contact_vector r;
+      const body_problem problem(contacts, s, r);
+      support_balance balance(problem, s.fall);
+      if (const island_outcome found = solve_by_balance(problem, balance, r); found.solved) {
+        s.islands.solved();
+        set(one, contacts, r, lists, s);
+        return true;
+      }
+    }
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // Not if the sweeps that it replaces cost less, as in wide heaps.
@@ -212,10 +256,7 @@ class stalled_islands {
     if (found.too_dear && !found.solved && pays > before) s.islands.skip(contacts.size());
     if (!(found.after < found.before)) return found.solved;
     s.islands.solved();
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const member& m = one.contacts[k];
-      lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
-    }
+    set(one, contacts, r, lists, s);
     return found.after < 0.5 * found.before;
   }
   static void solve_by_contacts(const island& one, const plain_vector<island_contact>& contacts,
