@@ -106,8 +106,6 @@ class body_problem {
   [[nodiscard]] const contact& operator[](int i) const { return contacts_[at(i)]; }
   [[nodiscard]] const plain_vector<body>& bodies() const { return bodies_; }
   [[nodiscard]] const contact_vector& q() const { return q_; }
-  /// Velocities of the bodies without the impulses of the contacts.
-  [[nodiscard]] const plain_vector<body_vector>& free() const { return free_; }
   [[nodiscard]] real mean_diagonal() const { return mean_; }
 
   /// The pairs of bodies that touch by contacts that are not `open`.
@@ -145,13 +143,6 @@ class body_problem {
       sum += (ri - project_on_cone(ri - rho * v, mu)).squaredNorm();
     }
     return std::sqrt(sum);
-  }
-
-  /// Twice the work of the impulses.
-  [[nodiscard]] real work(const contact_vector& r) const {
-    contact_vector u;
-    velocity(r, u);
-    return r.dot(u) + r.dot(q_);
   }
 
   /// Adds J^T r.

@@ -4,7 +4,6 @@
 
 #include "talus/solver/direct/body_newton.hpp"
 #include "talus/solver/direct/body_problem.hpp"
-#include "talus/solver/direct/support_balance.hpp"
 
 namespace talus::detail {
 
@@ -14,29 +13,6 @@ struct island_outcome {
   bool solved = false;         ///< to a hundredth of the error, or to round-off
   bool too_dear = false;       ///< the budget ended it
 };
-
-/// Replaces the impulses r of `p` by those of its support balance if these have less than half of
-/// their error and add no energy.
-inline island_outcome solve_by_balance(const body_problem& p, support_balance& balance,
-                                       contact_vector& r) {
-  const real rho = 1 / p.mean_diagonal();
-  contact_vector u, held;
-  const auto error = [&](const contact_vector& at) {
-    p.velocity(at, u);
-    return p.residual(at, u, rho);
-  };
-  island_outcome result;
-  result.before = result.after = error(r);
-  balance.solve(held);
-  const real now = error(held), enough = 1e-10 * rho * p.q().norm();
-  if (!(now < 0.5 * result.before)) return result;
-  const bool solved = now <= std::max(enough, 1e-3 * result.before);
-  if (!solved && !(p.work(held) <= p.work(r))) return result;
-  r = held;
-  result.after = now;
-  result.solved = solved;
-  return result;
-}
 
 /// Improves the impulses r of `p`, never increasing their error, as solve_island() does with an
 /// assembled problem: proximal points, each found by full Newton steps. `budget` are the available
@@ -83,7 +59,11 @@ inline island_outcome solve_by_bodies(const body_problem& p, contact_vector& r, 
   result.solved = least <= std::max(enough, 0.01 * result.before);
   result.too_dear = newton.too_dear();
   // A partial solution must not add energy to the result of the sweeps.
-  if (result.solved || p.work(best) <= p.work(r)) {
+  const auto work = [&](const contact_vector& at) {
+    p.velocity(at, u);
+    return at.dot(u) + at.dot(p.q());
+  };
+  if (result.solved || work(best) <= work(r)) {
     r = best;
     result.after = least;
   } else {

@@ -21,6 +21,7 @@
 #include "talus/solver/direct/island_problem.hpp"
 #include "talus/solver/direct/island_solver.hpp"
 #include "talus/solver/direct/solve_bodies.hpp"
+#include "talus/solver/direct/support_balance.hpp"
 
 namespace talus::detail {
 
@@ -35,9 +36,10 @@ class stalled_islands {
   using access = contact_access<State>;
 
  public:
-  /// The last sweep, and then the stalled islands. If all of them are too large to be solved here,
-  /// as in a pile, the search is postponed for some steps.
-  void sweep_and_solve(std::span<const access> lists, State& s) {
+  /// A sweep, and then the stalled islands. If all of them are too large to be solved here, as in a
+  /// pile, the search is postponed for some steps. Returns whether more sweeps would change nothing
+  /// of relevance.
+  bool sweep_and_solve(std::span<const access> lists, State& s) {
     if (s.speed == 0)  // no gravity
       for (const auto& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * v_of(b).norm());
     // A smaller change is irrelevant, or is round-off.
@@ -49,25 +51,31 @@ class stalled_islands {
       stalled += changes.back().size();
       contacts += list.size(contact_part::interior);
     }
-    if (stalled == 0) return;
+    if (stalled == 0) return true;
     join_bodies(lists, s);
     gather(lists, changes, s);
     plain_vector<plain_pair<real, std::size_t>> worst_first;
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
-    bool solved = false, searched_at = false, balanced = false, tried = false;
-    for (const auto& [stall, i] : worst_first)
-      if (-stall > let_be * s.speed) {
-        const island& one = islands_[i];
-        if (one.sweeps_do())
-          tried = true, balanced |= balance_one(one, lists, s);
-        else
-          searched_at = true, solved |= solve_one(one, lists, s, budget);
+    bool solved = false, searched_at = false, balanced = false, tried = false, settled = true;
+    for (const auto& [stall, i] : worst_first) {
+      const island& one = islands_[i];
+      if (-stall <= (one.sweeps_do() ? unbalanced : let_be) * s.speed) {
+        settled = settled && one.change <= settled_change * s.speed;
+        continue;
       }
+      bool done = false;
+      if (one.sweeps_do())
+        done = balance(one, contacts_of(one, lists), lists, s, tried), balanced |= done;
+      else
+        searched_at = true, solved |= done = solve_one(one, lists, s, budget);
+      settled = settled && (done || one.change <= settled_change * s.speed);
+    }
     s.islands.close(budget);
     if (tried) s.islands.balanced(balanced);
-    if (!solved && !balanced && (searched_at || stalled > many)) s.islands.pause();
+    if (!solved && !balanced && !settled && (searched_at || stalled > many)) s.islands.pause();
+    return settled;
   }
 
  private:
@@ -82,6 +90,8 @@ class stalled_islands {
   static constexpr real few = 4e6;
   /// The fraction of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
+  /// The same where bodies are balanced, which costs less.
+  static constexpr real unbalanced = 1e-4;
 
   struct member {
     std::size_t list, index;
@@ -202,18 +212,18 @@ class stalled_islands {
       lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
     }
   }
-  /// A large island, if the bodies above each other make it a stalled one, and only if they can
-  /// rest on each other.
-  static bool balance_one(const island& one, std::span<const access> lists, State& s) {
-    const plain_vector<island_contact> contacts = contacts_of(one, lists);
-    contact_vector r;
-    const body_problem problem(contacts, s, r);
-    support_balance balance(problem, s.fall);
-    if (one.stall(static_cast<real>(balance.rows())) <= let_be * s.speed) return false;
-    const island_outcome found = solve_by_balance(problem, balance, r);
-    if (!(found.after < found.before)) return false;
+  /// Whether the bodies of an island can rest on each other, and so many are above each other that
+  /// sweeps stall: then they do.
+  static bool balance(const island& one, const plain_vector<island_contact>& contacts,
+                      std::span<const access> lists, State& s, bool& tried) {
+    support_balance<State> balance(contacts, s);
+    if (one.stall(static_cast<real>(balance.rows())) <= unbalanced * s.speed) return false;
+    tried = true;
+    const bool ok=balance.solve(1e-12 * s.speed);
+    if (!ok) return false;
     s.islands.solved();
-    set(one, contacts, r, lists, s);
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      lists[one.contacts[k].list].set(one.contacts[k].index, balance.impulse(k), s);
     return true;
   }
   /// Whether the island, with its known length, is stalled and within the budget.
@@ -227,16 +237,8 @@ class stalled_islands {
     const contact_order order(ties);
     const real rows = 1 + static_cast<real>(order.length());
     if (one.stall(rows) <= let_be * s.speed) return false;
-    if (s.fall != vec3(0, 0, 0)) {
-      contact_vector r;
-      const body_problem problem(contacts, s, r);
-      support_balance balance(problem, s.fall);
-      if (const island_outcome found = solve_by_balance(problem, balance, r); found.solved) {
-        s.islands.solved();
-        set(one, contacts, r, lists, s);
-        return true;
-      }
-    }
+    bool tried = false;
+    if (s.fall != vec3(0, 0, 0) && balance(one, contacts, lists, s, tried)) return true;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // Not if the sweeps that it replaces cost less, as in wide heaps.
