@@ -120,6 +120,19 @@ inline constexpr contact_calls<typename List::state> calls_for{
       return list_at<List>(l).sweep_watched(s, speed);
     }};
 
+/// A change of velocity in a sweep that more sweeps need not follow up, as a part of
+/// solver_state::speed.
+inline constexpr real settled_change = 1e-8;
+
+/// A sweep over the interior contacts; returns whether no contact still changes by more than that.
+template <class State>
+[[nodiscard]] bool sweep_settled(const plain_vector<contact_access<State>>& lists, State& s) {
+  bool settled = true;
+  for (const auto& list : lists)
+    settled = list.sweep_watched(s, settled_change * s.speed).empty() && settled;
+  return settled;
+}
+
 /// All lists of contacts of a tuple.
 template <class State, class Lists>
 [[nodiscard]] plain_vector<contact_access<State>> access_to(Lists& lists) {

