@@ -85,21 +85,3 @@ TEST_CASE("contacts of several pairs have the bits of single ones") {
   CHECK(met > 100);
   CHECK(apart > 100);
 }
-
-TEST_CASE("pairs within reach are found like single ones") {
-  cloud random(2);
-  for (int round = 0; round < 500; ++round) {
-    std::vector<moving_sphere> a, b;
-    for (unsigned k = 0; k < sphere_batch::capacity; ++k)
-      a.push_back(random.sphere()), b.push_back(random.sphere());
-    const auto of = [](const std::vector<moving_sphere>& all) {
-      return [&](int k) -> const moving_sphere& { return all[static_cast<std::size_t>(k)]; };
-    };
-    const unsigned bits = spheres_within_reach(of(a), of(b));
-    for (unsigned k = 0; k < sphere_batch::capacity; ++k) {
-      const real reach = a[k].reach + b[k].reach;
-      const bool within = !((a[k].position - b[k].position).squaredNorm() > reach * reach);
-      CHECK((bits >> k & 1u) == (within ? 1u : 0u));
-    }
-  }
-}

@@ -62,7 +62,9 @@ class island_budget {
   [[nodiscard]] std::uint64_t islands_solved() const { return solved_; }  ///< in all steps
 
   /// As at the beginning of a run, except for the counts.
-  void begin_afresh() { pause_ = 0, steps_ = 0, wait_ = 0, patience_ = 8, kept_ = -1, settled_ = false; }
+  void begin_afresh() {
+    pause_ = 0, steps_ = 0, wait_ = 0, patience_ = 8, kept_ = -1, settled_ = false;
+  }
 
  private:
   int pause_ = 0, steps_ = 0;

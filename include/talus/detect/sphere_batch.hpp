@@ -1,7 +1,6 @@
 #pragma once
-// Pairs of spheres, eight at a time: whether they are near each other, and their contacts. The
-// numbers of a pair do not depend on the others and are those of the functions of single pairs, to
-// the bit.
+// Contacts of pairs of spheres, eight at a time. The numbers of a pair do not depend on the others
+// and are those of the functions of single pairs, to the bit.
 #include <array>
 #include <cstddef>
 
@@ -25,19 +24,6 @@ struct alignas(32) moving_sphere {
   vec3 spin{0, 0, 0};
   system_id id = no_id;
 };
-
-/// Bit k is set unless the spheres of pair k are out of reach of each other. `a(k)` and `b(k)` are
-/// those spheres.
-template <class A, class B>
-[[nodiscard]] [[gnu::always_inline]] inline unsigned spheres_within_reach(A&& a, B&& b) {
-  using wide = wide_pack<real>;
-  const auto row = [](const moving_sphere& x) { return row_of(x, x.position); };
-  const auto rows_a = gather<wide>([&](int k) { return row(a(k)); });
-  const auto rows_b = gather<wide>([&](int k) { return row(b(k)); });
-  const pack_vector<wide> d = vectors_in(rows_a) - vectors_in(rows_b);
-  const wide reach = rows_a.w + rows_b.w;
-  return bits_of(inverted(dot(d, d) > reach * reach));
-}
 
 /// Up to eight pairs, added one by one, and their contacts.
 class sphere_batch {

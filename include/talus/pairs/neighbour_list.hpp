@@ -10,11 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "talus/core/pack.hpp"
-#include "talus/core/pack_rows.hpp"
-#include "talus/core/pack_vector.hpp"
 #include "talus/detect/narrow.hpp"
-#include "talus/interaction/soft_state.hpp"
 #include "talus/pairs/pair_order.hpp"
 #include "talus/pairs/search.hpp"
 #include "talus/pairs/shape_pairs.hpp"
@@ -272,123 +268,6 @@ template <class Scenario>
   found.known = false;
   found.pause = 16;
   return false;
-}
-
-/// The number of pairs whose distances are compared before the close ones are used.
-inline constexpr std::size_t pairs_of_block = 256;
-
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-/// Writes down the numbers of those of `size` pairs that are within reach, and returns how many
-/// they are. The others lose their place in the history. Without branches: about half of the pairs
-/// of a neighbour list are apart, in no order that a processor could predict.
-[[gnu::always_inline]] inline std::size_t find_close(
-    close_pair* pairs, std::size_t size, const soft_place* a, const soft_place* b,
-    std::array<std::uint32_t, pairs_of_block + 1>& close) {
-  using number = wide_pack<real>;
-  constexpr std::size_t lanes = lanes_of<number>;
-  std::size_t count = 0;
-  const auto compare = [&](std::size_t first, const close_pair* of_lane, std::size_t left)
-      __attribute__((always_inline)) {
-    const auto at = [&](const soft_place& p) __attribute__((always_inline)) {
-      return row_of(p, p.position);
-    };
-    const auto of_a =
-        gather<number>([&](int l) __attribute__((always_inline)) { return at(a[of_lane[l].i]); });
-    const auto of_b =
-        gather<number>([&](int l) __attribute__((always_inline)) { return at(b[of_lane[l].j]); });
-    const auto d = vectors_in(of_a) - vectors_in(of_b);
-    const number reach = of_a.w + of_b.w;
-    const unsigned apart = bits_of(dot(d, d) > reach * reach);
-    for (std::size_t l = 0; l < left; ++l) {
-      const unsigned away = apart >> l & 1;
-      close[count] = static_cast<std::uint32_t>(first + l);
-      count += away ^ 1;
-      // Without a branch: history_place::none has all bits.
-      history_place& last = pairs[first + l].last;
-      last = static_cast<history_place>(static_cast<std::uint32_t>(last) | -away);
-    }
-  };
-  const std::size_t full = size / lanes * lanes;
-  for (std::size_t first = 0; first < full; first += lanes) compare(first, pairs + first, lanes);
-  if (full < size) {
-    close_pair rest[lanes];
-    for (std::size_t l = 0; l < lanes; ++l) rest[l] = pairs[std::min(full + l, size - 1)];
-    compare(full, rest, size - full);
-  }
-  return count;
-}
-
-#pragma GCC diagnostic pop
-
-/// Like each_close_pair(), for the pairs found.
-template <class Scenario, class Make>
-void each_found_pair(world_state<Scenario>& s, Make&& make) {
-  each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
-    auto take = make.template operator()<A, B, P>();
-    const auto& of_a = s.template of<A>();
-    const auto& of_b = s.template of<B>();
-    constexpr bool moving = P == partner::moving;
-    const auto& a = of_a.movable;
-    const auto& b = moving ? of_b.movable : of_b.global;
-    const auto reach_of_b = [&](std::size_t j) -> real {
-      real reach = 0;
-      if constexpr (B::finite) reach = moving ? of_b.reach[j] : of_b.global_reach[j];
-      return (void)j, reach;
-    };
-    const auto margin = [](const auto& store, real reach, std::size_t k) {
-      return reach - store.shape[k].bounding_radius();
-    };
-    const auto take_pair = [&](auto& pair) __attribute__((always_inline)) {
-      const std::size_t i = pair.i, j = pair.j;
-      real margin_b = 0;
-      if constexpr (B::finite) margin_b = margin(b, reach_of_b(j), j);
-      take(i, j, margin(a, of_a.reach[i], i), margin_b, pair.last);
-    };
-    auto& list = s.found.lists[kind];
-    if constexpr (!B::finite) {
-      for (close_pair& pair : list) take_pair(pair);
-    } else {
-      constexpr std::size_t ahead = 6;
-      std::array<std::uint32_t, pairs_of_block + 1> close;
-      for (std::size_t first = 0; first < list.size(); first += pairs_of_block) {
-        close_pair* const pairs = list.data() + first;
-        const std::size_t size = std::min(pairs_of_block, list.size() - first);
-        std::size_t count = 0;
-        if constexpr (requires { take.find_near(pairs, size, close.data()); }) {
-          count = take.find_near(pairs, size, close.data());
-        } else if constexpr (world_state<Scenario>::law::soft && moving) {
-          count = find_close(pairs, size, s.soft.places.data() + of_a.first,
-                             s.soft.places.data() + of_b.first, close);
-        } else {
-          for (std::size_t k = 0; k < size; ++k) {
-            close_pair& pair = pairs[k];
-            const real reach = of_a.reach[pair.i] + reach_of_b(pair.j);
-            const bool apart =
-                (a.position[pair.i] - b.position[pair.j]).squaredNorm() > reach * reach;
-            close[count] = static_cast<std::uint32_t>(k);
-            count += apart ? 0 : 1;
-            pair.last = apart ? history_place::none : pair.last;
-          }
-        }
-        if constexpr (requires { take(pairs, close.data(), count); }) {
-          take(pairs, close.data(), count);
-        } else {
-          for (std::size_t k = 0; k < count; ++k) {
-            if constexpr (requires { take.prefetch(pairs[0]); })
-              if (k + ahead < count) take.prefetch(pairs[close[k + ahead]]);
-            take_pair(pairs[close[k]]);
-          }
-        }
-      }
-    }
-    if constexpr (requires { take.finish(); }) take.finish();
-  });
-}
-template <template <class, class, class, partner> class Maker, class Scenario>
-void each_found_pair(world_state<Scenario>& s) {
-  each_found_pair(s, [&]<class A, class B, partner P>() { return Maker<Scenario, A, B, P>(s); });
 }
 
 }  // namespace talus::detail

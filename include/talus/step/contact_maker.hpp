@@ -11,7 +11,7 @@
 #include "talus/detect/usual_pairs.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
-#include "talus/pairs/near_spheres.hpp"
+#include "talus/pairs/close_pairs.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
@@ -88,10 +88,11 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
     make(i, j, margin_a, margin_b, &last);
   }
-  /// Those of `size` kept pairs that are within reach; see near_spheres().
-  [[nodiscard]] std::size_t find_near(close_pair* pairs, std::size_t size,
-                                      std::uint32_t* near) const requires(packed) {
-    return near_spheres(waiting_.spheres->data(), pairs, size, near);
+  /// Those of `size` kept pairs that are within reach; see pairs/close_pairs.hpp.
+  [[nodiscard]] std::size_t find_close(close_pair* pairs, std::size_t size,
+                                       std::uint32_t* close) const requires(packed) {
+    const moving_sphere* const spheres = waiting_.spheres->data();
+    return detail::find_close(pairs, size, spheres, spheres, close);
   }
   /// To be called after the last pair: some pairs wait until a batch is full.
   void finish() requires(packed) {

@@ -2,7 +2,7 @@
 // First stage of a step: candidate pairs, and the contacts made from them.
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/features/sleeping/sleep.hpp"
-#include "talus/pairs/neighbour_list.hpp"
+#include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/search.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/joints.hpp"

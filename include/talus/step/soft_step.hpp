@@ -16,7 +16,7 @@
 #include "talus/interaction/composed_law.hpp"
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
-#include "talus/pairs/neighbour_list.hpp"
+#include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/detect.hpp"

@@ -15,7 +15,7 @@
 #include "talus/interaction/composed_law.hpp"
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/interaction/soft_state.hpp"
-#include "talus/pairs/neighbour_list.hpp"
+#include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/shape/sphere.hpp"
 #include "talus/state/state.hpp"

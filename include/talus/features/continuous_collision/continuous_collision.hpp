@@ -7,7 +7,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/features/continuous_collision/continuous.hpp"
-#include "talus/pairs/neighbour_list.hpp"
+#include "talus/pairs/found_pairs.hpp"
 #include "talus/state/stage_clock.hpp"
 #include "talus/state/state.hpp"
 

@@ -219,7 +219,7 @@ class stalled_islands {
     support_balance<State> balance(contacts, s);
     if (one.stall(static_cast<real>(balance.rows())) <= unbalanced * s.speed) return false;
     tried = true;
-    const bool ok=balance.solve(1e-12 * s.speed);
+    const bool ok = balance.solve(1e-12 * s.speed);
     if (!ok) return false;
     s.islands.solved();
     for (std::size_t k = 0; k < contacts.size(); ++k)

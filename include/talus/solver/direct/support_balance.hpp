@@ -166,9 +166,7 @@ class support_balance {
     return u;
   }
   /// With the body below at its velocity of rest.
-  [[nodiscard]] vec3 velocity(const support& c) const {
-    return velocity(c, v_[at(c.body)], rest_);
-  }
+  [[nodiscard]] vec3 velocity(const support& c) const { return velocity(c, v_[at(c.body)], rest_); }
   void apply(std::int32_t body, const vec3& impulse, const vec3& arm) {
     body_motion& v = v_[at(body)];
     v.v += inverse_mass(body) * impulse;
@@ -344,8 +342,8 @@ class support_balance {
     for (std::size_t k = first; k < end && all; ++k) {
       const support& c = supports_[k];
       const vec3& r = r_(c.contact);
-      all = c.open ? velocity(c)[0] >= -least_
-                   : std::hypot(r[1], r[2]) <= contact(c).friction * r[0];
+      all =
+          c.open ? velocity(c)[0] >= -least_ : std::hypot(r[1], r[2]) <= contact(c).friction * r[0];
     }
     for (int sweep = 0; sweep < most_sweeps && !all; ++sweep) {
       all = true;

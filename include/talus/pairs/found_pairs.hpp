@@ -1,0 +1,86 @@
+#pragma once
+// The loop over the candidate pairs of the neighbour list that are within reach in this step.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "talus/pairs/close_pairs.hpp"
+#include "talus/pairs/neighbour_list.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+/// The number of pairs whose distances are compared before the close ones are used.
+inline constexpr std::size_t pairs_of_block = 256;
+
+/// Like each_close_pair(), for the pairs found.
+template <class Scenario, class Make>
+void each_found_pair(world_state<Scenario>& s, Make&& make) {
+  each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
+    auto take = make.template operator()<A, B, P>();
+    const auto& of_a = s.template of<A>();
+    const auto& of_b = s.template of<B>();
+    constexpr bool moving = P == partner::moving;
+    const auto& a = of_a.movable;
+    const auto& b = moving ? of_b.movable : of_b.global;
+    const auto reach_of_b = [&](std::size_t j) -> real {
+      real reach = 0;
+      if constexpr (B::finite) reach = moving ? of_b.reach[j] : of_b.global_reach[j];
+      return (void)j, reach;
+    };
+    const auto margin = [](const auto& store, real reach, std::size_t k) {
+      return reach - store.shape[k].bounding_radius();
+    };
+    const auto take_pair = [&](auto& pair) __attribute__((always_inline)) {
+      const std::size_t i = pair.i, j = pair.j;
+      real margin_b = 0;
+      if constexpr (B::finite) margin_b = margin(b, reach_of_b(j), j);
+      take(i, j, margin(a, of_a.reach[i], i), margin_b, pair.last);
+    };
+    auto& list = s.found.lists[kind];
+    if constexpr (!B::finite) {
+      for (close_pair& pair : list) take_pair(pair);
+    } else {
+      constexpr std::size_t ahead = 6;
+      std::array<std::uint32_t, pairs_of_block + 1> close;
+      for (std::size_t first = 0; first < list.size(); first += pairs_of_block) {
+        close_pair* const pairs = list.data() + first;
+        const std::size_t size = std::min(pairs_of_block, list.size() - first);
+        std::size_t count = 0;
+        if constexpr (requires { take.find_close(pairs, size, close.data()); }) {
+          count = take.find_close(pairs, size, close.data());
+        } else if constexpr (world_state<Scenario>::law::soft && moving) {
+          count = find_close(pairs, size, s.soft.places.data() + of_a.first,
+                             s.soft.places.data() + of_b.first, close.data());
+        } else {
+          for (std::size_t k = 0; k < size; ++k) {
+            close_pair& pair = pairs[k];
+            const real reach = of_a.reach[pair.i] + reach_of_b(pair.j);
+            const bool apart =
+                (a.position[pair.i] - b.position[pair.j]).squaredNorm() > reach * reach;
+            close[count] = static_cast<std::uint32_t>(k);
+            count += apart ? 0 : 1;
+            pair.last = apart ? history_place::none : pair.last;
+          }
+        }
+        if constexpr (requires { take(pairs, close.data(), count); }) {
+          take(pairs, close.data(), count);
+        } else {
+          for (std::size_t k = 0; k < count; ++k) {
+            if constexpr (requires { take.prefetch(pairs[0]); })
+              if (k + ahead < count) take.prefetch(pairs[close[k + ahead]]);
+            take_pair(pairs[close[k]]);
+          }
+        }
+      }
+    }
+    if constexpr (requires { take.finish(); }) take.finish();
+  });
+}
+template <template <class, class, class, partner> class Maker, class Scenario>
+void each_found_pair(world_state<Scenario>& s) {
+  each_found_pair(s, [&]<class A, class B, partner P>() { return Maker<Scenario, A, B, P>(s); });
+}
+
+}  // namespace talus::detail
