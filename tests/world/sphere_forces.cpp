@@ -1,0 +1,112 @@
+// Forces between spheres, eight contacts at once: worlds reach the same bits as with momentum
+// balance, for which contacts are evaluated one by one; with several materials and fixed bodies,
+// over ranks and through periodic faces.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <map>
+#include <mutex>
+#include <talus/parallel/grid.hpp>
+#include <talus/parallel/periodic.hpp>
+#include <talus/parallel/threads.hpp>
+#include <talus/world/world.hpp>
+#include <vector>
+
+using namespace talus;
+
+namespace {
+
+using law = soft_contact<hertz_mindlin, coulomb_friction, rolling_resistance>;
+using cells = grid<dynamic, dynamic>;
+template <class Decomposition, class... Features>
+using heap =
+    scenario<bodies<sphere, plane>, law, decomposition<Decomposition>, features<Features...>>;
+
+template <class Scenario>
+inline constexpr bool by_eights =
+    detail::forces_in_packs<Scenario, sphere, sphere, detail::partner::moving>;
+static_assert(by_eights<heap<cells>>);
+static_assert(!by_eights<heap<cells, momentum_balance>>);
+
+/// Overlapping layers of spheres that fall, slide and roll. Some are fixed.
+template <class World>
+void fill(World& w, std::size_t materials) {
+  std::vector<material_id> stuff;
+  for (std::size_t k = 0; k < materials; ++k)
+    stuff.push_back(w.material({.density = 1,
+                                .restitution = 0.3,
+                                .friction = 0.2 + 0.6 * static_cast<double>(k % 3),
+                                .dynamic_friction = 0.2,
+                                .youngs_modulus = 1e5 * (1 + static_cast<double>(k)),
+                                .rolling_friction = k % 2 == 0 ? 0 : 0.05}));
+  w.gravity({1, 0.5, -10});
+  w.global([&](auto& s) { s.add(plane{}, stuff[0]); });
+  random_stream random(11, 1);
+  for (std::size_t k = 0; k < 300; ++k) {
+    const auto at = [&](std::size_t n) { return -3.6 + 0.8 * static_cast<double>(n); };
+    const real radius = random.uniform(0.35, 0.42);
+    w.add_if_local(
+        body{.shape = sphere{radius},
+             .position = {at(k % 10), at(k / 10 % 10), 0.4 + 0.75 * static_cast<double>(k / 100)},
+             .material = stuff[k % materials],
+             .velocity = random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1)),
+             .angular_velocity = random.uniform(vec3(-5, -5, -5), vec3(5, 5, 5)),
+             .fixed = k % 29 == 0});
+  }
+}
+
+struct motion {
+  vec3 position, velocity, spin;
+  friend bool operator==(const motion&, const motion&) = default;
+};
+
+template <class World>
+void run(World& w, std::size_t materials, std::map<system_id, motion>& all) {
+  static std::mutex one_at_a_time;
+  fill(w, materials);
+  for (int k = 0; k < 300; ++k) w.step(1e-3);
+  const std::lock_guard lock(one_at_a_time);
+  w.for_each_local([&](const auto& b) {
+    all[b.id()] = {b.position(), b.velocity(), b.angular_velocity()};
+  });
+}
+template <class Scenario>
+std::map<system_id, motion> moved(int ranks, std::size_t materials) {
+  std::map<system_id, motion> all;
+  threads::launch({.ranks = ranks}, [&](threads::link& link) {
+    world<Scenario> w(link);
+    w.decompose({.lower = {-4, -4, -8}, .upper = {4, 4, 8}});
+    run(w, materials, all);
+  });
+  return all;
+}
+template <class Scenario>
+std::map<system_id, motion> moved_in_box(int ranks, std::size_t materials) {
+  std::map<system_id, motion> all;
+  threads::launch({.ranks = ranks}, [&](threads::link& link) {
+    world<Scenario> w(link, {{.cells = {ranks, 1, 1}, .lower = {-4, -4}, .upper = {4, 4}}},
+                      reach{1});
+    run(w, materials, all);
+  });
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("contacts of several materials have the same bits by eights and one by one") {
+  for (const std::size_t materials : {1, 3, 70}) {  // more than 64 are not kept in a table
+    CAPTURE(materials);
+    const auto singly = moved<heap<cells, momentum_balance>>(1, materials);
+    CHECK(singly.size() == 300);
+    CHECK((moved<heap<cells>>(1, materials) == singly));
+    if (materials == 3) CHECK((moved<heap<cells>>(4, materials) == singly));
+  }
+}
+
+TEST_CASE("contacts through periodic faces have the same bits by eights and one by one") {
+  using box = periodic<grid<dynamic>, along::x, along::y>;
+  const auto singly = moved_in_box<heap<box, momentum_balance>>(1, 3);
+  CHECK(singly.size() == 300);
+  CHECK((moved_in_box<heap<box>>(1, 3) == singly));
+  CHECK((moved_in_box<heap<box>>(2, 3) == singly));
+}
