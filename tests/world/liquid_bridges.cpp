@@ -415,3 +415,25 @@ TEST_CASE("walls give no liquid and get none, and no bridge takes more than its 
     CHECK(w[k].template get<liquid>() == doctest::Approx(3e-2).epsilon(1e-14));
   });
 }
+
+TEST_CASE("films and shares without meaning are refused where bodies touch") {
+  const auto touch = [](real film, real fraction) {
+    threads::launch({.ranks = 1}, [&](threads::link& link) {
+      world<film_scene<>> w(link, domains{.lower = {-4, -4}, .upper = {4, 4}});
+      const auto m = w.material(grain);
+      w.interaction(m, m, water);
+      w.feature<surface_liquid>().fraction = fraction;
+      for (const real x : {-0.4999, 0.4999})
+        w.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0.25, 0}});
+      w.for_each_local([&](auto&& b) { b.template set<liquid>(film); });
+      w.step(1e-6);
+    });
+  };
+  touch(1e-3, 0.05);
+  CHECK_THROWS_WITH_AS(touch(-1e-3, 1), doctest::Contains("has the volume -0.001: set a finite"),
+                       std::runtime_error);
+  CHECK_THROWS_WITH_AS(touch(std::nan(""), 1), doctest::Contains("has the volume nan: set a"),
+                       std::runtime_error);
+  CHECK_THROWS_WITH_AS(touch(1e-3, 2), doctest::Contains("surface_liquid has .fraction = 2: set"),
+                       std::runtime_error);
+}

@@ -7,14 +7,18 @@
 // column what the film gives to each. In the next step both ranks have this column of both bodies,
 // compute the volume of the bridge, and each takes the share of its own body off the film.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 
 #include "talus/body/columns.hpp"
 #include "talus/body/features.hpp"
+#include "talus/core/error.hpp"
+#include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/type_list.hpp"
 #include "talus/interaction/film_bridge.hpp"
@@ -106,10 +110,19 @@ struct surface_liquid {
             }
           });
       const real fraction = stage.state().fraction;
+      if (!(fraction >= 0 && fraction <= 1))
+        detail::fail<std::runtime_error>(
+            "surface_liquid has .fraction = {}: set a number from 0 to 1, on all ranks alike",
+            fraction);
       for (const auto& [number, count] : starts)
         stage.with_local(number, [&](const auto& body) {
-          body.template set<detail::liquid_share>(body.template get<liquid>() *
-                                                  std::min(fraction, 1 / real(count)));
+          const real film = body.template get<liquid>();
+          if (!(film >= 0) || !std::isfinite(film))
+            detail::fail<std::runtime_error>(
+                "the film of liquid on body {} has the volume {}: set a finite volume that is not "
+                "negative",
+                value_of(body.id()), film);
+          body.template set<detail::liquid_share>(film * std::min(fraction, 1 / real(count)));
         });
     }
 
