@@ -22,8 +22,10 @@ namespace talus {
 /// velocities that both ranks hold alike, with the mass of each body split among its boundary pairs
 /// so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012); then each
 /// rank sweeps its interior contacts, those of border bodies first: their velocities are sent while
-/// the others are swept. Islands on which sweeps stall, such as a heavy body on light ones, are
-/// solved by Newton's method after the last of them (see solver/direct/stalled_islands.hpp).
+/// the others are swept. Islands on which sweeps stall, such as a heavy body on light ones or a
+/// tall wall, are balanced from the top down or solved by Newton's method after the last of them
+/// (see solver/direct/stalled_islands.hpp). After a step that left nothing to change, a single rank
+/// sweeps once, and more often only if that changes anything.
 struct nonlinear_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "nonlinear_gauss_seidel";
@@ -50,19 +52,19 @@ struct nonlinear_gauss_seidel final {
     }
 
     const bool looks = s.islands.due();
-    const bool settled = alone && looks && s.islands.settled() && !watch.monitored();
+    // A step after one that left nothing to change, on one rank, may need a single sweep.
+    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
+                         !watch.monitored();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
       detail::relax_boundary<Ranks>(lists, s);
       const bool more = k + 1 < watch.limit();
       if (settled && k == 0) {
-        if (detail::sweep_settled<State>(detail::access_to<State>(lists), s)) {
+        const auto access = detail::access_to<State>(lists);
+        if (detail::sweep_settled<State>(access, s) ||
+            detail::solve_stalled_islands<State>(access, s)) {
           k = 1;
-          break;
-        }
-        if (detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s)) {
-          k = 2;
           break;
         }
       } else if (looks && k + 1 == settings.iterations) {

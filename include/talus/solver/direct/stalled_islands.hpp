@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -42,8 +41,7 @@ class stalled_islands {
   bool sweep_and_solve(std::span<const access> lists, State& s) {
     if (s.speed == 0)  // no gravity
       for (const auto& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * v_of(b).norm());
-    // A smaller change is irrelevant, or is round-off.
-    const real least = (std::is_same_v<typename State::number, real> ? 1e-9 : 1e-5) * s.speed;
+    const real least = least_change(s);
     std::size_t stalled = 0, contacts = 0;
     plain_vector<std::span<const plain_pair<std::size_t, real>>> changes;
     for (const access& list : lists) {
@@ -58,23 +56,21 @@ class stalled_islands {
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
-    bool solved = false, searched_at = false, balanced = false, tried = false, settled = true;
+    bool solved = false, searched_at = false, settled = true;
     for (const auto& [stall, i] : worst_first) {
       const island& one = islands_[i];
       if (-stall <= (one.sweeps_do() ? unbalanced : let_be) * s.speed) {
-        settled = settled && one.change <= settled_change * s.speed;
+        settled = settled && one.change <= settled_change(s);
         continue;
       }
-      bool done = false;
-      if (one.sweeps_do())
-        done = balance(one, contacts_of(one, lists), lists, s, tried), balanced |= done;
-      else
-        searched_at = true, solved |= done = solve_one(one, lists, s, budget);
-      settled = settled && (done || one.change <= settled_change * s.speed);
+      searched_at |= !one.sweeps_do();
+      const bool done = one.sweeps_do() ? balance_large(one, lists, s)
+                                        : solve_one(one, lists, s, budget);
+      solved |= done;
+      settled = settled && (done || one.change <= settled_change(s));
     }
     s.islands.close(budget);
-    if (tried) s.islands.balanced(balanced);
-    if (!solved && !balanced && !settled && (searched_at || stalled > many)) s.islands.pause();
+    if (!solved && !settled && (searched_at || stalled > many)) s.islands.pause();
     return settled;
   }
 
@@ -212,19 +208,27 @@ class stalled_islands {
       lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
     }
   }
-  /// Whether the bodies of an island can rest on each other, and so many are above each other that
-  /// sweeps stall: then they do.
-  static bool balance(const island& one, const plain_vector<island_contact>& contacts,
-                      std::span<const access> lists, State& s, bool& tried) {
+  enum class outcome : char { not_stalled, failed, done };
+  /// Lets the bodies of an island rest on each other, if so many are above each other that sweeps
+  /// stall, and if they can.
+  static outcome balance(const island& one, const plain_vector<island_contact>& contacts,
+                         std::span<const access> lists, State& s) {
     support_balance<State> balance(contacts, s);
-    if (one.stall(static_cast<real>(balance.rows())) <= unbalanced * s.speed) return false;
-    tried = true;
-    const bool ok = balance.solve(1e-12 * s.speed);
-    if (!ok) return false;
+    if (one.stall(static_cast<real>(balance.rows())) <= unbalanced * s.speed)
+      return outcome::not_stalled;
+    if (!balance.solve(1e-12 * s.speed)) return outcome::failed;
     s.islands.solved();
     for (std::size_t k = 0; k < contacts.size(); ++k)
       lists[one.contacts[k].list].set(one.contacts[k].index, balance.impulse(k), s);
-    return true;
+    return outcome::done;
+  }
+  /// The same for a large island. Further attempts are postponed unless it succeeds.
+  static bool balance_large(const island& one, std::span<const access> lists, State& s) {
+    const outcome found = balance(one, contacts_of(one, lists), lists, s);
+    if (found == outcome::done) s.islands.balanced();
+    if (found == outcome::failed) s.islands.not_balanced();
+    if (found == outcome::not_stalled) s.islands.need_no_balance();
+    return found == outcome::done;
   }
   /// Whether the island, with its known length, is stalled and within the budget.
   static bool solve_one(const island& one, std::span<const access> lists, State& s,
@@ -237,8 +241,7 @@ class stalled_islands {
     const contact_order order(ties);
     const real rows = 1 + static_cast<real>(order.length());
     if (one.stall(rows) <= let_be * s.speed) return false;
-    bool tried = false;
-    if (s.fall != vec3(0, 0, 0) && balance(one, contacts, lists, s, tried)) return true;
+    if (s.fall != vec3(0, 0, 0) && balance(one, contacts, lists, s) == outcome::done) return true;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // Not if the sweeps that it replaces cost less, as in wide heaps.

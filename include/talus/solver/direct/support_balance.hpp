@@ -49,6 +49,8 @@ class support_balance {
     find_scale();
     const real before = error();
     const plain_vector<body_motion> start = v_;
+    for (support& c : supports_)
+      c.open = r_(c.contact)[0] == 0 && velocity(c, v_[at(c.body)], v_)[0] > least_;
     find_rest();
     for (const std::int32_t body : order_) {
       balance(body);
@@ -72,13 +74,13 @@ class support_balance {
   struct support {
     std::int32_t contact, body, below;
     real sign;          ///< of the impulse of the contact, as an impulse on `body`
-    bool open = false;  ///< would have to pull
+    bool open = false;  ///< does not carry
   };
   /// Contacts whose normal is closer to the horizontal support neither body.
   static constexpr real least_slope = 0.05;
-  static constexpr int most_rounds = 4, most_sweeps = 30;
+  static constexpr int most_rounds = 6, most_sweeps = 30;
   /// Of the trace of a matrix, added to its diagonal, because supports may leave directions free.
-  static constexpr real shift = 1e-13;
+  static constexpr real shift = 1e-9;
 
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] const island_contact& contact(const support& c) const {
@@ -294,13 +296,15 @@ class support_balance {
     if (still(body, v_[at(body)])) return;
     for (int round = 0; round < most_rounds; ++round) {
       hold(body);
-      bool pulls = false;
+      real most = 0;
       for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
-        if (support& c = supports_[k]; r_(c.contact)[0] < 0) {
+        most = std::max(most, -r_(supports_[k].contact)[0]);
+      if (most == 0) break;
+      for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
+        if (support& c = supports_[k]; -r_(c.contact)[0] >= 0.5 * most) {
           change(c, -r_(c.contact));
-          pulls = c.open = true;
+          c.open = true;
         }
-      if (!pulls) break;
     }
     settle(body);
   }
@@ -317,7 +321,7 @@ class support_balance {
     }
     product.take(g, moved);
     if (!factorize(product)) return;
-    for (int refinement = 0; refinement < 2; ++refinement) {
+    for (int refinement = 0; refinement < 3; ++refinement) {
       body_vector z = opposed(body, length, v_[at(body)]);
       pivot_.solve<1>(z.data());
       for (real& x : z) x /= inverse_mass(body);
