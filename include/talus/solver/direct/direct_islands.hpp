@@ -12,10 +12,10 @@
 
 namespace talus::detail {
 
-/// A sweep over the interior contacts, and then the islands on which sweeps have stalled; see
-/// stalled_islands.hpp. Returns whether more sweeps would change nothing of relevance.
+/// The last sweep over the interior contacts, and then the islands on which sweeps have stalled;
+/// see stalled_islands.hpp.
 template <class State>
-bool solve_stalled_islands(std::span<const contact_access<State>> lists, State& s);
+void solve_stalled_islands(std::span<const contact_access<State>> lists, State& s);
 
 /// Islands of contacts across ranks that are solved as one problem each: small ones that several
 /// ranks share (shared_islands.hpp), and those around heavy bodies that several ranks touch
