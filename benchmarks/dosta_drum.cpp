@@ -1,6 +1,7 @@
 // The rotating drum of Dosta and others (2024) with the published files: numbers of spheres in two
 // quadrants over time, and CPU time. ./dev bench dosta_drum [--softness 500] [--dt 1e-4] [--time 5]
-// [--curve FILE]; --softness 1 --dt 8e-7 is the stiff variant, which takes hours.
+// [--curve FILE] [--positions FILE]; --softness 1 --dt 8e-7 is the stiff variant, which takes
+// hours.
 #include "dosta_drum.hpp"
 
 #include <cstdlib>
@@ -17,13 +18,16 @@ int run(int argc, char** argv) {
                      : argument == "--dt"     ? &settings.dt
                      : argument == "--time"   ? &settings.time
                                               : nullptr;
-    if (number == nullptr && argument != "--curve")
+    std::string* const file = argument == "--curve"       ? &settings.curve
+                              : argument == "--positions" ? &settings.positions
+                                                          : nullptr;
+    if (number == nullptr && file == nullptr)
       throw std::invalid_argument("dosta_drum has no option '" + argument +
-                                  "'; there are: --softness, --dt, --time, --curve");
+                                  "'; there are: --softness, --dt, --time, --curve, --positions");
     if (i + 1 == argc) throw std::invalid_argument(argument + " needs a value");
     const char* value = argv[++i];
     if (number == nullptr) {
-      settings.curve = value;
+      *file = value;
       continue;
     }
     char* end = nullptr;

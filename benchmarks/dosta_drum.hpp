@@ -1,6 +1,7 @@
 #pragma once
 /// \file
 /// The rotating drum of M. Dosta and others 2024: 8,000 spheres of M2 and 30,000 of M1.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -9,6 +10,8 @@
 #include <talus/mesh.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/world/world.hpp>
+#include <utility>
+#include <vector>
 
 #include "dosta.hpp"
 
@@ -25,6 +28,8 @@ struct drum_settings {
   double dt = 1e-4;        ///< seconds; 8e-7 for softness 1
   double time = 5;         ///< seconds
   std::string curve = {};  ///< file for the numbers over time, or empty
+  std::string positions =
+      {};  ///< file for the positions at the end, in the order of the given file
 };
 
 /// Spheres in the quadrant x > 0, z > 0 and in the opposite one, and what the run cost.
@@ -84,6 +89,17 @@ inline drum_result run_drum(const std::string& folder, const drum_settings& sett
     if (k % every == 0) write(static_cast<double>(k) * settings.dt);
   }
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  if (!settings.positions.empty()) {
+    std::vector<std::pair<talus::system_id, talus::vec3>> places;
+    w.for_each_local([&](const auto& b) {
+      if constexpr (requires { b.shape().radius; }) places.emplace_back(b.id(), b.position());
+    });
+    std::sort(places.begin(), places.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::ofstream out(settings.positions);
+    out.precision(17);
+    for (const auto& [id, p] : places) out << p[0] << " " << p[1] << " " << p[2] << "\n";
+  }
   r = look();
   r.cpu_seconds = seconds, r.steps = static_cast<double>(steps);
   return r;

@@ -78,7 +78,26 @@ def chung_ooi(cases):
     save(figure, "chung_ooi.svg")
 
 
+def shifted():
+    """The penetration with the steel sphere shifted by some 1e-7 m."""
+    rows = table("penetration_shifted.txt")
+    figure, axis = plt.subplots()
+    times = [1000 * row[0] for row in rows]
+    for column in range(1, 9):
+        axis.plot(times, [1000 * row[column] for row in rows], "C0", linewidth=0.8,
+                  label="talus, shifts of 0 to 0.7 µm" if column == 1 else None)
+    axis.plot(times, [1000 * row[9] for row in rows], "C1--", label="LIGGGHTS 3.8, no shift")
+    axis.set_xlabel("time (ms)")
+    axis.set_ylabel("height of the steel sphere (mm)")
+    axis.set_title("Penetration from one state at 20.2 ms, dt = 1e-6 s", fontsize=9)
+    axis.legend(frameon=False)
+    save(figure, "penetration_shifted.svg")
+
+
 def main():
+    shifted()
+    curves("discharge", [(1, 1, "100,000 spheres of M1, soft")], "discharge.svg",
+           ("time (s)", "spheres above the lip"), "Silo from one settled state, dt = 1e-4 s")
     if len(sys.argv) > 1:
         chung_ooi(json.loads(pathlib.Path(sys.argv[1]).read_text()))
     curves("penetration", [(1, 1000, "height of the steel sphere")], "penetration.svg",

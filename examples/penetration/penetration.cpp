@@ -12,7 +12,7 @@ using bed = scenario<bodies<sphere, plane>, soft_contact<hertz_mindlin, coulomb_
 
 struct penetration_options : options {
   int spheres = 1000;
-  double softness = 200;
+  double softness = 200, shift = 0;
   std::string particles, curve;
 
   penetration_options() { steps = 5000, dt = 5e-6; }
@@ -20,6 +20,7 @@ struct penetration_options : options {
     options::describe(line);
     line.add("--spheres", spheres, "of the bed, without --particles", 100);
     line.add("--softness", softness, "divides Young's modulus of the beads", 1.0, 1000.0);
+    line.add("--shift", shift, "of the steel sphere along x, in metres", -0.01, 0.01);
     line.add("--particles", particles, "file of the bed: radius, x, y, z");
     line.add("--curve", curve, "file for time and height of the sphere");
   }
@@ -76,7 +77,7 @@ int main(int argc, char** argv) {
         world.link().reduce(reduction::max, std::span(&top, 1));
         const double start = published ? 0.06 : top + radius;
         const double from = world.time();
-        add({0, 0, start}, radius, materials.steel, {0, 0, -speed});
+        add({options.shift, 0, start}, radius, materials.steel, {0, 0, -speed});
 
         // Height and velocity of the steel sphere.
         const auto look = [&] {

@@ -121,3 +121,20 @@ TEST_CASE("reproducible hard contacts with surfaces likewise") {
 TEST_CASE("hard contacts of one rank likewise") {
   compare<swept>({1}, {moves::nothing, moves::floor, moves::both});
 }
+TEST_CASE("a blade that turns hits a body at rest which was out of reach at the last search") {
+  threads::launch({}, [&](threads::link& link) {
+    world<pressed<triangle_mesh>> w(link, {.lower = {-4, -4}, .upper = {4, 4}});
+    w.material({.density = 1, .friction = 0.2, .youngs_modulus = 2e4, .poisson_ratio = 0.2});
+    w.global([&](auto& scope) {
+      const triangle_mesh blade(
+          std::vector<triangle_mesh::triangle>{{vec3(-2, 0, -1), vec3(2, 0, -1), vec3(2, 0, 1)},
+                                               {vec3(-2, 0, -1), vec3(2, 0, 1), vec3(-2, 0, 1)}});
+      const pose at = placed(blade);
+      const auto turns = scope.add(blade, material_id{}, at.position, at.orientation);
+      w.drive(turns, turning{.axis = {0, 0, 1}, .speed = 2});
+    });
+    const auto b = w.add(body{.shape = sphere{0.2}, .position = {0, 1.5, 0}});
+    for (int k = 0; k < 600; ++k) w.step(0.002);
+    CHECK(w[b].velocity()[0] < -2);
+  });
+}
