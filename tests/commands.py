@@ -50,8 +50,11 @@ INSTEAD = {
         "./dev bench pile --bodies 300 --rivals bullet,ode --json ~/pile.json",
     "./dev bench fc3d [--siconos] [--tol T] FILES": "./dev bench fc3d --tol 1e-4 {problem}",
     "./dev bench fc3d FILES": "./dev bench fc3d {problem}",
-    "./dev bench dem --bodies N --rivals liggghts,lammps,yade --ranks 1,2 --json FILE":
-        "./dev bench dem --quick --rivals liggghts,lammps,yade --ranks 1,2 --json ~/dem.json",
+    "./dev bench dem --bodies N --rivals liggghts,lammps --json FILE":
+        "./dev bench dem --quick --rivals liggghts,lammps --json ~/dem.json",
+    "./dev bench pile --bodies 8000 --from STATE --tiles 8":
+        "./dev bench pile --bodies 300 --settle 60 --keep ~/pile.state && "
+        "./dev bench pile --bodies 300 --from ~/pile.state --tiles 2",
     "./dev bench pile --solver NAME": "./dev bench pile --solver accelerated_jacobi",
     "./dev bench pile --bodies 8000 --iterations N --precision mixed":
         "./dev bench pile --bodies 800 --iterations 2 --precision mixed",
