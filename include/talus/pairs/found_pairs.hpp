@@ -14,6 +14,12 @@ namespace talus::detail {
 /// The number of pairs whose distances are compared before the close ones are used.
 inline constexpr std::size_t pairs_of_block = 256;
 
+/// The places of the bodies of a shape, with soft contacts.
+template <class Shape, class Scenario>
+[[nodiscard]] const auto* soft_places(world_state<Scenario>& s) {
+  return s.soft.places.data() + s.template of<Shape>().first;
+}
+
 /// Like each_close_pair(), for the pairs found.
 template <class Scenario, class Make>
 void each_found_pair(world_state<Scenario>& s, Make&& make) {
@@ -51,8 +57,7 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
         if constexpr (requires { take.find_close(pairs, size, close.data()); }) {
           count = take.find_close(pairs, size, close.data());
         } else if constexpr (world_state<Scenario>::law::soft && moving) {
-          count = find_close(pairs, size, s.soft.places.data() + of_a.first,
-                             s.soft.places.data() + of_b.first, close.data());
+          count = find_close(pairs, size, soft_places<A>(s), soft_places<B>(s), close.data());
         } else {
           for (std::size_t k = 0; k < size; ++k) {
             close_pair& pair = pairs[k];
