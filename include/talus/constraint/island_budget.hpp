@@ -20,11 +20,24 @@ class island_budget {
   /// Whether to search for islands in this step: not for some steps after pause().
   [[nodiscard]] bool due() {
     ++steps_;
+    if (wait_ > 0) --wait_;
     if (pause_ == 0) return true;
     --pause_;
     return false;
   }
   void pause() { pause_ = 7; }
+
+  /// Whether to look for large islands that can be balanced, see support_balance. Each failure
+  /// doubles the steps until the next attempt.
+  [[nodiscard]] bool balances() const { return wait_ == 0; }
+  void balanced() { patience_ = least_wait; }
+  void not_balanced() { wait_ = patience_ = std::min(2 * patience_, most_wait); }
+  void need_no_balance() { wait_ = least_wait; }
+
+  /// Whether the last step ended with nothing left for sweeps to change: then the next may need
+  /// only one.
+  [[nodiscard]] bool settled() const { return settled_; }
+  void settle(bool now) { settled_ = now; }
 
   /// The available budget now, with so many contacts.
   [[nodiscard]] double open(std::size_t contacts) {
@@ -48,10 +61,13 @@ class island_budget {
   [[nodiscard]] std::uint64_t islands_solved() const { return solved_; }  ///< in all steps
 
   /// As at the beginning of a run, except for the counts.
-  void begin_afresh() { pause_ = 0, steps_ = 0, kept_ = -1; }
+  void begin_afresh() { pause_ = 0, steps_ = 0, wait_ = 0, patience_ = least_wait, kept_ = -1, settled_ = false; }
 
  private:
+  static constexpr int least_wait = 8, most_wait = 512;
   int pause_ = 0, steps_ = 0;
+  int wait_ = 0, patience_ = least_wait;  ///< steps, for large islands
+  bool settled_ = false;
   double kept_ = -1;  ///< negative: the largest amount that may be kept
   std::uint64_t solved_ = 0, skipped_ = 0, skipped_contacts_ = 0;
 };

@@ -3,6 +3,7 @@
 // contacts in all solvers.
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <type_traits>
 
 #include "talus/core/each.hpp"
@@ -24,6 +25,13 @@ template <class Constraint>
 concept is_joint = requires {
   requires std::remove_cvref_t<Constraint>::is_joint;
 };
+
+/// Whether some of a tuple of lists hold joints.
+template <class Lists>
+inline constexpr bool has_joints = false;
+template <class... List>
+inline constexpr bool has_joints<std::tuple<List...>> =
+    (is_joint<typename std::remove_cvref_t<List>::contact_type> || ...);
 
 /// Sweeps the joints once more, after something else has changed velocities.
 template <class Lists, class State>

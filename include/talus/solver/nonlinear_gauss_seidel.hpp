@@ -22,8 +22,10 @@ namespace talus {
 /// velocities that both ranks hold alike, with the mass of each body split among its boundary pairs
 /// so that the simultaneous step cannot overshoot (Tonge, Benevolenski, Voroshilov 2012); then each
 /// rank sweeps its interior contacts, those of border bodies first: their velocities are sent while
-/// the others are swept. Islands on which sweeps stall, such as a heavy body on light ones, are
-/// solved by Newton's method after the last of them (see solver/direct/stalled_islands.hpp).
+/// the others are swept. Islands on which sweeps stall, such as a heavy body on light ones or a
+/// tall wall, are balanced from the top down or solved by Newton's method after the last of them
+/// (see solver/direct/stalled_islands.hpp). After a step that left nothing to change, a single rank
+/// sweeps once, and more often only if that changes anything.
 struct nonlinear_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "nonlinear_gauss_seidel";
@@ -50,13 +52,23 @@ struct nonlinear_gauss_seidel final {
     }
 
     const bool looks = s.islands.due();
+    // A step after one that left nothing to change, on one rank, may need a single sweep.
+    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
+                         !watch.monitored();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
       detail::relax_boundary<Ranks>(lists, s);
       const bool more = k + 1 < watch.limit();
-      if (looks && k + 1 == settings.iterations) {
-        detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s);
+      if (settled && k == 0) {
+        const auto access = detail::access_to<State>(lists);
+        if (detail::sweep_settled<State>(access, s) ||
+            detail::solve_stalled_islands<State>(access, s)) {
+          k = 1;
+          break;
+        }
+      } else if (looks && k + 1 == settings.iterations) {
+        s.islands.settle(detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s));
         detail::sweep_joints(lists, s);
         if constexpr (!alone)
           if (more) ranks.share_velocities();

@@ -21,7 +21,8 @@ template <class Scenario>
 void gather_velocities(world_state<Scenario>& s) {
   using number = solved_scalar<Scenario>;
   auto& solver = s.solver;
-  solver.speed = s.dt * s.gravity.norm();
+  solver.fall = s.dt * s.gravity;
+  solver.speed = solver.fall.norm();
   solver.tensors.resize(solver.bodies.size() - solver.first_tensor);
   if constexpr (world_state<Scenario>::law::correction) {
     solver.shift.resize(solver.bodies.size());

@@ -1,7 +1,6 @@
 #pragma once
 // The forces between spheres, eight contacts at once: what force_adder (soft_step.hpp) computes one
 // by one, with the same bits. Forces are added to bodies in the order of the pairs.
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>

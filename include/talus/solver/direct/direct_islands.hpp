@@ -12,10 +12,10 @@
 
 namespace talus::detail {
 
-/// The last sweep over the interior contacts, and then the islands on which sweeps have stalled;
-/// see stalled_islands.hpp.
+/// A sweep over the interior contacts, and then the islands on which sweeps have stalled; see
+/// stalled_islands.hpp. Returns whether more sweeps would change nothing of relevance.
 template <class State>
-void solve_stalled_islands(std::span<const contact_access<State>> lists, State& s);
+bool solve_stalled_islands(std::span<const contact_access<State>> lists, State& s);
 
 /// Islands of contacts across ranks that are solved as one problem each: small ones that several
 /// ranks share (shared_islands.hpp), and those around heavy bodies that several ranks touch

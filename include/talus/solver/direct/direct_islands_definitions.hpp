@@ -8,8 +8,8 @@
 namespace talus::detail {
 
 template <class State>
-void solve_stalled_islands(std::span<const contact_access<State>> lists, State& s) {
-  stalled_islands<State>().sweep_and_solve(lists, s);
+bool solve_stalled_islands(std::span<const contact_access<State>> lists, State& s) {
+  return stalled_islands<State>().sweep_and_solve(lists, s);
 }
 
 template <class State>

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -21,6 +20,7 @@
 #include "talus/solver/direct/island_problem.hpp"
 #include "talus/solver/direct/island_solver.hpp"
 #include "talus/solver/direct/solve_bodies.hpp"
+#include "talus/solver/direct/support_balance.hpp"
 
 namespace talus::detail {
 
@@ -35,13 +35,13 @@ class stalled_islands {
   using access = contact_access<State>;
 
  public:
-  /// The last sweep, and then the stalled islands. If all of them are too large to be solved here,
-  /// as in a pile, the search is postponed for some steps.
-  void sweep_and_solve(std::span<const access> lists, State& s) {
+  /// A sweep, and then the stalled islands. If all of them are too large to be solved here, as in a
+  /// pile, the search is postponed for some steps. Returns whether more sweeps would change nothing
+  /// of relevance.
+  bool sweep_and_solve(std::span<const access> lists, State& s) {
     if (s.speed == 0)  // no gravity
       for (const auto& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * v_of(b).norm());
-    // A smaller change is irrelevant, or is round-off.
-    const real least = (std::is_same_v<typename State::number, real> ? 1e-9 : 1e-5) * s.speed;
+    const real least = least_change(s);
     std::size_t stalled = 0, contacts = 0;
     plain_vector<std::span<const plain_pair<std::size_t, real>>> changes;
     for (const access& list : lists) {
@@ -49,21 +49,29 @@ class stalled_islands {
       stalled += changes.back().size();
       contacts += list.size(contact_part::interior);
     }
-    if (stalled == 0) return;
+    if (stalled == 0) return true;
     join_bodies(lists, s);
     gather(lists, changes, s);
     plain_vector<plain_pair<real, std::size_t>> worst_first;
     for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
-    bool solved = false, searched_at = false;
-    for (const auto& [stall, i] : worst_first)
-      if (-stall > let_be * s.speed) {
-        searched_at = true;
-        solved |= solve_one(islands_[i], lists, s, budget);
+    bool solved = false, searched_at = false, settled = true;
+    for (const auto& [stall, i] : worst_first) {
+      const island& one = islands_[i];
+      if (-stall <= (one.sweeps_do() ? unbalanced : let_be) * s.speed) {
+        settled = settled && one.change <= settled_change(s);
+        continue;
       }
+      searched_at |= !one.sweeps_do();
+      const bool done = one.sweeps_do() ? balance_large(one, lists, s)
+                                        : solve_one(one, lists, s, budget);
+      solved |= done;
+      settled = settled && (done || one.change <= settled_change(s));
+    }
     s.islands.close(budget);
-    if (!solved && (searched_at || stalled > many)) s.islands.pause();
+    if (!solved && !settled && (searched_at || stalled > many)) s.islands.pause();
+    return settled;
   }
 
  private:
@@ -78,6 +86,8 @@ class stalled_islands {
   static constexpr real few = 4e6;
   /// The fraction of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
+  /// The same where bodies are balanced, which costs less.
+  static constexpr real unbalanced = 1e-4;
 
   struct member {
     std::size_t list, index;
@@ -96,7 +106,9 @@ class stalled_islands {
     [[nodiscard]] bool sweeps_do() const { return size > many && !overloaded; }
     /// Upper limit: with four contacts in a row.
     [[nodiscard]] real stall() const {
-      return sweeps_do() || elsewhere ? 0 : stall(1 + 0.25 * static_cast<real>(size));
+      return (sweeps_do() && contacts.empty()) || elsewhere
+                 ? 0
+                 : stall(1 + 0.25 * static_cast<real>(size));
     }
   };
 
@@ -146,8 +158,9 @@ class stalled_islands {
     for (const std::uint32_t i : s.gathered)
       if (const auto number = number_[sets_.root(i)]; number != 0)
         islands_[number - 1].elsewhere = true;
+    const bool balances = s.fall != vec3(0, 0, 0) && s.islands.balances();
     each_contact(lists, s, [&](island& one, const contact_ends&, const member& m) {
-      if (!one.sweeps_do()) one.contacts.push_back(m);
+      if (balances || !one.sweeps_do()) one.contacts.push_back(m);
     });
   }
   /// Calls f(island, ends, contact) for each contact of the islands.
@@ -180,12 +193,47 @@ class stalled_islands {
   }
   static real mass_of(const State& s, std::int32_t i) { return 1 / real(body(s, i).inverse_mass); }
 
+  static plain_vector<island_contact> contacts_of(const island& one,
+                                                  std::span<const access> lists) {
+    plain_vector<island_contact> contacts;
+    contacts.reserve(one.contacts.size());
+    for (const member& m : one.contacts)
+      contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
+    return contacts;
+  }
+  static void set(const island& one, const plain_vector<island_contact>& contacts,
+                  const contact_vector& r, std::span<const access> lists, State& s) {
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const member& m = one.contacts[k];
+      lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
+    }
+  }
+  enum class outcome : char { not_stalled, failed, done };
+  /// Lets the bodies of an island rest on each other, if so many are above each other that sweeps
+  /// stall, and if they can.
+  static outcome balance(const island& one, const plain_vector<island_contact>& contacts,
+                         std::span<const access> lists, State& s) {
+    support_balance<State> balance(contacts, s);
+    if (one.stall(static_cast<real>(balance.rows())) <= unbalanced * s.speed)
+      return outcome::not_stalled;
+    if (!balance.solve(1e-12 * s.speed)) return outcome::failed;
+    s.islands.solved();
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      lists[one.contacts[k].list].set(one.contacts[k].index, balance.impulse(k), s);
+    return outcome::done;
+  }
+  /// The same for a large island. Further attempts are postponed unless it succeeds.
+  static bool balance_large(const island& one, std::span<const access> lists, State& s) {
+    const outcome found = balance(one, contacts_of(one, lists), lists, s);
+    if (found == outcome::done) s.islands.balanced();
+    if (found == outcome::failed) s.islands.not_balanced();
+    if (found == outcome::not_stalled) s.islands.need_no_balance();
+    return found == outcome::done;
+  }
   /// Whether the island, with its known length, is stalled and within the budget.
   static bool solve_one(const island& one, std::span<const access> lists, State& s,
                         double& budget) {
-    plain_vector<island_contact> contacts;
-    for (const member& m : one.contacts)
-      contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
+    const plain_vector<island_contact> contacts = contacts_of(one, lists);
     plain_vector<island_contact> ties = contacts;  // immovable bodies do not connect
     for (island_contact& c : ties)
       for (std::int32_t* end : {&c.a, &c.b})
@@ -193,6 +241,7 @@ class stalled_islands {
     const contact_order order(ties);
     const real rows = 1 + static_cast<real>(order.length());
     if (one.stall(rows) <= let_be * s.speed) return false;
+    if (s.fall != vec3(0, 0, 0) && balance(one, contacts, lists, s) == outcome::done) return true;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // Not if the sweeps that it replaces cost less, as in wide heaps.
@@ -212,10 +261,7 @@ class stalled_islands {
     if (found.too_dear && !found.solved && pays > before) s.islands.skip(contacts.size());
     if (!(found.after < found.before)) return found.solved;
     s.islands.solved();
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const member& m = one.contacts[k];
-      lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
-    }
+    set(one, contacts, r, lists, s);
     return found.after < 0.5 * found.before;
   }
   static void solve_by_contacts(const island& one, const plain_vector<island_contact>& contacts,

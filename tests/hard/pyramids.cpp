@@ -1,0 +1,68 @@
+// Pyramids, walls and towers of many rows at 60 steps per second and the default settings: they
+// stand from the first step on, because the bodies are balanced from the top down.
+#include <doctest/doctest.h>
+
+#include "stacks.hpp"
+
+using namespace talus;
+using namespace talus::hard;
+
+namespace {
+
+constexpr real dt = 1.0 / 60;
+
+/// At rest, and exactly where they started.
+void check_rests(const std::string& name, const outcome& o) {
+  CHECK(o.finite);
+  check_error(name, "furthest from the start at any time", o.furthest(), 1e-6);
+  check_error(name, "fastest at any time", o.fastest(), 1e-5);
+  check_error(name, "deepest overlap at any time, over the mean radius", o.deepest, 1e-6);
+}
+
+}  // namespace
+
+TEST_CASE("a pyramid of 30 rows stands") {
+  check_rests("pyramid of 30",
+              run<blocks>(whole, dt, 60 * 4, [](auto& w) { pyramid(w, 30); }));
+}
+
+TEST_CASE("a wall of 30 rows stands") {
+  check_rests("wall of 30", run<blocks>(whole, dt, 60 * 2, [](auto& w) { wall(w, 30, 20); }));
+}
+
+TEST_CASE("a tower of 60 boxes stands") {
+  const auto o = run<blocks>(whole, dt, 60 * 5, [](auto& w) { stack(w, 60); });
+  check_error("tower of 60", "furthest from the start at any time", o.furthest(), 1e-3);
+}
+
+TEST_CASE("a heavy box stands on a pyramid of 30 rows") {
+  const auto o = run<blocks>(whole, dt, 60 * 4, [](auto& w) {
+    pyramid(w, 30);
+    const auto lead = w.material({.density = 100, .friction = 0.6});
+    w.add(body{.shape = box{{1, 1, 1}}, .position = {-0.5, 0, 30.5}, .material = lead});
+  });
+  check_error("heavy box on a pyramid", "furthest from the start at any time", o.furthest(), 1e-3);
+}
+
+TEST_CASE("a pyramid on a moving platform moves with it") {
+  // Bodies rest on each other at the velocity of what is below.
+  constexpr real v = 3;
+  const auto o = run<blocks>(whole, dt, 60, [](auto& w) {
+    floor_at(w, {}, 0);  // without friction
+    const auto rough = w.material({.friction = 0.6});
+    w.add(body{.shape = box{{60, 4, 1}},
+               .position = {0, 0, 0.5},
+               .material = rough,
+               .velocity = {v, 0, 0}});
+    for (int row = 0; row < 25; ++row)
+      for (int k = 0; k < 25 - row; ++k)
+        w.add(body{.shape = box{{1, 1, 1}},
+                   .position = {k + 0.5 * row - 12.5, 0, row + 1.5},
+                   .material = rough,
+                   .velocity = {v, 0, 0}});
+  });
+  for (const way& b : o.bodies) {
+    CHECK((b.end.position - b.start.position - vec3(v, 0, 0)).norm() < 1e-5);
+    CHECK((b.velocity - vec3(v, 0, 0)).norm() < 1e-5);
+  }
+}
