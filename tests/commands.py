@@ -52,6 +52,8 @@ INSTEAD = {
     "./dev bench fc3d FILES": "./dev bench fc3d {problem}",
     "./dev bench dem --bodies N --rivals liggghts,lammps,yade --ranks 1,2 --json FILE":
         "./dev bench dem --quick --rivals liggghts,lammps,yade --ranks 1,2 --json ~/dem.json",
+    "./dev bench pyramid [--rows N] [--count N] [--rate N] [--rivals bullet,ode] [--json FILE]":
+        "./dev bench pyramid --rows 20 --seconds 1 --rivals bullet,ode --json ~/pyramid.json",
     "./dev bench pile --solver NAME": "./dev bench pile --solver accelerated_jacobi",
     "./dev bench pile --bodies 8000 --iterations N --precision mixed":
         "./dev bench pile --bodies 800 --iterations 2 --precision mixed",
