@@ -22,8 +22,7 @@ void check_rests(const std::string& name, const outcome& o) {
 }  // namespace
 
 TEST_CASE("a pyramid of 30 rows stands") {
-  check_rests("pyramid of 30",
-              run<blocks>(whole, dt, 60 * 4, [](auto& w) { pyramid(w, 30); }));
+  check_rests("pyramid of 30", run<blocks>(whole, dt, 60 * 4, [](auto& w) { pyramid(w, 30); }));
 }
 
 TEST_CASE("a wall of 30 rows stands") {

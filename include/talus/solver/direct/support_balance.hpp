@@ -65,6 +65,9 @@ class support_balance {
     const real after = error();
     return after <= 1e-3 * before || (after < 0.5 * before && gained(start) <= 0);
   }
+  [[nodiscard]] bool changes(std::size_t i) const {
+    return r_(static_cast<int>(i)) != (*contacts_)[i].axes * (*contacts_)[i].impulse;
+  }
   /// The impulse on a of a contact, in the world.
   [[nodiscard]] vec3 impulse(std::size_t i) const {
     return (*contacts_)[i].axes.transpose() * r_(static_cast<int>(i));
@@ -168,9 +171,7 @@ class support_balance {
     return u;
   }
   /// With the body below at its velocity of rest.
-  [[nodiscard]] vec3 velocity(const support& c) const {
-    return velocity(c, v_[at(c.body)], rest_);
-  }
+  [[nodiscard]] vec3 velocity(const support& c) const { return velocity(c, v_[at(c.body)], rest_); }
   void apply(std::int32_t body, const vec3& impulse, const vec3& arm) {
     body_motion& v = v_[at(body)];
     v.v += inverse_mass(body) * impulse;
@@ -303,7 +304,7 @@ class support_balance {
         most = std::max(most, -r_(supports_[k].contact)[0]);
       if (most == 0) break;
       for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
-        if (support& c = supports_[k]; -r_(c.contact)[0] >= 0.5 * most) {
+        if (support& c = supports_[k]; - r_(c.contact)[0] >= 0.5 * most) {
           change(c, -r_(c.contact));
           c.open = true;
         }
@@ -348,8 +349,8 @@ class support_balance {
     for (std::size_t k = first; k < end && all; ++k) {
       const support& c = supports_[k];
       const vec3& r = r_(c.contact);
-      all = c.open ? velocity(c)[0] >= -least_
-                   : std::hypot(r[1], r[2]) <= contact(c).friction * r[0];
+      all =
+          c.open ? velocity(c)[0] >= -least_ : std::hypot(r[1], r[2]) <= contact(c).friction * r[0];
     }
     for (int sweep = 0; sweep < most_sweeps && !all; ++sweep) {
       all = true;
