@@ -18,10 +18,9 @@ struct is_joint_kind : std::bool_constant<concepts::joint_kind<Kind>> {};
 
 template <class Kind>
 struct part_of_joints {
-  static_assert(
-      is_part<Kind, roles::joints>,
-      "joints<...> takes kinds of joints, and this type is not one: remove it, or make it "
-      "model talus::concepts::joint_kind");
+  static_assert(is_part<Kind, roles::joints>,
+                "joints<...> takes kinds of joints, and this type is not one: remove it, or make it "
+                "model talus::concepts::joint_kind");
   static_assert(!is_part<Kind, roles::joints> || is_joint_kind<Kind>::value,
                 "joints<...> names a type that says it is a joint and lacks what a joint offers: "
                 "name, validate, anchors, fix, distance and row");
