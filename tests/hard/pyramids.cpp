@@ -22,8 +22,7 @@ void check_rests(const std::string& name, const outcome& o) {
 }  // namespace
 
 TEST_CASE("a pyramid of 30 rows stands") {
-  check_rests("pyramid of 30",
-              run<blocks>(whole, dt, 60 * 4, [](auto& w) { pyramid(w, 30); }));
+  check_rests("pyramid of 30", run<blocks>(whole, dt, 60 * 4, [](auto& w) { pyramid(w, 30); }));
 }
 
 TEST_CASE("a wall of 30 rows stands") {
@@ -48,8 +47,10 @@ TEST_CASE("a pyramid on a moving platform moves with it") {
   // Bodies rest on each other at the velocity of what is below.
   constexpr real v = 3;
   const auto o = run<blocks>(whole, dt, 60, [](auto& w) {
-    floor_at(w, {}, 0);  // without friction
-    const auto rough = w.material({.friction = 0.6});
+    const auto smooth = w.material({}), rough = w.material({.friction = 0.6});
+    w.material_pair(smooth, rough, {.friction = 0, .dynamic_friction = 0});
+    w.gravity({0, 0, -g});
+    w.global([&](auto& s) { s.add(plane{.normal = {0, 0, 1}, .offset = 0}, smooth); });
     w.add(body{.shape = box{{60, 4, 1}},
                .position = {0, 0, 0.5},
                .material = rough,

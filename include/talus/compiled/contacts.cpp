@@ -9,8 +9,8 @@ namespace talus::detail {
 template class direct_islands<solver_state_of<double>>;
 template class direct_islands<solver_state_of<float>>;
 template bool solve_stalled_islands(std::span<const contact_access<solver_state_of<double>>>,
-                                    solver_state_of<double>&);
+                                    solver_state_of<double>&, bool);
 template bool solve_stalled_islands(std::span<const contact_access<solver_state_of<float>>>,
-                                    solver_state_of<float>&);
+                                    solver_state_of<float>&, bool);
 
 }  // namespace talus::detail

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace talus::detail {
 
@@ -38,6 +39,10 @@ class island_budget {
   /// only one.
   [[nodiscard]] bool settled() const { return settled_; }
   void settle(bool now) { settled_ = now; }
+  /// Estimate of the error of velocities for the largest change in a sweep, from the last search.
+  [[nodiscard]] double errors_per_change() const { return errors_; }
+  void note_errors(double per_change) { errors_ = per_change; }
+  void forget_errors() { errors_ = unknown; }
 
   /// The available budget now, with so many contacts.
   [[nodiscard]] double open(std::size_t contacts) {
@@ -61,13 +66,18 @@ class island_budget {
   [[nodiscard]] std::uint64_t islands_solved() const { return solved_; }  ///< in all steps
 
   /// As at the beginning of a run, except for the counts.
-  void begin_afresh() { pause_ = 0, steps_ = 0, wait_ = 0, patience_ = least_wait, kept_ = -1, settled_ = false; }
+  void begin_afresh() {
+    pause_ = 0, steps_ = 0, wait_ = 0, patience_ = least_wait, kept_ = -1;
+    settled_ = false, errors_ = unknown;
+  }
 
  private:
+  static constexpr double unknown = std::numeric_limits<double>::infinity();
   static constexpr int least_wait = 8, most_wait = 512;
   int pause_ = 0, steps_ = 0;
   int wait_ = 0, patience_ = least_wait;  ///< steps, for large islands
   bool settled_ = false;
+  double errors_ = unknown;
   double kept_ = -1;  ///< negative: the largest amount that may be kept
   std::uint64_t solved_ = 0, skipped_ = 0, skipped_contacts_ = 0;
 };

@@ -1,12 +1,10 @@
 #pragma once
 // Contact lists of any kind behind one interface: rarely used solvers need not be compiled for each
 // kind of contact.
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
-#include <type_traits>
 #include <utility>
 
 #include "talus/constraint/island_contact.hpp"
@@ -121,25 +119,6 @@ inline constexpr contact_calls<typename List::state> calls_for{
        real speed) -> const plain_vector<plain_pair<std::size_t, real>>& {
       return list_at<List>(l).sweep_watched(s, speed);
     }};
-
-/// A change of velocity in a sweep that is irrelevant, or round-off.
-template <class State>
-[[nodiscard]] real least_change(const State& s) {
-  return (std::is_same_v<typename State::number, real> ? 1e-9 : 1e-5) * s.speed;
-}
-/// One that more sweeps need not follow up.
-template <class State>
-[[nodiscard]] real settled_change(const State& s) {
-  return std::max(least_change(s), real(1e-8) * s.speed);
-}
-/// A sweep over the interior contacts; returns whether no contact still changes by more than that.
-template <class State>
-[[nodiscard]] bool sweep_settled(const plain_vector<contact_access<State>>& lists, State& s) {
-  bool settled = true;
-  for (const auto& list : lists)
-    settled = list.sweep_watched(s, settled_change(s)).empty() && settled;
-  return settled;
-}
 
 /// All lists of contacts of a tuple.
 template <class State, class Lists>

@@ -53,22 +53,22 @@ struct nonlinear_gauss_seidel final {
 
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
-    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
-                         !watch.monitored();
+    const bool settled =
+        alone && !detail::has_joints<Lists> && looks && s.islands.settled() && !watch.monitored();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
       detail::relax_boundary<Ranks>(lists, s);
       const bool more = k + 1 < watch.limit();
-      if (settled && k == 0) {
-        const auto access = detail::access_to<State>(lists);
-        if (detail::sweep_settled<State>(access, s) ||
-            detail::solve_stalled_islands<State>(access, s)) {
+      const bool first = settled && k == 0;
+      if (first || (looks && k + 1 == settings.iterations)) {
+        const bool done =
+            detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s, first);
+        s.islands.settle(done);
+        if (first && done) {
           k = 1;
           break;
         }
-      } else if (looks && k + 1 == settings.iterations) {
-        s.islands.settle(detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s));
         detail::sweep_joints(lists, s);
         if constexpr (!alone)
           if (more) ranks.share_velocities();

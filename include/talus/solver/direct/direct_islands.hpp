@@ -15,7 +15,7 @@ namespace talus::detail {
 /// A sweep over the interior contacts, and then the islands on which sweeps have stalled; see
 /// stalled_islands.hpp. Returns whether more sweeps would change nothing of relevance.
 template <class State>
-bool solve_stalled_islands(std::span<const contact_access<State>> lists, State& s);
+bool solve_stalled_islands(std::span<const contact_access<State>> lists, State& s, bool first);
 
 /// Islands of contacts across ranks that are solved as one problem each: small ones that several
 /// ranks share (shared_islands.hpp), and those around heavy bodies that several ranks touch

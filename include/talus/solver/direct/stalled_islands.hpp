@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -37,19 +38,24 @@ class stalled_islands {
  public:
   /// A sweep, and then the stalled islands. If all of them are too large to be solved here, as in a
   /// pile, the search is postponed for some steps. Returns whether more sweeps would change nothing
-  /// of relevance.
-  bool sweep_and_solve(std::span<const access> lists, State& s) {
+  /// of relevance. A `first` sweep ends with that if it is so with the islands of the last search.
+  bool sweep_and_solve(std::span<const access> lists, State& s, bool first) {
     if (s.speed == 0)  // no gravity
       for (const auto& b : s.bodies) s.speed = std::max(s.speed, 1e-3 * v_of(b).norm());
-    const real least = least_change(s);
+    // A smaller change is irrelevant, or is round-off.
+    const real least = (std::is_same_v<typename State::number, real> ? 1e-9 : 1e-5) * s.speed;
     std::size_t stalled = 0, contacts = 0;
+    real most = 0;
     plain_vector<std::span<const plain_pair<std::size_t, real>>> changes;
     for (const access& list : lists) {
       changes.emplace_back(list.sweep_watched(s, least));
       stalled += changes.back().size();
       contacts += list.size(contact_part::interior);
+      for (const auto& [i, change] : changes.back()) most = std::max(most, change);
     }
+    if (stalled == 0 && !first) s.islands.forget_errors();
     if (stalled == 0) return true;
+    if (first && most * s.islands.errors_per_change() <= negligible * s.speed) return true;
     join_bodies(lists, s);
     gather(lists, changes, s);
     plain_vector<plain_pair<real, std::size_t>> worst_first;
@@ -57,18 +63,19 @@ class stalled_islands {
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
     bool solved = false, searched_at = false, settled = true;
+    real errors = 0;
     for (const auto& [stall, i] : worst_first) {
-      const island& one = islands_[i];
-      if (-stall <= (one.sweeps_do() ? unbalanced : let_be) * s.speed) {
-        settled = settled && one.change <= settled_change(s);
-        continue;
+      island& one = islands_[i];
+      bool done = false;
+      if (-stall > (one.sweeps_do() ? negligible : let_be) * s.speed) {
+        searched_at |= !one.sweeps_do();
+        done = one.sweeps_do() ? balance_large(one, lists, s) : solve_one(one, lists, s, budget);
+        solved |= done;
       }
-      searched_at |= !one.sweeps_do();
-      const bool done = one.sweeps_do() ? balance_large(one, lists, s)
-                                        : solve_one(one, lists, s, budget);
-      solved |= done;
-      settled = settled && (done || one.change <= settled_change(s));
+      errors = std::max(errors, one.error_per_change());
+      settled = settled && (done || one.error() <= negligible * s.speed);
     }
+    s.islands.note_errors(errors);
     s.islands.close(budget);
     if (!solved && !settled && (searched_at || stalled > many)) s.islands.pause();
     return settled;
@@ -86,8 +93,8 @@ class stalled_islands {
   static constexpr real few = 4e6;
   /// The fraction of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
-  /// The same where bodies are balanced, which costs less.
-  static constexpr real unbalanced = 1e-4;
+  /// The same that needs no more sweeps, and no balance.
+  static constexpr real negligible = 1e-4;
 
   struct member {
     std::size_t list, index;
@@ -99,16 +106,18 @@ class stalled_islands {
     bool elsewhere = false;  ///< solved as a part of a gathered island
     real change = 0;         ///< largest change of velocity in the last sweep
     real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
-    /// Estimate of the error: each sweep removes one part in (rows² * ratio of masses) of it.
-    [[nodiscard]] real stall(real rows) const {
-      return change * rows * rows * most_mass / least_mass;
+    real rows = 0;  ///< contacts or bodies in a row; 0 if unknown
+    /// Each sweep removes one part in (rows² * ratio of masses) of the error. Without knowing the
+    /// rows, an upper limit: with four contacts in a row.
+    [[nodiscard]] real error_per_change() const {
+      const real all = rows > 0 ? rows : 1 + 0.25 * static_cast<real>(size);
+      return all * all * most_mass / least_mass;
     }
+    [[nodiscard]] real error() const { return change * error_per_change(); }
     [[nodiscard]] bool sweeps_do() const { return size > many && !overloaded; }
-    /// Upper limit: with four contacts in a row.
+    /// 0 if the island is not to be solved here.
     [[nodiscard]] real stall() const {
-      return (sweeps_do() && contacts.empty()) || elsewhere
-                 ? 0
-                 : stall(1 + 0.25 * static_cast<real>(size));
+      return (sweeps_do() && contacts.empty()) || elsewhere ? 0 : error();
     }
   };
 
@@ -211,19 +220,20 @@ class stalled_islands {
   enum class outcome : char { not_stalled, failed, done };
   /// Lets the bodies of an island rest on each other, if so many are above each other that sweeps
   /// stall, and if they can.
-  static outcome balance(const island& one, const plain_vector<island_contact>& contacts,
+  static outcome balance(island& one, const plain_vector<island_contact>& contacts,
                          std::span<const access> lists, State& s) {
     support_balance<State> balance(contacts, s);
-    if (one.stall(static_cast<real>(balance.rows())) <= unbalanced * s.speed)
-      return outcome::not_stalled;
+    one.rows = static_cast<real>(balance.rows());
+    if (one.error() <= negligible * s.speed) return outcome::not_stalled;
     if (!balance.solve(1e-12 * s.speed)) return outcome::failed;
     s.islands.solved();
     for (std::size_t k = 0; k < contacts.size(); ++k)
-      lists[one.contacts[k].list].set(one.contacts[k].index, balance.impulse(k), s);
+      if (balance.changes(k))
+        lists[one.contacts[k].list].set(one.contacts[k].index, balance.impulse(k), s);
     return outcome::done;
   }
   /// The same for a large island. Further attempts are postponed unless it succeeds.
-  static bool balance_large(const island& one, std::span<const access> lists, State& s) {
+  static bool balance_large(island& one, std::span<const access> lists, State& s) {
     const outcome found = balance(one, contacts_of(one, lists), lists, s);
     if (found == outcome::done) s.islands.balanced();
     if (found == outcome::failed) s.islands.not_balanced();
@@ -231,16 +241,15 @@ class stalled_islands {
     return found == outcome::done;
   }
   /// Whether the island, with its known length, is stalled and within the budget.
-  static bool solve_one(const island& one, std::span<const access> lists, State& s,
-                        double& budget) {
+  static bool solve_one(island& one, std::span<const access> lists, State& s, double& budget) {
     const plain_vector<island_contact> contacts = contacts_of(one, lists);
     plain_vector<island_contact> ties = contacts;  // immovable bodies do not connect
     for (island_contact& c : ties)
       for (std::int32_t* end : {&c.a, &c.b})
         if (*end >= 0 && !moves(s, *end)) *end = -1;
     const contact_order order(ties);
-    const real rows = 1 + static_cast<real>(order.length());
-    if (one.stall(rows) <= let_be * s.speed) return false;
+    const real rows = one.rows = 1 + static_cast<real>(order.length());
+    if (one.error() <= let_be * s.speed) return false;
     if (s.fall != vec3(0, 0, 0) && balance(one, contacts, lists, s) == outcome::done) return true;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;

@@ -65,6 +65,9 @@ class support_balance {
     const real after = error();
     return after <= 1e-3 * before || (after < 0.5 * before && gained(start) <= 0);
   }
+  [[nodiscard]] bool changes(std::size_t i) const {
+    return r_(static_cast<int>(i)) != (*contacts_)[i].axes * (*contacts_)[i].impulse;
+  }
   /// The impulse on a of a contact, in the world.
   [[nodiscard]] vec3 impulse(std::size_t i) const {
     return (*contacts_)[i].axes.transpose() * r_(static_cast<int>(i));
@@ -301,7 +304,7 @@ class support_balance {
         most = std::max(most, -r_(supports_[k].contact)[0]);
       if (most == 0) break;
       for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
-        if (support& c = supports_[k]; -r_(c.contact)[0] >= 0.5 * most) {
+        if (support& c = supports_[k]; - r_(c.contact)[0] >= 0.5 * most) {
           change(c, -r_(c.contact));
           c.open = true;
         }
