@@ -264,20 +264,46 @@ class support_balance {
     return sum > 0 && pivot_.factorize(b);
   }
   [[nodiscard]] bool still(std::int32_t body, const body_motion& own) const {
+    for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k) {
+      const vec3 u = velocity(supports_[k], own, rest_);
+      const bool grips = contact(supports_[k]).friction > 0;
+      if ((grips ? u.squaredNorm() : u[0] * u[0]) > least_ * least_) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] bool all_grip(std::int32_t body) const {
     for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
-      if (velocity(supports_[k], own, rest_).squaredNorm() > least_ * least_) return false;
+      if (contact(supports_[k]).friction == 0) return false;
     return true;
   }
 
+  /// Bodies that slide freely move with the mean velocity of all that they carry.
+  void find_mean_velocities() {
+    plain_vector<vec3> momentum(v_.size(), vec3(0, 0, 0));
+    plain_vector<real> mass(v_.size(), 0);
+    for (const std::int32_t body : order_) {
+      mass[at(body)] += 1 / inverse_mass(body);
+      momentum[at(body)] += 1 / inverse_mass(body) * v_[at(body)].v;
+      const real share = 1 / static_cast<real>(first_[at(body) + 1] - first_[at(body)]);
+      for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
+        if (const std::int32_t below = supports_[k].below; below >= 0) {
+          mass[at(below)] += share * mass[at(body)];
+          momentum[at(below)] += share * momentum[at(body)];
+        }
+      if (!all_grip(body)) rest_[at(body)].v = 1 / mass[at(body)] * momentum[at(body)];
+    }
+  }
   /// The velocities at which bodies rest on those below, from the ground up: the least change for
   /// which the supports neither part nor slip, as far as possible.
   void find_rest() {
     rest_ = v_;
+    find_mean_velocities();
     for (std::size_t k = order_.size(); k-- > 0;) {
       const std::int32_t body = order_[k];
       body_motion& own = rest_[at(body)];
       const support& c = supports_[first_[at(body)]];
-      if (first_[at(body) + 1] - first_[at(body)] > 2) {  // often they move as one
+      // Often they move as one.
+      if (first_[at(body) + 1] - first_[at(body)] > 2 && all_grip(body)) {
         body_motion with{};
         if (c.below >= 0)
           with = {of_point(rest_[at(c.below)], arm_below(c) - arm(c)), rest_[at(c.below)].w};
