@@ -55,7 +55,7 @@ class stalled_islands {
     }
     if (stalled == 0 && !first) s.islands.forget_errors();
     if (stalled == 0) return true;
-    if (first && most * s.islands.errors_per_change() <= negligible * s.speed) return true;
+    if (first && most * s.islands.errors_per_change() <= tolerable * s.speed) return true;
     join_bodies(lists, s);
     gather(lists, changes, s);
     plain_vector<plain_pair<real, std::size_t>> worst_first;
@@ -95,6 +95,8 @@ class stalled_islands {
   static constexpr real let_be = 0.1;
   /// The same that needs no more sweeps, and no balance.
   static constexpr real negligible = 1e-4;
+  /// The same that may grow, over the steps after a balance, until the next balance.
+  static constexpr real tolerable = 1e-3;
 
   struct member {
     std::size_t list, index;
