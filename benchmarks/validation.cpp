@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "validation_bonds.hpp"
+#include "validation_bridges.hpp"
 #include "validation_chung_ooi.hpp"
 #include "validation_closed_forms.hpp"
 #include "validation_cohesion.hpp"
@@ -24,6 +25,7 @@ const std::vector<validation::theme> themes{{"chung_ooi", validation::chung_ooi}
                                             {"cohesion", validation::cohesion},
                                             {"hard_cohesion", validation::hard_cohesion},
                                             {"bonds", validation::bonds},
+                                            {"bridges", validation::bridges},
                                             {"fluid", validation::fluid}};
 
 int run(int argc, char** argv) {

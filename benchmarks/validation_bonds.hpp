@@ -40,7 +40,7 @@ struct pair_of_spheres {
     const auto m = w.material({.density = density, .stiffness = 1});
     w.interaction(m, m,
                   talus::parallel_bond::parameters{.youngs_modulus = modulus,
-                                                   .poissons_ratio = ratio,
+                                                   .poisson_ratio = ratio,
                                                    .range = radius,
                                                    .tensile_strength = tensile,
                                                    .shear_strength = shear,
@@ -118,7 +118,7 @@ inline void fibre(report& out) {
   const auto wood = w.material({.density = bulk, .stiffness = 1});
   const auto tip = w.material({.density = bulk / 2, .stiffness = 1});  // half an element
   const parallel_bond::parameters p{
-      .youngs_modulus = E, .poissons_ratio = 0.3, .radius_multiplier = d / (2 * R), .range = R};
+      .youngs_modulus = E, .poisson_ratio = 0.3, .radius_multiplier = d / (2 * R), .range = R};
   w.interaction(wood, wood, p), w.interaction(wood, tip, p), w.interaction(tip, tip, p);
   handle<sphere> end;
   for (int k = 0; k <= elements; ++k)
@@ -169,7 +169,7 @@ inline void uniaxial(report& out) {
     talus::world<specimen> w(link, box);
     const auto m = w.material({.density = density, .stiffness = 1});
     const parallel_bond::parameters p{.youngs_modulus = modulus,
-                                      .poissons_ratio = ratio,
+                                      .poisson_ratio = ratio,
                                       .radius_multiplier = multiplier,
                                       .range = radius,
                                       .damping_ratio = 0.3};

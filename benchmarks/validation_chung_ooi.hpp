@@ -27,7 +27,7 @@ using elastic =
 /// Elastic properties of a substance.
 struct substance {
   std::string name;
-  double youngs_modulus, poissons_ratio, density;
+  double youngs_modulus, poisson_ratio, density;
 };
 
 /// Two bodies about to meet: a sphere at -radius on the x axis, and a sphere or a rigid plane.
@@ -59,12 +59,12 @@ struct impact {
   }
   /// E* of the pair.
   [[nodiscard]] double modulus() const {
-    const double one = (1 - of.poissons_ratio * of.poissons_ratio) / of.youngs_modulus;
+    const double one = (1 - of.poisson_ratio * of.poisson_ratio) / of.youngs_modulus;
     return 1 / (other_radius > 0 || !rigid_plane ? 2 * one : one);
   }
   /// G* of the pair.
   [[nodiscard]] double shear() const {
-    const double one = 2 * (2 - of.poissons_ratio) * (1 + of.poissons_ratio) / of.youngs_modulus;
+    const double one = 2 * (2 - of.poisson_ratio) * (1 + of.poisson_ratio) / of.youngs_modulus;
     return 1 / (other_radius > 0 || !rigid_plane ? 2 * one : one);
   }
   /// Duration of the impact without damping: 2.943 d / v with the largest overlap d.
@@ -95,13 +95,13 @@ inline outcome simulate(const impact& i, double steps = 2000) {
                                  .restitution = i.restitution,
                                  .friction = i.friction,
                                  .youngs_modulus = i.of.youngs_modulus,
-                                 .poisson_ratio = i.of.poissons_ratio});
+                                 .poisson_ratio = i.of.poisson_ratio});
   const auto other = w.material(
       {.density = i.other_radius > 0 ? i.other_density : i.of.density,
        .restitution = i.restitution,
        .friction = i.friction,
        .youngs_modulus = i.other_radius > 0 || !i.rigid_plane ? i.of.youngs_modulus : talus::rigid,
-       .poisson_ratio = i.of.poissons_ratio});
+       .poisson_ratio = i.of.poisson_ratio});
   const auto a = w.add(talus::body{.shape = talus::sphere{i.radius},
                                    .position = {-i.radius, 0, 0},
                                    .material = stuff,

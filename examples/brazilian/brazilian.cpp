@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
     const auto steel = world.material({.stiffness = rigid});
     world.interaction(rock, rock,
                       parallel_bond::parameters{.youngs_modulus = modulus,
-                                                .poissons_ratio = 0.2,
+                                                .poisson_ratio = 0.2,
                                                 .range = 0.5 * d,
                                                 .tensile_strength = options.strength,
                                                 .shear_strength = 3 * options.strength,

@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
     // The spheres have the mass of the beam.
     const double density = fibre.density * fibre.section() * 2 * R / (4 * pi / 3 * R * R * R);
     const parallel_bond::parameters bond{.youngs_modulus = options.modulus,
-                                         .poissons_ratio = 0.3,
+                                         .poisson_ratio = 0.3,
                                          .radius_multiplier = 0.5 * fibre.diameter / R,
                                          .range = R,
                                          .damping_ratio = options.swing ? 0 : 0.05};

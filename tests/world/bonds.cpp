@@ -52,7 +52,7 @@ TEST_CASE("a fibre of bonds bends and swings as a beam") {
   const auto wood = w.material({.density = density, .stiffness = 1});
   const auto tip = w.material({.density = density / 2, .stiffness = 1});  // half an element
   const parallel_bond::parameters p{
-      .youngs_modulus = E, .poissons_ratio = 0.3, .radius_multiplier = d / (2 * R), .range = R};
+      .youngs_modulus = E, .poisson_ratio = 0.3, .radius_multiplier = d / (2 * R), .range = R};
   w.interaction(wood, wood, p), w.interaction(wood, tip, p), w.interaction(tip, tip, p);
   system_id last{};
   for (int k = 0; k <= elements; ++k) {
@@ -145,7 +145,7 @@ TEST_CASE("bonded bodies move alike on any ranks, and keep their momentum") {
       const auto m = w.material({.density = 1, .stiffness = 1e3});
       w.interaction(m, m,
                     parallel_bond::parameters{.youngs_modulus = 1e4,
-                                              .poissons_ratio = 0.2,
+                                              .poisson_ratio = 0.2,
                                               .range = 0.3,
                                               .tensile_strength = 3,
                                               .shear_strength = 3,
@@ -189,7 +189,7 @@ TEST_CASE("the energy of bonds that swing, break and damp is booked") {
   const auto m = w.material({.density = 1, .stiffness = 1e3});
   w.interaction(m, m,
                 parallel_bond::parameters{.youngs_modulus = 1e4,
-                                          .poissons_ratio = 0.2,
+                                          .poisson_ratio = 0.2,
                                           .range = 0.3,
                                           .tensile_strength = 100,
                                           .damping_ratio = 0.02});
@@ -224,16 +224,16 @@ TEST_CASE("parameters of bonds without meaning are refused, with the field and i
                            std::invalid_argument);
     };
     using p = parallel_bond::parameters;
-    for (const auto field : {&p::youngs_modulus, &p::poissons_ratio, &p::radius_multiplier,
+    for (const auto field : {&p::youngs_modulus, &p::poisson_ratio, &p::radius_multiplier,
                              &p::range, &p::weibull_modulus, &p::damping_ratio})
       refused(field);
     if (bad != infinite) refused(&p::tensile_strength), refused(&p::shear_strength);
   }
   auto p = good;
-  p.poissons_ratio = 0.6;
+  p.poisson_ratio = 0.6;
   CHECK_THROWS_WITH_AS(
       w.interaction(m, m, p),
-      "parallel_bond has .poissons_ratio = 0.6: give a number above -1 and up to 0.5",
+      "parallel_bond has .poisson_ratio = 0.6: give a number above -1 and up to 0.5",
       std::invalid_argument);
 }
 
@@ -270,7 +270,7 @@ TEST_CASE("critical_dt contains the stiffness of bonds: motion is bounded below,
     const auto m = w.material({.density = 1, .restitution = 1, .stiffness = 1e-3});
     w.interaction(m, m,
                   parallel_bond::parameters{.youngs_modulus = 1e4,
-                                            .poissons_ratio = 0.2,
+                                            .poisson_ratio = 0.2,
                                             .radius_multiplier = multiplier,
                                             .range = 0.3});
     random_stream random(1, 1);

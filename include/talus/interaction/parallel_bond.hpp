@@ -36,7 +36,7 @@ struct parallel_bond final {
   /// Of a pair of materials. Without Young's modulus its bodies are never bonded.
   struct parameters {
     real youngs_modulus = 0;     ///< of the bond, force over area; cement 1e10 Pa
-    real poissons_ratio = 0;     ///< defines the shear modulus, for torsion and shear
+    real poisson_ratio = 0;      ///< defines the shear modulus, for torsion and shear
     real radius_multiplier = 1;  ///< radius of the beam over that of the smaller body
     real range = 0;              ///< the gap of the surfaces up to which a bond can hold, length
     /// Stress that breaks a bond in tension, and in shear.
@@ -82,8 +82,8 @@ struct parallel_bond final {
     };
     require("youngs_modulus", p.youngs_modulus), require("range", p.range);
     require("weibull_modulus", p.weibull_modulus), require("damping_ratio", p.damping_ratio);
-    if (!(p.poissons_ratio > -1 && p.poissons_ratio <= 0.5))
-      refuse("poissons_ratio", p.poissons_ratio, "a number above -1 and up to 0.5");
+    if (!(p.poisson_ratio > -1 && p.poisson_ratio <= 0.5))
+      refuse("poisson_ratio", p.poisson_ratio, "a number above -1 and up to 0.5");
     if (!(p.radius_multiplier > 0) || !std::isfinite(p.radius_multiplier))
       refuse("radius_multiplier", p.radius_multiplier, "a finite positive number");
     if (!(p.tensile_strength > 0))
@@ -97,9 +97,9 @@ struct parallel_bond final {
   [[nodiscard]] static stiffnesses stiffness(const parameters& p, const memory& m) {
     const real square = m.radius * m.radius, area = pi * square, second = area * square / 4;
     const real l = m.length, bend = p.youngs_modulus * second / l;
-    const real shear_modulus = p.youngs_modulus / (2 * (1 + p.poissons_ratio));
+    const real shear_modulus = p.youngs_modulus / (2 * (1 + p.poisson_ratio));
     // Of a round section (Cowper 1966).
-    const real k = 6 * (1 + p.poissons_ratio) / (7 + 6 * p.poissons_ratio);
+    const real k = 6 * (1 + p.poisson_ratio) / (7 + 6 * p.poisson_ratio);
     const real softer = 1 + 12 * bend / (k * shear_modulus * area * l);
     return {.stretch = p.youngs_modulus * area / l,
             .shear = 12 * bend / (l * l * softer),
