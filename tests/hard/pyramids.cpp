@@ -39,6 +39,20 @@ TEST_CASE("a pyramid of 40 rows whose boxes are out of line stands") {
   check_error("pyramid of 40 out of line", "furthest from the start", o.furthest(), 6e-3);
 }
 
+TEST_CASE("a pyramid of 40 rows with gaps of 2 mm closes them and stands") {
+  for (const real side : {0.0, 0.01}) {  // between the boxes of a row
+    const auto o = run<blocks>(whole, dt, 60 * 5, [&](auto& w) {
+      floor_at(w, {}, 0.6);
+      for (int row = 0; row < 40; ++row)
+        for (int k = 0; k < 40 - row; ++k)
+          w.add(body{
+              .shape = box{{1, 1, 1}},
+              .position = {(1 + side) * (k + 0.5 * row - 20), 0, row + 0.5 + 0.002 * (row + 1)}});
+    });
+    check_error("pyramid of 40 with gaps", "furthest from the start", o.furthest() - 0.08, 1e-3);
+  }
+}
+
 TEST_CASE("a wall of 30 rows stands") {
   check_rests("wall of 30", run<blocks>(whole, dt, 60 * 2, [](auto& w) { wall(w, 30, 20); }));
 }

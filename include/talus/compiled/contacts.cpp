@@ -12,5 +12,9 @@ template bool solve_stalled_islands(std::span<const contact_access<solver_state_
                                     solver_state_of<double>&, bool);
 template bool solve_stalled_islands(std::span<const contact_access<solver_state_of<float>>>,
                                     solver_state_of<float>&, bool);
+template void correct_stacks(std::span<const contact_access<solver_state_of<double>>>,
+                             solver_state_of<double>&);
+template void correct_stacks(std::span<const contact_access<solver_state_of<float>>>,
+                             solver_state_of<float>&);
 
 }  // namespace talus::detail

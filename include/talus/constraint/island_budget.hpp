@@ -35,6 +35,10 @@ class island_budget {
   void not_balanced() { wait_ = patience_ = std::min(2 * patience_, most_wait); }
   void need_no_balance() { wait_ = least_wait; }
 
+  /// Whether stacks of many rows were balanced last time, so that bodies stand on each other.
+  [[nodiscard]] bool stands() const { return stands_; }
+  void note_stack(bool balanced) { stands_ = balanced; }
+
   /// Whether the last step ended with nothing left for sweeps to change: then the next may need
   /// only one.
   [[nodiscard]] bool settled() const { return settled_; }
@@ -68,7 +72,7 @@ class island_budget {
   /// As at the beginning of a run, except for the counts.
   void begin_afresh() {
     pause_ = 0, steps_ = 0, wait_ = 0, patience_ = least_wait, kept_ = -1;
-    settled_ = false, errors_ = unknown;
+    settled_ = stands_ = false, errors_ = unknown;
   }
 
  private:
@@ -76,7 +80,7 @@ class island_budget {
   static constexpr int least_wait = 8, most_wait = 512;
   int pause_ = 0, steps_ = 0;
   int wait_ = 0, patience_ = least_wait;  ///< steps, for large islands
-  bool settled_ = false;
+  bool settled_ = false, stands_ = false;
   double errors_ = unknown;
   double kept_ = -1;  ///< negative: the largest amount that may be kept
   std::uint64_t solved_ = 0, skipped_ = 0, skipped_contacts_ = 0;

@@ -15,6 +15,7 @@ struct island_contact {
   real target_velocity = 0, friction = 0;
   vec3 impulse;                     ///< on a, in the world
   std::array<real, 2> drive{0, 0};  ///< tangential velocity of a against b by immovable bodies
+  real correction_rate = 0;         ///< of separation, for the position correction
 };
 
 }  // namespace talus::detail

@@ -100,6 +100,7 @@ inline constexpr contact_calls<typename List::state> calls_for{
         one.target_velocity += bias[0];
         one.drive = {-bias[1], -bias[2]};
       }
+      one.correction_rate = c.correction_rate;
       return one;
     },
     [](void* l, contact_part p, std::size_t i, const vec3& impulse) {

@@ -82,6 +82,8 @@ struct nonlinear_gauss_seidel final {
       if (!(settings.tolerance > 0 && done.residual <= settings.tolerance))
         ranks.solve_gathered_islands(lists);
 
+    if (correct && s.islands.stands())
+      detail::correct_stacks<State>(detail::access_to<State>(lists), s);
     if (correct) detail::correct_overlaps(lists, s, settings, ranks);
     return done;
   }

@@ -17,6 +17,10 @@ namespace talus::detail {
 template <class State>
 bool solve_stalled_islands(std::span<const contact_access<State>> lists, State& s, bool first);
 
+/// The position correction of stacks that were balanced, see support_correction.hpp.
+template <class State>
+void correct_stacks(std::span<const contact_access<State>> lists, State& s);
+
 /// Islands of contacts across ranks that are solved as one problem each: small ones that several
 /// ranks share (shared_islands.hpp), and those around heavy bodies that several ranks touch
 /// (gathered_islands.hpp).

@@ -4,12 +4,18 @@
 #include "talus/solver/direct/gathered_islands.hpp"
 #include "talus/solver/direct/shared_islands.hpp"
 #include "talus/solver/direct/stalled_islands.hpp"
+#include "talus/solver/direct/support_correction.hpp"
 
 namespace talus::detail {
 
 template <class State>
 bool solve_stalled_islands(std::span<const contact_access<State>> lists, State& s, bool first) {
   return stalled_islands<State>().sweep_and_solve(lists, s, first);
+}
+
+template <class State>
+void correct_stacks(std::span<const contact_access<State>> lists, State& s) {
+  correct_stacks_here(lists, s);
 }
 
 template <class State>

@@ -89,6 +89,8 @@ class stalled_islands {
   static constexpr real heavy = 5;
   /// Of a contact in a sweep, in operations; twice, because a solution is exact.
   static constexpr real sweep_cost = 600;
+  /// Rows through which the sweeps of the position correction do not carry.
+  static constexpr int tall = 8;
   /// Cheaper islands are solved by contacts, which is as good for a few.
   static constexpr real few = 4e6;
   /// The fraction of solver_state::speed that may be left as error.
@@ -227,7 +229,9 @@ class stalled_islands {
     support_balance<State> balance(contacts, s);
     one.rows = static_cast<real>(balance.rows());
     if (one.error() <= negligible * s.speed) return outcome::not_stalled;
-    if (!balance.solve(1e-12 * s.speed)) return outcome::failed;
+    const bool solved = balance.solve(1e-12 * s.speed);
+    if (balance.rows() >= tall) s.islands.note_stack(solved);
+    if (!solved) return outcome::failed;
     s.islands.solved();
     for (std::size_t k = 0; k < contacts.size(); ++k)
       if (balance.changes(k))

@@ -13,6 +13,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/direct/body_elimination.hpp"
+#include "talus/solver/direct/support_graph.hpp"
 
 namespace talus::detail {
 
@@ -24,11 +25,17 @@ namespace talus::detail {
 /// many sweeps as the square of the bodies above each other. Contacts that support neither body
 /// (side by side) keep their impulses.
 template <class State>
-class support_balance {
+class support_balance : public support_graph<State> {
+  using base = support_graph<State>;
+  using base::arm, base::arm_below, base::at, base::contact, base::direction;
+  using base::contacts_, base::first_, base::order_, base::s_, base::supports_;
+  using base::inverse_inertia, base::inverse_mass, base::length_of, base::of_point;
+  using typename base::support;
+
  public:
   /// The contacts of an island, at the velocities of `s`, which contain their impulses.
   support_balance(const plain_vector<island_contact>& contacts, const State& s)
-      : contacts_(&contacts), s_(&s), r_(static_cast<int>(contacts.size())) {
+      : base(contacts, s), r_(static_cast<int>(contacts.size())) {
     v_.resize(s.bodies.size());
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       const island_contact& c = contacts[i];
@@ -36,12 +43,7 @@ class support_balance {
       for (const std::int32_t end : {c.a, c.b})
         if (end >= 0) v_[at(end)] = {v_of(s.bodies[at(end)]), w_of(s.bodies[at(end)])};
     }
-    find_supports();
-    find_order();
   }
-  /// Bodies above each other, at most.
-  [[nodiscard]] int rows() const { return rows_; }
-
   /// Improves the impulses. False if their error is not less than half of what it was, or if they
   /// may add energy: then they are not to be used. Changes of velocity below `least` do not matter.
   bool solve(real least) {
@@ -49,8 +51,7 @@ class support_balance {
     find_scale();
     const real before = error();
     const plain_vector<body_motion> start = v_;
-    for (support& c : supports_)
-      c.open = r_(c.contact)[0] == 0 && velocity(c, v_[at(c.body)], v_)[0] > least_;
+    for (support& c : supports_) c.open = r_(c.contact)[0] == 0 && contact(c).target_velocity < 0;
     find_rest();
     for (const std::int32_t body : order_) {
       balance(body);
@@ -74,91 +75,8 @@ class support_balance {
   }
 
  private:
-  struct support {
-    std::int32_t contact, body, below;
-    real sign;          ///< of the impulse of the contact, as an impulse on `body`
-    bool open = false;  ///< does not carry
-  };
-  /// Contacts whose normal is closer to the horizontal support neither body.
-  static constexpr real least_slope = 0.05;
   static constexpr int most_rounds = 6, most_sweeps = 30;
-  /// Of the trace of a matrix, added to its diagonal, because supports may leave directions free.
-  static constexpr real shift = 1e-9;
 
-  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-  [[nodiscard]] const island_contact& contact(const support& c) const {
-    return (*contacts_)[at(c.contact)];
-  }
-  [[nodiscard]] const vec3& arm(const support& c) const {
-    return c.sign == 1 ? contact(c).arm_a : contact(c).arm_b;
-  }
-  [[nodiscard]] const vec3& arm_below(const support& c) const {
-    return c.sign == 1 ? contact(c).arm_b : contact(c).arm_a;
-  }
-  [[nodiscard]] real inverse_mass(std::int32_t i) const {
-    return real(s_->bodies[at(i)].inverse_mass);
-  }
-  [[nodiscard]] mat3 inverse_inertia(std::int32_t i) const {
-    return at(i) >= s_->first_tensor
-               ? s_->tensor(at(i))
-               : diagonal_matrix<real>(real(s_->bodies[at(i)].inverse_inertia));
-  }
-  [[nodiscard]] bool moves(std::int32_t i) const { return i >= 0 && inverse_mass(i) != 0; }
-
-  void find_supports() {
-    const vec3 up = -1 / s_->fall.norm() * s_->fall;
-    plain_vector<std::uint32_t> count(s_->bodies.size() + 1, 0);
-    const auto each = [&](auto&& f) {
-      for (std::size_t i = 0; i < contacts_->size(); ++i) {
-        const island_contact& c = (*contacts_)[i];
-        const real slope = c.axes(0, 0) * up[0] + c.axes(0, 1) * up[1] + c.axes(0, 2) * up[2];
-        const auto number = static_cast<std::int32_t>(i);
-        if (slope > least_slope && moves(c.a))
-          f(support{number, c.a, moves(c.b) ? c.b : -1, 1});
-        else if (slope < -least_slope && moves(c.b))
-          f(support{number, c.b, moves(c.a) ? c.a : -1, -1});
-      }
-    };
-    each([&](const support& c) { ++count[at(c.body) + 1]; });
-    for (std::size_t k = 1; k < count.size(); ++k) count[k] += count[k - 1];
-    first_ = count;
-    supports_.resize(count[count.size() - 1]);
-    each([&](const support& c) { supports_[count[at(c.body)]++] = c; });
-  }
-  /// Each body after those that it supports; a circle of bodies is entered anywhere.
-  void find_order() {
-    const std::size_t bodies = s_->bodies.size();
-    plain_vector<std::int32_t> loads(bodies, 0), row(bodies, 1);
-    for (const support& c : supports_)
-      if (c.below >= 0) ++loads[at(c.below)];
-    const auto supported = [&](std::size_t i) { return first_[i] < first_[i + 1]; };
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < bodies; ++i) {
-      if (!supported(i)) continue;
-      ++left;
-      if (loads[i] == 0) order_.push_back(static_cast<std::int32_t>(i));
-    }
-    std::size_t next = 0;
-    for (std::size_t done = 0; done < left; ++done) {
-      if (done == order_.size()) {
-        while (!supported(next) || loads[next] <= 0) ++next;
-        loads[next] = 0;
-        order_.push_back(static_cast<std::int32_t>(next));
-      }
-      const std::int32_t body = order_[done];
-      rows_ = std::max(rows_, row[at(body)]);
-      for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k) {
-        const std::int32_t below = supports_[k].below;
-        if (below < 0) continue;
-        row[at(below)] = std::max(row[at(below)], row[at(body)] + 1);
-        if (--loads[at(below)] == 0 && supported(at(below))) order_.push_back(below);
-      }
-    }
-  }
-
-  [[nodiscard]] static vec3 of_point(const body_motion& v, const vec3& arm) {
-    return v.v + v.w.cross(arm);
-  }
   /// Velocity of a contact, where the given body moves as `own`, and the other as in `others`.
   [[nodiscard]] vec3 velocity(const support& c, const body_motion& own,
                               const plain_vector<body_motion>& others) const {
@@ -222,29 +140,20 @@ class support_balance {
   // The directions of a body's velocity that its supports hold, as six numbers: those of its
   // velocity, and of its angular velocity times the radius of gyration.
 
-  [[nodiscard]] real length_of(std::int32_t body) const {
-    return std::sqrt(3 * inverse_mass(body) / trace(inverse_inertia(body)));
-  }
   /// Calls f(support, axis, direction).
   template <class F>
   void each_direction(std::int32_t body, real length, F&& f) const {
     for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k) {
       const support& c = supports_[k];
       if (c.open) continue;
-      const island_contact& i = contact(c);
-      for (int j = 0; j < (i.friction > 0 ? 3 : 1); ++j) {
-        const vec3 axis = c.sign * i.axes.row(j), turn = (1 / length) * arm(c).cross(axis);
-        f(c, j, body_vector{axis[0], axis[1], axis[2], turn[0], turn[1], turn[2]});
-      }
+      for (int j = 0; j < (contact(c).friction > 0 ? 3 : 1); ++j) f(c, j, direction(c, j, length));
     }
   }
   /// G^T G with G for all directions.
   [[nodiscard]] body_block gram(std::int32_t body, real length) const {
     body_block g;
-    each_direction(body, length, [&](const support&, int, const body_vector& d) {
-      for (std::size_t j = 0; j < 6; ++j)
-        for (std::size_t k = 0; k < 6; ++k) g.at[6 * j + k] += d[j] * d[k];
-    });
+    each_direction(body, length,
+                   [&](const support&, int, const body_vector& d) { base::add_square(g, d); });
     return g;
   }
   /// Minus G^T times the velocities.
@@ -257,17 +166,14 @@ class support_balance {
     });
     return sum;
   }
-  [[nodiscard]] bool factorize(body_block b) {
-    real sum = 0;
-    for (int j = 0; j < 6; ++j) sum += b(j, j);
-    for (int j = 0; j < 6; ++j) b(j, j) += shift * sum;
-    return sum > 0 && pivot_.factorize(b);
-  }
   [[nodiscard]] bool still(std::int32_t body, const body_motion& own) const {
     for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k) {
-      const vec3 u = velocity(supports_[k], own, rest_);
-      const bool grips = contact(supports_[k]).friction > 0;
-      if ((grips ? u.squaredNorm() : u[0] * u[0]) > least_ * least_) return false;
+      const support& c = supports_[k];
+      const vec3 u = velocity(c, own, rest_);
+      const bool holds = c.open                    ? u[0] >= -least_
+                         : contact(c).friction > 0 ? u.squaredNorm() <= least_ * least_
+                                                   : u[0] * u[0] <= least_ * least_;
+      if (!holds) return false;
     }
     return true;
   }
@@ -312,14 +218,21 @@ class support_balance {
           continue;
         }
       }
-      if (still(body, own)) continue;
       const real length = length_of(body);
-      if (!factorize(gram(body, length))) continue;
-      body_vector change = opposed(body, length, own);
-      pivot_.solve<1>(change.data());
-      own.v += vec3(change[0], change[1], change[2]);
-      own.w += 1 / length * vec3(change[3], change[4], change[5]);
+      for (int round = 0; round < most_rounds && !still(body, own); ++round) {
+        if (round > 0) close(body, own);
+        if (!base::factorize(pivot_, gram(body, length))) continue;
+        body_vector change = opposed(body, length, own);
+        pivot_.solve<1>(change.data());
+        own.v += vec3(change[0], change[1], change[2]);
+        own.w += 1 / length * vec3(change[3], change[4], change[5]);
+      }
     }
+  }
+  /// Supports that the body approaches within the step, at this motion.
+  void close(std::int32_t body, const body_motion& own) {
+    for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
+      if (support& c = supports_[k]; c.open && velocity(c, own, rest_)[0] < -least_) c.open = false;
   }
   void balance(std::int32_t body) {
     if (still(body, v_[at(body)])) return;
@@ -349,7 +262,7 @@ class support_balance {
       for (int j = 0; j < 3; ++j) moved(j, k) = -g(j, k), moved(3 + j, k) = -turn[j];
     }
     product.take(g, moved);
-    if (!factorize(product)) return;
+    if (!base::factorize(pivot_, product)) return;
     for (int refinement = 0; refinement < 3; ++refinement) {
       body_vector z = opposed(body, length, v_[at(body)]);
       pivot_.solve<1>(z.data());
@@ -394,16 +307,10 @@ class support_balance {
     }
   }
 
-  const plain_vector<island_contact>* contacts_;
-  const State* s_;
   contact_vector r_;
   plain_vector<body_motion> v_;     ///< with the impulses so far
   plain_vector<body_motion> rest_;  ///< if it rests on the bodies below
-  plain_vector<support> supports_;  ///< by the supported body
-  plain_vector<std::uint32_t> first_;
-  plain_vector<std::int32_t> order_;
   body_pivot pivot_;
-  int rows_ = 0;
   real least_ = 0, rho_ = 1;
 };
 
