@@ -55,7 +55,7 @@ class stalled_islands {
     }
     if (stalled == 0 && !first) s.islands.forget_errors();
     if (stalled == 0) return true;
-    if (first && most * s.islands.errors_per_change() <= tolerable * s.speed) return true;
+    if (first && most * s.islands.errors_per_change() <= negligible * s.speed) return true;
     join_bodies(lists, s);
     gather(lists, changes, s);
     plain_vector<plain_pair<real, std::size_t>> worst_first;
@@ -89,6 +89,9 @@ class stalled_islands {
   static constexpr real heavy = 5;
   /// Of a contact in a sweep, in operations; twice, because a solution is exact.
   static constexpr real sweep_cost = 600;
+  /// The fraction of an error that a solution may leave where Newton's method can find a better
+  /// one.
+  static constexpr real exact = 1e-9;
   /// Rows through which the sweeps of the position correction do not carry.
   static constexpr int tall = 8;
   /// Cheaper islands are solved by contacts, which is as good for a few.
@@ -97,8 +100,6 @@ class stalled_islands {
   static constexpr real let_be = 0.1;
   /// The same that needs no more sweeps, and no balance.
   static constexpr real negligible = 1e-4;
-  /// The same that may grow, over the steps after a balance, until the next balance.
-  static constexpr real tolerable = 1e-3;
 
   struct member {
     std::size_t list, index;
@@ -224,12 +225,13 @@ class stalled_islands {
   enum class outcome : char { not_stalled, failed, done };
   /// Lets the bodies of an island rest on each other, if so many are above each other that sweeps
   /// stall, and if they can.
-  static outcome balance(island& one, const plain_vector<island_contact>& contacts,
+  /// More than the fraction `left` of the error is a failure.
+  static outcome balance(island& one, const plain_vector<island_contact>& contacts, real left,
                          std::span<const access> lists, State& s) {
     support_balance<State> balance(contacts, s);
     one.rows = static_cast<real>(balance.rows());
     if (one.error() <= negligible * s.speed) return outcome::not_stalled;
-    const bool solved = balance.solve(1e-12 * s.speed);
+    const bool solved = balance.solve(1e-12 * s.speed) <= left;
     if (balance.rows() >= tall) s.islands.note_stack(solved);
     if (!solved) return outcome::failed;
     s.islands.solved();
@@ -240,7 +242,7 @@ class stalled_islands {
   }
   /// The same for a large island. Further attempts are postponed unless it succeeds.
   static bool balance_large(island& one, std::span<const access> lists, State& s) {
-    const outcome found = balance(one, contacts_of(one, lists), lists, s);
+    const outcome found = balance(one, contacts_of(one, lists), 0.5, lists, s);
     if (found == outcome::done) s.islands.balanced();
     if (found == outcome::failed) s.islands.not_balanced();
     if (found == outcome::not_stalled) s.islands.need_no_balance();
@@ -256,7 +258,6 @@ class stalled_islands {
     const contact_order order(ties);
     const real rows = one.rows = 1 + static_cast<real>(order.length());
     if (one.error() <= let_be * s.speed) return false;
-    if (s.fall != vec3(0, 0, 0) && balance(one, contacts, lists, s) == outcome::done) return true;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // Not if the sweeps that it replaces cost less, as in wide heaps.
@@ -266,6 +267,9 @@ class stalled_islands {
       s.islands.solved();
       return true;
     }
+    if (s.fall != vec3(0, 0, 0) && balance(one, contacts, exact, lists, s) == outcome::done)
+      return true;
+    one.rows = rows;
     if (pays < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
     double left = std::min<double>(budget, pays);
     const double before = left;

@@ -44,9 +44,10 @@ class support_balance : public support_graph<State> {
         if (end >= 0) v_[at(end)] = {v_of(s.bodies[at(end)]), w_of(s.bodies[at(end)])};
     }
   }
-  /// Improves the impulses. False if their error is not less than half of what it was, or if they
-  /// may add energy: then they are not to be used. Changes of velocity below `least` do not matter.
-  bool solve(real least) {
+  /// Improves the impulses. Changes of velocity below `least` do not matter. Returns the fraction
+  /// of the error that is left; above a half, or if they may add energy, 1: then they are not to be
+  /// used.
+  real solve(real least) {
     least_ = least;
     find_scale();
     const real before = error();
@@ -64,7 +65,8 @@ class support_balance : public support_graph<State> {
         }
     }
     const real after = error();
-    return after <= 1e-3 * before || (after < 0.5 * before && gained(start) <= 0);
+    const bool better = after <= 1e-3 * before || (after < 0.5 * before && gained(start) <= 0);
+    return better ? after / before : 1;
   }
   [[nodiscard]] bool changes(std::size_t i) const {
     return r_(static_cast<int>(i)) != (*contacts_)[i].axes * (*contacts_)[i].impulse;
