@@ -9,6 +9,7 @@
 
 #include "talus/core/bytes.hpp"
 #include "talus/core/each.hpp"
+#include "talus/ghosts/shared_velocities.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/colour_contacts.hpp"
 
@@ -23,6 +24,10 @@ class foreign_contacts {
   using number = solved_scalar<Scenario>;
   using line = dependence_cones::line;
   static constexpr bool corrects = state_type::law::correction;
+  /// Rows of joints look for the kind of inertia at run time.
+  static constexpr bool has_tensors =
+      state_type::has_joints ||
+      filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;
 
  public:
   explicit foreign_contacts(state_type& s)
@@ -302,9 +307,6 @@ class foreign_contacts {
       from.push_back(static_cast<std::uint32_t>(bodies.size()));
     }
   }
-
-  static constexpr bool has_tensors =
-      filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;
 
   state_type& s_;
   dependence_cones& cones_;
