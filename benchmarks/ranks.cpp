@@ -10,7 +10,6 @@
 #include <talus/mpi.hpp>
 #include <talus/observe/memory.hpp>
 #include <talus/observe/penetration.hpp>
-#
 
 #include "scenes/pile_scene.hpp"
 #include "scenes/protocol.hpp"
@@ -18,7 +17,8 @@
 
 namespace {
 
-using scenario = talus::scenario<talus::bodies<talus::sphere, talus::plane>,
+template <class Solver>
+using scenario = talus::scenario<talus::bodies<talus::sphere, talus::plane>, talus::solver<Solver>,
                                  talus::decomposition<talus::grid<talus::dynamic>>,
                                  talus::transport<talus::as_launched>>;
 
@@ -46,7 +46,8 @@ struct spread {
   }
 };
 
-void fill(talus::world<scenario>& world, const run_of_ranks& run) {
+template <class Scenario>
+void fill(talus::world<Scenario>& world, const run_of_ranks& run) {
   const bench::scene& s = run.scene;
   const auto vector = [](const bench::vec& v) { return talus::vec3(v[0], v[1], v[2]); };
   const auto [low, high] = std::pair(-s.walls[1].offset, -s.walls[2].offset);
@@ -71,7 +72,8 @@ void fill(talus::world<scenario>& world, const run_of_ranks& run) {
 }
 
 /// Collective: all bodies in the order of their creation, on rank 0.
-std::vector<bench::ball> collect(talus::world<scenario>& world) {
+template <class Scenario>
+std::vector<bench::ball> collect(talus::world<Scenario>& world) {
   struct entry {
     talus::system_id id;
     bench::ball ball;
@@ -79,7 +81,7 @@ std::vector<bench::ball> collect(talus::world<scenario>& world) {
   const auto array = [](const talus::vec3& v) { return bench::vec{v[0], v[1], v[2]}; };
   talus::detail::byte_buffer mine;
   talus::detail::byte_writer out(mine);
-  const auto& store = talus::detail::state_of(world).of<talus::sphere>().movable;
+  const auto& store = talus::detail::state_of(world).template of<talus::sphere>().movable;
   for (std::size_t i = 0; i < store.locals; ++i)
     out.put(entry{store.id[i],
                   {array(store.position[i]), store.shape[i].radius, array(store.velocity[i]),
@@ -95,7 +97,8 @@ std::vector<bench::ball> collect(talus::world<scenario>& world) {
   return balls;
 }
 
-void settle(talus::world<scenario>& world, const run_of_ranks& run) {
+template <class Scenario>
+void settle(talus::world<Scenario>& world, const run_of_ranks& run) {
   for (std::uint64_t k = 0; k < run.settle; ++k) world.step(run.scene.dt);
   if (run.keep.empty()) return;
   // As PILE asks: beyond 64,000 bodies until the median one rests.
@@ -134,8 +137,9 @@ double exchange_us(talus::as_launched::link& link, std::size_t bytes) {
   return best;
 }
 
+template <class Solver>
 void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::record& out) {
-  talus::world<scenario> world(link);
+  talus::world<scenario<Solver>> world(link);
   fill(world, run);
   settle(world, run);
   const talus::traffic before = link.counters();
@@ -185,6 +189,7 @@ void run_rank(talus::as_launched::link& link, const run_of_ranks& run, bench::re
   out.add("ranks", link.size());
   out.add("transport", link.transport_name());
   out.add("bodies", run.scene.balls.size());
+  out.add("solver", Solver::name);
   out.add("iterations", world.solver().iterations);
   out.add("correction_iterations", world.solver().correction_iterations);
   out.add("steps", world.steps());
@@ -230,7 +235,11 @@ int main(int argc, char** argv) {
     const auto start = args.text("from", "");
     run.keep = args.text("keep", "");
     const auto file = args.text("json", "");
+    const auto solver = args.text("solver", talus::nonlinear_gauss_seidel::name);
     if (!args.done()) return;
+    const bool coloured = solver == talus::coloured_gauss_seidel::name;
+    if (!coloured && solver != talus::nonlinear_gauss_seidel::name)
+      throw std::invalid_argument("there is no solver '" + solver + "'");
 
     const int started = talus::detail::find_launcher().size;
     const int all = std::max({1, ranks, started});
@@ -249,7 +258,8 @@ int main(int argc, char** argv) {
     settings.ranks = ranks;
     double resident = 0;
     talus::as_launched::launch(settings, [&](auto& link) {
-      run_rank(link, run, out);
+      coloured ? run_rank<talus::coloured_gauss_seidel>(link, run, out)
+               : run_rank<talus::nonlinear_gauss_seidel>(link, run, out);
       link.barrier();
       if (link.rank() == 0) resident = bench::resident_bytes() - before;
       link.barrier();

@@ -1,8 +1,10 @@
 """The parts of the suite: what is run, in which order, with which settings."""
 import json
 import os
+import sys
 
 import lammps
+from runs import output_of
 
 ITERATIONS = [1, 2, 3, 5, 10]
 RANKS = [4, 16, 64, 256, 1024]
@@ -148,6 +150,24 @@ def side_by_side(bench, beds):
     bench.results.say("ranks: two programs beside each other")
 
 
+def cluster(bench):
+    """Two nodes of an emulated cluster, where this machine can emulate one."""
+    if bench.keep and bench.results.rows("cluster"):
+        return
+    program = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cluster", "cluster.py")
+    file = os.path.join(bench.states, "cluster.json")
+    words = [sys.executable, program, bench.build, "--turns", "2", "--json", file,
+             "--from", bench.settled(1000 if bench.quick else 64000)]
+    said, complaint = output_of([*words, "--quick"] if bench.quick else words)
+    if said is None:
+        bench.results.say(f"cluster: failed: {complaint}")
+        return
+    with open(file) as rows:
+        bench.add("cluster", rows.read(), {})
+    bench.results.say("cluster: two nodes" if bench.results.rows("cluster") else
+                      "cluster: left out, this machine cannot emulate one")
+
+
 def threads(bench):
     for ranks in RANKS[:3] if bench.quick else RANKS:
         bench.run("threads", f"{ranks}", "ranks", ranks=ranks, bodies_per_rank=64,
@@ -175,7 +195,7 @@ def budget(bench):
 
 
 PARTS = {each.__name__: each for each in
-         (limits, pile, precision, sizes, shapes, well, gas, ranks, threads, features, budget)}
+         (limits, pile, precision, sizes, shapes, well, gas, ranks, cluster, threads, features, budget)}
 # The tables that each part fills, where they are not called as the part is.
 TABLES = {"shapes": ["boxes", "pyramid", "grains"]}
 
@@ -189,6 +209,7 @@ PROGRAMS = {
     "well": ["well", "well_bullet"],
     "gas": ["gas", "gas_bullet"],
     "ranks": ["ranks"],
+    "cluster": ["ranks"],
     "threads": ["ranks"],
     "features": ["ranks", "features"],
     "budget": ["ranks", "budget"],

@@ -92,6 +92,22 @@ def check_on_two(results):
             f"included: {100 * row['exchange_share']:.1f} % of the step.")
 
 
+def on_cluster(results):
+    """The model against two nodes of an emulated cluster."""
+    rows = results.rows("cluster")
+    if not rows:
+        return "Not measured in this run: it needs root, network namespaces and two cores."
+    lines = [[r["label"] + ("" if r["emulated_by"] != "tbf" else " (no delay)"), r["solver"],
+              number(r["wall_ms_per_step_median"]), f"{r['exchanges']:g}",
+              number(r["bytes_per_step_max"] / 1024), number(r["latency_us"]),
+              number(r["rate_gb_per_s"]), number(r["exchange_ms"]),
+              number(r["modelled_exchange_ms"]), f"{r['efficiency']:.2f}",
+              f"{r['modelled_efficiency']:.2f}"] for r in rows]
+    return table(["link", "solver", "ms per step", "exchanges", "KiB per rank and step",
+                  "latency, microseconds", "GB/s", "exchange, ms", "modelled", "efficiency",
+                  "modelled"], lines)
+
+
 def noise(ranks):
     """The step waits for the slowest of all ranks, at worst: the largest of as many exponential
     delays is the logarithm of their number times their mean."""
@@ -158,6 +174,7 @@ def write(results):
     values = {}
     counts(results, values)
     values["check"] = check_on_two(results)
+    values["cluster"] = on_cluster(results)
     rows, unit = counted(results), per_body_and_copy(results)
     values["prediction"] = "Not measured in this run."
     if rows and unit:

@@ -2,6 +2,7 @@
 #include "talus/detect/hash_grid_definitions.hpp"
 #include "talus/detect/sweep_and_prune_definitions.hpp"
 #include "talus/solver/colouring_definitions.hpp"
+#include "talus/solver/dependence_cones_definitions.hpp"
 #include "talus/solver/direct/direct_islands_definitions.hpp"
 
 namespace talus::detail {

@@ -117,7 +117,7 @@ struct ball_joint_row {
 
  private:
   static bool has_tensor(const state& s, std::int32_t i) {
-    return static_cast<std::size_t>(i) >= s.first_tensor;
+    return s.has_tensor(static_cast<std::size_t>(i));
   }
   static const auto& body(const state& s, std::int32_t i) {
     return s.bodies[static_cast<std::size_t>(i)];

@@ -11,7 +11,7 @@
 namespace talus::detail {
 
 /// Velocity and inverse inertia of one body: one cache line, or half of one. For a body whose
-/// inertia is a tensor `inverse_inertia` is unused; see solver_state::tensors.
+/// inertia is a tensor `inverse_inertia` is 0; see solver_state::tensors.
 template <class Real>
 struct alignas(8 * sizeof(Real)) solver_body_of {
   vector3<Real> v{0, 0, 0};
@@ -91,6 +91,11 @@ struct solver_state_of {
   plain_vector<body_motion> drift;  ///< mean velocity of the step, minus the one at its end
 
   [[nodiscard]] const mat3& tensor(std::size_t body) const { return tensors[body - first_tensor]; }
+  /// Bodies of other ranks whose contacts this rank solves too follow all others, with either kind
+  /// of inertia.
+  [[nodiscard]] bool has_tensor(std::size_t body) const {
+    return body >= first_tensor && bodies[body].inverse_inertia == 0;
+  }
 };
 using solver_state = solver_state_of<real>;
 

@@ -19,8 +19,9 @@ namespace talus {
 /// solver/colouring.hpp). Both ranks compute the contacts between their bodies, equal to the last
 /// bit, from velocities that are exchanged before each colour that needs them. So the trajectory
 /// does not depend on the number of ranks, on the decomposition, or on the position of bodies in
-/// memory, and momentum is conserved as on one rank. The cost is a message for each colour with
-/// contacts between two ranks, while nonlinear_gauss_seidel sends one for each iteration.
+/// memory, and momentum is conserved as on one rank. Each rank also solves the contacts of other
+/// ranks on which its own depend within a sweep (see solver/dependence_cones.hpp), so that mostly
+/// one message for each iteration suffices.
 struct coloured_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "coloured_gauss_seidel";
@@ -58,10 +59,12 @@ struct coloured_gauss_seidel final {
     if (correct)
       for (int j = 0; j < settings.correction_iterations; ++j)
         for (std::uint32_t c = 0; c < colours; ++c) {
-          if constexpr (!alone) ranks.start_corrections(c);
+          const bool first = j == 0 && c == 0;  // all are zero on all ranks
+          if constexpr (!alone)
+            if (!first) ranks.start_corrections(c);
           each([&](auto& list) { list.correct(s, c, false); });
           if constexpr (alone) continue;
-          ranks.finish_corrections(c);
+          if (!first) ranks.finish_corrections(c);
           each([&](auto& list) { list.correct(s, c, true); });
         }
     return done;

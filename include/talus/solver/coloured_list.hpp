@@ -36,8 +36,9 @@ struct row_of_colour<Contact> {
 
 /// The constraint list of solvers by colours; contact_list is that of other solvers. No two pairs
 /// of one colour share a movable body, so that their order has no effect. Contacts with a body of
-/// another rank (shared ones) are computed alike on both ranks, and separately from the others:
-/// their velocities are exchanged first.
+/// another rank (shared ones) are computed alike on both ranks. They, and the contacts of other
+/// ranks that are computed here too (foreign ones), are kept apart from the others: they wait for
+/// velocities from other ranks.
 template <class Contact>
 class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
  public:
@@ -84,13 +85,41 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   /// The colour of the unit whose first contact is `first`.
   void set_colour(std::uint32_t first, std::uint32_t colour) { waiting_.colour[first] = colour; }
   /// Called when all units have a colour below `colours`: from then on contacts are stored by
-  /// colour.
-  void arrange(std::uint32_t colours);
+  /// colour. With `find_units`, place_of_unit() knows where.
+  void arrange(std::uint32_t colours, bool find_units);
+  /// Where the contacts of a unit are; units in the order of each_unit().
+  struct unit_place {
+    std::uint32_t part = 0, first = 0, count = 0;
+  };
+  [[nodiscard]] const unit_place& place_of_unit(std::size_t n) const { return places_[n]; }
+  [[nodiscard]] Contact contact(std::uint32_t colour, std::uint32_t part, std::uint32_t i) const {
+    return colours_[colour].parts[part].row[i];
+  }
+  /// Adds a contact between bodies of other ranks, with its impulse. It is solved, but neither
+  /// counted nor stored. Returns its place.
+  std::uint32_t add_foreign(const Contact& contact, std::uint32_t colour, bool a_moves,
+                            bool b_moves) {
+    auto& row = colours_[colour].parts[foreign].row;
+    row.add(contact, a_moves, b_moves);
+    return static_cast<std::uint32_t>(row.size() - 1);
+  }
+  /// Calls f(index) for the body of another rank of each shared contact; f returns the index that
+  /// replaces it.
+  template <class F>
+  void renumber_shared(F&& f) requires(Contact::paired) {
+    auto& w = waiting_;
+    for (std::size_t i = 0; i < w.contacts.size(); ++i)
+      if (w.ends[i].shared) {
+        auto& other = w.ends[i].owns_a ? w.contacts[i].b : w.contacts[i].a;
+        other = f(other);
+      }
+  }
+  static constexpr std::uint32_t foreign = 2;  ///< the part of foreign contacts
 
   [[nodiscard]] std::size_t size() const { return count_ + waiting_.contacts.size(); }
   [[nodiscard]] std::size_t bytes() const {
-    std::size_t sum = waiting_.bytes();
-    for (const both& c : colours_)
+    std::size_t sum = waiting_.bytes() + places_.capacity() * sizeof(unit_place);
+    for (const all_parts& c : colours_)
       for (const part& p : c.parts) sum += p.bytes();
     return sum;
   }
@@ -128,8 +157,9 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   void warm_start(state& s) const {
     for (std::uint32_t k = 0; k < used_; ++k) warm_start(s, k);
   }
-  void sweep(state& s, std::uint32_t colour, bool shared);
-  void correct(state& s, std::uint32_t colour, bool shared);
+  /// Of one colour, the own contacts or those that wait for velocities from other ranks.
+  void sweep(state& s, std::uint32_t colour, bool waits);
+  void correct(state& s, std::uint32_t colour, bool waits);
 
  private:
   struct ends_of_contact {
@@ -166,8 +196,8 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
              places.capacity() * sizeof(history_place*) + owns_a.capacity();
     }
   };
-  struct both {
-    part parts[2];  ///< not shared, shared
+  struct all_parts {
+    part parts[3];  ///< own, shared, foreign
   };
 
   template <class F>
@@ -182,7 +212,8 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   }
 
   waiting waiting_;
-  std::vector<both> colours_;
+  std::vector<all_parts> colours_;
+  plain_vector<unit_place> places_;
   std::size_t used_ = 0, count_ = 0;
 };
 
@@ -192,15 +223,21 @@ template <class Contact>
 coloured_list<Contact>::~coloured_list() = default;
 
 template <class Contact>
-void coloured_list<Contact>::arrange(std::uint32_t colours) {
+void coloured_list<Contact>::arrange(std::uint32_t colours, bool find_units) {
   if (colours_.size() < colours) colours_.resize(colours);
   used_ = colours;
   auto& w = waiting_;
   std::uint32_t colour = 0;
+  places_.clear();
   for (std::size_t i = 0; i < w.contacts.size(); ++i) {
-    if (i == 0 || !w.keys[i].same_pair(w.keys[i - 1])) colour = w.colour[i];
     const ends_of_contact& e = w.ends[i];
+    const bool next = i == 0 || !w.keys[i].same_pair(w.keys[i - 1]);
+    if (next) colour = w.colour[i];
     part& p = colours_[colour].parts[e.shared];
+    if (find_units) {
+      if (next) places_.push_back({e.shared, static_cast<std::uint32_t>(p.row.size()), 0});
+      ++places_.back().count;
+    }
     p.row.add(w.contacts[i], e.a_moves, e.b_moves);
     p.keys.push_back(w.keys[i]);
     p.places.push_back(w.places[i]);
@@ -222,23 +259,30 @@ void coloured_list<Contact>::store_impulses(contact_history& history) const {
 
 template <class Contact>
 void coloured_list<Contact>::prepare(const state& s) {
-  each_part([&](part& p, bool) { p.row.prepare(s); });
+  for (std::size_t k = 0; k < used_; ++k)
+    for (part& p : colours_[k].parts) p.row.prepare(s);
 }
 
 template <class Contact>
 void coloured_list<Contact>::warm_start(state& s, std::uint32_t colour) const {
   if (colour < used_)
-    for (const part& p : colours_[colour].parts) p.row.apply(s);
+    for (const std::uint32_t k : {0u, 1u}) colours_[colour].parts[k].row.apply(s);
 }
 
 template <class Contact>
-void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool shared) {
-  if (colour < used_) colours_[colour].parts[shared].row.forward(s);
+void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool waits) {
+  if (colour >= used_) return;
+  auto& parts = colours_[colour].parts;
+  if (!waits) return parts[0].row.forward(s);
+  parts[1].row.forward(s), parts[foreign].row.forward(s);
 }
 
 template <class Contact>
-void coloured_list<Contact>::correct(state& s, std::uint32_t colour, bool shared) {
-  if (colour < used_) colours_[colour].parts[shared].row.correct(s);
+void coloured_list<Contact>::correct(state& s, std::uint32_t colour, bool waits) {
+  if (colour >= used_) return;
+  auto& parts = colours_[colour].parts;
+  if (!waits) return parts[0].row.correct(s);
+  parts[1].row.correct(s), parts[foreign].row.correct(s);
 }
 
 }  // namespace talus::detail

@@ -26,8 +26,8 @@ struct contact_unit {
   std::int32_t line = -1;       ///< index of the connection to the neighbour that has it too
 };
 
-/// The data that two neighbours exchange about the contacts between their bodies, and then in each
-/// colour about the velocities of these. All contacts in the same order on both sides.
+/// The data that two neighbours exchange about the contacts between their bodies, in the same order
+/// on both sides.
 struct colour_line {
   int rank = 0;
   plain_vector<std::uint32_t> units;

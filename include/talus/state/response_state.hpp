@@ -16,6 +16,7 @@
 #include "talus/interaction/soft_state.hpp"
 #include "talus/solver/coloured_list.hpp"
 #include "talus/solver/convergence.hpp"
+#include "talus/solver/dependence_cones.hpp"
 #include "talus/solver/direct/direct_islands.hpp"
 #include "talus/solver/either_list.hpp"
 #include "talus/state/contact_kinds.hpp"
@@ -78,11 +79,28 @@ inline constexpr bool may_sweep_by_colours = solves_by_colours<Solver>;
 template <class First, class Second>
 inline constexpr bool may_sweep_by_colours<either_solver<First, Second>> = true;
 
-/// The colours of the contacts, and the messages of each colour.
+/// The velocities that a neighbour sends and receives in a sweep, in solver indices: before colour
+/// k those from `..._from[k]` on.
+struct velocities_by_colour {
+  int rank = 0;
+  plain_vector<std::int32_t> sent, received;
+  plain_vector<std::uint32_t> sent_from, received_from;
+
+  [[nodiscard]] bool any(std::uint32_t colour) const {
+    return sent_from[colour + 1] > sent_from[colour] ||
+           received_from[colour + 1] > received_from[colour];
+  }
+};
+
+/// The colours of the contacts, the contacts of other ranks that are solved here too, and the
+/// messages of each colour.
 struct shared_colours {
   colouring all;
-  /// For each colour a message to each neighbour that shares contacts of it, and the index of its
-  /// connection.
+  plain_vector<std::size_t> ends;  ///< of the lists, among the units of `all`
+  dependence_cones cones;
+  std::vector<velocities_by_colour> lines;  ///< one for each neighbour
+  /// Of a colour: a message to each neighbour whose velocities travel before it, and the index of
+  /// its line.
   struct messages {
     std::vector<neighbour_message> neighbour_messages;
     plain_vector<std::uint32_t> lines;

@@ -1,21 +1,61 @@
 #pragma once
-// How ranks agree on the colours of contacts, and refresh the velocities of shadow copies before
-// each colour that needs them. For solvers that sweep colour by colour.
+// How ranks agree on the colours of contacts. For solvers that sweep colour by colour.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "talus/ghosts/shared_velocities.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/state/periodic_ghosts.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
+
+/// The id of a body in the arrays of the solver; no_id if it is not one of the bodies of this rank
+/// and their copies.
+template <class Scenario>
+[[nodiscard]] system_id id_of_number(const world_state<Scenario>& s, std::size_t number) {
+  system_id id = no_id;
+  s.each_finite_shape([&](const auto& b) {
+    if (number >= b.first && number - b.first < b.movable.size())
+      id = b.movable.id[number - b.first];
+  });
+  return id;
+}
+
+/// In a small periodic box this rank may have several images of one body of another rank: all
+/// shared contacts use the first one.
+template <class Scenario>
+void use_single_images(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::periodic) {
+    if (s.travelling.empty() || sees_single_images(s)) return;
+    plain_vector<std::int32_t> first;
+    std::unordered_map<std::uint64_t, std::int32_t> of_id;
+    for (const auto& other : s.travelling)
+      for (const std::uint32_t i : other.received) {
+        if (first.size() <= i) first.resize(i + 1, -1);
+        const auto number = static_cast<std::int32_t>(i);
+        std::int32_t& one = of_id.emplace(value_of(id_of_number(s, i)), number).first->second;
+        one = std::min(one, number);
+      }
+    for (const auto& other : s.travelling)
+      for (const std::uint32_t i : other.received)
+        first[i] = of_id.at(value_of(id_of_number(s, i)));
+    auto&& lists = solver_lists<true>(s);
+    each_of(lists, [&](auto& list) {
+      if constexpr (requires { list.renumber_shared([](std::int32_t i) { return i; }); })
+        list.renumber_shared([&](std::int32_t i) { return first[static_cast<std::size_t>(i)]; });
+    });
+  }
+}
 
 /// Assigns colours to all contacts of this step, and moves them to their colours.
 template <class Scenario>
 void colour_contacts(world_state<Scenario>& s) {
   colouring& all = s.colours.all;
+  use_single_images(s);
   plain_vector<std::int32_t> line_of;  // of the owner of each body that is a shadow copy
   all.lines.resize(s.travelling.size());
   if (!s.travelling.empty()) line_of.assign(s.solver.bodies.size(), -1);
@@ -24,7 +64,8 @@ void colour_contacts(world_state<Scenario>& s) {
     for (const auto i : s.travelling[n].received) line_of[i] = static_cast<std::int32_t>(n);
   }
   all.start(s.solver.bodies.size());
-  plain_vector<std::size_t> ends;  // of the lists, among the units
+  plain_vector<std::size_t>& ends = s.colours.ends;
+  ends.clear();
   auto&& lists = solver_lists<true>(s);
   each_of(lists, [&](const auto& list) {
     list.each_unit([&](contact_unit unit, bool shared) {
@@ -59,93 +100,8 @@ void colour_contacts(world_state<Scenario>& s) {
   each_of(lists, [&](auto& list) {
     for (; unit < *end; ++unit) list.set_colour(all.unit(unit).first, all.colour_of(unit));
     ++end;
-    list.arrange(all.colours());
+    list.arrange(all.colours(), !all.lines.empty());
   });
-
-  auto& of_colour = s.colours.of_colour;
-  if (of_colour.size() < all.colours()) of_colour.resize(all.colours());
-  for (std::uint32_t c = 0; c < all.colours(); ++c) {
-    auto& m = of_colour[c];
-    m.lines.clear();
-    for (std::size_t n = 0; n < all.lines.size(); ++n)
-      if (all.lines[n].first[c + 1] > all.lines[n].first[c])
-        m.lines.push_back(static_cast<std::uint32_t>(n));
-    m.neighbour_messages.resize(m.lines.size());
-    for (std::size_t k = 0; k < m.lines.size(); ++k)
-      m.neighbour_messages[k].rank = all.lines[m.lines[k]].rank;
-  }
 }
-
-/// The ghost exchange of solvers by colours; shared_velocities is that of the other solvers.
-template <class Scenario>
-class coloured_velocities : public shared_velocities<Scenario> {
-  using base = shared_velocities<Scenario>;
-
- public:
-  using base::base;
-  static constexpr bool coloured = true;
-
-  [[nodiscard]] std::uint32_t colours() const { return s_.colours.all.colours(); }
-
-  /// Velocities of the bodies of shared contacts of a colour, from their owners.
-  void start_velocities(std::uint32_t colour) {
-    start<6, number>(colour, [&](std::uint32_t i, number* out) { base::put_velocity(i, out); });
-  }
-  void finish_velocities(std::uint32_t colour) {
-    finish<6, number>(colour,
-                      [&](std::uint32_t i, const number* in) { base::get_velocity(i, in); });
-  }
-  /// Likewise the position corrections.
-  void start_corrections(std::uint32_t colour) {
-    start<base::of_correction, correction>(
-        colour, [&](std::uint32_t i, correction* out) { base::put_correction(i, out); });
-  }
-  void finish_corrections(std::uint32_t colour) {
-    finish<base::of_correction, correction>(
-        colour, [&](std::uint32_t i, const correction* in) { base::get_correction(i, in); });
-  }
-
- private:
-  using base::s_;
-  using typename base::correction;
-  using typename base::number;
-
-  template <int Scalars, class Real, class Put>
-  void start(std::uint32_t colour, Put&& put) {
-    auto& m = s_.colours.of_colour[colour];
-    if (m.lines.empty()) return;
-    const stage_clock clock(s_.seconds.exchange);
-    constexpr std::size_t bytes = Scalars * sizeof(Real);
-    Real values[Scalars];
-    for (std::size_t k = 0; k < m.lines.size(); ++k) {
-      const colour_line& l = s_.colours.all.lines[m.lines[k]];
-      const std::uint32_t first = l.first[colour], count = l.first[colour + 1] - first;
-      m.neighbour_messages[k].out.resize(count * bytes),
-          m.neighbour_messages[k].in.resize(count * bytes);
-      for (std::uint32_t u = 0; u < count; ++u) {
-        put(static_cast<std::uint32_t>(l.own[first + u]), values);
-        std::memcpy(m.neighbour_messages[k].out.data() + u * bytes, values, bytes);
-      }
-    }
-    s_.link->start_fixed(m.neighbour_messages);
-  }
-  template <int Scalars, class Real, class Get>
-  void finish(std::uint32_t colour, Get&& get) {
-    auto& m = s_.colours.of_colour[colour];
-    if (m.lines.empty()) return;
-    const stage_clock clock(s_.seconds.exchange);
-    constexpr std::size_t bytes = Scalars * sizeof(Real);
-    s_.link->finish_fixed(m.neighbour_messages);
-    Real values[Scalars];
-    for (std::size_t k = 0; k < m.lines.size(); ++k) {
-      const colour_line& l = s_.colours.all.lines[m.lines[k]];
-      const std::uint32_t first = l.first[colour], count = l.first[colour + 1] - first;
-      for (std::uint32_t u = 0; u < count; ++u) {
-        std::memcpy(values, m.neighbour_messages[k].in.data() + u * bytes, bytes);
-        get(static_cast<std::uint32_t>(l.foreign[first + u]), values);
-      }
-    }
-  }
-};
 
 }  // namespace talus::detail

@@ -1,8 +1,10 @@
 #pragma once
 // Keeps the impulses of a step from adding energy, however incomplete the solution.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <type_traits>
 
@@ -49,6 +51,7 @@ class passivity {
   static constexpr bool alone = state_type::link_type::alone;
   static constexpr bool by_colours = Ranks::coloured;
   static constexpr int most_plastic_sweeps = 50;
+  static constexpr std::size_t few_solutions = 50'000;  ///< of contacts, which take no time
   static constexpr bool always = true;
   static constexpr bool divided = uses_substeps<typename Scenario::solver>;
 
@@ -65,8 +68,7 @@ class passivity {
       if constexpr (!alone) meet_boundary();
       find_excess();
       shrink_interior();
-      if constexpr (!alone)
-        for (int k = 0; found_ && k < most_plastic_sweeps; ++k) sweep_plastically();
+      if constexpr (!alone) sweep_while_it_helps();
     }
   }
 
@@ -234,19 +236,38 @@ class passivity {
       });
     });
   }
+  /// Sweeps again where islands gain too much energy from boundary contacts. Interior contacts
+  /// cannot take up all gains: those of a body without interior contacts, none. Large islands get
+  /// at most half as many sweeps as the solver makes.
+  void sweep_while_it_helps() {
+    real last = std::numeric_limits<real>::infinity();
+    std::size_t left = 0;
+    each_list([&](const auto& list) { left += list.size(); });
+    left = std::max(left * static_cast<std::size_t>(s_.settings.iterations) / 2, few_solutions);
+    for (int k = 0; found_ && k < most_plastic_sweeps; ++k) {
+      add_up_islands();
+      real gained = 0;
+      for (const impulse_work& w : s_.passive.works)
+        if (w.adds_energy()) gained += std::min(w.work, w.work + w.rise);
+      found_ = gained > 0 && gained < real(1 - 1e-3) * last;
+      last = gained;
+      if (!found_) return;
+      const std::size_t solved = sweep_plastically();
+      found_ = solved > 0 && solved < left;
+      left -= std::min(left, solved);
+    }
+  }
   /// Solves each interior contact as a plastic one, which dissipates energy, in islands that gain
-  /// too much of it from boundary contacts.
-  void sweep_plastically() {
-    add_up_islands();
-    found_ = false;
-    for (const impulse_work& w : s_.passive.works) found_ = found_ || w.adds_energy();
-    if (!found_) return;
+  /// energy. Returns their number.
+  std::size_t sweep_plastically() {
+    std::size_t solved = 0;
     each_list([&](auto& list) {
       list.edit_interior_contacts([&](auto& c) {
         const auto gains = [&](std::int32_t body) {
           return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
         };
         if (!gains(c.a) && !gains(c.b)) return;
+        ++solved;
         if constexpr (is_joint<decltype(c)>) {
           c.apply(solver_, c.relax(solver_));
         } else {
@@ -259,6 +280,7 @@ class passivity {
         }
       });
     });
+    return solved;
   }
   /// Calls f(work, body) for contacts with bodies of another rank or of prescribed velocity.
   template <class F>

@@ -11,7 +11,9 @@
 #include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/colour_contacts.hpp"
+#include "talus/step/coloured_velocities.hpp"
 #include "talus/step/finite_motion.hpp"
+#include "talus/step/foreign_contacts.hpp"
 #include "talus/step/passivity.hpp"
 
 namespace talus::detail {
@@ -94,11 +96,14 @@ void solve_contacts(world_state<Scenario>& s) {
   constexpr bool coloured = solves_by_colours<Solver>;
   if constexpr (coloured) colour_contacts(s);
   if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
+  constexpr bool alone = world_state<Scenario>::link_type::alone;
+  if constexpr (coloured && !alone) foreign_contacts<Scenario>(s).share();
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
   auto&& lists = solver_lists<coloured>(s);
   s.convergence.add(
       Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
       s.settings.tolerance);
+  if constexpr (coloured && !alone) drop_foreign_bodies(s);
   passivity(s, ranks).keep();
 }
 

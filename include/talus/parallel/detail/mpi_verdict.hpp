@@ -16,7 +16,9 @@ namespace talus::detail {
 /// The flag, and after it a number for each rank: 0, or 1 plus the collective calls of its program
 /// when that ended. Then whether a long wait is reported, and for each rank what it waits for.
 /// One-sided (C API: Boost.MPI has no windows), because the other ranks are busy or blocked. All
-/// ranks construct and destroy it together.
+/// ranks construct and destroy it together. Some installations of MPI have no windows between
+/// machines (Debian's Open MPI over Ethernet): then ranks wait for others without end, and each
+/// process that fails reports.
 class mpi_verdict {
   using clock = std::chrono::steady_clock;
 
@@ -26,8 +28,17 @@ class mpi_verdict {
     const auto size = static_cast<std::size_t>(ranks.size());
     const std::size_t count = ranks.rank() == 0 ? 2 + 2 * size : 0;
     waits_.resize(size);
-    MPI_Win_allocate(static_cast<MPI_Aint>(count * sizeof *words), sizeof *words, MPI_INFO_NULL,
-                     ranks, &words, &window_);
+    MPI_Errhandler before = MPI_ERRHANDLER_NULL;
+    MPI_Comm_get_errhandler(ranks, &before);
+    MPI_Comm_set_errhandler(ranks, MPI_ERRORS_RETURN);
+    answers_ = MPI_Win_allocate(static_cast<MPI_Aint>(count * sizeof *words), sizeof *words,
+                                MPI_INFO_NULL, ranks, &words, &window_) == MPI_SUCCESS;
+    MPI_Comm_set_errhandler(ranks, before);
+    MPI_Errhandler_free(&before);
+    if (!answers_) {
+      window_ = MPI_WIN_NULL;
+      return;
+    }
     MPI_Win_set_errhandler(window_, MPI_ERRORS_RETURN);
     MPI_Win_lock_all(MPI_MODE_NOCHECK, window_);
     std::fill_n(words, count, 0);
@@ -37,6 +48,7 @@ class mpi_verdict {
   mpi_verdict(const mpi_verdict&) = delete;
   mpi_verdict& operator=(const mpi_verdict&) = delete;
   ~mpi_verdict() {
+    if (window_ == MPI_WIN_NULL) return;
     MPI_Win_unlock_all(window_);
     MPI_Win_free(&window_);
   }
@@ -45,6 +57,7 @@ class mpi_verdict {
   /// computing, so after a second without an answer it is also true: two messages are better than
   /// none.
   [[nodiscard]] bool first() {
+    if (window_ == MPI_WIN_NULL) return true;
     const int one = 1;
     MPI_Request request = MPI_REQUEST_NULL;
     if (MPI_Rget_accumulate(&one, 1, MPI_INT, &before_, 1, MPI_INT, 0, 0, 1, MPI_INT, MPI_REPLACE,
@@ -71,6 +84,7 @@ class mpi_verdict {
 
   /// This rank's program has returned, after so many collective calls.
   void leave(std::uint64_t collectives) {
+    if (window_ == MPI_WIN_NULL) return;
     const std::uint64_t mine = collectives + 1;
     MPI_Accumulate(&mine, 1, MPI_UINT64_T, 0, 1 + ranks_.rank(), 1, MPI_UINT64_T, MPI_REPLACE,
                    window_);
@@ -79,6 +93,7 @@ class mpi_verdict {
   /// For each rank 0, or 1 plus the collective calls after which its program returned.
   [[nodiscard]] std::vector<std::uint64_t> left() const {
     std::vector<std::uint64_t> all(static_cast<std::size_t>(ranks_.size()));
+    if (window_ == MPI_WIN_NULL) return all;
     MPI_Get_accumulate(nullptr, 0, MPI_UINT64_T, all.data(), ranks_.size(), MPI_UINT64_T, 0, 1,
                        ranks_.size(), MPI_UINT64_T, MPI_NO_OP, window_);
     MPI_Win_flush(0, window_);
