@@ -55,6 +55,7 @@ INSTEAD = {
     "./dev bench pile --bodies 8000 --from STATE --tiles 8":
         "./dev bench pile --bodies 300 --settle 60 --keep ~/pile.state && "
         "./dev bench pile --bodies 300 --from ~/pile.state --tiles 2",
+    "./dev bench cluster": "./dev bench cluster --quick --bodies 1000 --turns 1",
     "./dev bench pyramid [--rows N] [--count N] [--rate N] [--rivals bullet,ode] [--json FILE]":
         "./dev bench pyramid --rows 20 --seconds 1 --rivals bullet,ode --json ~/pyramid.json",
     "./dev bench pile --solver NAME": "./dev bench pile --solver accelerated_jacobi",
