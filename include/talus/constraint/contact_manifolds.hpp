@@ -42,6 +42,10 @@ class manifold_blocks {
     fill(contacts, spare);
     each([&](block& b) { work::prepare(b, layers_of(b), s); });
   }
+  void apply(solver_state& s) const {
+    for (std::size_t k = 0; k < used_; ++k)
+      if (blocks_[k].filled > 0) work::apply(blocks_[k], layers_.data() + blocks_[k].first, s);
+  }
   void sweep_forward(solver_state& s) {
     const auto silent = [](auto&&...) {};
     each([&](block& b) { work::template sweep<true, false>(b, layers_of(b), s, silent); });
@@ -151,6 +155,8 @@ class contact_manifolds {
       give_pair<paired>(s, c.a, c.b, offset, impulse, moment);
     }
   }
+  /// The same for contacts that are prepared, to round-off.
+  void apply_prepared(solver_state& s) const { blocks_.apply(s), large_.apply(s); }
   void sweep_forward(solver_state& s) { blocks_.sweep_forward(s), large_.sweep_forward(s); }
   void sweep_backward(solver_state& s) {
     const auto silent = [](auto&&...) {};

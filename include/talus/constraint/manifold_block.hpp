@@ -129,6 +129,33 @@ struct manifold_work {
     for (std::uint32_t k = 0; k < p.depth; ++k) prepare_layer(p, layers[k]);
   }
 
+  /// Applies the impulses that the contacts have to the bodies.
+  static void apply(const block& p, const layer* layers, solver_state& s) {
+    const auto v_of = [&](const bodies& of) {
+      return [&](int i) {
+        auto& body = s.bodies[static_cast<std::size_t>(of[i])];
+        return row_of(body, body.v);
+      };
+    };
+    const auto w_of = [&](const bodies& of) {
+      return [&](int i) {
+        auto& body = s.bodies[static_cast<std::size_t>(of[i])];
+        return row_of(body, body.w);
+      };
+    };
+    const Pack zero = every_lane<Pack>(0);
+    vectors impulse{zero, zero, zero}, moment{zero, zero, zero};
+    for (std::uint32_t n = 0; n < p.depth; ++n) {
+      const layer& c = layers[n];
+      const pack_rows<Pack> r = gather<Pack>([&](int i) { return row_of(*c.at[i], c.at[i]->r); });
+      const vectors d{r.x, r.y, r.z};
+      impulse += d, moment += crossed(c.arm, d);
+    }
+    ends_of_pairs ends;
+    ends.read(p, v_of, w_of);
+    ends.give(p, p.frame.across(impulse), p.frame.across(moment), v_of, w_of);
+  }
+
   /// Solves all contacts, in the order of the layers or the reverse. note(contact, change of the
   /// impulse's norm times own mobility) for those that change.
   template <bool Forward, bool Watched, class Note>

@@ -18,6 +18,7 @@ class manifold_row : public contact_row<Contact> {
   }
   void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
   void apply(state& s) const { manifolds_.apply_all(this->contacts_, s); }
+  void apply_prepared(state& s) const { manifolds_.apply_prepared(s); }
   void forward(state& s) { manifolds_.sweep_forward(s); }
   void backward(state& s) { manifolds_.sweep_backward(s); }
   template <class Note>

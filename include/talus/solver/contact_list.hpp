@@ -116,6 +116,8 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void prepare_interior(const state& s);
   void prepare_boundary(const state& s);
   void warm_start(state& s) const;
+  /// The same after prepare_interior().
+  void warm_start_prepared(state& s) const;
 
   /// Sweeps over the interior contacts. The border comes first in either direction.
   void sweep_border(state& s, bool forward);
@@ -286,6 +288,16 @@ void contact_list<Contact>::prepare_boundary(const state& s) {
 template <class Contact>
 void contact_list<Contact>::warm_start(state& s) const {
   for (const part* p : {&inner_, &border_}) p->row.apply(s);
+  boundary_.warm_start(s);
+}
+
+template <class Contact>
+void contact_list<Contact>::warm_start_prepared(state& s) const {
+  for (const part* p : {&inner_, &border_})
+    if constexpr (requires { p->row.apply_prepared(s); })
+      p->row.apply_prepared(s);
+    else
+      p->row.apply(s);
   boundary_.warm_start(s);
 }
 

@@ -43,7 +43,7 @@ struct nonlinear_gauss_seidel final {
     detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
     each([&](auto& list) { list.prepare_interior(s); });
     if constexpr (!alone) ranks.look_for_shared_islands(lists);
-    each([&](auto& list) { list.warm_start(s); });
+    each([&](auto& list) { list.warm_start_prepared(s); });
     if constexpr (!alone) {
       each([&](auto& list) { list.count_boundary(s); });
       ranks.share_velocities_and_counts();

@@ -108,6 +108,10 @@ struct box_axes {
     edge.normal[u] = scale * x, edge.normal[v] = scale * y;
   }
 
+  /// Whether the edge axis counts as the axis of a face: they are within 11 degrees.
+  [[nodiscard]] bool edge_along(const box_axis<Real>& face) const {
+    return edge.normal.dot(face.normal) > Real(0.98);
+  }
   [[nodiscard]] Real best() const { return std::max({face_a.gap, face_b.gap, edge.gap}); }
 };
 

@@ -19,6 +19,35 @@ bool nearest_on_lines(const vector3<Real>& p, const vector3<Real>& u, const vect
   return true;
 }
 
+/// The foremost edges of two boxes along an edge axis, and the points of them that are nearest to
+/// the line of the other: `middle + s along`, within the edge.
+template <class Real>
+struct edge_crossing {
+  vector3<Real> middle_a = vector3<Real>::Zero(), middle_b = vector3<Real>::Zero();
+  vector3<Real> along_a, along_b;
+  Real s = 0, t = 0;
+  box_part part_a = 0, part_b = 0;
+
+  edge_crossing(const box_pair<Real>& p, const box_axis<Real>& e) {
+    const vector3<Real> inwards = p.axes.transpose() * -e.normal;
+    for (int d = 1; d < 3; ++d) {
+      const int u = (e.i + d) % 3, k = (e.j + d) % 3;
+      middle_a[u] = e.normal[u] > 0 ? p.ha[u] : -p.ha[u];
+      middle_b[k] = inwards[k] > 0 ? p.hb[k] : -p.hb[k];
+      part_a |= side(u, e.normal[u] > 0);
+      part_b |= side(k, inwards[k] > 0);
+    }
+    along_a = vector3<Real>::Unit(e.i), along_b = column_of(p.axes, e.j);
+    middle_b = p.from_b(middle_b);
+    nearest_on_lines(middle_a, along_a, middle_b, along_b, s, t);
+    s = std::clamp(s, -p.ha[e.i], p.ha[e.i]);
+    t = std::clamp(t, -p.hb[e.j], p.hb[e.j]);
+  }
+  [[nodiscard]] Real square() const {
+    return (middle_b + t * along_b - (middle_a + s * along_a)).squaredNorm();
+  }
+};
+
 /// Nearest points of two separated boxes, with `axes.best()` clearly above zero. If the boxes are
 /// farther apart than the margin, so is the returned gap. The nearest points are a corner and the
 /// point nearest to it, or the interiors of two edges, so testing these is exact. Corners and edges
@@ -48,15 +77,30 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
       if ((normal[i] > 0) != bool(c >> i & 1u)) sum += 2 * std::abs(normal[i]) * half[i];
     return sum;
   };
+  // The foremost parts give an upper bound of the distance. Parts farther behind cannot be nearest.
+  const auto foremost = [](const vector3<Real>& half, const vector3<Real>& normal) {
+    return vector3<Real>{std::copysign(half[0], normal[0]), std::copysign(half[1], normal[1]),
+                         std::copysign(half[2], normal[2])};
+  };
+  const vector3<Real> of_a = foremost(p.ha, axis.normal), of_b = foremost(p.hb, inwards);
+  const vector3<Real> b_in_a = p.from_b(of_b), a_in_b = p.to_b(of_a);
+  Real enough = std::min({best, (b_in_a - b_in_a.cwiseMax(-p.ha).cwiseMin(p.ha)).squaredNorm(),
+                          (a_in_b - a_in_b.cwiseMax(-p.hb).cwiseMin(p.hb)).squaredNorm()});
+  if (&axis == &axes.edge)
+    enough = std::min(enough, edge_crossing<Real>(p, axis).square());
+  enough *= 1 + Real(1e-8);  // several may be nearly equal
+  const auto too_far = [&](Real bound) {
+    return bound > 0 && bound * bound >= std::min(best, enough);
+  };
   for (unsigned c = 0; c < 8; ++c) {
     const Real bound = axis.gap + behind(p.hb, inwards, c);
-    if (bound > 0 && bound * bound >= best) continue;
+    if (too_far(bound)) continue;
     const vector3<Real> y = p.from_b(corner_of(p.hb, c));
     offer(y.cwiseMax(-p.ha).cwiseMin(p.ha), y, nearest_part(p.ha, y), corner_part(c));
   }
   for (unsigned c = 0; c < 8; ++c) {
     const Real bound = axis.gap + behind(p.ha, axis.normal, c);
-    if (bound > 0 && bound * bound >= best) continue;
+    if (too_far(bound)) continue;
     const vector3<Real> x = corner_of(p.ha, c), seen = p.to_b(x);
     offer(x, p.from_b(seen.cwiseMax(-p.hb).cwiseMin(p.hb)), corner_part(c),
           nearest_part(p.hb, seen));
@@ -80,7 +124,7 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
         const Real behind =
             ((normal[u] > 0) == up ? 0 : step_u) + ((normal[v] > 0) == vp ? 0 : step_v);
         const Real bound = axis.gap + behind;
-        if (bound * bound >= best) continue;
+        if (too_far(bound)) continue;
         edge& e = out[count++];
         e.axis = i, e.behind = behind, e.part = side(u, up) | side(v, vp);
         e.middle[i] = 0;
@@ -96,7 +140,7 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
     for (int kb = 0; kb < count_b; ++kb) {
       const edge &ea = of_a[ka], &eb = of_b[kb];
       const Real bound = axis.gap + ea.behind + eb.behind;
-      if (bound * bound >= best) continue;
+      if (too_far(bound)) continue;
       const vector3<Real> u = vector3<Real>::Unit(ea.axis), v = column_of(p.axes, eb.axis),
                           middle = p.from_b(eb.middle);
       Real s, t;
@@ -117,26 +161,12 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
 /// The two edges that cross along the best edge axis of boxes which touch or overlap.
 template <class Real>
 box_contact<Real> crossing_edges(const box_pair<Real>& p, const box_axes<Real>& axes) {
-  const box_axis<Real>& e = axes.edge;
-  const vector3<Real> inwards = p.axes.transpose() * -e.normal;
+  const edge_crossing<Real> x(p, axes.edge);
   box_contact<Real> found;
-  vector3<Real> middle_a = vector3<Real>::Zero(), middle_b = vector3<Real>::Zero();
-  for (int d = 1; d < 3; ++d) {
-    const int u = (e.i + d) % 3, k = (e.j + d) % 3;
-    middle_a[u] = e.normal[u] > 0 ? p.ha[u] : -p.ha[u];
-    middle_b[k] = inwards[k] > 0 ? p.hb[k] : -p.hb[k];
-    found.a |= side(u, e.normal[u] > 0);
-    found.b |= side(k, inwards[k] > 0);
-  }
-  const vector3<Real> u = vector3<Real>::Unit(e.i), v = p.axes.col(e.j),
-                      middle = p.from_b(middle_b);
-  Real s = 0, t = 0;
-  nearest_on_lines(middle_a, u, middle, v, s, t);
-  s = std::clamp(s, -p.ha[e.i], p.ha[e.i]);
-  t = std::clamp(t, -p.hb[e.j], p.hb[e.j]);
-  found.normal = e.normal;
-  found.point = Real(0.5) * (middle_a + s * u + middle + t * v);
-  found.gap = e.gap;
+  found.a = x.part_a, found.b = x.part_b;
+  found.normal = axes.edge.normal;
+  found.point = Real(0.5) * (x.middle_a + x.s * x.along_a + x.middle_b + x.t * x.along_b);
+  found.gap = axes.edge.gap;
   return found;
 }
 

@@ -43,7 +43,7 @@ class box_patches {
     const number face = of_b_ ? gaps.face_b : gaps.face_a;
     const number root = square_root(magnitude(gaps.edge));
     const number edge = gaps.edge < zero ? -root : root;
-    good_ = ~(edge > face + tolerance(face));
+    by_edge_ = edge > face + tolerance(face);
     const number best = more(more(gaps.face_a, gaps.face_b), edge);
     const mask apart = best > 1e-6 * smallest;
     const number enough = best + (apart ? 0.05 * best + 1e-4 * smallest : tolerance(best));
@@ -183,13 +183,16 @@ class box_patches {
     }
     sides = area > zero ? sides : -sides;
     doubtful |= (entries != mask{}) | (((sides - outline) & (mask{} + 3)) != mask{});
-    good_ &= (lowest_ <= enough) & ~doubtful;
+    good_ = (lowest_ <= enough) & ~doubtful;
   }
 
-  /// Whether the manifold of a lane equals that of collide_boxes(), and has at most four corners.
+  /// Whether the manifold of a lane equals that of collide_boxes() and has at most four corners, if
+  /// collide_boxes() uses the face: an edge axis with a clearly larger gap, by_edge(), may decide
+  /// against it.
   [[nodiscard]] bool good(unsigned lane) const {
     return good_[lane] != 0 && std::popcount(static_cast<unsigned>(found_[lane])) <= 4;
   }
+  [[nodiscard]] bool by_edge(unsigned lane) const { return by_edge_[lane] != 0; }
   [[nodiscard]] bool of_b(unsigned lane) const { return of_b_[lane] != 0; }
   [[nodiscard]] int axis(unsigned lane) const { return static_cast<int>(axis_[lane]); }
   [[nodiscard]] bool positive(unsigned lane) const { return positive_[lane] != 0; }
@@ -237,7 +240,7 @@ class box_patches {
   number u_[kinds], v_[kinds], gap_[kinds];
   mask side_[8];  ///< of a crossing: 0 and 1 are the sides of u, 2 and 3 those of v
   number axis_, incident_, half_, lowest_;
-  mask of_b_, positive_, up_, found_, good_;
+  mask of_b_, positive_, up_, found_, good_, by_edge_;
 };
 
 #pragma GCC diagnostic pop

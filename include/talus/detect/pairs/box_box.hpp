@@ -45,7 +45,7 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
   const bool face_of_b = axes.face_b.gap > axes.face_a.gap + tolerance(axes.face_a.gap);
   const box_axis<Real>& face = face_of_b ? axes.face_b : axes.face_a;
   const bool by_face = !(axes.edge.gap > face.gap + tolerance(face.gap)) ||
-                       axes.edge.normal.dot(face.normal) > Real(0.98);
+                       axes.edge_along(face);
   const bool apart = best > Real(1e-6) * smallest;
 
   if (by_face) {
@@ -81,11 +81,17 @@ template <class Sink, class Real>
 void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box_batch<Real>& batch,
                    unsigned lane, Real margin, Sink&& sink) {
   const box_patches<Real>& patches = batch.patches();
-  if (!patches.good(lane))
-    return collide_boxes(a, b, batch.pair(lane), batch.gaps(lane), margin, sink);
+  const box_pair<Real> pair = batch.pair(lane);
+  const auto by_face = [&] {
+    if (!patches.by_edge(lane)) return true;
+    const box_axes<Real> axes(pair, batch.gaps(lane));
+    return axes.edge_along(patches.of_b(lane) ? axes.face_b : axes.face_a);
+  };
+  if (!patches.good(lane) || !by_face())
+    return collide_boxes(a, b, pair, batch.gaps(lane), margin, sink);
   std::array<box_contact<Real>, 4> found;
   const std::size_t size = patches.corners(lane, found);
-  give_patch(a, b, batch.pair(lane), patches.axis(lane), patches.positive(lane), patches.of_b(lane),
+  give_patch(a, b, pair, patches.axis(lane), patches.positive(lane), patches.of_b(lane),
              found, size, sink);
 }
 
