@@ -71,6 +71,7 @@ struct joint_view {
   int rows = 0;
   joint_line* lines = nullptr;
   real* impulse = nullptr;
+  const real* earlier = nullptr;  ///< those of the last step
 };
 
 }  // namespace talus::detail

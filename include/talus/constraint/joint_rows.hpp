@@ -34,7 +34,8 @@ struct joint_rows {
   using change = row_values<rows>;
 
   std::array<joint_line, static_cast<std::size_t>(rows)> lines;
-  change r;  ///< impulses
+  change r;        ///< impulses
+  change earlier;  ///< those of the last step
   change correction_impulse;
   change correction_rate;  ///< of the rows, which removes the position errors
   change split;            ///< velocities that correct what isotropic bodies do not correct
@@ -66,7 +67,7 @@ struct joint_rows {
       split[k] = corrects ? real(-0.2) / when.dt * line.error : 0;
     }
   }
-  [[nodiscard]] joint_view view() { return {a, b, rows, lines.data(), r.at.data()}; }
+  [[nodiscard]] joint_view view() { return {a, b, rows, lines.data(), r.at.data(), earlier.at.data()}; }
 
   void prepare(const state& s, real split_a, real split_b) {
     system = correction = {};

@@ -142,7 +142,7 @@ void place_joints(world_state<Scenario>& s) {
                               world_state<Scenario>::midpoint && !shared && solves_directly(s)};
       c.place(r.anchors, body_of(a), body_of(b, seen_from(s, a.position, b.position)), when,
               r.coordinates);
-      c.set(r.impulse);
+      c.set(r.impulse), c.earlier = r.impulse;
       const contact_key key{r.key.a, r.key.b, r.key.number};
       if (shared)
         of_kind.list.add_boundary(c, key, a.own, nullptr);

@@ -182,7 +182,7 @@ class moved_joints {
         plain_vector<joint_view> views;
         for (const moved_joint& j : all)
           views.push_back({j.a, j.b, j.solved.rows, lines_.data() + j.first,
-                           impulses_.data() + j.first});
+                           impulses_.data() + j.first, nullptr});
         system_.gather({views.data(), views.size()}, bodies);
       }
       system_.solve(bodies);

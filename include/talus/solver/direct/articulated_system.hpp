@@ -92,6 +92,8 @@ class articulated_system {
     return first_[at(place_[at(bodies_ + j)])];
   }
   [[nodiscard]] std::size_t size() const { return scale_.size(); }
+  /// The compliance that the factorization has added to a row, by its position.
+  [[nodiscard]] real added(std::size_t row) const { return added_[row]; }
 
   /// Replaces the right-hand side by the solution.
   void solve(plain_vector<real>& x) const {
@@ -137,6 +139,9 @@ class articulated_system {
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};
+  /// The compliance added to a row, as a part of what the elimination has left of its diagonal. If
+  /// that is but round-off, the row depends on others and is left out.
+  static constexpr real softness = 1e-8, round_off = 1e-12;
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] bool is_body(std::size_t p) const { return node_[p] < bodies_; }
 
@@ -216,7 +221,7 @@ class articulated_system {
       for (std::size_t k = 1; k < kept; ++k) below[at(list[0])].push_back(list[k]);
       plain_vector<std::int32_t>().swap(list);
     }
-    values_.resize(values), scale_.resize(unknowns);
+    values_.resize(values), scale_.resize(unknowns), added_.assign(unknowns, 0);
     ends_.assign(ties.size(), {});
     for (std::size_t j = 0; j < ties.size(); ++j) {
       const std::int32_t place = place_[at(bodies_) + j];
@@ -242,14 +247,14 @@ class articulated_system {
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j <= i; ++j) d[i * n + j] = -d[i * n + j];
     for (std::size_t i = 0; i < n; ++i) {
-      real least = 0;
+      real least = round_off * d[i * n + i];
       if (!body) {
         const real scale = scale_[first_[p] + i];
-        if (scale == 0) d[i * n + i] = 1;  // an unused row
-        least = std::max(1e-10 * d[i * n + i], 1e-12 * scale);
-        d[i * n + i] += least;
-      } else {
-        least = 1e-14 * d[i * n + i];
+        real& added = added_[first_[p] + i];
+        added = d[i * n + i] > round_off * scale ? softness * d[i * n + i] : scale;
+        if (scale == 0) added = 1;  // an unused row
+        d[i * n + i] = std::max(d[i * n + i], real(0)) + added;
+        least = real(0.1) * added;
       }
       for (std::size_t j = 0; j < i; ++j) {
         real sum = d[i * n + j];
@@ -258,7 +263,7 @@ class articulated_system {
       }
       real pivot = d[i * n + i];
       for (std::size_t k = 0; k < i; ++k) pivot -= d[i * n + k] * d[i * n + k];
-      d[i * n + i] = std::sqrt(std::max(pivot, real(0.1) * least));
+      d[i * n + i] = std::sqrt(std::max(pivot, least));
     }
   }
   /// Subtracts sign Y_e Y_f' of column p from a block: the lower triangle of the diagonal is enough.
@@ -280,7 +285,7 @@ class articulated_system {
   plain_vector<std::int32_t> later_;  ///< places of the blocks below, ascending
   plain_vector<std::size_t> block_;
   plain_vector<ends> ends_;
-  plain_vector<real> values_, scale_;
+  plain_vector<real> values_, scale_, added_;
 };
 
 }  // namespace talus::detail

@@ -153,7 +153,7 @@ class articulation {
   /// Solves the rows that are at no bound, and repeats that with what is left of them.
   template <class Bodies>
   void refine(Bodies& all) {
-    constexpr int most = 6;
+    constexpr int most = 8;
     real last = unbounded;
     for (int k = 0; k < most; ++k) {
       real left = 0, scale = 0;
@@ -173,6 +173,12 @@ class articulation {
       if (!(left > real(4e-16) * scale) || !(left < real(0.5) * last)) return;
       last = left;
       if (!factorized_) factorize();
+      if (k == 0)  // impulses of rows that depend on others would grow by round-off
+        each_row([&](std::size_t j, std::size_t i, const joint_line&, real& r) {
+          if (held_[first_[j] + i] != bound::none) return;
+          const std::size_t row = system_.of_joint(static_cast<std::int32_t>(j)) + i;
+          rest_[row] -= system_.added(row) * r;
+        });
       system_.solve(rest_);
       each_row([&](std::size_t j, std::size_t i, const joint_line& x, real& r) {
         if (held_[first_[j] + i] != bound::none) return;
