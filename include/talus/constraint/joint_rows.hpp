@@ -39,6 +39,7 @@ struct joint_rows {
   change correction_impulse;
   change correction_rate;  ///< of the rows, which removes the position errors
   change split;            ///< velocities that correct what isotropic bodies do not correct
+  change before;           ///< velocities of the rows at the start of the step
   small_system<rows> system, correction;
   vec3 arm_a{0, 0, 0};  ///< from the centre of mass of a to its point
   std::int32_t a = 0, b = 0;
@@ -62,6 +63,7 @@ struct joint_rows {
       const joint_line& line = lines[index(k)];
       const real u = line.force.dot(on_a.velocity - on_b.velocity) + line.moment_a.dot(on_a.spin) -
                      line.moment_b.dot(on_b.spin);
+      before[k] = u;
       const bool corrects = line.use == line_use::holds && !when.reflects;
       correction_rate[k] = corrects ? u - correction_rate[k] / when.dt : 0;
       split[k] = corrects ? real(-0.2) / when.dt * line.error : 0;
@@ -113,12 +115,16 @@ struct joint_rows {
   void set(const change& next) { r = next; }
   [[nodiscard]] wrench on_a() const { return wrench_on_a(r); }
   [[nodiscard]] wrench on_b() const { return wrench_on_b(r); }
-  /// The part of on_a() and on_b() that may do work: of motors, springs, friction and limits.
+  /// The impulses of motors, springs and friction: they may do work.
   [[nodiscard]] change driven() const {
     change d;
     for (int k = 0; k < rows; ++k)
       if (lines[index(k)].use == line_use::drives) d[k] = r[k];
     return d;
+  }
+  /// Their work, on both bodies.
+  [[nodiscard]] real driven_work(const state& s) const {
+    return real(0.5) * driven().dot(before + velocities(s));
   }
   [[nodiscard]] wrench wrench_on_a(const change& d) const {
     wrench x;

@@ -23,7 +23,7 @@ template <class Scenario>
 void project_joints(world_state<Scenario>& s, real ahead) {
   moved_joints<Scenario> joints(s, ahead);
   if (joints.all.empty()) return;
-  joints.iterate(
+  const real error = joints.iterate(
       0,
       [&] {
         real worst = 0;
@@ -45,6 +45,7 @@ void project_joints(world_state<Scenario>& s, real ahead) {
           joints.ends[k].orientation = turned<real>(joints.ends[k].orientation, d.w);
         }
       });
+  if (!(error <= joints.first_error())) return;
   each_jointed(s, true, [&](auto& b, std::size_t i, std::size_t k) {
     const joint_end& to = joints.ends[k];
     auto& store = b.movable;

@@ -165,18 +165,21 @@ class moved_joints {
     }
     return worst;
   }
+  /// The error before the last iterate().
+  [[nodiscard]] real first_error() const { return first_error_; }
   /// Repeats: measure() writes the rows with their targets, may set motions, which are 0 before, and
   /// returns the largest error; the joints are solved; move() applies the motions of `bodies`. Returns the last error.
   template <class Measure, class Move>
   real iterate(int least, Measure&& measure, Move&& move) {
-    constexpr int most = 12;
-    real last = unbounded;
-    for (int k = 0;; ++k) {
+    constexpr int most = 30, most_idle = 3;
+    real best = unbounded;
+    for (int k = 0, idle = 0;; ++k) {
       bodies.clear();
       const real worst = measure();
-      const bool improves = worst < real(0.5) * last;
-      if (k == most || (k >= least && (worst <= enough || !improves))) return worst;
-      last = worst;
+      idle += !(worst < real(0.5) * best);
+      if (k == 0) first_error_ = worst;
+      if (k == most || (k >= least && (worst <= enough || idle == most_idle))) return worst;
+      best = std::min(best, worst);
       impulses_.assign(impulses_.size(), 0);
       if (k == 0) {
         plain_vector<joint_view> views;
@@ -191,12 +194,13 @@ class moved_joints {
   }
 
  private:
-  static constexpr real enough = 1e-15;
+  static constexpr real enough = 4e-15;
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   state_type& s_;
   plain_vector<joint_line> lines_;
   plain_vector<real> impulses_;
+  real first_error_ = 0;
   articulations system_;
 };
 
