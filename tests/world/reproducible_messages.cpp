@@ -31,7 +31,9 @@ std::uint64_t messages_of(const any_decomposition& how, int ranks) {
     const auto sites = simple_cubic{.spacing = 0.75, .origin = {-3.75, -3.75, 0.5}} &
                        vertical_cylinder{.radius = 3.2};
     w.fill(sites.first(300), [](const site& place, random_stream& random) {
-      return body{.shape = sphere{random.uniform(0.3, 0.37)}, .position = place.position};
+      return body{.shape = sphere{random.uniform(0.3, 0.37)},
+                  .position = place.position,
+                  .velocity = random.uniform(vec3(-1, -1, 0), vec3(1, 1, 0))};
     });
     for (int k = 0; k < 240; ++k) w.step(1.0 / 240);
     std::uint64_t messages = w.step_messages().messages_max;
