@@ -45,7 +45,10 @@ void use_single_images(world_state<Scenario>& s) {
         first[i] = of_id.at(value_of(id_of_number(s, i)));
     auto&& lists = solver_lists<true>(s);
     each_of(lists, [&](auto& list) {
-      if constexpr (requires { list.renumber_shared([](std::int32_t i) { return i; }); })
+      using list_type = std::remove_reference_t<decltype(list)>;
+      if constexpr (requires(list_type & l, std::int32_t(*f)(std::int32_t)) {
+                      l.renumber_shared(f);
+                    })
         list.renumber_shared([&](std::int32_t i) { return first[static_cast<std::size_t>(i)]; });
     });
   }
