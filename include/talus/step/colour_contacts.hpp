@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <unordered_map>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
