@@ -43,6 +43,8 @@ class block_planner {
     }
     return static_cast<std::int64_t>(block) * Lanes + lane;
   }
+  /// How many lanes of a block are in use: the first.
+  [[nodiscard]] unsigned filled(std::size_t block) const { return filled_[block]; }
   [[nodiscard]] std::size_t bytes() const {
     return used_.capacity() * sizeof(use) + filled_.capacity();
   }

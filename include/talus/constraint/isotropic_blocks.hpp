@@ -118,6 +118,16 @@ struct isotropic_correction {
   Wide rate, impulse;
 };
 
+/// New data of up to eight contacts between the same bodies as before, for
+/// isotropic_blocks::renew().
+struct renewed_contacts {
+  using wide = wide_pack<real>;
+  pack_vector<wide> normal;
+  wide arm_a, arm_b, target_velocity, correction_rate, friction;
+  bool slides = false;  ///< whether `friction` has changed
+  static constexpr int lanes = lanes_of<wide>;
+};
+
 /// The container of these contacts; contact_row is that of others. `Planner` assigns contacts to
 /// blocks.
 template <class Contact,
@@ -138,22 +148,68 @@ class isotropic_blocks {
     used_ = 0;
   }
   void add(const Contact& c, bool a_moves, bool b_moves) {
-    const std::int64_t slot =
-        a_moves ? plan_.place(c.a, paired && b_moves ? c.b : -1) : plan_.place(c.b, -1);
-    if (slot < 0) {
-      slots_.push_back(overflow | static_cast<std::uint32_t>(overflow_.size()));
-      overflow_.push_back(c);
-      return;
+    const std::int64_t slot = next_slot(c, a_moves, b_moves);
+    if (slot >= 0)
+      put(static_cast<std::size_t>(slot) / lanes, static_cast<std::size_t>(slot) % lanes, c);
+  }
+  /// Adds a contact of which only the bodies and the friction are set; renew() sets the others.
+  void add_pair(const Contact& c, bool a_moves, bool b_moves) {
+    const std::int64_t slot = next_slot(c, a_moves, b_moves);
+    if (slot < 0) return;
+    const std::size_t l = static_cast<std::size_t>(slot) % lanes;
+    block& x = blocks_[static_cast<std::size_t>(slot) / lanes];
+    if constexpr (requires { x.friction; }) x.friction[l] = c.friction;
+    x.a[l] = c.a, x.b[l] = c.b;
+  }
+  /// Sets new data of all contacts: renewed(a, b, count, data) computes those of contacts between
+  /// the bodies a[k] and b[k], and returns false if one of them is none. Then so does this
+  /// function, and the contacts are to be made anew. The impulses stay; load_renewed_impulses()
+  /// completes them.
+  template <class F>
+  [[nodiscard]] bool renew(F&& renewed) {
+    constexpr int part = renewed_contacts::lanes;
+    renewed_contacts next;
+    for (std::size_t at = 0; at < used_; ++at) {
+      block& x = blocks_[at];
+      const auto filled = static_cast<int>(plan_.filled(at));
+      pack_vector<wide> normal{};
+      wide arm_a{}, arm_b{};
+      correction& c = corrections_[at];
+      c = correction{}, x.target_velocity = wide{};
+      for (int first = 0; first < filled; first += part) {
+        const int count = std::min(filled - first, part);
+        if (!renewed(x.a + first, x.b + first, count, next)) return false;
+        const auto put = [&](wide& all, const renewed_contacts::wide& of_part) {
+          put_part(all, first, of_part, count);
+        };
+        put(normal.x, next.normal.x), put(normal.y, next.normal.y), put(normal.z, next.normal.z);
+        put(arm_a, next.arm_a), put(arm_b, next.arm_b);
+        put(x.target_velocity, next.target_velocity), put(c.rate, next.correction_rate);
+        if constexpr (requires { x.friction; })
+          if (next.slides) put(x.friction, next.friction);
+      }
+      x.renew(normal, arm_a, arm_b);
     }
-    slots_.push_back(static_cast<std::uint32_t>(slot));
-    const auto at = static_cast<std::size_t>(slot) / lanes;
-    for (; used_ <= at; ++used_) {
-      if (used_ == blocks_.size()) blocks_.emplace_back(), corrections_.emplace_back();
-      make_empty(used_, c);
+    for (std::size_t first = 0; first < overflow_.size(); first += part) {
+      const auto count = static_cast<int>(std::min(overflow_.size() - first, std::size_t{part}));
+      std::int32_t a[part], b[part];
+      for (int l = 0; l < count; ++l)
+        a[l] = overflow_[first + static_cast<std::size_t>(l)].a,
+        b[l] = overflow_[first + static_cast<std::size_t>(l)].b;
+      if (!renewed(a, b, count, next)) return false;
+      for (int l = 0; l < count; ++l)
+        renew_single(overflow_[first + static_cast<std::size_t>(l)], next,
+                     static_cast<std::size_t>(l));
     }
-    const std::size_t lane = static_cast<std::size_t>(slot) % lanes;
-    if (lane == 0) make_empty(at, c);  // blocks do not begin in their order
-    put(at, lane, c);
+    return true;
+  }
+  void load_renewed_impulses() {
+    for (block& x : used()) x.load_kept_impulses();
+    for (Contact& c : overflow_) c.load_kept_impulses();
+  }
+  void drop_impulses() {
+    for (block& x : used()) x.set({});
+    for (Contact& c : overflow_) c.set({});
   }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
@@ -254,6 +310,45 @@ class isotropic_blocks {
   [[nodiscard]] std::span<block> used() { return {blocks_.data(), used_}; }
   [[nodiscard]] std::span<const block> used() const { return {blocks_.data(), used_}; }
 
+  /// Slot of a contact that is added, in a block that has begun; or -1 if it is added to the
+  /// overflow.
+  [[nodiscard]] [[gnu::always_inline]] inline std::int64_t next_slot(const Contact& c, bool a_moves,
+                                                                     bool b_moves) {
+    const std::int64_t slot =
+        a_moves ? plan_.place(c.a, paired && b_moves ? c.b : -1) : plan_.place(c.b, -1);
+    if (slot < 0) {
+      slots_.push_back(overflow | static_cast<std::uint32_t>(overflow_.size()));
+      overflow_.push_back(c);
+      return slot;
+    }
+    slots_.push_back(static_cast<std::uint32_t>(slot));
+    const auto at = static_cast<std::size_t>(slot) / lanes;
+    for (; used_ <= at; ++used_) {
+      if (used_ == blocks_.size()) blocks_.emplace_back(), corrections_.emplace_back();
+      make_empty(used_, c);
+    }
+    if (slot % lanes == 0) make_empty(at, c);  // blocks do not begin in their order
+    return slot;
+  }
+  /// The first `count` numbers of a part of the lanes, from `first` on.
+  [[gnu::always_inline]] static void put_part(wide& all, int first,
+                                              const renewed_contacts::wide& of_part, int count) {
+    using part = renewed_contacts::wide;
+    if constexpr (std::is_same_v<wide, part>) {
+      const part number{0, 1, 2, 3, 4, 5, 6, 7};
+      all = choose(number < every_lane<part>(count), of_part, all);
+    } else {
+      for (int l = 0; l < count; ++l) all[first + l] = static_cast<number>(of_part[l]);
+    }
+  }
+  static void renew_single(Contact& c, const renewed_contacts& next, std::size_t l) {
+    const auto of_lane = [l](const auto& part) { return static_cast<number>(part[l]); };
+    c.renew(in_scalar<number>(lane(next.normal, l)), of_lane(next.arm_a), of_lane(next.arm_b));
+    c.target_velocity = of_lane(next.target_velocity);
+    c.correction_rate = of_lane(next.correction_rate), c.correction_impulse = 0;
+    if constexpr (requires { c.friction; })
+      if (next.slides) c.friction = of_lane(next.friction);
+  }
   void make_empty(std::size_t at, const Contact& first) {
     const wide zero = every_lane<wide>(number(0));
     block& x = blocks_[at];

@@ -131,8 +131,12 @@ struct tangential_rows {
   [[gnu::always_inline]] void store(const impulse_type& r) { rt = r.t; }
   /// An impulse that is still to be loaded into lane l takes the place of the tangential one.
   void keep(std::size_t l, const auto& impulse, const auto&, Pack&) { put_lane(rt, l, impulse); }
+  [[gnu::always_inline]] void keep(const vectors& impulse, const vectors&, Pack&) { rt = impulse; }
   [[nodiscard]] [[gnu::always_inline]] impulse_type kept(const Pack&, const vectors& normal) const {
     return in_frame(rt, normal);
+  }
+  [[gnu::always_inline]] void set_arms(const Pack& of_a, const Pack& of_b) {
+    arm_a = of_a, arm_b = of_b;
   }
   /// Calls f(data of x, the same of y).
   static void each_part(auto& x, auto& y, auto&& f) {
@@ -193,9 +197,13 @@ struct tangential_rows<Pack, frictionless> {
   static void keep(std::size_t l, const auto& impulse, const auto& normal, Pack& rn) {
     rn[l] = detail::dot(normal, impulse);
   }
+  [[gnu::always_inline]] static void keep(const vectors& impulse, const vectors& normal, Pack& rn) {
+    rn = detail::dot(normal, impulse);
+  }
   [[nodiscard]] [[gnu::always_inline]] impulse_type kept(const Pack& rn, const vectors&) const {
     return {rn};
   }
+  [[gnu::always_inline]] static void set_arms(const Pack&, const Pack&) {}
   static void each_part(auto&, auto&, auto&&) {}
   [[nodiscard]] [[gnu::always_inline]] static impulse_type in_frame(const vectors& impulse,
                                                                     const vectors& normal) {
@@ -257,7 +265,14 @@ struct isotropic_rows : tangential_rows<Pack, Cone> {
   }
   /// Keeps an impulse of the last step for lane l; then load_kept_impulses() loads those of all.
   void keep_impulse(std::size_t l, const vector3<lane_of<Pack>>& impulse) {
-    this->keep(l, impulse, lane(normal, l), rn);
+    tangential_rows<Pack, Cone>::keep(l, impulse, lane(normal, l), rn);
+  }
+  /// Keeps the impulses of all lanes, which get new normals and arms.
+  [[gnu::always_inline]] void renew(const vectors& next, const Pack& arm_a, const Pack& arm_b) {
+    const vectors impulse = impulse_in_frame().along(normal);
+    normal = next;
+    this->set_arms(arm_a, arm_b);
+    tangential_rows<Pack, Cone>::keep(impulse, normal, rn);
   }
   void load_kept_impulses() {
     change r = this->kept(rn, normal);

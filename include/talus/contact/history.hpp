@@ -33,8 +33,14 @@ class history_of {
     // With some slack, so that a slowly growing number of contacts does not allocate in each step.
     if (n > entries_.capacity()) entries_.reserve(n + n / 8);
     arrived_ = nothing;
-    indexed_ = false, places_hold_ = false;
+    indexed_ = false, places_hold_ = false, unchanged_ = false;
   }
+  /// Whether the contacts are those of the last step: nothing has changed since their solver called
+  /// hold().
+  [[nodiscard]] bool unchanged() const { return unchanged_; }
+  void hold() { unchanged_ = true; }
+  /// Until hold() is called again.
+  void release() { unchanged_ = false; }
   /// Whether every place that the neighbour list holds is that of the contact of its pair: nothing
   /// was added since the step that recorded them. Otherwise keys are compared.
   [[nodiscard]] bool places_hold() const { return places_hold_; }
@@ -42,13 +48,13 @@ class history_of {
   void hold_places() { places_hold_ = true; }
   [[gnu::always_inline]] inline void add(const contact_key& key, const Memory& memory) {
     entries_.push_back({key, memory});
-    places_hold_ = false;
+    places_hold_ = false, unchanged_ = false;
     if (indexed_) [[unlikely]]
       index_last();
   }
   /// Adds room for `n` contacts, which the caller fills in, or removes again with drop_last().
   [[nodiscard, gnu::always_inline]] inline entry* add_some(std::size_t n) {
-    indexed_ = false;
+    indexed_ = false, unchanged_ = false;
     return entries_.extend(n);
   }
   [[gnu::always_inline]] inline void drop_last(std::size_t n) { entries_.shorten(n); }
@@ -65,6 +71,7 @@ class history_of {
   }
   /// Resets the memory of contacts of a body. They keep their places.
   [[gnu::cold]] void forget(system_id body) {
+    unchanged_ = false;
     for (entry& e : entries_)
       if (e.key.a == body || e.key.b == body) {
         if constexpr (requires { Memory::Zero(); })
@@ -147,7 +154,10 @@ class history_of {
   }
   [[nodiscard]] std::span<const entry> entries() const { return entries_; }
   /// To change memories; keys stay.
-  [[nodiscard]] std::span<entry> entries() { return entries_; }
+  [[nodiscard]] std::span<entry> entries() {
+    unchanged_ = false;
+    return entries_;
+  }
   [[nodiscard]] std::size_t bytes() const {
     return entries_.capacity() * sizeof(entry) + slots_.capacity() * sizeof(std::uint32_t);
   }
@@ -192,6 +202,7 @@ class history_of {
   plain_vector<entry> entries_;
   std::size_t arrived_ = nothing;  ///< the first entry from another rank
   bool places_hold_ = false;
+  bool unchanged_ = false;
   mutable bool indexed_ = false;
   mutable plain_vector<std::uint32_t> slots_;  ///< index of the entry, from 1; 0 is empty
 };

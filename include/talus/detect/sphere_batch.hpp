@@ -34,11 +34,48 @@ class sphere_batch {
 
   /// A contact has a gap of at most `margin`; one with a gap above `slack` must be about to close.
   void set(unsigned lane, const moving_sphere& a, const moving_sphere& b, real margin, real slack) {
-    a_[lane] = &a, b_[lane] = &b;
+    set(lane, a, b);
     margin_[lane] = margin, slack_[lane] = slack;
+  }
+  /// The same for collide_in_reach().
+  void set(unsigned lane, const moving_sphere& a, const moving_sphere& b) {
+    a_[lane] = &a, b_[lane] = &b;
   }
   /// Computes the contacts of the first `count` pairs. Bit k is set if pair k has one.
   [[nodiscard]] unsigned collide(unsigned count, real gravity, real dt) {
+    return collide(
+        count, gravity, dt,
+        [](auto&&...) __attribute__((always_inline)) { return mask_of<wide>{}; });
+  }
+  /// The same with margins that are the reaches of the two spheres without their radii, and slacks
+  /// of this part of the smaller radius for each.
+  [[nodiscard]] unsigned collide_in_reach(unsigned count, real gravity, real dt, real slack_part) {
+    const wide part = every_lane<wide>(slack_part);
+    return collide(
+        count, gravity, dt,
+        [&](const wide& reach_a, const wide& radius_a, const wide& reach_b, const wide& radius_b,
+            const wide& squared) __attribute__((always_inline)) {
+          const wide difference = radius_a - radius_b;
+          const wide excess = part * (difference < wide{} ? -difference : difference);
+          margin_ = (reach_a - radius_a) + (reach_b - radius_b) - excess;
+          slack_ = part * radius_a + (part * radius_b - excess);
+          const wide reach = reach_a + reach_b;
+          return squared > reach * reach;
+        });
+  }
+
+  pack_vector<wide> normal;    ///< from b to a
+  pack_vector<wide> velocity;  ///< of a against b at the contact
+  wide gap;
+  wide approach;      ///< the velocity along the normal
+  wide arm_a, arm_b;  ///< distances of the contact from the centres
+
+ private:
+  /// `find_margins` may set the margins and slacks; the mask that it returns excludes pairs.
+  template <class FindMargins>
+  [[nodiscard]] [[gnu::always_inline]] inline unsigned collide(unsigned count, real gravity,
+                                                               real dt,
+                                                               FindMargins&& find_margins) {
     for (unsigned k = count; k < capacity; ++k) a_[k] = a_[0], b_[k] = b_[0];
     const auto rows = [](const auto& of, auto part) {
       return gather<wide>([&](int k) {
@@ -55,8 +92,10 @@ class sphere_batch {
 
     const wide zero = every_lane<wide>(0), one = every_lane<wide>(1);
     const pack_vector<wide> d = vectors_in(place_a) - vectors_in(place_b);
+    const wide squared = dot(d, d);
+    const auto excluded = find_margins(place_a.w, motion_a.w, place_b.w, motion_b.w, squared);
     const wide touch = motion_a.w + motion_b.w, reach = touch + margin_;
-    const wide squared = dot(d, d), distance = square_root(squared), inverse = one / distance;
+    const wide distance = square_root(squared), inverse = one / distance;
     const auto apart = squared > every_lane<wide>(1e-200);  // else along z
     normal = {apart ? inverse * d.x : zero, apart ? inverse * d.y : zero,
               apart ? inverse * d.z : one};
@@ -72,17 +111,10 @@ class sphere_batch {
     arm_b = dot(normal, lever_b);
     const wide closing = approach * dt - every_lane<wide>(2 * gravity * dt * dt);
     const auto near = squared <= reach * reach;
-    const auto left_out = (gap > slack_) & (gap + closing > slack_);
+    const auto left_out = excluded | ((gap > slack_) & (gap + closing > slack_));
     return bits_of(both(near, inverted(left_out))) & ((1u << count) - 1);
   }
 
-  pack_vector<wide> normal;    ///< from b to a
-  pack_vector<wide> velocity;  ///< of a against b at the contact
-  wide gap;
-  wide approach;      ///< the velocity along the normal
-  wide arm_a, arm_b;  ///< distances of the contact from the centres
-
- private:
   std::array<const moving_sphere*, capacity> a_, b_;
   wide margin_{}, slack_{};
 };

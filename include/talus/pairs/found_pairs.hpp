@@ -25,7 +25,7 @@ template <class Scenario, class Make>
 void each_found_pair(world_state<Scenario>& s, Make&& make) {
   each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
     auto take = make.template operator()<A, B, P>();
-    const auto& of_a = s.template of<A>();
+    [[maybe_unused]] const auto& of_a = s.template of<A>();
     const auto& of_b = s.template of<B>();
     constexpr bool moving = P == partner::moving;
     const auto& a = of_a.movable;
@@ -45,7 +45,9 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
       take(i, j, margin(a, of_a.reach[i], i), margin_b, pair.last);
     };
     auto& list = s.found.lists[kind];
-    if constexpr (!B::finite) {
+    if constexpr (requires { take.make_all(list); }) {
+      take.make_all(list);
+    } else if constexpr (!B::finite) {
       for (close_pair& pair : list) take_pair(pair);
     } else {
       constexpr std::size_t ahead = 6;

@@ -96,6 +96,7 @@ template <class Scenario>
     found.locals = b.movable.locals;
     ++k;
   });
+  ++s.found.searches;
   const history_place anew = s.history.place_of_arrivals();
   each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {
     constexpr std::size_t a = index_of<finite_shapes, A>;
@@ -192,6 +193,7 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
 
   candidate_pairs& found = s.found;
   found.known = false;
+  ++found.searches;
   for (auto& list : found.lists) list.clear();
   std::size_t kinds = 0;
   each_neighbour_pair(s, [&]<class A, class B, partner P>() {

@@ -35,6 +35,12 @@ struct interior_contacts<Contact> {
   using type = typename Contact::blocks;
 };
 
+/// Contacts that can be kept from step to step, with new data; see step/kept_contacts.hpp.
+template <class Contact>
+concept renewable = Contact::paired && requires {
+  typename Contact::blocks;
+};
+
 /// Interior contacts, with the search for their last impulses.
 template <class Contact>
 struct keyed_contacts {
@@ -66,6 +72,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void clear() {
     inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
     foreign_keys_.clear();
+    renewed_ = false;
   }
   /// `last` is the position in the history of the contacts of its pair, unknown if null. It is kept
   /// up to date. `at_border`: whether other ranks need the velocity of one of the bodies.
@@ -76,6 +83,21 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     p.keys.push_back(key);
     p.places.push_back(last);
   }
+  /// The same for a contact that is kept for more than one step; renew() sets its data.
+  void add_pair(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
+                history_place* last) requires(renewable<Contact>) {
+    inner_.row.add_pair(contact, a_moves, b_moves);
+    inner_.keys.push_back(key);
+    inner_.places.push_back(last);
+  }
+  /// New data for all contacts between the same bodies; see isotropic_blocks. If they are `kept`
+  /// since the last step, they have its impulses.
+  template <class F>
+  [[nodiscard]] bool renew(bool kept, F&& renewed) requires(renewable<Contact>) {
+    renewed_ = kept;
+    return inner_.row.renew(renewed);
+  }
+  void drop_impulses() requires(renewable<Contact>) { inner_.row.drop_impulses(); }
   void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
                     history_place* last) {
     boundary_.add(contact, key, owns_a, last);
@@ -243,6 +265,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   }
 
   part inner_, border_;
+  bool renewed_ = false;  ///< the contacts have the impulses of the last step
   boundary_contacts<Contact> boundary_;
   plain_vector<Contact> foreign_;
   plain_vector<contact_key> foreign_keys_;
@@ -257,6 +280,8 @@ contact_list<Contact>::~contact_list() = default;
 
 template <class Contact>
 void contact_list<Contact>::load_impulses(const contact_history& history) {
+  if constexpr (renewable<Contact>)
+    if (renewed_) return inner_.row.load_renewed_impulses();
   for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
   boundary_.load_impulses(history);
 }

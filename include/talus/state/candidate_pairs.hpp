@@ -74,6 +74,16 @@ struct close_pair {
   history_place last;  ///< where the history stores the last step's values of their contacts
 };
 
+/// Pairs of spheres of the last search whose contacts are kept from step to step; see
+/// step/kept_contacts.hpp.
+struct kept_contacts {
+  plain_vector<plain_pair<std::uint32_t, std::uint32_t>> apart;  ///< pairs without a contact
+  plain_vector<char> moves;                                      ///< which bodies can move
+  std::uint64_t materials = 0;                                   ///< revision of the table
+  std::uint64_t search = 0;                                      ///< see candidate_pairs::searches
+  bool rebounds = false, slides = false;  ///< conditions depend on the velocities
+};
+
 /// One list for each pair of shapes, and the positions of the bodies of each shape at the search.
 struct candidate_pairs {
   struct shape {
@@ -83,9 +93,11 @@ struct candidate_pairs {
   std::vector<plain_vector<close_pair>> lists;
   std::vector<shape> shapes;
   bool known = false;
-  int steps = 0;     ///< for which they have been valid
-  int failures = 0;  ///< searches in a row that were valid for less than two steps
-  int pause = 0;     ///< steps without a kept neighbour list: bodies move too fast
+  int steps = 0;               ///< for which they have been valid
+  int failures = 0;            ///< searches in a row that were valid for less than two steps
+  int pause = 0;               ///< steps without a kept neighbour list: bodies move too fast
+  std::uint64_t searches = 0;  ///< so far, and renumberings
+  kept_contacts kept;
 
   /// The history has been written anew: contacts are found by key in the next step.
   void forget_places() {
@@ -96,6 +108,7 @@ struct candidate_pairs {
     std::size_t sum = 0;
     for (const shape& s : shapes) sum += s.bodies.capacity() * sizeof(noted_body);
     for (const auto& list : lists) sum += list.capacity() * sizeof(close_pair);
+    sum += kept.apart.capacity() * sizeof(kept.apart[0]) + kept.moves.capacity();
     return sum;
   }
 };

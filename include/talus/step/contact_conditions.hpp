@@ -40,6 +40,10 @@ template <class Law, class Pack>
     return (void)pull, (void)dt, every_lane<Pack>(0);
 }
 
+/// The velocity that iterations leave to a sticking body: a millionth of its size in a step. (If
+/// other bodies press, the bodies themselves may have neither gravity nor forces.)
+[[nodiscard]] inline real creep(real radius, real dt) { return 1e-6 * radius / dt; }
+
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
 /// - Gaps that gravity would close within a step count as closed: surfaces hold there, u_n >= 0,
 ///   and the correction draws loaded ones together. (If bodies fell into such gaps, positions would

@@ -305,7 +305,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
-        creep(x.radius), s_.settings.correction);
+        creep(x.radius, s_.dt), s_.settings.correction);
     real target = want.target_velocity;
     if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
     if constexpr (state_type::midpoint)
@@ -358,7 +358,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (rebounds || between.dynamic_friction < between.friction) [[unlikely]] {
       const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,
-          [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius), s_.settings.correction);
+          [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius, s_.dt),
+          s_.settings.correction);
       set_conditions(c, want.target_velocity, want.correction_rate, want.friction);
     } else {
       set_conditions(c, waiting_.conditions.target_velocity[k],
@@ -494,9 +495,6 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       return !s_.at_border.empty() &&
              (s_.at_border[first_a_ + i] || (paired && s_.at_border[first_b_ + j]));
   }
-  /// The velocity that iterations leave to a sticking body: a millionth of its size in a step. (If
-  /// other bodies press, the bodies themselves may have neither gravity nor forces.)
-  real creep(real radius) const { return 1e-6 * radius / s_.dt; }
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {
     if constexpr (requires { c.r; }) {  // a general contact

@@ -8,6 +8,7 @@
 #include "talus/state/joints.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/contact_maker.hpp"
+#include "talus/step/kept_contacts.hpp"
 #include "talus/step/midpoint.hpp"
 
 namespace talus::detail {
@@ -43,7 +44,9 @@ void wake_ahead(world_state<Scenario>& s) {
 /// Finds all contacts that this rank computes: those that touch a body it owns.
 template <class Scenario>
 void detect(world_state<Scenario>& s) {
-  s.each_contact_list([](auto& list) { list.clear(); });
+  s.each_contact_list([]<class List>(List& list) {
+    if constexpr (!keeps_contacts_in<Scenario, List>()) list.clear();
+  });
   if constexpr (is_cohesive<typename world_state<Scenario>::law>) s.attraction.clear();
   constexpr bool continuous = world_state<Scenario>::continuous;
   if constexpr (world_state<Scenario>::sleeps && continuous) wake_ahead(s);
@@ -63,8 +66,14 @@ void detect(world_state<Scenario>& s) {
     });
     each_neighbour_pair<contact_maker>(s);
   } else if (keep_close_pairs(s)) {
-    each_found_pair<contact_maker>(s);
+    each_found_pair(s, [&]<class A, class B, partner P>() {
+      if constexpr (keeps_contacts_of<Scenario, A, B, P>())
+        return contact_keeper<Scenario>(s);
+      else
+        return contact_maker<Scenario, A, B, P>(s);
+    });
   } else {
+    s.each_contact_list([](auto& list) { list.clear(); });
     prepare_detection(s);
     each_neighbour_pair<contact_maker>(s);
   }

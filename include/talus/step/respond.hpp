@@ -123,6 +123,7 @@ void respond(world_state<Scenario>& s) {
   s.each_contact_list([&](const auto& list) { count += list.size(); });
   s.history.reset(count);
   s.each_contact_list([&](const auto& list) { list.store_impulses(s.history); });
+  s.history.hold();
   if constexpr (world_state<Scenario>::has_joints) store_joint_impulses(s);
 }
 
