@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "talus/core/pack_rows.hpp"
 #include "talus/detect/box_place.hpp"
 #include "talus/detect/detail/box_axes.hpp"
 #include "talus/detect/detail/box_patches.hpp"
@@ -19,33 +20,31 @@ class box_batch {
  public:
   static constexpr unsigned capacity = 8;
 
+  /// The boxes must stay where they are until the test.
   void set(unsigned lane, const box_place<Real>& a, const box_place<Real>& b, Real margin) {
-    const vector3<Real> away = b.position - a.position;
-    for (int i = 0; i < 3; ++i) {
-      ha_[i][lane] = a.half[i];
-      hb_[i][lane] = b.half[i];
-      away_[i][lane] = away[i];
-      for (int j = 0; j < 3; ++j) {
-        a_[i][j][lane] = a.axes(i, j);
-        b_[i][j][lane] = b.axes(i, j);
-      }
-    }
+    at_a_[lane] = &a, at_b_[lane] = &b;
     margin_[lane] = margin;
   }
-  /// Bit k is set unless some axis separates pair k by more than its margin. Unused lanes have no
-  /// effect.
-  [[nodiscard]] unsigned test() {
+  /// Bit k is set unless some axis separates pair k, of the first `count`, by more than its margin.
+  [[nodiscard]] unsigned test(unsigned count = capacity) {
+    for (unsigned k = count; k < capacity; ++k) at_a_[k] = at_a_[0], at_b_[k] = at_b_[0];
+    number a[3][3], b[3][3], away[3];
+    load(at_a_, ha_, a, away);
+    number from[3];
+    for (int i = 0; i < 3; ++i) from[i] = away[i];
+    load(at_b_, hb_, b, away);
+    for (int i = 0; i < 3; ++i) away[i] = away[i] - from[i];
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j)
-        c_[i][j] = a_[0][i] * b_[0][j] + a_[1][i] * b_[1][j] + a_[2][i] * b_[2][j];
-      d_[i] = a_[0][i] * away_[0] + a_[1][i] * away_[1] + a_[2][i] * away_[2];
+        c_[i][j] = a[0][i] * b[0][j] + a[1][i] * b[1][j] + a[2][i] * b[2][j];
+      d_[i] = a[0][i] * away[0] + a[1][i] * away[1] + a[2][i] * away[2];
     }
     gaps_ = find_box_gaps<false>(ha_, hb_, c_, d_, margin_);
     const number square = margin_ * (margin_ < 0 ? -margin_ : margin_);
     const auto near =
         (gaps_.face_a <= margin_) & (gaps_.face_b <= margin_) & (gaps_.edge <= square);
     unsigned bits = 0;
-    for (unsigned k = 0; k < capacity; ++k) bits |= (near[k] != 0 ? 1u : 0u) << k;
+    for (unsigned k = 0; k < count; ++k) bits |= (near[k] != 0 ? 1u : 0u) << k;
     return bits;
   }
   /// Computes the manifolds of all pairs, after test().
@@ -65,7 +64,30 @@ class box_batch {
   }
 
  private:
-  number ha_[3]{}, hb_[3]{}, a_[3][3]{}, b_[3][3]{}, away_[3]{}, margin_{};
+  using places = std::array<const box_place<Real>*, capacity>;
+
+  [[gnu::always_inline]] static void load(const places& of, number (&half)[3], number (&axes)[3][3],
+                                          number (&position)[3]) {
+    const auto rows = [&](auto part) __attribute__((always_inline)) {
+      return gather<number>([&](int k) __attribute__((always_inline)) {
+        const box_place<Real>& x = *of[static_cast<std::size_t>(k)];
+        return row_from<Real>(x, part(x));
+      });
+    };
+    const auto p = rows([](const auto& x) -> auto& { return x.position; });
+    const auto h = rows([](const auto& x) -> auto& { return x.half; });
+    // The nine numbers of the axes, column by column.
+    const auto low = rows([](const auto& x) -> auto& { return x.axes.data()[0]; });
+    const auto high = rows([](const auto& x) -> auto& { return x.axes.data()[4]; });
+    position[0] = p.x, position[1] = p.y, position[2] = p.z;
+    half[0] = h.x, half[1] = h.y, half[2] = h.z;
+    axes[0][0] = low.x, axes[1][0] = low.y, axes[2][0] = low.z, axes[0][1] = low.w;
+    axes[1][1] = high.x, axes[2][1] = high.y, axes[0][2] = high.z, axes[1][2] = high.w;
+    for (unsigned k = 0; k < capacity; ++k) axes[2][2][k] = of[k]->axes(2, 2);
+  }
+
+  places at_a_{}, at_b_{};
+  number ha_[3], hb_[3], margin_{};
   number c_[3][3], d_[3];
   box_gaps<number> gaps_;
   box_patches<Real> patches_;

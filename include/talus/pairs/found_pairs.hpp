@@ -40,9 +40,13 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
     };
     const auto take_pair = [&](auto& pair) __attribute__((always_inline)) {
       const std::size_t i = pair.i, j = pair.j;
-      real margin_b = 0;
-      if constexpr (B::finite) margin_b = margin(b, reach_of_b(j), j);
-      take(i, j, margin(a, of_a.reach[i], i), margin_b, pair.last);
+      if constexpr (requires { take(i, j, pair.last); }) {
+        take(i, j, pair.last);
+      } else {
+        real margin_b = 0;
+        if constexpr (B::finite) margin_b = margin(b, reach_of_b(j), j);
+        take(i, j, margin(a, of_a.reach[i], i), margin_b, pair.last);
+      }
     };
     auto& list = s.found.lists[kind];
     if constexpr (requires { take.make_all(list); }) {

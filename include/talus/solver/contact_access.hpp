@@ -1,7 +1,9 @@
 #pragma once
 // Contact lists of any kind behind one interface: rarely used solvers need not be compiled for each
 // kind of contact.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
@@ -36,6 +38,7 @@ struct contact_calls {
   void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
   void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
   const plain_vector<plain_pair<std::size_t, real>>& (*sweep_watched)(void*, State&, real);
+  real (*largest_correction)(void*);
 };
 
 template <class State>
@@ -71,6 +74,8 @@ class contact_access {
   const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(State& s, real speed) const {
     return calls_->sweep_watched(list_, s, speed);
   }
+  /// The largest correction rate, by its magnitude, of the interior contacts at rest.
+  [[nodiscard]] real largest_correction() const { return calls_->largest_correction(list_); }
 
  private:
   void* list_;
@@ -119,6 +124,14 @@ inline constexpr contact_calls<typename List::state> calls_for{
     [](void* l, typename List::state& s,
        real speed) -> const plain_vector<plain_pair<std::size_t, real>>& {
       return list_at<List>(l).sweep_watched(s, speed);
+    },
+    [](void* l) {
+      real most = 0;
+      list_at<List>(l).each_interior_contact([&](const auto& c) {
+        if (c.target_velocity == 0)
+          most = std::max(most, std::abs(static_cast<real>(c.correction_rate)));
+      });
+      return most;
     }};
 
 /// All lists of contacts of a tuple.

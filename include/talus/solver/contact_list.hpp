@@ -40,6 +40,14 @@ template <class Contact>
 concept renewable = Contact::paired && requires {
   typename Contact::blocks;
 };
+/// Whether a contact has an impulse; its norm is the same in any frame.
+template <class Contact>
+[[nodiscard]] bool carries_load(const Contact& c) {
+  if constexpr (framed<Contact>)
+    return c.impulse_in_frame().dot(c.impulse_in_frame()) > 0;
+  else
+    return c.impulse().squaredNorm() > 0;
+}
 
 /// Interior contacts, with the search for their last impulses.
 template <class Contact>
@@ -196,7 +204,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
         p->row.each_loaded_pair(f);
       else
         for (std::size_t i = 0; i < p->row.size(); ++i)
-          if (const auto& c = p->row[i]; c.impulse().squaredNorm() > 0) f(c.a, c.b);
+          if (const auto& c = p->row[i]; carries_load(c)) f(c.a, c.b);
   }
   template <class F>
   void edit_interior_contacts(F&& f) {

@@ -64,18 +64,19 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   explicit contact_maker(state_type& s)
       : base(s), list_(std::get<list_type>(s.contacts)), motion_(s, a_, b_) {
     if constexpr (batched) {
+      const auto& reach = s.template of<ShapeA>().reach;
       waiting_.places = &s.template of<ShapeA>().places;
       waiting_.places->resize(a_.size());
       for (std::size_t i = 0; i < a_.size(); ++i)
-        (*waiting_.places)[i] = place_of<real>(a_.shape[i], a_.pose(i));
+        (*waiting_.places)[i] = place_of<real>(a_.shape[i], a_.pose(i), reach[i]);
     } else if constexpr (packed) {
       const auto& reach = s.template of<ShapeA>().reach;
-      waiting_.spheres = &s.template of<ShapeA>().places;
-      waiting_.spheres->resize(a_.size());
+      waiting_.places = &s.template of<ShapeA>().places;
+      waiting_.places->resize(a_.size());
       for (std::size_t i = 0; i < a_.size(); ++i)
-        (*waiting_.spheres)[i] = {a_.position[i],         reach[i],
-                                  a_.velocity[i],         a_.shape[i].radius,
-                                  a_.angular_velocity[i], a_.id[i]};
+        (*waiting_.places)[i] = {a_.position[i],         reach[i],
+                                 a_.velocity[i],         a_.shape[i].radius,
+                                 a_.angular_velocity[i], a_.id[i]};
     }
   }
 
@@ -88,11 +89,19 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
     make(i, j, margin_a, margin_b, &last);
   }
+  /// The same with the reach of the places of the bodies.
+  void operator()(std::size_t i, std::size_t j, history_place& last) requires(batched) {
+    const auto margin = [&](std::size_t k) {
+      const box_place<real>& at = (*waiting_.places)[k];
+      return at.reach - at.radius;
+    };
+    make(i, j, margin(i), margin(j), &last);
+  }
   /// Those of `size` kept pairs that are within reach; see pairs/close_pairs.hpp.
   [[nodiscard]] std::size_t find_close(close_pair* pairs, std::size_t size,
-                                       std::uint32_t* close) const requires(packed) {
-    const moving_sphere* const spheres = waiting_.spheres->data();
-    return detail::find_close(pairs, size, spheres, spheres, close);
+                                       std::uint32_t* close) const requires(packed || batched) {
+    const auto* const places = waiting_.places->data();
+    return detail::find_close(pairs, size, places, places, close);
   }
   /// To be called after the last pair: some pairs wait until a batch is full.
   void finish() requires(packed) {
@@ -113,8 +122,10 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
   }
   void finish() requires(batched) {
-    const unsigned count = waiting_.count, near = waiting_.tests.test();
+    const unsigned count = waiting_.count;
     waiting_.count = 0;
+    if (count == 0) return;
+    const unsigned near = waiting_.tests.test(count);
     if (near != 0) waiting_.tests.find_patches();
     for (unsigned k = 0; k < count; ++k) {
       pair_at_hand& x = waiting_.pairs[k];
@@ -146,10 +157,14 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     box_batch<real> tests;
     std::array<pair_at_hand, box_batch<real>::capacity> pairs;
     unsigned count = 0;
+    /// The two boxes of each pair, where they are for this pair.
+    [[no_unique_address]] std::conditional_t<
+        imaged, std::array<std::array<box_place<real>, 2>, box_batch<real>::capacity>, nothing_met>
+        images;
   };
   /// Pairs of spheres, and the properties of the last pair of materials.
   struct waiting_spheres {
-    plain_vector<moving_sphere>* spheres = nullptr;  ///< all of them
+    plain_vector<moving_sphere>* places = nullptr;  ///< of all spheres
     sphere_batch batch;
     std::array<pair_at_hand, sphere_batch::capacity> pairs;
     unsigned count = 0;
@@ -170,10 +185,10 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (!x.made && x.last != nullptr) *x.last = history_place::none;
   }
 
-  /// A pair of spheres is written to its lane at once: copies of it would wait for the stores of
+  /// A pair that waits is written to its lane at once: copies of it would wait for the stores of
   /// its parts.
   [[nodiscard]] pair_at_hand& place_of_next([[maybe_unused]] pair_at_hand& local) {
-    if constexpr (packed)
+    if constexpr (packed || batched)
       return waiting_.pairs[waiting_.count];
     else
       return local;
@@ -198,7 +213,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     x.boundary = x.crosses_ranks();
     if (x.boundary && !this->known_to_both(x)) return drop_unless_made(x);
 
-    x.radius = a_.shape[i].bounding_radius();
+    x.radius = radius_of(a_, i);
     x.slack = contact_slack * x.radius;
     x.margin = margin_a + margin_b;
     // Ranks know different sleepers ahead, but agree on contacts.
@@ -206,7 +221,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       x.margin = motion_.margin_in_step(i, j);
     if constexpr (ShapeB::finite) {
       // For a large body beside a small one, both use the slack of the small one.
-      const real other = b_.shape[j].bounding_radius();
+      const real other = radius_of(b_, j);
       const real excess = contact_slack * std::abs(x.radius - other);
       x.slack += contact_slack * other - excess;
       x.margin -= excess;
@@ -215,13 +230,18 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     if constexpr (batched) {
       const unsigned lane = waiting_.count++;
-      waiting_.pairs[lane] = x;
-      waiting_.tests.set(lane, place_a(x), place_b(x), x.margin);
+      if constexpr (imaged) {
+        auto& [at_a, at_b] = waiting_.images[lane];
+        at_a = place_a(x), at_b = place_b(x);
+        waiting_.tests.set(lane, at_a, at_b, x.margin);
+      } else {
+        waiting_.tests.set(lane, place_a(x), place_b(x), x.margin);
+      }
       if (waiting_.count == waiting_.tests.capacity) finish();
       return;
     } else if constexpr (packed) {
       const unsigned lane = waiting_.count++;
-      const auto& spheres = *waiting_.spheres;
+      const auto& spheres = *waiting_.places;
       waiting_.batch.set(lane, spheres[i], spheres[j], x.margin, x.slack);
       if (waiting_.count == waiting_.batch.capacity) finish();
       return;
@@ -365,7 +385,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       set_conditions(c, waiting_.conditions.target_velocity[k],
                      waiting_.conditions.correction_rate[k], between.friction);
     }
-    add_to_list(x, c, {(*waiting_.spheres)[x.i].id, (*waiting_.spheres)[x.j].id, 0});
+    add_to_list(x, c, {(*waiting_.places)[x.i].id, (*waiting_.places)[x.j].id, 0});
   }
   [[nodiscard]] const pair_material& materials_of(const pair_at_hand& x) requires(packed) {
     const material_id a = a_.material[x.i], b = b_.material[x.j];
@@ -448,6 +468,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
   }
 
+  template <class Store>
+  [[nodiscard]] real radius_of(const Store& store, std::size_t i) const {
+    if constexpr (batched)
+      return (void)store, (*waiting_.places)[i].radius;
+    else
+      return store.shape[i].bounding_radius();
+  }
   [[nodiscard]] decltype(auto) place_a(const pair_at_hand& x) const {
     return place_at(x.i, position_a(x));
   }

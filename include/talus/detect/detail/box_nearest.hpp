@@ -19,10 +19,40 @@ bool nearest_on_lines(const vector3<Real>& p, const vector3<Real>& u, const vect
   return true;
 }
 
+/// The foremost edges of two boxes along an edge axis, and the points of them that are nearest to
+/// the line of the other: `middle + s along`, within the edge.
+template <class Real>
+struct edge_crossing {
+  vector3<Real> middle_a = vector3<Real>::Zero(), middle_b = vector3<Real>::Zero();
+  vector3<Real> along_a, along_b;
+  Real s = 0, t = 0;
+  box_part part_a = 0, part_b = 0;
+
+  edge_crossing(const box_pair<Real>& p, const box_axis<Real>& e) {
+    const vector3<Real> inwards = p.axes.transpose() * -e.normal;
+    for (int d = 1; d < 3; ++d) {
+      const int u = (e.i + d) % 3, k = (e.j + d) % 3;
+      middle_a[u] = e.normal[u] > 0 ? p.ha[u] : -p.ha[u];
+      middle_b[k] = inwards[k] > 0 ? p.hb[k] : -p.hb[k];
+      part_a |= side(u, e.normal[u] > 0);
+      part_b |= side(k, inwards[k] > 0);
+    }
+    along_a = vector3<Real>::Unit(e.i), along_b = column_of(p.axes, e.j);
+    middle_b = p.from_b(middle_b);
+    nearest_on_lines(middle_a, along_a, middle_b, along_b, s, t);
+    s = std::clamp(s, -p.ha[e.i], p.ha[e.i]);
+    t = std::clamp(t, -p.hb[e.j], p.hb[e.j]);
+  }
+  /// The square of the distance of the two points.
+  [[nodiscard]] Real square() const {
+    return (middle_b + t * along_b - (middle_a + s * along_a)).squaredNorm();
+  }
+};
+
 /// Nearest points of two separated boxes, with `axes.best()` clearly above zero. If the boxes are
 /// farther apart than the margin, so is the returned gap. The nearest points are a corner and the
 /// point nearest to it, or the interiors of two edges, so testing these is exact. Corners and edges
-/// too far behind the best axis are skipped.
+/// too far behind the best axis are skipped: farther than the nearest of the foremost ones.
 template <class Real>
 box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& axes, Real margin) {
   const box_axis<Real>& axis = axes.edge.gap > std::max(axes.face_a.gap, axes.face_b.gap)
@@ -48,15 +78,28 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
       if ((normal[i] > 0) != bool(c >> i & 1u)) sum += 2 * std::abs(normal[i]) * half[i];
     return sum;
   };
+  const auto foremost = [](const vector3<Real>& half, const vector3<Real>& normal) {
+    return vector3<Real>{normal[0] > 0 ? half[0] : -half[0], normal[1] > 0 ? half[1] : -half[1],
+                         normal[2] > 0 ? half[2] : -half[2]};
+  };
+  const vector3<Real> corner_a = p.to_b(foremost(p.ha, axis.normal)),
+                      corner_b = p.from_b(foremost(p.hb, inwards));
+  Real enough = std::min({best, (corner_b - corner_b.cwiseMax(-p.ha).cwiseMin(p.ha)).squaredNorm(),
+                          (corner_a - corner_a.cwiseMax(-p.hb).cwiseMin(p.hb)).squaredNorm()});
+  if (&axis == &axes.edge) enough = std::min(enough, edge_crossing<Real>(p, axis).square());
+  enough *= 1 + Real(1e-8);  // those that are nearly as near stay
+  const auto too_far = [&](Real bound) {
+    return bound > 0 && bound * bound >= std::min(best, enough);
+  };
   for (unsigned c = 0; c < 8; ++c) {
     const Real bound = axis.gap + behind(p.hb, inwards, c);
-    if (bound > 0 && bound * bound >= best) continue;
+    if (too_far(bound)) continue;
     const vector3<Real> y = p.from_b(corner_of(p.hb, c));
     offer(y.cwiseMax(-p.ha).cwiseMin(p.ha), y, nearest_part(p.ha, y), corner_part(c));
   }
   for (unsigned c = 0; c < 8; ++c) {
     const Real bound = axis.gap + behind(p.ha, axis.normal, c);
-    if (bound > 0 && bound * bound >= best) continue;
+    if (too_far(bound)) continue;
     const vector3<Real> x = corner_of(p.ha, c), seen = p.to_b(x);
     offer(x, p.from_b(seen.cwiseMax(-p.hb).cwiseMin(p.hb)), corner_part(c),
           nearest_part(p.hb, seen));
@@ -80,7 +123,7 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
         const Real behind =
             ((normal[u] > 0) == up ? 0 : step_u) + ((normal[v] > 0) == vp ? 0 : step_v);
         const Real bound = axis.gap + behind;
-        if (bound * bound >= best) continue;
+        if (too_far(bound)) continue;
         edge& e = out[count++];
         e.axis = i, e.behind = behind, e.part = side(u, up) | side(v, vp);
         e.middle[i] = 0;
@@ -96,7 +139,7 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
     for (int kb = 0; kb < count_b; ++kb) {
       const edge &ea = of_a[ka], &eb = of_b[kb];
       const Real bound = axis.gap + ea.behind + eb.behind;
-      if (bound * bound >= best) continue;
+      if (too_far(bound)) continue;
       const vector3<Real> u = vector3<Real>::Unit(ea.axis), v = column_of(p.axes, eb.axis),
                           middle = p.from_b(eb.middle);
       Real s, t;
@@ -117,26 +160,12 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
 /// The two edges that cross along the best edge axis of boxes which touch or overlap.
 template <class Real>
 box_contact<Real> crossing_edges(const box_pair<Real>& p, const box_axes<Real>& axes) {
-  const box_axis<Real>& e = axes.edge;
-  const vector3<Real> inwards = p.axes.transpose() * -e.normal;
+  const edge_crossing<Real> x(p, axes.edge);
   box_contact<Real> found;
-  vector3<Real> middle_a = vector3<Real>::Zero(), middle_b = vector3<Real>::Zero();
-  for (int d = 1; d < 3; ++d) {
-    const int u = (e.i + d) % 3, k = (e.j + d) % 3;
-    middle_a[u] = e.normal[u] > 0 ? p.ha[u] : -p.ha[u];
-    middle_b[k] = inwards[k] > 0 ? p.hb[k] : -p.hb[k];
-    found.a |= side(u, e.normal[u] > 0);
-    found.b |= side(k, inwards[k] > 0);
-  }
-  const vector3<Real> u = vector3<Real>::Unit(e.i), v = p.axes.col(e.j),
-                      middle = p.from_b(middle_b);
-  Real s = 0, t = 0;
-  nearest_on_lines(middle_a, u, middle, v, s, t);
-  s = std::clamp(s, -p.ha[e.i], p.ha[e.i]);
-  t = std::clamp(t, -p.hb[e.j], p.hb[e.j]);
-  found.normal = e.normal;
-  found.point = Real(0.5) * (middle_a + s * u + middle + t * v);
-  found.gap = e.gap;
+  found.a = x.part_a, found.b = x.part_b;
+  found.normal = axes.edge.normal;
+  found.point = Real(0.5) * (x.middle_a + x.s * x.along_a + x.middle_b + x.t * x.along_b);
+  found.gap = axes.edge.gap;
   return found;
 }
 

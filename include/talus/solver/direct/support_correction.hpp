@@ -108,15 +108,13 @@ void correct_stacks_here(std::span<const contact_access<State>> lists, State& s)
     if (list.size(contact_part::boundary) > 0) return;
   // Fractions of what gravity adds in a step.
   constexpr real relevant = 1e-3, slow = 10, least = 1e-9;
-  plain_vector<island_contact> contacts;
   real most = 0;
-  for (const contact_access<State>& list : lists)
-    for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i) {
-      contacts.push_back(list.contact(contact_part::interior, i));
-      const island_contact& c = contacts.back();
-      if (c.target_velocity == 0) most = std::max(most, std::abs(c.correction_rate));
-    }
+  for (const contact_access<State>& list : lists) most = std::max(most, list.largest_correction());
   if (most < relevant * s.speed) return;
+  plain_vector<island_contact> contacts;
+  for (const contact_access<State>& list : lists)
+    for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i)
+      contacts.push_back(list.contact(contact_part::interior, i));
   support_correction<State> correction(contacts, s);
   if (!correction.stands()) return;
   correction.solve(slow * s.speed, least * s.speed);
