@@ -2,6 +2,7 @@
 // Interior contacts of isotropic bodies in blocks that share no movable body, so that the contacts
 // of a block are solved at once: eight in double, sixteen in float.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -144,7 +145,7 @@ class isotropic_blocks {
  public:
   void clear() {
     plan_.clear();
-    slots_.clear(), overflow_.clear();
+    slots_.clear(), overflow_.clear(), acts_.clear(), overflow_acts_.clear();
     used_ = 0;
   }
   void add(const Contact& c, bool a_moves, bool b_moves) {
@@ -161,12 +162,14 @@ class isotropic_blocks {
     if constexpr (requires { x.friction; }) x.friction[l] = c.friction;
     x.a[l] = c.a, x.b[l] = c.b;
   }
-  /// Sets new data of all contacts: renewed(a, b, count, data) computes those of contacts between
-  /// the bodies a[k] and b[k], and returns false if one of them is none. Then so does this
-  /// function, and the contacts are to be made anew. The impulses stay; load_renewed_impulses()
-  /// completes them.
-  template <class F>
-  [[nodiscard]] bool renew(F&& renewed) {
+  /// Sets new data of all contacts, those at rest included: renewed(a, b, count, data) computes
+  /// those of contacts between the bodies a[k] and b[k], and returns a mask of the pairs that have
+  /// one. A contact whose pair has none rests: it keeps its slot, has no effect, and begins again
+  /// without impulse. Calls changed(slot, whether it begins) for contacts that begin again or rest
+  /// from now on, in the order of their slots. The impulses of the others stay;
+  /// load_renewed_impulses() completes them.
+  template <class F, class G>
+  void renew(F&& renewed, G&& changed) {
     constexpr int part = renewed_contacts::lanes;
     renewed_contacts next;
     for (std::size_t at = 0; at < used_; ++at) {
@@ -176,9 +179,10 @@ class isotropic_blocks {
       wide arm_a{}, arm_b{};
       correction& c = corrections_[at];
       c = correction{}, x.target_velocity = wide{};
+      unsigned met = 0;
       for (int first = 0; first < filled; first += part) {
         const int count = std::min(filled - first, part);
-        if (!renewed(x.a + first, x.b + first, count, next)) return false;
+        met |= renewed(x.a + first, x.b + first, count, next) << first;
         const auto put = [&](wide& all, const renewed_contacts::wide& of_part) {
           put_part(all, first, of_part, count);
         };
@@ -189,6 +193,8 @@ class isotropic_blocks {
           if (next.slides) put(x.friction, next.friction);
       }
       x.renew(normal, arm_a, arm_b);
+      if (met != (1u << filled) - 1) rest(at, ((1u << filled) - 1) & ~met);
+      tell_changes(static_cast<std::uint32_t>(at * lanes), acts_[at], met, changed);
     }
     for (std::size_t first = 0; first < overflow_.size(); first += part) {
       const auto count = static_cast<int>(std::min(overflow_.size() - first, std::size_t{part}));
@@ -196,13 +202,26 @@ class isotropic_blocks {
       for (int l = 0; l < count; ++l)
         a[l] = overflow_[first + static_cast<std::size_t>(l)].a,
         b[l] = overflow_[first + static_cast<std::size_t>(l)].b;
-      if (!renewed(a, b, count, next)) return false;
-      for (int l = 0; l < count; ++l)
-        renew_single(overflow_[first + static_cast<std::size_t>(l)], next,
-                     static_cast<std::size_t>(l));
+      const unsigned met = renewed(a, b, count, next);
+      for (int l = 0; l < count; ++l) {
+        const std::size_t k = first + static_cast<std::size_t>(l);
+        renew_single(overflow_[k], next, static_cast<std::size_t>(l));
+        if ((met >> l & 1u) == 0) rest(overflow_[k]);
+        tell_changes(overflow | static_cast<std::uint32_t>(k), overflow_acts_[k], met >> l & 1u,
+                     changed);
+      }
     }
-    return true;
   }
+  /// Whether the contact in a slot acts, and does not rest.
+  [[nodiscard]] bool acts(std::uint32_t slot) const {
+    return slot & overflow ? overflow_acts_[slot & ~overflow] != 0
+                           : (acts_[slot / lanes] >> slot % lanes & 1u) != 0;
+  }
+  [[nodiscard]] std::uint32_t slot(std::size_t i) const { return slots_[i]; }
+  /// Contacts are renumbered when some of them rest or begin again.
+  void set_slot(std::size_t i, std::uint32_t slot) { slots_[i] = slot; }
+  void set_size(std::size_t contacts) { slots_.resize(contacts); }
+  void add_slot(std::uint32_t slot) { slots_.push_back(slot); }
   void load_renewed_impulses() {
     for (block& x : used()) x.load_kept_impulses();
     for (Contact& c : overflow_) c.load_kept_impulses();
@@ -214,7 +233,8 @@ class isotropic_blocks {
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + corrections_.capacity() * sizeof(correction) +
-           overflow_.capacity() * sizeof(Contact) +
+           overflow_.capacity() * sizeof(Contact) + overflow_acts_.capacity() +
+           acts_.capacity() * sizeof(std::uint16_t) +
            (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
   }
   [[nodiscard]] Contact operator[](std::size_t i) const {
@@ -318,7 +338,7 @@ class isotropic_blocks {
         a_moves ? plan_.place(c.a, paired && b_moves ? c.b : -1) : plan_.place(c.b, -1);
     if (slot < 0) {
       slots_.push_back(overflow | static_cast<std::uint32_t>(overflow_.size()));
-      overflow_.push_back(c);
+      overflow_.push_back(c), overflow_acts_.push_back(1);
       return slot;
     }
     slots_.push_back(static_cast<std::uint32_t>(slot));
@@ -326,8 +346,10 @@ class isotropic_blocks {
     for (; used_ <= at; ++used_) {
       if (used_ == blocks_.size()) blocks_.emplace_back(), corrections_.emplace_back();
       make_empty(used_, c);
+      acts_.push_back(0);
     }
     if (slot % lanes == 0) make_empty(at, c);  // blocks do not begin in their order
+    acts_[at] = static_cast<std::uint16_t>(acts_[at] | 1u << slot % lanes);
     return slot;
   }
   /// The first `count` numbers of a part of the lanes, from `first` on.
@@ -340,6 +362,25 @@ class isotropic_blocks {
     } else {
       for (int l = 0; l < count; ++l) all[first + l] = static_cast<number>(of_part[l]);
     }
+  }
+  /// Takes their effect from lanes of a block.
+  [[gnu::noinline]] void rest(std::size_t at, unsigned resting) {
+    for (std::size_t l = 0; l < lanes; ++l)
+      if ((resting >> l & 1u) != 0) blocks_[at].clear_lane(l), corrections_[at].rate[l] = 0;
+  }
+  static void rest(Contact& c) {
+    c.normal = {0, 0, 0};
+    c.set({});
+    c.target_velocity = 0, c.correction_rate = 0;
+  }
+  template <class Mask, class G>
+  [[gnu::always_inline]] static void tell_changes(std::uint32_t slot, Mask& acts, unsigned met,
+                                                  G&& changed) {
+    for (unsigned other = acts ^ met; other != 0; other &= other - 1) {
+      const auto l = static_cast<std::uint32_t>(std::countr_zero(other));
+      changed(slot + l, (met >> l & 1u) != 0);
+    }
+    acts = static_cast<Mask>(met);
   }
   static void renew_single(Contact& c, const renewed_contacts& next, std::size_t l) {
     const auto of_lane = [l](const auto& part) { return static_cast<number>(part[l]); };
@@ -381,8 +422,10 @@ class isotropic_blocks {
   plain_vector<block> blocks_;            ///< of which only the first are in use
   plain_vector<correction> corrections_;  ///< of each block
   std::size_t used_ = 0;
-  plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
-  plain_vector<Contact> overflow_;      ///< contacts that found no slot
+  plain_vector<std::uint32_t> slots_;  ///< of each contact: block * lanes + lane, or | overflow
+  plain_vector<Contact> overflow_;     ///< contacts that found no slot
+  plain_vector<std::uint16_t> acts_;   ///< of each block, the lanes whose contact does not rest
+  plain_vector<char> overflow_acts_;
   plain_vector<std::uint32_t> number_;  ///< the contact in a slot
 };
 

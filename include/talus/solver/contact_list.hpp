@@ -62,6 +62,76 @@ struct keyed_contacts {
            places.capacity() * sizeof(history_place*);
   }
 };
+template <renewable Contact>
+struct keyed_contacts<Contact> {
+  struct resting_contact {
+    std::uint32_t slot;
+    contact_key key;
+    history_place* place;
+  };
+  typename interior_contacts<Contact>::type row;
+  plain_vector<contact_key> keys;
+  plain_vector<history_place*> places;
+  plain_vector<resting_contact> resting;  ///< those that renew() has left out, by their slots
+
+  void clear() { row.clear(), keys.clear(), places.clear(), resting.clear(); }
+  [[nodiscard]] std::size_t bytes() const {
+    return row.bytes() + keys.capacity() * sizeof(contact_key) +
+           places.capacity() * sizeof(history_place*) +
+           resting.capacity() * sizeof(resting_contact);
+  }
+  /// New data for all contacts. Those that rest from now on are taken out of the list, and those
+  /// that begin again are added at its end.
+  template <class F>
+  void renew(F&& renewed) {
+    bool end = false;
+    begun_.clear();
+    row.renew(renewed, [&](std::uint32_t slot, bool begins) {
+      if (begins)
+        begun_.push_back(slot);
+      else
+        end = true;
+    });
+    const std::size_t rested = resting.size();
+    if (end) take_out();
+    if (!begun_.empty()) put_back(rested);
+    if (end)
+      std::sort(resting.begin(), resting.end(),
+                [](const auto& x, const auto& y) { return x.slot < y.slot; });
+  }
+
+ private:
+  void take_out() {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const std::uint32_t slot = row.slot(i);
+      if (!row.acts(slot)) {
+        *places[i] = history_place::none;
+        resting.push_back({slot, keys[i], places[i]});
+        continue;
+      }
+      keys[kept] = keys[i], places[kept] = places[i];
+      row.set_slot(kept++, slot);
+    }
+    keys.resize(kept), places.resize(kept), row.set_size(kept);
+  }
+  /// From the first `rested` of the contacts at rest.
+  void put_back(std::size_t rested) {
+    std::size_t next = 0, kept = 0;
+    for (std::size_t k = 0; k < resting.size(); ++k) {
+      if (k < rested && next < begun_.size() && resting[k].slot == begun_[next]) {
+        ++next;
+        keys.push_back(resting[k].key), places.push_back(resting[k].place);
+        row.add_slot(resting[k].slot);
+      } else {
+        resting[kept++] = resting[k];
+      }
+    }
+    resting.resize(kept);
+  }
+
+  plain_vector<std::uint32_t> begun_;
+};
 
 /// Contacts between bodies that this rank alone can move (interior), and contacts between a body
 /// owned here and a movable body owned elsewhere (boundary): each of those is computed alike on
@@ -99,11 +169,16 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     inner_.places.push_back(last);
   }
   /// New data for all contacts between the same bodies; see isotropic_blocks. If they are `kept`
-  /// since the last step, they have its impulses.
+  /// since the last step, they have its impulses. Contacts whose pairs have none are left out until
+  /// they have one again.
   template <class F>
-  [[nodiscard]] bool renew(bool kept, F&& renewed) requires(renewable<Contact>) {
+  void renew(bool kept, F&& renewed) requires(renewable<Contact>) {
     renewed_ = kept;
-    return inner_.row.renew(renewed);
+    inner_.renew(renewed);
+  }
+  /// The number of contacts that are left out.
+  [[nodiscard]] std::size_t resting() const requires(renewable<Contact>) {
+    return inner_.resting.size();
   }
   void drop_impulses() requires(renewable<Contact>) { inner_.row.drop_impulses(); }
   void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,

@@ -1,7 +1,8 @@
 #pragma once
-// Contacts of pairs of spheres that are kept from step to step while the same pairs touch: they
-// stay in their places in the solver's list, with their impulses, and get new geometry. All numbers
-// are those of contacts made anew, to the bit.
+// Contacts of pairs of spheres that are kept from step to step while the neighbour list holds: they
+// stay in their places in the solver's list, with their impulses, and get new geometry. Each
+// contact has the numbers of one made anew, to the bit; their order is that in which pairs began to
+// touch.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -77,14 +78,21 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
                        kept_.materials == s_.materials.revision() && s_.history.unchanged();
     const bool moved_before = note_bodies();
     s_.history.release();
-    if (known && moved_before && still_apart() && renew(true)) return;
-    kept_.search = s_.found.searches, kept_.materials = s_.materials.revision();
-    list_.clear();
-    find(pairs);
-    if (!renew(false)) fail<std::logic_error>("a contact of spheres was found and lost again");
+    const bool kept = known && moved_before && list_.resting() <= list_.size() / most_resting;
+    if (kept) {
+      add_met(pairs);
+    } else {
+      kept_.search = s_.found.searches, kept_.materials = s_.materials.revision();
+      list_.clear();
+      find(pairs);
+    }
+    renew(kept);
   }
 
  private:
+  /// More than this part of all contacts do not rest.
+  static constexpr std::size_t most_resting = 8;
+
   /// Writes the spheres for the batches. Returns whether those that can move are the same as
   /// before.
   bool note_bodies() {
@@ -107,33 +115,47 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     return batch_.collide_in_reach(count, motion_.gravity(), s_.dt, contact_slack);
   }
 
-  /// Whether the pairs without a contact have none now.
-  [[nodiscard]] bool still_apart() {
-    const auto& apart = kept_.apart;
+  /// Adds the pairs that had no contact and have one now.
+  void add_met(plain_vector<close_pair>& pairs) {
+    auto& apart = kept_.apart;
+    std::size_t left = 0;
     for (std::size_t first = 0; first < apart.size(); first += lanes) {
       const auto count = static_cast<unsigned>(std::min<std::size_t>(apart.size() - first, lanes));
       for (unsigned k = 0; k < count; ++k)
-        batch_.set(k, spheres_[apart[first + k].first], spheres_[apart[first + k].second]);
-      if (collide(count) != 0) return false;
+        batch_.set(k, spheres_[apart[first + k].i], spheres_[apart[first + k].j]);
+      const unsigned met = collide(count);
+      if (met == 0 && left == first) {
+        left += count;
+        continue;
+      }
+      for (unsigned k = 0; k < count; ++k) {
+        const kept_contacts::pair one = apart[first + k];
+        if ((met >> k & 1u) == 0)
+          apart[left++] = one;
+        else
+          add(one.i, one.j, kept_.moves[one.i], kept_.moves[one.j], pairs[one.number].last);
+      }
     }
-    return true;
+    apart.resize(left);
   }
   /// Adds the pairs that have a contact to the list.
   void find(plain_vector<close_pair>& pairs) {
     kept_.apart.clear();
     kept_.rebounds = kept_.slides = false;
-    plain_pair<std::uint32_t, std::uint32_t> of_lane[lanes];
+    kept_contacts::pair of_lane[lanes];
     for (std::size_t first = 0; first < pairs.size(); first += lanes) {
       const auto count = static_cast<unsigned>(std::min<std::size_t>(pairs.size() - first, lanes));
       for (unsigned k = 0; k < count; ++k) {
         std::size_t i = pairs[first + k].i, j = pairs[first + k].j;
         this->order(i, j);
-        of_lane[k] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)};
+        of_lane[k] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j),
+                      static_cast<std::uint32_t>(first + k)};
         batch_.set(k, spheres_[i], spheres_[j]);
       }
       const unsigned met = collide(count);
       for (unsigned k = 0; k < count; ++k) {
-        const auto [i, j] = of_lane[k];
+        const auto [i, j, number] = of_lane[k];
+        (void)number;
         history_place& last = pairs[first + k].last;
         const bool moves_a = kept_.moves[i], moves_b = kept_.moves[j];
         if ((met >> k & 1u) != 0 && (moves_a || moves_b)) {
@@ -158,15 +180,15 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     }
     list_.add_pair(c, {spheres_[i].id, spheres_[j].id, 0}, moves_a, moves_b, &last);
   }
-  /// Sets the data of all contacts, or returns false if one of their pairs has none now.
-  [[nodiscard]] bool renew(bool kept) {
-    const bool done = list_.renew(
+  /// Sets the data of all contacts.
+  void renew(bool kept) {
+    list_.renew(
         kept, [this](const std::int32_t* a, const std::int32_t* b, int count,
                      renewed_contacts& next) __attribute__((always_inline)) {
           const auto size = static_cast<unsigned>(count);
           for (unsigned k = 0; k < size; ++k)
             batch_.set(k, spheres_[sphere_of(a[k])], spheres_[sphere_of(b[k])]);
-          if (collide(size) != (1u << size) - 1) return false;
+          const unsigned met = collide(size);
           wide pull = every_lane<wide>(motion_.gravity());
           if constexpr (store_a::forced)
             for (unsigned k = 0; k < size; ++k)
@@ -177,10 +199,9 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
           next.target_velocity = conditions.target_velocity;
           next.correction_rate = conditions.correction_rate;
           if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
-          return true;
+          return met;
         });
-    if (done && !presses(s_)) list_.drop_impulses();
-    return done;
+    if (!presses(s_)) list_.drop_impulses();
   }
   /// Conditions that depend on the velocities.
   void set_conditions(const std::int32_t* a, const std::int32_t* b, unsigned count,
