@@ -158,6 +158,16 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
            : p == contact_part::boundary ? boundary_[i]
                                          : foreign_[i];
   }
+  /// The bodies of a contact: a, and b, or -1 if that is a global one.
+  [[nodiscard]] plain_pair<std::int32_t, std::int32_t> bodies(contact_part p, std::size_t i) const {
+    if constexpr (Contact::paired && requires { inner_.row.bodies(i); })
+      if (p == contact_part::interior) {
+        const std::size_t inner = inner_.row.size();
+        return i < inner ? inner_.row.bodies(i) : border_.row.bodies(i - inner);
+      }
+    const auto c = contact(p, i);
+    return {c.a, Contact::paired ? c.b : -1};
+  }
   template <class F>
   void edit(contact_part p, std::size_t i, F&& f) {
     if (p == contact_part::interior)
