@@ -2,6 +2,7 @@
 // Interior contacts of isotropic bodies in blocks that share no movable body, so that the contacts
 // of a block are solved at once: eight in double, sixteen in float.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -146,7 +147,7 @@ class isotropic_blocks {
   void clear() {
     plan_.clear();
     slots_.clear(), overflow_.clear();
-    used_ = 0;
+    used_ = 0, numbered_ = false;
   }
   void add(const Contact& c, bool a_moves, bool b_moves) {
     const std::int64_t slot = next_slot(c, a_moves, b_moves);
@@ -164,10 +165,13 @@ class isotropic_blocks {
   }
   /// Sets new data of all contacts: renewed(a, b, count, data) computes those of contacts between
   /// the bodies a[k] and b[k], and returns false if one of them is none. Then so does this
-  /// function, and the contacts are to be made anew. The impulses stay; load_renewed_impulses()
-  /// completes them.
+  /// function, and the contacts are to be made anew. With `loads` the impulses are those of the
+  /// last step, projected into the present cones; else they are 0.
   template <class F>
-  [[nodiscard]] bool renew(F&& renewed) {
+  [[nodiscard]] bool renew(bool loads, F&& renewed) {
+    const auto set_impulse = [loads](auto& x) __attribute__((always_inline)) {
+      loads ? x.load_kept_impulses() : x.set({});
+    };
     constexpr int part = renewed_contacts::lanes;
     renewed_contacts next;
     for (std::size_t at = 0; at < used_; ++at) {
@@ -190,6 +194,7 @@ class isotropic_blocks {
           if (next.slides) put(x.friction, next.friction);
       }
       x.renew(normal, arm_a, arm_b);
+      set_impulse(x);
     }
     for (std::size_t first = 0; first < overflow_.size(); first += part) {
       const auto count = static_cast<int>(std::min(overflow_.size() - first, std::size_t{part}));
@@ -198,19 +203,13 @@ class isotropic_blocks {
         a[l] = overflow_[first + static_cast<std::size_t>(l)].a,
         b[l] = overflow_[first + static_cast<std::size_t>(l)].b;
       if (!renewed(a, b, count, next)) return false;
-      for (int l = 0; l < count; ++l)
-        renew_single(overflow_[first + static_cast<std::size_t>(l)], next,
-                     static_cast<std::size_t>(l));
+      for (int l = 0; l < count; ++l) {
+        Contact& c = overflow_[first + static_cast<std::size_t>(l)];
+        renew_single(c, next, static_cast<std::size_t>(l));
+        set_impulse(c);
+      }
     }
     return true;
-  }
-  void load_renewed_impulses() {
-    for (block& x : used()) x.load_kept_impulses();
-    for (Contact& c : overflow_) c.load_kept_impulses();
-  }
-  void drop_impulses() {
-    for (block& x : used()) x.set({});
-    for (Contact& c : overflow_) c.set({});
   }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
@@ -233,13 +232,31 @@ class isotropic_blocks {
     if (slot & overflow) return overflow_[slot & ~overflow].impulse();
     return in_scalar<real>(blocks_[slot / lanes].impulse_of(slot % lanes));
   }
+  /// Calls f(i, impulse) for each contact i, block by block.
+  template <class F>
+  void each_impulse(F&& f) {
+    find_numbers();
+    for (std::size_t at = 0; at < used_; ++at) {
+      const block& x = blocks_[at];
+      const pack_vector<wide> p = x.impulse_in_frame().along(x.normal);
+      const std::size_t filled = plan_.filled(at);
+      for (std::size_t l = 0; l < filled; ++l)
+        f(number_[at * lanes + l], in_scalar<real>(lane(p, l)));
+    }
+    for (std::size_t k = 0; k < overflow_.size(); ++k)
+      f(number_[used_ * lanes + k], overflow_[k].impulse());
+  }
   /// Calls f(a, b) for the bodies of contacts that have an impulse, in no particular order.
   template <class F>
   void each_loaded_pair(F&& f) const requires(paired) {
     for (const block& x : used()) {
       const pack_vector<wide> p = x.impulse_in_frame().along(x.normal);
-      for (std::size_t l = 0; l < lanes; ++l)
+      const wide zero{};
+      const auto none = (p.x == zero) & (p.y == zero) & (p.z == zero);
+      for (unsigned loaded = bits_of(inverted(none)); loaded != 0; loaded &= loaded - 1) {
+        const auto l = static_cast<std::size_t>(std::countr_zero(loaded));
         if (in_scalar<real>(lane(p, l)).squaredNorm() > 0) f(x.a[l], x.b[l]);
+      }
     }
     for (const Contact& c : overflow_)
       if (c.impulse().squaredNorm() > 0) f(c.a, c.b);
@@ -287,10 +304,7 @@ class isotropic_blocks {
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
     const std::size_t places = used_ * lanes;
-    number_.assign(places + overflow_.size(), 0);
-    for (std::size_t i = 0; i < slots_.size(); ++i)
-      number_[slots_[i] & overflow ? places + (slots_[i] & ~overflow) : slots_[i]] =
-          static_cast<std::uint32_t>(i);
+    find_numbers();
     for (std::size_t k = overflow_.size(); k-- > 0;) {
       const auto d = overflow_[k].relax(s);
       overflow_[k].apply(s, d);
@@ -321,6 +335,7 @@ class isotropic_blocks {
   /// overflow.
   [[nodiscard]] [[gnu::always_inline]] inline std::int64_t next_slot(const Contact& c, bool a_moves,
                                                                      bool b_moves) {
+    numbered_ = false;
     const std::int64_t slot =
         a_moves ? plan_.place(c.a, paired && b_moves ? c.b : -1) : plan_.place(c.b, -1);
     if (slot < 0) {
@@ -356,6 +371,16 @@ class isotropic_blocks {
     if constexpr (requires { c.friction; })
       if (next.slides) c.friction = of_lane(next.friction);
   }
+  /// Finds the contact of each slot, once for all steps in which contacts keep their places.
+  void find_numbers() {
+    if (numbered_) return;
+    const std::size_t places = used_ * lanes;
+    number_.assign(places + overflow_.size(), 0);
+    for (std::size_t i = 0; i < slots_.size(); ++i)
+      number_[slots_[i] & overflow ? places + (slots_[i] & ~overflow) : slots_[i]] =
+          static_cast<std::uint32_t>(i);
+    numbered_ = true;
+  }
   void make_empty(std::size_t at, const Contact& first) {
     const wide zero = every_lane<wide>(number(0));
     block& x = blocks_[at];
@@ -390,7 +415,8 @@ class isotropic_blocks {
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
   plain_vector<Contact> overflow_;      ///< contacts that found no slot
-  plain_vector<std::uint32_t> number_;  ///< the contact in a slot
+  plain_vector<std::uint32_t> number_;  ///< the contact in a slot, or in the overflow after them
+  bool numbered_ = false;               ///< these are known
 };
 
 #pragma GCC diagnostic pop

@@ -72,7 +72,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void clear() {
     inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
     foreign_keys_.clear();
-    renewed_ = false;
+    renewed_ = held_ = false;
   }
   /// `last` is the position in the history of the contacts of its pair, unknown if null. It is kept
   /// up to date. `at_border`: whether other ranks need the velocity of one of the bodies.
@@ -91,13 +91,22 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     inner_.places.push_back(last);
   }
   /// New data for all contacts between the same bodies; see isotropic_blocks. If they are `kept`
-  /// since the last step, they have its impulses.
+  /// since the last step, they keep its impulses, or lose them unless `loads`.
   template <class F>
-  [[nodiscard]] bool renew(bool kept, F&& renewed) requires(renewable<Contact>) {
-    renewed_ = kept;
-    return inner_.row.renew(renewed);
+  [[nodiscard]] bool renew(bool kept, bool loads, F&& renewed) requires(renewable<Contact>) {
+    renewed_ = kept, held_ = false;
+    return inner_.row.renew(kept && loads, renewed);
   }
-  void drop_impulses() requires(renewable<Contact>) { inner_.row.drop_impulses(); }
+  /// Whether contacts were kept in this step.
+  [[nodiscard]] bool renewed() const { return renewed_; }
+  /// Whether the contacts have the impulses that were stored in the last step.
+  [[nodiscard]] bool held() const { return held_; }
+  void hold() { held_ = true; }
+  /// Stores the impulses of contacts that were kept, of which these are the entries.
+  void store_in_place(stored_contact* entries) requires(renewable<Contact>) {
+    inner_.row.each_impulse(
+        [entries](std::size_t i, const vec3& impulse) { entries[i].memory = impulse; });
+  }
   void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
                     history_place* last) {
     boundary_.add(contact, key, owns_a, last);
@@ -275,7 +284,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   }
 
   part inner_, border_;
-  bool renewed_ = false;  ///< the contacts have the impulses of the last step
+  bool renewed_ = false, held_ = false;  ///< see renewed() and held()
   boundary_contacts<Contact> boundary_;
   plain_vector<Contact> foreign_;
   plain_vector<contact_key> foreign_keys_;
@@ -291,7 +300,7 @@ contact_list<Contact>::~contact_list() = default;
 template <class Contact>
 void contact_list<Contact>::load_impulses(const contact_history& history) {
   if constexpr (renewable<Contact>)
-    if (renewed_) return inner_.row.load_renewed_impulses();
+    if (renewed_) return;  // they are loaded
   for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
   boundary_.load_impulses(history);
 }

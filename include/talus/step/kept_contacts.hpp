@@ -74,9 +74,9 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   /// Makes the contacts of this step from all candidate pairs.
   void make_all(plain_vector<close_pair>& pairs) {
     const bool known = kept_.search == s_.found.searches &&
-                       kept_.materials == s_.materials.revision() && s_.history.unchanged();
+                       kept_.materials == s_.materials.revision() && list_.held() &&
+                       s_.history.unchanged();
     const bool moved_before = note_bodies();
-    s_.history.release();
     if (known && moved_before && still_apart() && renew(true)) return;
     kept_.search = s_.found.searches, kept_.materials = s_.materials.revision();
     list_.clear();
@@ -160,27 +160,26 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   }
   /// Sets the data of all contacts, or returns false if one of their pairs has none now.
   [[nodiscard]] bool renew(bool kept) {
-    const bool done = list_.renew(
-        kept, [this](const std::int32_t* a, const std::int32_t* b, int count,
-                     renewed_contacts& next) __attribute__((always_inline)) {
-          const auto size = static_cast<unsigned>(count);
-          for (unsigned k = 0; k < size; ++k)
-            batch_.set(k, spheres_[sphere_of(a[k])], spheres_[sphere_of(b[k])]);
-          if (collide(size) != (1u << size) - 1) return false;
-          wide pull = every_lane<wide>(motion_.gravity());
-          if constexpr (store_a::forced)
-            for (unsigned k = 0; k < size; ++k)
-              pull[k] = motion_.pull(sphere_of(a[k]), sphere_of(b[k]));
-          const auto conditions = conditions_of_gap<law, wide>(
-              batch_.gap, held_gap<law, wide>(pull, s_.dt), s_.dt, s_.settings.correction);
-          next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
-          next.target_velocity = conditions.target_velocity;
-          next.correction_rate = conditions.correction_rate;
-          if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
-          return true;
-        });
-    if (done && !presses(s_)) list_.drop_impulses();
-    return done;
+    return list_.renew(
+        kept, presses(s_),
+        [this](const std::int32_t* a, const std::int32_t* b, int count, renewed_contacts& next)
+            __attribute__((always_inline)) {
+              const auto size = static_cast<unsigned>(count);
+              for (unsigned k = 0; k < size; ++k)
+                batch_.set(k, spheres_[sphere_of(a[k])], spheres_[sphere_of(b[k])]);
+              if (collide(size) != (1u << size) - 1) return false;
+              wide pull = every_lane<wide>(motion_.gravity());
+              if constexpr (store_a::forced)
+                for (unsigned k = 0; k < size; ++k)
+                  pull[k] = motion_.pull(sphere_of(a[k]), sphere_of(b[k]));
+              const auto conditions = conditions_of_gap<law, wide>(
+                  batch_.gap, held_gap<law, wide>(pull, s_.dt), s_.dt, s_.settings.correction);
+              next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
+              next.target_velocity = conditions.target_velocity;
+              next.correction_rate = conditions.correction_rate;
+              if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
+              return true;
+            });
   }
   /// Conditions that depend on the velocities.
   void set_conditions(const std::int32_t* a, const std::int32_t* b, unsigned count,
