@@ -14,6 +14,7 @@
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/pack_rows.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
@@ -146,7 +147,7 @@ class isotropic_blocks {
   void clear() {
     plan_.clear();
     slots_.clear(), overflow_.clear(), acts_.clear(), overflow_acts_.clear();
-    used_ = 0;
+    used_ = 0, numbered_ = false;
   }
   void add(const Contact& c, bool a_moves, bool b_moves) {
     const std::int64_t slot = next_slot(c, a_moves, b_moves);
@@ -166,10 +167,13 @@ class isotropic_blocks {
   /// those of contacts between the bodies a[k] and b[k], and returns a mask of the pairs that have
   /// one. A contact whose pair has none rests: it keeps its slot, has no effect, and begins again
   /// without impulse. Calls changed(slot, whether it begins) for contacts that begin again or rest
-  /// from now on, in the order of their slots. The impulses of the others stay;
-  /// load_renewed_impulses() completes them.
+  /// from now on, in the order of their slots. With `loads` the impulses of the others are those of
+  /// the last step, projected into the present cones; else they are 0.
   template <class F, class G>
-  void renew(F&& renewed, G&& changed) {
+  void renew(bool loads, F&& renewed, G&& changed) {
+    const auto set_impulse = [loads](auto& x) __attribute__((always_inline)) {
+      loads ? x.load_kept_impulses() : x.set({});
+    };
     constexpr int part = renewed_contacts::lanes;
     renewed_contacts next;
     for (std::size_t at = 0; at < used_; ++at) {
@@ -194,6 +198,7 @@ class isotropic_blocks {
       }
       x.renew(normal, arm_a, arm_b);
       if (met != (1u << filled) - 1) rest(at, ((1u << filled) - 1) & ~met);
+      set_impulse(x);
       tell_changes(static_cast<std::uint32_t>(at * lanes), acts_[at], met, changed);
     }
     for (std::size_t first = 0; first < overflow_.size(); first += part) {
@@ -205,8 +210,10 @@ class isotropic_blocks {
       const unsigned met = renewed(a, b, count, next);
       for (int l = 0; l < count; ++l) {
         const std::size_t k = first + static_cast<std::size_t>(l);
-        renew_single(overflow_[k], next, static_cast<std::size_t>(l));
-        if ((met >> l & 1u) == 0) rest(overflow_[k]);
+        Contact& c = overflow_[k];
+        renew_single(c, next, static_cast<std::size_t>(l));
+        if ((met >> l & 1u) == 0) rest(c);
+        set_impulse(c);
         tell_changes(overflow | static_cast<std::uint32_t>(k), overflow_acts_[k], met >> l & 1u,
                      changed);
       }
@@ -219,17 +226,9 @@ class isotropic_blocks {
   }
   [[nodiscard]] std::uint32_t slot(std::size_t i) const { return slots_[i]; }
   /// Contacts are renumbered when some of them rest or begin again.
-  void set_slot(std::size_t i, std::uint32_t slot) { slots_[i] = slot; }
-  void set_size(std::size_t contacts) { slots_.resize(contacts); }
-  void add_slot(std::uint32_t slot) { slots_.push_back(slot); }
-  void load_renewed_impulses() {
-    for (block& x : used()) x.load_kept_impulses();
-    for (Contact& c : overflow_) c.load_kept_impulses();
-  }
-  void drop_impulses() {
-    for (block& x : used()) x.set({});
-    for (Contact& c : overflow_) c.set({});
-  }
+  void set_slot(std::size_t i, std::uint32_t slot) { slots_[i] = slot, numbered_ = false; }
+  void set_size(std::size_t contacts) { slots_.resize(contacts), numbered_ = false; }
+  void add_slot(std::uint32_t slot) { slots_.push_back(slot), numbered_ = false; }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + corrections_.capacity() * sizeof(correction) +
@@ -241,18 +240,43 @@ class isotropic_blocks {
     const std::uint32_t slot = slots_[i];
     return slot & overflow ? overflow_[slot & ~overflow] : get(slot / lanes, slot % lanes);
   }
+  /// The bodies of a contact: cheaper than all of it.
+  [[nodiscard]] plain_pair<std::int32_t, std::int32_t> bodies(std::size_t i) const {
+    const std::uint32_t slot = slots_[i];
+    if (slot & overflow) return {overflow_[slot & ~overflow].a, overflow_[slot & ~overflow].b};
+    return {blocks_[slot / lanes].a[slot % lanes], blocks_[slot / lanes].b[slot % lanes]};
+  }
   [[nodiscard]] vec3 impulse(std::size_t i) const {
     const std::uint32_t slot = slots_[i];
     if (slot & overflow) return overflow_[slot & ~overflow].impulse();
     return in_scalar<real>(blocks_[slot / lanes].impulse_of(slot % lanes));
+  }
+  /// Calls f(i, impulse) for each contact i that does not rest, block by block.
+  template <class F>
+  void each_impulse(F&& f) {
+    find_numbers();
+    for (std::size_t at = 0; at < used_; ++at) {
+      const block& x = blocks_[at];
+      const pack_vector<wide> p = x.impulse_in_frame().along(x.normal);
+      for (unsigned acting = acts_[at]; acting != 0; acting &= acting - 1) {
+        const auto l = static_cast<std::size_t>(std::countr_zero(acting));
+        f(number_[at * lanes + l], in_scalar<real>(lane(p, l)));
+      }
+    }
+    for (std::size_t k = 0; k < overflow_.size(); ++k)
+      if (overflow_acts_[k] != 0) f(number_[used_ * lanes + k], overflow_[k].impulse());
   }
   /// Calls f(a, b) for the bodies of contacts that have an impulse, in no particular order.
   template <class F>
   void each_loaded_pair(F&& f) const requires(paired) {
     for (const block& x : used()) {
       const pack_vector<wide> p = x.impulse_in_frame().along(x.normal);
-      for (std::size_t l = 0; l < lanes; ++l)
+      const wide zero{};
+      const auto none = (p.x == zero) & (p.y == zero) & (p.z == zero);
+      for (unsigned loaded = bits_of(inverted(none)); loaded != 0; loaded &= loaded - 1) {
+        const auto l = static_cast<std::size_t>(std::countr_zero(loaded));
         if (in_scalar<real>(lane(p, l)).squaredNorm() > 0) f(x.a[l], x.b[l]);
+      }
     }
     for (const Contact& c : overflow_)
       if (c.impulse().squaredNorm() > 0) f(c.a, c.b);
@@ -300,10 +324,7 @@ class isotropic_blocks {
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
     const std::size_t places = used_ * lanes;
-    number_.assign(places + overflow_.size(), 0);
-    for (std::size_t i = 0; i < slots_.size(); ++i)
-      number_[slots_[i] & overflow ? places + (slots_[i] & ~overflow) : slots_[i]] =
-          static_cast<std::uint32_t>(i);
+    find_numbers();
     for (std::size_t k = overflow_.size(); k-- > 0;) {
       const auto d = overflow_[k].relax(s);
       overflow_[k].apply(s, d);
@@ -334,6 +355,7 @@ class isotropic_blocks {
   /// overflow.
   [[nodiscard]] [[gnu::always_inline]] inline std::int64_t next_slot(const Contact& c, bool a_moves,
                                                                      bool b_moves) {
+    numbered_ = false;
     const std::int64_t slot =
         a_moves ? plan_.place(c.a, paired && b_moves ? c.b : -1) : plan_.place(c.b, -1);
     if (slot < 0) {
@@ -390,6 +412,16 @@ class isotropic_blocks {
     if constexpr (requires { c.friction; })
       if (next.slides) c.friction = of_lane(next.friction);
   }
+  /// Finds the contact of each slot, once for all steps in which contacts keep their places.
+  void find_numbers() {
+    if (numbered_) return;
+    const std::size_t places = used_ * lanes;
+    number_.assign(places + overflow_.size(), 0);
+    for (std::size_t i = 0; i < slots_.size(); ++i)
+      number_[slots_[i] & overflow ? places + (slots_[i] & ~overflow) : slots_[i]] =
+          static_cast<std::uint32_t>(i);
+    numbered_ = true;
+  }
   void make_empty(std::size_t at, const Contact& first) {
     const wide zero = every_lane<wide>(number(0));
     block& x = blocks_[at];
@@ -426,7 +458,8 @@ class isotropic_blocks {
   plain_vector<Contact> overflow_;     ///< contacts that found no slot
   plain_vector<std::uint16_t> acts_;   ///< of each block, the lanes whose contact does not rest
   plain_vector<char> overflow_acts_;
-  plain_vector<std::uint32_t> number_;  ///< the contact in a slot
+  plain_vector<std::uint32_t> number_;  ///< the contact in a slot, or in the overflow after them
+  bool numbered_ = false;               ///< these are known
 };
 
 #pragma GCC diagnostic pop

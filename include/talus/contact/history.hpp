@@ -27,9 +27,9 @@ class history_of {
   using entry = kept_contact<Memory>;
 
   void clear() { reset(0); }
-  /// Makes room for `n` contacts; call before adding.
-  void reset(std::size_t n) {
-    entries_.clear();
+  /// Makes room for `n` contacts; call before adding. The first `kept` stay.
+  void reset(std::size_t n, std::size_t kept = 0) {
+    entries_.shorten(entries_.size() - kept);
     // With some slack, so that a slowly growing number of contacts does not allocate in each step.
     if (n > entries_.capacity()) entries_.reserve(n + n / 8);
     arrived_ = nothing;
@@ -39,8 +39,6 @@ class history_of {
   /// hold().
   [[nodiscard]] bool unchanged() const { return unchanged_; }
   void hold() { unchanged_ = true; }
-  /// Until hold() is called again.
-  void release() { unchanged_ = false; }
   /// Whether every place that the neighbour list holds is that of the contact of its pair: nothing
   /// was added since the step that recorded them. Otherwise keys are compared.
   [[nodiscard]] bool places_hold() const { return places_hold_; }

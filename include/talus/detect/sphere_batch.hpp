@@ -25,6 +25,47 @@ struct alignas(32) moving_sphere {
   system_id id = no_id;
 };
 
+/// What the geometry of a contact depends on, in one row.
+struct alignas(32) placed_sphere {
+  vec3 position{0, 0, 0};
+  real radius = 0;
+};
+
+/// The geometry of pairs of spheres.
+template <class Pack>
+struct sphere_geometry {
+  Pack squared;              ///< distance of the centres, squared
+  pack_vector<Pack> normal;  ///< from b to a
+  Pack gap;
+  pack_vector<Pack> lever_a, lever_b;  ///< from the centres to the contact
+  Pack arm_a, arm_b;                   ///< distances of the contact from the centres
+
+  [[gnu::always_inline]] inline sphere_geometry(const pack_vector<Pack>& a, const Pack& radius_a,
+                                                const pack_vector<Pack>& b, const Pack& radius_b) {
+    const Pack zero = every_lane<Pack>(0), one = every_lane<Pack>(1);
+    const pack_vector<Pack> d = a - b;
+    squared = dot(d, d);
+    const Pack distance = square_root(squared), inverse = one / distance;
+    const auto apart = squared > every_lane<Pack>(1e-200);  // else along z
+    normal = {apart ? inverse * d.x : zero, apart ? inverse * d.y : zero,
+              apart ? inverse * d.z : one};
+    gap = distance - (radius_a + radius_b);
+    const Pack half = every_lane<Pack>(0.5) * gap;
+    const pack_vector<Pack> point = b + (radius_b + half) * normal;
+    lever_a = point - a, lever_b = point - b;
+    arm_a = -dot(normal, lever_a);
+    arm_b = dot(normal, lever_b);
+  }
+};
+/// This part of both radii, or of the smaller one twice.
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline Pack slack_of(const Pack& part, const Pack& radius_a,
+                                                          const Pack& radius_b) {
+  const Pack difference = radius_a - radius_b;
+  const Pack excess = part * (difference < Pack{} ? -difference : difference);
+  return part * radius_a + (part * radius_b - excess);
+}
+
 /// Up to eight pairs, added one by one, and their contacts.
 class sphere_batch {
   using wide = wide_pack<real>;
@@ -90,27 +131,15 @@ class sphere_batch {
     const auto spin_a = rows(a_, &moving_sphere::spin);
     const auto spin_b = rows(b_, &moving_sphere::spin);
 
-    const wide zero = every_lane<wide>(0), one = every_lane<wide>(1);
-    const pack_vector<wide> d = vectors_in(place_a) - vectors_in(place_b);
-    const wide squared = dot(d, d);
-    const auto excluded = find_margins(place_a.w, motion_a.w, place_b.w, motion_b.w, squared);
-    const wide touch = motion_a.w + motion_b.w, reach = touch + margin_;
-    const wide distance = square_root(squared), inverse = one / distance;
-    const auto apart = squared > every_lane<wide>(1e-200);  // else along z
-    normal = {apart ? inverse * d.x : zero, apart ? inverse * d.y : zero,
-              apart ? inverse * d.z : one};
-    gap = distance - touch;
-    const wide half = every_lane<wide>(0.5) * gap;
-    const pack_vector<wide> point = vectors_in(place_b) + (motion_b.w + half) * normal;
-    const pack_vector<wide> lever_a = point - vectors_in(place_a);
-    const pack_vector<wide> lever_b = point - vectors_in(place_b);
-    velocity = vectors_in(motion_a) + crossed(vectors_in(spin_a), lever_a);
-    velocity -= vectors_in(motion_b) + crossed(vectors_in(spin_b), lever_b);
+    const sphere_geometry<wide> x(vectors_in(place_a), motion_a.w, vectors_in(place_b), motion_b.w);
+    normal = x.normal, gap = x.gap, arm_a = x.arm_a, arm_b = x.arm_b;
+    const auto excluded = find_margins(place_a.w, motion_a.w, place_b.w, motion_b.w, x.squared);
+    const wide reach = motion_a.w + motion_b.w + margin_;
+    velocity = vectors_in(motion_a) + crossed(vectors_in(spin_a), x.lever_a);
+    velocity -= vectors_in(motion_b) + crossed(vectors_in(spin_b), x.lever_b);
     approach = dot(normal, velocity);
-    arm_a = -dot(normal, lever_a);
-    arm_b = dot(normal, lever_b);
     const wide closing = approach * dt - every_lane<wide>(2 * gravity * dt * dt);
-    const auto near = squared <= reach * reach;
+    const auto near = x.squared <= reach * reach;
     const auto left_out = excluded | ((gap > slack_) & (gap + closing > slack_));
     return bits_of(both(near, inverted(left_out))) & ((1u << count) - 1);
   }

@@ -90,8 +90,8 @@ template <class List>
 inline constexpr contact_calls<typename List::state> calls_for{
     [](void* l, contact_part p) { return list_at<List>(l).size(p); },
     [](void* l, contact_part p, std::size_t i) -> contact_ends {
-      const auto c = list_at<List>(l).contact(p, i);
-      return {c.a, c.paired ? c.b : -1};
+      const auto [a, b] = list_at<List>(l).bodies(p, i);
+      return {a, b};
     },
     [](void* l, contact_part p, std::size_t i) -> const contact_key& {
       return list_at<List>(l).key(p, i);

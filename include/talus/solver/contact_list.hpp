@@ -81,12 +81,12 @@ struct keyed_contacts<Contact> {
            resting.capacity() * sizeof(resting_contact);
   }
   /// New data for all contacts. Those that rest from now on are taken out of the list, and those
-  /// that begin again are added at its end.
+  /// that begin again are added at its end. Returns whether there are none of these.
   template <class F>
-  void renew(F&& renewed) {
+  [[nodiscard]] bool renew(bool loads, F&& renewed) {
     bool end = false;
     begun_.clear();
-    row.renew(renewed, [&](std::uint32_t slot, bool begins) {
+    row.renew(loads, renewed, [&](std::uint32_t slot, bool begins) {
       if (begins)
         begun_.push_back(slot);
       else
@@ -98,6 +98,7 @@ struct keyed_contacts<Contact> {
     if (end)
       std::sort(resting.begin(), resting.end(),
                 [](const auto& x, const auto& y) { return x.slot < y.slot; });
+    return !end && begun_.empty();
   }
 
  private:
@@ -150,7 +151,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void clear() {
     inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
     foreign_keys_.clear();
-    renewed_ = false;
+    renewed_ = held_ = loaded_ = false;
   }
   /// `last` is the position in the history of the contacts of its pair, unknown if null. It is kept
   /// up to date. `at_border`: whether other ranks need the velocity of one of the bodies.
@@ -169,18 +170,29 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     inner_.places.push_back(last);
   }
   /// New data for all contacts between the same bodies; see isotropic_blocks. If they are `kept`
-  /// since the last step, they have its impulses. Contacts whose pairs have none are left out until
-  /// they have one again.
+  /// since the last step, they keep its impulses, or lose them unless `loads`. Contacts whose pairs
+  /// have none are left out until they have one again.
   template <class F>
-  void renew(bool kept, F&& renewed) requires(renewable<Contact>) {
-    renewed_ = kept;
-    inner_.renew(renewed);
+  void renew(bool kept, bool loads, F&& renewed) requires(renewable<Contact>) {
+    const std::size_t before = stored_;
+    const bool same = inner_.renew(kept && loads, renewed);
+    loaded_ = kept, held_ = false;
+    renewed_ = kept && same && inner_.row.size() == before;
   }
   /// The number of contacts that are left out.
   [[nodiscard]] std::size_t resting() const requires(renewable<Contact>) {
     return inner_.resting.size();
   }
-  void drop_impulses() requires(renewable<Contact>) { inner_.row.drop_impulses(); }
+  /// Whether all contacts were kept in this step, in their order, and there are no others.
+  [[nodiscard]] bool renewed() const { return renewed_; }
+  /// Whether the contacts have the impulses that were stored in the last step.
+  [[nodiscard]] bool held() const { return held_; }
+  void hold() { held_ = true, stored_ = size(); }
+  /// Stores the impulses of contacts that were kept, of which these are the entries.
+  void store_in_place(stored_contact* entries) requires(renewable<Contact>) {
+    inner_.row.each_impulse(
+        [entries](std::size_t i, const vec3& impulse) { entries[i].memory = impulse; });
+  }
   void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
                     history_place* last) {
     boundary_.add(contact, key, owns_a, last);
@@ -240,6 +252,16 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     return p == contact_part::interior   ? interior(i)
            : p == contact_part::boundary ? boundary_[i]
                                          : foreign_[i];
+  }
+  /// The bodies of a contact: a, and b, or -1 if that is a global one.
+  [[nodiscard]] plain_pair<std::int32_t, std::int32_t> bodies(contact_part p, std::size_t i) const {
+    if constexpr (Contact::paired && requires { inner_.row.bodies(i); })
+      if (p == contact_part::interior) {
+        const std::size_t inner = inner_.row.size();
+        return i < inner ? inner_.row.bodies(i) : border_.row.bodies(i - inner);
+      }
+    const auto c = contact(p, i);
+    return {c.a, Contact::paired ? c.b : -1};
   }
   template <class F>
   void edit(contact_part p, std::size_t i, F&& f) {
@@ -348,7 +370,9 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   }
 
   part inner_, border_;
-  bool renewed_ = false;  ///< the contacts have the impulses of the last step
+  bool renewed_ = false, held_ = false;  ///< see renewed() and held()
+  bool loaded_ = false;                  ///< contacts were kept, with their impulses
+  std::size_t stored_ = 0;               ///< the number of contacts when held
   boundary_contacts<Contact> boundary_;
   plain_vector<Contact> foreign_;
   plain_vector<contact_key> foreign_keys_;
@@ -364,7 +388,7 @@ contact_list<Contact>::~contact_list() = default;
 template <class Contact>
 void contact_list<Contact>::load_impulses(const contact_history& history) {
   if constexpr (renewable<Contact>)
-    if (renewed_) return inner_.row.load_renewed_impulses();
+    if (loaded_) return;
   for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
   boundary_.load_impulses(history);
 }

@@ -30,6 +30,7 @@ struct places_of<box> {
 template <>
 struct places_of<sphere> {
   plain_vector<moving_sphere> places;
+  plain_vector<placed_sphere> resting;  ///< for contacts that are kept
 };
 
 /// Whether B is a surface that keeps its parts near bodies of shape A.

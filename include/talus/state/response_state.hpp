@@ -111,8 +111,10 @@ struct no_colours {};
 
 /// Work space of step/passivity.hpp, for each body in solver indices.
 struct passivity_scratch {
-  plain_vector<std::uint32_t> root;  ///< of its island
-  plain_vector<impulse_work> works;  ///< of the island of a root
+  plain_vector<std::uint32_t> root;    ///< of its island, or a body on the way there
+  plain_vector<std::uint32_t> island;  ///< its number
+  std::uint32_t islands = 0;
+  plain_vector<impulse_work> works;  ///< of each island
   plain_vector<real> excess;         ///< fraction that its impulses lose
   // Across ranks:
   plain_vector<body_motion> common;   ///< velocities that were last sent or received

@@ -4,6 +4,7 @@
 // contact has the numbers of one made anew, to the bit; their order is that in which pairs began to
 // touch.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -75,15 +76,17 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   /// Makes the contacts of this step from all candidate pairs.
   void make_all(plain_vector<close_pair>& pairs) {
     const bool known = kept_.search == s_.found.searches &&
-                       kept_.materials == s_.materials.revision() && s_.history.unchanged();
-    const bool moved_before = note_bodies();
-    s_.history.release();
+                       kept_.materials == s_.materials.revision() && list_.held() &&
+                       s_.history.unchanged();
+    const bool moved_before = note_places();
+    if (kept_.rebounds || kept_.slides) note_motion();
     const bool kept = known && moved_before && list_.resting() <= list_.size() / most_resting;
     if (kept) {
       add_met(pairs);
     } else {
       kept_.search = s_.found.searches, kept_.materials = s_.materials.revision();
       list_.clear();
+      if (spheres_ == nullptr) note_motion();
       find(pairs);
     }
     renew(kept);
@@ -93,41 +96,72 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   /// More than this part of all contacts do not rest.
   static constexpr std::size_t most_resting = 8;
 
-  /// Writes the spheres for the batches. Returns whether those that can move are the same as
-  /// before.
-  bool note_bodies() {
-    auto& spheres = s_.template of<sphere>().places;
+  /// Writes the places of all spheres. Returns whether those that can move are the same as before.
+  bool note_places() {
     const auto& reach = s_.template of<sphere>().reach;
-    spheres.resize(a_.size());
+    auto& places = s_.template of<sphere>().resting;
     bool same = kept_.moves.size() == a_.size();
-    kept_.moves.resize(a_.size());
+    kept_.moves.resize(a_.size()), places.resize(a_.size());
+    margin_ = 0;
     for (std::size_t i = 0; i < a_.size(); ++i) {
-      spheres[i] = {a_.position[i],         reach[i], a_.velocity[i], a_.shape[i].radius,
-                    a_.angular_velocity[i], a_.id[i]};
+      const real radius = a_.shape[i].radius;
+      places[i] = {a_.position[i], radius};
+      margin_ = std::max(margin_, reach[i] - radius);
       const char moves = a_.moves(i);
       same = same && kept_.moves[i] == moves;
       kept_.moves[i] = moves;
     }
-    spheres_ = spheres.data();
+    places_ = places.data();
     return same;
+  }
+  [[nodiscard]] moving_sphere motion_of(std::size_t i) const {
+    return {a_.position[i],         s_.template of<sphere>().reach[i],
+            a_.velocity[i],         a_.shape[i].radius,
+            a_.angular_velocity[i], a_.id[i]};
+  }
+  /// The same of their motion, if it is needed of more than a few.
+  void note_motion() {
+    auto& spheres = s_.template of<sphere>().places;
+    spheres.resize(a_.size());
+    for (std::size_t i = 0; i < a_.size(); ++i) spheres[i] = motion_of(i);
+    spheres_ = spheres.data();
+  }
+  void set_lane(unsigned k, std::size_t i, std::size_t j) {
+    if (spheres_ != nullptr) return batch_.set(k, spheres_[i], spheres_[j]);
+    few_[2 * k] = motion_of(i), few_[2 * k + 1] = motion_of(j);
+    batch_.set(k, few_[2 * k], few_[2 * k + 1]);
   }
   [[nodiscard]] [[gnu::always_inline]] inline unsigned collide(unsigned count) {
     return batch_.collide_in_reach(count, motion_.gravity(), s_.dt, contact_slack);
+  }
+  /// The places of bodies, of which the last one fills the empty lanes.
+  template <class Body>
+  [[nodiscard]] [[gnu::always_inline]] inline pack_rows<wide> places_of(unsigned count,
+                                                                        Body&& body) const {
+    const int last = static_cast<int>(count) - 1;
+    return gather<wide>([&](int k) __attribute__((always_inline)) {
+      const placed_sphere& x = places_[body(static_cast<unsigned>(std::min(k, last)))];
+      return row_of(x, x.position);
+    });
   }
 
   /// Adds the pairs that had no contact and have one now.
   void add_met(plain_vector<close_pair>& pairs) {
     auto& apart = kept_.apart;
+    const wide margin = every_lane<wide>(2 * margin_), more = every_lane<wide>(1 + 1e-9);
     std::size_t left = 0;
     for (std::size_t first = 0; first < apart.size(); first += lanes) {
       const auto count = static_cast<unsigned>(std::min<std::size_t>(apart.size() - first, lanes));
-      for (unsigned k = 0; k < count; ++k)
-        batch_.set(k, spheres_[apart[first + k].i], spheres_[apart[first + k].j]);
-      const unsigned met = collide(count);
-      if (met == 0 && left == first) {
-        left += count;
+      const auto a = places_of(count, [&](unsigned k) { return apart[first + k].i; });
+      const auto b = places_of(count, [&](unsigned k) { return apart[first + k].j; });
+      const pack_vector<wide> d = vectors_in(a) - vectors_in(b);
+      const wide reach = (a.w + b.w + margin) * more;  // at least
+      if (all_lanes(dot(d, d) > reach * reach)) {
+        for (unsigned k = 0; k < count; ++k) apart[left++] = apart[first + k];
         continue;
       }
+      for (unsigned k = 0; k < count; ++k) set_lane(k, apart[first + k].i, apart[first + k].j);
+      const unsigned met = collide(count);
       for (unsigned k = 0; k < count; ++k) {
         const kept_contacts::pair one = apart[first + k];
         if ((met >> k & 1u) == 0)
@@ -178,30 +212,51 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       c.friction = static_cast<decltype(c.friction)>(between.friction);
       kept_.slides = kept_.slides || between.dynamic_friction < between.friction;
     }
-    list_.add_pair(c, {spheres_[i].id, spheres_[j].id, 0}, moves_a, moves_b, &last);
+    list_.add_pair(c, {a_.id[i], a_.id[j], 0}, moves_a, moves_b, &last);
   }
   /// Sets the data of all contacts.
   void renew(bool kept) {
     list_.renew(
-        kept, [this](const std::int32_t* a, const std::int32_t* b, int count,
-                     renewed_contacts& next) __attribute__((always_inline)) {
-          const auto size = static_cast<unsigned>(count);
-          for (unsigned k = 0; k < size; ++k)
-            batch_.set(k, spheres_[sphere_of(a[k])], spheres_[sphere_of(b[k])]);
-          const unsigned met = collide(size);
-          wide pull = every_lane<wide>(motion_.gravity());
-          if constexpr (store_a::forced)
-            for (unsigned k = 0; k < size; ++k)
-              pull[k] = motion_.pull(sphere_of(a[k]), sphere_of(b[k]));
-          const auto conditions = conditions_of_gap<law, wide>(
-              batch_.gap, held_gap<law, wide>(pull, s_.dt), s_.dt, s_.settings.correction);
-          next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
-          next.target_velocity = conditions.target_velocity;
-          next.correction_rate = conditions.correction_rate;
-          if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
-          return met;
-        });
-    if (!presses(s_)) list_.drop_impulses();
+        kept, presses(s_),
+        [this](const std::int32_t* a, const std::int32_t* b, int count, renewed_contacts& next)
+            __attribute__((always_inline)) {
+              const auto size = static_cast<unsigned>(count);
+              if (!kept_.rebounds && !kept_.slides && renew_resting(a, b, size, next))
+                return (1u << size) - 1;
+              for (unsigned k = 0; k < size; ++k) set_lane(k, sphere_of(a[k]), sphere_of(b[k]));
+              const unsigned met = collide(size);
+              next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
+              const wide pull = set_gap_conditions(a, b, size, batch_.gap, next);
+              if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
+              return met;
+            });
+  }
+  /// The same where all gaps are so small that velocities do not matter; else returns false.
+  [[nodiscard]] [[gnu::always_inline]] inline bool renew_resting(const std::int32_t* a,
+                                                                 const std::int32_t* b,
+                                                                 unsigned count,
+                                                                 renewed_contacts& next) {
+    const auto at_a = places_of(count, [&](unsigned k) { return sphere_of(a[k]); });
+    const auto at_b = places_of(count, [&](unsigned k) { return sphere_of(b[k]); });
+    const sphere_geometry<wide> x(vectors_in(at_a), at_a.w, vectors_in(at_b), at_b.w);
+    const wide slack = slack_of(every_lane<wide>(contact_slack), at_a.w, at_b.w);
+    if (!all_lanes(x.gap <= every_lane<wide>(1 - 1e-6) * slack)) return false;
+    next.normal = x.normal, next.arm_a = x.arm_a, next.arm_b = x.arm_b;
+    (void)set_gap_conditions(a, b, count, x.gap, next);
+    return true;
+  }
+  /// Conditions that depend on the gap. Returns the acceleration of the surfaces.
+  [[gnu::always_inline]] inline wide set_gap_conditions(const std::int32_t* a,
+                                                        const std::int32_t* b, unsigned count,
+                                                        const wide& gap, renewed_contacts& next) {
+    wide pull = every_lane<wide>(motion_.gravity());
+    if constexpr (store_a::forced)
+      for (unsigned k = 0; k < count; ++k) pull[k] = motion_.pull(sphere_of(a[k]), sphere_of(b[k]));
+    const auto conditions = conditions_of_gap<law, wide>(gap, held_gap<law, wide>(pull, s_.dt),
+                                                         s_.dt, s_.settings.correction);
+    next.target_velocity = conditions.target_velocity;
+    next.correction_rate = conditions.correction_rate;
+    return (void)a, (void)b, (void)count, pull;
   }
   /// Conditions that depend on the velocities.
   void set_conditions(const std::int32_t* a, const std::int32_t* b, unsigned count,
@@ -238,7 +293,10 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   contact_list<contact_type>& list_;
   kept_contacts& kept_;
   pair_motion<Scenario, sphere, sphere, true> motion_;
-  const moving_sphere* spheres_ = nullptr;
+  const placed_sphere* places_ = nullptr;
+  const moving_sphere* spheres_ = nullptr;  ///< null: of a few only
+  std::array<moving_sphere, 2 * lanes> few_;
+  real margin_ = 0;  ///< the largest of a sphere: its reach without its radius
   sphere_batch batch_;
   bool between_known_ = false;  ///< the properties of the last pair of materials
   material_id material_a_{}, material_b_{};

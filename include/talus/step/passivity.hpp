@@ -175,19 +175,20 @@ class passivity {
     join_islands();
     add_up_islands();
     const auto& works = s_.passive.works;
+    for (const impulse_work& w : works) found_ = found_ || w.adds_energy();
+    if (!found_) return;
     excess.resize(solver_.bodies.size());
-    for (std::size_t k = 0; k < works.size(); ++k) {
-      excess[k] = island_of(k).excess();
-      found_ = found_ || island_of(k).adds_energy();
-    }
+    for (std::size_t k = 0; k < excess.size(); ++k) excess[k] = island_of(k).excess();
   }
   [[nodiscard]] const impulse_work& island_of(std::size_t body) const {
-    return s_.passive.works[s_.passive.root[body]];
+    return s_.passive.works[s_.passive.island[body]];
   }
   void add_up_islands() {
     auto& works = s_.passive.works;
-    works.assign(solver_.bodies.size(), {});
-    const auto add = [&](const impulse_work& w, std::size_t k) { works[s_.passive.root[k]] += w; };
+    works.assign(s_.passive.islands, {});
+    const auto add = [&](const impulse_work& w, std::size_t k) {
+      works[s_.passive.island[k]] += w;
+    };
     each_body(add);
     each_exchange(add);
   }
@@ -201,6 +202,9 @@ class passivity {
       return k;
     };
     const auto join = [&](std::int32_t one, std::int32_t other) {
+      if (one >= 0 && other >= 0 &&
+          root[static_cast<std::size_t>(one)] == root[static_cast<std::size_t>(other)])
+        return;
       if (!moves(one) || !moves(other)) return;
       const auto a = find(static_cast<std::size_t>(one)), b = find(static_cast<std::size_t>(other));
       root[std::max(a, b)] = std::min(a, b);
@@ -214,7 +218,11 @@ class passivity {
             if (acts(c)) join(c.a, c.b);
         });
     });
-    for (std::size_t k = 0; k < root.size(); ++k) root[k] = find(k);
+    auto& island = s_.passive.island;
+    island.resize(root.size());
+    s_.passive.islands = 0;
+    for (std::size_t k = 0; k < root.size(); ++k)  // the first body of an island is its root
+      island[k] = root[k] == k ? s_.passive.islands++ : island[root[k]];
   }
   template <class Constraint>
   [[nodiscard]] static bool acts(const Constraint& c) {

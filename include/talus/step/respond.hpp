@@ -14,6 +14,7 @@
 #include "talus/step/coloured_velocities.hpp"
 #include "talus/step/finite_motion.hpp"
 #include "talus/step/foreign_contacts.hpp"
+#include "talus/step/kept_contacts.hpp"
 #include "talus/step/passivity.hpp"
 
 namespace talus::detail {
@@ -107,6 +108,27 @@ void solve_contacts(world_state<Scenario>& s) {
   passivity(s, ranks).keep();
 }
 
+/// Stores the impulses for the next step. Those of contacts that were kept have their places.
+template <class Scenario>
+void store_impulses(world_state<Scenario>& s) {
+  std::size_t count = 0, kept = 0;
+  s.each_contact_list([&](const auto& list) { count += list.size(); });
+  auto& first = std::get<0>(s.contacts);
+  if constexpr (keeps_contacts_in<Scenario, std::remove_cvref_t<decltype(first)>>())
+    if (first.renewed() && s.history.unchanged()) kept = first.size();
+  s.history.reset(count, kept);
+  if constexpr (keeps_contacts_in<Scenario, std::remove_cvref_t<decltype(first)>>())
+    if (kept > 0) first.store_in_place(s.history.entries().data());
+  s.each_contact_list([&]<class List>(List& list) {
+    if constexpr (keeps_contacts_in<Scenario, List>()) {
+      list.hold();
+      if (kept > 0) return;
+    }
+    list.store_impulses(s.history);
+  });
+  s.history.hold();
+}
+
 /// Solves the contact problem: afterwards the solver's velocities satisfy the contact law.
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
@@ -119,11 +141,7 @@ void respond(world_state<Scenario>& s) {
                    : solve_contacts<typename Scenario::solver>(s);
   else
     solve_contacts<typename Scenario::solver>(s);
-  std::size_t count = 0;
-  s.each_contact_list([&](const auto& list) { count += list.size(); });
-  s.history.reset(count);
-  s.each_contact_list([&](const auto& list) { list.store_impulses(s.history); });
-  s.history.hold();
+  store_impulses(s);
   if constexpr (world_state<Scenario>::has_joints) store_joint_impulses(s);
 }
 

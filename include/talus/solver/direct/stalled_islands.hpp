@@ -136,12 +136,17 @@ class stalled_islands {
   }
   void join_bodies(std::span<const access> lists, const State& s) {
     sets_.reset(s.bodies.size());
-    for (const access& list : lists)
+    ends_.clear(), firsts_.clear();
+    for (const access& list : lists) {
+      firsts_.push_back(ends_.size());
       for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i) {
-        const auto [a, b] = list.ends(contact_part::interior, i);
+        ends_.push_back(list.ends(contact_part::interior, i));
+        const auto [a, b] = ends_.back();
         if (b < 0 || !moves(s, a) || !moves(s, b)) continue;
         sets_.join(a, b);
       }
+    }
+    firsts_.push_back(ends_.size());
   }
   void gather(std::span<const access> lists,
               std::span<const std::span<const plain_pair<std::size_t, real>>> changes,
@@ -150,7 +155,7 @@ class stalled_islands {
     number_.assign(s.bodies.size(), 0);  // from 1, of the island of a root
     for (std::size_t k = 0; k < lists.size(); ++k)
       for (const auto& [i, change] : changes[k]) {
-        auto& number = number_[root(lists[k].ends(contact_part::interior, i), s)];
+        auto& number = number_[root(ends_[firsts_[k] + i], s)];
         if (number == 0) {
           islands_.emplace_back();
           number = static_cast<std::uint32_t>(islands_.size());
@@ -158,54 +163,57 @@ class stalled_islands {
         island& one = islands_[number - 1];
         one.change = std::max(one.change, change);
       }
+    island_of_.resize(ends_.size());
+    for (std::size_t n = 0; n < ends_.size(); ++n) island_of_[n] = number_[root(ends_[n], s)];
+    masses_.resize(s.bodies.size());
+    for (std::size_t i = 0; i < s.bodies.size(); ++i)
+      masses_[i] = s.bodies[i].inverse_mass != 0 ? 1 / real(s.bodies[i].inverse_mass) : 0;
     bool large = false;
-    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+    each_contact([&](island& one, const contact_ends& c, const member&) {
       large |= ++one.size > many;
       for (const std::int32_t end : {c.a, c.b})
         if (end >= 0 && moves(s, end)) {
-          const real mass = mass_of(s, end);
+          const real mass = mass_of(end);
           one.least_mass = std::min(one.least_mass, mass);
           one.most_mass = std::max(one.most_mass, mass);
         }
     });
-    if (large) find_overloaded(lists, s);
+    if (large) find_overloaded(s);
     for (const std::uint32_t i : s.gathered)
       if (const auto number = number_[sets_.root(i)]; number != 0)
         islands_[number - 1].elsewhere = true;
     const bool balances = s.fall != vec3(0, 0, 0) && s.islands.balances();
-    each_contact(lists, s, [&](island& one, const contact_ends&, const member& m) {
+    each_contact([&](island& one, const contact_ends&, const member& m) {
       if (balances || !one.sweeps_do()) one.contacts.push_back(m);
     });
   }
   /// Calls f(island, ends, contact) for each contact of the islands.
   template <class F>
-  void each_contact(std::span<const access> lists, const State& s, F&& f) {
-    for (std::size_t k = 0; k < lists.size(); ++k)
-      for (std::size_t i = 0, n = lists[k].size(contact_part::interior); i < n; ++i) {
-        const contact_ends c = lists[k].ends(contact_part::interior, i);
-        if (const auto number = number_[root(c, s)]; number != 0)
-          f(islands_[number - 1], c, member{k, i});
-      }
+  void each_contact(F&& f) {
+    for (std::size_t k = 0; k + 1 < firsts_.size(); ++k)
+      for (std::size_t n = firsts_[k]; n < firsts_[k + 1]; ++n)
+        if (const auto number = island_of_[n]; number != 0)
+          f(islands_[number - 1], ends_[n], member{k, n - firsts_[k]});
   }
-  void find_overloaded(std::span<const access> lists, const State& s) {
+  void find_overloaded(const State& s) {
     plain_vector<real> below(s.bodies.size(), 0);  // mass of the lighter bodies that touch it
     const auto paired = [&](const contact_ends& c) {
       return c.b >= 0 && moves(s, c.a) && moves(s, c.b);
     };
-    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+    each_contact([&](island& one, const contact_ends& c, const member&) {
       if (one.size <= many || !paired(c)) return;
-      const real a = mass_of(s, c.a), b = mass_of(s, c.b);
+      const real a = mass_of(c.a), b = mass_of(c.b);
       if (a != b) below[static_cast<std::size_t>(a > b ? c.a : c.b)] += std::min(a, b);
     });
-    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+    each_contact([&](island& one, const contact_ends& c, const member&) {
       if (one.size <= many || !paired(c)) return;
       for (const std::int32_t end : {c.a, c.b}) {
         const real light = below[static_cast<std::size_t>(end)];
-        one.overloaded |= light > 0 && mass_of(s, end) > heavy * light;
+        one.overloaded |= light > 0 && mass_of(end) > heavy * light;
       }
     });
   }
-  static real mass_of(const State& s, std::int32_t i) { return 1 / real(body(s, i).inverse_mass); }
+  [[nodiscard]] real mass_of(std::int32_t i) const { return masses_[static_cast<std::size_t>(i)]; }
 
   static plain_vector<island_contact> contacts_of(const island& one,
                                                   std::span<const access> lists) {
@@ -298,7 +306,11 @@ class stalled_islands {
   }
 
   disjoint_sets sets_;
-  plain_vector<std::uint32_t> number_;
+  plain_vector<contact_ends> ends_;        ///< of the contacts of all lists
+  plain_vector<std::size_t> firsts_;       ///< of each list, and the end
+  plain_vector<std::uint32_t> island_of_;  ///< of each contact, from 1
+  plain_vector<std::uint32_t> number_;     ///< the same of a root
+  plain_vector<real> masses_;              ///< of the bodies that can move
   std::vector<island> islands_;
 };
 
