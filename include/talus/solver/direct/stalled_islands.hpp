@@ -131,17 +131,20 @@ class stalled_islands {
   }
   static bool moves(const State& s, std::int32_t i) { return body(s, i).inverse_mass != 0; }
 
-  [[nodiscard]] std::uint32_t root(const contact_ends& c, const State& s) {
-    return sets_.root(moves(s, c.a) ? c.a : c.b);
-  }
   void join_bodies(std::span<const access> lists, const State& s) {
     sets_.reset(s.bodies.size());
-    for (const access& list : lists)
+    ends_.clear(), first_.clear();
+    for (const access& list : lists) {
+      first_.push_back(ends_.size());
       for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i) {
-        const auto [a, b] = list.ends(contact_part::interior, i);
-        if (b < 0 || !moves(s, a) || !moves(s, b)) continue;
-        sets_.join(a, b);
+        const contact_ends c = list.ends(contact_part::interior, i);
+        ends_.push_back(c);
+        if (c.b >= 0 && moves(s, c.a) && moves(s, c.b)) sets_.join(c.a, c.b);
       }
+    }
+    first_.push_back(ends_.size());
+    roots_.clear();
+    for (const contact_ends& c : ends_) roots_.push_back(sets_.root(moves(s, c.a) ? c.a : c.b));
   }
   void gather(std::span<const access> lists,
               std::span<const std::span<const plain_pair<std::size_t, real>>> changes,
@@ -150,7 +153,7 @@ class stalled_islands {
     number_.assign(s.bodies.size(), 0);  // from 1, of the island of a root
     for (std::size_t k = 0; k < lists.size(); ++k)
       for (const auto& [i, change] : changes[k]) {
-        auto& number = number_[root(lists[k].ends(contact_part::interior, i), s)];
+        auto& number = number_[roots_[first_[k] + i]];
         if (number == 0) {
           islands_.emplace_back();
           number = static_cast<std::uint32_t>(islands_.size());
@@ -159,7 +162,7 @@ class stalled_islands {
         one.change = std::max(one.change, change);
       }
     bool large = false;
-    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+    each_contact([&](island& one, const contact_ends& c, const member&) {
       large |= ++one.size > many;
       for (const std::int32_t end : {c.a, c.b})
         if (end >= 0 && moves(s, end)) {
@@ -168,36 +171,34 @@ class stalled_islands {
           one.most_mass = std::max(one.most_mass, mass);
         }
     });
-    if (large) find_overloaded(lists, s);
+    if (large) find_overloaded(s);
     for (const std::uint32_t i : s.gathered)
       if (const auto number = number_[sets_.root(i)]; number != 0)
         islands_[number - 1].elsewhere = true;
     const bool balances = s.fall != vec3(0, 0, 0) && s.islands.balances();
-    each_contact(lists, s, [&](island& one, const contact_ends&, const member& m) {
+    each_contact([&](island& one, const contact_ends&, const member& m) {
       if (balances || !one.sweeps_do()) one.contacts.push_back(m);
     });
   }
   /// Calls f(island, ends, contact) for each contact of the islands.
   template <class F>
-  void each_contact(std::span<const access> lists, const State& s, F&& f) {
-    for (std::size_t k = 0; k < lists.size(); ++k)
-      for (std::size_t i = 0, n = lists[k].size(contact_part::interior); i < n; ++i) {
-        const contact_ends c = lists[k].ends(contact_part::interior, i);
-        if (const auto number = number_[root(c, s)]; number != 0)
-          f(islands_[number - 1], c, member{k, i});
-      }
+  void each_contact(F&& f) {
+    for (std::size_t k = 0; k + 1 < first_.size(); ++k)
+      for (std::size_t n = first_[k]; n < first_[k + 1]; ++n)
+        if (const auto number = number_[roots_[n]]; number != 0)
+          f(islands_[number - 1], ends_[n], member{k, n - first_[k]});
   }
-  void find_overloaded(std::span<const access> lists, const State& s) {
+  void find_overloaded(const State& s) {
     plain_vector<real> below(s.bodies.size(), 0);  // mass of the lighter bodies that touch it
     const auto paired = [&](const contact_ends& c) {
       return c.b >= 0 && moves(s, c.a) && moves(s, c.b);
     };
-    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+    each_contact([&](island& one, const contact_ends& c, const member&) {
       if (one.size <= many || !paired(c)) return;
       const real a = mass_of(s, c.a), b = mass_of(s, c.b);
       if (a != b) below[static_cast<std::size_t>(a > b ? c.a : c.b)] += std::min(a, b);
     });
-    each_contact(lists, s, [&](island& one, const contact_ends& c, const member&) {
+    each_contact([&](island& one, const contact_ends& c, const member&) {
       if (one.size <= many || !paired(c)) return;
       for (const std::int32_t end : {c.a, c.b}) {
         const real light = below[static_cast<std::size_t>(end)];
@@ -298,6 +299,9 @@ class stalled_islands {
   }
 
   disjoint_sets sets_;
+  plain_vector<contact_ends> ends_;    ///< of the interior contacts of all lists
+  plain_vector<std::uint32_t> roots_;  ///< of the islands of these contacts
+  plain_vector<std::size_t> first_;    ///< of the contacts of each list, and their number
   plain_vector<std::uint32_t> number_;
   std::vector<island> islands_;
 };
