@@ -59,6 +59,7 @@ class pairs_of_boxes {
 std::vector<found> together(const std::vector<two>& pairs, real margin, int& good) {
   box_batch<real> batch;
   std::vector<box_place<real>> a, b;
+  a.reserve(8), b.reserve(8);  // the batch refers to them
   for (unsigned k = 0; k < 8; ++k) {
     a.push_back(place_of<real>(pairs[k].a, pairs[k].at_a));
     b.push_back(place_of<real>(pairs[k].b, pairs[k].at_b));

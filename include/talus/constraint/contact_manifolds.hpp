@@ -52,8 +52,9 @@ class manifold_blocks {
       if (blocks_[k].filled > 0)
         work::template sweep<false, Watched>(blocks_[k], layers_of(blocks_[k]), s, note);
   }
+  template <bool First>
   void correct(solver_state& s) {
-    each([&](block& b) { work::correct(b, layers_of(b), s); });
+    each([&](block& b) { work::template correct<First>(b, layers_of(b), s); });
   }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + layers_.capacity() * sizeof(layer) +
@@ -118,6 +119,7 @@ class contact_manifolds {
   void prepare(plain_vector<Contact>& contacts, const solver_state& s) {
     large_.clear(), blocks_.clear();
     plan_.clear();
+    impulses_change();
     const auto moves = [&](std::int32_t i) {
       return s.bodies[static_cast<std::size_t>(i)].inverse_mass != 0;
     };
@@ -151,7 +153,10 @@ class contact_manifolds {
       give_pair<paired>(s, c.a, c.b, offset, impulse, moment);
     }
   }
-  void sweep_forward(solver_state& s) { blocks_.sweep_forward(s), large_.sweep_forward(s); }
+  void sweep_forward(solver_state& s) {
+    impulses_change();
+    blocks_.sweep_forward(s), large_.sweep_forward(s);
+  }
   void sweep_backward(solver_state& s) {
     const auto silent = [](auto&&...) {};
     backward<false>(s, silent);
@@ -164,7 +169,15 @@ class contact_manifolds {
     };
     backward<true>(s, note_contact);
   }
-  void sweep_correction(solver_state& s) { blocks_.correct(s), large_.correct(s); }
+  void sweep_correction(solver_state& s) {
+    if (corrects_)
+      blocks_.template correct<false>(s), large_.template correct<false>(s);
+    else
+      blocks_.template correct<true>(s), large_.template correct<true>(s);
+    corrects_ = true;
+  }
+  /// To be called with each change of the impulses from outside.
+  void impulses_change() { corrects_ = false; }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.bytes() + large_.bytes() + plan_.bytes();
   }
@@ -175,6 +188,7 @@ class contact_manifolds {
 
   template <bool Watched, class Note>
   void backward(solver_state& s, Note& note) {
+    impulses_change();
     large_.template sweep_backward<Watched>(s, note);
     blocks_.template sweep_backward<Watched>(s, note);
   }
@@ -182,6 +196,7 @@ class contact_manifolds {
   Planner plan_;
   manifold_blocks<Contact, eight> blocks_;
   manifold_blocks<Contact, real> large_;  ///< with more contacts than fit a block, one by one
+  bool corrects_ = false;                 ///< the last sweep was one of the position correction
   Contact spare_;                         ///< for empty places; its impulse stays zero
 };
 

@@ -51,6 +51,7 @@ struct manifold_layer : manifold_layer_bias<Contact::biased, Pack> {
   coulomb_blocks<Pack> own;  ///< the blocks of the contacts
   Pack correction_rate, correction_impulse;
   mask_of<Pack> present;
+  mask_of<Pack> loaded;  ///< at rest and under load, for the position correction
   Contact* at[lanes_of<Pack>] =
       {};  ///< the impulse stays there; a spare one in lanes without a contact
 };
@@ -167,7 +168,9 @@ struct manifold_work {
     ends.give(p, r, m, v_of, w_of);
   }
 
-  /// The position correction, which acts along the normal alone.
+  /// The position correction, which acts along the normal alone. The `First` sweep after the
+  /// impulses have changed reads which contacts are under load.
+  template <bool First>
   static void correct(const block& p, layer* layers, solver_state& s) {
     const auto v_of = [&](const bodies& of) {
       return [&](int i) {
@@ -189,12 +192,14 @@ struct manifold_work {
     Pack impulse = zero, moment_y = zero, moment_z = zero;
     for (std::uint32_t k = 0; k < p.depth; ++k) {
       layer& c = layers[k];
-      const pack_rows<Pack> held =
-          gather<Pack>([&](int i) { return row_of(*c.at[i], c.at[i]->r); });
+      if constexpr (First) {
+        const pack_rows<Pack> held =
+            gather<Pack>([&](int i) { return row_of(*c.at[i], c.at[i]->r); });
+        c.loaded = both<mask_of<Pack>>(held.w == zero, held.x > zero);
+      }
       const Pack rate = n + (y * c.arm.z - z * c.arm.y);
       const Pack free = c.correction_impulse - (rate - c.correction_rate) * c.own.inverse_nn;
-      const mask_of<Pack> loaded = both<mask_of<Pack>>(held.w == zero, held.x > zero);
-      const mask_of<Pack> kept = loaded | (free > zero);
+      const mask_of<Pack> kept = c.loaded | (free > zero);
       const Pack next = both(kept, c.present) ? free : zero;
       const Pack d = next - c.correction_impulse;
       c.correction_impulse = next;

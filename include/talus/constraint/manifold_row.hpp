@@ -16,6 +16,11 @@ class manifold_row : public contact_row<Contact> {
   [[nodiscard]] std::size_t bytes() const {
     return contact_row<Contact>::bytes() + manifolds_.bytes();
   }
+  template <class F>
+  void edit(std::size_t i, F&& f) {
+    manifolds_.impulses_change();
+    contact_row<Contact>::edit(i, f);
+  }
   void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
   void apply(state& s) const { manifolds_.apply_all(this->contacts_, s); }
   void forward(state& s) { manifolds_.sweep_forward(s); }

@@ -40,6 +40,15 @@ class kept_pair {
       if (old.key.feature == key.feature) return &old.memory;
     return nullptr;
   }
+  /// Whether its entries are those of these points, in this order.
+  [[nodiscard]] bool same_points(std::span<const contact_key> keys) const {
+    if (searched_ || row_.size() != keys.size()) return false;
+    for (std::size_t k = 0; k < keys.size(); ++k)
+      if (row_[k].key.feature != keys[k].feature) return false;
+    return true;
+  }
+  /// Those entries.
+  [[nodiscard]] std::span<const stored_contact> row() const { return row_; }
   template <class F>
   void each(F&& f) const {
     if (searched_) return history_.each_of_pair(key_, f);
@@ -152,6 +161,12 @@ void load_impulses(const contact_history& history, const plain_vector<contact_ke
     const kept_pair kept(history, keys[first], places[first]);
     while (last < contacts.size() && keys[last].same_pair(keys[first])) ++last;
     if constexpr (comes_in_manifolds<Contact>) {
+      if (kept.same_points(std::span(keys).subspan(first, last - first))) {
+        shared_frame<Contact> frame;
+        for (std::size_t i = first; i < last; ++i)
+          frame.load_impulse(contacts[i], kept.row()[i - first].memory);
+        continue;
+      }
       stored_pair before(kept);
       if (before.complete()) {
         recall_patch(before, std::span(keys).subspan(first, last - first),

@@ -300,8 +300,12 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
       if constexpr (requires { p->row.each_loaded_pair(f); })
         p->row.each_loaded_pair(f);
       else
-        for (std::size_t i = 0; i < p->row.size(); ++i)
-          if (const auto& c = p->row[i]; carries_load(c)) f(c.a, c.b);
+        for (std::size_t i = 0, n = p->row.size(), last = n; i < n; ++i) {
+          const auto& c = p->row[i];
+          // Once for consecutive contacts of a pair.
+          if (last != n && p->row[last].a == c.a && p->row[last].b == c.b) continue;
+          if (carries_load(c)) f(c.a, c.b), last = i;
+        }
   }
   template <class F>
   void edit_interior_contacts(F&& f) {

@@ -16,6 +16,7 @@
 #include "talus/step/foreign_contacts.hpp"
 #include "talus/step/kept_contacts.hpp"
 #include "talus/step/passivity.hpp"
+#include "talus/step/rotation_queue.hpp"
 
 namespace talus::detail {
 
@@ -155,10 +156,14 @@ void integrate(world_state<Scenario>& s) {
     using store_type = std::remove_reference_t<decltype(store)>;
     constexpr bool divided = uses_substeps<typename Scenario::solver>;
     finite_watch watch;
+    // Bodies that rotate for equal times do so side by side.
+    constexpr bool together = store_type::tensor && !world_state<Scenario>::continuous && !divided;
+    [[maybe_unused]] std::conditional_t<together, rotation_queue<store_type>, no_queue> queue;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
       store.velocity[i] = kept * solved_velocity(s, store, i, b.first + i);
-      store.angular_velocity[i] = kept * solved_spin(s, store, i, b.first + i);
+      const vec3 spin = kept * solved_spin(s, store, i, b.first + i);
+      if constexpr (!together) store.angular_velocity[i] = spin;
       vec3 rate = store.velocity[i];
       real left = s.dt;
       if constexpr (world_state<Scenario>::midpoint) left *= real(0.5), rate *= real(0.5);
@@ -191,7 +196,14 @@ void integrate(world_state<Scenario>& s) {
           if constexpr (monitored<Scenario, energy_ledger>)
             book_stop(s, store, i, held - store.position[i]);
         }
-      if constexpr (store_type::tensor) {
+      watch.look(store.position[i]);  // while it is in a register
+      if constexpr (together) {
+        vec3 turn{0, 0, 0};
+        if constexpr (world_state<Scenario>::law::correction)
+          turn = s.dt * solver.turn[b.first + i - solver.first_tensor].w;
+        queue.add(store, i, spin, turn, left, watch);
+        continue;
+      } else if constexpr (store_type::tensor) {
         store.angular_velocity[i] = rotate_freely(
             store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), left);
         if constexpr (divided)
@@ -207,10 +219,10 @@ void integrate(world_state<Scenario>& s) {
           store.orientation_of[i] =
               turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
       }
-      watch.look(store.position[i]);  // while the velocity is in a register
       watch.look(store.angular_velocity[i]);
       if constexpr (store_type::oriented) watch.look(store.orientation_of[i]);
     }
+    if constexpr (together) queue.finish(store, watch);
     if (watch.doubtful()) refuse_infinite_motion(s, store);
     if constexpr (store_type::forced) {
       std::fill(store.force.begin(), store.force.end(), vec3(0, 0, 0));

@@ -26,9 +26,11 @@ struct edge_crossing {
   vector3<Real> middle_a = vector3<Real>::Zero(), middle_b = vector3<Real>::Zero();
   vector3<Real> along_a, along_b;
   Real s = 0, t = 0;
+  Real half_a, half_b, sine_square;
   box_part part_a = 0, part_b = 0;
 
-  edge_crossing(const box_pair<Real>& p, const box_axis<Real>& e) {
+  edge_crossing(const box_pair<Real>& p, const box_axis<Real>& e)
+      : half_a(p.ha[e.i]), half_b(p.hb[e.j]) {
     const vector3<Real> inwards = p.axes.transpose() * -e.normal;
     for (int d = 1; d < 3; ++d) {
       const int u = (e.i + d) % 3, k = (e.j + d) % 3;
@@ -40,8 +42,17 @@ struct edge_crossing {
     along_a = vector3<Real>::Unit(e.i), along_b = column_of(p.axes, e.j);
     middle_b = p.from_b(middle_b);
     nearest_on_lines(middle_a, along_a, middle_b, along_b, s, t);
-    s = std::clamp(s, -p.ha[e.i], p.ha[e.i]);
-    t = std::clamp(t, -p.hb[e.j], p.hb[e.j]);
+    s = std::clamp(s, -half_a, half_a), t = std::clamp(t, -half_b, half_b);
+    sine_square = along_a.cross(along_b).squaredNorm();
+  }
+  /// Whether the points lie so far inside the edges that the ends of the edges are clearly farther
+  /// from each other than the points, which are `gap` apart.
+  [[nodiscard]] bool inside(Real gap) const {
+    const auto within = [&](Real at, Real half) {
+      const Real left = half - std::abs(at);
+      return left > 0 && left * left * sine_square > Real(1e-8) * gap * gap;
+    };
+    return within(s, half_a) && within(t, half_b);
   }
   /// The square of the distance of the two points.
   [[nodiscard]] Real square() const {
@@ -70,6 +81,26 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
     best = square;
     on_a = x, on_b = y, found.a = a, found.b = b;
   };
+  const auto finished = [&] {
+    if (!(best < limit * limit)) {
+      found.gap = limit + limit + Real(1e-300);
+      return found;
+    }
+    found.gap = std::sqrt(best);
+    found.normal = (on_b - on_a) / found.gap;
+    found.point = Real(0.5) * (on_a + on_b);
+    return found;
+  };
+  // Edges that cross well inside each other along the best axis: that gap is the distance.
+  Real crossing = best;
+  if (&axis == &axes.edge) {
+    const edge_crossing<Real> x(p, axis);
+    crossing = x.square();
+    if (x.inside(axis.gap)) {
+      offer(x.middle_a + x.s * x.along_a, x.middle_b + x.t * x.along_b, x.part_a, x.part_b);
+      return finished();
+    }
+  }
   const vector3<Real> inwards = p.axes.transpose() * -axis.normal;
   // How far a corner lies behind the foremost one of its box.
   const auto behind = [](const vector3<Real>& half, const vector3<Real>& normal, unsigned c) {
@@ -84,9 +115,9 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
   };
   const vector3<Real> corner_a = p.to_b(foremost(p.ha, axis.normal)),
                       corner_b = p.from_b(foremost(p.hb, inwards));
-  Real enough = std::min({best, (corner_b - corner_b.cwiseMax(-p.ha).cwiseMin(p.ha)).squaredNorm(),
-                          (corner_a - corner_a.cwiseMax(-p.hb).cwiseMin(p.hb)).squaredNorm()});
-  if (&axis == &axes.edge) enough = std::min(enough, edge_crossing<Real>(p, axis).square());
+  Real enough =
+      std::min({crossing, (corner_b - corner_b.cwiseMax(-p.ha).cwiseMin(p.ha)).squaredNorm(),
+                (corner_a - corner_a.cwiseMax(-p.hb).cwiseMin(p.hb)).squaredNorm()});
   enough *= 1 + Real(1e-8);  // those that are nearly as near stay
   const auto too_far = [&](Real bound) {
     return bound > 0 && bound * bound >= std::min(best, enough);
@@ -147,14 +178,7 @@ box_contact<Real> nearest_points(const box_pair<Real>& p, const box_axes<Real>& 
       if (std::abs(s) > p.ha[ea.axis] || std::abs(t) > p.hb[eb.axis]) continue;
       offer(ea.middle + s * u, middle + t * v, ea.part, eb.part);
     }
-  if (!(best < limit * limit)) {
-    found.gap = limit + limit + Real(1e-300);
-    return found;
-  }
-  found.gap = std::sqrt(best);
-  found.normal = (on_b - on_a) / found.gap;
-  found.point = Real(0.5) * (on_a + on_b);
-  return found;
+  return finished();
 }
 
 /// The two edges that cross along the best edge axis of boxes which touch or overlap.

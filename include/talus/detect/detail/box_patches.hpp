@@ -43,7 +43,7 @@ class box_patches {
     const number face = of_b_ ? gaps.face_b : gaps.face_a;
     const number root = square_root(magnitude(gaps.edge));
     const number edge = gaps.edge < zero ? -root : root;
-    good_ = ~(edge > face + tolerance(face));
+    good_ = ~(edge > face + tolerance(face)) | edge_near_face(c, d, gaps);
     const number best = more(more(gaps.face_a, gaps.face_b), edge);
     const mask apart = best > 1e-6 * smallest;
     const number enough = best + (apart ? 0.05 * best + 1e-4 * smallest : tolerance(best));
@@ -231,6 +231,41 @@ class box_patches {
   }
 
  private:
+  /// Whether edges cross within 11 degrees of the normal of the reference face.
+  [[nodiscard]] [[gnu::always_inline]] mask edge_near_face(const number (&c)[3][3],
+                                                           const number (&d)[3],
+                                                           const box_gaps<number>& gaps) const {
+    const number zero{};
+    // The directions of b and of a, which count 0, 1, 2 in the numbers of pairs of edges.
+    const mask a_1 = gaps.axes > 2.5, a_2 = gaps.axes > 5.5;
+    const number j = gaps.axes - (a_2 ? zero + 6 : a_1 ? zero + 3 : zero);
+    const auto column = [&](const number& k, number(&out)[3]) {
+      const mask is_0 = k == zero, is_1 = k == zero + 1;
+      for (int i = 0; i < 3; ++i) out[i] = is_0 ? c[i][0] : is_1 ? c[i][1] : c[i][2];
+    };
+    number b[3], face[3];
+    column(j, b), column(gaps.axis_b, face);
+    const number n[3] = {a_2   ? -b[1]
+                         : a_1 ? b[2]
+                               : zero,
+                         a_2   ? b[0]
+                         : a_1 ? zero
+                               : -b[2],
+                         a_2   ? zero
+                         : a_1 ? -b[0]
+                               : b[1]};
+    for (int i = 0; i < 3; ++i)
+      face[i] = of_b_ ? face[i] : gaps.axis_a == zero + i ? zero + 1 : zero;
+    const auto along = [](const number(&x)[3], const number(&y)[3]) {
+      return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+    };
+    // Both normals from a towards b.
+    const mask turned = (along(n, d) < zero) ^ (along(face, d) < zero);
+    const number both = along(n, face), cosine = turned ? -both : both;
+    constexpr Real near = 0.98;
+    return (cosine > zero) & (cosine * cosine > near * near * along(n, n));
+  }
+
   static constexpr Real soft = box_manifold<Real>::soft;
   static constexpr int kinds = 16;
 
