@@ -1,0 +1,116 @@
+// Contacts of spheres that stay in their blocks from step to step have the bits of contacts that
+// are made anew in each step, as where a monitor wants every overlap.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+#include <talus/checkpoint.hpp>
+#include <talus/features/penetration_monitor.hpp>
+#include <talus/observe/digest.hpp>
+#include <talus/parallel/serial.hpp>
+#include <talus/world/world.hpp>
+#include <vector>
+
+using namespace talus;
+
+namespace {
+
+template <class Precision, class... Features>
+using heap = scenario<bodies<sphere, plane>, transport<serial>, precision<Precision>,
+                      features<checkpoints, Features...>>;
+
+struct pair_of_materials {
+  real restitution = 0, dynamic_friction = 0.4;
+};
+
+/// Spheres that fall onto a plane and come to rest, and what users do to them.
+template <class Scenario>
+struct falling {
+  serial::link link;
+  world<Scenario> w{link};
+  std::vector<handle<sphere>> spheres;
+  material_id soft, hard;
+  int kept = 0;  ///< steps in which contacts were kept
+
+  explicit falling(const pair_of_materials& pair, const vec3& gravity = {0, 0, -9.81}) {
+    soft = w.material({.density = 1, .friction = 0.4});
+    hard = w.material({.density = 3, .friction = 0.2});
+    w.material_pair(soft, hard,
+                    {.restitution = pair.restitution,
+                     .friction = 0.4,
+                     .dynamic_friction = pair.dynamic_friction});
+    w.gravity(gravity);
+    w.global([&](auto& scope) {
+      for (const vec3& n :
+           {vec3(0, 0, 1), vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0)})
+        scope.add(plane{.normal = n, .offset = n[2] == 0 ? -2.2 : 0}, soft);
+    });
+    random_stream random(5);
+    for (int k = 0; k < 48; ++k) {
+      const vec3 at{1.05 * (k % 4) - 1.6, 1.05 * (k / 4 % 4) - 1.6, 0.7 + 1.05 * (k / 16)};
+      spheres.push_back(w.add(
+          body{.shape = sphere{random.uniform(0.4, 0.5)},
+               .position = at + random.uniform(vec3(-0.02, -0.02, -0.02), vec3(0.02, 0.02, 0.02)),
+               .material = k % 3 == 0 ? hard : soft,
+               .velocity = random.uniform(vec3(-1, -1, -1), vec3(1, 1, 1))}));
+    }
+  }
+  void step() {
+    w.step(1.0 / 240);
+    auto& list = std::get<0>(detail::state_of(w).contacts);
+    if constexpr (requires { list.renewed(); }) kept += list.renewed();
+  }
+  /// A change between two steps, at some of them.
+  void change(int step) {
+    if (step == 320) w[spheres[3]].fix();
+    if (step == 360) w[spheres[3]].release();
+    if (step == 400) w.material_pair(soft, hard, {.restitution = 0, .friction = 0.3});
+    if (step == 420) w.gravity({0.5, 0, -9});
+    if (step == 440) w.destroy(spheres[7]);
+    if (step == 460) w.add(body{.shape = sphere{0.3}, .position = {0, 0, 4.5}, .material = soft});
+    if (step == 500) w[spheres[10]].set_velocity({0, 0, 3});
+    if (step == 540) w.solver().iterations = 3;
+  }
+};
+
+template <class Precision>
+void compare(const pair_of_materials& pair, const vec3& gravity = {0, 0, -9.81}) {
+  falling<heap<Precision>> kept(pair, gravity);
+  falling<heap<Precision, penetration_monitor>> anew(pair, gravity);
+  for (int step = 0; step < 640; ++step) {
+    if (gravity != vec3(0, 0, 0)) kept.change(step), anew.change(step);
+    kept.step(), anew.step();
+    if (step % 20 == 0) REQUIRE(state_digest(kept.w) == state_digest(anew.w));
+  }
+  CHECK(state_digest(kept.w) == state_digest(anew.w));
+  CHECK(anew.kept == 0);
+  CHECK(kept.kept > (gravity == vec3(0, 0, 0) ? 0 : 100));  // otherwise nothing was tested
+}
+
+}  // namespace
+
+TEST_CASE("contacts that are kept have the bits of contacts made anew, whatever users change") {
+  compare<double>({});
+  compare<double>({.dynamic_friction = 0.2});
+  compare<mixed_precision>({.restitution = 0.3, .dynamic_friction = 0.3});
+}
+
+TEST_CASE("without gravity contacts keep no impulses") {
+  compare<double>({.restitution = 0.8}, {0, 0, 0});
+}
+
+TEST_CASE("a run with kept contacts continues from a checkpoint to the bit") {
+  const std::string file = "/tmp/talus_kept_contacts_" + std::to_string(getpid()) + ".h5";
+  falling<heap<double>> whole({}), rest({});
+  for (int step = 0; step < 450; ++step) whole.step();
+  write_checkpoint(whole.w, file);
+  const int before = whole.kept;
+  for (int step = 0; step < 60; ++step) whole.step();
+  CHECK(whole.kept > before);
+  CHECK(read_checkpoint(rest.w, file).empty());
+  std::remove(file.c_str());
+  for (int step = 0; step < 60; ++step) rest.step();
+  CHECK(rest.w.steps() == whole.w.steps());
+  CHECK(state_digest(rest.w) == state_digest(whole.w));
+}
