@@ -5,6 +5,13 @@
     "talus needs Eigen 3.4, fmt and Boost.Hana: in CMake write find_package(talus) and link talus::talus"
 #endif
 #include "talus/constraint/ball_joint.hpp"
+#include "talus/constraint/cylindrical_joint.hpp"
+#include "talus/constraint/fixed_joint.hpp"
+#include "talus/constraint/hinge.hpp"
+#include "talus/constraint/point_on_plane.hpp"
+#include "talus/constraint/rod.hpp"
+#include "talus/constraint/slider.hpp"
+#include "talus/constraint/universal_joint.hpp"
 #include "talus/detect/sweep_and_prune.hpp"
 #include "talus/interaction/liquid_bridge.hpp"
 #include "talus/observe/balance.hpp"
