@@ -9,6 +9,7 @@
 #include <talus/constraint/rod.hpp>
 #include <talus/constraint/slider.hpp>
 #include <talus/constraint/universal_joint.hpp>
+#include <talus/constraint/weld.hpp>
 
 using namespace talus;
 using laws::any_vector;
@@ -20,6 +21,10 @@ TEST_CASE("ball_joint obeys the laws of joints") {
 TEST_CASE("fixed_joint obeys the laws of joints") {
   laws::obeys_the_laws_of_joints<fixed_joint>(
       [](random_stream& random) { return fixed_joint{.at = any_vector(random, 2)}; });
+}
+TEST_CASE("weld obeys the laws of joints") {
+  laws::obeys_the_laws_of_joints<weld>(
+      [](random_stream& random) { return weld{.at = any_vector(random, 2)}; });
 }
 TEST_CASE("hinge obeys the laws of joints") {
   laws::obeys_the_laws_of_joints<hinge>([](random_stream& random) {

@@ -59,17 +59,24 @@ class line_writer {
   /// The two conditions of a common third axis.
   void hold_axis() { hold(line_of_cosine(g, 2, 0)), hold(line_of_cosine(g, 2, 1)); }
 
+  /// The condition that the angle of b about the third axis of a frame of the world is `ratio`
+  /// times that of a about the third axis of another.
+  void hold_ratio(const mat3& of_a, const mat3& of_b, real ratio) {
+    const real a = whole_turns(angle_in(of_a, g.axes_a.col(0)));
+    const real b = whole_turns(angle_in(of_b, g.axes_b.col(0)));
+    joint_line x;
+    x.moment_a = -ratio * of_a.col(2), x.moment_b = -of_b.col(2);
+    x.error = b - ratio * a;
+    hold(x);
+  }
+
   /// The angle of b relative to a about their common third axis.
   void turn(const axis_rules& rules) {
-    const vec3 x = g.axes_b.col(0);
-    turn_about(g.axes_a.col(2), portable::atan2(x.dot(g.axes_a.col(1)), x.dot(g.axes_a.col(0))),
-               rules);
+    turn_about(g.axes_a.col(2), angle_in(g.axes_a, g.axes_b.col(0)), rules);
   }
   /// An angle that grows with the rotation of b relative to a about `axis`.
   void turn_about(const vec3& axis, real angle, const axis_rules& rules) {
-    constexpr real whole = 2 * pi;
-    const real last = coordinates_[axis_];
-    free(line_of_turn(axis), last + std::remainder(angle - last, whole), rules);
+    free(line_of_turn(axis), continued(angle), rules);
   }
   /// The travel of b from a along the third axis of a.
   void travel(const axis_rules& rules) {
@@ -93,6 +100,21 @@ class line_writer {
   }
 
  private:
+  /// The angle of a direction about the third axis of a frame, from its first axis.
+  [[nodiscard]] static real angle_in(const mat3& frame, const vec3& x) {
+    return portable::atan2(x.dot(frame.col(1)), x.dot(frame.col(0)));
+  }
+  /// An angle of the next coordinate with all its turns.
+  [[nodiscard]] real continued(real angle) const {
+    const real last = coordinates_[axis_];
+    return last + std::remainder(angle - last, 2 * pi);
+  }
+  /// The same, noted.
+  real whole_turns(real angle) {
+    const real value = continued(angle);
+    note(value);
+    return value;
+  }
   void put(const joint_line& x) { lines_[next_++] = x; }
   static void flip(joint_line& x) {
     x.force = -x.force, x.moment_a = -x.moment_a, x.moment_b = -x.moment_b, x.error = -x.error;

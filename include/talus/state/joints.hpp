@@ -172,6 +172,25 @@ void store_joint_impulses(world_state<Scenario>& s) {
   });
 }
 
+/// Removes the joints that the load of the step breaks: both ranks of a joint have the same load.
+template <class Scenario>
+void break_joints(world_state<Scenario>& s) {
+  s.joints.each_kind([&](auto& of_kind) {
+    using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
+    using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
+    if constexpr (requires(const record& r) { kind::breaks(r.anchors, real(0), real(0)); }) {
+      std::size_t kept = 0;
+      for (const record& r : of_kind.records)
+        if (!kind::breaks(r.anchors, r.load.impulse.norm() / s.dt, r.load.moment.norm() / s.dt))
+          of_kind.records[kept++] = r;
+      if (kept == of_kind.records.size()) return;
+      of_kind.records.resize(kept);
+      s.joints.changed();
+      s.changed = true;
+    }
+  });
+}
+
 /// Bodies reach their jointed partners, so that both owners know both bodies.
 template <class Scenario>
 void reach_jointed(world_state<Scenario>& s) {

@@ -24,7 +24,8 @@ struct moved_joint {
   const joint_frames* frames;
   const void* anchors;
   void (*write)(const void*, line_writer&);
-  joint_view solved;  ///< its rows in the solver
+  const joint_coordinates* coordinates;  ///< at the start of the step, or in its middle
+  joint_view solved;                     ///< its rows in the solver
   std::int32_t a, b;
   std::size_t first = 0;  ///< of its rows here
 };
@@ -117,6 +118,7 @@ class moved_joints {
                               [](const void* x, line_writer& to) {
                                 kind::write(*static_cast<const typename kind::anchors*>(x), to);
                               },
+                              &r.coordinates,
                               c.view(),
                               static_cast<std::int32_t>(ids.find(r.key.a)),
                               static_cast<std::int32_t>(ids.find(r.key.b)),
@@ -147,9 +149,9 @@ class moved_joints {
   /// Writes the rows of a joint there.
   void write(const moved_joint& j, const joint_geometry& g) {
     const jointed_body still{};
-    joint_coordinates unused{};
+    joint_coordinates coordinates = *j.coordinates;
     std::fill(lines(j).begin(), lines(j).end(), joint_line{});
-    line_writer writer(lines(j), unused, g, still, still, {.dt = 1});
+    line_writer writer(lines(j), coordinates, g, still, still, {.dt = 1});
     j.write(j.anchors, writer);
   }
   /// The largest error of its rows, over the lengths of which they consist.

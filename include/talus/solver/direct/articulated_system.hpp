@@ -37,10 +37,7 @@ class articulated_system {
     find_fill(ties);
   }
   /// Sets all values to 0.
-  void clear() {
-    values_.assign(values_.size(), 0);
-    scale_.assign(scale_.size(), 0), gross_.assign(scale_.size(), 0);
-  }
+  void clear() { values_.assign(values_.size(), 0), scale_.assign(scale_.size(), 0); }
   void set_body(std::int32_t i, real mass, const mat3& inertia) {
     real* d = values_.data() + diagonal_[at(place_[at(i)])];
     for (int k = 0; k < 3; ++k) d[7 * k] = mass;
@@ -53,7 +50,7 @@ class articulated_system {
                const std::array<real, 6>& of_b, real compliance, real scale) {
     const std::int32_t p = place_[at(bodies_ + j)], n = size_[at(p)];
     values_[diagonal_[at(p)] + at(k) * at(n + 1)] = -compliance;
-    scale_[first_[at(p)] + at(k)] = scale, gross_[first_[at(p)] + at(k)] = compliance;
+    scale_[first_[at(p)] + at(k)] = scale;
     const auto put = [&](std::size_t block, bool joint_is_row, const std::array<real, 6>& x) {
       if (block == none) return;
       for (std::size_t i = 0; i < 6; ++i)
@@ -81,7 +78,6 @@ class articulated_system {
       for (std::size_t e = start_[p]; e < start_[p + 1]; ++e) {
         const std::size_t q = at(later_[e]);
         subtract(values_.data() + diagonal_[q], e, e, n, sign);
-        if (is_body(p) && !is_body(q)) add_gross(e, n);
         std::size_t to = start_[q];
         for (std::size_t f = e + 1; f < start_[p + 1]; ++f) {
           while (later_[to] != later_[f]) ++to;
@@ -100,7 +96,9 @@ class articulated_system {
   [[nodiscard]] real added(std::size_t row) const { return added_[row]; }
   /// The velocity of a row for a unit impulse, where the rows eliminated before hold; 0 if it
   /// depends on these.
-  [[nodiscard]] real left_of(std::size_t row) const { return left_[row]; }
+  [[nodiscard]] real left_of(std::size_t row) const {
+    return added_[row] < scale_[row] ? added_[row] / softness : real(0);
+  }
 
   /// Replaces the right-hand side by the solution.
   void solve(plain_vector<real>& x) const {
@@ -146,10 +144,9 @@ class articulated_system {
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};
-  /// The compliance added to a row of which the elimination has left less than the part
-  /// `independent`, relative to what is left. If that is but round-off, the row depends on others
-  /// and is left out.
-  static constexpr real softness = 1e-8, round_off = 1e-12, independent = 1e-4;
+  /// The compliance added to a row, as a part of what the elimination has left of its diagonal. If
+  /// that is but round-off, the row depends on others and is left out.
+  static constexpr real softness = 1e-8, round_off = 1e-12;
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] bool is_body(std::size_t p) const { return node_[p] < bodies_; }
 
@@ -230,7 +227,6 @@ class articulated_system {
       plain_vector<std::int32_t>().swap(list);
     }
     values_.resize(values), scale_.resize(unknowns), added_.assign(unknowns, 0);
-    gross_.assign(unknowns, 0), left_.assign(unknowns, 0);
     ends_.assign(ties.size(), {});
     for (std::size_t j = 0; j < ties.size(); ++j) {
       const std::int32_t place = place_[at(bodies_) + j];
@@ -256,32 +252,24 @@ class articulated_system {
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j <= i; ++j) d[i * n + j] = -d[i * n + j];
     for (std::size_t i = 0; i < n; ++i) {
-      const real own = d[i * n + i];
+      real least = round_off * d[i * n + i];
+      if (!body) {
+        const real scale = scale_[first_[p] + i];
+        real& added = added_[first_[p] + i];
+        added = d[i * n + i] > round_off * scale ? softness * d[i * n + i] : scale;
+        if (scale == 0) added = 1;  // an unused row
+        d[i * n + i] = std::max(d[i * n + i], real(0)) + added;
+        least = real(0.1) * added;
+      }
       for (std::size_t j = 0; j < i; ++j) {
         real sum = d[i * n + j];
         for (std::size_t k = 0; k < j; ++k) sum -= d[i * n + k] * d[j * n + k];
         d[i * n + j] = sum / d[j * n + j];
       }
-      real pivot = own;
+      real pivot = d[i * n + i];
       for (std::size_t k = 0; k < i; ++k) pivot -= d[i * n + k] * d[i * n + k];
-      if (body)
-        pivot = std::max(pivot, round_off * own);
-      else
-        pivot = guarded(pivot, first_[p] + i);
-      d[i * n + i] = std::sqrt(pivot);
+      d[i * n + i] = std::sqrt(std::max(pivot, least));
     }
-  }
-  /// The pivot of a row of a joint with the compliance that is added: none if little of it was lost
-  /// to other rows, so that heavy bodies on long chains of light ones keep their rows.
-  [[nodiscard]] real guarded(real pivot, std::size_t row) {
-    const real gross = gross_[row];
-    real& added = added_[row];
-    left_[row] = 0;
-    if (scale_[row] == 0) return added = 1;  // an unused row
-    if (!(pivot > round_off * gross)) return added = scale_[row];
-    left_[row] = pivot;
-    added = pivot > independent * gross ? real(0) : softness * pivot;
-    return pivot + added;
   }
   /// Subtracts sign Y_e Y_f' of column p from a block: the lower triangle of the diagonal is
   /// enough.
@@ -296,14 +284,6 @@ class articulated_system {
       }
   }
 
-  /// What a body adds to the diagonal of a joint.
-  void add_gross(std::size_t e, std::size_t n) {
-    const real* x = values_.data() + block_[e];
-    const std::size_t q = at(later_[e]);
-    for (std::size_t i = 0, rows = at(size_[q]); i < rows; ++i)
-      for (std::size_t k = 0; k < n; ++k) gross_[first_[q] + i] += x[i * n + k] * x[i * n + k];
-  }
-
   std::int32_t bodies_ = 0;
   plain_vector<std::int32_t> place_, node_;  ///< of a node in the order, and the other way
   plain_vector<std::int32_t> size_;          ///< unknowns, by place, and likewise:
@@ -311,9 +291,7 @@ class articulated_system {
   plain_vector<std::int32_t> later_;  ///< places of the blocks below, ascending
   plain_vector<std::size_t> block_;
   plain_vector<ends> ends_;
-  plain_vector<real> values_, scale_;
-  plain_vector<real> gross_;         ///< what bodies have added to the diagonals of rows
-  plain_vector<real> added_, left_;  ///< to and of these
+  plain_vector<real> values_, scale_, added_;
 };
 
 }  // namespace talus::detail

@@ -22,7 +22,7 @@ void step_with_contacts(world_state<Scenario>& s) {
   run_hooks<stages::after_solve>(s);
   timed(s, s.seconds.integrate, [&] {
     integrate(s);  // positions of the bodies owned here
-    if constexpr (world_state<Scenario>::has_joints) settle_joints(s);
+    if constexpr (world_state<Scenario>::has_joints) settle_joints(s), break_joints(s);
   });
   run_hooks<stages::after_move>(s);
   run_hooks<stages::at_close>(s);
