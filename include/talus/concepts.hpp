@@ -36,14 +36,11 @@ struct head_on_impact;
 
 // Arguments of solvers; see solver/.
 struct solver_settings;
-// Results of joints; see body/joints.hpp.
-struct wrench;
-
 namespace detail {
 
 template <class Real>
 struct solver_state_of;
-struct jointed_body;
+class line_writer;
 struct solved;
 struct contact_key;
 enum class history_place : std::uint32_t;
@@ -420,39 +417,30 @@ concept contact_kind = constraint_kind<Kind> &&
   { k.lever_b() } -> std::convertible_to<vec3>;
 };
 
-/// The rows of a joint in the solver; `State` is solver_state_of<Real>. Besides a constraint, whose
-/// impulses have no bounds:
-/// - `place(anchors, a, b, dt)`: sets arms and position error from the present poses of both bodies
-///   (detail::jointed_body), before a step of dt
-/// - `on_a()`, `on_b()`: the wrench of its impulse on each body, about the centre of mass; linear
-///   impulses are opposite, and so are moments about one point
-template <class Row>
-concept joint_row = constraint_kind<Row> &&
-    requires(Row r, const Row& k, const typename Row::anchors& x, const detail::jointed_body& body,
-             real dt) {
-  r.place(x, body, body, dt);
-  { k.on_a() } -> std::same_as<wrench>;
-  { k.on_b() } -> std::same_as<wrench>;
-};
-
 /// A kind of joint, a part of joints<...>: a value type that the user fills in, in the coordinates
-/// of the world.
-/// - `name`: its name in messages and checkpoints
+/// of the world. Its conditions are linear or bilinear in points and axes that the bodies carry
+/// (constraint/joint_geometry.hpp).
+/// - `name`: its name in messages and checkpoints; `rows`: the number of its rows
 /// - `validate()`: throws invalid_argument that names the wrong value
-/// - `anchors`: the joint as its bodies carry it, in their frames; made of reals. It travels with
-///   the bodies, and is written to checkpoints
+/// - `anchors`: the joint as its bodies carry it; made of reals, with a member `frames`
+///   (detail::joint_frames). It travels with the bodies, and is written to checkpoints
 /// - `fix(a, b)`: the anchors for bodies with these poses
-/// - `distance(anchors)`, static: the distance of the centres of mass that the joint allows
-/// - `row<State>`: its rows in a solver, a joint_row; the type of its impulse, `change`, is made of
-///   reals and is kept from step to step
+/// - `write(anchors, writer)`, static: writes its rows, always in the same slots, by a
+///   detail::line_writer: conditions by `hold`, free coordinates by `turn` and `travel`
+/// and optionally
+/// - `room(anchors)`, static: how far its two points may part; `roams`: whether there is no limit
+/// - `has_angle`, `has_travel`: its coordinates, an angle first; `drive(anchors, motor)`, static:
+///   changes its motor
 template <class Kind>
 concept joint_kind = detail::part_for<Kind, roles::joints> && std::is_trivially_copyable_v<Kind> &&
-    requires(const Kind& k, const pose& p, const typename Kind::anchors& x) {
+    requires(const Kind& k, const pose& p, const typename Kind::anchors& x,
+             detail::line_writer& to) {
   { Kind::name } -> std::convertible_to<const char*>;
+  { Kind::rows } -> std::convertible_to<int>;
   { k.validate() } -> std::same_as<void>;
   { k.fix(p, p) } -> std::same_as<typename Kind::anchors>;
-  { Kind::distance(x) } -> std::convertible_to<real>;
-  requires joint_row<typename Kind::template row<detail::solver_state_of<double>>>;
+  x.frames;
+  Kind::write(x, to);
 } && std::is_trivially_copyable_v<typename Kind::anchors>;
 
 /// The constraints of one kind on a rank, as a solver stores them.

@@ -1,5 +1,5 @@
 // expects: joints<...> names a type that says it is a joint and lacks what a joint offers: name,
-// expects: validate, anchors, fix, distance and row
+// expects: rows, validate, anchors, fix and write
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

@@ -10,6 +10,7 @@
 #include <talus/constraint/contact_work.hpp>
 #include <talus/constraint/frame_around.hpp>
 #include <talus/constraint/joint_in_list.hpp>
+#include <talus/constraint/joint_rows.hpp>
 #include <talus/constraint/solver_state.hpp>
 #include <talus/core/random.hpp>
 
@@ -54,6 +55,7 @@ inline jointed_pair any_pair(random_stream& random, int a, int b) {
   const auto place = [&](jointed_body& x, int k) {
     x.at = {any_vector(random, 2), any_turn(random)};
     x.spin = p.s.bodies[static_cast<std::size_t>(k)].w;
+    x.velocity = p.s.bodies[static_cast<std::size_t>(k)].v;
   };
   place(p.a, a), place(p.b, b);
   return p;
@@ -87,7 +89,7 @@ inline real kinetic_energy(const solver_state& s) {
 
 template <class Kind, class Law>
 void for_random(Law&& law) {
-  using row = joint_in_list<typename Kind::template row<solver_state>>;
+  using row = joint_in_list<joint_rows<Kind, solver_state>>;
   static_assert(concepts::joint_kind<Kind>);
   static_assert(concepts::constraint_kind<row>);
   for (const auto& [a, b] : {std::pair{0, 1}, {1, 0}, {0, 2}, {2, 1}, {1, 2}})
@@ -103,9 +105,10 @@ void for_random(Law&& law) {
 /// The row of a joint of a pair, prepared; the joint was made in the present poses.
 template <class Kind>
 auto row_of(const Kind& kind, const jointed_pair& p, int a, int b, real dt = 1e-2) {
-  joint_in_list<typename Kind::template row<solver_state>> c{};
+  joint_in_list<joint_rows<Kind, solver_state>> c{};
   c.a = a, c.b = b;
-  c.place(kind.fix(p.a.at, p.b.at), p.a, p.b, dt);
+  joint_coordinates coordinates{};
+  c.place(kind.fix(p.a.at, p.b.at), p.a, p.b, {.dt = dt}, coordinates);
   c.prepare(p.s, 1, 1);
   return c;
 }
@@ -202,11 +205,13 @@ void obeys_the_laws_of_joints(Any&& any) {
         x->at.position = shift + rotated(turn, x->at.position);
         x->at.orientation = turn * x->at.orientation;
         x->spin = rotated(turn, x->spin);
+        x->velocity = rotated(turn, x->velocity);
       }
       const auto solve = [&](jointed_pair& q) {
-        joint_in_list<typename Kind::template row<solver_state>> c{};
+        joint_in_list<joint_rows<Kind, solver_state>> c{};
         c.a = a, c.b = b;
-        c.place(anchors, q.a, q.b, 1e-2);
+        joint_coordinates coordinates{};
+        c.place(anchors, q.a, q.b, {.dt = 1e-2}, coordinates);
         c.prepare(q.s, 1, 1);
         c.apply(q.s, c.relax(q.s));
         const auto d = c.relax_correction(q.s);
@@ -231,12 +236,13 @@ void obeys_the_laws_of_joints(Any&& any) {
     for_random<Kind>([&](jointed_pair p, int a, int b, random_stream& random) {
       const Kind kind = any(random);
       const auto anchors = kind.fix(p.a.at, p.b.at);
-      p.a.spin = p.b.spin = {0, 0, 0};
+      p.a.spin = p.b.spin = p.a.velocity = p.b.velocity = {0, 0, 0};
       const real dt = 1e-2;
       const auto placed = [&] {
-        joint_in_list<typename Kind::template row<solver_state>> c{};
+        joint_in_list<joint_rows<Kind, solver_state>> c{};
         c.a = a, c.b = b;
-        c.place(anchors, p.a, p.b, dt);
+        joint_coordinates coordinates{};
+        c.place(anchors, p.a, p.b, {.dt = dt}, coordinates);
         c.prepare(p.s, 1, 1);
         return c;
       };

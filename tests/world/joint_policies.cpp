@@ -83,10 +83,10 @@ outcome run_row(const Decomposition& d, int ranks, int steps, real dt, const vec
     for (const auto& r : joints.records) {
       const auto a = place(r.key.a), b = place(r.key.b);
       if (a && b) {
-        const vec3 x = a->to_world(r.anchors.on_a);
+        const vec3 x = a->to_world(r.anchors.frames.on_a);
         gap = std::max(
-            gap,
-            (detail::seen_from(detail::state_of(w), x, b->to_world(r.anchors.on_b)) - x).norm());
+            gap, (detail::seen_from(detail::state_of(w), x, b->to_world(r.anchors.frames.on_b)) - x)
+                     .norm());
       }
     }
     w.link().reduce(reduction::max, std::span<double>(&gap, 1));

@@ -171,7 +171,7 @@ TEST_CASE(
     }
     w.step(1e-3);
     CHECK(w.convergence().residual <= 1e-8);
-    CHECK(w.convergence().iterations > 10);
+    CHECK(w.convergence().iterations <= 2);  // all joints are solved at once
     const real weight = 6 * sphere{0.4}.volume() * g;
     CHECK((all[0].force() - vec3(0, 0, -weight)).norm() < 1e-6 * weight);
     CHECK(measure_residual(w).value < 1e-7);
@@ -179,7 +179,7 @@ TEST_CASE(
     w.solver().iterations = 1;
     w.gravity({5, 0, -g});
     w.step(1e-3);
-    CHECK(measure_residual(w).value > 1e-4);
+    CHECK(measure_residual(w).value < 1e-12);
   });
 }
 
@@ -359,7 +359,7 @@ TEST_CASE("wrong joints are refused in words, alike on all ranks") {
                          doctest::Contains("different handles of the first body"),
                          std::invalid_argument);
     CHECK_THROWS_WITH_AS((void)w.join(a, b, ball_joint{.at = {std::nan(""), 0, 0}}),
-                         doctest::Contains("the point of a ball joint must be finite"),
+                         doctest::Contains("the point of a ball_joint must be finite"),
                          std::invalid_argument);
     w.exclusive(0, [&] {
       CHECK_THROWS_WITH_AS((void)w.join(a, b, pin),

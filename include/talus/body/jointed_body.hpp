@@ -14,8 +14,9 @@ namespace detail {
 
 /// The state of a jointed body before a step.
 struct jointed_body {
-  pose at;             ///< in periodic space the image next to the other body
-  vec3 spin{0, 0, 0};  ///< angular velocity
+  pose at;                 ///< in periodic space the image next to the other body
+  vec3 spin{0, 0, 0};      ///< angular velocity
+  vec3 velocity{0, 0, 0};  ///< of the centre of mass
 };
 
 /// The work of a wrench on a body with this velocity and angular velocity.

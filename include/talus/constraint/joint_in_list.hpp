@@ -6,8 +6,6 @@
 #include <tuple>
 #include <type_traits>
 
-#include "talus/core/each.hpp"
-
 namespace talus::detail {
 
 /// The properties of a joint that lists read, and where its record is.
@@ -32,14 +30,5 @@ inline constexpr bool has_joints = false;
 template <class... List>
 inline constexpr bool has_joints<std::tuple<List...>> =
     (is_joint<typename std::remove_cvref_t<List>::contact_type> || ...);
-
-/// Sweeps the joints once more, after something else has changed velocities.
-template <class Lists, class State>
-void sweep_joints(Lists& lists, State& s) {
-  each_of(lists, [&](auto& list) {
-    if constexpr (is_joint<typename std::remove_cvref_t<decltype(list)>::contact_type>)
-      list.sweep_border(s, true), list.sweep_inner(s, true);
-  });
-}
 
 }  // namespace talus::detail

@@ -32,7 +32,7 @@ void each_counted(const Lists& lists, F&& f) {
   each_of(lists, of_list);
 }
 
-/// The relative velocity, minus the target of gap and restitution. That of a joint has no target.
+/// The relative velocity, minus the target of gap and restitution; the violation of a joint.
 template <class Contact>
 [[nodiscard]] auto violation(const Contact& c, const typename Contact::state& s) {
   if constexpr (is_joint<Contact>) {
@@ -50,8 +50,8 @@ template <class Sum>
 struct residual_scale_of {
   std::array<Sum, 3> sums{};  ///< the diagonal of the Delassus operator, its rows, |q|^2
 
-  template <class Contact>
-  void add(const Contact& c, const typename Contact::state& s, const vec3& q) {
+  template <class Contact, class Values>
+  void add(const Contact& c, const typename Contact::state& s, const Values& q) {
     sums[0] += c.delassus_trace(s);
     sums[1] += Contact::rows;
     sums[2] += q.squaredNorm();
@@ -73,7 +73,7 @@ struct residual_sums_of {
   template <class Contact>
   void add(const Contact& c, const typename Contact::state& s, double rho) {
     double square = 0;
-    if constexpr (is_joint<Contact>) {  // any impulse is admissible, so the map is rho u
+    if constexpr (is_joint<Contact>) {
       const auto u = c.relative_velocity(s);
       square = rho * rho * u.squaredNorm();
       sums[0] += square;

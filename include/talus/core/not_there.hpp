@@ -12,20 +12,12 @@ inline constexpr bool is_there = false;
 
 }  // namespace detail
 
-struct hinge final {
-  template <class T>
-  struct refusal {
-    static_assert(detail::is_there<T>,
-                  "talus has no hinges or limits: two joints on one axis make a hinge, and "
-                  "docs/not_there.md says which code has more");
-  };
-};
 struct motors final {
   template <class T>
   struct refusal {
     static_assert(detail::is_there<T>,
-                  "talus has no motors on joints: world.drive moves bodies, and docs/not_there.md "
-                  "says which code has them");
+                  "motors belong to joints: name the joint in joints<...> and set its motor, as in "
+                  "hinge{.motor = {...}}; docs/joints.md says how");
   };
 };
 struct cohesion final {
@@ -67,8 +59,6 @@ namespace detail {
 
 template <class>
 inline constexpr bool is_missing = false;
-template <>
-inline constexpr bool is_missing<hinge> = true;
 template <>
 inline constexpr bool is_missing<motors> = true;
 template <>

@@ -3,9 +3,8 @@
 #include <string>
 #include <type_traits>
 
-#include "talus/body/jointed_body.hpp"
 #include "talus/concepts.hpp"
-#include "talus/constraint/solver_state.hpp"
+#include "talus/constraint/line_writer.hpp"
 #include "talus/core/policy.hpp"
 #include "talus/core/type_list.hpp"
 
@@ -24,7 +23,7 @@ struct part_of_joints {
       "model talus::concepts::joint_kind");
   static_assert(!is_part<Kind, roles::joints> || is_joint_kind<Kind>::value,
                 "joints<...> names a type that says it is a joint and lacks what a joint offers: "
-                "name, validate, anchors, fix, distance and row");
+                "name, rows, validate, anchors, fix and write");
 };
 
 }  // namespace detail

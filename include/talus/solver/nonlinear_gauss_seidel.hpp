@@ -12,6 +12,7 @@
 #include "talus/solver/convergence.hpp"
 #include "talus/solver/correct_overlaps.hpp"
 #include "talus/solver/direct/direct_islands.hpp"
+#include "talus/solver/direct/exact_joints.hpp"
 #include "talus/solver/sweep.hpp"
 
 namespace talus {
@@ -24,8 +25,9 @@ namespace talus {
 /// rank sweeps its interior contacts, those of border bodies first: their velocities are sent while
 /// the others are swept. Islands on which sweeps stall, such as a heavy body on light ones or a
 /// tall wall, are balanced from the top down or solved by Newton's method after the last of them
-/// (see solver/direct/stalled_islands.hpp). After a step that left nothing to change, a single rank
-/// sweeps once, and more often only if that changes anything.
+/// (see solver/direct/stalled_islands.hpp). Joints are solved all at once, exactly, after each
+/// sweep over contacts (see solver/direct/exact_joints.hpp). After a step that left nothing to
+/// change, a single rank sweeps once, and more often only if that changes anything.
 struct nonlinear_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "nonlinear_gauss_seidel";
@@ -51,6 +53,7 @@ struct nonlinear_gauss_seidel final {
       ranks.solve_shared_islands(lists);
     }
 
+    detail::exact_joints<Lists, State> joints(lists, s);
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
     const bool settled =
@@ -69,11 +72,11 @@ struct nonlinear_gauss_seidel final {
           k = 1;
           break;
         }
-        detail::sweep_joints(lists, s);
+        joints.solve(s);
         if constexpr (!alone)
           if (more) ranks.share_velocities();
       } else {
-        detail::sweep_interior(lists, s, k % 2 == 0, more, ranks);
+        joints.sweep(lists, s, k % 2 == 0, more, ranks);
       }
       watch.poll();
     }

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <tuple>
 
-#include "talus/constraint/solver_state.hpp"
+#include "talus/body/jointed_body.hpp"
+#include "talus/constraint/line_writer.hpp"
 #include "talus/core/each.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
@@ -30,14 +31,19 @@ struct joint_key {
   }
 };
 
+/// Stands for the frame of the world among the bodies of joints.
+inline constexpr system_id id_of_world{~std::uint64_t{0} - 1};
+
 /// A joint as it migrates and is stored.
 template <class Kind>
 struct joint_record {
-  using impulse_type = typename Kind::template row<solver_state>::change;
+  using impulse_type = row_values<Kind::rows>;
   joint_key key;
   typename Kind::anchors anchors;
-  impulse_type impulse;  ///< of the last step
-  bool acts = false;     ///< on a body owned here, which is not fixed
+  impulse_type impulse;           ///< of the rows, in the last step
+  joint_coordinates coordinates;  ///< at the start of the last step, or in its middle
+  wrench load;        ///< its impulse on the first body in the last step, about the joint's point
+  bool acts = false;  ///< on a body owned here, which is not fixed
 };
 
 /// The joints of one kind, in the order of their keys, and their rows in the solver.
@@ -90,6 +96,17 @@ struct jointed_ids {
   }
 };
 
+/// A body of a joint, as this rank sees it.
+struct joint_end {
+  bool known = false, own = false, moves = false, global = false;
+  bool at_border = false;    ///< other ranks need its velocity
+  std::int32_t number = -1;  ///< in the solver's arrays
+  vec3 position{0, 0, 0};    ///< at its owner
+  quat orientation{1, 0, 0, 0};
+  vec3 velocity{0, 0, 0}, spin{0, 0, 0};
+  real inverse_mass = 0;
+};
+
 inline constexpr std::size_t no_wall = ~std::size_t{0};
 
 template <class Kinds, template <class> class ListOf>
@@ -99,6 +116,7 @@ class joint_table<type_list<Kinds...>, ListOf> {
  public:
   std::uint64_t made = 0;      ///< calls of join so far; alike on all ranks
   std::size_t wall = no_wall;  ///< what global bodies are in the solver's arrays, if joints need it
+  plain_vector<joint_end> before;  ///< at the start of the step, for integrators that need it
 
   template <class F>
   void each_kind(F&& f) {
@@ -115,7 +133,7 @@ class joint_table<type_list<Kinds...>, ListOf> {
   [[nodiscard]] auto lists() {
     return std::tie(std::get<joints_of_kind<Kinds, ListOf<Kinds>>>(kinds_).list...);
   }
-  /// To be called when records were added or removed.
+  /// To be called when records were added or removed, or reach further.
   void changed() { known_ = false; }
   /// Number of joints here.
   [[nodiscard]] std::size_t size() const {
@@ -137,7 +155,7 @@ class joint_table<type_list<Kinds...>, ListOf> {
       using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
       for (const auto& r : of_kind.records) {
         // A body reaches its partner alone, whatever is known of the partner's reach.
-        const real reach = slack * kind::distance(r.anchors);
+        const real reach = slack * distance_of<kind>(r.anchors, r.coordinates);
         ids_.members.push_back({r.key.a, reach}), ids_.members.push_back({r.key.b, reach});
         const bool in_order = value_of(r.key.a) < value_of(r.key.b);
         ids_.pairs.push_back({in_order ? r.key.a : r.key.b, in_order ? r.key.b : r.key.a});

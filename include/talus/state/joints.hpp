@@ -15,17 +15,6 @@
 
 namespace talus::detail {
 
-/// A body of a joint, as this rank sees it.
-struct joint_end {
-  bool known = false, own = false, moves = false, global = false;
-  bool at_border = false;    ///< other ranks need its velocity
-  std::int32_t number = -1;  ///< in the solver's arrays
-  vec3 position{0, 0, 0};    ///< at its owner
-  quat orientation{1, 0, 0, 0};
-  vec3 velocity{0, 0, 0}, spin{0, 0, 0};
-  real inverse_mass = 0;
-};
-
 /// Calls f(bodies of a shape, i, number of the member) for the movable bodies known here that have
 /// joints, those owned here first.
 template <class Scenario, class F>
@@ -64,12 +53,29 @@ template <class Scenario>
     });
   return ends;
 }
-/// Adds the global bodies to them. Those that no one drives are one immovable body of the solver.
+/// The body of the solver's arrays that stands for all that never moves.
+template <class Scenario>
+[[nodiscard]] std::int32_t number_of_wall(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::drives) {
+    return static_cast<std::int32_t>(s.driving.first);
+  } else {
+    if (s.joints.wall == no_wall) {
+      s.joints.wall = s.solver.bodies.size();
+      s.solver.bodies.push_back({});
+    }
+    return static_cast<std::int32_t>(s.joints.wall);
+  }
+}
+/// Adds the global bodies to them, and the frame of the world.
 template <class Scenario>
 void find_global_ends(world_state<Scenario>& s, plain_vector<joint_end>& ends) {
   s.joints.wall = no_wall;
   const jointed_ids& ids = s.joints.ids();
   if (ends.empty()) return;
+  if (const std::size_t k = ids.find(id_of_world); k != jointed_ids::unknown) {
+    ends[k].known = ends[k].global = true;
+    ends[k].number = number_of_wall(s);
+  }
   s.each_shape([&](auto& b) {
     using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
     const auto& store = b.global;
@@ -80,15 +86,10 @@ void find_global_ends(world_state<Scenario>& s, plain_vector<joint_end>& ends) {
       end.known = end.global = true;
       end.position = store.position[j], end.orientation = store.pose(j).orientation;
       end.velocity = store.velocity[j], end.spin = store.angular_velocity[j];
-      if constexpr (world_state<Scenario>::drives) {
+      if constexpr (world_state<Scenario>::drives)
         end.number = number_of_global<shape>(s, j, end.velocity, end.spin, -1, 0);
-      } else {
-        if (s.joints.wall == no_wall) {
-          s.joints.wall = s.solver.bodies.size();
-          s.solver.bodies.push_back({});
-        }
-        end.number = static_cast<std::int32_t>(s.joints.wall);
-      }
+      else
+        end.number = number_of_wall(s);
     }
   });
 }
@@ -101,6 +102,23 @@ template <class Scenario>
       "is further away than connections reach; connect ranks within {} of each other, by that "
       "reach in world.decompose(..., reach)",
       known, text(place), s.link->rank(), missing, s.steps, text(distance, 4));
+}
+
+[[nodiscard]] inline jointed_body body_of(const joint_end& x, const vec3& position) {
+  return {{position, x.orientation}, x.spin, x.velocity};
+}
+[[nodiscard]] inline jointed_body body_of(const joint_end& x) { return body_of(x, x.position); }
+
+/// Whether the joints of a rank may be solved together, exactly: not where nothing may depend on
+/// the ranks, or where positions follow several velocities.
+template <class Scenario>
+inline constexpr bool may_solve_directly =
+    !uses_substeps<typename Scenario::solver> &&
+    (world_state<Scenario>::two_solvers || !world_state<Scenario>::may_use_colours);
+/// Whether they are so in this run.
+template <class Scenario>
+[[nodiscard]] constexpr bool solves_directly(const world_state<Scenario>& s) {
+  return may_solve_directly<Scenario> && !s.by_colours();
 }
 
 /// Fills the lists of joints for the step under way. Those of two movable bodies on two ranks are
@@ -123,11 +141,14 @@ void place_joints(world_state<Scenario>& s) {
       if (!r.acts) continue;
       typename std::remove_cvref_t<decltype(of_kind.list)>::contact_type c;
       c.a = a.number, c.b = b.number, c.record = record;
-      c.place(r.anchors, jointed_body{{a.position, a.orientation}, a.spin},
-              jointed_body{{seen_from(s, a.position, b.position), b.orientation}, b.spin}, s.dt);
-      c.set(r.impulse);
+      const bool shared = a.moves && b.moves && a.own != b.own;
+      const joint_moment when{s.dt, world_state<Scenario>::midpoint,
+                              world_state<Scenario>::midpoint && !shared && solves_directly(s)};
+      c.place(r.anchors, body_of(a), body_of(b, seen_from(s, a.position, b.position)), when,
+              r.coordinates);
+      c.set(r.impulse), c.earlier = r.impulse;
       const contact_key key{r.key.a, r.key.b, r.key.number};
-      if (a.moves && b.moves && a.own != b.own)
+      if (shared)
         of_kind.list.add_boundary(c, key, a.own, nullptr);
       else
         of_kind.list.add(c, key, a.moves, b.moves, nullptr, a.at_border || b.at_border);
@@ -139,8 +160,34 @@ void place_joints(world_state<Scenario>& s) {
 template <class Scenario>
 void store_joint_impulses(world_state<Scenario>& s) {
   s.joints.each_kind([&](auto& of_kind) {
-    of_kind.list.each(
-        [&](const auto& c, bool) { of_kind.records[c.record].impulse = c.impulse_in_frame(); });
+    using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
+    of_kind.list.each([&](const auto& c, bool) {
+      auto& r = of_kind.records[c.record];
+      r.impulse = c.impulse_in_frame();
+      r.load = c.on_a();
+      r.load.moment -= c.arm_a.cross(r.load.impulse);
+    });
+    if constexpr (requires { kind::roams; })
+      if (!of_kind.records.empty()) s.joints.changed();  // how far it reaches
+  });
+}
+
+/// Removes the joints that the load of the step breaks: both ranks of a joint have the same load.
+template <class Scenario>
+void break_joints(world_state<Scenario>& s) {
+  s.joints.each_kind([&](auto& of_kind) {
+    using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
+    using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
+    if constexpr (requires(const record& r) { kind::breaks(r.anchors, real(0), real(0)); }) {
+      std::size_t kept = 0;
+      for (const record& r : of_kind.records)
+        if (!kind::breaks(r.anchors, r.load.impulse.norm() / s.dt, r.load.moment.norm() / s.dt))
+          of_kind.records[kept++] = r;
+      if (kept == of_kind.records.size()) return;
+      of_kind.records.resize(kept);
+      s.joints.changed();
+      s.changed = true;
+    }
   });
 }
 

@@ -10,6 +10,7 @@
 
 #include "talus/body/material.hpp"
 #include "talus/constraint/cohesion.hpp"
+#include "talus/constraint/joint_rows.hpp"
 #include "talus/core/each.hpp"
 #include "talus/core/neighbour_message.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -136,7 +137,7 @@ template <class Scenario, class Kinds = typename Scenario::joints>
 struct joint_state {
   template <class Kind>
   using list_of_kind = typename lists_for<solvers_of<Scenario>>::template list<
-      joint_in_list<typename Kind::template row<solver_state_of<solved_scalar<Scenario>>>>>;
+      joint_in_list<joint_rows<Kind, solver_state_of<solved_scalar<Scenario>>>>>;
   joint_table<Kinds, list_of_kind> joints;
 };
 template <class Scenario>

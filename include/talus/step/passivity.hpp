@@ -290,9 +290,25 @@ class passivity {
     });
     return solved;
   }
-  /// Calls f(work, body) for contacts with bodies of another rank or of prescribed velocity.
+  /// Calls f(joint) for the joints that count here.
+  template <class F>
+  void each_joint(F&& f) {
+    if constexpr (state_type::has_joints)
+      each_list([&](const auto& list) {
+        if constexpr (is_joint<typename std::remove_cvref_t<decltype(list)>::contact_type>)
+          list.each([&](const auto& c, bool counts_here) {
+            if (counts_here) f(c);
+          });
+      });
+  }
+  /// Calls f(work, body) for contacts with bodies of another rank or of prescribed velocity, and
+  /// for the drives of joints.
   template <class F>
   void each_exchange(F&& f) {
+    each_joint([&](const auto& c) {
+      const real work = c.driven_work(solver_);
+      f({.work = -work, .slope = -work}, static_cast<std::size_t>(moves(c.a) ? c.a : c.b));
+    });
     if (walls_)
       subtract_walls(
           [&](real power, std::size_t body) { f({.work = -power, .slope = -power}, body); });
@@ -392,6 +408,10 @@ class passivity {
       sums[4] += w.square;
     });
     if (walls_) subtract_walls([&](real power, std::size_t) { add(0, -power), add(2, -power); });
+    each_joint([&](const auto& c) {
+      const real work = c.driven_work(solver_);
+      add(0, -work), add(2, -work);
+    });
     if constexpr (!alone) ranks_.sum_exactly(sums);
     const auto signed_sum = [&](std::size_t at) { return sums[at].value() - sums[at + 1].value(); };
     const impulse_work all{.work = signed_sum(0),

@@ -11,14 +11,15 @@ namespace talus {
 template <class Scenario>
 class world;
 
+/// The frame of the world as a body of a joint: `world.join(world_frame, door, hinge{...})`.
+struct world_frame_t final {};
+inline constexpr world_frame_t world_frame{};
+
 /// A joint that world.join(...) made; a value on all ranks, as long as its world. The ranks that
-/// own one of its bodies hold the joint: only these know its impulse.
+/// own one of its bodies hold the joint: only these have its impulse.
 template <class Scenario, class Kind>
 class joint_handle {
  public:
-  /// The type of the impulse: a vector for a ball_joint.
-  using impulse_type = typename detail::joint_record<Kind>::impulse_type;
-
   joint_handle(world<Scenario>& w, const detail::joint_key& key) : world_(&w), key_(key) {}
 
   /// Whether this rank holds the joint: it owns one of the bodies that can move, and the joint was
@@ -26,19 +27,29 @@ class joint_handle {
   [[nodiscard]] bool known() const { return world_->find_joint(*this) != nullptr; }
   /// The impulse of the joint on its first body in the last step, in the world. Throws
   /// invalid_argument on a rank that does not hold the joint.
-  [[nodiscard]] impulse_type impulse() const {
-    if (const auto* r = world_->find_joint(*this)) return r->impulse;
-    detail::fail<std::invalid_argument>(
-        "rank {} does not hold this {}: it was released, or its bodies live on other ranks (ask "
-        "known())",
-        world_->rank(), Kind::name);
-  }
+  [[nodiscard]] vec3 impulse() const { return record().load.impulse; }
+  /// The angular impulse likewise, about the point of the joint.
+  [[nodiscard]] vec3 angular_impulse() const { return record().load.moment; }
   /// The mean force on its first body in the last step: the impulse over the length of the step, 0
   /// before the first. Throws as impulse().
-  [[nodiscard]] impulse_type force() const {
-    const real dt = world_->state_.dt;
-    return (dt > 0 ? 1 / dt : real(0)) * impulse();
+  [[nodiscard]] vec3 force() const { return rate() * impulse(); }
+  /// The mean torque likewise, about the point of the joint.
+  [[nodiscard]] vec3 torque() const { return rate() * angular_impulse(); }
+  /// The angle of the second body relative to the first, in radians, over any number of turns: when
+  /// the rows of the last step were computed, 0 before the first. Throws as impulse().
+  [[nodiscard]] real angle() const requires(Kind::has_angle) { return record().coordinates[0]; }
+  /// The travel of the second body along the axis, likewise.
+  [[nodiscard]] real travel() const requires(Kind::has_travel) {
+    if constexpr (requires { Kind::has_angle; }) return record().coordinates[1];
+    return record().coordinates[0];
   }
+  /// Changes the motor, from the next step on. All ranks call it alike. Throws invalid_argument for
+  /// values without meaning, and runtime_error in an exclusive section.
+  template <class Motor>
+  void set_motor(const Motor& motor) requires requires(typename Kind::anchors& x) {
+    Kind::drive(x, motor);
+  }
+  { world_->set_motor(*this, motor); }
   /// Removes the joint. All ranks call it alike; throws runtime_error in an exclusive section.
   void release() { world_->release(*this); }
 
@@ -46,6 +57,18 @@ class joint_handle {
   [[nodiscard]] const detail::joint_key& key() const { return key_; }
 
  private:
+  [[nodiscard]] const detail::joint_record<Kind>& record() const {
+    if (const auto* r = world_->find_joint(*this)) return *r;
+    detail::fail<std::invalid_argument>(
+        "rank {} does not hold this {}: it was released, or its bodies live on other ranks (ask "
+        "known())",
+        world_->rank(), Kind::name);
+  }
+  [[nodiscard]] real rate() const {
+    const real dt = world_->state_.dt;
+    return dt > 0 ? 1 / dt : real(0);
+  }
+
   world<Scenario>* world_;
   detail::joint_key key_;
 };

@@ -686,6 +686,8 @@ class world {
   detail::body_to_join agree_on_body(system_id named, const char* which);
   template <class Shape>
   [[nodiscard]] bool owns_body(const detail::body_to_join& one) const;
+  template <class Kind, class Motor>
+  void set_motor(const joint_handle<Scenario, Kind>& joint, const Motor& motor);
   template <class Kind>
   [[nodiscard]] const detail::joint_record<Kind>* find_joint(
       const joint_handle<Scenario, Kind>& joint);

@@ -213,23 +213,28 @@ void book_contacts(world_state<Scenario>& s) {
     });
 }
 
-/// The same of joints. Their impulses do no work at the exact velocities; what they take is booked
-/// as impact: the part of the velocities that the rotation of a step has brought across the joint.
+/// The same of joints. The impulses of their conditions do no work at the exact velocities; what
+/// they take is booked as impact: the part of the velocities that the rotation of a step has
+/// brought across the joint. Motors, springs and friction do work.
 template <class Scenario>
 void book_joints(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
   const auto& solver = s.solver;
   s.each_joint_list([&](const auto& list) {
     list.each_acting([&](const auto& c, bool on_a, bool on_b) {
-      const auto book = [&](std::int32_t body, const wrench& x) {
+      const auto driven = c.driven(), holds = c.since(driven);
+      const auto book = [&](std::int32_t body, const wrench& held, const wrench& moved) {
         const auto k = static_cast<std::size_t>(body);
-        const real work = work_of(x, r.mean[k].v, r.mean[k].w);
-        if (solver.bodies[k].inverse_mass == 0 || k >= solver.first_global) r.running.work -= work;
+        const real work = work_of(held, r.mean[k].v, r.mean[k].w);
+        const real drive = work_of(moved, r.mean[k].v, r.mean[k].w);
+        if (solver.bodies[k].inverse_mass == 0 || k >= solver.first_global)
+          r.running.work -= work + drive;
         r.running.impact -= work;
-        r.exchanged += std::abs(work);
+        r.running.work += drive;
+        r.exchanged += std::abs(work) + std::abs(drive);
       };
-      if (on_a) book(c.a, c.on_a());
-      if (on_b) book(c.b, c.on_b());
+      if (on_a) book(c.a, c.wrench_on_a(holds), c.wrench_on_a(driven));
+      if (on_b) book(c.b, c.wrench_on_b(holds), c.wrench_on_b(driven));
     });
   });
 }

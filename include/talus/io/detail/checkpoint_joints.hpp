@@ -20,13 +20,17 @@ template <class Kind>
 [[nodiscard]] std::string path_of_joints() {
   return std::string("/joints_") + Kind::name;
 }
-/// Ids of both bodies, the number of the joint, its anchors in the frames of the bodies, and its
-/// impulse.
+/// Ids of both bodies, the number of the joint, its anchors in the frames of the bodies, its
+/// impulses, its coordinates and its load.
 template <class Kind>
 [[nodiscard]] std::vector<table_column> columns_of_joints() {
-  return {column_of<system_id>("a"), column_of<system_id>("b"), column_of<std::uint64_t>("number"),
+  return {column_of<system_id>("a"),
+          column_of<system_id>("b"),
+          column_of<std::uint64_t>("number"),
           column_of<typename Kind::anchors>("anchors"),
-          column_of<typename joint_record<Kind>::impulse_type>("impulse")};
+          column_of<typename joint_record<Kind>::impulse_type>("impulse"),
+          column_of<joint_coordinates>("coordinates"),
+          column_of<wrench>("load")};
 }
 
 /// The joints that act on bodies owned here: both ranks of a joint write it, each near its body.
@@ -45,6 +49,7 @@ template <class Kind, class Records>
     std::size_t k = 0;
     const auto put = [&](const auto& value) { byte_writer(t.memory[k++]).put(value); };
     put(r.key.a), put(r.key.b), put(r.key.number), put(r.anchors), put(r.impulse);
+    put(r.coordinates), put(r.load);
     bodies.push_back({a, b});
   }
   t.rows = bodies.size();
@@ -89,7 +94,10 @@ void read_joints(const checkpoint_reader& in, world_state<Scenario>& s, const id
           if (!own.has(r.key.a) && !own.has(r.key.b)) continue;
           r.anchors = table.get<typename kind::anchors>(3, i);
           r.impulse = table.get<typename joint_record<kind>::impulse_type>(4, i);
-          if (!all_finite(r.anchors) || !all_finite(r.impulse) || r.key.number >= s.joints.made)
+          r.coordinates = table.get<joint_coordinates>(5, i);
+          r.load = table.get<wrench>(6, i);
+          if (!all_finite(r.anchors) || !all_finite(r.impulse) || !all_finite(r.coordinates) ||
+              !all_finite(r.load) || r.key.number >= s.joints.made)
             fail<std::runtime_error>("is damaged: the {} of bodies {} and {} makes no sense",
                                      kind::name, r.key.a, r.key.b);
           r.acts = true;

@@ -3,6 +3,7 @@
 #include "talus/state/stage_clock.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/integrators/semi_implicit_euler.hpp"
+#include "talus/step/joint_positions.hpp"
 #include "talus/step/midpoint.hpp"
 #include "talus/step/midpoint_state.hpp"
 
@@ -16,7 +17,10 @@ struct moreau_midpoint::state {
 
 template <class Scenario>
 void moreau_midpoint::step(detail::world_state<Scenario>& s) {
-  timed(s, s.seconds.integrate, [&] { drift_to_midpoint(s); });
+  timed(s, s.seconds.integrate, [&] {
+    if constexpr (detail::world_state<Scenario>::has_joints) detail::note_jointed(s);
+    drift_to_midpoint(s);
+  });
   step_with_contacts(s);
 }
 

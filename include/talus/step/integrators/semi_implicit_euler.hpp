@@ -6,6 +6,7 @@
 #include "talus/state/state.hpp"
 #include "talus/step/advance.hpp"
 #include "talus/step/detect.hpp"
+#include "talus/step/joint_positions.hpp"
 #include "talus/step/respond.hpp"
 #include "talus/step/soft_step.hpp"
 
@@ -19,7 +20,10 @@ void step_with_contacts(world_state<Scenario>& s) {
   run_hooks<stages::after_detect>(s);
   timed(s, s.seconds.respond, [&] { respond(s); });  // velocities that satisfy the contact law
   run_hooks<stages::after_solve>(s);
-  timed(s, s.seconds.integrate, [&] { integrate(s); });  // positions of the bodies owned here
+  timed(s, s.seconds.integrate, [&] {
+    integrate(s);  // positions of the bodies owned here
+    if constexpr (world_state<Scenario>::has_joints) settle_joints(s), break_joints(s);
+  });
   run_hooks<stages::after_move>(s);
   run_hooks<stages::at_close>(s);
   run_hooks<stages::before_share>(s);

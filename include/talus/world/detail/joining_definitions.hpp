@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "talus/world/world.hpp"
 
@@ -26,6 +27,12 @@ template <class Shape>
 [[nodiscard]] named_body<Shape> body_named(const std::optional<handle<Shape>>& h) {
   return {h ? h->id : no_id};
 }
+
+/// The frame of the world in the place of a body.
+struct no_shape {
+  static constexpr const char* name = "frame of the world";
+};
+[[nodiscard]] inline named_body<no_shape> body_named(world_frame_t) { return {id_of_world}; }
 
 /// The data of a body that a joint needs, alike on all ranks.
 struct body_to_join {
@@ -98,8 +105,15 @@ joint_handle<Scenario, Kind> world<Scenario>::join(const A& a, const B& b, const
     how.validate();
     using shape_a = typename decltype(detail::body_named(a))::shape;
     using shape_b = typename decltype(detail::body_named(b))::shape;
-    const auto first = agree_on_body<shape_a>(detail::body_named(a).id, "the first");
-    const auto second = agree_on_body<shape_b>(detail::body_named(b).id, "the second");
+    const auto agree = [&]<class Shape>(const detail::named_body<Shape>& x, const char* which) {
+      if constexpr (std::is_same_v<Shape, detail::no_shape>) {
+        return detail::body_to_join{.id = x.id, .known = true, .global = true, .at = {}};
+      } else {
+        return agree_on_body<Shape>(x.id, which);
+      }
+    };
+    const auto first = agree(detail::body_named(a), "the first");
+    const auto second = agree(detail::body_named(b), "the second");
     if (first.id == second.id)
       detail::fail<std::invalid_argument>(
           "join was called with the {} {} as both bodies: a joint needs two", shape_a::name,
@@ -131,11 +145,23 @@ joint_handle<Scenario, Kind> world<Scenario>::join(const A& a, const B& b, const
 template <class Scenario>
 template <class Shape>
 bool world<Scenario>::owns_body(const detail::body_to_join& one) const {
-  if (one.global) return false;
-  const auto& store = state_.template of<Shape>().movable;
-  for (std::size_t i = 0; i < store.locals; ++i)
-    if (store.id[i] == one.id) return true;
-  return false;
+  if constexpr (std::is_same_v<Shape, detail::no_shape>) {
+    return false;
+  } else {
+    if (one.global) return false;
+    const auto& store = state_.template of<Shape>().movable;
+    for (std::size_t i = 0; i < store.locals; ++i)
+      if (store.id[i] == one.id) return true;
+    return false;
+  }
+}
+
+template <class Scenario>
+template <class Kind, class Motor>
+void world<Scenario>::set_motor(const joint_handle<Scenario, Kind>& joint, const Motor& motor) {
+  sections_.require_all_ranks("set_motor", rank());
+  detail::require_motor(Kind::name, detail::motor_of(motor));
+  if (auto* r = state_.joints.template of<Kind>().find(joint.key())) Kind::drive(r->anchors, motor);
 }
 
 template <class Scenario>

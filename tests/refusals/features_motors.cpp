@@ -1,11 +1,11 @@
-// expects: talus has no hinges or limits: two joints on one axis make a hinge
+// expects: motors belong to joints: name the joint in joints<...> and set its motor
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 
 #ifdef TALUS_CONTROL
 using parts = features<driven>;
 #else
-using parts = features<hinge>;
+using parts = features<motors>;
 #endif
 
 const parts checked;

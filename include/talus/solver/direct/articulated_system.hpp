@@ -1,0 +1,297 @@
+#pragma once
+// The saddle-point system of bodies and of the joints between them, sparse and in blocks.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/solver/direct/elimination_order.hpp"
+
+namespace talus::detail {
+
+/// The matrix [M J'; J -C], with the masses M of bodies, the rows J of joints and their compliances
+/// C. It is factorized as L D L' without pivoting between blocks. Bodies are eliminated by minimum
+/// degree. A body is followed by one joint, if none that ends with it precedes; other joints follow
+/// the last of their bodies. Along a chain each block then is definite, and the effort is linear.
+/// Rows that depend on others, as in closed loops, leave pivots that are round-off: a small
+/// compliance bounds them, and the caller refines the solution.
+class articulated_system {
+ public:
+  /// A joint between two bodies of the system, numbered from 0, or -1 for what never moves.
+  struct tie {
+    std::int32_t a, b;
+    std::int32_t rows;
+  };
+  static constexpr std::int32_t body_size = 6;
+
+  /// Finds the structure; the values follow.
+  void arrange(std::int32_t bodies, std::span<const tie> ties) {
+    bodies_ = bodies;
+    order(ties);
+    find_fill(ties);
+  }
+  /// Sets all values to 0.
+  void clear() { values_.assign(values_.size(), 0), scale_.assign(scale_.size(), 0); }
+  void set_body(std::int32_t i, real mass, const mat3& inertia) {
+    real* d = values_.data() + diagonal_[at(place_[at(i)])];
+    for (int k = 0; k < 3; ++k) d[7 * k] = mass;
+    for (int k = 0; k < 3; ++k)
+      for (int j = 0; j < 3; ++j) d[6 * (3 + k) + 3 + j] = inertia(k, j);
+  }
+  /// Row k of joint j: what it multiplies the velocities of its bodies by, its compliance and, as
+  /// a scale, the sum of its velocities for a unit impulse. A row that is not set keeps impulse 0.
+  void set_row(std::int32_t j, std::int32_t k, const std::array<real, 6>& of_a,
+               const std::array<real, 6>& of_b, real compliance, real scale) {
+    const std::int32_t p = place_[at(bodies_ + j)], n = size_[at(p)];
+    values_[diagonal_[at(p)] + at(k) * at(n + 1)] = -compliance;
+    scale_[first_[at(p)] + at(k)] = scale;
+    const auto put = [&](std::size_t block, bool joint_is_row, const std::array<real, 6>& x) {
+      if (block == none) return;
+      for (std::size_t i = 0; i < 6; ++i)
+        values_[block + (joint_is_row ? at(k) * 6 + i : i * at(n) + at(k))] = x[i];
+    };
+    const ends& e = ends_[at(j)];
+    put(e.a, e.a_first, of_a), put(e.b, e.b_first, of_b);
+  }
+
+  void factorize() {
+    for (std::size_t p = 0; p < size_.size(); ++p) {
+      factorize_block(p);
+      const std::size_t n = at(size_[p]);
+      const real* l = values_.data() + diagonal_[p];
+      const real sign = is_body(p) ? 1 : -1;
+      for (std::size_t e = start_[p]; e < start_[p + 1]; ++e) {
+        real* y = values_.data() + block_[e];
+        for (std::size_t i = 0, rows = at(size_[at(later_[e])]); i < rows; ++i)
+          for (std::size_t j = 0; j < n; ++j) {
+            real sum = y[i * n + j];
+            for (std::size_t k = 0; k < j; ++k) sum -= y[i * n + k] * l[j * n + k];
+            y[i * n + j] = sum / l[j * n + j];
+          }
+      }
+      for (std::size_t e = start_[p]; e < start_[p + 1]; ++e) {
+        const std::size_t q = at(later_[e]);
+        subtract(values_.data() + diagonal_[q], e, e, n, sign);
+        std::size_t to = start_[q];
+        for (std::size_t f = e + 1; f < start_[p + 1]; ++f) {
+          while (later_[to] != later_[f]) ++to;
+          subtract(values_.data() + block_[to], f, e, n, sign);
+        }
+      }
+    }
+  }
+  /// The position of the unknowns of a body, and of a joint, in a vector of size().
+  [[nodiscard]] std::size_t of_body(std::int32_t i) const { return first_[at(place_[at(i)])]; }
+  [[nodiscard]] std::size_t of_joint(std::int32_t j) const {
+    return first_[at(place_[at(bodies_ + j)])];
+  }
+  [[nodiscard]] std::size_t size() const { return scale_.size(); }
+  /// The compliance that the factorization has added to a row, by its position.
+  [[nodiscard]] real added(std::size_t row) const { return added_[row]; }
+  /// The velocity of a row for a unit impulse, where the rows eliminated before hold; 0 if it
+  /// depends on these.
+  [[nodiscard]] real left_of(std::size_t row) const {
+    return added_[row] < scale_[row] ? added_[row] / softness : real(0);
+  }
+
+  /// Replaces the right-hand side by the solution.
+  void solve(plain_vector<real>& x) const {
+    for (std::size_t p = 0; p < size_.size(); ++p) {
+      const std::size_t n = at(size_[p]);
+      const real* l = values_.data() + diagonal_[p];
+      real* own = x.data() + first_[p];
+      for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t k = 0; k < i; ++k) own[i] -= l[i * n + k] * own[k];
+        own[i] /= l[i * n + i];
+      }
+      const real sign = is_body(p) ? 1 : -1;
+      for (std::size_t e = start_[p]; e < start_[p + 1]; ++e) {
+        const std::size_t q = at(later_[e]), rows = at(size_[q]);
+        const real* y = values_.data() + block_[e];
+        real* to = x.data() + first_[q];
+        for (std::size_t i = 0; i < rows; ++i) {
+          real sum = 0;
+          for (std::size_t k = 0; k < n; ++k) sum += y[i * n + k] * own[k];
+          to[i] -= sign * sum;
+        }
+      }
+    }
+    for (std::size_t p = size_.size(); p-- > 0;) {
+      const std::size_t n = at(size_[p]);
+      const real* l = values_.data() + diagonal_[p];
+      const real sign = is_body(p) ? 1 : -1;
+      real* own = x.data() + first_[p];
+      for (std::size_t k = 0; k < n; ++k) own[k] *= sign;
+      for (std::size_t e = start_[p]; e < start_[p + 1]; ++e) {
+        const std::size_t q = at(later_[e]), rows = at(size_[q]);
+        const real* y = values_.data() + block_[e];
+        const real* from = x.data() + first_[q];
+        for (std::size_t i = 0; i < rows; ++i)
+          for (std::size_t k = 0; k < n; ++k) own[k] -= sign * y[i * n + k] * from[i];
+      }
+      for (std::size_t i = n; i-- > 0;) {
+        for (std::size_t k = i + 1; k < n; ++k) own[i] -= l[k * n + i] * own[k];
+        own[i] /= l[i * n + i];
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t none = ~std::size_t{0};
+  /// The compliance added to a row, as a part of what the elimination has left of its diagonal. If
+  /// that is but round-off, the row depends on others and is left out.
+  static constexpr real softness = 1e-8, round_off = 1e-12;
+  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+  [[nodiscard]] bool is_body(std::size_t p) const { return node_[p] < bodies_; }
+
+  struct ends {
+    std::size_t a = none, b = none;  ///< blocks
+    bool a_first = false, b_first = false;
+  };
+
+  /// Places of the nodes: bodies, then joints.
+  void order(std::span<const tie> ties) {
+    plain_vector<plain_pair<std::int32_t, std::int32_t>> pairs;
+    vector_of<plain_vector<std::int32_t>> of_body(at(bodies_));
+    for (std::size_t j = 0; j < ties.size(); ++j) {
+      const auto [a, b, rows] = ties[j];
+      if (a >= 0) of_body[at(a)].push_back(static_cast<std::int32_t>(j));
+      if (b >= 0) of_body[at(b)].push_back(static_cast<std::int32_t>(j));
+      if (a >= 0 && b >= 0) pairs.push_back({a, b}), pairs.push_back({b, a});
+    }
+    sort_values(pairs);
+    sparse_graph graph;
+    std::size_t next = 0;
+    for (std::int32_t i = 0; i < bodies_; ++i) {
+      for (std::int32_t last = -1; next < pairs.size() && pairs[next].first == i; ++next)
+        if (pairs[next].second != last) graph.column.push_back(last = pairs[next].second);
+      graph.start.push_back(static_cast<std::int32_t>(graph.column.size()));
+    }
+    const elimination_order bodies(graph, std::numeric_limits<double>::infinity());
+
+    node_.clear(), size_.clear();
+    const std::size_t nodes = at(bodies_) + ties.size();
+    place_.assign(nodes, -1);
+    const auto put = [&](std::int32_t node, std::int32_t size) {
+      place_[at(node)] = static_cast<std::int32_t>(node_.size());
+      node_.push_back(node), size_.push_back(size);
+    };
+    const auto gone = [&](std::int32_t i) { return i < 0 || place_[at(i)] >= 0; };
+    for (const std::int32_t i : bodies.order()) {
+      put(i, body_size);
+      bool taken = false;
+      for (const bool last : {true, false})
+        for (const std::int32_t j : of_body[at(i)]) {
+          const tie& t = ties[at(j)];
+          if (place_[at(bodies_ + j)] >= 0 || (gone(t.a) && gone(t.b)) != last) continue;
+          if (!last && taken) continue;
+          put(bodies_ + j, t.rows);
+          taken = true;
+        }
+    }
+  }
+
+  /// The blocks below the diagonal, with those that the elimination adds.
+  void find_fill(std::span<const tie> ties) {
+    const std::size_t n = node_.size();
+    vector_of<plain_vector<std::int32_t>> below(n);
+    const auto join = [&](std::int32_t x, std::int32_t y) {
+      below[at(std::min(x, y))].push_back(std::max(x, y));
+    };
+    for (std::size_t j = 0; j < ties.size(); ++j)
+      for (const std::int32_t i : {ties[j].a, ties[j].b})
+        if (i >= 0) join(place_[at(i)], place_[at(bodies_) + j]);
+    start_.assign(1, 0), later_.clear(), block_.clear();
+    diagonal_.resize(n), first_.resize(n);
+    std::size_t values = 0, unknowns = 0;
+    for (std::size_t p = 0; p < n; ++p) {
+      auto& list = below[p];
+      sort_values(list);
+      std::size_t kept = 0;
+      for (const std::int32_t q : list)
+        if (kept == 0 || list[kept - 1] != q) list[kept++] = q;
+      list.resize(kept);
+      const std::size_t own = at(size_[p]);
+      diagonal_[p] = values, first_[p] = unknowns;
+      values += own * own, unknowns += own;
+      for (const std::int32_t q : list)
+        later_.push_back(q), block_.push_back(values), values += own * at(size_[at(q)]);
+      start_.push_back(later_.size());
+      for (std::size_t k = 1; k < kept; ++k) below[at(list[0])].push_back(list[k]);
+      plain_vector<std::int32_t>().swap(list);
+    }
+    values_.resize(values), scale_.resize(unknowns), added_.assign(unknowns, 0);
+    ends_.assign(ties.size(), {});
+    for (std::size_t j = 0; j < ties.size(); ++j) {
+      const std::int32_t place = place_[at(bodies_) + j];
+      const auto find = [&](std::int32_t body, std::size_t& block, bool& joint_is_row) {
+        if (body < 0) return;
+        const std::int32_t other = place_[at(body)];
+        joint_is_row = place > other;
+        const std::size_t low = at(std::min(place, other));
+        const std::int32_t high = std::max(place, other);
+        for (std::size_t e = start_[low]; e < start_[low + 1]; ++e)
+          if (later_[e] == high) block = block_[e];
+      };
+      find(ties[j].a, ends_[j].a, ends_[j].a_first), find(ties[j].b, ends_[j].b, ends_[j].b_first);
+    }
+  }
+
+  /// Replaces a block of the diagonal, which is definite, by its Cholesky factor.
+  void factorize_block(std::size_t p) {
+    const std::size_t n = at(size_[p]);
+    real* d = values_.data() + diagonal_[p];
+    const bool body = is_body(p);
+    if (!body)
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j <= i; ++j) d[i * n + j] = -d[i * n + j];
+    for (std::size_t i = 0; i < n; ++i) {
+      real least = round_off * d[i * n + i];
+      if (!body) {
+        const real scale = scale_[first_[p] + i];
+        real& added = added_[first_[p] + i];
+        added = d[i * n + i] > round_off * scale ? softness * d[i * n + i] : scale;
+        if (scale == 0) added = 1;  // an unused row
+        d[i * n + i] = std::max(d[i * n + i], real(0)) + added;
+        least = real(0.1) * added;
+      }
+      for (std::size_t j = 0; j < i; ++j) {
+        real sum = d[i * n + j];
+        for (std::size_t k = 0; k < j; ++k) sum -= d[i * n + k] * d[j * n + k];
+        d[i * n + j] = sum / d[j * n + j];
+      }
+      real pivot = d[i * n + i];
+      for (std::size_t k = 0; k < i; ++k) pivot -= d[i * n + k] * d[i * n + k];
+      d[i * n + i] = std::sqrt(std::max(pivot, least));
+    }
+  }
+  /// Subtracts sign Y_e Y_f' of column p from a block: the lower triangle of the diagonal is
+  /// enough.
+  void subtract(real* to, std::size_t e, std::size_t f, std::size_t n, real sign) {
+    const real *x = values_.data() + block_[e], *y = values_.data() + block_[f];
+    const std::size_t rows = at(size_[at(later_[e])]), columns = at(size_[at(later_[f])]);
+    for (std::size_t i = 0; i < rows; ++i)
+      for (std::size_t j = 0, end = e == f ? i + 1 : columns; j < end; ++j) {
+        real sum = 0;
+        for (std::size_t k = 0; k < n; ++k) sum += x[i * n + k] * y[j * n + k];
+        to[i * columns + j] -= sign * sum;
+      }
+  }
+
+  std::int32_t bodies_ = 0;
+  plain_vector<std::int32_t> place_, node_;  ///< of a node in the order, and the other way
+  plain_vector<std::int32_t> size_;          ///< unknowns, by place, and likewise:
+  plain_vector<std::size_t> diagonal_, first_, start_{0};
+  plain_vector<std::int32_t> later_;  ///< places of the blocks below, ascending
+  plain_vector<std::size_t> block_;
+  plain_vector<ends> ends_;
+  plain_vector<real> values_, scale_, added_;
+};
+
+}  // namespace talus::detail
