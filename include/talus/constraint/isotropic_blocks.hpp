@@ -146,7 +146,7 @@ class isotropic_blocks {
  public:
   void clear() {
     plan_.clear();
-    slots_.clear(), overflow_.clear(), acts_.clear(), overflow_acts_.clear();
+    slots_.clear(), overflow_.clear();
     used_ = 0, numbered_ = false;
   }
   void add(const Contact& c, bool a_moves, bool b_moves) {
@@ -163,14 +163,12 @@ class isotropic_blocks {
     if constexpr (requires { x.friction; }) x.friction[l] = c.friction;
     x.a[l] = c.a, x.b[l] = c.b;
   }
-  /// Sets new data of all contacts, those at rest included: renewed(a, b, count, data) computes
-  /// those of contacts between the bodies a[k] and b[k], and returns a mask of the pairs that have
-  /// one. A contact whose pair has none rests: it keeps its slot, has no effect, and begins again
-  /// without impulse. Calls changed(slot, whether it begins) for contacts that begin again or rest
-  /// from now on, in the order of their slots. With `loads` the impulses of the others are those of
-  /// the last step, projected into the present cones; else they are 0.
-  template <class F, class G>
-  void renew(bool loads, F&& renewed, G&& changed) {
+  /// Sets new data of all contacts: renewed(a, b, count, data) computes those of contacts between
+  /// the bodies a[k] and b[k], and returns false if one of them is none. Then so does this
+  /// function, and the contacts are to be made anew. With `loads` the impulses are those of the
+  /// last step, projected into the present cones; else they are 0.
+  template <class F>
+  [[nodiscard]] bool renew(bool loads, F&& renewed) {
     const auto set_impulse = [loads](auto& x) __attribute__((always_inline)) {
       loads ? x.load_kept_impulses() : x.set({});
     };
@@ -183,10 +181,9 @@ class isotropic_blocks {
       wide arm_a{}, arm_b{};
       correction& c = corrections_[at];
       c = correction{}, x.target_velocity = wide{};
-      unsigned met = 0;
       for (int first = 0; first < filled; first += part) {
         const int count = std::min(filled - first, part);
-        met |= renewed(x.a + first, x.b + first, count, next) << first;
+        if (!renewed(x.a + first, x.b + first, count, next)) return false;
         const auto put = [&](wide& all, const renewed_contacts::wide& of_part) {
           put_part(all, first, of_part, count);
         };
@@ -197,9 +194,7 @@ class isotropic_blocks {
           if (next.slides) put(x.friction, next.friction);
       }
       x.renew(normal, arm_a, arm_b);
-      if (met != (1u << filled) - 1) rest(at, ((1u << filled) - 1) & ~met);
       set_impulse(x);
-      tell_changes(static_cast<std::uint32_t>(at * lanes), acts_[at], met, changed);
     }
     for (std::size_t first = 0; first < overflow_.size(); first += part) {
       const auto count = static_cast<int>(std::min(overflow_.size() - first, std::size_t{part}));
@@ -207,33 +202,19 @@ class isotropic_blocks {
       for (int l = 0; l < count; ++l)
         a[l] = overflow_[first + static_cast<std::size_t>(l)].a,
         b[l] = overflow_[first + static_cast<std::size_t>(l)].b;
-      const unsigned met = renewed(a, b, count, next);
+      if (!renewed(a, b, count, next)) return false;
       for (int l = 0; l < count; ++l) {
-        const std::size_t k = first + static_cast<std::size_t>(l);
-        Contact& c = overflow_[k];
+        Contact& c = overflow_[first + static_cast<std::size_t>(l)];
         renew_single(c, next, static_cast<std::size_t>(l));
-        if ((met >> l & 1u) == 0) rest(c);
         set_impulse(c);
-        tell_changes(overflow | static_cast<std::uint32_t>(k), overflow_acts_[k], met >> l & 1u,
-                     changed);
       }
     }
+    return true;
   }
-  /// Whether the contact in a slot acts, and does not rest.
-  [[nodiscard]] bool acts(std::uint32_t slot) const {
-    return slot & overflow ? overflow_acts_[slot & ~overflow] != 0
-                           : (acts_[slot / lanes] >> slot % lanes & 1u) != 0;
-  }
-  [[nodiscard]] std::uint32_t slot(std::size_t i) const { return slots_[i]; }
-  /// Contacts are renumbered when some of them rest or begin again.
-  void set_slot(std::size_t i, std::uint32_t slot) { slots_[i] = slot, numbered_ = false; }
-  void set_size(std::size_t contacts) { slots_.resize(contacts), numbered_ = false; }
-  void add_slot(std::uint32_t slot) { slots_.push_back(slot), numbered_ = false; }
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + corrections_.capacity() * sizeof(correction) +
-           overflow_.capacity() * sizeof(Contact) + overflow_acts_.capacity() +
-           acts_.capacity() * sizeof(std::uint16_t) +
+           overflow_.capacity() * sizeof(Contact) +
            (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
   }
   [[nodiscard]] Contact operator[](std::size_t i) const {
@@ -251,20 +232,19 @@ class isotropic_blocks {
     if (slot & overflow) return overflow_[slot & ~overflow].impulse();
     return in_scalar<real>(blocks_[slot / lanes].impulse_of(slot % lanes));
   }
-  /// Calls f(i, impulse) for each contact i that does not rest, block by block.
+  /// Calls f(i, impulse) for each contact i, block by block.
   template <class F>
   void each_impulse(F&& f) {
     find_numbers();
     for (std::size_t at = 0; at < used_; ++at) {
       const block& x = blocks_[at];
       const pack_vector<wide> p = x.impulse_in_frame().along(x.normal);
-      for (unsigned acting = acts_[at]; acting != 0; acting &= acting - 1) {
-        const auto l = static_cast<std::size_t>(std::countr_zero(acting));
+      const std::size_t filled = plan_.filled(at);
+      for (std::size_t l = 0; l < filled; ++l)
         f(number_[at * lanes + l], in_scalar<real>(lane(p, l)));
-      }
     }
     for (std::size_t k = 0; k < overflow_.size(); ++k)
-      if (overflow_acts_[k] != 0) f(number_[used_ * lanes + k], overflow_[k].impulse());
+      f(number_[used_ * lanes + k], overflow_[k].impulse());
   }
   /// Calls f(a, b) for the bodies of contacts that have an impulse, in no particular order.
   template <class F>
@@ -360,7 +340,7 @@ class isotropic_blocks {
         a_moves ? plan_.place(c.a, paired && b_moves ? c.b : -1) : plan_.place(c.b, -1);
     if (slot < 0) {
       slots_.push_back(overflow | static_cast<std::uint32_t>(overflow_.size()));
-      overflow_.push_back(c), overflow_acts_.push_back(1);
+      overflow_.push_back(c);
       return slot;
     }
     slots_.push_back(static_cast<std::uint32_t>(slot));
@@ -368,10 +348,8 @@ class isotropic_blocks {
     for (; used_ <= at; ++used_) {
       if (used_ == blocks_.size()) blocks_.emplace_back(), corrections_.emplace_back();
       make_empty(used_, c);
-      acts_.push_back(0);
     }
     if (slot % lanes == 0) make_empty(at, c);  // blocks do not begin in their order
-    acts_[at] = static_cast<std::uint16_t>(acts_[at] | 1u << slot % lanes);
     return slot;
   }
   /// The first `count` numbers of a part of the lanes, from `first` on.
@@ -384,25 +362,6 @@ class isotropic_blocks {
     } else {
       for (int l = 0; l < count; ++l) all[first + l] = static_cast<number>(of_part[l]);
     }
-  }
-  /// Takes their effect from lanes of a block.
-  [[gnu::noinline]] void rest(std::size_t at, unsigned resting) {
-    for (std::size_t l = 0; l < lanes; ++l)
-      if ((resting >> l & 1u) != 0) blocks_[at].clear_lane(l), corrections_[at].rate[l] = 0;
-  }
-  static void rest(Contact& c) {
-    c.normal = {0, 0, 0};
-    c.set({});
-    c.target_velocity = 0, c.correction_rate = 0;
-  }
-  template <class Mask, class G>
-  [[gnu::always_inline]] static void tell_changes(std::uint32_t slot, Mask& acts, unsigned met,
-                                                  G&& changed) {
-    for (unsigned other = acts ^ met; other != 0; other &= other - 1) {
-      const auto l = static_cast<std::uint32_t>(std::countr_zero(other));
-      changed(slot + l, (met >> l & 1u) != 0);
-    }
-    acts = static_cast<Mask>(met);
   }
   static void renew_single(Contact& c, const renewed_contacts& next, std::size_t l) {
     const auto of_lane = [l](const auto& part) { return static_cast<number>(part[l]); };
@@ -454,10 +413,8 @@ class isotropic_blocks {
   plain_vector<block> blocks_;            ///< of which only the first are in use
   plain_vector<correction> corrections_;  ///< of each block
   std::size_t used_ = 0;
-  plain_vector<std::uint32_t> slots_;  ///< of each contact: block * lanes + lane, or | overflow
-  plain_vector<Contact> overflow_;     ///< contacts that found no slot
-  plain_vector<std::uint16_t> acts_;   ///< of each block, the lanes whose contact does not rest
-  plain_vector<char> overflow_acts_;
+  plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
+  plain_vector<Contact> overflow_;      ///< contacts that found no slot
   plain_vector<std::uint32_t> number_;  ///< the contact in a slot, or in the overflow after them
   bool numbered_ = false;               ///< these are known
 };

@@ -274,12 +274,6 @@ struct isotropic_rows : tangential_rows<Pack, Cone> {
     this->set_arms(arm_a, arm_b);
     tangential_rows<Pack, Cone>::keep(impulse, normal, rn);
   }
-  /// Lane l has no effect, and no impulse; its bodies and its friction stay.
-  void clear_lane(std::size_t l) {
-    put_lane(normal, l, vector3<lane_of<Pack>>(0, 0, 0));
-    tangential_rows<Pack, Cone>::keep(l, vector3<lane_of<Pack>>(0, 0, 0), lane(normal, l), rn);
-    rn[l] = 0, target_velocity[l] = 0;
-  }
   void load_kept_impulses() {
     change r = this->kept(rn, normal);
     this->project(r);

@@ -40,6 +40,7 @@ template <class Contact>
 concept renewable = Contact::paired && requires {
   typename Contact::blocks;
 };
+
 /// Whether a contact has an impulse; its norm is the same in any frame.
 template <class Contact>
 [[nodiscard]] bool carries_load(const Contact& c) {
@@ -62,77 +63,6 @@ struct keyed_contacts {
            places.capacity() * sizeof(history_place*);
   }
 };
-template <renewable Contact>
-struct keyed_contacts<Contact> {
-  struct resting_contact {
-    std::uint32_t slot;
-    contact_key key;
-    history_place* place;
-  };
-  typename interior_contacts<Contact>::type row;
-  plain_vector<contact_key> keys;
-  plain_vector<history_place*> places;
-  plain_vector<resting_contact> resting;  ///< those that renew() has left out, by their slots
-
-  void clear() { row.clear(), keys.clear(), places.clear(), resting.clear(); }
-  [[nodiscard]] std::size_t bytes() const {
-    return row.bytes() + keys.capacity() * sizeof(contact_key) +
-           places.capacity() * sizeof(history_place*) +
-           resting.capacity() * sizeof(resting_contact);
-  }
-  /// New data for all contacts. Those that rest from now on are taken out of the list, and those
-  /// that begin again are added at its end. Returns whether there are none of these.
-  template <class F>
-  [[nodiscard]] bool renew(bool loads, F&& renewed) {
-    bool end = false;
-    begun_.clear();
-    row.renew(loads, renewed, [&](std::uint32_t slot, bool begins) {
-      if (begins)
-        begun_.push_back(slot);
-      else
-        end = true;
-    });
-    const std::size_t rested = resting.size();
-    if (end) take_out();
-    if (!begun_.empty()) put_back(rested);
-    if (end)
-      std::sort(resting.begin(), resting.end(),
-                [](const auto& x, const auto& y) { return x.slot < y.slot; });
-    return !end && begun_.empty();
-  }
-
- private:
-  void take_out() {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      const std::uint32_t slot = row.slot(i);
-      if (!row.acts(slot)) {
-        *places[i] = history_place::none;
-        resting.push_back({slot, keys[i], places[i]});
-        continue;
-      }
-      keys[kept] = keys[i], places[kept] = places[i];
-      row.set_slot(kept++, slot);
-    }
-    keys.resize(kept), places.resize(kept), row.set_size(kept);
-  }
-  /// From the first `rested` of the contacts at rest.
-  void put_back(std::size_t rested) {
-    std::size_t next = 0, kept = 0;
-    for (std::size_t k = 0; k < resting.size(); ++k) {
-      if (k < rested && next < begun_.size() && resting[k].slot == begun_[next]) {
-        ++next;
-        keys.push_back(resting[k].key), places.push_back(resting[k].place);
-        row.add_slot(resting[k].slot);
-      } else {
-        resting[kept++] = resting[k];
-      }
-    }
-    resting.resize(kept);
-  }
-
-  plain_vector<std::uint32_t> begun_;
-};
 
 /// Contacts between bodies that this rank alone can move (interior), and contacts between a body
 /// owned here and a movable body owned elsewhere (boundary): each of those is computed alike on
@@ -151,7 +81,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void clear() {
     inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
     foreign_keys_.clear();
-    renewed_ = held_ = loaded_ = false;
+    renewed_ = held_ = false;
   }
   /// `last` is the position in the history of the contacts of its pair, unknown if null. It is kept
   /// up to date. `at_border`: whether other ranks need the velocity of one of the bodies.
@@ -170,24 +100,17 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     inner_.places.push_back(last);
   }
   /// New data for all contacts between the same bodies; see isotropic_blocks. If they are `kept`
-  /// since the last step, they keep its impulses, or lose them unless `loads`. Contacts whose pairs
-  /// have none are left out until they have one again.
+  /// since the last step, they keep its impulses, or lose them unless `loads`.
   template <class F>
-  void renew(bool kept, bool loads, F&& renewed) requires(renewable<Contact>) {
-    const std::size_t before = stored_;
-    const bool same = inner_.renew(kept && loads, renewed);
-    loaded_ = kept, held_ = false;
-    renewed_ = kept && same && inner_.row.size() == before;
+  [[nodiscard]] bool renew(bool kept, bool loads, F&& renewed) requires(renewable<Contact>) {
+    renewed_ = kept, held_ = false;
+    return inner_.row.renew(kept && loads, renewed);
   }
-  /// The number of contacts that are left out.
-  [[nodiscard]] std::size_t resting() const requires(renewable<Contact>) {
-    return inner_.resting.size();
-  }
-  /// Whether all contacts were kept in this step, in their order, and there are no others.
+  /// Whether contacts were kept in this step.
   [[nodiscard]] bool renewed() const { return renewed_; }
   /// Whether the contacts have the impulses that were stored in the last step.
   [[nodiscard]] bool held() const { return held_; }
-  void hold() { held_ = true, stored_ = size(); }
+  void hold() { held_ = true; }
   /// Stores the impulses of contacts that were kept, of which these are the entries.
   void store_in_place(stored_contact* entries) requires(renewable<Contact>) {
     inner_.row.each_impulse(
@@ -375,8 +298,6 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
 
   part inner_, border_;
   bool renewed_ = false, held_ = false;  ///< see renewed() and held()
-  bool loaded_ = false;                  ///< contacts were kept, with their impulses
-  std::size_t stored_ = 0;               ///< the number of contacts when held
   boundary_contacts<Contact> boundary_;
   plain_vector<Contact> foreign_;
   plain_vector<contact_key> foreign_keys_;
@@ -392,7 +313,7 @@ contact_list<Contact>::~contact_list() = default;
 template <class Contact>
 void contact_list<Contact>::load_impulses(const contact_history& history) {
   if constexpr (renewable<Contact>)
-    if (loaded_) return;
+    if (renewed_) return;  // they are loaded
   for (part* p : {&inner_, &border_}) p->row.load_impulses(history, p->keys, p->places);
   boundary_.load_impulses(history);
 }

@@ -77,14 +77,10 @@ struct close_pair {
 /// Pairs of spheres of the last search whose contacts are kept from step to step; see
 /// step/kept_contacts.hpp.
 struct kept_contacts {
-  struct pair {
-    std::uint32_t i, j;    ///< in the order of their contact
-    std::uint32_t number;  ///< in the list of candidate pairs
-  };
-  plain_vector<pair> apart;               ///< pairs that had no contact since the search
-  plain_vector<char> moves;               ///< which bodies can move
-  std::uint64_t materials = 0;            ///< revision of the table
-  std::uint64_t search = 0;               ///< see candidate_pairs::searches
+  plain_vector<plain_pair<std::uint32_t, std::uint32_t>> apart;  ///< pairs without a contact
+  plain_vector<char> moves;                                      ///< which bodies can move
+  std::uint64_t materials = 0;                                   ///< revision of the table
+  std::uint64_t search = 0;                                      ///< see candidate_pairs::searches
   bool rebounds = false, slides = false;  ///< conditions depend on the velocities
 };
 
@@ -112,7 +108,7 @@ struct candidate_pairs {
     std::size_t sum = 0;
     for (const shape& s : shapes) sum += s.bodies.capacity() * sizeof(noted_body);
     for (const auto& list : lists) sum += list.capacity() * sizeof(close_pair);
-    sum += kept.apart.capacity() * sizeof(kept_contacts::pair) + kept.moves.capacity();
+    sum += kept.apart.capacity() * sizeof(kept.apart[0]) + kept.moves.capacity();
     return sum;
   }
 };

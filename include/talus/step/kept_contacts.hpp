@@ -1,8 +1,7 @@
 #pragma once
-// Contacts of pairs of spheres that are kept from step to step while the neighbour list holds: they
-// stay in their places in the solver's list, with their impulses, and get new geometry. Each
-// contact has the numbers of one made anew, to the bit; their order is that in which pairs began to
-// touch.
+// Contacts of pairs of spheres that are kept from step to step while the same pairs touch: they
+// stay in their places in the solver's list, with their impulses, and get new geometry. All numbers
+// are those of contacts made anew, to the bit.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -80,22 +79,15 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
                        s_.history.unchanged();
     const bool moved_before = note_places();
     if (kept_.rebounds || kept_.slides) note_motion();
-    const bool kept = known && moved_before && list_.resting() <= list_.size() / most_resting;
-    if (kept) {
-      add_met(pairs);
-    } else {
-      kept_.search = s_.found.searches, kept_.materials = s_.materials.revision();
-      list_.clear();
-      if (spheres_ == nullptr) note_motion();
-      find(pairs);
-    }
-    renew(kept);
+    if (known && moved_before && still_apart() && renew(true)) return;
+    kept_.search = s_.found.searches, kept_.materials = s_.materials.revision();
+    list_.clear();
+    if (spheres_ == nullptr) note_motion();
+    find(pairs);
+    if (!renew(false)) fail<std::logic_error>("a contact of spheres was found and lost again");
   }
 
  private:
-  /// More than this part of all contacts do not rest.
-  static constexpr std::size_t most_resting = 8;
-
   /// Writes the places of all spheres. Returns whether those that can move are the same as before.
   bool note_places() {
     const auto& reach = s_.template of<sphere>().reach;
@@ -145,51 +137,39 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     });
   }
 
-  /// Adds the pairs that had no contact and have one now.
-  void add_met(plain_vector<close_pair>& pairs) {
-    auto& apart = kept_.apart;
+  /// Whether the pairs without a contact have none now.
+  [[nodiscard]] bool still_apart() {
+    const auto& apart = kept_.apart;
     const wide margin = every_lane<wide>(2 * margin_), more = every_lane<wide>(1 + 1e-9);
-    std::size_t left = 0;
     for (std::size_t first = 0; first < apart.size(); first += lanes) {
       const auto count = static_cast<unsigned>(std::min<std::size_t>(apart.size() - first, lanes));
-      const auto a = places_of(count, [&](unsigned k) { return apart[first + k].i; });
-      const auto b = places_of(count, [&](unsigned k) { return apart[first + k].j; });
+      const auto a = places_of(count, [&](unsigned k) { return apart[first + k].first; });
+      const auto b = places_of(count, [&](unsigned k) { return apart[first + k].second; });
       const pack_vector<wide> d = vectors_in(a) - vectors_in(b);
       const wide reach = (a.w + b.w + margin) * more;  // at least
-      if (all_lanes(dot(d, d) > reach * reach)) {
-        for (unsigned k = 0; k < count; ++k) apart[left++] = apart[first + k];
-        continue;
-      }
-      for (unsigned k = 0; k < count; ++k) set_lane(k, apart[first + k].i, apart[first + k].j);
-      const unsigned met = collide(count);
-      for (unsigned k = 0; k < count; ++k) {
-        const kept_contacts::pair one = apart[first + k];
-        if ((met >> k & 1u) == 0)
-          apart[left++] = one;
-        else
-          add(one.i, one.j, kept_.moves[one.i], kept_.moves[one.j], pairs[one.number].last);
-      }
+      if (all_lanes(dot(d, d) > reach * reach)) continue;
+      for (unsigned k = 0; k < count; ++k)
+        set_lane(k, apart[first + k].first, apart[first + k].second);
+      if (collide(count) != 0) return false;
     }
-    apart.resize(left);
+    return true;
   }
   /// Adds the pairs that have a contact to the list.
   void find(plain_vector<close_pair>& pairs) {
     kept_.apart.clear();
     kept_.rebounds = kept_.slides = false;
-    kept_contacts::pair of_lane[lanes];
+    plain_pair<std::uint32_t, std::uint32_t> of_lane[lanes];
     for (std::size_t first = 0; first < pairs.size(); first += lanes) {
       const auto count = static_cast<unsigned>(std::min<std::size_t>(pairs.size() - first, lanes));
       for (unsigned k = 0; k < count; ++k) {
         std::size_t i = pairs[first + k].i, j = pairs[first + k].j;
         this->order(i, j);
-        of_lane[k] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j),
-                      static_cast<std::uint32_t>(first + k)};
+        of_lane[k] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)};
         batch_.set(k, spheres_[i], spheres_[j]);
       }
       const unsigned met = collide(count);
       for (unsigned k = 0; k < count; ++k) {
-        const auto [i, j, number] = of_lane[k];
-        (void)number;
+        const auto [i, j] = of_lane[k];
         history_place& last = pairs[first + k].last;
         const bool moves_a = kept_.moves[i], moves_b = kept_.moves[j];
         if ((met >> k & 1u) != 0 && (moves_a || moves_b)) {
@@ -214,21 +194,20 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     }
     list_.add_pair(c, {a_.id[i], a_.id[j], 0}, moves_a, moves_b, &last);
   }
-  /// Sets the data of all contacts.
-  void renew(bool kept) {
-    list_.renew(
+  /// Sets the data of all contacts, or returns false if one of their pairs has none now.
+  [[nodiscard]] bool renew(bool kept) {
+    return list_.renew(
         kept, presses(s_),
         [this](const std::int32_t* a, const std::int32_t* b, int count, renewed_contacts& next)
             __attribute__((always_inline)) {
               const auto size = static_cast<unsigned>(count);
-              if (!kept_.rebounds && !kept_.slides && renew_resting(a, b, size, next))
-                return (1u << size) - 1;
+              if (!kept_.rebounds && !kept_.slides && renew_resting(a, b, size, next)) return true;
               for (unsigned k = 0; k < size; ++k) set_lane(k, sphere_of(a[k]), sphere_of(b[k]));
-              const unsigned met = collide(size);
+              if (collide(size) != (1u << size) - 1) return false;
               next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
               const wide pull = set_gap_conditions(a, b, size, batch_.gap, next);
               if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
-              return met;
+              return true;
             });
   }
   /// The same where all gaps are so small that velocities do not matter; else returns false.
