@@ -134,7 +134,7 @@ class mujoco_joints {
     std::snprintf(step, sizeof step, "%.17g", dt);
     std::string xml =
         "<mujoco><compiler balanceinertia='false' boundmass='0' boundinertia='0'/>"
-        "<size njmax='20000' nconmax='10' nstack='200000000'/><option timestep='" +
+        "<size njmax='2000' nconmax='10' nstack='20000000'/><option timestep='" +
         std::string(step) + "' gravity='" + text(s_.gravity) + "' integrator='" + integrator +
         "' solver='Newton' iterations='100' tolerance='1e-14'/><worldbody>";
     for (std::size_t k = 0; k < s_.springs.size(); ++k)

@@ -23,7 +23,9 @@ class ode_joints {
             {"grid_", "quickstep_100", {1e-3}, {1e-2}}};
   }
   static std::vector<std::string> notes() {
-    return {"chain, grid: dWorldStep grows with the cube of the rows, so QuickStep runs them"};
+    return {
+        "dWorldStep in chain and grid, where it grows with the cube of the rows; QuickStep runs "
+        "them"};
   }
 
   ode_joints(const scene& s, const std::string& integrator, double dt)

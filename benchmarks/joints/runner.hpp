@@ -39,7 +39,7 @@ int list(bool quick) {
   for (const std::string& note : Engine::notes()) std::printf("# %s\n", note.c_str());
   for (const std::string& name : scene_names())
     for (const plan& p : Engine::plans())
-      if (name.starts_with(p.scenes))
+      if (begins(name, p.scenes))
         for (const double dt : quick ? p.quick_steps : p.steps)
           std::printf("%s %s %g\n", name.c_str(), p.integrator.c_str(), dt);
   return 0;

@@ -9,6 +9,13 @@ namespace bench::joints {
 using vec = Eigen::Vector3d;
 using turn = Eigen::Quaterniond;
 
+constexpr double pi = 3.14159265358979323846;
+
+// Simbody's headers need C++17, so the scenes do without what came later.
+inline bool begins(const std::string& text, const std::string& with) {
+  return text.compare(0, with.size(), with) == 0;
+}
+
 /// Pose and velocity of a body: centre of mass, rotation from body to world, spin in the world.
 struct state {
   vec position = vec::Zero();

@@ -2,7 +2,6 @@
 // The scenes of `./dev bench joints`: IFToMM's library of computational benchmark problems, A01 to
 // A05, a chain with a heavy end, and a grid.
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "scene.hpp"
@@ -30,7 +29,7 @@ inline scene a01() {
 /// `n` windows of 2 n + 1 rods; the corners are the points (i, 0) and (i, 1).
 inline scene a02(int n) {
   scene s{.name = "A02_" + std::to_string(n)};
-  const turn up(Eigen::AngleAxisd(std::numbers::pi / 2, vec::UnitZ()));
+  const turn up(Eigen::AngleAxisd(pi / 2, vec::UnitZ()));
   // Thin in the plane of motion: only the moment about z counts, and it is m l² / 12.
   const vec inertia{1e-3, 1. / 12, 1. / 12};
   for (int i = 0; i <= n; ++i) {
@@ -118,7 +117,7 @@ inline scene a04() {
 /// Shaft, slider, two rods with a ball at the end of each; the coupler rods are springs.
 inline scene a05() {
   scene s{.name = "A05"};
-  const vec spin{0, 2 * std::numbers::pi, 0};
+  const vec spin{0, 2 * pi, 0};
   const double rod = 0.3, ball = 5, slider = 3, offset = 0.05;
   const double m = rod + ball, centre = (rod * 0.5 + ball) / m;
   const vec thin = rod_inertia(rod, 1, 0.01);
@@ -131,7 +130,7 @@ inline scene a05() {
   for (const double side : {1., -1.}) {
     const int index = static_cast<int>(s.bodies.size());
     const vec pin{side * offset, 1, 0};
-    const vec way{side * std::cos(std::numbers::pi / 6), -0.5, 0};
+    const vec way{side * std::cos(pi / 6), -0.5, 0};
     const vec at = pin + centre * way;
     s.bodies.push_back({m,
                         {thin.x(), across, across},
@@ -183,16 +182,16 @@ inline std::vector<std::string> scene_names() {
 }
 
 inline scene scene_of(const std::string& name) {
-  const auto number = [&](std::string_view before) {
+  const auto number = [&](const std::string& before) {
     return std::stoi(name.substr(before.size()));
   };
   if (name == "A01") return a01();
-  if (name.starts_with("A02_")) return a02(number("A02_"));
+  if (begins(name, "A02_")) return a02(number("A02_"));
   if (name == "A03") return a03();
   if (name == "A04") return a04();
   if (name == "A05") return a05();
-  if (name.starts_with("chain_")) return chain(number("chain_"));
-  if (name.starts_with("grid_")) return grid(number("grid_"));
+  if (begins(name, "chain_")) return chain(number("chain_"));
+  if (begins(name, "grid_")) return grid(number("grid_"));
   throw std::invalid_argument("there is no scene '" + name + "'");
 }
 

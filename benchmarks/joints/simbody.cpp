@@ -90,7 +90,7 @@ class simbody_joints {
       bodies_[i].setUToFitVelocity(state, relative(state, t, i));
     }
     const double accuracy = std::stod(integrator.substr(integrator.rfind('_') + 1));
-    if (integrator.starts_with("cpodes"))
+    if (begins(integrator, "cpodes"))
       integrator_ = std::make_unique<CPodesIntegrator>(system_, CPodes::BDF, CPodes::Newton);
     else
       integrator_ = std::make_unique<RungeKuttaMersonIntegrator>(system_);
