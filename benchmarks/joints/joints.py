@@ -68,6 +68,7 @@ def parse():
     parser.add_argument("--quick", action="store_true",
                         help="one turn, large steps; ends within five minutes")
     options = parser.parse_args()
+    options.build = os.path.abspath(options.build)
     options.within = 0
     if options.turns < 1:
         parser.error(f"--turns needs a whole number from 1, not {options.turns}")
@@ -112,7 +113,8 @@ def measured(options, engine, scene, integrator, dt):
     words = [program(options, engine), "--scene", scene, "--integrator", integrator, "--dt", dt]
     longest = LONGEST / 4 if options.quick else LONGEST
     try:
-        done = subprocess.run(words, capture_output=True, text=True, timeout=longest)
+        done = subprocess.run(words, capture_output=True, text=True, timeout=longest,
+                              cwd=options.build)
     except subprocess.TimeoutExpired:
         print(f"joints: {engine} {scene} {integrator} {dt} takes longer than {longest:g} s",
               file=sys.stderr)
@@ -121,7 +123,11 @@ def measured(options, engine, scene, integrator, dt):
         print(f"joints: {engine} {scene} {integrator} {dt} fails: {done.stderr[-300:].strip()}",
               file=sys.stderr)
         return None
-    return json.loads(done.stdout.splitlines()[-1])
+    try:
+        return json.loads(done.stdout.splitlines()[-1])
+    except (IndexError, ValueError):
+        print(f"joints: {engine} {scene} {integrator} {dt} prints no row", file=sys.stderr)
+        return None
 
 
 def reference(options, scene):

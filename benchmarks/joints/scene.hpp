@@ -70,17 +70,17 @@ struct probe {
 };
 
 struct scene {
-  std::string name;
+  std::string name{};
   double duration = 10;  ///< s
   vec gravity{0, -9.81, 0};
   double length = 1;         ///< typical length, m, for angles of joints in the drift
   bool conservative = true;  ///< the energy of bodies and springs stays as it is
-  std::vector<body> bodies;
-  std::vector<joint> joints;
-  std::vector<spring> springs;
-  std::vector<drive> drives;
-  std::vector<probe> probes;
-  std::string error_is;
+  std::vector<body> bodies{};
+  std::vector<joint> joints{};
+  std::vector<spring> springs{};
+  std::vector<drive> drives{};
+  std::vector<probe> probes{};
+  std::string error_is{};
 };
 
 inline std::vector<state> start_of(const scene& s) {
