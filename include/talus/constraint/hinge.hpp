@@ -15,9 +15,9 @@ struct hinge final {
   vec3 at{0, 0, 0};          ///< a point of the axis, in the world, when the bodies are joined
   vec3 axis{0, 0, 1};        ///< its direction, of any length; the second body turns about it
   joint_limits limits = {};  ///< of the angle
-  torque_motor motor = {};
-  joint_spring spring = {};
-  real friction = 0;  ///< the largest torque of friction
+  torque_motor motor = {};   ///< of the angle
+  joint_spring spring = {};  ///< of the angle
+  real friction = 0;         ///< the largest torque of friction, of either sign
 
   /// Throws invalid_argument that names the wrong value.
   void validate() const {

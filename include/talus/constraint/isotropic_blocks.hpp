@@ -163,10 +163,10 @@ class isotropic_blocks {
     if constexpr (requires { x.friction; }) x.friction[l] = c.friction;
     x.a[l] = c.a, x.b[l] = c.b;
   }
-  /// Sets new data of all contacts: renewed(a, b, count, data) computes those of contacts between
-  /// the bodies a[k] and b[k], and returns false if one of them is none. Then so does this
-  /// function, and the contacts are to be made anew. With `loads` the impulses are those of the
-  /// last step, projected into the present cones; else they are 0.
+  /// Sets new data of all contacts. renewed(a, b, count, data) computes the data of the contacts
+  /// between the bodies a[k] and b[k]. It returns false if a pair has no contact any more. Then
+  /// this function returns false, too, and the caller makes all contacts anew. With `loads` the
+  /// impulses are those of the last step, projected into the present cones; else they are 0.
   template <class F>
   [[nodiscard]] bool renew(bool loads, F&& renewed) {
     const auto set_impulse = [loads](auto& x) __attribute__((always_inline)) {

@@ -15,9 +15,9 @@ struct slider final {
   vec3 at{0, 0, 0};          ///< a point of the axis, in the world, when the bodies are joined
   vec3 axis{0, 0, 1};        ///< its direction, of any length; the second body slides along it
   joint_limits limits = {};  ///< of the travel
-  force_motor motor = {};
-  joint_spring spring = {};
-  real friction = 0;  ///< the largest force of friction
+  force_motor motor = {};    ///< of the travel
+  joint_spring spring = {};  ///< of the travel
+  real friction = 0;         ///< the largest force of friction, of either sign
 
   /// Throws invalid_argument that names the wrong value.
   void validate() const {
