@@ -19,16 +19,26 @@ def machine(results):
     text = f"{known['processor']}, {known['cores']} cores, {known['system']}"
     if "minutes" in known:
         text += f"; the last run took {number(known['minutes'])} minutes"
-    text += f". Load of the machine at its start: {number(known['load_before'])}"
-    if known["load_before"] > 0.7:
-        text += " (**busy**: times are too long and ratios uncertain)"
+    text += f". {others(known)}"
     if known.get("quick"):
         text += ". **A quick run: sizes are small and the figures mean nothing.**"
     text += "" if text.endswith("**") else "."
     for run in known.get("again", []):
-        text += (f" Measured again since, at a load of {number(run['load_before'])}: "
-                 f"{', '.join(run['parts'])}.")
+        text += f" Measured again since: {', '.join(run['parts'])}. {others(run)}."
     return text
+
+
+BUSY = 0.15  # cores
+
+
+def others(run):
+    """What other programs, the system and the host used, before the run and while it went on."""
+    if run.get("others_during") is None or run.get("others_before") is None:
+        return "What other programs used was not recorded"
+    text = (f"Other programs used {number(run['others_before'])} cores before the run and "
+            f"{number(run['others_during'])} on average during it")
+    return text + (" (**busy**: times are too long and ratios uncertain)"
+                   if max(run["others_before"], run["others_during"]) > BUSY else "")
 
 
 def pace(results):

@@ -22,10 +22,11 @@ sys.path[:0] = [HERE, os.path.join(HERE, "..", "report")]
 
 from parts import PARTS, PROGRAMS, TABLES  # noqa: E402
 from results import Results  # noqa: E402
+from quiet import Clock, wait_for_quiet  # noqa: E402
 from runs import Bench  # noqa: E402
 
 
-def machine():
+def machine(say):
     """What a figure depends on besides the program."""
     model = "unknown processor"
     try:
@@ -35,7 +36,7 @@ def machine():
     except OSError:
         pass
     return {"processor": model, "cores": os.cpu_count(), "system": platform.platform(),
-            "load_before": os.getloadavg()[0]}
+            "others_before": wait_for_quiet(say)}
 
 
 def wanted_parts(text):
@@ -65,10 +66,11 @@ def main():
         # A run of some parts leaves most figures as they were, and what is said of them.
         partly = bool(results.machine) and (given.keep or bool(given.only))
         if partly:
-            results.machine.setdefault("again", []).append(
-                {"parts": parts, "load_before": machine()["load_before"]})
+            run = {"parts": parts, "others_before": wait_for_quiet(results.say)}
+            results.machine.setdefault("again", []).append(run)
         else:
-            results.machine = {**machine(), "quick": given.quick}
+            run = results.machine = {**machine(results.say), "quick": given.quick}
+        clock = Clock()
         bench = Bench(given.build, results, given.quick, given.full, given.keep or bool(given.only))
         began = time.monotonic()
         if not given.keep:
@@ -80,6 +82,7 @@ def main():
                 PARTS[part](bench)
             except RuntimeError as error:
                 results.say(f"{part} is left: {error}")
+        run["others_during"] = clock.others()
         if not partly:
             results.machine["minutes"] = round((time.monotonic() - began) / 60, 1)
         results.save(parts[-1])
