@@ -97,7 +97,8 @@ def waiting(results):
     if not found:
         return 0
     row, _, _, modelled, clock = found
-    return max(0, clock - modelled) / (1e3 * row["wall_ms_per_step_median"] - clock)
+    step = clock / row["exchange_share"]  # the mean, as the clock has it
+    return max(0, clock - modelled) / (step - clock)
 
 
 def check_on_two(results):
