@@ -98,7 +98,7 @@ def step():
     """The messages of a step between two ranks, with 10 iterations and 3 of the correction."""
     d = Drawing(760, 590, "One time step on two ranks")
     left, right = 215, 545
-    stages = [("announce", 74, 44), ("detect", 134, 40), ("respond", 190, 140), ("integrate", 346, 84), ("hand over", 446, 96)]
+    stages = [("announce", 74, 44), ("detect", 134, 40), ("respond", 190, 140), ("integrate", 346, 84), ("migrate, refresh", 446, 96)]
     for x, name in ((left, "rank 0"), (right, "rank 1")):
         d.text(x, 34, name, "mid strong")
         d.line([(x, 46), (x, 566)], "thin dash")
