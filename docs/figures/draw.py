@@ -89,26 +89,26 @@ def layers():
             d.text(x + w / 2, y + 21, name, "mid mono")
             x += w + 8
         d.text(706, y + 21, words, "small end")
-    d.arrow((738, 48), (738, 42 + 36 * len(rows) - 6))
-    d.add(f'<text transform="translate(752 {42 + 18 * len(rows)}) rotate(90)" class="small mid dim">includes only from lower layers</text>')
+    d.arrow((727, 48), (727, 42 + 36 * len(rows) - 6))
+    d.add(f'<text transform="translate(738 {42 + 18 * len(rows)}) rotate(90)" class="small mid dim">includes only from lower layers</text>')
     return d
 
 
 def step():
     """The messages of a step between two ranks, with 10 iterations and 3 of the correction."""
     d = Drawing(760, 590, "One time step on two ranks")
-    left, right = 215, 545
+    left, right = 160, 560
     stages = [("announce", 74, 44), ("detect", 134, 40), ("respond", 190, 140), ("integrate", 346, 84), ("migrate, refresh", 446, 96)]
     for x, name in ((left, "rank 0"), (right, "rank 1")):
         d.text(x, 34, name, "mid strong")
         d.line([(x, 46), (x, 566)], "thin dash")
         for stage, y, h in stages:
-            d.rect(x - 58, y, 116, h)
+            d.rect(x - 66, y, 132, h)
             d.text(x, y + (h / 2 + 5 if h < 60 else 20), stage, "mid")
 
     def both(y, words, count, gap=13):
-        d.arrow((left + 60, y), (right - 60, y))
-        d.arrow((right - 60, y + gap), (left + 60, y + gap))
+        d.arrow((left + 68, y), (right - 68, y))
+        d.arrow((right - 68, y + gap), (left + 68, y + gap))
         d.text((left + right) / 2, y - 6, words, "mid small")
         d.text(744, y + gap / 2 + 4, count, "end strong")
     d.text(744, 34, "messages", "end small dim")
@@ -116,7 +116,8 @@ def step():
     both(222, "velocities after iteration 1", "")
     both(258, "after iteration 2", "")
     d.text((left + right) / 2, 288, "...", "mid")
-    both(312, "after iteration 10", "10")
+    both(312, "after iteration 10", "")
+    d.text(744, 264, "10", "end strong")
     d.text(left, 232, "boundary", "mid small dim"), d.text(left, 248, "contacts, then", "mid small dim"), d.text(left, 264, "interior ones", "mid small dim")
     d.text(left, 284, "10 iterations", "mid small dim")
     d.text(right, 232, "the same", "mid small dim"), d.text(right, 248, "boundary contacts,", "mid small dim"), d.text(right, 264, "its own interior", "mid small dim")
@@ -127,7 +128,7 @@ def step():
     both(474, "bodies that leave, with their contacts", "1")
     both(520, "shadow copies", "1")
     d.arrow((26, 60), (26, 560), "thin", "head")
-    d.text(38, 310, "time", "small dim")
+    d.text(36, 310, "time", "small dim")
     d.text(744, 572, "sum: 15 to each neighbour", "end small")
     return d
 
@@ -135,7 +136,7 @@ def step():
 def ghosts():
     """A corner of four domains: who owns each body, and what each rank holds."""
     size, reach = 230, 12
-    bodies = [(0.06, 0.05, 34), (-0.42, 0.28, 26), (0.36, 0.34, 30), (-0.24, -0.30, 30), (0.30, -0.20, 26), (-0.12, 0.56, 24), (0.66, -0.62, 26), (-0.66, -0.60, 24)]
+    bodies = [(0.06, 0.05, 34), (-0.42, 0.28, 26), (0.42, 0.38, 30), (-0.24, -0.30, 30), (0.38, -0.22, 26), (-0.12, 0.56, 24), (0.62, -0.64, 26), (-0.66, -0.60, 24)]
     d = Drawing(760, 428, "Shadow copies at a corner of four domains")
     largest = max(r for *_, r in bodies) * 1.0
 
@@ -239,7 +240,7 @@ def cone():
     d.arrow((ax, ay), (x, ay - 190), "force", "tip")
     d.text(x + 12, ay - 180, "3", "mid strong")
     x = 400
-    rows = [("Admissible: |rₜ| ≤ μ rₙ, inside the cone or on it", "strong"), ("", ""),
+    rows = [("Admissible: |rₜ| ≤ μ rₙ", "strong"), ("The cone and its inside.", ""), ("", ""),
             ("1  open", "strong"), ("The bodies part: rₙ = 0, so rₜ = 0.", ""), ("", ""),
             ("2  sticking", "strong"), ("Inside the cone: the surfaces do not slip.", ""), ("", ""),
             ("3  sliding", "strong"), ("On the cone: |rₜ| = μ rₙ, and friction acts", ""), ("against the slip. An impulse outside the", ""),

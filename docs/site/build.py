@@ -116,12 +116,13 @@ class Site:
         sections = []
         for p in self.pages:
             if not sections or sections[-1][0] != p.section:
-                sections.append((p.section, [], True))
+                sections.append((p.section, [], None))
             sections[-1][1].append((p.name, self.guide_pages[p.source]))
         if sections[-1][0] == "Reference":
             sections[-1][1].insert(0, ("Public headers", pathlib.Path("reference/index.html")))
         self.tree = sections + [
-            (layer, [(pathlib.Path(h).stem, self.reference.page(h)) for h in headers], False)
+            (layer, [(pathlib.Path(h).stem, self.reference.page(h)) for h in headers],
+             f"reference/index.html#{layer.replace('/', '.')}")
             for layer, headers in sorted(layers.items())]
 
     def write(self, path, title, body, before=None, after=None):

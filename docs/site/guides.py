@@ -2,6 +2,7 @@
 import html
 import pathlib
 import re
+import textwrap
 
 import markdown
 import pygments
@@ -19,6 +20,12 @@ def highlight(code, language):
     except ClassNotFound:
         lexer = pygments.lexers.get_lexer_by_name("text")
     return pygments.highlight(code, lexer, FORMAT)
+
+
+def dedented(code):
+    """The parts of a quoted block without their common indentation; a line "// ..." stands between two."""
+    parts = re.split(r"^[ ]*// \.\.\.$\n", code, flags=re.M)
+    return "// ...\n".join(textwrap.dedent(part) for part in parts)
 
 
 def slug(heading):
@@ -53,7 +60,9 @@ class Guide:
                       body, flags=re.S)
         body = re.sub(r"<table>.*?</table>", lambda m: '<div class="table">' + m[0].replace(r"\|", "|") + "</div>",
                       body, flags=re.S)
-        self.body = body
+        # The title comes first.
+        before, heading, after = re.match(r"(.*?)(<h1\b.*?</h1>|$)(.*)", body, re.S).groups()
+        self.body = heading + before + after
 
     def anchors(self):
         seen = {}
@@ -69,6 +78,7 @@ class Guide:
         def block(match):
             source, language, code = match[1], match[2].strip(), match[3]
             if language == "cpp":
+                code = dedented(code)
                 self.code.append(code)
             name = ""
             if source:
@@ -99,7 +109,7 @@ class Guide:
             words = plain(words.split('<a class="here"')[0])
             first = heading.startswith("<h1")
             found.append(("" if first else anchor, words, plain(text)))
-        return [f for f in found if f[1] or f[2]]
+        return [f for f in found if f[2] or f[0]] or found
 
 
 def plain(body):

@@ -14,15 +14,19 @@ def relative(to, page):
 
 
 def navigation(tree, page):
-    """Sections of (title, [(name, address)]); the one with the present page is open, and the guides are."""
+    """Sections of (title, [(name, address)], address): guides are open, and so is the layer with the present
+    page; of the other layers there is a link to their table."""
     parts = []
-    for title, entries, guides in tree:
+    for title, entries, table in tree:
         here = any(str(address) == str(page) for _, address in entries)
+        if table and not here:
+            parts.append(f'<p class="layer"><a href="{relative(table, page)}">{html.escape(title)}</a></p>')
+            continue
         links = "".join(
             f'<li><a href="{relative(address, page)}"{" aria-current=page" if str(address) == str(page) else ""}>'
             f"{html.escape(name)}</a></li>" for name, address in entries)
         if title:
-            parts.append(f"<details{' open' if here or guides else ''}><summary>{html.escape(title)}</summary>"
+            parts.append(f"<details open><summary>{html.escape(title)}</summary>"
                          f"<ul>{links}</ul></details>")
         else:
             parts.append(f"<ul>{links}</ul>")
@@ -34,7 +38,7 @@ def contents(body):
     found = re.findall(r'<h([23]) id="([^"]+)"[^>]*>(.*?)</h\1>', body, re.S)
     if len(found) < 3:
         return ""
-    plain = lambda text: re.sub(r"</?a\b[^>]*>|<span class=\"kind\">.*?</span>", "", text)
+    plain = lambda text: re.sub(r'<a class="here".*?</a>|</?a\b[^>]*>|<span class="kind">.*?</span>', "", text)
     items = "".join(f'<li class="level{level}"><a href="#{anchor}">{plain(text).strip()}</a></li>'
                     for level, anchor, text in found)
     return f'<aside class="toc"><p>On this page</p><ul>{items}</ul></aside>'
@@ -61,12 +65,12 @@ def render(path, title, body, tree, before=None, after=None):
 </head>
 <body>
 <header>
-<input type="checkbox" id="menu" aria-label="Navigation"><label for="menu" title="Navigation">☰</label>
+<input type="checkbox" id="talus-menu" aria-label="Navigation"><label for="talus-menu" title="Navigation">☰</label>
 <a class="home" href="{to('index.html')}">talus</a>
 <form class="search" role="search" action="{to('index.html')}">
-<input id="search" type="search" name="q" placeholder="Search guides and reference (press /)" autocomplete="off"
- aria-label="Search guides and reference" aria-controls="results">
-<div id="results" hidden></div>
+<input id="talus-search" type="search" name="q" placeholder="Search guides and reference (press /)" autocomplete="off"
+ aria-label="Search guides and reference" aria-controls="talus-results">
+<div id="talus-results" hidden></div>
 </form>
 </header>
 <div class="columns">

@@ -5,7 +5,7 @@ import re
 import xml.etree.ElementTree as ET
 
 KINDS = {"class", "struct", "union", "concept"}
-HIDDEN = {"talus_part_of"}  # marks of policies: nothing to call
+HIDDEN = {"talus_part_of", "name"}  # marks of policies, unless they are documented
 DETAILS = re.compile(r"(^|::)detail(::|$)|::(impl|self_test)(::|$)")
 
 
@@ -72,7 +72,8 @@ class Reference:
                         continue
                     for m in section.findall("memberdef"):
                         name = m.findtext("name") or ""
-                        if (m.get("prot") == "private" or name in HIDDEN or m.get("kind") == "friend"
+                        hidden = name in HIDDEN and m.get("kind") != "function" and not self.description(m).strip()
+                        if (m.get("prot") == "private" or hidden or m.get("kind") == "friend"
                                 or name.startswith(("~", "@"))):
                             continue
                         anchor = unique(f"{e.anchor}.{name}")
@@ -215,7 +216,8 @@ class Reference:
                                        is not None else e.short)
                     out.append(f"<pre class=sig>{what}</pre>")
                 else:
-                    out.append(f"<pre class=sig>{self.template(e.node)}{what}</pre>")
+                    if bases or self.template(e.node):
+                        out.append(f"<pre class=sig>{self.template(e.node)}{what}</pre>")
             else:
                 out.append(f"<pre class=sig>{self.declaration(e.node)}</pre>")
             out.append(self.description(e.node))

@@ -2,7 +2,7 @@
 "use strict";
 (() => {
   const root = document.documentElement.dataset.root;
-  const box = document.getElementById("search"), list = document.getElementById("results");
+  const box = document.getElementById("talus-search"), list = document.getElementById("talus-results");
   const words = (text) => (text.toLowerCase().match(/[\p{L}\p{N}_]+/gu) || []);
   const stem = (word) => word.length > 3 ? word.replace(/(ies)$/, "y").replace(/([^s])s$/, "$1") : word;
   let entries = null, documents = null;
@@ -11,12 +11,18 @@
   function prepare() {
     if (entries) return;
     documents = new Map();
+    const pages = new Map();
     entries = window.SEARCH_INDEX.map((e) => {
       const counts = new Map();
       const text = words(`${e.h} ${e.t}`).flatMap((w) => w.includes("_") ? [w, ...w.split("_")] : [w]).map(stem);
       for (const w of text) if (w) counts.set(w, (counts.get(w) || 0) + 1);
       for (const w of counts.keys()) documents.set(w, (documents.get(w) || 0) + 1);
-      return {...e, counts, size: text.length, title: words(e.p).map(stem), heading: words(e.h).map(stem)};
+      // Words of the whole page: a guide that says a word again and again, for its length, is about it.
+      if (!pages.has(e.p)) pages.set(e.p, new Map());
+      const page = pages.get(e.p);
+      for (const [w, n] of counts) page.set(w, (page.get(w) || 0) + n);
+      page.size_of_text = (page.size_of_text || 0) + text.length;
+      return {...e, counts, page, size: text.length, title: words(e.p).map(stem), heading: words(e.h).map(stem)};
     });
   }
 
@@ -36,6 +42,8 @@
       const rare = Math.log(1 + entries.length / (1 + (documents.get(word) || 0)));
       sum += rare * n / (n + 0.6 + 0.6 * e.size / 120);  // Robertson's BM25
       if (e.heading.includes(word)) sum += 1.5 * rare;
+      const often = e.k === "guide" ? 1000 * (e.page.get(word) || 0) / (e.page.size_of_text + 300) : 0;
+      sum += rare * often / (often + 8);
       if (e.k === "guide" && e.title.includes(word)) sum += (e.h === e.p ? 1.5 : 0.7) * rare;
     }
     const phrase = asked.join(" ");
@@ -48,7 +56,7 @@
     if (e.k === "guide") return sum;
     // A name that was typed is the first result; other names come after the guides.
     if (name === query || (query.includes("_") && last === query)) return 1000 + (e.k === "member" ? 0 : 100);
-    return query.includes("_") ? sum : 0.45 * sum;
+    return query.includes("_") ? sum : 0.15 * sum;
   }
 
   function find(query) {

