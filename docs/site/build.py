@@ -151,13 +151,17 @@ class Site:
         parts = ["<h1>Public headers</h1><p>All names of the namespace <code>talus</code>, by the layers of "
                  '<a href="/docs/architecture.html">the architecture</a>. <code>#include &lt;talus/talus.hpp&gt;</code> '
                  "includes most of them.</p>"]
+        shown = ("class", "struct", "union", "concept", "function", "enum", "typedef")
         for layer, headers in sorted(self.layers.items()):
-            rows = "".join(
-                f'<tr><td><a href="/{self.reference.page(h)}"><code>{pathlib.Path(h).name}</code></a></td><td>'
-                + ", ".join(f'<a href="/{self.reference.where[e.id]}"><code>{html.escape(e.short)}</code></a>'
-                            for e in self.reference.headers[h] if e.kind in ("class", "struct", "union", "concept",
-                                                                            "function", "enum", "typedef"))
-                + "</td></tr>" for h in headers)
+            rows = ""
+            for h in headers:
+                names = {}  # each once, whatever its overloads
+                for e in self.reference.headers[h]:
+                    if e.kind in shown:
+                        names.setdefault(e.short, self.reference.where[e.id])
+                links = ", ".join(f'<a href="/{to}"><code>{html.escape(n)}</code></a>' for n, to in names.items())
+                rows += (f'<tr><td><a href="/{self.reference.page(h)}"><code>{pathlib.Path(h).name}</code></a></td>'
+                         f"<td>{links}</td></tr>")
             parts.append(f'<h2 id="{layer.replace("/", ".")}"><code>{layer}</code></h2><div class="table"><table>{rows}</table></div>')
         self.write("reference/index.html", "Public headers", self.relink("\n".join(parts), "reference/index.html"))
 

@@ -113,5 +113,5 @@ class Guide:
 
 
 def plain(body):
-    body = re.sub(r"<(script|style)\b.*?</\1>", " ", body, flags=re.S)
+    body = re.sub(r"</?(span|code|a|b|em|strong|sub|sup)\b[^>]*>", "", body)  # inside of words
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", body))).strip()

@@ -45,10 +45,16 @@ class Reference:
     def add(self, entry, id_):
         if not entry.header or "/detail/" in entry.header or "@" in entry.name or not entry.header.endswith(".hpp"):
             return
-        if entry.kind in ("friend", "define") or entry.short.startswith("operator"):
+        if entry.kind in ("friend", "define") or entry.short.startswith("operator") or self.refuses(entry.node):
             return
         entry.id = id_
         self.headers.setdefault(entry.header, []).append(entry)
+
+    @staticmethod
+    def refuses(node):
+        """An overload that only gives the message for a mistake."""
+        words = "".join("".join(node.find(d).itertext()) for d in ("briefdescription", "detaileddescription"))
+        return node.get("kind") == "function" and words.strip().startswith("Refuses")
 
     def name_anchors(self):
         """Addresses: page#name and page#name.member, numbered where names are overloaded."""
@@ -73,7 +79,7 @@ class Reference:
                     for m in section.findall("memberdef"):
                         name = m.findtext("name") or ""
                         hidden = name in HIDDEN and m.get("kind") != "function" and not self.description(m).strip()
-                        if (m.get("prot") == "private" or hidden or m.get("kind") == "friend"
+                        if (m.get("prot") == "private" or hidden or m.get("kind") == "friend" or self.refuses(m)
                                 or name.startswith(("~", "@"))):
                             continue
                         anchor = unique(f"{e.anchor}.{name}")
