@@ -207,8 +207,8 @@ TEST_CASE("walls: moved, pressed, and their load") {
       lid = scope.add(plane{.normal = {0, 0, -1}, .offset = -2.2}, stone);
     });
     world.hold_force(lid, {.force = 50, .max_speed = 1});
-    world.simulate({.steps = 400, .dt = 0.005});
-    CHECK(std::abs(contact_force(world, lid)[2]) > 25);
+    world.simulate({.steps = 700, .dt = 0.005});
+    CHECK(contact_force(world, lid)[2] == doctest::Approx(50).epsilon(0.1));
   });
 }
 
@@ -219,7 +219,7 @@ TEST_CASE("forces: a field, a fluid, and a push") {
     add_fluid(world, fluid{.density = 1, .viscosity = 0.1, .velocity = vec3(0, 0, 1)});
     const auto grain = world.add(sphere{0.2}, stone, {1, 0, 0});
     world[grain].add_force({0, 3, 0});  // in the next step
-    world.step(0.01);
+    world.simulate({.steps = 1, .dt = 0.01});
     const vec3 v = world[grain].velocity();
     CHECK(v[0] < 0);
     CHECK(v[1] > 0);
@@ -318,7 +318,7 @@ TEST_CASE("contacts: soft ones with a law of one's own, and their time step") {
     const auto light = world.add(sphere{0.3}, grain, {0, 0, 0.7});    // 2.2 N hang
     const auto heavy = world.add(sphere{0.45}, grain, {2, 0, 0.55});  // 7.5 N fall
     const double dt = critical_dt(world) / 5;
-    world.simulate({.steps = 400, .dt = dt});
+    world.simulate({.steps = 800, .dt = dt});
     CHECK(world[light].position()[2] == doctest::Approx(0.7).epsilon(0.01));
     CHECK(world[heavy].position()[2] < 0.5);
   });
@@ -473,7 +473,7 @@ TEST_CASE("a program: options, files, the end, and its measurements") {
     const coarse_fields fields =
         measure_fields(world, {.lower = {-2, -2, 0}, .upper = {2, 2, 2}, .cells = {1, 1, 4}});
     const double pressure = fields.pressure(0), fraction = fields.solid_fraction(0);
-    CHECK(pressure >= 0);
+    CHECK(pressure > -1e-9);
     CHECK(fraction > 0);
     const stage_seconds t = world.stage_times();
     const double total = t.detect + t.respond + t.integrate + t.exchange;
