@@ -5,6 +5,7 @@
       browser.evaluate("document.title")
       browser.errors                    # what went to the console as an error, since the last open()
 """
+import base64
 import fcntl
 import json
 import os
@@ -27,34 +28,49 @@ class Failure(Exception):
     pass
 
 
+def above_ten(descriptor):
+    """The same file under a number that bash's redirections do not use."""
+    copy = fcntl.fcntl(descriptor, fcntl.F_DUPFD, 10)
+    os.close(descriptor)
+    return copy
+
+
 class Browser:
     def __init__(self, seconds=30, size=(1300, 900)):
         self.seconds, self.number, self.errors, self.loaded, self.buffer = seconds, 0, [], False, b""
         self.profile = tempfile.TemporaryDirectory(prefix="talus_browser_")
         # Chromium reads commands from descriptor 3 and writes answers to 4.
-        high = lambda descriptor: fcntl.fcntl(descriptor, fcntl.F_DUPFD, 10)
-        theirs_in, mine_out = map(high, os.pipe())
-        mine_in, theirs_out = map(high, os.pipe())
+        theirs_in, mine_out = map(above_ten, os.pipe())
+        mine_in, theirs_out = map(above_ten, os.pipe())
         self.out, self.into = mine_out, mine_in
+        # Root has no sandbox; the pages are our own.
+        root = ["--no-sandbox"] if os.geteuid() == 0 else []
         self.process = subprocess.Popen(
             ["bash", "-c", f'exec "$@" 3<&{theirs_in} 4>&{theirs_out}', "bash", program(), "--headless=new",
-             "--remote-debugging-pipe", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+             *root, "--remote-debugging-pipe", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
              "--disable-background-networking", "--disable-component-update", "--disable-sync", "--mute-audio",
              f"--user-data-dir={self.profile.name}", f"--window-size={size[0]},{size[1]}", "about:blank"],
             pass_fds=(theirs_in, theirs_out), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL, start_new_session=True)
         os.close(theirs_in), os.close(theirs_out)
         self.session = None
-        targets = self.send("Target.getTargets")["targetInfos"]
-        page = next(t for t in targets if t["type"] == "page")
-        self.session = self.send("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self.send(f"{domain}.enable")
+        try:
+            targets = self.send("Target.getTargets")["targetInfos"]
+            page = next(t for t in targets if t["type"] == "page")
+            self.session = self.send("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
+            for domain in ("Page", "Runtime", "Log", "Network"):
+                self.send(f"{domain}.enable")
+        except BaseException:
+            self.close()
+            raise
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
+        self.close()
+
+    def close(self):
         try:
             os.killpg(self.process.pid, signal.SIGKILL)
         except ProcessLookupError:
@@ -73,7 +89,10 @@ class Browser:
         message = {"id": self.number, "method": method, "params": parameters}
         if self.session:
             message["sessionId"] = self.session
-        os.write(self.out, json.dumps(message).encode() + b"\0")
+        try:
+            os.write(self.out, json.dumps(message).encode() + b"\0")
+        except BrokenPipeError:
+            raise Failure(f"{method}: the browser has ended, with {self.process.wait()}") from None
         end = time.monotonic() + self.seconds
         while True:
             answer = self.receive(end, method)
@@ -136,5 +155,4 @@ class Browser:
 
     def picture(self):
         """The visible part as the bytes of a PNG file."""
-        import base64
         return base64.b64decode(self.send("Page.captureScreenshot", format="png")["data"])
