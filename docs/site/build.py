@@ -118,8 +118,8 @@ class Site:
             if not sections or sections[-1][0] != p.section:
                 sections.append((p.section, [], None))
             sections[-1][1].append((p.name, self.guide_pages[p.source]))
-        if sections[-1][0] == "Reference":
-            sections[-1][1].insert(0, ("Public headers", pathlib.Path("reference/index.html")))
+        headers = ("Public headers", pathlib.Path("reference/index.html"))
+        next((s for s in sections if s[0] == "Reference"), sections[-1])[1].insert(0, headers)
         self.tree = sections + [
             (layer, [(pathlib.Path(h).stem, self.reference.page(h)) for h in headers],
              f"reference/index.html#{layer.replace('/', '.')}")

@@ -32,6 +32,8 @@ def read(root):
         elif line.startswith("- "):
             faults.append(f"docs/README.md:{number}: an entry reads '- [name](page.md): sentence'")
     listed = [p.source for p in pages]
-    faults += [f"docs/README.md does not list {p}" for p in pages_of(root) if p not in listed]
+    for source in [p for p in pages_of(root) if p not in listed]:
+        faults.append(f"docs/README.md does not list {source}: add '- [name](page.md): sentence' to a section")
+        pages.append(Page(source, source.stem, "More"))
     faults += [f"docs/README.md lists {p} twice" for p in {p for p in listed if listed.count(p) > 1}]
     return pages, faults
