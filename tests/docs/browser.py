@@ -136,6 +136,23 @@ class Browser:
         end = time.monotonic() + self.seconds
         while not self.loaded:
             self.receive(end, address)
+        # The event may be that of the page before.
+        page = json.dumps(address.partition("#")[0])
+        if not self.wait_until(f"document.readyState === 'complete' && location.href.split('#')[0] === {page}"):
+            raise Failure(f"{address}: not loaded within {self.seconds} s")
+
+    def wait_until(self, expression):
+        """Whether an expression of JavaScript becomes true in time, also while pages change."""
+        end = time.monotonic() + self.seconds
+        while time.monotonic() < end:
+            try:
+                if self.evaluate(expression):
+                    return True
+            except Failure:
+                if self.process.poll() is not None:
+                    raise
+            time.sleep(0.02)
+        return False
 
     def evaluate(self, expression):
         """The value of an expression of JavaScript, of a promise when it is kept."""

@@ -6,6 +6,7 @@
 Without Chromium the build and the links are checked all the same, and the test counts as skipped.
 """
 import html.parser
+import json
 import pathlib
 import re
 import shutil
@@ -87,16 +88,15 @@ def search(opened, folder, faults):
             faults.append(f"a search for '{typed}' finds {found[:10]}, without {among}")
         if typed == "coulomb_friction" and "coulomb_friction" not in found[0]:
             faults.append(f"the first of '{typed}' is {found[0]}")
-        if not opened.evaluate("document.querySelector('#talus-results a').offsetHeight > 0"):
+        if not opened.evaluate("document.querySelector('#talus-results a')?.offsetHeight > 0"):
             faults.append(f"the results of '{typed}' are not visible")
         if "_" in typed and len(set(kinds)) < 2:
             faults.append(f"a search for '{typed}' finds only {set(kinds)}, not guides and the reference")
         # The first result leads to its page.
         opened.evaluate("document.querySelector('.search').requestSubmit()")
-        time.sleep(0.3)
-        at = opened.evaluate("location.pathname")
-        if not at.endswith(found[0].partition("#")[0]):
-            faults.append(f"the first result of '{typed}' leads to {at}")
+        to = (folder / found[0].partition("#")[0]).as_uri() if found else ""
+        if not opened.wait_until(f"location.href.split('#')[0] === {json.dumps(to)} && document.readyState === 'complete'"):
+            faults.append(f"the first result of '{typed}' does not lead to {to}")
         faults += [f"search for '{typed}': {e}" for e in opened.errors]
     opened.open((folder / "index.html").as_uri())
     opened.evaluate("document.getElementById('talus-search').focus()")
