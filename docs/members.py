@@ -308,9 +308,9 @@ def fields(header, struct):
 
 def sheet():
     lines = ["# Members", "",
-             "All members of what a scenario has in its hands, on one sheet, a sentence each; the headers say the rest,",
-             "with units and errors, and so does the reference of `./dev docs`.",
-             "Written by `./dev docs --sheet` from the headers; a test compares the two."]
+             "This sheet lists the members of all types that a scenario uses, with one sentence each. The headers and the",
+             "reference that `./dev docs` builds give units and errors. `./dev docs --sheet` writes this page from the headers; a",
+             "test compares the two."]
     faults = []
 
     def row(where, name, head, doc):
