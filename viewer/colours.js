@@ -22,7 +22,7 @@ function ramp_through(stops) {
 }
 const viridis = ramp_through([[68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 114, 142], [33, 145, 140],
   [40, 174, 128], [94, 201, 98], [173, 220, 48], [253, 231, 37]]);
-const heat = ramp_through([[72, 97, 130], [120, 92, 150], [190, 70, 110], [232, 96, 60], [246, 160, 40], [252, 225, 110]]);
+const heat = ramp_through([[86, 130, 176], [126, 110, 170], [190, 70, 110], [226, 70, 45], [240, 140, 20], [250, 200, 40]]);
 const grey_of_wall = [168, 160, 148];
 
 // What bodies may be coloured by. `value(frame, i)` is a number; `range(run)` its least and largest

@@ -50,7 +50,8 @@ class moment {
   }
   speed(i) {
     const v = this.blocks.velocity;
-    return v ? Math.hypot(v[3 * i], v[3 * i + 1], v[3 * i + 2]) * this.head.speed_cell : 0;
+    const x = v[3 * i], y = v[3 * i + 1], z = v[3 * i + 2];
+    return Math.sqrt(x * x + y * y + z * z) * this.head.speed_cell;
   }
   // The number of body i among those with an orientation, i.e. all that are no spheres; -1: none.
   turned(i) {

@@ -141,7 +141,7 @@ class Converter:
         # Without a column of their own, global bodies are fixed ones of rank 0.
         order = np.lexsort((part, data["id"], data["shape"], data["fixed"]))
         # Groups of bodies with the same form follow each other.
-        rows, new, previous_form = [], [], {}
+        new = []
         keys = np.empty(count, dtype=[("id", "<u8"), ("part", "<u4"), ("shape", "u1"), ("fixed", "u1"), ("material", "<u2"),
                                       ("size", "<f4", 3), ("mass", "<f4")])
         for name, values in (("id", data["id"]), ("part", part), ("shape", data["shape"]), ("fixed", data["fixed"]),
@@ -190,6 +190,9 @@ class Converter:
         blocks.put("velocity", np.rint(data["velocity"] / speed_cell), "i2")
         speed = np.linalg.norm(data["velocity"], axis=1)
         free = data["fixed"] == 0
+        if free.any():
+            half = data["size"][free].max(axis=1, keepdims=True) / 2
+            head["box"] = [*(points[free] - half).min(axis=0).tolist(), *(points[free] + half).max(axis=0).tolist()]
         head.update(speed_cell=speed_cell, speed_max=float(speed[free].max(initial=0)))
         if head["ranks"] > 1:
             blocks.put("rank", data["rank"], "u2")

@@ -139,7 +139,7 @@ function draw_plots(parent, run) {
   const line_of = (name, key) => ({ name, values: heads.map((v) => (typeof v[key] === "number" ? v[key] : NaN)) });
   for (const f of figures)
     add(f, Object.entries(f.names).filter(([key]) => present.includes(key)).map(([key, name]) => line_of(name, key)));
-  for (const key of run.about.recorded || []) if (present.includes(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
+  for (const key of run.about.recorded || (run.about.end && run.about.end.recorded) || []) if (present.includes(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
   draw_times(add, run);
   return all;
 }

@@ -13,7 +13,8 @@ const shader_of_light = `
 uniform float opacity;
 vec3 lit(vec3 colour, vec3 normal) {
   float front = max(dot(normal, vec3(0.32, 0.55, 0.77)), 0.0);
-  float gloss = pow(max(dot(normal, vec3(0.17, 0.31, 0.935)), 0.0), 40.0);
+  float gloss = max(dot(normal, vec3(0.17, 0.31, 0.935)), 0.0);
+  gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss;
   return colour * (0.42 + 0.62 * front) + 0.10 * gloss;
 }
 `;

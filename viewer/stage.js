@@ -39,7 +39,7 @@ class body_group {
   attribute(name, values, width, normalized = false) {
     const made = this.points ? new THREE.BufferAttribute(values, width, normalized)
       : new THREE.InstancedBufferAttribute(values, width, normalized);
-    made.dynamic = true;
+    if (made.setUsage) made.setUsage(THREE.DynamicDrawUsage);
     this.set_attribute(name, made);
     return made;
   }
@@ -71,6 +71,15 @@ class body_group {
       lower.value.fromArray(f.head.lower), span.value.fromArray(f.head.cell).multiplyScalar(whole);
     };
     u.between.value = next ? part : 0;
+    // What came next is shown now: its positions are there already.
+    if (this.shown !== frame && this.shown_next === frame && g.attributes.place_next !== g.attributes.place) {
+      for (const name of this.spheres ? ["place"] : ["place", "turn"]) {
+        const before = g.attributes[name];
+        this.set_attribute(name, g.attributes[name + "_next"]), this.set_attribute(name + "_next", before);
+      }
+      scale(frame, u.lower, u.span);
+      this.shown = frame, this.shown_next = null;
+    }
     if (this.shown !== frame) {
       scale(frame, u.lower, u.span);
       const p = frame.blocks.position;
@@ -149,7 +158,7 @@ class line_group {
 class picture_stage {
   constructor(canvas, run) {
     Object.assign(this, { canvas, run });
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: false });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !run.heads.some((h) => h.bodies > point_mode_above), alpha: true, preserveDrawingBuffer: false });
     this.renderer.setClearColor(0, 0);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.1, 1000);
@@ -201,13 +210,11 @@ class picture_stage {
     }
     this.groups.forEach((g, n) => g.show(frame, next, this.kinds[n].first, this.kinds[n].count, part));
   }
-  // Colours of all bodies: three bytes each.
+  // Colours of all bodies: four bytes each.
   paint(colours) {
     for (const g of this.groups) {
       const a = g.geometry.attributes.colour;
-      for (let k = 0, c = 3 * g.first, to = 0; k < g.count; ++k) {
-        a.array[to++] = colours[c++], a.array[to++] = colours[c++], a.array[to++] = colours[c++], a.array[to++] = 255;
-      }
+      a.array.set(colours.subarray(4 * g.first, 4 * (g.first + g.count)));
       g.update(a, 4 * g.count);
     }
   }

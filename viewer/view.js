@@ -13,7 +13,7 @@ function talus_view() {
     say("This browser draws no WebGL: " + error.message);
   }
   const state = { at: 0, mode: "rank", playing: false, speed: 1, picked: null, frame: null, next: null, dirty: true, drawn: 0 };
-  let plots = [], control, radius = 1, wanted = 0, loading = null, colours = new Uint8Array(0);
+  let plots = [], control, radius = 1, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
   const api = (window.talus = { run, state, stage, frames: () => run.heads.length });
 
   // --- What is drawn ---------------------------------------------------------------------------
@@ -23,44 +23,43 @@ function talus_view() {
   };
   const mode = () => colour_modes[state.mode];
   function colour_bodies() {
-    const f = state.frame, m = mode(), t = run.table;
-    if (colours.length < 3 * f.count) colours = new Uint8Array(4 * f.count);
-    const [low, high] = m.ramp ? m.range(run) : [0, 1], scale = high > low ? 255 / (high - low) : 0;
-    const hues = new Map();
-    for (let i = 0, c = 0; i < f.count; ++i, c += 3) {
-      const r = f.rows[i];
-      if (r === state.picked) {
-        colours[c] = 255, colours[c + 1] = 40, colours[c + 2] = 220;
-      } else if (t.flags[r] & 1) {
-        colours[c] = grey_of_wall[0], colours[c + 1] = grey_of_wall[1], colours[c + 2] = grey_of_wall[2];
-      } else if (m.ramp) {
-        const k = 3 * Math.max(0, Math.min(255, ((m.value(f, i) - low) * scale) | 0));
-        colours[c] = m.ramp[k], colours[c + 1] = m.ramp[k + 1], colours[c + 2] = m.ramp[k + 2];
-      } else {
-        const n = m.value(f, i);
-        if (!hues.has(n)) hues.set(n, colour_of_number(n));
-        const hue = hues.get(n);
-        colours[c] = hue[0], colours[c + 1] = hue[1], colours[c + 2] = hue[2];
+    const f = state.frame, m = mode(), flags = run.table.flags, rows = f.rows, n = f.count;
+    if (colours.length < 4 * n) colours = new Uint8Array(8 * n);
+    const to = new Uint32Array(colours.buffer), word = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
+    const wall = word(grey_of_wall), picked = word([255, 40, 220]);
+    if (m.ramp) {
+      const [low, high] = m.range(run), scale = high > low ? 255 / (high - low) : 0, ramp = new Uint32Array(256);
+      for (let k = 0; k < 256; ++k) ramp[k] = word(m.ramp.subarray(3 * k, 3 * k + 3));
+      for (let i = 0; i < n; ++i)
+        to[i] = flags[rows[i]] & 1 ? wall : ramp[Math.max(0, Math.min(255, ((m.value(f, i) - low) * scale) | 0))];
+    } else {
+      const hues = [];
+      for (let i = 0; i < n; ++i) {
+        const k = m.value(f, i);
+        to[i] = flags[rows[i]] & 1 ? wall : hues[k] ?? (hues[k] = word(colour_of_number(k)));
       }
     }
+    if (state.picked !== null && f.index_of(state.picked) >= 0) to[f.index_of(state.picked)] = picked;
     stage.paint(colours);
   }
   // Lines from the centres of bodies to the points of contacts or joints.
   function show_links(name, group, look) {
     const f = state.frame, { [name + "_a"]: a, [name + "_b"]: b, [name + "_point"]: at } = f.blocks;
     if (!a || !$(name + "s").checked) return group.hide();
-    const t = run.table, from = [], to = [], width = [], colour = [], p = [0, 0, 0];
+    const t = run.table, from = [], to = [], width = [], colour = [], p = [0, 0, 0], other = f.blocks[name + "_other"];
+    const point_of = (list, k) => [0, 1, 2].map((c) => f.head.lower[c] + f.head.cell[c] * list[3 * k + c]);
     for (let k = 0; k < a.length; ++k) {
-      const point = [0, 1, 2].map((c) => f.head.lower[c] + f.head.cell[c] * at[3 * k + c]);
-      const [thick, hue] = look(k);
-      for (const i of [a[k], b[k]]) {
+      const points = [point_of(at, k), point_of(other || at, k)], [thick, hue] = look(k);
+      const line = (x, y) => (from.push(...x), to.push(...y), width.push(thick), colour.push(...hue, 255));
+      if (other) line(...points);
+      for (const [i, point] of [[a[k], points[0]], [b[k], points[1]]]) {
         if (i === none) continue;
         const r = f.rows[i];
         if (t.flags[r] & 1) continue;
         f.place(i, p);
         // A body seen through a periodic boundary is far from its contact.
-        if (name === "contact" && Math.hypot(p[0] - point[0], p[1] - point[1], p[2] - point[2]) > 2.2 * run.reach(r) * 1.8) continue;
-        from.push(...p), to.push(...point), width.push(thick), colour.push(...hue, 255);
+        if (name === "contact" && Math.hypot(p[0] - point[0], p[1] - point[1], p[2] - point[2]) > 4 * run.reach(r)) continue;
+        line(p, point);
       }
     }
     group.show(width.length, from, to, width, colour, true);
@@ -69,7 +68,7 @@ function talus_view() {
     const f = state.frame, most = 6 * run.most("force_mean") || 1;
     show_links("contact", stage.lines.contacts, (k) => {
       const part = Math.min(1, (f.blocks.contact_force[k] * f.head.force_cell) / most), c = 3 * Math.round(255 * part);
-      return [0.6 + 4.4 * part, [heat[c], heat[c + 1], heat[c + 2]]];
+      return [1 + 5 * part, [heat[c], heat[c + 1], heat[c + 2]]];
     });
     show_links("joint", stage.lines.joints, () => [2, [20, 20, 20]]);
     const domains = $("domains").checked ? run.domains_at(state.frame.number) : [];
@@ -89,6 +88,13 @@ function talus_view() {
     if (new_frame || state.relink) show_lines(), (state.relink = false);
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
     if (!new_frame) return;
+    // While it plays, texts and plots change some times a second: they cost more than the picture.
+    if (state.playing && performance.now() - written < 150) return;
+    write_frame();
+  }
+  function write_frame() {
+    const frame = state.frame;
+    written = performance.now();
     $("slider").value = frame.number;
     $("time").textContent = "t = " + short_number(+frame.head.time.toPrecision(6)) + "  (step " + frame.head.step + ", frame " +
       (frame.number + 1) + " of " + run.heads.length + ")";
@@ -134,6 +140,7 @@ function talus_view() {
   }
   const stop = () => {
     state.playing = false, ($("play").innerHTML = "&#9654;");
+    if (state.frame) write_frame();
   };
 
   // --- The bounds of the scene -----------------------------------------------------------------
@@ -151,12 +158,20 @@ function talus_view() {
       }
       return low[0] <= high[0] ? [low, high] : null;
     };
-    const [low, high] = bounds(false) || bounds(true) || [[-1, -1, -1], [1, 1, 1]];
-    const [all_low, all_high] = bounds(true) || [low, high];
+    const size = (l, h) => Math.hypot(h[0] - l[0], h[1] - l[1], h[2] - l[2]);
+    const [first_low, first_high] = bounds(false) || bounds(true) || [[-1, -1, -1], [1, 1, 1]];
+    let [low, high] = [first_low.slice(), first_high.slice()];
+    for (const h of run.heads) {
+      if (!h.box) continue;
+      for (let k = 0; k < 3; ++k) low[k] = Math.min(low[k], h.box[k]), high[k] = Math.max(high[k], h.box[k + 3]);
+    }
+    // Bodies that fly away do not make all others too small to see.
+    if (size(low, high) > 6 * size(first_low, first_high)) [low, high] = [first_low, first_high];
+    const walls = bounds(true) || [low, high];
+    const all_low = low.map((x, k) => Math.min(x, walls[0][k])), all_high = high.map((x, k) => Math.max(x, walls[1][k]));
     stage.lower = all_low.map((x, k) => x - 0.02 * (all_high[k] - x)), stage.upper = all_high.map((x, k) => x + 0.02 * (x - all_low[k]));
     // Walls that are far larger than what moves would make it invisible.
-    const size = (l, h) => Math.hypot(h[0] - l[0], h[1] - l[1], h[2] - l[2]);
-    const [l, h] = size(all_low, all_high) < 4 * size(low, high) ? [all_low, all_high] : [low, high];
+    const [l, h] = size(all_low, all_high) < 3 * size(low, high) ? [all_low, all_high] : [low, high];
     state.centre = new THREE.Vector3(...l).add(new THREE.Vector3(...h)).multiplyScalar(0.5), state.radius = 0.5 * size(l, h);
     stage.centre = new THREE.Vector3(...all_low).add(new THREE.Vector3(...all_high)).multiplyScalar(0.5);
     radius = 0.5 * size(all_low, all_high);
@@ -203,7 +218,7 @@ function talus_view() {
   function toggle() {
     if (state.playing) return stop();
     if (state.at >= run.heads.length - 1) state.at = 0, require(0);
-    state.playing = true, ($("play").innerHTML = "&#9208;"), (state.clock = performance.now());
+    state.playing = true, ($("play").innerHTML = "&#10074;&#10074;"), (state.clock = performance.now());
   }
   const step = (by) => (stop(), require(Math.round(state.at) + by));
   function connect() {
@@ -251,11 +266,11 @@ function talus_view() {
   // --- Beginning, and frames that arrive later --------------------------------------------------
 
   function describe() {
-    const about = run.about, head = run.heads[0], last = run.heads[run.heads.length - 1];
+    const about = run.about, head = run.heads[run.heads.length - 1];
     document.title = about.name + " – talus";
     $("name").textContent = about.name;
-    $("facts").textContent = [head.bodies + " bodies", head.ranks ? head.ranks + (head.ranks > 1 ? " ranks" : " rank") : "",
-      run.heads.length + " frames"].filter(Boolean).join(", ");
+    $("facts").textContent = [head.bodies + (head.bodies === 1 ? " body" : " bodies"), head.ranks ? head.ranks + (head.ranks > 1 ? " ranks" : " rank") : "",
+      run.heads.length + (run.heads.length === 1 ? " frame" : " frames")].filter(Boolean).join(", ");
     for (const name of ["contacts", "joints", "domains"]) $(name + "_row").hidden = !run.has(name);
     $("walls_row").hidden = !run.table.flags.subarray(0, run.table.length).some((x) => x & 1);
     $("slider").max = run.heads.length - 1;
@@ -277,7 +292,6 @@ function talus_view() {
         stop(), require(best);
       };
     if (state.frame) for (const p of plots) p.show(state.frame.number);
-    void last;
   }
   async function begin() {
     await run.load(0);

@@ -274,7 +274,7 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
       pending_.push_back(std::move(f));
     }
     if (p.domain.empty()) continue;
-    ((domains += domains.empty() ? "" : ",") += compose("{\"rank\":{},\"planes\":[", rank));
+    (domains += domains.empty() ? "" : ",") += "{\"rank\":" + std::to_string(rank) + ",\"planes\":[";
     bool first = true;
     for (const view_plane& plane : p.domain)
       domains += compose("{}[{},{},{},{}]", std::exchange(first, false) ? "" : ",",
@@ -311,6 +311,8 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
   grid.put("position", to, [&](auto&& put) {
     for (const std::uint32_t i : order) put(all[i].position);
   });
+  constexpr double most = std::numeric_limits<double>::max();
+  vec3 lower{most, most, most}, upper{-most, -most, -most};
   double fastest = 0, speed = 0;
   bool asleep = false;
   std::size_t movable = 0;
@@ -319,6 +321,11 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
     asleep = asleep || b.asleep != 0;
     if ((b.flags & view_wall) != 0) continue;
     fastest = std::max(fastest, b.velocity.norm()), movable += b.part == 0;
+    const double half = std::max({b.size[0], b.size[1], b.size[2]}) / 2;
+    for (int k = 0; k < 3; ++k) {
+      lower[k] = std::min(lower[k], b.position[k] - half);
+      upper[k] = std::max(upper[k], b.position[k] + half);
+    }
   }
   const double speed_cell = std::max(speed / 32767, 1e-300);
   plain_vector<std::int16_t> velocities, turns;
@@ -417,6 +424,11 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
   out.head.add_raw("lower", view_json::vector(grid.lower()));
   out.head.add_raw("cell", view_json::vector(grid.cell()));
   out.head.add("position_error", grid.error());
+  if (movable > 0) {
+    std::string box = view_json::vector(lower) + "," + view_json::vector(upper);
+    std::erase_if(box, [](char c) { return c == '[' || c == ']'; });
+    out.head.add_raw("box", "[" + box + "]");
+  }
   out.head.add("speed_cell", speed_cell);
   out.head.add("speed_max", fastest);
   out.head.add_raw("seconds", "[" + seconds + "]");

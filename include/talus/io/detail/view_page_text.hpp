@@ -17,6 +17,7 @@ inline constexpr const char* view_page_before_three[] = {
 <style>
 :root { --ink: #1c2530; --soft: #5d6b7a; --line: #d8dee6; --paper: #f5f7fa; --card: #fff; --accent: #1f6fb2; }
 * { box-sizing: border-box; }
+[hidden] { display: none !important; }
 html, body { margin: 0; background: var(--paper); color: var(--ink); font: 14px/1.4 system-ui, "DejaVu Sans", sans-serif; }
 #stage { position: relative; height: 68vh; min-height: 320px; background: linear-gradient(#e9eff6, #fbfcfe); overflow: hidden; }
 #canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; outline: none; touch-action: none; cursor: grab; }
@@ -78,9 +79,9 @@ figure i { display: inline-block; width: 10px; height: 3px; margin-right: 4px; v
     <p id="message" hidden></p>
   </section>
   <nav id="bar">
-    <button id="back" title="One frame back (,)">&#9198;</button>
+    <button id="back" title="One frame back (,)">&#8249;</button>
     <button id="play" title="Play or pause (space)">&#9654;</button>
-    <button id="forth" title="One frame on (.)">&#9197;</button>
+    <button id="forth" title="One frame on (.)">&#8250;</button>
     <input id="slider" type="range" min="0" max="0" value="0" step="1" aria-label="Frame">
     <output id="time"></output>
     <label>Speed <select id="speed"></select></label>
@@ -122,7 +123,7 @@ function ramp_through(stops) {
 }
 const viridis = ramp_through([[68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 114, 142], [33, 145, 140],
   [40, 174, 128], [94, 201, 98], [173, 220, 48], [253, 231, 37]]);
-const heat = ramp_through([[72, 97, 130], [120, 92, 150], [190, 70, 110], [232, 96, 60], [246, 160, 40], [252, 225, 110]]);
+const heat = ramp_through([[86, 130, 176], [126, 110, 170], [190, 70, 110], [226, 70, 45], [240, 140, 20], [250, 200, 40]]);
 const grey_of_wall = [168, 160, 148];
 
 // What bodies may be coloured by. `value(frame, i)` is a number; `range(run)` its least and largest
@@ -190,7 +191,8 @@ class moment {
   }
   speed(i) {
     const v = this.blocks.velocity;
-    return v ? Math.hypot(v[3 * i], v[3 * i + 1], v[3 * i + 2]) * this.head.speed_cell : 0;
+    const x = v[3 * i], y = v[3 * i + 1], z = v[3 * i + 2];
+    return Math.sqrt(x * x + y * y + z * z) * this.head.speed_cell;
   }
   // The number of body i among those with an orientation, i.e. all that are no spheres; -1: none.
   turned(i) {
@@ -370,11 +372,11 @@ class orbit {
       else if (e.key === "+" || e.key === "=") this.zoom(0.85);
       else if (e.key === "-") this.zoom(1 / 0.85);
       else return;
-      e.preventDefault();
+      e.preventDef)page",
+    R"page(ault();
     });
   }
-  // Axes of the )page",
-    R"page(view for an upward direction.
+  // Axes of the view for an upward direction.
   frame(up) {
     this.up = up.clone().normalize();
     const other = Math.abs(this.up.x) > 0.9 ? new THREE.Vector3(0, 1, 0) : new THREE.Vector3(1, 0, 0);
@@ -431,7 +433,8 @@ const shader_of_light = `
 uniform float opacity;
 vec3 lit(vec3 colour, vec3 normal) {
   float front = max(dot(normal, vec3(0.32, 0.55, 0.77)), 0.0);
-  float gloss = pow(max(dot(normal, vec3(0.17, 0.31, 0.935)), 0.0), 40.0);
+  float gloss = max(dot(normal, vec3(0.17, 0.31, 0.935)), 0.0);
+  gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss;
   return colour * (0.42 + 0.62 * front) + 0.10 * gloss;
 }
 `;
@@ -662,8 +665,8 @@ class body_group {
     this.material.uniforms.gridded.value = kind.shape === shape.plane ? 1 : 0;
     const g = (this.geometry = this.points ? new THREE.BufferGeometry() : new THREE.InstancedBufferGeometry());
     if (!this.points) {
-      const form = spheres ? { points: new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0]) } : stage.form(kind)page",
-    R"page();
+      const form = spheres ? )page",
+    R"page({ points: new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0]) } : stage.form(kind);
       this.put_fixed("position", form.points, 3);
       if (!spheres) this.put_fixed("normal", form.normals, 3), this.put_fixed("end", form.ends, 1);
     }
@@ -680,7 +683,7 @@ class body_group {
   attribute(name, values, width, normalized = false) {
     const made = this.points ? new THREE.BufferAttribute(values, width, normalized)
       : new THREE.InstancedBufferAttribute(values, width, normalized);
-    made.dynamic = true;
+    if (made.setUsage) made.setUsage(THREE.DynamicDrawUsage);
     this.set_attribute(name, made);
     return made;
   }
@@ -712,6 +715,15 @@ class body_group {
       lower.value.fromArray(f.head.lower), span.value.fromArray(f.head.cell).multiplyScalar(whole);
     };
     u.between.value = next ? part : 0;
+    // What came next is shown now: its positions are there already.
+    if (this.shown !== frame && this.shown_next === frame && g.attributes.place_next !== g.attributes.place) {
+      for (const name of this.spheres ? ["place"] : ["place", "turn"]) {
+        const before = g.attributes[name];
+        this.set_attribute(name, g.attributes[name + "_next"]), this.set_attribute(name + "_next", before);
+      }
+      scale(frame, u.lower, u.span);
+      this.shown = frame, this.shown_next = null;
+    }
     if (this.shown !== frame) {
       scale(frame, u.lower, u.span);
       const p = frame.blocks.position;
@@ -790,7 +802,7 @@ class line_group {
 class picture_stage {
   constructor(canvas, run) {
     Object.assign(this, { canvas, run });
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: false });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !run.heads.some((h) => h.bodies > point_mode_above), alpha: true, preserveDrawingBuffer: false });
     this.renderer.setClearColor(0, 0);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.1, 1000);
@@ -842,13 +854,11 @@ class picture_stage {
     }
     this.groups.forEach((g, n) => g.show(frame, next, this.kinds[n].first, this.kinds[n].count, part));
   }
-  // Colours of all bodies: three bytes each.
+  // Colours of all bodies: four bytes each.
   paint(colours) {
     for (const g of this.groups) {
       const a = g.geometry.attributes.colour;
-      for (let k = 0, c = 3 * g.first, to = 0; k < g.count; ++k) {
-        a.array[to++] = colours[c++], a.array[to++] = colours[c++], a.array[to++] = colours[c++], a.array[to++] = 255;
-      }
+      a.array.set(colours.subarray(4 * g.first, 4 * (g.first + g.count)));
       g.update(a, 4 * g.count);
     }
   }
@@ -907,7 +917,8 @@ function ray_meets(kind, form, size, from, way) {
   return enter <= leave ? enter : Infinity;
 }
 
-// Index of the body in `frame` that the ray meets first, or -1. Walls only where nothing else is met.
+// Index of the body in `frame` that the ray meets first)page",
+    R"page(, or -1. Walls only where nothing else is met.
 function body_on_ray(frame, forms, from, way, with_walls) {
   const t = frame.run.table, p = [0, 0, 0];
   const best = [Infinity, Infinity], found = [-1, -1];
@@ -916,8 +927,7 @@ function body_on_ray(frame, forms, from, way, with_walls) {
     const r = frame.rows[i], wall = t.flags[r] & 1;
     if (wall && !with_walls) continue;
     frame.place(i, p);
-    const kind = { shape: t.shape[r], form: t.form[r] }, size = t.size.subarray(3 * r, 3)page",
-    R"page( * r + 3);
+    const kind = { shape: t.shape[r], form: t.form[r] }, size = t.size.subarray(3 * r, 3 * r + 3);
     const reach = kind.shape === shape.sphere ? size[0] / 2 : kind.form >= 0 ? Infinity : 0.5 * Math.hypot(size[0], size[1], size[2]);
     const x = p[0] - from.x, y = p[1] - from.y, z = p[2] - from.z, near = x * way.x + y * way.y + z * way.z;
     const left = near * near - (x * x + y * y + z * z) + reach * reach;
@@ -1108,7 +1118,7 @@ function draw_plots(parent, run) {
   const line_of = (name, key) => ({ name, values: heads.map((v) => (typeof v[key] === "number" ? v[key] : NaN)) });
   for (const f of figures)
     add(f, Object.entries(f.names).filter(([key]) => present.includes(key)).map(([key, name]) => line_of(name, key)));
-  for (const key of run.about.recorded || []) if (present.includes(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
+  for (const key of run.about.recorded || (run.about.end && run.about.end.recorded) || []) if (present.includes(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
   draw_times(add, run);
   return all;
 }
@@ -1127,7 +1137,8 @@ function draw_times(add, run) {
   const numbers = [...Array(ranks).keys()], mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;
   const phases = ["detect", "respond", "integrate", "exchange"].slice(0, ranks > 1 ? 4 : 3);
   add({ title: "Time per phase", unit: ranks > 1 ? "ms a step, mean of the ranks" : "ms a step" },
-    phases.map((name, p) => ({ name, values: heads.map((_, k) => mean(numbers.map((r) => per_step(k, r, p)))) })));
+    phases.map((name, p) => ({ )page",
+    R"page(name, values: heads.map((_, k) => mean(numbers.map((r) => per_step(k, r, p)))) })));
   if (ranks === 1) return;
   const work = numbers.map((r) => heads.map((_, k) => per_step(k, r, 0) + per_step(k, r, 1) + per_step(k, r, 2)));
   for (const [p, name] of phases.entries())
@@ -1135,8 +1146,7 @@ function draw_times(add, run) {
       numbers.map((r) => ({ name: "rank " + r, values: heads.map((_, k) => per_step(k, r, p)) })));
   add({ title: "Imbalance", unit: "most work of a rank over the mean" },
     [{ name: "imbalance", values: heads.map((_, k) => {
-      const all = work.map((w) => w[k]), )page",
-    R"page(m = mean(all);
+      const all = work.map((w) => w[k]), m = mean(all);
       return m > 0 ? Math.max(...all) / m : NaN;
     }) }]);
 }
@@ -1156,7 +1166,7 @@ function talus_view() {
     say("This browser draws no WebGL: " + error.message);
   }
   const state = { at: 0, mode: "rank", playing: false, speed: 1, picked: null, frame: null, next: null, dirty: true, drawn: 0 };
-  let plots = [], control, radius = 1, wanted = 0, loading = null, colours = new Uint8Array(0);
+  let plots = [], control, radius = 1, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
   const api = (window.talus = { run, state, stage, frames: () => run.heads.length });
 
   // --- What is drawn ---------------------------------------------------------------------------
@@ -1166,44 +1176,43 @@ function talus_view() {
   };
   const mode = () => colour_modes[state.mode];
   function colour_bodies() {
-    const f = state.frame, m = mode(), t = run.table;
-    if (colours.length < 3 * f.count) colours = new Uint8Array(4 * f.count);
-    const [low, high] = m.ramp ? m.range(run) : [0, 1], scale = high > low ? 255 / (high - low) : 0;
-    const hues = new Map();
-    for (let i = 0, c = 0; i < f.count; ++i, c += 3) {
-      const r = f.rows[i];
-      if (r === state.picked) {
-        colours[c] = 255, colours[c + 1] = 40, colours[c + 2] = 220;
-      } else if (t.flags[r] & 1) {
-        colours[c] = grey_of_wall[0], colours[c + 1] = grey_of_wall[1], colours[c + 2] = grey_of_wall[2];
-      } else if (m.ramp) {
-        const k = 3 * Math.max(0, Math.min(255, ((m.value(f, i) - low) * scale) | 0));
-        colours[c] = m.ramp[k], colours[c + 1] = m.ramp[k + 1], colours[c + 2] = m.ramp[k + 2];
-      } else {
-        const n = m.value(f, i);
-        if (!hues.has(n)) hues.set(n, colour_of_number(n));
-        const hue = hues.get(n);
-        colours[c] = hue[0], colours[c + 1] = hue[1], colours[c + 2] = hue[2];
+    const f = state.frame, m = mode(), flags = run.table.flags, rows = f.rows, n = f.count;
+    if (colours.length < 4 * n) colours = new Uint8Array(8 * n);
+    const to = new Uint32Array(colours.buffer), word = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
+    const wall = word(grey_of_wall), picked = word([255, 40, 220]);
+    if (m.ramp) {
+      const [low, high] = m.range(run), scale = high > low ? 255 / (high - low) : 0, ramp = new Uint32Array(256);
+      for (let k = 0; k < 256; ++k) ramp[k] = word(m.ramp.subarray(3 * k, 3 * k + 3));
+      for (let i = 0; i < n; ++i)
+        to[i] = flags[rows[i]] & 1 ? wall : ramp[Math.max(0, Math.min(255, ((m.value(f, i) - low) * scale) | 0))];
+    } else {
+      const hues = [];
+      for (let i = 0; i < n; ++i) {
+        const k = m.value(f, i);
+        to[i] = flags[rows[i]] & 1 ? wall : hues[k] ?? (hues[k] = word(colour_of_number(k)));
       }
     }
+    if (state.picked !== null && f.index_of(state.picked) >= 0) to[f.index_of(state.picked)] = picked;
     stage.paint(colours);
   }
   // Lines from the centres of bodies to the points of contacts or joints.
   function show_links(name, group, look) {
     const f = state.frame, { [name + "_a"]: a, [name + "_b"]: b, [name + "_point"]: at } = f.blocks;
     if (!a || !$(name + "s").checked) return group.hide();
-    const t = run.table, from = [], to = [], width = [], colour = [], p = [0, 0, 0];
+    const t = run.table, from = [], to = [], width = [], colour = [], p = [0, 0, 0], other = f.blocks[name + "_other"];
+    const point_of = (list, k) => [0, 1, 2].map((c) => f.head.lower[c] + f.head.cell[c] * list[3 * k + c]);
     for (let k = 0; k < a.length; ++k) {
-      const point = [0, 1, 2].map((c) => f.head.lower[c] + f.head.cell[c] * at[3 * k + c]);
-      const [thick, hue] = look(k);
-      for (const i of [a[k], b[k]]) {
+      const points = [point_of(at, k), point_of(other || at, k)], [thick, hue] = look(k);
+      const line = (x, y) => (from.push(...x), to.push(...y), width.push(thick), colour.push(...hue, 255));
+      if (other) line(...points);
+      for (const [i, point] of [[a[k], points[0]], [b[k], points[1]]]) {
         if (i === none) continue;
         const r = f.rows[i];
         if (t.flags[r] & 1) continue;
         f.place(i, p);
         // A body seen through a periodic boundary is far from its contact.
-        if (name === "contact" && Math.hypot(p[0] - point[0], p[1] - point[1], p[2] - point[2]) > 2.2 * run.reach(r) * 1.8) continue;
-        from.push(...p), to.push(...point), width.push(thick), colour.push(...hue, 255);
+        if (name === "contact" && Math.hypot(p[0] - point[0], p[1] - point[1], p[2] - point[2]) > 4 * run.reach(r)) continue;
+        line(p, point);
       }
     }
     group.show(width.length, from, to, width, colour, true);
@@ -1212,7 +1221,7 @@ function talus_view() {
     const f = state.frame, most = 6 * run.most("force_mean") || 1;
     show_links("contact", stage.lines.contacts, (k) => {
       const part = Math.min(1, (f.blocks.contact_force[k] * f.head.force_cell) / most), c = 3 * Math.round(255 * part);
-      return [0.6 + 4.4 * part, [heat[c], heat[c + 1], heat[c + 2]]];
+      return [1 + 5 * part, [heat[c], heat[c + 1], heat[c + 2]]];
     });
     show_links("joint", stage.lines.joints, () => [2, [20, 20, 20]]);
     const domains = $("domains").checked ? run.domains_at(state.frame.number) : [];
@@ -1232,6 +1241,13 @@ function talus_view() {
     if (new_frame || state.relink) show_lines(), (state.relink = false);
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
     if (!new_frame) return;
+    // While it plays, texts and plots change some times a second: they cost more than the picture.
+    if (state.playing && performance.now() - written < 150) return;
+    write_frame();
+  }
+  function write_frame() {
+    const frame = state.frame;
+    written = performance.now();
     $("slider").value = frame.number;
     $("time").textContent = "t = " + short_number(+frame.head.time.toPrecision(6)) + "  (step " + frame.head.step + ", frame " +
       (frame.number + 1) + " of " + run.heads.length + ")";
@@ -1277,6 +1293,7 @@ function talus_view() {
   }
   const stop = () => {
     state.playing = false, ($("play").innerHTML = "&#9654;");
+    if (state.frame) write_frame();
   };
 
   // --- The bounds of the scene -----------------------------------------------------------------
@@ -1294,12 +1311,20 @@ function talus_view() {
       }
       return low[0] <= high[0] ? [low, high] : null;
     };
-    const [low, high] = bounds(false) || bounds(true) || [[-1, -1, -1], [1, 1, 1]];
-    const [all_low, all_high] = bounds(true) || [low, high];
+    const size = (l, h) => Math.hypot(h[0] - l[0], h[1] - l[1], h[2] - l[2]);
+    const [first_low, first_high] = bounds(false) || bounds(true) || [[-1, -1, -1], [1, 1, 1]];
+    let [low, high] = [first_low.slice(), first_high.slice()];
+    for (const h of run.heads) {
+      if (!h.box) continue;
+      for (let k = 0; k < 3; ++k) low[k] = Math.min(low[k], h.box[k]), high[k] = Math.max(high[k], h.box[k + 3]);
+    }
+    // Bodies that fly away do not make all others too small to see.
+    if (size(low, high) > 6 * size(first_low, first_high)) [low, high] = [first_low, first_high];
+    const walls = bounds(true) || [low, high];
+    const all_low = low.map((x, k) => Math.min(x, walls[0][k])), all_high = high.map((x, k) => Math.max(x, walls[1][k]));
     stage.lower = all_low.map((x, k) => x - 0.02 * (all_high[k] - x)), stage.upper = all_high.map((x, k) => x + 0.02 * (x - all_low[k]));
     // Walls that are far larger than what moves would make it invisible.
-    const size = (l, h) => Math.hypot(h[0] - l[0], h[1] - l[1], h[2] - l[2]);
-    const [l, h] = size(all_low, all_high) < 4 * size(low, high) ? [all_low, all_high] : [low, high];
+    const [l, h] = size(all_low, all_high) < 3 * size(low, high) ? [all_low, all_high] : [low, high];
     state.centre = new THREE.Vector3(...l).add(new THREE.Vector3(...h)).multiplyScalar(0.5), state.radius = 0.5 * size(l, h);
     stage.centre = new THREE.Vector3(...all_low).add(new THREE.Vector3(...all_high)).multiplyScalar(0.5);
     radius = 0.5 * size(all_low, all_high);
@@ -1346,13 +1371,14 @@ function talus_view() {
   function toggle() {
     if (state.playing) return stop();
     if (state.at >= run.heads.length - 1) state.at = 0, require(0);
-    state.playing = true, ($("play").innerHTML = "&#9208;"), (state.clock = performance.now());
+    state.playing = true, ($("play").innerHTML = "&#10074;&#10074;"), (state.clock = performance.now());
   }
   const step = (by) => (stop(), require(Math.round(state.at) + by));
   function connect() {
     $("play").onclick = toggle;
     $("back").onclick = () => step(-1), $("forth").onclick = () => step(1);
-    $("slider").oninput = () => (stop(), require(+$("slider").value));
+    $("slider").oninput = () => (stop(),)page",
+    R"page( require(+$("slider").value));
     $("speed").replaceChildren(...[0.1, 0.25, 0.5, 1, 2, 4, 10].map((s) => new Option(s + "×", s, false, s === 1)));
     $("speed").onchange = () => (state.speed = +$("speed").value);
     $("colour").onchange = () => choose_colour($("colour").value);
@@ -1386,8 +1412,7 @@ function talus_view() {
       state.dirty = false, stage.render(control, radius), ++count, ++state.drawn;
     }
     if (now - since > 1000) {
-    )page",
-    R"page(  $("rate").textContent = count > 1 ? Math.round((1000 * count) / (now - since)) + " pictures/s" : "";
+      $("rate").textContent = count > 1 ? Math.round((1000 * count) / (now - since)) + " pictures/s" : "";
       since = now, count = 0;
     }
   }
@@ -1395,11 +1420,11 @@ function talus_view() {
   // --- Beginning, and frames that arrive later --------------------------------------------------
 
   function describe() {
-    const about = run.about, head = run.heads[0], last = run.heads[run.heads.length - 1];
+    const about = run.about, head = run.heads[run.heads.length - 1];
     document.title = about.name + " – talus";
     $("name").textContent = about.name;
-    $("facts").textContent = [head.bodies + " bodies", head.ranks ? head.ranks + (head.ranks > 1 ? " ranks" : " rank") : "",
-      run.heads.length + " frames"].filter(Boolean).join(", ");
+    $("facts").textContent = [head.bodies + (head.bodies === 1 ? " body" : " bodies"), head.ranks ? head.ranks + (head.ranks > 1 ? " ranks" : " rank") : "",
+      run.heads.length + (run.heads.length === 1 ? " frame" : " frames")].filter(Boolean).join(", ");
     for (const name of ["contacts", "joints", "domains"]) $(name + "_row").hidden = !run.has(name);
     $("walls_row").hidden = !run.table.flags.subarray(0, run.table.length).some((x) => x & 1);
     $("slider").max = run.heads.length - 1;
@@ -1421,7 +1446,6 @@ function talus_view() {
         stop(), require(best);
       };
     if (state.frame) for (const p of plots) p.show(state.frame.number);
-    void last;
   }
   async function begin() {
     await run.load(0);

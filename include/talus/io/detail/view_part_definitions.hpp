@@ -2,6 +2,8 @@
 // The definitions of view_part.hpp, in the compiled part or in each program.
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
+#include <utility>
 
 #include "talus/core/linkage.hpp"
 #include "talus/core/shared_data.hpp"
@@ -43,15 +45,16 @@ void get_view_list(std::span<const std::byte>& in, List& values) {
 
 TALUS_INLINE byte_buffer view_part::packed() const {
   byte_buffer out;
-  put_view_list(out, std::span(seconds));
-  put_view_list(out, std::span(bodies.data(), bodies.size()));
-  put_view_list(out, std::span(contacts.data(), contacts.size()));
-  put_view_list(out, std::span(joints.data(), joints.size()));
-  put_view_list(out, std::span(domain.data(), domain.size()));
+  put_view_list(out, std::span<const double>(seconds));
+  put_view_list(out, std::span(std::as_const(bodies).data(), bodies.size()));
+  put_view_list(out, std::span(std::as_const(contacts).data(), contacts.size()));
+  put_view_list(out, std::span(std::as_const(joints).data(), joints.size()));
+  put_view_list(out, std::span(std::as_const(domain).data(), domain.size()));
   byte_writer(out).put(std::uint64_t{forms.size()});
   for (const view_form& f : forms) {
     byte_writer(out).put(f.id);
-    put_view_list(out, std::span(f.points)), put_view_list(out, std::span(f.corners));
+    put_view_list(out, std::span<const float>(f.points));
+    put_view_list(out, std::span<const std::uint32_t>(f.corners));
   }
   return out;
 }
