@@ -33,13 +33,15 @@ void main() {
   gl_PointSize = max(1.0, 2.0 * radius * pixels / max(-eye.z, 1e-12));
   shade = colour.rgb;
 }`,
-  fragment: "precision mediump float;\n" + shader_of_light + `
+  fragment: "precision mediump float;\n" + `
+uniform float opacity;
 varying vec3 shade;
 void main() {
   vec2 p = 2.0 * gl_PointCoord - 1.0;
   float rest = 1.0 - p.x * p.x - p.y * p.y;
   if (rest < 0.0) discard;
-  gl_FragColor = vec4(lit(shade, vec3(p.x, -p.y, sqrt(rest))), opacity);
+  float front = max(0.32 * p.x - 0.55 * p.y + 0.77 * sqrt(rest), 0.0);
+  gl_FragColor = vec4(shade * (0.42 + 0.68 * front), opacity);
 }`,
 };
 

@@ -21,7 +21,9 @@ class body_group {
     this.material = material_of(shader, { extensions: { fragDepth: spheres && !this.points, derivatives: !spheres } });
     this.material.uniforms.gridded.value = kind.shape === shape.plane ? 1 : 0;
     const g = (this.geometry = this.points ? new THREE.BufferGeometry() : new THREE.InstancedBufferGeometry());
-    if (!this.points) {
+    // three.js counts points by an attribute of this name, which no shader reads.
+    if (this.points) this.put_fixed("position", new Uint8Array(this.room), 1);
+    else {
       const form = spheres ? { points: new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0]) } : stage.form(kind);
       this.put_fixed("position", form.points, 3);
       if (!spheres) this.put_fixed("normal", form.normals, 3), this.put_fixed("end", form.ends, 1);

@@ -13,7 +13,7 @@ function talus_view() {
     say("This browser draws no WebGL: " + error.message);
   }
   const state = { at: 0, mode: "rank", playing: false, speed: 1, picked: null, frame: null, next: null, dirty: true, drawn: 0 };
-  let plots = [], control, radius = 1, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
+  let plots = [], control, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
   const api = (window.talus = { run, state, stage, frames: () => run.heads.length });
 
   // --- What is drawn ---------------------------------------------------------------------------
@@ -174,9 +174,9 @@ function talus_view() {
     const [l, h] = size(all_low, all_high) < 3 * size(low, high) ? [all_low, all_high] : [low, high];
     state.centre = new THREE.Vector3(...l).add(new THREE.Vector3(...h)).multiplyScalar(0.5), state.radius = 0.5 * size(l, h);
     stage.centre = new THREE.Vector3(...all_low).add(new THREE.Vector3(...all_high)).multiplyScalar(0.5);
-    radius = 0.5 * size(all_low, all_high);
+    state.reach = 0.5 * size(all_low, all_high);
     for (let i = 0; i < f.count; ++i) // planes are drawn as finite pieces
-      if (t.shape[f.rows[i]] === shape.plane) radius = Math.max(radius, 1.5 * run.reach(f.rows[i]));
+      if (t.shape[f.rows[i]] === shape.plane) state.reach = Math.max(state.reach, 1.5 * run.reach(f.rows[i]));
   }
   const fit = () => control.fit(state.centre, state.radius);
 
@@ -255,7 +255,7 @@ function talus_view() {
       require(at);
     }
     if (state.dirty && state.frame && stage) {
-      state.dirty = false, stage.render(control, radius), ++count, ++state.drawn;
+      state.dirty = false, stage.render(control, state.reach), ++count, ++state.drawn;
     }
     if (now - since > 1000) {
       $("rate").textContent = count > 1 ? Math.round((1000 * count) / (now - since)) + " pictures/s" : "";

@@ -453,13 +453,15 @@ void main() {
   gl_PointSize = max(1.0, 2.0 * radius * pixels / max(-eye.z, 1e-12));
   shade = colour.rgb;
 }`,
-  fragment: "precision mediump float;\n" + shader_of_light + `
+  fragment: "precision mediump float;\n" + `
+uniform float opacity;
 varying vec3 shade;
 void main() {
   vec2 p = 2.0 * gl_PointCoord - 1.0;
   float rest = 1.0 - p.x * p.x - p.y * p.y;
   if (rest < 0.0) discard;
-  gl_FragColor = vec4(lit(shade, vec3(p.x, -p.y, sqrt(rest))), opacity);
+  float front = max(0.32 * p.x - 0.55 * p.y + 0.77 * sqrt(rest), 0.0);
+  gl_FragColor = vec4(shade * (0.42 + 0.68 * front), opacity);
 }`,
 };
 
@@ -663,10 +665,12 @@ class body_group {
     const shader = this.points ? points_shader : spheres ? spheres_shader : solids_shader;
     this.material = material_of(shader, { extensions: { fragDepth: spheres && !this.points, derivatives: !spheres } });
     this.material.uniforms.gridded.value = kind.shape === shape.plane ? 1 : 0;
-    const g = (this.geometry = this.points ? new THREE.BufferGeometry() : new THREE.InstancedBufferGeometry());
-    if (!this.points) {
-      const form = spheres ? )page",
-    R"page({ points: new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0]) } : stage.form(kind);
+    const g = (this.geometry = this.points ? new THREE.BufferGeometry() : new THREE.InstancedBuffer)page",
+    R"page(Geometry());
+    // three.js counts points by an attribute of this name, which no shader reads.
+    if (this.points) this.put_fixed("position", new Uint8Array(this.room), 1);
+    else {
+      const form = spheres ? { points: new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0]) } : stage.form(kind);
       this.put_fixed("position", form.points, 3);
       if (!spheres) this.put_fixed("normal", form.normals, 3), this.put_fixed("end", form.ends, 1);
     }
@@ -911,14 +915,14 @@ function ray_meets(kind, form, size, from, way) {
   const f = from.toArray(), w = way.toArray();
   for (let k = 0; k < 3; ++k) {
     const half = kind.shape === shape.plane && k === 2 ? 0 : size[k] / 2;
-    const s = (-half - f[k]) / w[k], t = (half - f[k]) / w[k];
+    const s = (-half - f[k]) / w[k], t = )page",
+    R"page((half - f[k]) / w[k];
     enter = Math.max(enter, Math.min(s, t)), leave = Math.min(leave, Math.max(s, t));
   }
   return enter <= leave ? enter : Infinity;
 }
 
-// Index of the body in `frame` that the ray meets first)page",
-    R"page(, or -1. Walls only where nothing else is met.
+// Index of the body in `frame` that the ray meets first, or -1. Walls only where nothing else is met.
 function body_on_ray(frame, forms, from, way, with_walls) {
   const t = frame.run.table, p = [0, 0, 0];
   const best = [Infinity, Infinity], found = [-1, -1];
@@ -1135,10 +1139,10 @@ function draw_times(add, run) {
     return steps > 0 ? (1000 * (heads[k].seconds[rank][phase] - heads[k - 1].seconds[rank][phase])) / steps : NaN;
   };
   const numbers = [...Array(ranks).keys()], mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;
-  const phases = ["detect", "respond", "integrate", "exchange"].slice(0, ranks > 1 ? 4 : 3);
+  const )page",
+    R"page(phases = ["detect", "respond", "integrate", "exchange"].slice(0, ranks > 1 ? 4 : 3);
   add({ title: "Time per phase", unit: ranks > 1 ? "ms a step, mean of the ranks" : "ms a step" },
-    phases.map((name, p) => ({ )page",
-    R"page(name, values: heads.map((_, k) => mean(numbers.map((r) => per_step(k, r, p)))) })));
+    phases.map((name, p) => ({ name, values: heads.map((_, k) => mean(numbers.map((r) => per_step(k, r, p)))) })));
   if (ranks === 1) return;
   const work = numbers.map((r) => heads.map((_, k) => per_step(k, r, 0) + per_step(k, r, 1) + per_step(k, r, 2)));
   for (const [p, name] of phases.entries())
@@ -1166,7 +1170,7 @@ function talus_view() {
     say("This browser draws no WebGL: " + error.message);
   }
   const state = { at: 0, mode: "rank", playing: false, speed: 1, picked: null, frame: null, next: null, dirty: true, drawn: 0 };
-  let plots = [], control, radius = 1, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
+  let plots = [], control, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
   const api = (window.talus = { run, state, stage, frames: () => run.heads.length });
 
   // --- What is drawn ---------------------------------------------------------------------------
@@ -1327,9 +1331,9 @@ function talus_view() {
     const [l, h] = size(all_low, all_high) < 3 * size(low, high) ? [all_low, all_high] : [low, high];
     state.centre = new THREE.Vector3(...l).add(new THREE.Vector3(...h)).multiplyScalar(0.5), state.radius = 0.5 * size(l, h);
     stage.centre = new THREE.Vector3(...all_low).add(new THREE.Vector3(...all_high)).multiplyScalar(0.5);
-    radius = 0.5 * size(all_low, all_high);
+    state.reach = 0.5 * size(all_low, all_high);
     for (let i = 0; i < f.count; ++i) // planes are drawn as finite pieces
-      if (t.shape[f.rows[i]] === shape.plane) radius = Math.max(radius, 1.5 * run.reach(f.rows[i]));
+      if (t.shape[f.rows[i]] === shape.plane) state.reach = Math.max(state.reach, 1.5 * run.reach(f.rows[i]));
   }
   const fit = () => control.fit(state.centre, state.radius);
 
@@ -1373,12 +1377,12 @@ function talus_view() {
     if (state.at >= run.heads.length - 1) state.at = 0, require(0);
     state.playing = true, ($("play").innerHTML = "&#10074;&#10074;"), (state.clock = performance.now());
   }
-  const step = (by) => (stop(), require(Math.round(state.at) + by));
+  const step = (by) =>)page",
+    R"page( (stop(), require(Math.round(state.at) + by));
   function connect() {
     $("play").onclick = toggle;
     $("back").onclick = () => step(-1), $("forth").onclick = () => step(1);
-    $("slider").oninput = () => (stop(),)page",
-    R"page( require(+$("slider").value));
+    $("slider").oninput = () => (stop(), require(+$("slider").value));
     $("speed").replaceChildren(...[0.1, 0.25, 0.5, 1, 2, 4, 10].map((s) => new Option(s + "×", s, false, s === 1)));
     $("speed").onchange = () => (state.speed = +$("speed").value);
     $("colour").onchange = () => choose_colour($("colour").value);
@@ -1409,7 +1413,7 @@ function talus_view() {
       require(at);
     }
     if (state.dirty && state.frame && stage) {
-      state.dirty = false, stage.render(control, radius), ++count, ++state.drawn;
+      state.dirty = false, stage.render(control, state.reach), ++count, ++state.drawn;
     }
     if (now - since > 1000) {
       $("rate").textContent = count > 1 ? Math.round((1000 * count) / (now - since)) + " pictures/s" : "";
