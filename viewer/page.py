@@ -8,7 +8,7 @@ import os
 import pathlib
 import sys
 
-SCRIPTS = ("colours", "data", "orbit", "shaders", "shapes", "stage", "picking", "plots", "view")
+SCRIPTS = ("colours", "data", "orbit", "shaders", "hidden", "shapes", "stage", "picking", "plots", "view")
 HEADER = "include/talus/io/detail/view_page_text.hpp"
 # Where Debian's package libjs-three has the library; TALUS_THREE names another file.
 THREE = "/usr/share/javascript/three/three.min.js"

@@ -30,8 +30,11 @@ const figures = [
     energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep" } },
   { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "now", energy_error_worst: "worst so far" } },
   { title: "Overlap", unit: "mean radii", log: true, names: { penetration_mean: "mean", penetration_max: "largest" } },
+  { title: "Overlap by the monitor", unit: "mean radii", log: true,
+    names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "largest so far" } },
   { title: "Contact residual", unit: "", log: true, names: { contact_residual: "residual", contact_residual_worst: "worst contact" } },
   { title: "Momentum balance", unit: "", log: true, names: { momentum_error: "error" } },
+  { title: "Weight borne by contacts", unit: "over the weight", names: { borne_weight: "borne" } },
   { title: "Largest speed", unit: "L/T", names: { max_speed: "speed" } },
   { title: "Bodies and contacts", unit: "", names: { bodies: "bodies", contacts: "contacts" } },
   { title: "Normal force", unit: "M L/T²", names: { normal_force_mean: "mean", normal_force_max: "largest" } },
@@ -128,7 +131,8 @@ function draw_plots(parent, run) {
   if (heads.length < 2) return all;
   for (const v of heads)
     if (v.kinetic_energy !== undefined && v.potential_energy !== undefined) v.total_energy = v.kinetic_energy + v.potential_energy;
-  const known = new Set(figures.flatMap((f) => Object.keys(f.names)));
+  const known = new Set([...figures.flatMap((f) => Object.keys(f.names)), "momentum_x", "momentum_y", "momentum_z",
+    "energy_initial", "energy_changes"]);
   const present = [...new Set(heads.flatMap((v) => Object.keys(v)))];
   const add = (figure, lines) => {
     const drawn = lines.filter((l) => l.values.some((v) => Number.isFinite(v)));
@@ -139,7 +143,8 @@ function draw_plots(parent, run) {
   const line_of = (name, key) => ({ name, values: heads.map((v) => (typeof v[key] === "number" ? v[key] : NaN)) });
   for (const f of figures)
     add(f, Object.entries(f.names).filter(([key]) => present.includes(key)).map(([key, name]) => line_of(name, key)));
-  for (const key of run.about.recorded || (run.about.end && run.about.end.recorded) || []) if (present.includes(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
+  for (const key of run.about.recorded || (run.about.end && run.about.end.recorded) || [])
+    if (present.includes(key) && !known.has(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
   draw_times(add, run);
   return all;
 }

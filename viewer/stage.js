@@ -66,7 +66,7 @@ class body_group {
   show(frame, next, first, count, part) {
     const u = this.material.uniforms, g = this.geometry;
     this.first = first, this.count = count;
-    if (this.points) g.setDrawRange(0, count);
+    if (this.points) g.setDrawRange(0, g.index ? g.drawRange.count : count);
     else g.maxInstancedCount = g.instanceCount = count;
     const scale = (f, lower, span) => {
       const whole = f.blocks.position instanceof Uint16Array ? 65535 : 1;
@@ -116,6 +116,37 @@ class body_group {
       else a.array.set(this.stage.extent(this.kind, size[r], size[r + 1], size[r + 2]), 4 * k);
     }
     this.update(a, a.array.length);
+  }
+  // Leaves out the points that others hide. Positions are mixed as in the shader.
+  hide(view, width, height, pixels) {
+    const g = this.geometry, u = this.material.uniforms, a = g.attributes;
+    // Where most are seen, as in a thin cloud, the search does not pay: it pauses for some pictures.
+    if (this.pause > 0) --this.pause;
+    if (this.material.transparent || this.pause > 0) {
+      if (g.index) g.setIndex(null), g.setDrawRange(0, this.count);
+      return;
+    }
+    this.hidden ??= new hidden_spheres(this.room);
+    const p = a.place.array, q = a.place_next.array, t = u.between.value;
+    const l = u.lower.value.toArray(), s = u.span.value.toArray(), m = u.lower_next.value.toArray(), n = u.span_next.value.toArray();
+    const whole = p instanceof Uint16Array ? 1 / 65535 : 1, whole_next = q instanceof Uint16Array ? 1 / 65535 : 1;
+    const [lx, ly, lz] = l, [sx, sy, sz] = s.map((x) => x * whole), [mx, my, mz] = m, [nx, ny, nz] = n.map((x) => x * whole_next);
+    const still = (i, to) => {
+      to[0] = lx + sx * p[3 * i], to[1] = ly + sy * p[3 * i + 1], to[2] = lz + sz * p[3 * i + 2];
+    };
+    const mixed = (i, to) => {
+      still(i, to);
+      to[0] += t * (mx + nx * q[3 * i] - to[0]), to[1] += t * (my + ny * q[3 * i + 1] - to[1]), to[2] += t * (mz + nz * q[3 * i + 2] - to[2]);
+    };
+    const drawn = this.hidden.find(this.count, t > 0 ? mixed : still, a.radius.array, view, width, height, pixels);
+    if (drawn > 0.4 * this.count) this.pause = 60;
+    if (!g.index) {
+      const made = new THREE.BufferAttribute(new Uint32Array(this.room), 1);
+      if (made.setUsage) made.setUsage(THREE.DynamicDrawUsage);
+      g.setIndex(made);
+    }
+    g.index.array.set(this.hidden.seen.subarray(0, drawn));
+    this.update(g.index, drawn), g.setDrawRange(0, drawn);
   }
   dispose() {
     this.stage.scene.remove(this.object);
@@ -245,6 +276,12 @@ class picture_stage {
     this.camera.updateProjectionMatrix();
     const pixels = (ratio * height) / 2 / Math.tan((this.camera.fov * Math.PI) / 360);
     for (const g of this.groups) g.material.uniforms.pixels.value = pixels;
+    if (this.by_software === undefined) this.by_software = renders_by_software(this.renderer.getContext());
+    if (this.by_software) {
+      this.camera.matrixWorldInverse.getInverse(this.camera.matrixWorld);
+      for (const g of this.groups)
+        if (g.points && g.object.visible) g.hide(this.camera.matrixWorldInverse.elements, ratio * width, ratio * height, pixels);
+    }
     for (const l of Object.values(this.lines)) l.material.uniforms.picture.value.set((ratio * width) / 2, (ratio * height) / 2);
     this.renderer.render(this.scene, this.camera);
   }

@@ -317,7 +317,7 @@ function talus_view() {
       run.heads.push(...more.heads);
       if (more.restart) location.reload();
       say(run.heads.length ? "" : "Waiting for the first frame.");
-      if (run.heads.length && first) await begin();
+      if (run.heads.length && first) await begin(), require(run.heads.length - 1);
       else if (more.heads.length) {
         describe(), list_modes(), show_legend();
         if (at_end && !state.playing) require(run.heads.length - 1);

@@ -131,8 +131,8 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     os.chdir(folder)
-    subprocess.run([program, "--quiet", "--steps", "60", "--bodies", "300", "--output", "two", "--output-every", "20", "--output-surfaces",
-                    "--csv", "two.csv", "--csv-every", "20"], check=True)
+    subprocess.run([program, "--quiet", "--steps", "300", "--bodies", "300", "--output", "two", "--output-every", "100", "--output-surfaces",
+                    "--csv", "two.csv", "--csv-every", "100"], check=True)
     refusals(root)
     print("refusals ok", flush=True)
     browser = Browser(640, 700)

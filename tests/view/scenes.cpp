@@ -1,6 +1,6 @@
 // Scenes whose pages tests look at in a browser (check_page.py): --scene known has one sphere with a
 // known path, --scene shapes has bodies of all shapes, joints and walls, --scene many has --bodies
-// spheres that drift.
+// spheres close together that drift.
 #include <talus/mesh.hpp>
 #include <talus/talus.hpp>
 using namespace talus;
@@ -86,11 +86,11 @@ int main(int argc, char** argv) {
     if (options.scene == "known") add_known(world, stone);
     if (options.scene == "shapes") add_shapes(world, stone, oak);
     if (options.scene == "many") {
-      const double edge = std::cbrt(options.bodies / 0.5);
-      world.fill(simple_cubic{.spacing = std::cbrt(2.0)} &
+      const double edge = std::cbrt(options.bodies);
+      world.fill(simple_cubic{.spacing = 1} &
                      box_region{{-edge / 2, -edge / 2, 0}, {edge / 2, edge / 2, edge}},
                  [&](const site& place, random_stream& random) {
-                   return body<sphere>{.shape = sphere{random.uniform(0.3, 0.5)},
+                   return body<sphere>{.shape = sphere{random.uniform(0.42, 0.5)},
                                        .position = place.position,
                                        .material = stone,
                                        .velocity = random.unit_vector()};

@@ -567,12 +567,90 @@ varying vec3 shade;
 void main() { gl_FragColor = vec4(shade, opacity); }`,
 };
 
+// Where the browser renders by software, each point costs as much as on the screen, seen or not. So
+// spheres that others hide are left out before: from front to back, each is drawn unless nearer ones
+// cover all of its disc. The result is the picture of all of them.
+
+const renders_by_software = (gl) => {
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  return Boolean(names) && /swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(names.UNMASKED_RENDERER_WEBGL));
+};
+
+class hidden_spheres {
+  constructor(room) {
+    this.room = room;
+    for (const name of ["x", "y", "r", "z"]) this[name] = new Float32Array(room);
+    this.bucket = new Uint16Array(room), this.order = new Uint32Array(room), this.seen = new Uint32Array(room);
+    this.starts = new Uint32Array(4097);
+    this.covered = new Uint8Array(0);
+  }
+  // Fills `seen` with the numbers of the spheres to be drawn, nearest first, and returns how many there
+  // are. `view` are the elements of the camera's view matrix, `pixels` those of a length 1 at distance 1.
+  find(count, position_of, radius, view, width, height, pixels) {
+    const { x, y, r, z, bucket, order, seen, starts } = this, p = [0, 0, 0];
+    let near = Infinity, far = 0, sum = 0, here = 0;
+    for (let i = 0; i < count; ++i) {
+      position_of(i, p);
+      const a = p[0], b = p[1], c = p[2];
+      const depth = -(view[2] * a + view[6] * b + view[10] * c + view[14]);
+      z[i] = -1;
+      if (depth <= 0) continue;
+      const scale = pixels / depth, size = radius[i] * scale;
+      const u = width / 2 + (view[0] * a + view[4] * b + view[8] * c + view[12]) * scale;
+      const v = height / 2 - (view[1] * a + view[5] * b + view[9] * c + view[13]) * scale;
+      if (u < 0 || v < 0 || u > width || v > height) continue; // points go with their centres
+      x[i] = u, y[i] = v, r[i] = Math.max(0.5, size), z[i] = depth;
+      if (depth < near) near = depth;
+      if (depth > far) far = depth;
+      sum += size, ++here;
+    }
+    if (here === 0) return 0;
+    // In the order of their depth, in 4096 steps.
+    const scale = far > near ? 4095 / (far - near) : 0;
+    starts.fill(0);
+    for (let i = 0; i < count; ++i) if (z[i] >= 0) ++starts[(bucket[i] = ((z[i] - near) * scale) | 0) + 1];
+    for (let k = 0; k < 4096; ++k) starts[k + 1] += starts[k];
+    for (let i = 0; i < count; ++i) if (z[i] >= 0) order[starts[bucket[i]]++] = i;
+    // Squares of the screen that are covered, of a third of the usual radius.
+    const cell = Math.max(1, Math.min(8, Math.round(sum / here / 3)));
+    const columns = Math.ceil(width / cell), lines = Math.ceil(height / cell);
+    if (this.covered.length < columns * lines) this.covered = new Uint8Array(columns * lines);
+    const covered = this.covered.fill(0);
+    let drawn = 0;
+    for (let k = 0; k < here; ++k) {
+      const i = order[k], cx = x[i] / cell, cy = y[i] / cell, size = (r[i] + 0.5) / cell, square = size * size;
+      const first = Math.max(0, Math.floor(cy - size)), last = Math.min(lines - 1, Math.floor(cy + size));
+      let hidden = true;
+      for (let line = first; hidden && line <= last; ++line) {
+        const off = line > cy ? line - cy : line + 1 < cy ? cy - line - 1 : 0, half = Math.sqrt(Math.max(0, square - off * off));
+        const to = line * columns + Math.min(columns - 1, Math.floor(cx + half));
+        for (let at = line * columns + Math.max(0, Math.floor(cx - half)); at <= to; ++at)
+          if (covered[at] === 0) {
+            hidden = false;
+            break;
+          }
+      }
+      if (hidden) continue;
+      seen[drawn++] = i;
+      const inner = (r[i] - 0.5) / cell, inner_square = inner * inner; // what it surely covers
+      for (let line = first; line <= last; ++line) {
+        const off = Math.max(Math.abs(line - cy), Math.abs(line + 1 - cy));
+        if (off >= inner) continue;
+        const half = Math.sqrt(inner_square - off * off), to = Math.min(columns, Math.floor(cx + half));
+        for (let c = Math.max(0, Math.ceil(cx - half)); c < to; ++c) covered[line * columns + c] = 1;
+      }
+    }
+    return drawn;
+  }
+}
+
 // Forms that bodies with faces are drawn with: corners of triangles with normals, for a body of size 1.
 
 const shape_names = ["sphere", "box", "capsule", "cylinder", "convex polyhedron", "triangle mesh", "plane"];
 const shape = { sphere: 0, box: 1, capsule: 2, cylinder: 3, polyhedron: 4, mesh: 5, plane: 6 };
 
-class form_builder {
+class form_bu)page",
+    R"page(ilder {
   constructor() {
     this.points = [], this.normals = [], this.ends = [];
   }
@@ -665,8 +743,7 @@ class body_group {
     const shader = this.points ? points_shader : spheres ? spheres_shader : solids_shader;
     this.material = material_of(shader, { extensions: { fragDepth: spheres && !this.points, derivatives: !spheres } });
     this.material.uniforms.gridded.value = kind.shape === shape.plane ? 1 : 0;
-    const g = (this.geometry = this.points ? new THREE.BufferGeometry() : new THREE.InstancedBuffer)page",
-    R"page(Geometry());
+    const g = (this.geometry = this.points ? new THREE.BufferGeometry() : new THREE.InstancedBufferGeometry());
     // three.js counts points by an attribute of this name, which no shader reads.
     if (this.points) this.put_fixed("position", new Uint8Array(this.room), 1);
     else {
@@ -712,7 +789,7 @@ class body_group {
   show(frame, next, first, count, part) {
     const u = this.material.uniforms, g = this.geometry;
     this.first = first, this.count = count;
-    if (this.points) g.setDrawRange(0, count);
+    if (this.points) g.setDrawRange(0, g.index ? g.drawRange.count : count);
     else g.maxInstancedCount = g.instanceCount = count;
     const scale = (f, lower, span) => {
       const whole = f.blocks.position instanceof Uint16Array ? 65535 : 1;
@@ -763,6 +840,37 @@ class body_group {
     }
     this.update(a, a.array.length);
   }
+  // Leaves out the points that others hide. Positions are mixed as in the shader.
+  hide(view, width, height, pixels) {
+    const g = this.geometry, u = this.material.uniforms, a = g.attributes;
+    // Where most are seen, as in a thin cloud, the search does not pay: it pauses for some pictures.
+    if (this.pause > 0) --this.pause;
+    if (this.material.transparent || this.pause > 0) {
+      if (g.index) g.setIndex(null), g.setDrawRange(0, this.count);
+      return;
+    }
+    this.hidden ??= new hidden_spheres(this.room);
+    const p = a.place.array, q = a.place_next.array, t = u.between.value;
+    const l = u.lower.value.toArray(), s = u.span.value.toArray(), m = u.lower_next.value.toArray(), n = u.span_next.value.toArray();
+    const whole = p instanceof Uint16Array ? 1 / 65535 : 1, whole_next = q instanceof Uint16Array ? 1 / 65535 : 1;
+    const [lx, ly, lz] = l, [sx, sy, sz] = s.map((x) => x * whole), [mx, my, mz] = m, [nx, ny, nz] = n.map((x) => x * whole_next);
+    const still = (i, to) => {
+      to[0] = lx + sx * p[3 * i], to[1] = ly + sy * p[3 * i + 1], to[2] = lz + sz * p[3 * i + 2];
+    };
+    const mixed = (i, to) => {
+      still(i, to);
+      to[0] += t * (mx + nx * q[3 * i] - to[0]), to[1] += t * (my + ny * q[3 * i + 1] - to[1]), to[2] += t * (mz + nz * q[3 * i + 2] - to[2]);
+    };
+    const drawn = this.hidden.find(this.count, t > 0 ? mixed : still, a.radius.array, view, width, height, pixels);
+    if (drawn > 0.4 * this.count) this.pause = 60;
+    if (!g.index) {
+      const made = new THREE.BufferAttribute(new Uint32Array(this.room), 1);
+      if (made.setUsage) made.setUsage(THREE.DynamicDrawUsage);
+      g.setIndex(made);
+    }
+    g.index.array.set(this.hidden.seen.subarray(0, drawn));
+    this.update(g.index, drawn), g.setDrawRange(0, drawn);
+  }
   dispose() {
     this.stage.scene.remove(this.object);
     this.geometry.dispose(), this.material.dispose();
@@ -787,7 +895,8 @@ class line_group {
       put("width", new THREE.InstancedBufferAttribute(new Float32Array(this.room), 1));
       put("colour", new THREE.InstancedBufferAttribute(new Uint8Array(4 * this.room), 4, true));
       this.object = new THREE.Mesh(g, this.material);
-      this.object.frustumCulled = false;
+      this.o)page",
+    R"page(bject.frustumCulled = false;
       this.stage.scene.add(this.object);
     }
     const g = this.geometry, a = g.attributes;
@@ -891,6 +1000,12 @@ class picture_stage {
     this.camera.updateProjectionMatrix();
     const pixels = (ratio * height) / 2 / Math.tan((this.camera.fov * Math.PI) / 360);
     for (const g of this.groups) g.material.uniforms.pixels.value = pixels;
+    if (this.by_software === undefined) this.by_software = renders_by_software(this.renderer.getContext());
+    if (this.by_software) {
+      this.camera.matrixWorldInverse.getInverse(this.camera.matrixWorld);
+      for (const g of this.groups)
+        if (g.points && g.object.visible) g.hide(this.camera.matrixWorldInverse.elements, ratio * width, ratio * height, pixels);
+    }
     for (const l of Object.values(this.lines)) l.material.uniforms.picture.value.set((ratio * width) / 2, (ratio * height) / 2);
     this.renderer.render(this.scene, this.camera);
   }
@@ -915,8 +1030,7 @@ function ray_meets(kind, form, size, from, way) {
   const f = from.toArray(), w = way.toArray();
   for (let k = 0; k < 3; ++k) {
     const half = kind.shape === shape.plane && k === 2 ? 0 : size[k] / 2;
-    const s = (-half - f[k]) / w[k], t = )page",
-    R"page((half - f[k]) / w[k];
+    const s = (-half - f[k]) / w[k], t = (half - f[k]) / w[k];
     enter = Math.max(enter, Math.min(s, t)), leave = Math.min(leave, Math.max(s, t));
   }
   return enter <= leave ? enter : Infinity;
@@ -1013,10 +1127,14 @@ const figures = [
     energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep" } },
   { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "now", energy_error_worst: "worst so far" } },
   { title: "Overlap", unit: "mean radii", log: true, names: { penetration_mean: "mean", penetration_max: "largest" } },
+  { title: "Overlap by the monitor", unit: "mean radii", log: true,
+    names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "largest so far" } },
   { title: "Contact residual", unit: "", log: true, names: { contact_residual: "residual", contact_residual_worst: "worst contact" } },
   { title: "Momentum balance", unit: "", log: true, names: { momentum_error: "error" } },
+  { title: "Weight borne by contacts", unit: "over the weight", names: { borne_weight: "borne" } },
   { title: "Largest speed", unit: "L/T", names: { max_speed: "speed" } },
-  { title: "Bodies and contacts", unit: "", names: { bodies: "bodies", contacts: "contacts" } },
+  { title: "Bodies and contacts", unit: "", names: { bodies: "bodies", contacts: "contacts" } },)page",
+    R"page(
   { title: "Normal force", unit: "M L/T²", names: { normal_force_mean: "mean", normal_force_max: "largest" } },
 ];
 
@@ -1111,7 +1229,8 @@ function draw_plots(parent, run) {
   if (heads.length < 2) return all;
   for (const v of heads)
     if (v.kinetic_energy !== undefined && v.potential_energy !== undefined) v.total_energy = v.kinetic_energy + v.potential_energy;
-  const known = new Set(figures.flatMap((f) => Object.keys(f.names)));
+  const known = new Set([...figures.flatMap((f) => Object.keys(f.names)), "momentum_x", "momentum_y", "momentum_z",
+    "energy_initial", "energy_changes"]);
   const present = [...new Set(heads.flatMap((v) => Object.keys(v)))];
   const add = (figure, lines) => {
     const drawn = lines.filter((l) => l.values.some((v) => Number.isFinite(v)));
@@ -1122,7 +1241,8 @@ function draw_plots(parent, run) {
   const line_of = (name, key) => ({ name, values: heads.map((v) => (typeof v[key] === "number" ? v[key] : NaN)) });
   for (const f of figures)
     add(f, Object.entries(f.names).filter(([key]) => present.includes(key)).map(([key, name]) => line_of(name, key)));
-  for (const key of run.about.recorded || (run.about.end && run.about.end.recorded) || []) if (present.includes(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
+  for (const key of run.about.recorded || (run.about.end && run.about.end.recorded) || [])
+    if (present.includes(key) && !known.has(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
   draw_times(add, run);
   return all;
 }
@@ -1139,8 +1259,7 @@ function draw_times(add, run) {
     return steps > 0 ? (1000 * (heads[k].seconds[rank][phase] - heads[k - 1].seconds[rank][phase])) / steps : NaN;
   };
   const numbers = [...Array(ranks).keys()], mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;
-  const )page",
-    R"page(phases = ["detect", "respond", "integrate", "exchange"].slice(0, ranks > 1 ? 4 : 3);
+  const phases = ["detect", "respond", "integrate", "exchange"].slice(0, ranks > 1 ? 4 : 3);
   add({ title: "Time per phase", unit: ranks > 1 ? "ms a step, mean of the ranks" : "ms a step" },
     phases.map((name, p) => ({ name, values: heads.map((_, k) => mean(numbers.map((r) => per_step(k, r, p)))) })));
   if (ranks === 1) return;
@@ -1241,7 +1360,8 @@ function talus_view() {
     const new_frame = frame !== state.frame;
     Object.assign(state, { frame, next });
     stage.show(frame, next, part);
-    if (new_frame || state.recolour) colour_bodies(), (state.recolour = false);
+    if (new_frame || st)page",
+    R"page(ate.recolour) colour_bodies(), (state.recolour = false);
     if (new_frame || state.relink) show_lines(), (state.relink = false);
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
     if (!new_frame) return;
@@ -1377,8 +1497,7 @@ function talus_view() {
     if (state.at >= run.heads.length - 1) state.at = 0, require(0);
     state.playing = true, ($("play").innerHTML = "&#10074;&#10074;"), (state.clock = performance.now());
   }
-  const step = (by) =>)page",
-    R"page( (stop(), require(Math.round(state.at) + by));
+  const step = (by) => (stop(), require(Math.round(state.at) + by));
   function connect() {
     $("play").onclick = toggle;
     $("back").onclick = () => step(-1), $("forth").onclick = () => step(1);
@@ -1473,9 +1592,10 @@ function talus_view() {
       if (!answer.ok) throw new Error("the server answers " + answer.status);
       const more = await answer.json(), first = run.heads.length === 0, at_end = state.at >= run.heads.length - 1;
       run.heads.push(...more.heads);
-      if (more.restart) location.reload();
+      if (more.re)page",
+    R"page(start) location.reload();
       say(run.heads.length ? "" : "Waiting for the first frame.");
-      if (run.heads.length && first) await begin();
+      if (run.heads.length && first) await begin(), require(run.heads.length - 1);
       else if (more.heads.length) {
         describe(), list_modes(), show_legend();
         if (at_end && !state.playing) require(run.heads.length - 1);
