@@ -39,6 +39,9 @@ INSTEAD = {
     "./dev run NAME -n RANKS": "./dev run drop -n 3",
     "./dev render DIR": "./dev render ~/heap/pictures",
     "./dev render DIR [--frame N] [--quality fast]": "./dev render ~/heap/pictures --frame last --quality fast",
+    "./dev view OUTPUT [--html FILE] [--serve PORT]":
+        "./dev run hopper --output ~/seen --output-every 20 && ./dev view ~/seen --html ~/seen.html",
+    "./dev view hopper --serve 8000": None,  # it serves until it is ended
     "./dev gallery": "./dev gallery cards",
     "./dev compile-cost": "./dev compile-cost --runs 1",
     "./dev bench": "./dev bench --quick",

@@ -1,7 +1,10 @@
 // The compiled part: command lines, progress, summaries, pictures, materials and files.
 #include "talus/body/material_definitions.hpp"
 #include "talus/core/output_file_definitions.hpp"
+#include "talus/io/detail/view_frames_definitions.hpp"
+#include "talus/io/detail/view_part_definitions.hpp"
 #include "talus/io/povray_text_definitions.hpp"
+#include "talus/io/view_page_definitions.hpp"
 #include "talus/observe/progress_definitions.hpp"
 #include "talus/observe/summary_figures_definitions.hpp"
 #include "talus/observe/summary_json_definitions.hpp"

@@ -29,6 +29,9 @@ inline constexpr output_kind results_output{
 inline constexpr output_kind table_output{"a time series of talus", [](std::string_view head) {
                                             return head.starts_with("step [1],time [T],");
                                           }};
+inline constexpr output_kind view_output{"a page of talus", [](std::string_view head) {
+                                           return head.find("<!-- talus view 1") != head.npos;
+                                         }};
 inline constexpr output_kind picture_output{
     "a picture of talus", [](std::string_view head) { return head.starts_with(picture_mark); }};
 

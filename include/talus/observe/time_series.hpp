@@ -22,6 +22,34 @@
 
 namespace talus {
 
+/// Collective: step, time, number of bodies and contacts, energy, momentum and overlap of the present
+/// state, and the values of the monitors.
+template <class Scenario>
+[[nodiscard, gnu::cold]] detail::plain_vector<measured> measure_run(world<Scenario>& w) {
+  const motion m = measure_motion(w);
+  const penetration p = measure_penetration(w);
+  std::uint64_t contacts = detail::count_contacts(detail::view_of(w));
+  w.link().reduce(reduction::sum, std::span(&contacts, 1));
+  constexpr const char *energy = "M L^2/T^2", *momentum = "M L/T";
+  detail::plain_vector<measured> columns{
+      {"step", "1", static_cast<double>(w.steps())},
+      {"time", "T", w.time()},
+      {"bodies", "1", static_cast<double>(m.bodies)},
+      {"contacts", "1", static_cast<double>(contacts)},
+      {"kinetic_energy", energy, m.kinetic_energy},
+      {"potential_energy", energy, m.potential_energy},
+      {"momentum_x", momentum, m.momentum[0]},
+      {"momentum_y", momentum, m.momentum[1]},
+      {"momentum_z", momentum, m.momentum[2]},
+      {"max_speed", "L/T", m.max_speed},
+      {"penetration_mean", "1", p.mean},
+      {"penetration_max", "1", p.max},
+  };
+  const auto more = measure_monitors(w).values;
+  columns.append(more);
+  return columns;
+}
+
 /// Writes such a table on rank 0. The first line names the columns and their dimensions (M mass, L
 /// length, T time). Each line is flushed when it is written: a killed run keeps its lines.
 class time_series {
@@ -45,27 +73,7 @@ class time_series {
     if (name_.empty() || last_ == w.steps()) return;
     sampled_ = true;
     last_ = w.steps();
-    const motion m = measure_motion(w);
-    const penetration p = measure_penetration(w);
-    std::uint64_t contacts = detail::count_contacts(detail::view_of(w));
-    w.link().reduce(reduction::sum, std::span(&contacts, 1));
-    constexpr const char *energy = "M L^2/T^2", *momentum = "M L/T";
-    detail::plain_vector<measured> columns{
-        {"step", "1", static_cast<double>(w.steps())},
-        {"time", "T", w.time()},
-        {"bodies", "1", static_cast<double>(m.bodies)},
-        {"contacts", "1", static_cast<double>(contacts)},
-        {"kinetic_energy", energy, m.kinetic_energy},
-        {"potential_energy", energy, m.potential_energy},
-        {"momentum_x", momentum, m.momentum[0]},
-        {"momentum_y", momentum, m.momentum[1]},
-        {"momentum_z", momentum, m.momentum[2]},
-        {"max_speed", "L/T", m.max_speed},
-        {"penetration_mean", "1", p.mean},
-        {"penetration_max", "1", p.max},
-    };
-    const auto more = measure_monitors(w).values;
-    columns.append(more);
+    const detail::plain_vector<measured> columns = measure_run(w);
     if (speaks_) write(columns, w.records().all());
   }
 

@@ -47,6 +47,8 @@ struct options {
   std::string output;                ///< files for ParaView begin with it; empty: none
   std::size_t output_every = 100;    ///< steps between them
   bool output_surfaces = false;      ///< with the faces of bodies other than spheres
+  std::string view;                  ///< page for a browser; empty: none
+  std::size_t view_every = 0;        ///< steps between its frames; 0: about 200 frames
   bool force = false;                ///< outputs replace files that talus did not write
 
   [[gnu::cold]] void describe(command_line& cli);

@@ -37,6 +37,9 @@ TALUS_INLINE void options::describe(command_line& cli) {
   cli.add(
       "--output-surfaces", output_surfaces,
       "with the faces of boxes, capsules and all that are no spheres: NAME_surfaces.hdf.series");
+  cli.add("--view", view, "write a page that shows the run in a browser to this file");
+  cli.add("--view-every", view_every,
+          "steps from one frame of it to the next (default: about 200 frames)", 1);
   cli.add("--force", force, "outputs replace files that talus did not write");
   cli.check([this, &cli] {
     if (checkpoint.empty() && checkpoint_every > 0)
@@ -53,6 +56,11 @@ TALUS_INLINE void options::describe(command_line& cli) {
     if (tolerance == 0 && cli.given("--max-iterations"))
       throw usage_error("--max-iterations needs --tolerance; see --help");
     needs(output, "--output-every", "--output NAME");
+    needs(view, "--view-every", "--view FILE");
+    for (const auto& [option, file] : {std::pair("--json", &json), std::pair("--csv", &csv),
+                                       std::pair("--checkpoint", &checkpoint),
+                                       std::pair("--restart", &restart)})
+      detail::refuse_shared_files({{"--view", view}, {option, *file}});
     detail::refuse_shared_files({{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}});
     detail::refuse_shared_files({{"--json", json}, {"--csv", csv}, {"--restart", restart}});
     if (output.empty() && output_surfaces)

@@ -22,6 +22,7 @@
 #include "talus/parallel/launcher.hpp"
 #include "talus/scene/detail/options_in_use.hpp"
 #include "talus/scene/detail/run_guard.hpp"
+#include "talus/scene/detail/run_view.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/scene/run_outputs.hpp"
 #include "talus/world/world.hpp"
@@ -174,6 +175,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   });
   attach_checkpoints(w, options, progress, table);
   attach_output(w, options);
+  const auto view = attach_view(w, options, name);
   if (!options.quiet) std::fputs(replaced.c_str(), stderr);
   run_place place{.rank = link.rank()};
   const exit_guard guard(place, name, options.json);
@@ -223,6 +225,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
 
   if (w.steps() == 0) w.synchronize();
   table.sample(w);
+  if (view) view->finish();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
   figures.own = std::move(own);

@@ -37,7 +37,7 @@ namespace talus::detail {
   return target.replaces;
 }
 
-/// Checks --json and --csv on rank 0 before anything is written. Returns a text that lists the
+/// Checks --json, --view and --csv on rank 0 before anything is written. Returns a text that lists the
 /// files to be replaced.
 template <class Options>
 [[nodiscard, gnu::cold]] std::string inspect_outputs(const Options& options) {
@@ -48,6 +48,7 @@ template <class Options>
       words += compose("{} {} replaces {}\n", option, file, kind.name);
   };
   each("--json", options.json, results_output, false);
+  each("--view", options.view, view_output, false);
   each("--csv", options.csv, table_output, !options.restart.empty());
   return words;
 }

@@ -1,0 +1,248 @@
+"""Frames of a page from the files that --output has written. docs/view.md describes their blocks."""
+import base64
+import json
+import os
+import sys
+
+import h5py
+import numpy as np
+
+WALL, GLOBAL = 1, 2
+SPHERE, POLYHEDRON, MESH = 0, 4, 5
+NONE = 0xFFFFFFFF
+MOST_CONTACTS = 50000
+TYPES = {"u1": "u8", "u2": "u16", "i2": "i16", "u4": "u32", "i4": "i32", "f4": "f32", "u8": "u64"}
+
+
+def fail(text):
+    sys.exit("view: " + text)
+
+
+def series_of(output):
+    """The path of an output without its extensions."""
+    for end in (".series", ".hdf"):
+        output = output.removesuffix(end)
+    return output
+
+
+def read_index(base):
+    """The files and times that an index lists so far."""
+    index = base + ".hdf.series"
+    try:
+        with open(index, encoding="utf-8") as f:
+            files = json.load(f)["files"]
+        return [(os.path.join(os.path.dirname(index), e["name"]), float(e["time"])) for e in files]
+    except FileNotFoundError:
+        fail(f"there is no {index}: name what --output NAME of a run has written, NAME or NAME.hdf.series")
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        fail(f"{index} is not the index of an output of talus ({error})")
+
+
+class Blocks:
+    """The arrays of a frame, one after another."""
+
+    def __init__(self):
+        self.bytes, self.where = bytearray(), {}
+
+    def put(self, name, values, kind):
+        data = np.ascontiguousarray(values, dtype="<" + kind)
+        self.bytes += bytes(-len(self.bytes) % 8)
+        self.where[name] = [TYPES[kind], len(self.bytes), int(data.size)]
+        self.bytes += data.tobytes()
+
+
+def quantised(points, smallest):
+    """Positions as whole cells of their box, or as floats where cells would be coarse beside bodies:
+    the values, the lower corner, the cell, the largest error."""
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    cell = np.where(upper > lower, (upper - lower) / 65535, 1.0)
+    error = float(cell[upper > lower].max(initial=0)) / 2
+    if error <= 0.002 * smallest:
+        return np.rint((points - lower) / cell), lower, cell, error, "u2"
+    error = float(np.abs(points).max()) * 2.0**-24
+    return points, np.zeros(3), np.ones(3), error, "f4"
+
+
+class Converter:
+    """Turns the files of a series into frames, one after another."""
+
+    def __init__(self, base):
+        self.base = base
+        self.rows = {}  # bytes of the unchanging properties of a body: its row
+        self.forms = 0
+        self.forms_of = {}  # (id, part): form
+        self.previous = None
+        self.notes = set()
+
+    def note(self, text):
+        if text not in self.notes:
+            self.notes.add(text)
+            print("view: " + text, file=sys.stderr)
+
+    def surfaces(self, path, new, blocks):
+        """Reads the faces of bodies that are seen for the first time."""
+        base, step = path.rsplit("_", 1)
+        wanted = [b for b in new if b["shape"] in (POLYHEDRON, MESH) and b["part_key"] not in self.forms_of]
+        if not wanted:
+            return []
+        try:
+            with h5py.File(f"{base}_surfaces_{step}") as f:
+                g = f["VTKHDF"]
+                ids, shapes = g["CellData/id"][:], g["CellData/shape"][:]
+                ends, corners, points = g["Offsets"][:], g["Connectivity"][:], g["Points"][:]
+        except OSError:
+            self.note("polyhedra and surfaces of triangles are drawn as boxes: run with --output-surfaces to see their faces")
+            return []
+        added = []
+        for body in wanted:
+            whole = (int(body["id"]), -1)
+            if whole in self.forms_of:  # faces of a union belong to its first part that has some
+                self.forms_of[body["part_key"]] = -2
+                continue
+            cells = np.flatnonzero((ids == body["id"]) & np.isin(shapes, (POLYHEDRON, MESH)))
+            triangles = []
+            for c in cells:
+                face = corners[ends[c]:ends[c + 1]]
+                triangles += [(face[0], face[k], face[k + 1]) for k in range(1, len(face) - 1)]
+            if not triangles:
+                continue
+            used, numbers = np.unique(np.array(triangles), return_inverse=True)
+            local = rotated_back(body["orientation"], points[used] - body["position"])
+            form, self.forms = self.forms, self.forms + 1
+            blocks.put(f"form_points_{form}", local, "f4")
+            blocks.put(f"form_corners_{form}", numbers, "u4")
+            self.forms_of[body["part_key"]] = self.forms_of[whole] = form
+            added.append(form)
+        return added
+
+    def frame(self, path, time):
+        """Head and bytes of one frame."""
+        try:
+            with h5py.File(path) as f:
+                points, data = f["VTKHDF/Points"][:], {k: v[:] for k, v in f["VTKHDF/PointData"].items()}
+                step = int(f["VTKHDF/FieldData/step"][0])
+        except (OSError, KeyError) as error:
+            fail(f"{path} cannot be read as an output of talus ({error})")
+        blocks, head, notes = Blocks(), {"step": step, "time": time}, []
+        finite = np.isfinite(points).all(axis=1)
+        for name in ("velocity", "size") + (("orientation",) if "orientation" in data else ()):
+            finite &= np.isfinite(data[name]).all(axis=1)
+        if not finite.all():
+            bad = int(np.flatnonzero(~finite)[0])
+            notes.append(f"{int((~finite).sum())} bodies are left out, because their state is not finite; the first is body "
+                         f"{data['id'][bad]:#x} of rank {data['rank'][bad]} at {points[bad].tolist()}")
+            self.note(f"step {step}: {notes[-1]}")
+            points, data = points[finite], {k: v[finite] for k, v in data.items()}
+        count = len(points)
+        if count == 0:
+            fail(f"{path} has no bodies to show")
+        part = data.get("part", np.zeros(count, "u4"))
+        rank = data["rank"]
+        # Without a column of their own, global bodies are fixed ones of rank 0.
+        order = np.lexsort((part, data["id"], data["shape"], data["fixed"]))
+        # Groups of bodies with the same form follow each other.
+        new = []
+        keys = np.empty(count, dtype=[("id", "<u8"), ("part", "<u4"), ("shape", "u1"), ("fixed", "u1"), ("material", "<u2"),
+                                      ("size", "<f4", 3), ("mass", "<f4")])
+        for name, values in (("id", data["id"]), ("part", part), ("shape", data["shape"]), ("fixed", data["fixed"]),
+                             ("material", data["material"]), ("size", data["size"]), ("mass", data["mass"])):
+            keys[name] = values
+        raw = keys.tobytes()
+        width = keys.dtype.itemsize
+        texts = [raw[i:i + width] for i in range(0, count * width, width)]
+        for i in order:
+            if texts[i] not in self.rows:
+                new.append({"row": i, "id": data["id"][i], "shape": int(data["shape"][i]), "position": points[i],
+                            "part_key": (int(data["id"][i]), int(part[i])),
+                            "orientation": data["orientation"][i] if "orientation" in data else (1, 0, 0, 0)})
+        head["forms"] = self.surfaces(path, new, blocks)
+        form_of = np.array([self.forms_of.get((int(a), int(b)), -1) for a, b in zip(data["id"], part)]) if self.forms_of \
+            else np.full(count, -1)
+        hidden = form_of == -2
+        order = np.lexsort((part, data["id"], form_of, data["shape"], data["fixed"]))
+        order = order[~hidden[order]]
+        if new:
+            kept = [b["row"] for b in new if not hidden[b["row"]]]
+            for i in kept:
+                self.rows[texts[i]] = len(self.rows)
+            blocks.put("new_id", data["id"][kept], "u8")
+            blocks.put("new_shape", data["shape"][kept], "u1")
+            blocks.put("new_flags", np.where(data["fixed"][kept] > 0, WALL, 0), "u1")
+            blocks.put("new_material", data["material"][kept], "u2")
+            blocks.put("new_part", part[kept], "u4")
+            blocks.put("new_form", form_of[kept], "i4")
+            blocks.put("new_size", data["size"][kept], "f4")
+            blocks.put("new_mass", data["mass"][kept], "f4")
+        rows = np.fromiter((self.rows[texts[i]] for i in order), "u4", len(order))
+        if self.previous is None or not np.array_equal(rows, self.previous):
+            blocks.put("rows", rows, "u4")
+        self.previous = rows
+        points, data = points[order], {k: v[order] for k, v in data.items()}
+        smallest = float(data["size"].max(axis=1).min()) / 2
+        cells, lower, cell, error, kind = quantised(points, smallest)
+        blocks.put("position", cells, kind)
+        head.update(lower=lower.tolist(), cell=cell.tolist(), position_error=error, bodies=int(count), ranks=int(rank.max()) + 1)
+        solid = data["shape"] != SPHERE
+        if solid.any():
+            turn = data["orientation"][solid][:, [1, 2, 3, 0]] if "orientation" in data else np.tile((0, 0, 0, 1), (solid.sum(), 1))
+            blocks.put("orientation", np.rint(turn * 32767), "i2")
+        speed_cell = max(float(np.abs(data["velocity"]).max()) / 32767, 1e-30)
+        blocks.put("velocity", np.rint(data["velocity"] / speed_cell), "i2")
+        speed = np.linalg.norm(data["velocity"], axis=1)
+        free = data["fixed"] == 0
+        if free.any():
+            half = data["size"][free].max(axis=1, keepdims=True) / 2
+            head["box"] = [*(points[free] - half).min(axis=0).tolist(), *(points[free] + half).max(axis=0).tolist()]
+        head.update(speed_cell=speed_cell, speed_max=float(speed[free].max(initial=0)))
+        if head["ranks"] > 1:
+            blocks.put("rank", data["rank"], "u2")
+        if "asleep" in data and data["asleep"].any():
+            blocks.put("asleep", data["asleep"], "u1")
+        values = {"bodies": int(np.unique(data["id"][free]).size), "max_speed": head["speed_max"]}
+        self.contacts(path, data, points, lower, cell, kind, blocks, head, values)
+        head["values"] = values
+        if notes:
+            head["notes"] = notes
+        head["blocks"] = blocks.where
+        return head, bytes(blocks.bytes)
+
+    def contacts(self, path, data, points, lower, cell, kind, blocks, head, values):
+        base, step = path.rsplit("_", 1)
+        try:
+            with h5py.File(f"{base}_contacts_{step}") as f:
+                c = {k: f["VTKHDF/CellData"][k][:] for k in ("id_a", "id_b", "point", "force", "normal_force")}
+        except (OSError, KeyError):
+            return
+        force = np.linalg.norm(c["force"], axis=1)
+        good = np.flatnonzero(np.isfinite(force) & np.isfinite(c["point"]).all(axis=1))
+        head["contacts_of"] = int(len(good))
+        values["contacts"] = int(len(good))
+        if len(good) == 0:
+            return
+        values["normal_force_mean"] = float(c["normal_force"][good].mean())
+        values["normal_force_max"] = float(c["normal_force"][good].max())
+        good = good[np.lexsort((c["id_b"][good], c["id_a"][good], -force[good]))][:MOST_CONTACTS]
+        # The part of a union with the lowest index stands for it.
+        order = np.argsort(data["id"], kind="stable")
+        sorted_ids = data["id"][order]
+
+        def index(ids):
+            at = np.minimum(np.searchsorted(sorted_ids, ids), len(order) - 1)
+            return np.where(sorted_ids[at] == ids, order[at], NONE)
+        blocks.put("contact_a", index(c["id_a"][good]), "u4")
+        blocks.put("contact_b", index(c["id_b"][good]), "u4")
+        place = (c["point"][good] - lower) / cell
+        blocks.put("contact_point", place if kind == "f4" else np.clip(np.rint(place), 0, 65535), kind)
+        force_cell = float(force.max()) / 65535
+        blocks.put("contact_force", np.rint(force[good] / force_cell), "u2")
+        head.update(force_cell=force_cell, force_mean=float(force[good].mean()))
+
+
+def rotated_back(q, points):
+    """Points in the frame of a body with the orientation q = w, x, y, z."""
+    w, v = float(q[0]), -np.asarray(q[1:], dtype=float)
+    return points + 2 * np.cross(v, np.cross(v, points) + w * points)
+
+
+def text_of(data):
+    return base64.b64encode(data).decode("ascii")

@@ -1,0 +1,122 @@
+"""Shows a run while it goes on: the page, and frames as the run writes them. Read only."""
+import http.server
+import json
+import os
+import pathlib
+import secrets
+import sys
+import tempfile
+import threading
+
+import frames
+import page
+import view
+
+
+class Source:
+    """The frames of a series so far. Their bytes lie in a temporary folder, not in memory."""
+
+    def __init__(self, base, every, csv_file):
+        self.base, self.every, self.csv_file = base, every, csv_file
+        self.folder = tempfile.TemporaryDirectory(prefix="talus-view-")
+        self.lock = threading.Lock()
+        self.begin()
+
+    def begin(self):
+        self.converter = frames.Converter(self.base)
+        self.files, self.heads = [], []
+
+    def update(self):
+        """Takes what the index lists beyond the last time; True if the series has begun again."""
+        if not os.path.exists(self.base + ".hdf.series"):
+            return False
+        listed = frames.read_index(self.base)[::self.every]
+        restart = listed[:len(self.files)] != self.files
+        if restart:
+            self.begin()
+        table = view.read_table(self.csv_file)[0] if self.csv_file and os.path.exists(self.csv_file) else {}
+        for file, time in listed[len(self.files):]:
+            head, data = self.converter.frame(file, time)
+            view.add_table(head, table)
+            with open(self.path(len(self.heads)), "wb") as f:
+                f.write(data)
+            self.files.append((file, time))
+            self.heads.append(head)
+        return restart
+
+    def path(self, k):
+        return os.path.join(self.folder.name, str(k))
+
+
+def handler_of(source, token, whole_page):
+    class Handler(http.server.BaseHTTPRequestHandler):
+        server_version, sys_version, protocol_version = "talus", "", "HTTP/1.1"
+
+        def answer(self, code, body, kind="text/plain; charset=utf-8"):
+            self.send_response(code)
+            self.send_header("Content-Type", kind)
+            self.send_header("Content-Length", str(len(body)))
+            self.send_header("Cache-Control", "no-store")
+            self.send_header("Referrer-Policy", "no-referrer")
+            self.send_header("X-Content-Type-Options", "nosniff")
+            if code == 405:
+                self.send_header("Allow", "GET")
+            self.end_headers()
+            self.wfile.write(body)
+
+        def do_GET(self):
+            way = self.path.split("?")[0].split("/")[1:]
+            if not way or not secrets.compare_digest(way[0].encode(), token.encode()):
+                return self.answer(403, b"The address lacks the token that ./dev view has printed.\n")
+            if way[1:] == [""]:
+                return self.answer(200, whole_page, "text/html; charset=utf-8")
+            if len(way) == 3 and way[2].isascii() and way[2].isdigit() and len(way[2]) < 10:
+                k = int(way[2])
+                with source.lock:
+                    if way[1] == "heads":
+                        return self.heads(k)
+                    if way[1] == "frame" and k < len(source.heads):
+                        with open(source.path(k), "rb") as f:
+                            return self.answer(200, f.read(), "application/octet-stream")
+            self.answer(404, b"There is no such page.\n")
+
+        def heads(self, k):
+            try:
+                restart = source.update()
+            except SystemExit as error:
+                return self.answer(500, (str(error) + "\n").encode())
+            more = {"heads": source.heads[k:], "restart": restart or k > len(source.heads)}
+            self.answer(200, json.dumps(more, allow_nan=False).encode(), "application/json")
+
+        def refuse(self):
+            self.close_connection = True
+            self.answer(405, b"This server is read only.\n")
+
+        do_POST = do_PUT = do_DELETE = do_PATCH = do_OPTIONS = do_HEAD = refuse
+
+        def log_message(self, *_):
+            pass
+    return Handler
+
+
+def serve(o, base):
+    if not 0 <= o.serve <= 65535:
+        sys.exit(f"view: --serve takes a port from 0 to 65535, not {o.serve}")
+    names = view.read_table(o.csv)[1] if o.csv and os.path.exists(o.csv) else []
+    before, between, end = page.parts(pathlib.Path(__file__).resolve().parent)
+    whole = (before + page.three() + between + page.script_of("about", view.about(base, names, live=True)) + end).encode()
+    token = secrets.token_urlsafe(16)
+    source = Source(base, o.every, o.csv)
+    try:
+        server = http.server.ThreadingHTTPServer((o.bind, o.serve), handler_of(source, token, whole))
+    except OSError as error:
+        sys.exit(f"view: cannot serve at {o.bind}, port {o.serve}: {error.strerror}; name another port, or 0 for any")
+    server.daemon_threads = True
+    print(f"http://{o.bind}:{server.server_port}/{token}/", flush=True)
+    print("view: open that address; Ctrl-C ends the server", file=sys.stderr)
+    try:
+        server.serve_forever()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        source.folder.cleanup()

@@ -1,0 +1,139 @@
+"""./dev view: a page that shows what --output has written. docs/view.md"""
+import argparse
+import csv
+import pathlib
+import sys
+import tempfile
+import os
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import page  # noqa: E402
+
+MARK = "<!-- talus view 1"
+
+
+def options():
+    p = argparse.ArgumentParser(prog="./dev view", description="Makes one HTML page of a run, or serves it.")
+    p.add_argument("output", metavar="OUTPUT", help="NAME of --output NAME, or NAME.hdf.series")
+    p.add_argument("--html", metavar="FILE", help="the page (default: NAME.html)")
+    p.add_argument("--every", metavar="N", type=int, default=1, help="take every Nth output (1)")
+    p.add_argument("--csv", metavar="FILE", help="a time series that --csv of the same run has written: more plots")
+    p.add_argument("--force", action="store_true", help="replace a file that is no page of talus")
+    p.add_argument("--serve", metavar="PORT", type=int, help="serve the page and new frames instead of writing a file; 0: any port")
+    p.add_argument("--bind", metavar="ADDRESS", default="127.0.0.1", help="address to serve at (127.0.0.1)")
+    o = p.parse_args()
+    if o.every < 1:
+        p.error("--every takes 1 or more")
+    if o.serve is not None and o.html:
+        p.error("--serve sends the page and writes no file: leave out --html")
+    return o
+
+
+def read_table(file):
+    """Lines of a time series by step, and their names."""
+    try:
+        with open(file, newline="", encoding="utf-8") as f:
+            lines = list(csv.reader(f))
+    except OSError as error:
+        sys.exit(f"view: {file} cannot be read: {error.strerror}")
+    if not lines or lines[0][:1] != ["step [1]"]:
+        sys.exit(f"view: {file} is no time series of talus: name a file that --csv of the run has written")
+    names = [n.split(" [")[0] for n in lines[0]]
+    table = {}
+    for line in lines[1:]:
+        values = {}
+        for name, text in zip(names, line):
+            try:
+                values[name] = float(text)
+            except ValueError:
+                pass
+        if "step" in values:
+            table[int(values.pop("step"))] = {k: v for k, v in values.items() if k != "time" and abs(v) < float("inf")}
+    return table, names
+
+
+def add_table(head, table):
+    """Adds the line of the same step, or of the last one before it."""
+    if head["step"] in table:
+        head["values"].update(table[head["step"]])
+
+
+def require_replaceable(path, force):
+    """Stops unless the file is absent, empty, a page of talus, or --force is given."""
+    if os.path.isdir(path):
+        sys.exit(f"view: {path} is a folder: name a file in it")
+    if force or not os.path.lexists(path):
+        return
+    if os.path.islink(path) or not os.path.isfile(path):
+        sys.exit(f"view: {path} is no regular file: name another file, or add --force to replace it")
+    with open(path, "rb") as f:
+        start = f.read(4096)
+    if start and MARK.encode() not in start:
+        sys.exit(f"view: {path} is there already and is no page of talus: name another file with --html, or add --force")
+
+
+def write_page(o, base):
+    import frames
+    path = o.html or base + ".html"
+    require_replaceable(path, o.force)
+    files = frames.read_index(base)[::o.every]
+    if not files:
+        sys.exit(f"view: {base}.hdf.series lists no files: the run has written no output yet")
+    table, names = read_table(o.csv) if o.csv else ({}, [])
+    three = page.three()
+    before, between, end = page.parts(pathlib.Path(__file__).resolve().parent)
+    converter = frames.Converter(base)
+    folder = os.path.dirname(path) or "."
+    try:
+        beside = tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=folder, prefix=os.path.basename(path) + ".part-", delete=False)
+    except OSError as error:
+        sys.exit(f"view: {path} cannot be written: {error.strerror}")
+    try:
+        with beside as out:
+            out.write(before + three + between)
+            out.write(page.script_of("about", about(base, names)))
+            for file, time in files:
+                head, data = converter.frame(file, time)
+                add_table(head, table)
+                out.write(page.script_of("head", head))
+                out.write(f'<script type="text/plain" class="talus-data">{frames.text_of(data)}</script>\n')
+            out.write(page.script_of("end", {"notes": sorted(converter.notes)}))
+            out.write(end)
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(beside.name, 0o666 & ~mask)
+        os.replace(beside.name, path)
+    except BaseException as error:
+        os.unlink(beside.name)
+        if isinstance(error, OSError):
+            sys.exit(f"view: {path} cannot be written: {error.strerror}")
+        raise
+    print(f"view: {len(files)} frames in {path}, {os.path.getsize(path) / 1e6:.1f} MB", file=sys.stderr)
+
+
+def about(base, names, live=False):
+    known = {"step", "time"}
+    more = {"name": os.path.basename(base), "recorded": [n for n in names if n not in known]}
+    more["notes"] = ["From the files of --output, which have no planes, domains and joints; --view of a program shows them."]
+    if live:
+        more["live"] = True
+    return more
+
+
+def main():
+    o = options()
+    try:
+        import frames
+    except ImportError as error:
+        sys.exit(f"view: {error.name} is missing: install Debian's packages python3-h5py and python3-numpy")
+    base = frames.series_of(o.output)
+    if o.serve is None:
+        write_page(o, base)
+    else:
+        import serve
+        serve.serve(o, base)
+
+
+if __name__ == "__main__":
+    main()
