@@ -1,11 +1,13 @@
-// talus: joints solved exactly, springs implicit, with its two integrators. Bodies have no surface:
-// the scenes are mechanisms.
+// talus: joints solved exactly, springs implicit, with its two integrators; and, for the grid, by
+// one sweep in each of many substeps. Bodies have no surface: the scenes are mechanisms.
+#include <map>
 #include <memory>
 #include <talus/constraint/ball_joint.hpp>
 #include <talus/constraint/hinge.hpp>
 #include <talus/constraint/slider.hpp>
 #include <talus/constraint/strut.hpp>
 #include <talus/parallel/serial.hpp>
+#include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
 
 #include "runner.hpp"
@@ -46,25 +48,26 @@ struct machine {
   virtual void read(std::vector<state>& now) = 0;
 };
 
-template <class Integrator>
+template <class... Policies>
 class machine_with final : public machine {
   using scene_type =
       talus::scenario<talus::bodies<solid>,
                       talus::joints<talus::ball_joint, talus::hinge, talus::slider, talus::strut>,
-                      talus::integrator<Integrator>, talus::transport<talus::serial>,
-                      talus::features<talus::forces>>;
+                      talus::transport<talus::serial>, talus::features<talus::forces>,
+                      Policies...>;
 
  public:
-  explicit machine_with(const scene& s) : drives_(s.drives), world_(link_) {
+  explicit machine_with(const scene& s, int iterations = 1) : drives_(s.drives), world_(link_) {
     world_.gravity(to(s.gravity));
-    world_.solver().iterations = 1;  // there are no contacts
+    world_.solver().iterations = iterations;
+    std::map<double, talus::material_id> of_mass;  // the volume is 1
     for (const body& b : s.bodies) {
       const turn& q = b.start.orientation;
-      const auto stuff = world_.material({.density = b.mass});
+      if (!of_mass.contains(b.mass)) of_mass[b.mass] = world_.material({.density = b.mass});
       bodies_.push_back(world_.add(
           talus::body{.shape = solid{to(b.inertia / b.mass), 0.1 * s.length},
                       .position = to(b.start.position),
-                      .material = stuff,
+                      .material = of_mass[b.mass],
                       .velocity = to(b.start.velocity),
                       .angular_velocity = to(b.start.spin),
                       .orientation = talus::quat(q.w(), q.x(), q.y(), q.z()).normalized()}));
@@ -129,7 +132,9 @@ class talus_joints {
       list.push_back({"A05", integrator, {1e-3, 1e-4, 1e-5}, {1e-3, 1e-4}});
       list.push_back({"chain_", integrator, {1e-3}, {1e-3}});
     }
-    list.push_back({"grid_", "semi_implicit_euler", {1e-2}, {1e-2}});
+    list.push_back({"grid_", "substepping_10", {1e-2}, {1e-2}});
+    list.push_back({"grid_", "substepping_50", {1e-2}, {1e-2}});
+    list.push_back({"grid_", "semi_implicit_euler", {1e-2}, {}});
     return list;
   }
   static std::vector<std::string> notes() { return {}; }
@@ -137,9 +142,12 @@ class talus_joints {
   talus_joints(const scene& s, const std::string& integrator, double dt)
       : now_(start_of(s)), dt_(dt) {
     if (integrator == "semi_implicit_euler")
-      machine_ = std::make_unique<machine_with<talus::semi_implicit_euler>>(s);
+      machine_ = std::make_unique<machine_with<>>(s);
     else if (integrator == "moreau_midpoint")
-      machine_ = std::make_unique<machine_with<talus::moreau_midpoint>>(s);
+      machine_ = std::make_unique<machine_with<talus::integrator<talus::moreau_midpoint>>>(s);
+    else if (begins(integrator, "substepping_"))
+      machine_ = std::make_unique<machine_with<talus::solver<talus::substepping>>>(
+          s, std::stoi(integrator.substr(integrator.rfind('_') + 1)));
     else
       throw std::invalid_argument("there is no integrator '" + integrator + "'");
   }

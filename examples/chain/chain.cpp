@@ -17,6 +17,9 @@ struct chain_options : options {
     options::describe(line);
     line.add("--links", links, "number of links, each of length 1", 2);
     line.add_positive("--span", span, "from one support to the other; less than the links");
+    line.check([this] {
+      if (!(span < links)) throw usage_error("--span must be less than --links");
+    });
   }
 };
 
@@ -38,7 +41,6 @@ int main(int argc, char** argv) {
   return run<chain, chain_options>(argc, argv, [](auto& world, const chain_options& options) {
     const int n = options.links;
     const double span = options.span, g = 9.81, r = 0.12;
-    if (!(span < n)) throw usage_error("--span must be less than --links");
     world.decompose({.lower = 0, .upper = span});
     world.gravity({0, 0, -g});
     world.damping(0.1);

@@ -12,7 +12,7 @@ using excavator =
 
 struct excavator_options : options {
   int grains = 600;
-  double speed = 0.5;
+  double speed = 0.6;
 
   excavator_options() { steps = 2400, dt = 0.0025; }  // the mean grain has the radius 0.12
   void describe(auto& line) {
@@ -38,9 +38,11 @@ bucket_shape make_bucket(double R, double width) {
 int main(int argc, char** argv) {
   return run<excavator, excavator_options>(argc, argv, [](auto& world,
                                                           const excavator_options& options) {
-    // The trough grows with the number of grains: six layers, twice as long as wide.
-    const double r = 0.12, pitch = 2.3 * r, bed = 6 * pitch, g = 9.81;
-    const double W = std::max(0.5 * std::sqrt(options.grains / 6. / 2) * pitch, 4 * r), L = 2 * W;
+    // The trough grows with the number of grains, twice as long as wide.
+    const double r = 0.12, pitch = 2.3 * r, g = 9.81;
+    const double layers = std::max(4., std::round(0.6 * std::cbrt(options.grains)));
+    const double W = std::max(std::sqrt(options.grains / layers / 8) * pitch, 8 * r), L = 2 * W;
+    const double bed = layers * pitch;
     const double R = L, from = -1.2, to = 1.2;  // of the bucket: radius, angles from the vertical
     world.decompose({.lower = {-L}, .upper = {L}});
     world.gravity({0, 0, -g});

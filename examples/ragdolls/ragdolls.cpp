@@ -32,28 +32,30 @@ void add_ragdoll(auto& world, material_id flesh, const pose& at) {
   const auto head = add(sphere{0.12}, {0, 0, 0.45});
   (void)world.join(chest, head, ball_joint{.at = at.to_world({0, 0, 0.33})});
   for (const double side : {-1, 1}) {
-    // Upper and lower limb, of these lengths, along x or z, from a point of the chest.
-    const auto limb = [&](const vec3& from, const vec3& along, double radius, double upper,
-                          double lower, const joint_limits& bend) {
+    // Two parts of these lengths, from a point of the chest, that bend about `axis`.
+    const auto limb = [&](const vec3& from, const vec3& along, double radius, double length,
+                          const vec3& axis) {
       const quat turn = rotation({0, 1, 0}, along[0] * 0.5 * pi);
-      const auto first = add(capsule{radius, upper - radius}, from + 0.5 * upper * along, turn);
-      const auto second =
-          add(capsule{0.9 * radius, lower - radius}, from + (upper + 0.5 * lower) * along, turn);
-      (void)world.join(chest, first, ball_joint{.at = at.to_world(from)});
-      (void)world.join(first, second,
-                       hinge{.at = at.to_world(from + upper * along),
-                             .axis = rotated(at.orientation, {along[2] != 0 ? 1. : 0., 0, side * along[0]}),
-                             .limits = bend});
+      const auto part = [&](double r, double middle) {
+        return add(capsule{r, length - radius}, from + middle * along, turn);
+      };
+      const auto upper = part(radius, 0.5 * length), lower = part(0.9 * radius, 1.5 * length);
+      (void)world.join(chest, upper, ball_joint{.at = at.to_world(from)});
+      (void)world.join(upper, lower,
+                       hinge{.at = at.to_world(from + length * along),
+                             .axis = rotated(at.orientation, axis),
+                             .limits = {.lower = 0, .upper = 2.3}});
     };
-    limb({side * 0.2, 0, 0.2}, {side, 0, 0}, 0.06, 0.3, 0.3, {0, 2.4});
-    limb({side * 0.1, 0, -0.3}, {0, 0, -1}, 0.08, 0.42, 0.42, {0, 2.2});
+    limb({side * 0.2, 0, 0.2}, {side, 0, 0}, 0.06, 0.3, {0, 0, side});
+    limb({side * 0.1, 0, -0.3}, {0, 0, -1}, 0.08, 0.42, {-1, 0, 0});
   }
 }
 
 int main(int argc, char** argv) {
   return run<ragdolls, ragdoll_options>(argc, argv, [](auto& world,
                                                        const ragdoll_options& options) {
-    const double W = 2, g = 9.81, pitch = 2;  // half the width of the pit; room of a ragdoll
+    const int row = std::max(2, static_cast<int>(std::lround(std::sqrt(options.ragdolls) / 4)));
+    const double g = 9.81, pitch = 2.5, W = 0.5 * pitch * row + 0.1;  // room of one, of the pit
     world.decompose({.lower = {-W, -W}, .upper = {W, W}});
     world.gravity({0, 0, -g});
     const auto flesh = world.material({.density = 1000, .friction = 0.5});
@@ -65,14 +67,16 @@ int main(int argc, char** argv) {
       }
     });
     random_stream random(options.seed, 0);
+    const auto place = [&](int k) {
+      return vec3(pitch * (k % row - 0.5 * (row - 1)), pitch * (k / row % row - 0.5 * (row - 1)),
+                  1.3 + pitch * (k / row / row));
+    };
     for (int k = 0; k < options.ragdolls; ++k)
-      add_ragdoll(world, flesh,
-                  {{(k % 2 - 0.5) * pitch, (k / 2 % 2 - 0.5) * pitch, 1.2 + pitch * (k / 4)},
-                   random.rotation()});
+      add_ragdoll(world, flesh, {place(k), random.rotation()});
     take_pictures(world, options,
-                  {.from = {1, -9, 5}, .at = {0, 0, 1}, .angle = 40, .ground = false});
+                  {.from = {0.5 * W, -4 * W, 2.5 * W}, .at = {0, 0, 0.6}, .angle = 40});
 
-    const double top = 1.2 + pitch * ((options.ragdolls - 1) / 4) + 1;
+    const double top = place(options.ragdolls - 1)[2] + 1.2;
     std::array<double, 4> most{};  // speed, gap, energy over that at the start, its gain in a step
     world.keep("most", most);
     double first = 0;

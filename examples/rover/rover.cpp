@@ -114,6 +114,7 @@ int main(int argc, char** argv) {
         world.for_each_local([&](auto& b) {
           if (b.user_id() == hull_of_rover) b.add_force({-options.pull * weight, 0, 0});
         });
+      if (world.steps() % options.csv_every != 0) return;
       double torque = 0;
       for (const auto& m : motors) torque -= measure_joint(world, m).torque[1];
       world.record("wheel_torque", torque, "M L^2/T^2");

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <type_traits>
 
 #include "talus/constraint/line_writer.hpp"
 #include "talus/state/joints.hpp"
@@ -49,6 +51,8 @@ struct joint_errors {
 /// Limits count where they are passed.
 template <class Scenario>
 [[nodiscard]] joint_errors measure_joints(world<Scenario>& w) {
+  static_assert(detail::world_state<Scenario>::has_joints,
+                "measure_joints needs joints: name their kinds in joints<...> of this scenario");
   w.require_all_ranks("measure_joints");
   auto& s = detail::state_of(w);
   std::array<double, 2> most{};
