@@ -53,8 +53,7 @@ class machine_with final : public machine {
   using scene_type =
       talus::scenario<talus::bodies<solid>,
                       talus::joints<talus::ball_joint, talus::hinge, talus::slider, talus::strut>,
-                      talus::transport<talus::serial>, talus::features<talus::forces>,
-                      Policies...>;
+                      talus::transport<talus::serial>, talus::features<talus::forces>, Policies...>;
 
  public:
   explicit machine_with(const scene& s, int iterations = 1) : drives_(s.drives), world_(link_) {

@@ -57,12 +57,12 @@ int main(int argc, char** argv) {
     for (int k = 0; k < n; ++k) {
       const bool level = 2 * half < n && k == half;  // the middle one of an odd number
       const vec3 link = level ? vec3(1, 0, 0) : vec3(along, 0, k < half ? -down : down);
-      const auto next = world.add_if_local(
-          body{.shape = shape,
-               .position = end + 0.5 * link,
-               .material = steel,
-               .orientation = rotation({0, 1, 0}, std::atan2(link[0], link[2])),
-               .user_id = static_cast<std::uint32_t>(k)});
+      const auto next =
+          world.add_if_local(body{.shape = shape,
+                                  .position = end + 0.5 * link,
+                                  .material = steel,
+                                  .orientation = rotation({0, 1, 0}, std::atan2(link[0], link[2])),
+                                  .user_id = static_cast<std::uint32_t>(k)});
       if (k == 0)
         left = world.join(world_frame, next, ball_joint{.at = end});
       else
@@ -70,10 +70,9 @@ int main(int argc, char** argv) {
       last = next, end += link;
     }
     (void)world.join(last, world_frame, ball_joint{.at = end});
-    take_pictures(world, options,
-                  {.from = {0.5 * span, -1.35 * span, -1},
-                   .at = {0.5 * span, 0, -0.27 * span},
-                   .angle = 52});
+    take_pictures(
+        world, options,
+        {.from = {0.5 * span, -1.35 * span, -1}, .at = {0.5 * span, 0, -0.27 * span}, .angle = 52});
     world.simulate({.steps = options.steps, .dt = options.dt});
 
     // Where the ends of the links are, against the catenary.

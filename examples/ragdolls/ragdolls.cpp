@@ -52,8 +52,8 @@ void add_ragdoll(auto& world, material_id flesh, const pose& at) {
 }
 
 int main(int argc, char** argv) {
-  return run<ragdolls, ragdoll_options>(argc, argv, [](auto& world,
-                                                       const ragdoll_options& options) {
+  return run<ragdolls,
+             ragdoll_options>(argc, argv, [](auto& world, const ragdoll_options& options) {
     const int row = std::max(2, static_cast<int>(std::lround(std::sqrt(options.ragdolls) / 4)));
     const double g = 9.81, pitch = 2.5, W = 0.5 * pitch * row + 0.1;  // room of one, of the pit
     world.decompose({.lower = {-W, -W}, .upper = {W, W}});

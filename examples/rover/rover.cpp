@@ -5,9 +5,9 @@
 using namespace talus;
 
 using rover = scenario<bodies<sphere, box, cylinder, plane>, joints<hinge, rod>,
-                       hard_contact<coulomb_friction>,
-                       solver<nonlinear_gauss_seidel, reproducible>, decomposition<grid<dynamic>>,
-                       transport<as_launched>, features<forces, user_ids, energy_ledger, checkpoints>>;
+                       hard_contact<coulomb_friction>, solver<nonlinear_gauss_seidel, reproducible>,
+                       decomposition<grid<dynamic>>, transport<as_launched>,
+                       features<forces, user_ids, energy_ledger, checkpoints>>;
 
 struct rover_options : options {
   int layers = 3;
@@ -26,7 +26,8 @@ constexpr double wheel_radius = 0.25, speed = 2;  // of the wheels, radians per 
 
 enum : std::uint32_t { grain, part, hull_of_rover };  // user ids
 
-/// Adds a rover whose middle wheels are at x on ground of height z. Returns the hinges of its wheels.
+/// Adds a rover whose middle wheels are at x on ground of height z. Returns the hinges of its
+/// wheels.
 template <class World>
 auto add_rover(World& world, double x, double z, material_id steel, material_id tyre) {
   const auto add = [&](const auto& shape, const vec3& at, material_id stuff,
@@ -51,12 +52,14 @@ auto add_rover(World& world, double x, double z, material_id steel, material_id 
     const auto bogie = add(box{{0.9, 0.06, 0.06}}, {-0.45, y, beam - 0.15}, steel);
     (void)world.join(hull, rocker, hinge{.at = place(0, y, beam), .axis = across});
     (void)world.join(rocker, bogie, hinge{.at = place(-0.45, y, beam - 0.1), .axis = across});
-    (void)world.join(bar, rocker, rod{.from = place(0.35, y, beam + 0.25), .to = place(0.75, y, beam)});
+    (void)world.join(bar, rocker,
+                     rod{.from = place(0.35, y, beam + 0.25), .to = place(0.75, y, beam)});
     const auto wheel = [&](const auto& carrier, double at) {
       const auto one = add(cylinder{wheel_radius, 0.22}, {at, 0.63 * side, axle}, tyre,
                            rotation({1, 0, 0}, 0.5 * pi));
       motors.push_back(world.join(carrier, one,
-                                  hinge{.at = place(at, 0.63 * side, axle), .axis = across,
+                                  hinge{.at = place(at, 0.63 * side, axle),
+                                        .axis = across,
                                         .motor = {.largest_torque = no_limit}}));
     };
     wheel(rocker, 0.9), wheel(bogie, 0), wheel(bogie, -0.9);
@@ -90,7 +93,10 @@ int main(int argc, char** argv) {
                });
     auto motors = add_rover(world, 1.3, height, steel, tyre);
     take_pictures(world, options,
-                  {.from = {0.75 * L, -6, 2.6}, .at = {0.5 * L, 0, 0.3}, .angle = 42, .ground = options.layers == 0});
+                  {.from = {0.75 * L, -6, 2.6},
+                   .at = {0.5 * L, 0, 0.3},
+                   .angle = 42,
+                   .ground = options.layers == 0});
 
     // Mass of the rover, and the place of its centre.
     const auto sums = [&] {
@@ -108,7 +114,8 @@ int main(int argc, char** argv) {
     world.keep("start", start);
     const auto act = [&] {
       if (world.steps() == settled)
-        for (auto& m : motors) m.set_motor(torque_motor{.velocity = speed, .largest_torque = no_limit});
+        for (auto& m : motors)
+          m.set_motor(torque_motor{.velocity = speed, .largest_torque = no_limit});
       if (world.steps() == measured) start = sums().second;
       if (world.steps() >= settled)
         world.for_each_local([&](auto& b) {

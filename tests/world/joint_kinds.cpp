@@ -182,9 +182,8 @@ TEST_CASE("a machine moves the same after a rigid motion of its scene") {
     return point_on_plane{.at = p.to_world(from), .normal = rotated(p.orientation, axis)};
   });
   same([&](const pose& p) {
-    return strut{.from = p.to_world(from),
-                 .to = p.to_world(to),
-                 .spring = {.stiffness = 2, .damping = 0.1}};
+    return strut{
+        .from = p.to_world(from), .to = p.to_world(to), .spring = {.stiffness = 2, .damping = 0.1}};
   });
 }
 
@@ -193,10 +192,9 @@ TEST_CASE("a strut is a spring between two points, a damper, and a cylinder that
     w.gravity({0, 0, 0});
     const auto a = add_brick(w, stuff, {0, 0, 0}), b = add_brick(w, stuff, {2, 0, 0});
     const real stiffness = 4;
-    const auto coil = w.join(a, b,
-                             strut{.from = {0, 0, 0},
-                                   .to = {2, 0, 0},
-                                   .spring = {.stiffness = stiffness, .rest = 0.5}});
+    const auto coil = w.join(
+        a, b,
+        strut{.from = {0, 0, 0}, .to = {2, 0, 0}, .spring = {.stiffness = stiffness, .rest = 0.5}});
     // The reduced mass is half of that of a brick; at first the spring pushes by 0.5 too short.
     const real period = 2 * pi * std::sqrt(mass / 2 / stiffness);
     const int steps = 1000;
@@ -214,7 +212,9 @@ TEST_CASE("a strut is a spring between two points, a damper, and a cylinder that
     (void)w.join(world_frame, a,
                  strut{.from = {0, 0, 5}, .to = {0, 0, 0}, .spring = {.damping = damping}});
     auto jack = w.join(world_frame, b,
-                       strut{.from = {3, 0, -5}, .to = {3, 0, 0}, .limits = {.upper = 0.4},
+                       strut{.from = {3, 0, -5},
+                             .to = {3, 0, 0},
+                             .limits = {.upper = 0.4},
                              .motor = {.velocity = 1, .largest_force = 2 * mass * g}});
     for (int k = 0; k < 200; ++k) w.step(1e-3);
     CHECK(w[b].position()[2] == doctest::Approx(0.2 - 1 / g / 2).epsilon(1e-2));

@@ -315,8 +315,10 @@ TEST_CASE("all ranks read the same force of a joint, and the same errors of all 
     world<cable<nonlinear_gauss_seidel>> w(link, square_cells(4));
     w.gravity({0, 0, -g});
     const auto stuff = w.material({.density = 1});
-    const auto a = w.add_if_local(body{.shape = sphere{0.2}, .position = {-0.3, 1, 0}, .material = stuff});
-    const auto b = w.add_if_local(body{.shape = sphere{0.2}, .position = {0.3, 1, 0}, .material = stuff});
+    const auto a =
+        w.add_if_local(body{.shape = sphere{0.2}, .position = {-0.3, 1, 0}, .material = stuff});
+    const auto b =
+        w.add_if_local(body{.shape = sphere{0.2}, .position = {0.3, 1, 0}, .material = stuff});
     auto pin = w.join(world_frame, a, ball_joint{.at = {-0.3, 1, 0}});
     (void)w.join(world_frame, b, ball_joint{.at = {0.3, 1, 0}});
     (void)w.join(a, b, ball_joint{.at = {0, 1, 0}});

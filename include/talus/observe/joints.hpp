@@ -15,11 +15,11 @@ namespace talus {
 
 /// One joint, alike on all ranks: see joint_handle.
 struct joint_reading {
-  bool exists = false;    ///< it was neither released nor broken
-  vec3 force{0, 0, 0};    ///< on its first body in the last step, mean value
-  vec3 torque{0, 0, 0};   ///< likewise, about the point of the joint
-  double angle = 0;       ///< radians; 0 if this kind has none
-  double travel = 0;      ///< length; 0 if this kind has none
+  bool exists = false;   ///< it was neither released nor broken
+  vec3 force{0, 0, 0};   ///< on its first body in the last step, mean value
+  vec3 torque{0, 0, 0};  ///< likewise, about the point of the joint
+  double angle = 0;      ///< radians; 0 if this kind has none
+  double travel = 0;     ///< length; 0 if this kind has none
 };
 
 /// Collective: what the ranks that hold the joint know of it. All is 0 if no rank holds it.
@@ -75,9 +75,9 @@ template <class Scenario>
       const bool own_a = a.own && a.moves, own_b = b.own && b.moves;
       if (!(own_a || own_b) || !a.known || !b.known) continue;
       count += own_a || !a.moves;
-      const detail::joint_geometry g = detail::geometry_of(
-          r.anchors.frames, {a.position, a.orientation},
-          {detail::seen_from(s, a.position, b.position), b.orientation});
+      const detail::joint_geometry g =
+          detail::geometry_of(r.anchors.frames, {a.position, a.orientation},
+                              {detail::seen_from(s, a.position, b.position), b.orientation});
       std::array<detail::joint_line, static_cast<std::size_t>(kind::rows)> lines{};
       detail::joint_coordinates coordinates = r.coordinates;
       const detail::jointed_body still{};
@@ -85,8 +85,7 @@ template <class Scenario>
       kind::write(r.anchors, writer);
       std::array<double, 2> squares{};
       for (const detail::joint_line& x : lines) {
-        if (x.use != detail::line_use::holds &&
-            !(x.use == detail::line_use::limits && x.error < 0))
+        if (x.use != detail::line_use::holds && !(x.use == detail::line_use::limits && x.error < 0))
           continue;
         squares[x.force == vec3(0, 0, 0) ? 1 : 0] += x.error * x.error;
       }
