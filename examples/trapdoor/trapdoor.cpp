@@ -12,7 +12,7 @@ using trapdoor =
 
 struct trapdoor_options : options {
   int grains = 400;
-  double strength = 1.5;
+  double strength = 12;
 
   trapdoor_options() { steps = 2400, dt = 0.0025; }
   void describe(auto& line) {
@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
         world.decompose({.lower = {-W, -W}, .upper = {W, W}}, reach{4 * W});
         world.gravity({0, 0, -g});
         const auto stone = world.material({.density = 2.5, .friction = 0.4});
+        const auto iron = world.material({.density = 8, .friction = 0.4});
         const auto glass = world.material({.density = 2.5});
         world.material_pair(stone, glass, {});  // the shaft bears no weight
         world.global([&](auto& scope) {
@@ -83,9 +84,9 @@ int main(int argc, char** argv) {
           const double weight = (options.grains * grain + lid + bolt) * g;
           borne = -(carries.force + holds.force)[2] / weight, held = holds.exists;
           share = -holds.force[2] / (load * g);
-          world.add_if_local(body{.shape = sphere{0.8},
+          world.add_if_local(body{.shape = sphere{1},
                                   .position = {0, 0, high + 1},
-                                  .material = stone,
+                                  .material = iron,
                                   .velocity = {0, 0, -8}});
         }
         simulate_until(1);

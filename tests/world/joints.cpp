@@ -11,6 +11,7 @@
 #include <talus/observe/joints.hpp>
 #include <talus/observe/momentum.hpp>
 #include <talus/observe/motion.hpp>
+#include <talus/observe/penetration.hpp>
 #include <talus/observe/residual.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
@@ -197,7 +198,9 @@ TEST_CASE("joined bodies have no contacts with each other, and a released joint 
     const auto apart = [&] { return (w[b].position() - w[a].position()).norm(); };
     CHECK(std::abs(apart() - 0.6) < 1e-4);
     CHECK(pin.known());
+    CHECK(measure_penetration(w).max == 0);
     pin.release();
+    CHECK(measure_penetration(w).max == doctest::Approx(0.8).epsilon(1e-3));
     CHECK_FALSE(pin.known());
     CHECK_THROWS_WITH_AS((void)pin.force(), doctest::Contains("does not hold this ball_joint"),
                          std::invalid_argument);
