@@ -88,6 +88,7 @@ SHEET = [
         ("observe/penetration.hpp", "*", ""), ("observe/penetration.hpp", ["*"]),
         ("observe/residual.hpp", ["*"]),
         ("observe/energy.hpp", ["*"]),
+        ("observe/joints.hpp", "*", ""), ("observe/joints.hpp", ["*"]),
         ("observe/momentum.hpp", ["*"]),
         ("observe/overlaps.hpp", ["*"]),
         ("observe/digest.hpp", ["*"]),

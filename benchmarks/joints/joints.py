@@ -51,7 +51,10 @@ def main():
     if options.json:
         with open(options.json, "w") as file:
             file.write(text)
-        plot(found, os.path.splitext(os.path.abspath(options.json))[0])
+        stem = os.path.splitext(os.path.abspath(options.json))[0]
+        plot(found, stem)
+        with open(stem + ".md", "w") as file:
+            file.write(page(found, options, os.path.basename(stem)))
     else:
         print(text, end="")
     table(found)
@@ -63,7 +66,7 @@ def parse():
     parser.add_argument("--rivals", type=rivals, default=[], help=",".join(RIVALS))
     parser.add_argument("--scenes", type=lambda text: text.split(","), default=[],
                         help="only scenes whose names begin so, such as A01,chain")
-    parser.add_argument("--json", default="", help="file for the rows; plots go beside it")
+    parser.add_argument("--json", default="", help="file for the rows; plots and a page of tables go beside it")
     parser.add_argument("--turns", type=int, default=3, help="of which the median counts")
     parser.add_argument("--quick", action="store_true",
                         help="one turn, large steps; ends within five minutes")
@@ -162,6 +165,38 @@ def table(rows):
         print(f"{row['scene']:10} {row['engine']:8} {row['integrator']:26} {row['dt']:>7g} "
               f"{said(row['cpu_seconds']):>9} {said(row['error']):>9} "
               f"{said(row['joint_drift_max']):>9} {said(row['energy_drift']):>9}", file=sys.stderr)
+
+
+def page(rows, options, stem):
+    """The rows as a page: a table for each scene, and where talus has no run that is better."""
+    text = ["# Mechanisms with joints", "",
+            f"Written by `./dev bench joints{' --quick' if options.quick else ''} "
+            f"--rivals {','.join(options.rivals)} --json {stem}.json`. "
+            f"{'One turn' if options.turns == 1 else f'Medians of {options.turns} turns'} on one "
+            "core, CPU seconds; `-` is a run that is not finite, or an energy that changes by "
+            "itself.", ""]
+    for scene in sorted({row["scene"] for row in rows}):
+        own = [row for row in rows if row["scene"] == scene]
+        text += [f"## {scene}", "", f"Error: {own[0]['error_is']}.", ""]
+        others = [row for row in own if row["engine"] != "talus" and row["error"] is not None]
+        better = [row for row in others if not any(
+            x["engine"] == "talus" and x["error"] is not None and x["error"] <= row["error"] and
+            x["cpu_seconds"] <= row["cpu_seconds"] for x in own)]
+        if others and len(others) < len(own):
+            names = sorted({f"{row['engine']} {row['integrator']}" for row in better})
+            text += [f"Talus has a run that is both faster and more accurate than each of "
+                     f"{len(others) - len(better)} of {len(others)} runs of the others"
+                     f"{'; not than ' + ', '.join(names) if names else ''}.", ""]
+        if os.path.exists(f"{os.path.splitext(os.path.abspath(options.json))[0]}_{scene}.png"):
+            text += [f"![{scene}]({stem}_{scene}.png)", ""]
+        text += ["| engine | integrator | dt, s | CPU, s | error | largest gap, m | energy, J |",
+                 "|---|---|---|---|---|---|---|"]
+        for row in sorted(own, key=lambda row: (row["error"] is None, row["error"])):
+            text.append(f"| {row['engine']} | {row['integrator']} | {row['dt']:g} | "
+                        f"{row['cpu_seconds']:.3g} | {said(row['error'])} | "
+                        f"{said(row['joint_drift_max'])} | {said(row['energy_drift'])} |")
+        text.append("")
+    return "\n".join(text)
 
 
 def plot(rows, stem):

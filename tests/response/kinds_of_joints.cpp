@@ -8,6 +8,7 @@
 #include <talus/constraint/point_on_plane.hpp>
 #include <talus/constraint/rod.hpp>
 #include <talus/constraint/slider.hpp>
+#include <talus/constraint/strut.hpp>
 #include <talus/constraint/universal_joint.hpp>
 #include <talus/constraint/weld.hpp>
 
@@ -52,6 +53,11 @@ TEST_CASE("universal_joint obeys the laws of joints") {
 TEST_CASE("rod obeys the laws of joints") {
   laws::obeys_the_laws_of_joints<rod>([](random_stream& random) {
     return rod{.from = any_vector(random, 2), .to = any_vector(random, 2)};
+  });
+}
+TEST_CASE("strut obeys the laws of joints") {
+  laws::obeys_the_laws_of_joints<strut>([](random_stream& random) {
+    return strut{.from = any_vector(random, 2), .to = any_vector(random, 2), .limits = {0, 0}};
   });
 }
 TEST_CASE("point_on_plane obeys the laws of joints") {

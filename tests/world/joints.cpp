@@ -8,8 +8,10 @@
 #include <talus/constraint/ball_joint.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/energy.hpp>
+#include <talus/observe/joints.hpp>
 #include <talus/observe/momentum.hpp>
 #include <talus/observe/motion.hpp>
+#include <talus/observe/penetration.hpp>
 #include <talus/observe/residual.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
@@ -196,7 +198,9 @@ TEST_CASE("joined bodies have no contacts with each other, and a released joint 
     const auto apart = [&] { return (w[b].position() - w[a].position()).norm(); };
     CHECK(std::abs(apart() - 0.6) < 1e-4);
     CHECK(pin.known());
+    CHECK(measure_penetration(w).max == 0);
     pin.release();
+    CHECK(measure_penetration(w).max == doctest::Approx(0.8).epsilon(1e-3));
     CHECK_FALSE(pin.known());
     CHECK_THROWS_WITH_AS((void)pin.force(), doctest::Contains("does not hold this ball_joint"),
                          std::invalid_argument);
@@ -307,6 +311,35 @@ TEST_CASE("with solver<reproducible> a cable has one digest on 1, 2, 4 and 9 ran
     CHECK(many.digest == one.digest);
     CHECK((many.after - many.before).norm() < 1e-13 * (1 + many.before.norm()));
   }
+}
+
+TEST_CASE("all ranks read the same force of a joint, and the same errors of all joints") {
+  threads::launch({.ranks = 4}, [&](threads::link& link) {
+    world<cable<nonlinear_gauss_seidel>> w(link, square_cells(4));
+    w.gravity({0, 0, -g});
+    const auto stuff = w.material({.density = 1});
+    const auto a =
+        w.add_if_local(body{.shape = sphere{0.2}, .position = {-0.3, 1, 0}, .material = stuff});
+    const auto b =
+        w.add_if_local(body{.shape = sphere{0.2}, .position = {0.3, 1, 0}, .material = stuff});
+    auto pin = w.join(world_frame, a, ball_joint{.at = {-0.3, 1, 0}});
+    (void)w.join(world_frame, b, ball_joint{.at = {0.3, 1, 0}});
+    (void)w.join(a, b, ball_joint{.at = {0, 1, 0}});
+    CHECK(measure_joint(w, pin).exists);
+    CHECK(measure_joint(w, pin).force == vec3(0, 0, 0));
+    for (int k = 0; k < 20; ++k) w.step(1e-3);
+    const real weight = sphere{0.2}.volume() * g;
+    CHECK((measure_joint(w, pin).force - vec3(0, 0, -weight)).norm() < 1e-6 * weight);
+    const joint_errors errors = measure_joints(w);
+    CHECK(errors.joints == 3);
+    CHECK(errors.gap < 1e-9);
+    CHECK(errors.angle == 0);
+    if (a) w[*a].translate({0, 0, 0.01});
+    CHECK(measure_joints(w).gap == doctest::Approx(0.01).epsilon(1e-6));
+    pin.release();
+    CHECK_FALSE(measure_joint(w, pin).exists);
+    CHECK(measure_joints(w).joints == 2);
+  });
 }
 
 TEST_CASE("a joint that is longer than connections reach is refused, and works with that reach") {

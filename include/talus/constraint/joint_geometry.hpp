@@ -106,6 +106,15 @@ struct joint_geometry {
   x.error = (g.gap.squaredNorm() - length * length) / (2 * length);
   return x;
 }
+/// By how much the distance of the two points exceeds `length`. Without a distance there is no
+/// direction, and nothing acts.
+[[nodiscard]] inline joint_line line_of_elongation(const joint_geometry& g, real length) {
+  joint_line x;
+  x.force = unit(g.gap);
+  x.moment_a = g.arm_a.cross(x.force), x.moment_b = g.arm_b.cross(x.force);
+  x.error = g.gap.norm() - length;
+  return x;
+}
 /// The rotation of b relative to a about an axis.
 [[nodiscard]] inline joint_line line_of_turn(const vec3& axis) {
   joint_line x;

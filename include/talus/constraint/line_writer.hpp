@@ -83,6 +83,11 @@ class line_writer {
     joint_line x = line_along(g, 2);
     free(x, x.error, rules);
   }
+  /// By how much the distance of two points exceeds `length`.
+  void stretch(real length, const axis_rules& rules) {
+    joint_line x = line_of_elongation(g, length);
+    free(x, x.error, rules);
+  }
   /// The distance of two points, at most `length`.
   void reach(real length, real restitution) {
     joint_line x = line_of_distance(g, length);

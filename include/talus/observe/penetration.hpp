@@ -6,7 +6,10 @@
 #include <span>
 #include <utility>
 
+#include "talus/core/id.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/detect/thickness.hpp"
@@ -51,12 +54,30 @@ struct gap_sums {
   }
 };
 
-/// Adds all pairs of a body owned here with a body of `others`. Of a pair known to two ranks, the
-/// one that owns the first body (by shape, then by id) counts.
+/// Pairs of bodies with joints, which have no contacts: the lower id first; sorted.
+using jointed_pairs = plain_vector<plain_pair<system_id, system_id>>;
+
+/// Of the joints that a rank holds.
+template <class Scenario>
+[[nodiscard, gnu::cold]] jointed_pairs pairs_with_joints(const world_state<Scenario>& s) {
+  jointed_pairs pairs;
+  if constexpr (world_state<Scenario>::has_joints) {
+    s.joints.each_kind([&](const auto& of_kind) {
+      for (const auto& r : of_kind.records)
+        pairs.push_back(value_of(r.key.a) < value_of(r.key.b) ? plain_pair{r.key.a, r.key.b}
+                                                              : plain_pair{r.key.b, r.key.a});
+    });
+    sort_values(pairs);
+  }
+  return pairs;
+}
+
+/// Adds all pairs of a body owned here with a body of `others`, but those with joints. Of a pair
+/// known to two ranks, the one that owns the first body (by shape, then by id) counts.
 template <class Store, class Others, class History>
 [[gnu::cold]] void add_gaps(gap_sums& sums, const Store& own, const Others& others,
-                            bool others_move, bool same_shape, const History& history,
-                            real radius) {
+                            bool others_move, bool same_shape, const History& history, real radius,
+                            const jointed_pairs& joined) {
   using shape = typename Store::shape_type;
   using other = typename Others::shape_type;
   constexpr bool soft = !std::is_same_v<History, contact_history>;
@@ -68,6 +89,12 @@ template <class Store, class Others, class History>
     if (others_move && same_shape) forward = own.id[i] < others.id[j];
     if (others_move && !(forward ? own_i : own_j)) return;
     if (own.fixed(i) && (!others_move || others.fixed(j))) return;
+    if (!joined.empty()) {
+      const bool in_order = value_of(own.id[i]) < value_of(others.id[j]);
+      const plain_pair both =
+          in_order ? plain_pair{own.id[i], others.id[j]} : plain_pair{others.id[j], own.id[i]};
+      if (std::binary_search(joined.begin(), joined.end(), both)) return;
+    }
     const real size = std::min(half_thickness(own.shape[i]), half_thickness(others.shape[j]));
     const auto count = [&](const contact_geometry& g, const contact_key& key) {
       if (-g.gap > sums.worst.part * size) {
@@ -121,6 +148,7 @@ template <class Store, class Others, class History>
 template <class Scenario>
 [[nodiscard, gnu::cold]] gap_sums measure_gaps(const world_state<Scenario>& s, real radius) {
   gap_sums sums;
+  const jointed_pairs joined = pairs_with_joints(s);
   s.each_finite_shape([&](const auto& a) {
     using A = typename std::remove_cvref_t<decltype(a)>::shape_type;
     s.each_shape([&](const auto& b) {
@@ -129,8 +157,9 @@ template <class Scenario>
       constexpr bool same = std::is_same_v<A, B>;
       constexpr bool first = index_of<shapes, A> <= index_of<shapes, B>;
       if constexpr (B::finite && first)
-        add_gaps(sums, a.movable, b.movable, true, same, s.history, radius);
-      if (b.global.size() > 0) add_gaps(sums, a.movable, b.global, false, same, s.history, radius);
+        add_gaps(sums, a.movable, b.movable, true, same, s.history, radius, joined);
+      if (b.global.size() > 0)
+        add_gaps(sums, a.movable, b.global, false, same, s.history, radius, joined);
     });
   });
   return sums;

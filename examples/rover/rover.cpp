@@ -1,0 +1,142 @@
+// A rover with six wheels on rockers and bogies drives over loose ground, or over a floor. A force
+// pulls it back: drawbar pull against slip.
+#include <talus/checkpoint.hpp>
+#include <talus/mpi.hpp>
+using namespace talus;
+
+using rover = scenario<bodies<sphere, box, cylinder, plane>, joints<hinge, rod>,
+                       hard_contact<coulomb_friction>, solver<nonlinear_gauss_seidel, reproducible>,
+                       decomposition<grid<dynamic>>, transport<as_launched>,
+                       features<forces, user_ids, energy_ledger, checkpoints>>;
+
+struct rover_options : options {
+  int layers = 3;
+  double pull = 0.1, length = 5;
+
+  rover_options() { steps = 2500, dt = 0.002; }  // metres, seconds, tonnes
+  void describe(auto& line) {
+    options::describe(line);
+    line.add("--layers", layers, "of grains; 0: the rover drives on the floor", 0);
+    line.add("--pull", pull, "drawbar pull over the weight of the rover", 0.0, 1.0);
+    line.add_positive("--length", length, "of the ground");
+  }
+};
+
+constexpr double wheel_radius = 0.25, speed = 2;  // of the wheels, radians per second
+
+enum : std::uint32_t { grain, part, hull_of_rover };  // user ids
+
+/// Adds a rover whose middle wheels are at x on ground of height z. Returns the hinges of its
+/// wheels.
+template <class World>
+auto add_rover(World& world, double x, double z, material_id steel, material_id tyre) {
+  const auto add = [&](const auto& shape, const vec3& at, material_id stuff,
+                       const quat& turn = {1, 0, 0, 0}, std::uint32_t id = part) {
+    return world.add_if_local(body{.shape = shape,
+                                   .position = vec3(x, 0, z) + at,
+                                   .material = stuff,
+                                   .orientation = turn,
+                                   .user_id = id});
+  };
+  const auto place = [&](double px, double py, double pz) { return vec3(x + px, py, z + pz); };
+  const vec3 across(0, 1, 0);
+  const double axle = wheel_radius, beam = axle + 0.4;  // heights
+  const auto hull = add(box{{1, 0.7, 0.3}}, {0, 0, beam}, steel, {1, 0, 0, 0}, hull_of_rover);
+  // A bar across the hull, with a rod to each rocker, keeps the hull at the mean of their angles.
+  const auto bar = add(box{{0.06, 0.9, 0.06}}, {0.35, 0, beam + 0.25}, steel);
+  (void)world.join(hull, bar, hinge{.at = place(0.35, 0, beam + 0.25)});
+  std::vector<joint_handle<typename World::scenario_type, hinge>> motors;
+  for (const double side : {-1, 1}) {
+    const double y = 0.45 * side;
+    const auto rocker = add(box{{1.4, 0.06, 0.06}}, {0.2, y, beam}, steel);
+    const auto bogie = add(box{{0.9, 0.06, 0.06}}, {-0.45, y, beam - 0.15}, steel);
+    (void)world.join(hull, rocker, hinge{.at = place(0, y, beam), .axis = across});
+    (void)world.join(rocker, bogie, hinge{.at = place(-0.45, y, beam - 0.1), .axis = across});
+    (void)world.join(bar, rocker,
+                     rod{.from = place(0.35, y, beam + 0.25), .to = place(0.75, y, beam)});
+    const auto wheel = [&](const auto& carrier, double at) {
+      const auto one = add(cylinder{wheel_radius, 0.22}, {at, 0.63 * side, axle}, tyre,
+                           rotation({1, 0, 0}, 0.5 * pi));
+      motors.push_back(world.join(carrier, one,
+                                  hinge{.at = place(at, 0.63 * side, axle),
+                                        .axis = across,
+                                        .motor = {.largest_torque = no_limit}}));
+    };
+    wheel(rocker, 0.9), wheel(bogie, 0), wheel(bogie, -0.9);
+  }
+  return motors;
+}
+
+int main(int argc, char** argv) {
+  return run<rover, rover_options>(argc, argv, [](auto& world, const rover_options& options) {
+    const double L = options.length, W = 1, r = 0.06, pitch = 2.2 * r, g = 9.81;
+    world.decompose({.lower = {0}, .upper = {L}}, reach{2});
+    world.gravity({0, 0, -g});
+    const auto sand = world.material({.density = 1.6, .friction = 0.7});
+    const auto tyre = world.material({.density = 1, .friction = 0.7});
+    const auto steel = world.material({.density = 0.5, .friction = 0.3});
+    world.global([&](auto& scope) {
+      scope.add(plane{}, sand);
+      if (options.layers == 0) return;
+      for (const double side : {-1, 1}) {
+        scope.add(plane{.normal = {-side, 0, 0}, .offset = side > 0 ? -L : 0}, steel);
+        scope.add(plane{.normal = {0, -side, 0}, .offset = -W}, steel);
+      }
+    });
+    const double height = options.layers == 0 ? 0 : options.layers * pitch + 0.02;
+    world.fill(simple_cubic{.spacing = pitch, .origin = {r, r - W, 1.05 * r}} &
+                   box_region{{r, r - W, 0}, {L - r, W - r, options.layers * pitch}},
+               [&](const site& place, random_stream& random) {
+                 return body{.shape = sphere{random.uniform(0.8 * r, 1.05 * r)},
+                             .position = place.position,
+                             .material = sand};
+               });
+    auto motors = add_rover(world, 1.3, height, steel, tyre);
+    take_pictures(world, options,
+                  {.from = {0.75 * L, -6, 2.6},
+                   .at = {0.5 * L, 0, 0.3},
+                   .angle = 42,
+                   .ground = options.layers == 0});
+
+    // Mass of the rover, and the place of its centre.
+    const auto sums = [&] {
+      std::array<double, 2> s{};
+      world.for_each_local([&](const auto& b) {
+        if (b.user_id() != grain) s[0] += b.mass(), s[1] += b.mass() * b.position()[0];
+      });
+      world.link().reduce(reduction::sum, s);
+      return std::pair{s[0], s[1] / s[0]};
+    };
+    world.synchronize();
+    const double weight = sums().first * g;
+    const auto settled = options.steps / 5, measured = options.steps / 2;
+    double start = 0;
+    world.keep("start", start);
+    const auto act = [&] {
+      if (world.steps() == settled)
+        for (auto& m : motors)
+          m.set_motor(torque_motor{.velocity = speed, .largest_torque = no_limit});
+      if (world.steps() == measured) start = sums().second;
+      if (world.steps() >= settled)
+        world.for_each_local([&](auto& b) {
+          if (b.user_id() == hull_of_rover) b.add_force({-options.pull * weight, 0, 0});
+        });
+      if (world.steps() % options.csv_every != 0) return;
+      double torque = 0;
+      for (const auto& m : motors) torque -= measure_joint(world, m).torque[1];
+      world.record("wheel_torque", torque, "M L^2/T^2");
+    };
+    act();
+    world.after_each_step(act);
+    world.simulate({.steps = options.steps, .dt = options.dt});
+
+    const double time = static_cast<double>(options.steps - measured) * options.dt;
+    const double v = (sums().second - start) / time, rolling = speed * wheel_radius;
+    return results{{"speed", v},
+                   {"slip", 1 - v / rolling},
+                   {"pull", options.pull},
+                   {"joint_gap", measure_joints(world).gap},
+                   {"work", measure_energy(world).total.work},
+                   {"ledger", measure_energy(world).worst}};
+  });
+}

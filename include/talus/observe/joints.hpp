@@ -1,0 +1,100 @@
+#pragma once
+// What joints bear, and how well they hold.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "talus/constraint/line_writer.hpp"
+#include "talus/state/joints.hpp"
+#include "talus/world/world.hpp"
+
+namespace talus {
+
+/// One joint, alike on all ranks: see joint_handle.
+struct joint_reading {
+  bool exists = false;   ///< it was neither released nor broken
+  vec3 force{0, 0, 0};   ///< on its first body in the last step, mean value
+  vec3 torque{0, 0, 0};  ///< likewise, about the point of the joint
+  double angle = 0;      ///< radians; 0 if this kind has none
+  double travel = 0;     ///< length; 0 if this kind has none
+};
+
+/// Collective: what the ranks that hold the joint know of it. All is 0 if no rank holds it.
+template <class Scenario, class Kind>
+[[nodiscard]] joint_reading measure_joint(world<Scenario>& w,
+                                          const joint_handle<Scenario, Kind>& joint) {
+  w.require_all_ranks("measure_joint");
+  std::array<double, 9> sums{};  // ranks, force, torque, angle, travel
+  if (joint.known()) {
+    const vec3 force = joint.force(), torque = joint.torque();
+    sums = {1, force[0], force[1], force[2], torque[0], torque[1], torque[2], 0, 0};
+    if constexpr (requires { Kind::has_angle; }) sums[7] = joint.angle();
+    if constexpr (requires { Kind::has_travel; }) sums[8] = joint.travel();
+  }
+  w.link().reduce(reduction::sum, sums);
+  if (sums[0] == 0) return {};
+  for (std::size_t k = 1; k < sums.size(); ++k) sums[k] /= sums[0];  // one value, of one or two
+  return {true, {sums[1], sums[2], sums[3]}, {sums[4], sums[5], sums[6]}, sums[7], sums[8]};
+}
+
+/// By how much joints are violated.
+struct joint_errors {
+  std::uint64_t joints = 0;  ///< number of all joints
+  double gap = 0;            ///< largest distance of what a joint holds together, length
+  double angle = 0;          ///< largest error of a direction or an angle, radians
+};
+
+/// Collective: the errors of the positions of all joints, of all kinds, after the last step.
+/// Limits count where they are passed.
+template <class Scenario>
+[[nodiscard]] joint_errors measure_joints(world<Scenario>& w) {
+  static_assert(detail::world_state<Scenario>::has_joints,
+                "measure_joints needs joints: name their kinds in joints<...> of this scenario");
+  w.require_all_ranks("measure_joints");
+  auto& s = detail::state_of(w);
+  std::array<double, 2> most{};
+  std::uint64_t count = 0;
+  detail::plain_vector<detail::joint_end> ends = detail::find_joint_ends(s);
+  const detail::jointed_ids& ids = s.joints.ids();
+  const auto locate = [&](system_id id, const vec3& position, const quat& orientation) {
+    if (const std::size_t k = ids.find(id); k != detail::jointed_ids::unknown)
+      ends[k].known = true, ends[k].position = position, ends[k].orientation = orientation;
+  };
+  locate(detail::id_of_world, {0, 0, 0}, {1, 0, 0, 0});
+  s.each_shape([&](const auto& b) {
+    for (std::size_t j = 0; j < b.global.size(); ++j)
+      locate(b.global.id[j], b.global.position[j], b.global.pose(j).orientation);
+  });
+  s.joints.each_kind([&](const auto& of_kind) {
+    using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
+    for (const auto& r : of_kind.records) {
+      const detail::joint_end &a = ends[ids.find(r.key.a)], &b = ends[ids.find(r.key.b)];
+      const bool own_a = a.own && a.moves, own_b = b.own && b.moves;
+      if (!(own_a || own_b) || !a.known || !b.known) continue;
+      count += own_a || !a.moves;
+      const detail::joint_geometry g =
+          detail::geometry_of(r.anchors.frames, {a.position, a.orientation},
+                              {detail::seen_from(s, a.position, b.position), b.orientation});
+      std::array<detail::joint_line, static_cast<std::size_t>(kind::rows)> lines{};
+      detail::joint_coordinates coordinates = r.coordinates;
+      const detail::jointed_body still{};
+      detail::line_writer writer(lines, coordinates, g, still, still, {.dt = 1});
+      kind::write(r.anchors, writer);
+      std::array<double, 2> squares{};
+      for (const detail::joint_line& x : lines) {
+        if (x.use != detail::line_use::holds && !(x.use == detail::line_use::limits && x.error < 0))
+          continue;
+        squares[x.force == vec3(0, 0, 0) ? 1 : 0] += x.error * x.error;
+      }
+      for (std::size_t k = 0; k < 2; ++k) most[k] = std::max(most[k], std::sqrt(squares[k]));
+    }
+  });
+  w.link().reduce(reduction::max, most);
+  w.link().reduce(reduction::sum, std::span(&count, 1));
+  return {count, most[0], most[1]};
+}
+
+}  // namespace talus
