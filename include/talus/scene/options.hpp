@@ -6,8 +6,11 @@
 #include <string_view>
 #include <utility>
 
+#include "talus/concepts.hpp"
 #include "talus/scene/command_line.hpp"
+#include "talus/scene/option_groups.hpp"
 #include "talus/scene/run_outputs.hpp"
+#include "talus/scene/settings_file.hpp"
 
 namespace talus {
 
@@ -48,11 +51,28 @@ struct options {
   std::size_t output_every = 100;    ///< steps between them
   bool output_surfaces = false;      ///< with the faces of bodies other than spheres
   bool force = false;                ///< outputs replace files that talus did not write
+  std::string configuration;         ///< of parse(): all options with their values, as TOML
 
   [[gnu::cold]] void describe(command_line& cli);
 };
 
-/// Reads a command line; `defaults` holds the values of options that it omits. Throws
+namespace detail {
+
+template <class Options>
+[[nodiscard]] constexpr settings_reader* reader_of_settings() {
+#ifdef TALUS_COMPILED
+  return &read_settings;
+#else
+  if constexpr (complete<settings_file<Options>>)
+    return &settings_file<Options>::read;
+  else
+    return nullptr;
+#endif
+}
+
+}  // namespace detail
+
+/// Reads a command line, with the files that it names; `defaults` holds the values of options that it omits. Throws
 /// help_requested and usage_error, and never ends the program. `adapt(line, options)` may withdraw
 /// options without effect in this program.
 template <class Options = options, class Adapt = void (*)(command_line&, const Options&)>
@@ -61,8 +81,10 @@ template <class Options = options, class Adapt = void (*)(command_line&, const O
     Adapt adapt = [](command_line&, const Options&) {}) {
   command_line cli(description);
   defaults.describe(cli);
+  cli.add_settings(detail::reader_of_settings<Options>());
   adapt(cli, std::as_const(defaults));
   cli.parse(argc, argv);
+  defaults.configuration = cli.configuration();
   return defaults;
 }
 

@@ -1,12 +1,15 @@
 #pragma once
 // run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
 #include <algorithm>
+#include <array>
 #include <concepts>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -23,6 +26,7 @@
 #include "talus/scene/detail/options_in_use.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/options.hpp"
+#include "talus/scene/run_configuration.hpp"
 #include "talus/scene/run_outputs.hpp"
 #include "talus/world/world.hpp"
 
@@ -88,6 +92,19 @@ template <class Scenario>
                              : w.last_step();
 }
 
+/// Throws usage_error, alike on all ranks, if the ranks have read different files of options.
+template <class Scenario>
+[[gnu::cold]] void require_same_options(world<Scenario>& w, const std::string& configuration) {
+  if (w.ranks() == 1) return;
+  const double mine = configuration_mark(configuration);
+  std::array<double, 2> ends{mine, -mine};
+  w.link().reduce(reduction::max, std::span<double>(ends));
+  if (ends[0] != -ends[1])
+    throw usage_error(
+        "the ranks have different options: a file of --config is not the same on all machines; put "
+        "it where all of them read the same");
+}
+
 /// The checkpoints that the options ask for. Collective.
 template <class Scenario, class Options>
 void attach_checkpoints(world<Scenario>& w, const Options& options, progress_line& progress,
@@ -105,10 +122,19 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, progress_lin
       plan.from = options.restart;
       plan.force = options.force;
       plan.quiet = options.quiet;
-      plan.tell = [](const std::string& words) { std::fputs((words + "\n").c_str(), stderr); };
+      const auto tell = [](const std::string& words) {
+        std::fputs((words + "\n").c_str(), stderr);
+      };
+      plan.tell = tell;
       plan.restarted = [&](std::uint64_t step) {
         progress.begin_at(step);
         table.go_on_from(step, options.csv_every);
+      };
+      plan.configuration = options.configuration;
+      plan.configured = [&options, tell](const std::string& theirs) {
+        const std::string words = differing_options(options.configuration, theirs);
+        if (!words.empty())
+          tell(compose("goes on from {} with other options: {}", options.restart, words));
       };
       checkpoint_files<Scenario>::attach(w, plan);
     }
@@ -155,12 +181,16 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   }
   w.seed(options.seed);
   const bool speaks = link.rank() == 0;
+  require_same_options(w, options.configuration);
   const std::string replaced = speaks ? inspect_outputs(options) : "";
+  std::optional<run_configuration> configuration;
+  if (speaks) configuration.emplace(options, name);
 
   progress_line progress(speaks && !options.quiet ? stderr : nullptr);
   time_series table(options.csv, speaks, !options.restart.empty());
   w.before_simulating([&] { require_pictures(w, options); });
   w.before_simulating([&] { table.begin(w); });
+  if (speaks) w.before_simulating([&] { configuration->write(); });
   if (!options.quiet) w.before_simulating([&] { mention_overlap(name, w); });
   if constexpr (Scenario::contact_law::soft)
     if (!options.quiet) w.before_simulating([&] { mention_step(name, w); });
@@ -228,6 +258,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   figures.own = std::move(own);
   if (!speaks) return 0;
   if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
+  configuration->write();
   if (options.json.empty()) return 0;
   try {
     write_output(options.json, to_json(figures), results_output, options.force);
@@ -283,6 +314,9 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
   } catch (const help_requested& help) {
     if (speaks) std::fputs(help.what(), stdout);
     return 0;
+  } catch (const unreadable_settings& error) {
+    if (first_on_its_machine()) complain(error.what());
+    return 2;
   } catch (const usage_error& error) {
     if (speaks) complain(error.what());
     return 2;
