@@ -151,13 +151,15 @@ class checkpoint_files final : public checkpoint_hooks {
     if (plan_.to.empty()) return;
     const heard asked = std::exchange(asked_, nothing);
     const std::uint64_t now = w_.steps();
-    const bool due = (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last || stopped ||
+    const bool late = plan_.out_of_time && plan_.out_of_time();
+    const bool due = late || (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last || stopped ||
                      (ends && now > plan_.last);
     if (!due && asked == nothing) return;
     write_checkpoint_file(w_, plan_.to, plan_.force);
     heard_write_ = heard_signals().write;  // other ranks may have received it a step later
-    if (asked == end) throw ended_by_signal{w_.steps(), SIGTERM};
-    if (asked == interrupt) throw ended_by_signal{w_.steps(), SIGINT};
+    if (asked == end) throw ended_early{w_.steps(), SIGTERM};
+    if (asked == interrupt) throw ended_early{w_.steps(), SIGINT};
+    if (late) throw ended_early{w_.steps(), 0, ended_early::cause::time_limit};
   }
   [[nodiscard]] bool writes(const std::string& file) const override {
     return lock_ && lock_->is_of(file);

@@ -51,12 +51,24 @@ struct options {
   std::size_t output_every = 100;    ///< steps between them
   bool output_surfaces = false;      ///< with the faces of bodies other than spheres
   bool force = false;                ///< outputs replace files that talus did not write
+  std::string until;                 ///< "rest" or "steady:NAME"; empty: all steps are made
+  double until_speed = 0;            ///< of bodies at rest; 0: from gravity and sizes
+  double until_time = 0;             ///< at rest, or window of a steady observable, units of time
+  double until_within = 0.01;        ///< change of a steady observable, part of its size
+  std::size_t until_every = 10;      ///< steps between looks at it
+  std::string time_limit;            ///< of wall time, as in 3600 or 1h30m; empty: none
+  bool dry_run = false;              ///< only estimates time and memory; writes nothing
+  std::string log;                   ///< file for what the run says; empty: none
   std::string configuration;         ///< of parse(): all options with their values, as TOML
 
   [[gnu::cold]] void describe(command_line& cli);
 };
 
 namespace detail {
+
+/// Seconds in the text of --time-limit, as in "3600", "90s", "45m", "1h30m" or "2d". Throws
+/// usage_error.
+[[nodiscard, gnu::cold]] double seconds_in(const std::string& text);
 
 template <class Options>
 [[nodiscard]] constexpr settings_reader* reader_of_settings() {

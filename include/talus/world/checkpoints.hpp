@@ -138,13 +138,17 @@ struct checkpoint_plan {
   std::string configuration{};  ///< of the run, to be written; alike on all ranks
   /// takes the configuration of the run that wrote the file, on rank 0, when it is read
   std::function<void(const std::string&)> configured{};
+  /// whether the time limit ends the run with this step; alike on all ranks
+  std::function<bool()> out_of_time{};
 };
 
-/// Thrown after a signal to end (SIGTERM, or SIGINT by Ctrl-C), when the state is written. Thrown
-/// alike on all ranks.
-struct ended_by_signal {
+/// Thrown, alike on all ranks, to end a run before its last step: after a signal to end (SIGTERM, or
+/// SIGINT by Ctrl-C) or at the time limit, when the state is written, and by a dry run.
+struct ended_early {
+  enum class cause { signal, time_limit, dry_run };
   std::uint64_t step = 0;
   int signal = 0;
+  cause why = cause::signal;
 };
 
 /// The parts of a world that io/ may use.
