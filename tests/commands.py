@@ -27,7 +27,7 @@ COMMAND = re.compile(
 # A file whose name is quoted, without a command.
 NAMED = re.compile(r"(~/|(\./)?build/)[\w/.]*$")
 WAY = re.compile(r"cd \S+$")  # to where the next commands are
-LANGUAGES = {"": True, "sh": True, "cpp": False, "cmake": False, "python": False, "text": False}
+LANGUAGES = {"": True, "sh": True, "cpp": False, "cmake": False, "python": False, "text": False, "toml": False}
 MINUTES = 30  # that a command may take
 
 # Commands that would take too long, or are patterns with names to be filled in, and their replacements.
@@ -35,6 +35,11 @@ INSTEAD = {
     "./dev test": None, "./dev test --long": None,  # .ci/run is the one, and this is part of the other
     "./dev test [--long]": None,
     "./dev new NAME": "./dev new shore",
+    "./dev run shaker --config shaker.toml":
+        "printf 'steps = 20\\n[grain]\\nfriction = 0.6\\n' >shaker.toml && "
+        "./dev run shaker --config shaker.toml",
+    "./dev run shaker --config shaker.toml --set iterations=20 --set grain.friction=0.3 --seed 7":
+        "./dev run shaker --config shaker.toml --set iterations=5 --set grain.friction=0.3 --seed 7",
     "./dev run NAME [-n RANKS] [OPTIONS]": "./dev run drop -n 2 --seed 3",
     "./dev run NAME -n RANKS": "./dev run drop -n 3",
     "./dev render DIR": "./dev render ~/heap/pictures",

@@ -25,7 +25,7 @@ level() {
     scene/*) echo 13 ;;
     response/*) echo 14 ;;  # former places of the solvers
     talus.hpp) echo 14 ;;
-    mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | observe.hpp | feature.hpp | liquid.hpp | adhesion.hpp) echo 15 ;;
+    mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | config.hpp | observe.hpp | feature.hpp | liquid.hpp | adhesion.hpp) echo 15 ;;
   esac
 }
 

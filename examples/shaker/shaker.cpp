@@ -12,11 +12,15 @@ using shaker =
 struct shaker_options : options {
   int grains = 500;
   double frequency = 2, amplitude = 0.35;
+  material grain{.density = 1, .restitution = 0.3, .friction = 0.4};
+  uniform_size radius{0.4, 0.5};
 
   shaker_options() { steps = 20000; }
   void describe(auto& line) {
     options::describe(line);
     line.add("--grains", grains, "number of small grains", 1);
+    line.add("--grain", grain, "all bodies");          // --grain.friction and so on
+    line.add("--radius", radius, "of small grains");  // --radius.lower, --radius.upper
     line.add_positive("--frequency", frequency, "cycles per unit of time");
     line.add("--amplitude", amplitude, "half the stroke");
   }
@@ -33,7 +37,7 @@ int main(int argc, char** argv) {
     const double W = 7, rest = 3;  // width of the box, time to settle
     world.decompose({.lower = {0, 0}, .upper = {W, W}});
     world.gravity({0, 0, -9.81});
-    const auto grain = world.material({.density = 1, .restitution = 0.3, .friction = 0.4});
+    const auto grain = world.material(options.grain);
 
     const auto shake = [=](double t) {
       return oscillation{.amplitude = {0, 0, options.amplitude},
@@ -49,8 +53,9 @@ int main(int argc, char** argv) {
                        box_region{{0.5, 0.5, 0.5}, {W - 0.5, W - 0.5, 99}} &
                        beside_the_large_grain{};
     world.fill(sites.first(options.grains), [&](const site& place, random_stream& random) {
-      return body{
-          .shape = sphere{random.uniform(0.4, 0.5)}, .position = place.position, .material = grain};
+      return body{.shape = sphere{options.radius(random)},
+                  .position = place.position,
+                  .material = grain};
     });
     take_pictures(world, options, {.from = {0.5 * W, -14, 24}, .at = {0.5 * W, 2, 5}, .angle = 36});
 

@@ -31,6 +31,7 @@
 #include "talus/observe/penetration.hpp"
 #include "talus/observe/progress.hpp"
 #include "talus/observe/residual.hpp"
+#include "talus/observe/run_ends.hpp"
 #include "talus/observe/summary.hpp"
 #include "talus/observe/time_series.hpp"
 #include "talus/parallel/any_decomposition.hpp"

@@ -38,6 +38,7 @@ class checkpoint_files final : public checkpoint_hooks {
   static void attach(world<Scenario>& w, const checkpoint_plan& plan) {
     auto& hooks = checkpoint_access::keeper(w).hooks;
     hooks = std::make_unique<checkpoint_files>(w, plan);
+    checkpoint_access::keeper(w).configuration = plan.configuration;
   }
   checkpoint_files(world<Scenario>& w, const checkpoint_plan& plan) : w_(w), plan_(plan) {
     team_over team(w.link());
@@ -48,6 +49,7 @@ class checkpoint_files final : public checkpoint_hooks {
         require_same_scenario<Scenario>(in);
         waiting_ = in.integers("/run/steps", 1)[0];
         past_ = get_course(in);
+        if (in.has("/run/configuration")) configuration_ = in.text("/run/configuration");
       } catch (const std::exception& e) {
         const std::string why = e.what();
         fail<std::runtime_error>(
@@ -104,6 +106,7 @@ class checkpoint_files final : public checkpoint_hooks {
     if (w_.rank() == 0 && plan_.tell) tell_of_seed(seed, checkpoint_access::seed(w_));
     if (w_.rank() == 0 && !changes.empty() && plan_.tell)
       plan_.tell(compose("goes on from {} with other parameters: {}", plan_.from, changes));
+    if (w_.rank() == 0 && plan_.configured) plan_.configured(configuration_);
     if (w_.steps() > last)
       fail<std::runtime_error>(
           "the checkpoint {} is of step {} now, beyond step {}, with which this part of the run "
@@ -148,13 +151,15 @@ class checkpoint_files final : public checkpoint_hooks {
     if (plan_.to.empty()) return;
     const heard asked = std::exchange(asked_, nothing);
     const std::uint64_t now = w_.steps();
-    const bool due = (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last || stopped ||
+    const bool late = plan_.out_of_time && plan_.out_of_time();
+    const bool due = late || (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last || stopped ||
                      (ends && now > plan_.last);
     if (!due && asked == nothing) return;
     write_checkpoint_file(w_, plan_.to, plan_.force);
     heard_write_ = heard_signals().write;  // other ranks may have received it a step later
-    if (asked == end) throw ended_by_signal{w_.steps(), SIGTERM};
-    if (asked == interrupt) throw ended_by_signal{w_.steps(), SIGINT};
+    if (asked == end) throw ended_early{w_.steps(), SIGTERM};
+    if (asked == interrupt) throw ended_early{w_.steps(), SIGINT};
+    if (late) throw ended_early{w_.steps(), 0, ended_early::cause::time_limit};
   }
   [[nodiscard]] bool writes(const std::string& file) const override {
     return lock_ && lock_->is_of(file);
@@ -237,6 +242,7 @@ class checkpoint_files final : public checkpoint_hooks {
   std::optional<run_lock> lock_;          ///< on rank 0
   std::optional<std::uint64_t> waiting_;  ///< the step of the file that is to be read
   past_course past_;                      ///< of the run that wrote that file
+  std::string configuration_;             ///< of that run; empty if it is older than these
   std::uint64_t calls_ = 0;               ///< of simulate(), until the file is read
   std::uint64_t asked_before_ = 0;        ///< steps, by the call before
   unsigned heard_write_ = 0, heard_end_ = 0, heard_interrupt_ = 0;

@@ -11,6 +11,16 @@ inline constexpr std::string_view hdf5_mark = "\x89HDF\r\n\x1a\n";
 inline constexpr std::string_view picture_mark =
     "#version 3.7;\nglobal_settings{assumed_gamma 1.0 max_trace_level 12}\n";
 
+inline constexpr std::string_view configuration_mark_line = "# configuration of a run of talus: ";
+
+inline constexpr std::string_view log_mark = "# log of a run of talus: ";
+
+inline constexpr output_kind log_output{
+    "the log of a run of talus",
+    [](std::string_view head) { return head.starts_with(log_mark); }};
+inline constexpr output_kind configuration_output{
+    "the configuration of a run of talus",
+    [](std::string_view head) { return head.starts_with(configuration_mark_line); }};
 inline constexpr output_kind checkpoint_output{"a checkpoint of talus", [](std::string_view head) {
                                                  return head.starts_with(checkpoint_mark);
                                                }};

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <string>
+#include <utility>
 
 #include "talus/core/clock.hpp"
 #include "talus/core/error.hpp"
@@ -16,9 +18,11 @@ namespace talus {
 
 class progress_line {
  public:
-  /// Writes to `out`; writes nothing if that is null.
-  explicit progress_line(std::FILE* out)
-      : out_(out), terminal_(out != nullptr && isatty(fileno(out)) != 0) {}
+  /// Writes to `out`, unless that is null, and every 10 s to `log`, unless that is empty.
+  explicit progress_line(std::FILE* out, std::function<void(const std::string&)> log = {})
+      : out_(out),
+        terminal_(out != nullptr && isatty(fileno(out)) != 0),
+        log_(std::move(log)) {}
 
   /// The run continues from this step: speed counts from here.
   void begin_at(std::uint64_t step);
@@ -30,7 +34,9 @@ class progress_line {
   void finish(std::uint64_t step, const std::string& note = {});
 
  private:
-  void show(std::uint64_t step, std::uint64_t last, const std::string& note);
+  [[nodiscard]] std::string line(std::uint64_t step, std::uint64_t last,
+                                 const std::string& note) const;
+  void show(const std::string& line);
   static std::string duration(double seconds);
 
   std::FILE* out_;
@@ -38,6 +44,8 @@ class progress_line {
   std::uint64_t first_ = 0;
   double start_ = detail::wall_seconds();
   double shown_ = start_;
+  std::function<void(const std::string&)> log_;
+  double logged_ = start_;
 };
 
 }  // namespace talus

@@ -12,32 +12,39 @@ TALUS_INLINE void progress_line::begin_at(std::uint64_t step) {
 
 TALUS_INLINE void progress_line::update(std::uint64_t step, std::uint64_t last,
                                         const std::string& note) {
-  if (out_ == nullptr) return;
+  if (out_ == nullptr && !log_) return;
   const double now = detail::wall_seconds();
-  if (now - shown_ < (terminal_ ? 0.2 : 10)) return;
-  shown_ = now;
-  show(step, last, note);
+  const bool shows = out_ != nullptr && now - shown_ >= (terminal_ ? 0.2 : 10);
+  const bool logs = log_ && now - logged_ >= 10;
+  if (!shows && !logs) return;
+  const std::string words = line(step, last, note);
+  if (shows) shown_ = now, show(words);
+  if (logs) logged_ = now, log_(words + '\n');
 }
 
 TALUS_INLINE void progress_line::finish(std::uint64_t step, const std::string& note) {
-  if (out_ == nullptr || step == first_) return;
-  show(step, step, note);
+  if ((out_ == nullptr && !log_) || step == first_) return;
+  const std::string words = line(step, step, note);
+  if (log_) log_(words + '\n');
+  if (out_ == nullptr) return;
+  show(words);
   if (terminal_) std::fputs("\n", out_);
   std::fflush(out_);
 }
 
-TALUS_INLINE void progress_line::show(std::uint64_t step, std::uint64_t last,
-                                      const std::string& note) {
+TALUS_INLINE std::string progress_line::line(std::uint64_t step, std::uint64_t last,
+                                             const std::string& note) const {
   const double seconds = detail::wall_seconds() - start_;
   const double speed = seconds > 0 ? static_cast<double>(step - first_) / seconds : 0;
   last = std::max(last, step);
   const double left = speed > 0 ? static_cast<double>(last - step) / speed : 0;
   const double part = static_cast<double>(step) / static_cast<double>(last);
-  const std::string line =
-      detail::compose("{}step {} of {} ({} %), {} steps/s, {} left{}{}", terminal_ ? "\r" : "",
-                      step, last, std::lround(100 * part), detail::text(speed, 4), duration(left),
-                      note, terminal_ ? "\x1b[K" : "\n");
-  std::fputs(line.c_str(), out_);
+  return detail::compose("step {} of {} ({} %), {} steps/s, {} left{}", step, last,
+                         std::lround(100 * part), detail::text(speed, 4), duration(left), note);
+}
+
+TALUS_INLINE void progress_line::show(const std::string& line) {
+  std::fputs(((terminal_ ? "\r" : "") + line + (terminal_ ? "\x1b[K" : "\n")).c_str(), out_);
   std::fflush(out_);
 }
 

@@ -38,6 +38,7 @@ TALUS_INLINE std::string to_json(const summary& r) {
   o.add("transport", r.transport);
   o.add("ranks", r.ranks);
   o.add("steps", r.steps);
+  if (!r.ended.empty()) o.add("ended_by", r.ended);
   if (r.restarted_at > 0) o.add("restarted_at", r.restarted_at);
   o.add("dt", r.dt);
   if (soft(r)) {

@@ -37,6 +37,13 @@ inline std::atomic<void (*)(int)> end_of_job{nullptr};
   return {};
 }
 
+/// Whether this is the first process of the job on its machine.
+[[nodiscard]] inline bool first_on_its_machine() {
+  for (const char* name : {"OMPI_COMM_WORLD_LOCAL_RANK", "MPI_LOCALRANKID", "SLURM_LOCALID"})
+    if (const char* rank = std::getenv(name)) return std::atoi(rank) == 0;
+  return find_launcher().rank == 0;
+}
+
 /// Throws if this is one of several processes of a job whose transport does not connect them.
 inline void refuse_launcher(const char* transport) {
   const launcher job = find_launcher();

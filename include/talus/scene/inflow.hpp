@@ -3,7 +3,6 @@
 // places of a region.
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <span>
@@ -20,6 +19,7 @@
 #include "talus/core/random.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/parallel/reduction.hpp"
+#include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/region.hpp"
 #include "talus/scene/site.hpp"
 #include "talus/state/periodic_ghosts.hpp"
@@ -219,13 +219,11 @@ class inserter {
   [[gnu::cold]] void mention_waiting() {
     const bool long_since = how_.bodies == 0 || (w_->time() - since_) * how_.bodies > 10;
     if (++waits_ > patience && long_since && !std::exchange(said_, true) && w_->rank() == 0)
-      std::fputs(
+      say_in_run(
           compose("the inflow '{}' has found no room for its body {} in {} steps, and waits: "
                   "let its region be free of walls and of what came before, larger than the "
                   "bodies, or its rate be lower\n",
-                  how_.name, count_.count, patience)
-              .c_str(),
-          stderr);
+                  how_.name, count_.count, patience));
   }
 
   World* w_;

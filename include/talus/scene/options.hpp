@@ -6,8 +6,11 @@
 #include <string_view>
 #include <utility>
 
+#include "talus/concepts.hpp"
 #include "talus/scene/command_line.hpp"
+#include "talus/scene/option_groups.hpp"
 #include "talus/scene/run_outputs.hpp"
+#include "talus/scene/settings_file.hpp"
 
 namespace talus {
 
@@ -50,11 +53,40 @@ struct options {
   std::string view;                  ///< page for a browser; empty: none
   std::size_t view_every = 0;        ///< steps between its frames; 0: about 200 frames
   bool force = false;                ///< outputs replace files that talus did not write
+  std::string until;                 ///< "rest" or "steady:NAME"; empty: all steps are made
+  double until_speed = 0;            ///< of bodies at rest; 0: from gravity and sizes
+  double until_time = 0;             ///< at rest, or window of a steady observable, units of time
+  double until_within = 0.01;        ///< change of a steady observable, part of its size
+  std::size_t until_every = 10;      ///< steps between looks at it
+  std::string time_limit;            ///< of wall time, as in 3600 or 1h30m; empty: none
+  bool dry_run = false;              ///< only estimates time and memory; writes nothing
+  std::string log;                   ///< file for what the run says; empty: none
+  std::string configuration;         ///< of parse(): all options with their values, as TOML
 
   [[gnu::cold]] void describe(command_line& cli);
 };
 
-/// Reads a command line; `defaults` holds the values of options that it omits. Throws
+namespace detail {
+
+/// Seconds in the text of --time-limit, as in "3600", "90s", "45m", "1h30m" or "2d". Throws
+/// usage_error.
+[[nodiscard, gnu::cold]] double seconds_in(const std::string& text);
+
+template <class Options>
+[[nodiscard]] constexpr settings_reader* reader_of_settings() {
+#ifdef TALUS_COMPILED
+  return &read_settings;
+#else
+  if constexpr (complete<settings_file<Options>>)
+    return &settings_file<Options>::read;
+  else
+    return nullptr;
+#endif
+}
+
+}  // namespace detail
+
+/// Reads a command line, with the files that it names; `defaults` holds the values of options that it omits. Throws
 /// help_requested and usage_error, and never ends the program. `adapt(line, options)` may withdraw
 /// options without effect in this program.
 template <class Options = options, class Adapt = void (*)(command_line&, const Options&)>
@@ -63,8 +95,10 @@ template <class Options = options, class Adapt = void (*)(command_line&, const O
     Adapt adapt = [](command_line&, const Options&) {}) {
   command_line cli(description);
   defaults.describe(cli);
+  cli.add_settings(detail::reader_of_settings<Options>());
   adapt(cli, std::as_const(defaults));
   cli.parse(argc, argv);
+  defaults.configuration = cli.configuration();
   return defaults;
 }
 

@@ -1,9 +1,55 @@
 #pragma once
 // The definitions of options.hpp, in the compiled part or in each program.
+#include <cmath>
+
 #include "talus/core/linkage.hpp"
 #include "talus/scene/options.hpp"
 
 namespace talus {
+
+namespace detail {
+
+TALUS_INLINE double seconds_in(const std::string& text) {
+  const auto refuse = [&] {
+    fail<usage_error>(
+        "--time-limit needs a wall time above 0, as in 3600 (seconds), 45m, 1h30m or 2d, but is "
+        "'{}'; see --help",
+        text);
+  };
+  double sum = 0, last_unit = 1e9;
+  std::size_t at = 0;
+  if (text.empty()) refuse();
+  while (at < text.size()) {
+    double number = 0, digit = 1;
+    const std::size_t from = at;
+    bool point = false;
+    for (; at < text.size() && ((text[at] >= '0' && text[at] <= '9') || text[at] == '.'); ++at) {
+      if (text[at] == '.') {
+        if (point) refuse();
+        point = true;
+      } else if (point) {
+        number += (digit /= 10) * (text[at] - '0');
+      } else {
+        number = 10 * number + (text[at] - '0');
+      }
+    }
+    if (at == from || (point && at == from + 1)) refuse();
+    double unit = 1;
+    if (at < text.size()) {
+      const char letter = text[at++];
+      unit = letter == 's' ? 1 : letter == 'm' ? 60 : letter == 'h' ? 3600 : letter == 'd' ? 86400 : 0;
+    } else if (from != 0) {
+      refuse();  // a number without a unit stands alone
+    }
+    if (unit == 0 || unit >= last_unit) refuse();
+    last_unit = unit;
+    sum += unit * number;
+  }
+  if (!(sum > 0) || !std::isfinite(sum)) refuse();
+  return sum;
+}
+
+}  // namespace detail
 
 TALUS_INLINE void options::describe(command_line& cli) {
   cli.add("--steps", steps, "time steps");
@@ -41,7 +87,33 @@ TALUS_INLINE void options::describe(command_line& cli) {
   cli.add("--view-every", view_every,
           "steps from one frame of it to the next (default: about 200 frames)", 1);
   cli.add("--force", force, "outputs replace files that talus did not write");
+  cli.add("--until", until, "end when all bodies are at \"rest\", or \"steady:NAME\": see docs/runs.md");
+  cli.add("--until-speed", until_speed,
+          "largest speed of bodies at rest (default: they rise by 1e-4 radii)", 0);
+  cli.add("--until-time", until_time,
+          "how long bodies are at rest (default: a fall by their diameter), or the window of what is "
+          "steady",
+          0);
+  cli.add("--until-within", until_within, "change of what is steady, as a part of its size", 0, 1);
+  cli.add("--until-every", until_every, "steps from one look at it to the next", 1);
+  cli.add("--time-limit", time_limit,
+          "end after so much wall time, as in 3600 or 1h30m, with the exit code 75; --checkpoint "
+          "keeps the state");
+  cli.add("--dry-run", dry_run, "estimate time and memory in a short trial, and write nothing");
+  cli.add("--log", log, "write what the run says into this file too, also with --quiet");
   cli.check([this, &cli] {
+    if (!time_limit.empty()) (void)detail::seconds_in(time_limit);
+    const bool steady = until.starts_with("steady:") && until.size() > 7;
+    if (!until.empty() && until != "rest" && !steady)
+      throw usage_error(
+          "--until takes rest, or steady:NAME for a recorded value, kinetic_energy, "
+          "potential_energy or max_speed, but is '" +
+          until + "'; see --help");
+    if (steady && until_time == 0)
+      throw usage_error("--until steady:NAME needs --until-time, the length of its window; see --help");
+    if (until.empty())
+      for (const char* name : {"--until-speed", "--until-time", "--until-within", "--until-every"})
+        if (cli.given(name)) throw usage_error(std::string(name) + " needs --until; see --help");
     if (checkpoint.empty() && checkpoint_every > 0)
       throw usage_error("--checkpoint-every needs --checkpoint FILE; see --help");
     const auto needs = [&cli](const std::string& file, const char* name, const char* other) {
@@ -57,12 +129,14 @@ TALUS_INLINE void options::describe(command_line& cli) {
       throw usage_error("--max-iterations needs --tolerance; see --help");
     needs(output, "--output-every", "--output NAME");
     needs(view, "--view-every", "--view FILE");
-    for (const auto& [option, file] : {std::pair("--json", &json), std::pair("--csv", &csv),
-                                       std::pair("--checkpoint", &checkpoint),
-                                       std::pair("--restart", &restart)})
+    for (const auto& [option, file] :
+         {std::pair("--json", &json), std::pair("--csv", &csv), std::pair("--log", &log),
+          std::pair("--checkpoint", &checkpoint), std::pair("--restart", &restart)})
       detail::refuse_shared_files({{"--view", view}, {option, *file}});
-    detail::refuse_shared_files({{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}});
-    detail::refuse_shared_files({{"--json", json}, {"--csv", csv}, {"--restart", restart}});
+    detail::refuse_shared_files(
+        {{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}, {"--log", log}});
+    detail::refuse_shared_files(
+        {{"--json", json}, {"--csv", csv}, {"--restart", restart}, {"--log", log}});
     if (output.empty() && output_surfaces)
       throw usage_error("--output-surfaces needs --output NAME; see --help");
     if (!colour.empty() && colour != "rank" && colour != "speed")

@@ -3,7 +3,6 @@
 #include <sys/stat.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include "talus/core/field_names.hpp"
 #include "talus/io/output_series.hpp"
 #include "talus/io/povray.hpp"
+#include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/options.hpp"
 
 namespace talus {
@@ -57,11 +57,10 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
     const std::size_t before = detail::inspect_series("the picture", options.frames + "/frame_",
                                                       ".pov", detail::picture_output, look.force,
                                                       [](const std::string&) { return false; });
-    if (before > 0 && !options.quiet && options.restart.empty())
-      std::fputs(
-          detail::compose("--frames {} replaces pictures of an earlier run\n", options.frames)
-              .c_str(),
-          stderr);
+    if (before > 0 && options.restart.empty())
+      detail::say_in_run(
+          detail::compose("--frames {} replaces pictures of an earlier run\n", options.frames),
+          options.quiet);
   }
   const auto take = [&w, look, folder = options.frames](std::uint64_t number) {
     const std::string digits = std::to_string(number);

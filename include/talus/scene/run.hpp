@@ -1,12 +1,17 @@
 #pragma once
 // run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
 #include <algorithm>
+#include <array>
 #include <concepts>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -16,6 +21,7 @@
 #include "talus/observe/initial_overlap.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/progress.hpp"
+#include "talus/observe/run_ends.hpp"
 #include "talus/observe/summary.hpp"
 #include "talus/observe/time_series.hpp"
 #include "talus/parallel/launch_settings.hpp"
@@ -24,7 +30,11 @@
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/detail/run_view.hpp"
 #include "talus/scene/options.hpp"
+#include "talus/scene/dry_run.hpp"
+#include "talus/scene/run_configuration.hpp"
+#include "talus/scene/run_log.hpp"
 #include "talus/scene/run_outputs.hpp"
+#include "talus/scene/time_limit.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -42,14 +52,12 @@ namespace detail {
 }
 
 /// Says what a set-up has probably forgotten, on standard error.
-[[gnu::cold]] inline void mention_forgotten(const std::string& name, bool stepped,
+[[gnu::cold]] inline void mention_forgotten(run_log& log, const std::string& name, bool stepped,
                                             const options& options) {
   if (stepped || options.steps == 0) return;
-  std::fputs(
-      (name + ": no step was made: call world.simulate({.steps = options.steps, .dt = options.dt}) "
-              "at the end of the set-up\n")
-          .c_str(),
-      stderr);
+  log.say(name + ": no step was made: call world.simulate({.steps = options.steps, .dt = "
+                 "options.dt}) at the end of the set-up\n",
+          options.quiet);
 }
 
 /// Throws usage_error, alike on all ranks, where nothing takes the pictures that are asked for.
@@ -63,19 +71,20 @@ template <class Scenario>
 
 /// Says where bodies begin inside each other, on standard error. Collective.
 template <class Scenario>
-[[gnu::cold]] void mention_overlap(const std::string& name, world<Scenario>& w) {
+[[gnu::cold]] void mention_overlap(run_log& log, const std::string& name, world<Scenario>& w,
+                                   bool quiet) {
   if (w.steps() > 0) return;
   const std::string words = initial_overlap(w);
-  if (!words.empty()) std::fputs(compose("{}: warning: {}\n", name, words).c_str(), stderr);
+  if (!words.empty()) log.say(compose("{}: warning: {}\n", name, words), quiet);
 }
 
 /// Says that the time step is not stable for soft contacts, on standard error. Collective.
 template <class Scenario>
-[[gnu::cold]] void mention_step(const std::string& name, world<Scenario>& w) {
+[[gnu::cold]] void mention_step(run_log& log, const std::string& name, world<Scenario>& w,
+                                bool quiet) {
   if (w.steps() > 0) return;
   const std::string words = unstable_step(w, state_of(w).dt);
-  if (w.rank() == 0 && !words.empty())
-    std::fputs(compose("{}: warning: {}\n", name, words).c_str(), stderr);
+  if (w.rank() == 0 && !words.empty()) log.say(compose("{}: warning: {}\n", name, words), quiet);
 }
 
 /// Steps from one reading of the monitors for the progress line to the next: all ranks take part.
@@ -89,10 +98,23 @@ template <class Scenario>
                              : w.last_step();
 }
 
+/// Throws usage_error, alike on all ranks, if the ranks have read different files of options.
+template <class Scenario>
+[[gnu::cold]] void require_same_options(world<Scenario>& w, const std::string& configuration) {
+  if (w.ranks() == 1) return;
+  const double mine = configuration_mark(configuration);
+  std::array<double, 2> ends{mine, -mine};
+  w.link().reduce(reduction::max, std::span<double>(ends));
+  if (ends[0] != -ends[1])
+    throw usage_error(
+        "the ranks have different options: a file of --config is not the same on all machines; put "
+        "it where all of them read the same");
+}
+
 /// The checkpoints that the options ask for. Collective.
 template <class Scenario, class Options>
-void attach_checkpoints(world<Scenario>& w, const Options& options, progress_line& progress,
-                        time_series& table) {
+void attach_checkpoints(world<Scenario>& w, const Options& options, run_log& log,
+                        progress_line& progress, time_series& table, const bool& out_of_time) {
   if constexpr (Scenario::template has_feature<checkpoints>) {
     static_assert(complete<checkpoint_files<Scenario>>,
                   "run needs what writes the checkpoints of its scenario, which names "
@@ -106,10 +128,18 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, progress_lin
       plan.from = options.restart;
       plan.force = options.force;
       plan.quiet = options.quiet;
-      plan.tell = [](const std::string& words) { std::fputs((words + "\n").c_str(), stderr); };
+      const auto tell = [&log](const std::string& words) { log.say(words + "\n"); };
+      plan.tell = tell;
       plan.restarted = [&](std::uint64_t step) {
         progress.begin_at(step);
         table.go_on_from(step, options.csv_every);
+      };
+      plan.out_of_time = [&out_of_time] { return out_of_time; };
+      plan.configuration = options.configuration;
+      plan.configured = [&options, tell](const std::string& theirs) {
+        const std::string words = differing_options(options.configuration, theirs);
+        if (!words.empty())
+          tell(compose("goes on from {} with other options: {}", options.restart, words));
       };
       checkpoint_files<Scenario>::attach(w, plan);
     }
@@ -118,7 +148,7 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, progress_lin
 
 /// The output that the options ask for. Collective.
 template <class Scenario, class Options>
-void attach_output(world<Scenario>& w, const Options& options) {
+void attach_output(world<Scenario>& w, const Options& options, run_log& log) {
   if constexpr (Scenario::template has_feature<vtk_output>) {
     static_assert(complete<vtk_series<Scenario>>,
                   "run needs what writes the output of its scenario, which names "
@@ -129,10 +159,9 @@ void attach_output(world<Scenario>& w, const Options& options) {
           w, options.output, !options.restart.empty(),
           typename vtk_series<Scenario>::content{.surfaces = options.output_surfaces,
                                                  .force = options.force});
-      if (w.rank() == 0 && series->replaces() && !options.quiet)
-        std::fputs(
-            compose("--output {} replaces a series of an earlier run\n", options.output).c_str(),
-            stderr);
+      if (w.rank() == 0 && series->replaces())
+        log.say(compose("--output {} replaces a series of an earlier run\n", options.output),
+                options.quiet);
       const auto write = [&w, series, every = options.output_every] {
         if (w.steps() % every == 0) series->write();
       };
@@ -142,10 +171,55 @@ void attach_output(world<Scenario>& w, const Options& options) {
   }
 }
 
-/// One rank of the program: set-up, steps with progress, figures. Returns the exit code.
+/// The observable of --until steady:NAME.
+template <class Scenario>
+[[nodiscard, gnu::cold]] real observable_of(world<Scenario>& w, const std::string& name) {
+  if (name == "kinetic_energy") return measure_motion(w).kinetic_energy;
+  if (name == "potential_energy") return measure_motion(w).potential_energy;
+  if (name == "max_speed") return measure_motion(w).max_speed;
+  // Only rank 0 has to record.
+  std::array<double, 2> found{0, -std::numeric_limits<double>::max()};
+  if (w.rank() == 0)
+    for (const recorded_value& one : w.records().all())
+      if (one.name == name) found = {1, one.value};
+  w.link().reduce(reduction::max, std::span<double>(found));
+  if (found[0] == 0)
+    fail<std::runtime_error>(
+        "--until steady:{}: nothing is recorded under that name; call world.record(\"{}\", value) in "
+        "world.observe(...), or name kinetic_energy, potential_energy or max_speed",
+        name, name);
+  return found[1];
+}
+
+/// Ends calls of simulate() as --until says. Collective.
+template <class Scenario>
+[[gnu::cold]] void attach_end(world<Scenario>& w, const options& options, run_log& log,
+                              std::string& ended) {
+  if (options.until.empty()) return;
+  const std::function<bool()> over =
+      options.until == "rest"
+          ? at_rest(w, {.speed = options.until_speed, .time = options.until_time})
+          : steady(w, {.time = options.until_time, .within = options.until_within},
+                   [name = options.until.substr(7)](auto& of) { return observable_of(of, name); });
+  // After the functions of the set-up, which may record the observable.
+  w.before_simulating([&w, &options, &log, &ended, over, first = true]() mutable {
+    if (!std::exchange(first, false)) return;
+    w.stop_when(every{options.until_every}, [&w, &options, &log, &ended, over] {
+      if (!over()) return false;
+      ended = options.until;
+      if (w.rank() == 0)
+        log.say(compose("ended by --until {} in step {}\n", options.until, w.steps()),
+                options.quiet);
+      return true;
+    });
+  });
+}
+
+/// One rank of the program: set-up, steps with progress, figures. Returns the exit code. `began`:
+/// wall_seconds() when the program began.
 template <class Scenario, class Options, class SetUp>
 int run_rank(typename Scenario::transport::link& link, const Options& options,
-             const std::string& name, SetUp& set_up) {
+             const std::string& name, SetUp& set_up, run_log& log, double began) {
   world<Scenario> w(link);
   if constexpr (!std::is_void_v<typename Scenario::solver_on_request>)
     if (options.reproducible) w.use_solver_on_request();
@@ -156,29 +230,53 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   }
   w.seed(options.seed);
   const bool speaks = link.rank() == 0;
+  require_same_options(w, options.configuration);
   const std::string replaced = speaks ? inspect_outputs(options) : "";
+  std::optional<run_configuration> configuration;
+  if (speaks) configuration.emplace(options, name);
+  // Ranks take part in what needs all of them if any speaks or keeps a log.
+  const bool quiet = options.quiet, silent = quiet && options.log.empty();
+  if (speaks) log.write(compose("ranks        {}\n", w.ranks()));
 
-  progress_line progress(speaks && !options.quiet ? stderr : nullptr);
+  progress_line progress(speaks && !quiet ? stderr : nullptr,
+                         speaks && log.is_open()
+                             ? [&log](const std::string& line) { log.write(line); }
+                             : std::function<void(const std::string&)>());
   time_series table(options.csv, speaks, !options.restart.empty());
+  run_place place{.rank = link.rank()};
+  if (options.dry_run)
+    w.before_simulating([&] {
+      const run_estimate e = estimate_run(w, w.last_step() - w.steps());
+      if (speaks) std::fputs(to_text(e, name).c_str(), stdout);
+      throw ended_early{w.steps(), 0, ended_early::cause::dry_run};
+    });
   w.before_simulating([&] { require_pictures(w, options); });
   w.before_simulating([&] { table.begin(w); });
-  if (!options.quiet) w.before_simulating([&] { mention_overlap(name, w); });
+  if (speaks) w.before_simulating([&] { configuration->write(); });
+  if (!silent) w.before_simulating([&] { mention_overlap(log, name, w, quiet); });
   if constexpr (Scenario::contact_law::soft)
-    if (!options.quiet) w.before_simulating([&] { mention_step(name, w); });
-  std::string note;
+    if (!silent) w.before_simulating([&] { mention_step(log, name, w, quiet); });
+  std::string note, ended;
+  attach_end(w, options, log, ended);
+  bool out_of_time = false;
+  time_limit limit(options.time_limit.empty() ? 0 : seconds_in(options.time_limit), began,
+                   !options.checkpoint.empty());
   w.after_observers([&] {
     if constexpr (has_monitors<Scenario>)
-      if (!options.quiet && (w.steps() % note_every == 0 || w.steps() == w.last_step()))
+      if (!silent && (w.steps() % note_every == 0 || w.steps() == w.last_step()))
         note = measure_monitors(w).text;
     progress.update(w.steps(), planned_steps(w, options), note);
     if (w.steps() % options.csv_every == 0) table.sample(w);
+    if (!limit.over(w, link) || w.stopped() || w.steps() >= planned_steps(w, options)) return;
+    out_of_time = true;  // checkpoints end the run when they have written the state
+    if (options.checkpoint.empty())
+      throw ended_early{w.steps(), 0, ended_early::cause::time_limit};
   });
-  attach_checkpoints(w, options, progress, table);
-  attach_output(w, options);
+  attach_checkpoints(w, options, log, progress, table, out_of_time);
+  attach_output(w, options, log);
   const auto view = attach_view(w, options, name);
-  if (!options.quiet) std::fputs(replaced.c_str(), stderr);
-  run_place place{.rank = link.rank()};
-  const exit_guard guard(place, name, options.json);
+  if (!replaced.empty()) log.say(replaced, quiet);
+  const exit_guard guard(place, name, options.json, log);
   w.after_each_step([&] {
     place.step = w.steps();
     if constexpr (requires { link.note_step(place.step); }) link.note_step(place.step);
@@ -186,58 +284,61 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   const double cpu = thread_seconds();
   const double start = wall_seconds();
   results own;
-  const auto set_up_and_simulate = [&] {
-    try {
-      if constexpr (std::is_void_v<decltype(set_up(w, options))>)
-        set_up(w, options);
-      else
-        own = set_up(w, options);
-    } catch (const std::exception&) {
-      throw;
-    } catch (const ended_by_signal&) {
-      throw;
-    } catch (const abi::__forced_unwind&) {  // the thread is cancelled
-      throw;
-    } catch (...) {
-      rethrow_with_words(place);
-    }
-  };
-  if constexpr (Scenario::template has_feature<checkpoints>) {
-    try {
-      set_up_and_simulate();
-    } catch (const ended_by_signal& end) {
-      if (speaks)
-        std::fputs(
-            compose("{}: ended by {} in step {}; go on with --restart {}\n", name,
-                    end.signal == SIGINT ? "SIGINT" : "SIGTERM", end.step, options.checkpoint)
-                .c_str(),
-            stderr);
-      return 128 + end.signal;  // as a shell says it
-    }
+  int code = 0;
+  try {
+    if constexpr (std::is_void_v<decltype(set_up(w, options))>)
+      set_up(w, options);
+    else
+      own = set_up(w, options);
     w.require_restarted();
-  } else {
-    set_up_and_simulate();
+  } catch (const ended_early& end) {
+    if (end.why == ended_early::cause::dry_run) return 0;
+    const bool by_limit = end.why == ended_early::cause::time_limit;
+    if (speaks)
+      log.say(compose("{}: ended by {} in step {}; {}\n", name,
+                      by_limit               ? "--time-limit"
+                      : end.signal == SIGINT ? "SIGINT"
+                                             : "SIGTERM",
+                      end.step,
+                      options.checkpoint.empty()
+                          ? "its state is lost: --checkpoint FILE keeps it"
+                          : "go on with --restart " + options.checkpoint));
+    if (!by_limit) return 128 + end.signal;  // as a shell says it
+    code = exit_code_of_time_limit;
+    ended = "time limit";
+  } catch (const std::exception&) {
+    throw;
+  } catch (const abi::__forced_unwind&) {  // the thread is cancelled
+    throw;
+  } catch (...) {
+    rethrow_with_words(place);
   }
+  if (options.dry_run)
+    throw usage_error("--dry-run estimates in world.simulate(...), which this program never calls");
   require_pictures(w, options);
   progress.finish(w.steps(), note);
   const double wall = wall_seconds() - start;
-  if (speaks && !options.quiet) mention_forgotten(name, w.steps() > 0, options);
+  if (speaks && !silent) mention_forgotten(log, name, w.steps() > 0, options);
 
   if (w.steps() == 0) w.synchronize();
   table.sample(w);
   if (view) view->finish();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
+  figures.ended = ended;
   figures.own = std::move(own);
-  if (!speaks) return 0;
-  if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
-  if (options.json.empty()) return 0;
+  if (!speaks) return code;
+  if (!silent) log.print(to_text(figures), quiet);
+  log.write(compose("digest {}, {} s of wall time, exit code {}\n", figures.digest,
+                    text(wall_seconds() - began, 6), code));
+  configuration->write();
+  if (options.json.empty()) return code;
   try {
     write_output(options.json, to_json(figures), results_output, options.force);
   } catch (const std::exception& e) {
     fail<std::runtime_error>("the results {} (--json) {}", options.json, e.what());
   }
-  return 0;
+  return code;
 }
 
 template <class Type>
@@ -259,16 +360,27 @@ inline constexpr bool linked<Scenario, true> = [] {
   return here;
 }();
 
+/// A dry run makes no outputs.
+[[gnu::cold]] inline void write_nothing(options& o) {
+  for (std::string* const file : {&o.json, &o.csv, &o.frames, &o.checkpoint, &o.output, &o.log})
+    file->clear();
+  o.checkpoint_every = 0;
+}
+
 template <class Scenario, class Options, class SetUp>
 int run_checked(int argc, char** argv, SetUp& set_up) {
   const std::string name = program_name(argc > 0 ? argv[0] : nullptr);
   const bool speaks = find_launcher().rank == 0;
-  const auto complain = [&](const std::string& message) {
-    std::fputs((name + ": " + message + "\n").c_str(), stderr);
-    std::fflush(stderr);
-  };
+  const double began = wall_seconds();
+  run_log log;
+  const auto complain = [&](const std::string& message) { log.say(name + ": " + message + "\n"); };
   try {
-    const Options chosen = parse<Options>(argc, argv, {}, "", withdraw_options<Scenario>);
+    Options chosen = parse<Options>(argc, argv, {}, "", withdraw_options<Scenario>);
+    if (chosen.dry_run) write_nothing(chosen);
+    if (speaks)
+      log.open(chosen, name, argc, argv, program_build());
+    else
+      log.join(chosen.log);
     launch_settings settings;
     settings.argc = &argc;
     settings.argv = &argv;
@@ -279,13 +391,17 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
     settings.give_up = chosen.give_up;
     int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
-      const int of_rank = run_rank<Scenario>(link, chosen, name, set_up);
+      const int of_rank =
+          run_rank<Scenario>(link, std::as_const(chosen), name, set_up, log, began);
       if (link.rank() == 0 || find_launcher().size > 1) code = of_rank;
     });
     return code;
   } catch (const help_requested& help) {
     if (speaks) std::fputs(help.what(), stdout);
     return 0;
+  } catch (const unreadable_settings& error) {
+    if (first_on_its_machine()) complain(error.what());
+    return 2;
   } catch (const usage_error& error) {
     if (speaks) complain(error.what());
     return 2;

@@ -78,6 +78,7 @@ struct checkpoint_keeper {
   std::vector<std::uint64_t> added_elsewhere;              ///< by ranks of an earlier run
   std::optional<std::array<double, 12>> first_parameters;  ///< of the set-up
   std::uint64_t restarted_at = 0;                          ///< step of the file that was read
+  std::string configuration;                               ///< of the run, alike on all ranks
   std::unique_ptr<checkpoint_hooks> hooks;                 ///< null if no file is requested
   detail::course course;                                   ///< the calls of simulate()
   mutable bool read = false;  ///< bodies were read since the last call of simulate()
@@ -134,13 +135,20 @@ struct checkpoint_plan {
   bool quiet = false;      ///< no message when it replaces a checkpoint
   std::function<void(const std::string&)> tell;    ///< takes a message for the user, on rank 0
   std::function<void(std::uint64_t)> restarted{};  ///< takes the step of the file, when it is read
+  std::string configuration{};  ///< of the run, to be written; alike on all ranks
+  /// takes the configuration of the run that wrote the file, on rank 0, when it is read
+  std::function<void(const std::string&)> configured{};
+  /// whether the time limit ends the run with this step; alike on all ranks
+  std::function<bool()> out_of_time{};
 };
 
-/// Thrown after a signal to end (SIGTERM, or SIGINT by Ctrl-C), when the state is written. Thrown
-/// alike on all ranks.
-struct ended_by_signal {
+/// Thrown, alike on all ranks, to end a run before its last step: after a signal to end (SIGTERM, or
+/// SIGINT by Ctrl-C) or at the time limit, when the state is written, and by a dry run.
+struct ended_early {
+  enum class cause { signal, time_limit, dry_run };
   std::uint64_t step = 0;
   int signal = 0;
+  cause why = cause::signal;
 };
 
 /// The parts of a world that io/ may use.

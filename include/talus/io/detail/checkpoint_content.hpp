@@ -62,6 +62,8 @@ template <class Scenario>
   for (const scenario_mark& m : marks_of<Scenario>())
     out.push_back(text_dataset("/scenario/" + m.name, m.text));
   out.push_back(text_dataset("/scenario/policies", policies_in_use(s)));
+  if (!keeper.configuration.empty())
+    out.push_back(text_dataset("/run/configuration", keeper.configuration));
   byte_buffer mine;
   byte_writer(mine).put(access::added_here(w));
   std::vector<std::uint64_t> added;

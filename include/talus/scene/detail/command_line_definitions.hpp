@@ -35,12 +35,14 @@ TALUS_INLINE void command_line::add_option(std::string_view name, std::string_vi
 
 TALUS_INLINE void command_line::add_number(std::string_view name, std::string_view meaning,
                                            kind holds, void* target, number initial,
-                                           void (*store)(void*, number), number least,
+                                           void (*store)(void*, number),
+                                           number (*load)(const void*), number least,
                                            number most) {
   add_option(name, meaning, holds, target);
   option& o = options_.back();
   o.initial = print(initial, holds);
   o.store = store;
+  o.load = load;
   o.lower = o.least = least;
   o.upper = o.most = most;
 }
@@ -52,7 +54,7 @@ TALUS_INLINE void command_line::limit(number lower, number upper, number initial
                                                print(upper, o.holds));
   o.lower = lower;
   o.upper = upper;
-  if (initial < lower || initial > upper) o.initial.clear();
+  if (!(initial >= lower && initial <= upper)) o.initial.clear();
 }
 
 TALUS_INLINE void command_line::limit_to_positive() {
@@ -72,61 +74,168 @@ TALUS_INLINE void command_line::withdraw(std::string_view name, const void* targ
   if (option* const o = find(name); o != nullptr && o->target == target) o->refusal = refusal;
 }
 
+TALUS_INLINE void command_line::withdraw_soft(std::string_view refusal) {
+  for (option& o : options_)
+    if (o.soft) o.refusal = refusal;
+}
+
+TALUS_INLINE void command_line::add_settings(settings_reader* read) {
+  add_option("--config", "read options from this file, as in steps = 200 (TOML); may be repeated",
+             kind::file, nullptr);
+  add_option("--set", "set one option, as in --set steps=200; may be repeated", kind::pair, nullptr);
+  reader_ = read;
+}
+
 TALUS_INLINE command_line::option* command_line::find(std::string_view name) {
   for (option& o : options_)
     if (o.name == name) return &o;
   return nullptr;
 }
 
+/// In files and in --set a name has no dashes before it, and underscores are as good as dashes.
+TALUS_INLINE command_line::option* command_line::find_key(std::string_view key) {
+  const auto same = [](char a, char b) { return (a == '_' ? '-' : a) == (b == '_' ? '-' : b); };
+  for (option& o : options_)
+    if (std::equal(o.name.begin() + 2, o.name.end(), key.begin(), key.end(), same)) return &o;
+  return nullptr;
+}
+
 TALUS_INLINE void command_line::parse(int argc, const char* const* argv) {
-  const auto name_in = [](std::string_view word) { return word.substr(0, word.find('=')); };
-  // --help takes precedence over errors, so the first error is reported after the last argument.
-  std::string mistake;
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view word = argv[i], name = name_in(word);
-    if (name == "--help") throw help_requested(help(argv[0]));
-    option* const o = find(name);
-    std::string wrong;
-    if (o == nullptr) {
-      if (rest_ != nullptr && !word.starts_with('-'))
-        rest_->emplace_back(word);
-      else if (mistake.empty())
-        wrong = unknown(word);
-    } else if (name.size() < word.size()) {
-      wrong = read(*o, word.substr(name.size() + 1));
-    } else if (o->holds == kind::flag) {
-      wrong = read(*o, "true");
-    } else if (i + 1 < argc && name_in(argv[i + 1]) != "--help" &&
-               find(name_in(argv[i + 1])) == nullptr) {
-      wrong = read(*o, argv[++i]);
-    } else {
-      wrong = i + 1 < argc ? detail::compose("{} needs a value, but {} follows; see --help",
-                                             o->name, argv[i + 1])
-                           : detail::compose("{} needs a value; see --help", o->name);
-    }
-    if (mistake.empty()) mistake = std::move(wrong);
-  }
+  const auto is_help = [](std::string_view word) {
+    return word.substr(0, word.find('=')) == "--help";
+  };
+  // --help takes precedence over errors.
+  for (int i = 1; i < argc; ++i)
+    if (is_help(argv[i])) throw help_requested(help(argv[0]));
+  std::string mistake = walk(argc, argv, true);
+  if (mistake.empty()) mistake = walk(argc, argv, false);
   if (!mistake.empty()) throw usage_error(mistake);
   for (const auto& condition : conditions_) condition();
 }
 
-TALUS_INLINE std::string command_line::read(option& o, std::string_view value) {
+/// One walk along the command line, for its files or for all but these.
+TALUS_INLINE std::string command_line::walk(int argc, const char* const* argv, bool files) {
+  const auto name_in = [](std::string_view word) { return word.substr(0, word.find('=')); };
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i], name = name_in(word);
+    option* const o = find(name);
+    std::string wrong;
+    std::string_view value = "true";
+    bool has_value = true;
+    if (o == nullptr) {
+      if (files) continue;
+      if (rest_ != nullptr && !word.starts_with('-'))
+        rest_->emplace_back(word);
+      else
+        return unknown(word, false);
+      continue;
+    }
+    if (name.size() < word.size())
+      value = word.substr(name.size() + 1);
+    else if (o->holds != kind::flag) {
+      has_value = i + 1 < argc && find(name_in(argv[i + 1])) == nullptr;
+      if (has_value) value = argv[++i];
+    }
+    if (!has_value) {
+      if (files) continue;
+      return i + 1 < argc ? detail::compose("{} needs a value, but {} follows; see --help", o->name,
+                                            argv[i + 1])
+                          : detail::compose("{} needs a value; see --help", o->name);
+    }
+    if (files != (o->holds == kind::file)) continue;
+    if (o->holds == kind::file)
+      wrong = read_file(std::string(value));
+    else if (o->holds == kind::pair)
+      wrong = read_pair(value);
+    else
+      wrong = read_value(*o, origin::word, value);
+    if (!wrong.empty()) return wrong;
+  }
+  return {};
+}
+
+TALUS_INLINE std::string command_line::read_file(const std::string& file) {
+  if (reader_ == nullptr)
+    return detail::compose(
+        "--config {}: this program is built from headers alone and reads no files of options: link "
+        "talus::compiled, or #include <talus/config.hpp>, which needs toml++ (in Debian "
+        "libtomlplusplus-dev)",
+        file);
+  ++files_;
+  std::string mistake;
+  reader_(file, [&](const setting& s) {
+    if (mistake.empty()) mistake = read_setting(file, s);
+  });
+  return mistake;
+}
+
+TALUS_INLINE std::string command_line::read_setting(const std::string& file, const setting& s) {
+  const std::string place = detail::compose("{}:{}", file, s.line);
+  option* const o = find_key(s.key);
+  if (o == nullptr) return place + ": " + unknown(s.key, true);
+  const std::string name = place + ": " + s.key;
+  if (o->holds == kind::file || o->holds == kind::pair)
+    return detail::compose("{}: {} stands on the command line only, not in a file", place, s.key);
+  if (o->files == files_)
+    return detail::compose("{} is set twice in this file, first at {}", name, o->place);
+  const bool text = s.holds == setting::kind::text;
+  // Whole numbers that TOML cannot hold are written as texts.
+  const bool large = o->holds == kind::natural && text && s.value.size() > 18;
+  const char* wanted = o->holds == kind::text ? (text ? nullptr : "a text in quotes")
+                       : o->holds == kind::flag
+                           ? (s.holds == setting::kind::boolean ? nullptr : "true or false")
+                       : s.holds == setting::kind::number || large ? nullptr
+                                                                   : "a number";
+  if (wanted != nullptr)
+    return detail::compose("{} needs {}{}, but is {}; see --help", name, wanted,
+                           o->limits.empty() ? "" : ", " + o->limits,
+                           text ? '"' + s.value + '"' : s.value);
+  std::string wrong = o->refusal.empty() ? read(*o, s.value, name) : place + ": " + o->refusal;
+  o->from = origin::file;
+  o->files = files_;
+  o->place = place;
+  return wrong;
+}
+
+TALUS_INLINE std::string command_line::read_pair(std::string_view pair) {
+  const std::string_view key = pair.substr(0, pair.find('='));
+  if (key.empty() || key.size() == pair.size())
+    return detail::compose("--set needs NAME=VALUE, as in --set steps=200, but is '{}'; see --help",
+                           std::string(pair));
+  option* const o = find_key(key);
+  if (o == nullptr) return "--set: " + unknown(key, true);
+  if (o->holds == kind::file || o->holds == kind::pair)
+    return detail::compose("--set cannot set {}: give it by itself", o->name);
+  return read_value(*o, origin::set, pair.substr(key.size() + 1));
+}
+
+/// A value from the command line.
+TALUS_INLINE std::string command_line::read_value(option& o, origin from, std::string_view value) {
   if (!o.refusal.empty()) return o.refusal;
-  if (std::exchange(o.given, true)) return detail::compose("{} is given twice; see --help", o.name);
+  if (o.from == from)
+    return detail::compose("{} is given twice{}; see --help", o.name,
+                           from == origin::set ? " by --set" : "");
+  o.from = from;
+  return read(o, value, o.name);
+}
+
+TALUS_INLINE std::string command_line::read(option& o, std::string_view value,
+                                            const std::string& name) {
   if (o.holds == kind::text) {
     *static_cast<std::string*>(o.target) = value;
     return {};
   }
-  if (o.holds != kind::flag) return read_number(o, value);
+  if (o.holds != kind::flag) return read_number(o, value, name);
   const bool yes = value == "true" || value == "yes" || value == "on" || value == "1";
   if (!yes && value != "false" && value != "no" && value != "off" && value != "0")
-    return detail::compose("{} is true or false, but is '{}'; see --help", o.name,
+    return detail::compose("{} is true or false, but is '{}'; see --help", name,
                            std::string(value));
   *static_cast<bool*>(o.target) = yes;
   return {};
 }
 
-TALUS_INLINE std::string command_line::read_number(option& o, std::string_view value) {
+TALUS_INLINE std::string command_line::read_number(option& o, std::string_view value,
+                                                   const std::string& shown) {
   const char *at = value.data(), *const end = at + value.size();
   const bool minus = value.starts_with('-');
   if (minus || value.starts_with('+')) ++at;
@@ -155,24 +264,29 @@ TALUS_INLINE std::string command_line::read_number(option& o, std::string_view v
   }
   if (minus) v = -v;
   if (!good || v < o.least || v > o.most)
-    return detail::compose("{}: needs a {}, but is '{}'; see --help", o.name,
+    return detail::compose("{}: needs a {}{}, but is '{}'; see --help", shown,
                            o.holds == kind::real    ? "finite number"
                            : o.holds == kind::whole ? "whole number"
                                                     : "whole number of at least 0",
+                           o.limits.empty() || shown == o.name ? "" : ", " + o.limits,
                            std::string(value));
   if (v < o.lower || v > o.upper)
-    return detail::compose("{} must be {}, but is {}; see --help", o.name, o.limits,
+    return detail::compose("{} must be {}, but is {}; see --help", shown, o.limits,
                            std::string(value));
   o.store(o.target, v);
   return {};
 }
 
-TALUS_INLINE std::string command_line::unknown(std::string_view word) const {
-  const std::string_view name = word.substr(0, word.find('='));
+TALUS_INLINE std::string command_line::unknown(std::string_view word, bool key) const {
+  const std::string name = (key ? "--" : "") + std::string(word.substr(0, word.find('=')));
   std::string_view closest = "--help";
   for (const option& o : options_)
-    if (o.refusal.empty() && edits(name, o.name) < edits(name, closest)) closest = o.name;
-  if (edits(name, closest) > std::max<std::size_t>(2, closest.size() / 3))
+    if (o.refusal.empty() && !(key && o.target == nullptr) && 
+        edits(name, o.name) < edits(name, closest))
+      closest = o.name;
+  const std::size_t distance = edits(name, closest);
+  if (key) closest.remove_prefix(2);
+  if (distance > std::max<std::size_t>(2, closest.size() / 3) || closest == "help")
     return detail::compose("'{}' is not an option of this program; see --help", std::string(word));
   return detail::compose("'{}' is not an option of this program; did you mean {}? see --help",
                          std::string(word), std::string(closest));
@@ -197,7 +311,8 @@ TALUS_INLINE std::string command_line::help(std::string_view program) const {
   line("--help", "show this help and stop");
   for (const option& o : options_) {
     if (!o.refusal.empty()) continue;
-    constexpr const char* types[] = {"", " TEXT", " UINT", " INT", " FLOAT"};
+    constexpr const char* types[] = {"",     " TEXT", " UINT",      " INT",
+                                     " FLOAT", " FILE", " NAME=VALUE"};
     std::string name = o.name + types[static_cast<int>(o.holds)];
     if (!o.initial.empty()) name += "=" + o.initial;
     line(std::move(name), o.meaning);
@@ -214,6 +329,58 @@ TALUS_INLINE std::string command_line::print(number value, kind holds) {
   }
   return value < 0 ? std::to_string(static_cast<std::int64_t>(value))
                    : std::to_string(static_cast<std::uint64_t>(value));
+}
+
+/// The present value as TOML; empty if it stands for "not given".
+TALUS_INLINE std::string command_line::value_text(const option& o) {
+  if (o.holds == kind::flag) return *static_cast<const bool*>(o.target) ? "true" : "false";
+  if (o.holds == kind::text) {
+    std::string quoted = "\"";
+    for (const char c : *static_cast<const std::string*>(o.target)) {
+      const auto code = static_cast<unsigned char>(c);
+      if (c == '"' || c == '\\') quoted += '\\';
+      if (code < 0x20 || code == 0x7f) {
+        constexpr const char* digits = "0123456789abcdef";
+        ((quoted += "\\u00") += digits[code >> 4]) += digits[code & 15];
+      } else {
+        quoted += c;
+      }
+    }
+    return quoted + '"';
+  }
+  const number value = o.load(o.target);
+  if (!(value >= o.lower && value <= o.upper)) return {};
+  std::string digits = print(value, o.holds);
+  const bool large = o.holds == kind::natural &&
+                     value > static_cast<number>(std::numeric_limits<std::int64_t>::max());
+  return large ? '"' + digits + '"' : digits;
+}
+
+TALUS_INLINE std::string command_line::configuration() const {
+  std::string text;
+  for (const option& o : options_) {
+    if (!o.refusal.empty() || o.target == nullptr) continue;
+    std::string key = o.name.substr(2);
+    for (const char c : key)
+      if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+            c == '-' || c == '_' || c == '.')) {
+        key = '"' + key + '"';
+        break;
+      }
+    const std::string value = value_text(o);
+    if (value.empty()) {
+      text += "# " + key + ": not given\n";
+      continue;
+    }
+    std::string from = o.from == origin::none   ? "default"
+                       : o.from == origin::file ? o.place
+                       : o.from == origin::set  ? "--set"
+                                                : "command line";
+    for (char& c : from)
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    text += key + " = " + value + "  # " + from + "\n";
+  }
+  return text;
 }
 
 /// Insertions, deletions and changes of letters between two words (Levenshtein).

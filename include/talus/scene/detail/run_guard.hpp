@@ -15,6 +15,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/parallel/launcher.hpp"
+#include "talus/scene/run_log.hpp"
 
 namespace talus::detail {
 
@@ -32,8 +33,12 @@ struct run_under_way {
   int ranks = 0;  ///< that are in their set-up or in a step
   pid_t process = 0;
   std::string name, json;
+  run_log* log = nullptr;
 };
 [[nodiscard]] run_under_way& current_run();
+
+/// To standard error unless `quiet`, and into the log of the run that this process is in.
+[[gnu::cold]] void say_in_run(const std::string& text, bool quiet = false);
 
 /// An exit handler. During a run it reports the exit and ends the process, and the job, with a code
 /// that is not 0; otherwise it does nothing.
@@ -42,7 +47,8 @@ struct run_under_way {
 /// During its lifetime on each rank, exit() ends the process with an error.
 class exit_guard {
  public:
-  exit_guard(const run_place& place, const std::string& name, const std::string& json);
+  exit_guard(const run_place& place, const std::string& name, const std::string& json,
+             run_log& log);
   exit_guard(const exit_guard&) = delete;
   exit_guard& operator=(const exit_guard&) = delete;
   ~exit_guard();

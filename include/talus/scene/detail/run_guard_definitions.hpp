@@ -10,6 +10,15 @@ TALUS_INLINE run_under_way& current_run() {
   return *all;
 }
 
+TALUS_INLINE void say_in_run(const std::string& text, bool quiet) {
+  run_under_way& run = current_run();
+  const std::lock_guard lock(run.mutex);
+  if (run.ranks > 0 && run.log != nullptr)
+    run.log->say(text, quiet);
+  else if (!quiet)
+    std::fputs(text.c_str(), stderr);
+}
+
 TALUS_INLINE void refuse_exit(int code) {
   run_under_way& run = current_run();
   const std::lock_guard lock(run.mutex);
@@ -19,11 +28,14 @@ TALUS_INLINE void refuse_exit(int code) {
                                 ? std::string("on a thread that is no rank")
                                 : compose("on rank {} after step {}", place->rank, place->step);
   std::fflush(nullptr);
-  std::fputs(compose("{}: ended early: the program called exit({}) {}, and the run was not at its "
-                     "end; throw an exception or return from the set-up to end a run\n",
-                     run.name, code, where)
-                 .c_str(),
-             stderr);
+  const std::string words =
+      compose("{}: ended early: the program called exit({}) {}, and the run was not at its end; "
+              "throw an exception or return from the set-up to end a run\n",
+              run.name, code, where);
+  if (run.log != nullptr)
+    run.log->say(words);
+  else
+    std::fputs(words.c_str(), stderr);
   if (!run.json.empty()) {
     std::ofstream file(run.json);
     file << compose("{0}\n  \"ended_early\": \"exit({2}) {3}\"\n{1}\n", '{', '}', code, where);
@@ -35,7 +47,7 @@ TALUS_INLINE void refuse_exit(int code) {
 }
 
 TALUS_INLINE exit_guard::exit_guard(const run_place& place, const std::string& name,
-                                    const std::string& json) {
+                                    const std::string& json, run_log& log) {
   static std::once_flag once;
   std::call_once(once, [] {
 #ifdef __GLIBC__
@@ -50,14 +62,14 @@ TALUS_INLINE exit_guard::exit_guard(const run_place& place, const std::string& n
   const std::lock_guard lock(run.mutex);
   ++run.ranks;
   run.process = ::getpid();
-  run.name = name, run.json = json;
+  run.name = name, run.json = json, run.log = &log;
 }
 
 TALUS_INLINE exit_guard::~exit_guard() {
   place_of_this_thread = nullptr;
   run_under_way& run = current_run();
   const std::lock_guard lock(run.mutex);
-  --run.ranks;
+  if (--run.ranks == 0) run.log = nullptr;
 }
 
 TALUS_INLINE void rethrow_with_words(const run_place& place) {
