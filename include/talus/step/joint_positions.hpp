@@ -1,7 +1,6 @@
 #pragma once
 // After a step the bodies of joints lie where their joints hold: to round-off, at any number of
-// steps. This is so for joints between bodies that this rank alone moves; others are corrected by
-// sweeps.
+// steps. Ranks that share an island of joints compute the same, each for all its bodies.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -18,12 +17,9 @@
 namespace talus::detail {
 
 /// Moves the bodies to where the joints hold, by the least displacements with respect to their
-/// masses (Gauss-Newton). Velocities stay. Global bodies are taken where they will be after
-/// `ahead`.
+/// masses (Gauss-Newton). Velocities stay. Returns whether that makes the joints better.
 template <class Scenario>
-void project_joints(world_state<Scenario>& s, real ahead) {
-  moved_joints<Scenario> joints(s, ahead);
-  if (joints.all.empty()) return;
+[[nodiscard]] bool project_joints(moved_joints<Scenario>& joints) {
   const real error = joints.iterate(
       0,
       [&] {
@@ -46,16 +42,7 @@ void project_joints(world_state<Scenario>& s, real ahead) {
           joints.ends[k].orientation = turned<real>(joints.ends[k].orientation, d.w);
         }
       });
-  if (!(error <= joints.first_error())) return;
-  each_jointed(s, true, [&](auto& b, std::size_t i, std::size_t k) {
-    const joint_end& to = joints.ends[k];
-    auto& store = b.movable;
-    if (!store.moves(i)) return;
-    if constexpr (monitored<Scenario, energy_ledger>)
-      s.monitors.energy.running.correction -=
-          s.gravity.dot(to.position - store.position[i]) / store.inverse_mass[i];
-    store.position[i] = to.position, store.orientation_of[i] = to.orientation;
-  });
+  return error <= joints.first_error();
 }
 
 /// The state of jointed bodies at the start of a step.
@@ -88,10 +75,9 @@ struct body_step {
 /// after the step, to round-off, and their impulses do no work. Unknowns are the impulses of the
 /// conditions and the momenta of the bodies (Newton). Returns whether a solution was found.
 template <class Scenario>
-bool conserve_with_joints(world_state<Scenario>& s) {
-  moved_joints<Scenario> joints(s, s.dt / 2);
-  const plain_vector<joint_end>& before = s.joints.before;
-  if (joints.all.empty() || before.size() != joints.ends.size()) return true;
+[[nodiscard]] bool conserve_with_joints(const world_state<Scenario>& s,
+                                        moved_joints<Scenario>& joints) {
+  const plain_vector<joint_end>& before = joints.before;
   const real dt = s.dt, kept = s.damping == 1 ? 1 : portable::pow(s.damping, dt);
   plain_vector<body_step> steps(joints.ends.size(), body_step{});
   const auto push = [&](const moved_joint& j, const joint_line& x, real p) {
@@ -111,21 +97,20 @@ bool conserve_with_joints(world_state<Scenario>& s) {
         f(steps[k], joints.ends[k], before[k], static_cast<std::int32_t>(k));
   };
 
-  each_jointed(s, true, [&](auto& b, std::size_t i, std::size_t k) {
-    const auto& store = b.movable;
-    if (!store.moves(i)) return;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const moved_body& body = joints.of[k];
+    if (!body.end.moves) continue;
     body_step& x = steps[k];
-    x.inverse_mass = store.inverse_mass[i];
-    x.inertia = store.shape[i].inertia() / store.inverse_mass[i];
+    x.inverse_mass = body.end.inverse_mass;
+    x.inertia = body.inertia;
     const auto momentum = [&](const joint_end& e) {
       return e.orientation * vec3(x.inertia.cwiseProduct(e.orientation.conjugate() * e.spin));
     };
-    x.first_momentum = momentum(before[k]), x.momentum = momentum(joints.ends[k]);
-    x.velocity = store.velocity[i];
-    x.free_position = store.position[i] - (dt / 2) * store.velocity[i];
-    if constexpr (std::remove_cvref_t<decltype(store)>::tensor)
-      x.turn = dt * s.solver.turn[b.first + i - s.solver.first_tensor].w;
-  });
+    x.first_momentum = momentum(before[k]), x.momentum = momentum(body.end);
+    x.velocity = body.end.velocity;
+    x.free_position = body.end.position - (dt / 2) * body.end.velocity;
+    x.turn = body.turn;
+  }
   plain_vector<body_step> assumed = steps;
   push_all(solved_lines, -kept);
   each_moving([&](body_step& x, joint_end&, const joint_end&, std::int32_t k) {
@@ -222,9 +207,17 @@ bool conserve_with_joints(world_state<Scenario>& s) {
         j.solved.impulse[k] = found[j.first + static_cast<std::size_t>(k)];
     return false;
   }
+  return true;
+}
+
+/// Writes what joints have changed to the bodies owned here.
+template <class Scenario>
+void put_moved(world_state<Scenario>& s, const plain_vector<moved_body>& bodies) {
   each_jointed(s, true, [&](auto& b, std::size_t i, std::size_t k) {
     auto& store = b.movable;
-    if (!store.moves(i)) return;
+    const moved_body& to = bodies[k];
+    if (to.by_joints == moved_body::change::none) return;
+    const bool whole = to.by_joints == moved_body::change::step;
     // The ledger itself compares the rotational energies of bodies with a tensor.
     [[maybe_unused]] const auto energy = [&] {
       real sum = (real(0.5) * store.velocity[i].squaredNorm() - s.gravity.dot(store.position[i])) /
@@ -234,26 +227,50 @@ bool conserve_with_joints(world_state<Scenario>& s) {
                twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]);
       return sum;
     };
-    if constexpr (monitored<Scenario, energy_ledger>) s.monitors.energy.running.scheme -= energy();
-    const joint_end& to = joints.ends[k];
-    store.position[i] = to.position, store.velocity[i] = to.velocity;
-    store.orientation_of[i] = to.orientation, store.angular_velocity[i] = to.spin;
-    if constexpr (monitored<Scenario, energy_ledger>) s.monitors.energy.running.scheme += energy();
+    if constexpr (monitored<Scenario, energy_ledger>) {
+      auto& flows = s.monitors.energy.running;
+      if (whole)
+        flows.scheme -= energy();
+      else
+        flows.correction -=
+            s.gravity.dot(to.end.position - store.position[i]) / store.inverse_mass[i];
+    }
+    store.position[i] = to.end.position, store.orientation_of[i] = to.end.orientation;
+    if (whole) store.velocity[i] = to.end.velocity, store.angular_velocity[i] = to.end.spin;
+    if constexpr (monitored<Scenario, energy_ledger>)
+      if (whole) s.monitors.energy.running.scheme += energy();
   });
-  return true;
 }
 
-/// The end of the integration of a step, in scenarios with joints.
+/// The end of the integration of a step, in scenarios with joints. Each island is moved by itself,
+/// so that nothing depends on what else a rank holds.
 template <class Scenario>
 void settle_joints(world_state<Scenario>& s) {
-  if constexpr (may_solve_directly<Scenario>) {
-    if (s.by_colours() || s.joints.size() == 0) return;
-    if constexpr (world_state<Scenario>::midpoint) {
-      if (!conserve_with_joints(s)) project_joints(s, s.dt / 2);
-      store_joint_impulses(s);
-    } else {
-      project_joints(s, s.dt);
+  if constexpr (solves_joints_directly<Scenario>) {
+    constexpr bool midpoint = world_state<Scenario>::midpoint;
+    if (s.joints.size() == 0) return;
+    all_moved<Scenario> moved(s, midpoint ? s.dt / 2 : s.dt);
+    plain_vector<std::int32_t> numbers(moved.bodies.size(), -1);
+    const auto keep = [&](const moved_joints<Scenario>& island, moved_body::change how) {
+      for (std::size_t k = 0; k < island.members.size(); ++k) {
+        moved_body& to = moved.bodies[island.members[k]];
+        if (!to.end.moves) continue;
+        to.end = island.ends[k], to.by_joints = how;
+      }
+    };
+    for (const auto& members : moved.islands) {
+      if constexpr (midpoint) {
+        moved_joints<Scenario> island(s, moved, members, numbers);
+        if (conserve_with_joints(s, island)) {
+          keep(island, moved_body::change::step);
+          continue;
+        }
+      }
+      moved_joints<Scenario> island(s, moved, members, numbers);
+      if (project_joints(island)) keep(island, moved_body::change::position);
     }
+    put_moved(s, moved.bodies);
+    if constexpr (midpoint) store_joint_impulses(s);
   }
 }
 
