@@ -75,17 +75,21 @@ class joint_gathering {
   static constexpr std::uint32_t none = ~std::uint32_t{0};
   [[nodiscard]] bool own(std::size_t k) const { return ends_[k].own && ends_[k].moves; }
 
-  /// Calls f(record, a, b, of_kind) for the joints that act here, with their bodies.
+  /// Calls f(record, a, b) for the joints that move a body owned here.
   template <class F>
   void each_joint(F&& f) {
-    s_.joints.each_kind([&](auto& of_kind) {
-      for (const auto& r : of_kind.records)
-        if (r.acts) f(r, ids_.find(r.key.a), ids_.find(r.key.b), of_kind);
-    });
+    s_.joints.each_kind([&](auto& of_kind) { each_joint(of_kind, f); });
+  }
+  template <class OfKind, class F>
+  void each_joint(OfKind& of_kind, F&& f) {
+    for (const auto& r : of_kind.records) {
+      const std::size_t a = ids_.find(r.key.a), b = ids_.find(r.key.b);
+      if (own(a) || own(b)) f(r, a, b);
+    }
   }
   void find_parts() {
     disjoint_sets sets(own_);
-    each_joint([&](const auto&, std::size_t a, std::size_t b, auto&) {
+    each_joint([&](const auto&, std::size_t a, std::size_t b) {
       if (own(a) && own(b)) sets.join(a, b);
     });
     part_of_.assign(own_, none);
@@ -99,7 +103,7 @@ class joint_gathering {
       }
       part_of_[k] = part;
     }
-    each_joint([&](const auto& r, std::size_t a, std::size_t b, auto&) {
+    each_joint([&](const auto& r, std::size_t a, std::size_t b) {
       if (!ends_[a].moves || !ends_[b].moves || own(a) == own(b)) return;
       const std::size_t here = own(a) ? a : b, there = own(a) ? b : a;
       borders_.push_back({part_of_[here], ends_[there].owner, own(a) ? r.key.a : r.key.b,
@@ -119,7 +123,7 @@ class joint_gathering {
       if (part_of_[k] != none)
         if (const auto g = groups_.group_of(part_of_[k]); g >= 0)
           bodies[static_cast<std::size_t>(g)].push_back(k);
-    each_joint([&](const auto&, std::size_t a, std::size_t b, auto&) {
+    each_joint([&](const auto&, std::size_t a, std::size_t b) {
       const auto g = group_of(a, b);
       if (g < 0) return;
       for (const std::size_t k : {a, b})
@@ -162,13 +166,11 @@ class joint_gathering {
       s_.joints.each_kind([&](auto& of_kind) {
         using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
         plain_vector<record> told;
-        for (const record& r : of_kind.records) {
-          if (!r.acts) continue;
-          const std::size_t a = ids_.find(r.key.a), b = ids_.find(r.key.b);
+        each_joint(of_kind, [&](const record& r, std::size_t a, std::size_t b) {
           const auto g = group_of(a, b);
           if (g >= 0 && in_group(static_cast<std::size_t>(g), p.rank) && own(ends_[a].moves ? a : b))
             told.push_back(r);
-        }
+        });
         out.put(std::span<const record>(told.data(), told.size()));
       });
     }

@@ -105,6 +105,7 @@ struct jointed_ids {
 /// A body of a joint, as this rank sees it.
 struct joint_end {
   bool known = false, own = false, moves = false, global = false;
+  bool asleep = false;       ///< immovable until it wakes
   bool at_border = false;    ///< other ranks need its velocity
   std::int32_t number = -1;  ///< in the solver's arrays
   std::int32_t owner = -1;   ///< the rank of a copy

@@ -51,7 +51,7 @@ template <class Scenario>
       using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
       const auto& store = b.movable;
       joint_end& end = ends[k];
-      end.known = true, end.own = own, end.moves = store.moves(i);
+      end.known = true, end.own = own, end.moves = store.moves(i), end.asleep = store.asleep(i);
       end.number = static_cast<std::int32_t>(b.first + i);
       end.position = store.position[i];
       if constexpr (world_state<Scenario>::periodic)
@@ -182,8 +182,8 @@ void place_joints(world_state<Scenario>& s) {
       const joint_end &a = ends[at_a], &b = ends[at_b];
       if (!a.known) fail_jointed(s, r.key.b, b.position, r.key.a, ids.members[at_a].reach);
       if (!b.known) fail_jointed(s, r.key.a, a.position, r.key.b, ids.members[at_b].reach);
-      r.acts = (a.own && a.moves) || (b.own && b.moves);
-      if (!r.acts) continue;
+      r.acts = (a.own && (a.moves || a.asleep)) || (b.own && (b.moves || b.asleep));
+      if (!(a.own && a.moves) && !(b.own && b.moves)) continue;
       typename std::remove_cvref_t<decltype(of_kind.list)>::contact_type c;
       c.record = record;
       place_rows(s, c, r, a, b);

@@ -54,6 +54,8 @@ void note_jointed(world_state<Scenario>& s) {
 
 /// A larger error is no solution: of a step that is too long for its loads.
 inline constexpr real largest_error = 1e-10;
+/// From a step with this error the bodies are moved to where the joints hold.
+inline constexpr real useful_error = 1e-6;
 
 /// The step of a jointed body.
 struct body_step {
@@ -73,13 +75,15 @@ struct body_step {
 /// Computes the step of the jointed bodies again, with rows in the mean of the configurations
 /// before and after it (an energy-momentum method, as of Simo and Gonzalez 1993): conditions hold
 /// after the step, to round-off, and their impulses do no work. Unknowns are the impulses of the
-/// conditions and the momenta of the bodies (Newton). Returns whether a solution was found.
+/// conditions and the momenta of the bodies (Newton). Returns the error; `steps` are those of the
+/// bodies.
 template <class Scenario>
-[[nodiscard]] bool conserve_with_joints(const world_state<Scenario>& s,
-                                        moved_joints<Scenario>& joints) {
+[[nodiscard]] real conserve_with_joints(const world_state<Scenario>& s,
+                                        moved_joints<Scenario>& joints,
+                                        plain_vector<body_step>& steps) {
   const plain_vector<joint_end>& before = joints.before;
   const real dt = s.dt, kept = s.damping == 1 ? 1 : portable::pow(s.damping, dt);
-  plain_vector<body_step> steps(joints.ends.size(), body_step{});
+  steps.assign(joints.ends.size(), body_step{});
   const auto push = [&](const moved_joint& j, const joint_line& x, real p) {
     if (joints.bodies.moves(j.a)) steps[static_cast<std::size_t>(j.a)].push(x, x.moment_a, p);
     if (joints.bodies.moves(j.b)) steps[static_cast<std::size_t>(j.b)].push(x, x.moment_b, -p);
@@ -201,13 +205,72 @@ template <class Scenario>
     push_all(solved_lines, kept);
     error = search();
   }
-  if (!(error < largest_error)) {
+  if (!(error < largest_error))
     for (const moved_joint& j : joints.all)
       for (int k = 0; k < j.solved.rows; ++k)
         j.solved.impulse[k] = found[j.first + static_cast<std::size_t>(k)];
-    return false;
+  return error;
+}
+
+/// Where no such solution is found, as in a singular position, bodies are moved to where the joints
+/// hold. Their velocities then are changed so that they satisfy the joints there, and scaled to the
+/// energy that the work of all other impulses leaves. (Where nothing holds the island, that would
+/// change its momentum, and they are not scaled.)
+template <class Scenario>
+void fit_velocities(const world_state<Scenario>& s, moved_joints<Scenario>& joints,
+                    const plain_vector<body_step>& steps) {
+  (void)joints.iterate(
+      1,
+      [&] {
+        real worst = 0;
+        for (const moved_joint& j : joints.all) {
+          joints.write(j, joints.geometry(j, joints.ends));
+          const joint_end &a = joints.ends[static_cast<std::size_t>(j.a)],
+                          &b = joints.ends[static_cast<std::size_t>(j.b)];
+          for (joint_line& x : joints.lines(j)) {
+            const real rate = x.force.dot(a.velocity - b.velocity) + x.moment_a.dot(a.spin) -
+                              x.moment_b.dot(b.spin);
+            if (x.use != line_use::holds) x.use = line_use::off;
+            x.target = -rate;
+            if (x.use != line_use::off) worst = std::max(worst, std::abs(rate) * s.dt);
+          }
+        }
+        return worst;
+      },
+      [&] {
+        for (std::size_t k = 0; k < joints.ends.size(); ++k) {
+          const body_motion& d = joints.bodies.motion(static_cast<std::int32_t>(k));
+          joints.ends[k].velocity += d.v, joints.ends[k].spin += d.w;
+        }
+      });
+  bool held = false;
+  real had = 0, has = 0, given = 0, part = 0;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const joint_end &from = joints.before[k], &to = joints.ends[k];
+    held = held || !to.moves;
+    if (!to.moves) continue;
+    const body_step& x = steps[k];
+    const real mass = 1 / x.inverse_mass;
+    const auto energy = [&](const joint_end& e) {
+      const vec3 own = e.orientation.conjugate() * e.spin;
+      return real(0.5) *
+             (mass * e.velocity.squaredNorm() + x.inertia.dot(vec3(own.cwiseProduct(own))));
+    };
+    had += energy(from), has += energy(to);
+    given += mass * s.gravity.dot(to.position - from.position);
+    const vec3 push = mass * (x.free_velocity - from.velocity - s.dt * s.gravity),
+               turn = x.free_momentum - x.first_momentum;
+    given += real(0.5) * (push.dot(from.velocity) + turn.dot(from.spin));
+    part += real(0.5) * (push.dot(to.velocity) + turn.dot(to.spin));
   }
-  return true;
+  // has f² = had + given + part f
+  const real root = part * part + 4 * has * (had + given);
+  if (!held || s.damping != 1 || !(has > 0) || !(root > 0)) return;
+  const real factor = (part + portable::sqrt(root)) / (2 * has);
+  constexpr real most = 1.1;
+  if (!(factor < most && factor > 1 / most)) return;
+  for (joint_end& e : joints.ends)
+    if (e.moves) e.velocity *= factor, e.spin *= factor;
 }
 
 /// Writes what joints have changed to the bodies owned here.
@@ -260,14 +323,23 @@ void settle_joints(world_state<Scenario>& s) {
     };
     for (const auto& members : moved.islands) {
       if constexpr (midpoint) {
+        plain_vector<body_step> steps;
         moved_joints<Scenario> island(s, moved, members, numbers);
-        if (conserve_with_joints(s, island)) {
+        const real error = conserve_with_joints(s, island, steps);
+        if (error < largest_error) {
           keep(island, moved_body::change::step);
           continue;
         }
+        moved_joints<Scenario> again(s, moved, members, numbers);
+        if (error < useful_error) again.ends = island.ends;
+        if (project_joints(again)) {
+          fit_velocities(s, again, steps);
+          keep(again, moved_body::change::step);
+        }
+      } else {
+        moved_joints<Scenario> island(s, moved, members, numbers);
+        if (project_joints(island)) keep(island, moved_body::change::position);
       }
-      moved_joints<Scenario> island(s, moved, members, numbers);
-      if (project_joints(island)) keep(island, moved_body::change::position);
     }
     put_moved(s, moved.bodies);
     if constexpr (midpoint) store_joint_impulses(s);
