@@ -42,8 +42,10 @@ SHEET = [
     ]),
     ("Contacts", "What touches, and with which force.", [
         ("world/each_contact.hpp", "loaded_contact", "loaded_contact"),
+        ("world/each_joint.hpp", "joint_in_world", "joint_in_world"),
         ("contact/contact_geometry.hpp", "contact_geometry", "contact_geometry"),
         ("world/each_contact.hpp", ["for_each_contact"]),
+        ("world/each_joint.hpp", ["for_each_joint"]),
         ("observe/force.hpp", ["contact_force", "contact_torque"]),
         ("observe/coordination.hpp", "*", ""),
         ("observe/coordination.hpp", ["*"]),

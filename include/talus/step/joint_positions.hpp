@@ -2,6 +2,7 @@
 // After a step the bodies of joints lie where their joints hold: to round-off, at any number of
 // steps. Ranks that share an island of joints compute the same, each for all its bodies.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -266,7 +267,7 @@ void fit_velocities(const world_state<Scenario>& s, moved_joints<Scenario>& join
   // has f² = had + given + part f
   const real root = part * part + 4 * has * (had + given);
   if (!held || s.damping != 1 || !(has > 0) || !(root > 0)) return;
-  const real factor = (part + portable::sqrt(root)) / (2 * has);
+  const real factor = (part + std::sqrt(root)) / (2 * has);
   constexpr real most = 1.1;
   if (!(factor < most && factor > 1 / most)) return;
   for (joint_end& e : joints.ends)
