@@ -25,9 +25,9 @@ using namespace talus;
 
 namespace {
 
-using machine = scenario<bodies<box>, joints<ball_joint, hinge, rod>,
-                         decomposition<grid<dynamic, dynamic>>, transport<threads>,
-                         features<vtk_output>>;
+using machine =
+    scenario<bodies<box>, joints<ball_joint, hinge, rod>, decomposition<grid<dynamic, dynamic>>,
+             transport<threads>, features<vtk_output>>;
 
 struct scratch {
   std::string folder = "/tmp/talus_joint_output_" + std::to_string(getpid());
@@ -40,14 +40,14 @@ struct scratch {
 /// under gravity along x; over all ranks. Writes NAME.hdf and NAME.pov after some steps.
 void write(int ranks, const std::string& name) {
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
-    world<machine> w(link, grid<dynamic, dynamic>{.cells = {ranks, 1},
-                                                  .lower = {.x = -4, .y = -4},
-                                                  .upper = {.x = 4, .y = 4}});
+    world<machine> w(
+        link, grid<dynamic, dynamic>{
+                  .cells = {ranks, 1}, .lower = {.x = -4, .y = -4}, .upper = {.x = 4, .y = 4}});
     w.gravity({10, 0, 0});
     const auto stuff = w.material({.density = 1000});
     const auto bar = [&](real x) {
-      return w.add_if_local(body{
-          .shape = box{.size = {1, 0.1, 0.1}}, .position = {x, 0, 0}, .material = stuff});
+      return w.add_if_local(
+          body{.shape = box{.size = {1, 0.1, 0.1}}, .position = {x, 0, 0}, .material = stuff});
     };
     const auto first = bar(-2.5), second = bar(-0.5), third = bar(0.5);
     (void)w.join(world_frame, first, hinge{.at = {-3, 0, 0}});

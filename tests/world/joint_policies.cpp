@@ -190,9 +190,9 @@ TEST_CASE("a row hangs on a driven body and follows it") {
 
 namespace {
 
-/// A row that hangs along x over all domains, with a wheel at its end. When it sleeps, `rouse(world,
-/// motor, material)` is called. Returns how many of the six bodies sleep before, and 20 steps after
-/// that.
+/// A row that hangs along x over all domains, with a wheel at its end. When it sleeps,
+/// `rouse(world, motor, material)` is called. Returns how many of the six bodies sleep before, and
+/// 20 steps after that.
 template <class Scenario>
 std::array<std::uint64_t, 2> asleep(int ranks, auto&& rouse) {
   std::array<std::uint64_t, 2> count{};
@@ -211,8 +211,8 @@ std::array<std::uint64_t, 2> asleep(int ranks, auto&& rouse) {
       (void)w.join(last, next, ball_joint{.at = at - vec3(0.35, 0, 0)});
       last = next;
     }
-    const auto wheel = w.add_if_local(
-        body{.shape = sphere{0.3}, .position = {1.5, 0.4, 0}, .material = stuff});
+    const auto wheel =
+        w.add_if_local(body{.shape = sphere{0.3}, .position = {1.5, 0.4, 0}, .material = stuff});
     auto motor = w.join(last, wheel, hinge{.at = {1.5, 0.4, 0}, .axis = {1, 0, 0}});
     for (int k = 0; k < 400; ++k) w.step(2e-3);
     const std::uint64_t before = measure_motion(w).asleep;
@@ -239,8 +239,7 @@ TEST_CASE_TEMPLATE(
       motor.set_motor(torque_motor{.velocity = 9, .largest_torque = 1});
     });
     CHECK(driven == std::array<std::uint64_t, 2>{6, 0});
-    const auto released =
-        asleep<scene>(ranks, [](auto&, auto& motor, auto) { motor.release(); });
+    const auto released = asleep<scene>(ranks, [](auto&, auto& motor, auto) { motor.release(); });
     CHECK(released == std::array<std::uint64_t, 2>{6, 0});
     const auto struck = asleep<scene>(ranks, [](auto& w, auto&, auto stuff) {
       w.add_if_local(body{.shape = sphere{0.3},

@@ -17,11 +17,11 @@ struct cylindrical_joint final {
   joint_limits turn_limits = {};  ///< of the angle
   torque_motor turn_motor = {};   ///< of the angle
   joint_spring turn_spring = {};  ///< of the angle
-  real turn_friction = 0;           ///< the largest torque of friction
+  real turn_friction = 0;         ///< the largest torque of friction
   joint_limits travel_limits = {};  ///< of the travel
   force_motor travel_motor = {};    ///< of the travel
   joint_spring travel_spring = {};  ///< of the travel
-  real travel_friction = 0;  ///< the largest force of friction
+  real travel_friction = 0;         ///< the largest force of friction
 
   /// Throws invalid_argument that names the wrong value.
   void validate() const {

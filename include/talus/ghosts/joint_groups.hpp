@@ -47,8 +47,8 @@ class joint_groups {
     ranks_.clear();
     for (const border& b : borders) ranks_.push_back(b.rank);
     sort_values(ranks_);
-    ranks_.resize(static_cast<std::size_t>(std::unique(ranks_.begin(), ranks_.end()) -
-                                           ranks_.begin()));
+    ranks_.resize(
+        static_cast<std::size_t>(std::unique(ranks_.begin(), ranks_.end()) - ranks_.begin()));
     if (ranks_.empty()) return;
     name_neighbours(own, parts, borders, exchange);
     for (int round = 1; tell(round, parts, borders, exchange);) ++round;
@@ -127,7 +127,8 @@ class joint_groups {
     x.complete = walk(from, x.nodes, last);
     plain_vector<system_id> none;
     if (x.complete)
-      for (const system_id id : x.nodes) (void)walk(id, none, last), x.width = std::max(x.width, last);
+      for (const system_id id : x.nodes)
+        (void)walk(id, none, last), x.width = std::max(x.width, last);
     return x;
   }
 
@@ -159,7 +160,8 @@ class joint_groups {
       out.put(news.size());
       for (const std::uint64_t id : news) {
         const node& n = known_.at(id);
-        out.put(id), out.put(n.rank), out.put(std::span<const system_id>(n.next.data(), n.next.size()));
+        out.put(id), out.put(n.rank),
+            out.put(std::span<const system_id>(n.next.data(), n.next.size()));
       }
     }
     if (messages.empty()) return false;
@@ -196,8 +198,8 @@ class joint_groups {
       (void)walk(parts[own[0]], nodes, last);
       for (const system_id id : nodes) g.ranks.push_back(known_.at(value_of(id)).rank);
       sort_values(g.ranks);
-      g.ranks.resize(static_cast<std::size_t>(std::unique(g.ranks.begin(), g.ranks.end()) -
-                                              g.ranks.begin()));
+      g.ranks.resize(
+          static_cast<std::size_t>(std::unique(g.ranks.begin(), g.ranks.end()) - g.ranks.begin()));
       for (const std::uint32_t k : own)
         group_of_[k] = static_cast<std::int32_t>(groups_.size() - 1);
     }

@@ -143,8 +143,8 @@ class joint_gathering {
         if (in_group(g, rank))
           for (const std::uint32_t k : bodies[g]) p.sent.push_back(k);
       sort_values(p.sent);
-      p.sent.resize(static_cast<std::size_t>(std::unique(p.sent.begin(), p.sent.end()) -
-                                             p.sent.begin()));
+      p.sent.resize(
+          static_cast<std::size_t>(std::unique(p.sent.begin(), p.sent.end()) - p.sent.begin()));
     }
   }
   [[nodiscard]] bool in_group(std::size_t g, int rank) const {
@@ -168,7 +168,8 @@ class joint_gathering {
         plain_vector<record> told;
         each_joint(of_kind, [&](const record& r, std::size_t a, std::size_t b) {
           const auto g = group_of(a, b);
-          if (g >= 0 && in_group(static_cast<std::size_t>(g), p.rank) && own(ends_[a].moves ? a : b))
+          if (g >= 0 && in_group(static_cast<std::size_t>(g), p.rank) &&
+              own(ends_[a].moves ? a : b))
             told.push_back(r);
         });
         out.put(std::span<const record>(told.data(), told.size()));

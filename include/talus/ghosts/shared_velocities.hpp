@@ -31,8 +31,7 @@ class shared_velocities {
       filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;
 
   /// Whether joints are solved all at once.
-  static constexpr bool solves_joints =
-      state_type::has_joints && solves_joints_directly<Scenario>;
+  static constexpr bool solves_joints = state_type::has_joints && solves_joints_directly<Scenario>;
 
   explicit shared_velocities(state_type& s) : s_(s) {}
 

@@ -158,8 +158,7 @@ template <class Scenario, class Row, class Record>
 void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_end& a,
                 const joint_end& b) {
   c.a = a.number, c.b = b.number;
-  const joint_moment when{s.dt, world_state<Scenario>::midpoint,
-                          world_state<Scenario>::midpoint};
+  const joint_moment when{s.dt, world_state<Scenario>::midpoint, world_state<Scenario>::midpoint};
   c.place(r.anchors, body_of(a), body_of(b, seen_from(s, a.position, b.position)), when,
           r.coordinates);
   c.set(r.impulse), c.earlier = r.impulse;

@@ -26,9 +26,9 @@ struct moved_joint {
 struct moved_body {
   enum class change : std::uint8_t { none, position, step };
   joint_end end;
-  vec3 inertia{0, 0, 0};                  ///< principal moments
-  mat3 inverse_inertia = mat3::Zero();    ///< as the solver has it
-  vec3 turn{0, 0, 0};                     ///< by the position correction
+  vec3 inertia{0, 0, 0};                ///< principal moments
+  mat3 inverse_inertia = mat3::Zero();  ///< as the solver has it
+  vec3 turn{0, 0, 0};                   ///< by the position correction
   change by_joints = change::none;
 
   [[nodiscard]] real inverse_mass() const { return end.moves ? end.inverse_mass : real(0); }

@@ -98,13 +98,11 @@ class all_moved {
     s_.joints.each_kind([&](auto& of_kind) {
       using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
       each_joint_in_order<Coloured>(of_kind, [&](auto& c, auto& r) {
-        joints.push_back({&r.anchors.frames,
-                          &r.anchors,
+        joints.push_back({&r.anchors.frames, &r.anchors,
                           [](const void* x, line_writer& to) {
                             kind::write(*static_cast<const typename kind::anchors*>(x), to);
                           },
-                          &r.coordinates,
-                          c.view(),
+                          &r.coordinates, c.view(),
                           static_cast<std::int32_t>(s_.joints.find_end(r.key.a)),
                           static_cast<std::int32_t>(s_.joints.find_end(r.key.b))});
       });
@@ -112,7 +110,9 @@ class all_moved {
   }
   void find_islands() {
     disjoint_sets sets(bodies.size());
-    const auto moves = [&](std::int32_t k) { return bodies[static_cast<std::size_t>(k)].end.moves; };
+    const auto moves = [&](std::int32_t k) {
+      return bodies[static_cast<std::size_t>(k)].end.moves;
+    };
     for (const moved_joint& j : joints)
       if (moves(j.a) && moves(j.b)) sets.join(j.a, j.b);
     plain_vector<std::int32_t> island(bodies.size(), -1);

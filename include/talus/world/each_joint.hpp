@@ -15,18 +15,18 @@ namespace talus {
 /// A joint. Its force and torque are its impulses in the last step over the length of that step;
 /// points and centres are those of the present state.
 struct joint_in_world {
-  const char* name = "";            ///< of its kind
-  std::uint32_t kind = 0;           ///< place of its kind in joints<...>, from 0
-  system_id a = no_id, b = no_id;   ///< the bodies, as they were joined; no_id is the world frame
-  std::uint64_t number = 0;         ///< of the call that joined them
-  vec3 point_a{0, 0, 0};            ///< its point on a, in the world
-  vec3 point_b{0, 0, 0};            ///< its point on b
-  vec3 centre_a{0, 0, 0};           ///< centre of mass of a; its point if a cannot move
-  vec3 centre_b{0, 0, 0};           ///< of b
-  vec3 force{0, 0, 0};              ///< on a; on b its opposite
-  vec3 torque{0, 0, 0};             ///< on a, about its point
-  real angle = 0;                   ///< radians, if the kind has an angle
-  real travel = 0;                  ///< length, if the kind has a travel
+  const char* name = "";           ///< of its kind
+  std::uint32_t kind = 0;          ///< place of its kind in joints<...>, from 0
+  system_id a = no_id, b = no_id;  ///< the bodies, as they were joined; no_id is the world frame
+  std::uint64_t number = 0;        ///< of the call that joined them
+  vec3 point_a{0, 0, 0};           ///< its point on a, in the world
+  vec3 point_b{0, 0, 0};           ///< its point on b
+  vec3 centre_a{0, 0, 0};          ///< centre of mass of a; its point if a cannot move
+  vec3 centre_b{0, 0, 0};          ///< of b
+  vec3 force{0, 0, 0};             ///< on a; on b its opposite
+  vec3 torque{0, 0, 0};            ///< on a, about its point
+  real angle = 0;                  ///< radians, if the kind has an angle
+  real travel = 0;                 ///< length, if the kind has a travel
 };
 
 /// Calls f(joint) for the joints of the present state: over all ranks once for each, on the rank

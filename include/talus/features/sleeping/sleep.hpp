@@ -134,8 +134,8 @@ void advance_sleep_timers(world_state<Scenario>& s) {
   s.each_shape([&](auto& b) { forget(b.movable), forget(b.global); });
 }
 
-/// Bodies joined by contacts or joints have the rest time of the least rested of them; for those that touch a
-/// fixed body with a velocity, as on a belt, it is zero.
+/// Bodies joined by contacts or joints have the rest time of the least rested of them; for those
+/// that touch a fixed body with a velocity, as on a belt, it is zero.
 template <class Scenario>
 void join_islands(world_state<Scenario>& s) {
   disjoint_sets& islands = s.sleep.islands;

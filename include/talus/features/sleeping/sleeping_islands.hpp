@@ -1,7 +1,8 @@
 #pragma once
 // features<sleeping>: islands, that is bodies joined by contacts or joints (immovable ones do not
-// join), that have rested for a while are left out of the steps. features/sleeping/sleep.hpp decides which
-// bodies sleep or wake; this file holds the memory of an island, and spreads waking through it.
+// join), that have rested for a while are left out of the steps. features/sleeping/sleep.hpp
+// decides which bodies sleep or wake; this file holds the memory of an island, and spreads waking
+// through it.
 //
 // The flag of a body is changed by its owner alone, and only right before the exchange of shadow
 // copies, so that at any time all ranks that know the body agree on it. In a step a sleeping body

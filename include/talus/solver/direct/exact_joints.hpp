@@ -12,7 +12,7 @@ namespace talus::detail {
 
 /// Whether a solver with these ranks leaves joints to exact_joints.
 template <class Lists, class Ranks>
-inline constexpr bool solves_joints_at_once = has_joints<Lists> && requires {
+inline constexpr bool solves_joints_at_once = has_joints<Lists>&& requires {
   requires std::remove_cvref_t<Ranks>::solves_joints;
 };
 
