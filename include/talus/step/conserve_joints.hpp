@@ -175,8 +175,8 @@ template <class Scenario>
 
 /// Where no such solution is found, as in a singular position, bodies are moved to where the joints
 /// hold. Their velocities then are changed so that they satisfy the joints there, and scaled to the
-/// energy that the work of all other impulses leaves. (Where nothing holds the island, that would
-/// change its momentum, and they are not scaled.)
+/// energy that the work of all other impulses leaves. (They are not scaled where nothing holds the
+/// island, since that would change its momentum, and where what holds it moves.)
 template <class Scenario>
 void fit_velocities(const world_state<Scenario>& s, moved_joints<Scenario>& joints,
                     const plain_vector<body_step>& steps) {
@@ -204,13 +204,27 @@ void fit_velocities(const world_state<Scenario>& s, moved_joints<Scenario>& join
           joints.ends[k].velocity += d.v, joints.ends[k].spin += d.w;
         }
       });
-  bool held = false;
+  plain_vector<body_step> given_to = steps;  // by gravity, contacts, motors, springs and limits
+  for (body_step& x : given_to) x.velocity = x.free_velocity, x.momentum = x.free_momentum;
+  for (const moved_joint& j : joints.all)
+    for (int k = 0; k < j.solved.rows; ++k)
+      if (const joint_line& x = j.solved.lines[k]; x.use != line_use::holds) {
+        const real p = j.solved.impulse[k];
+        if (joints.bodies.moves(j.a))
+          given_to[static_cast<std::size_t>(j.a)].push(x, x.moment_a, p);
+        if (joints.bodies.moves(j.b))
+          given_to[static_cast<std::size_t>(j.b)].push(x, x.moment_b, -p);
+      }
+  bool held = false, carried = false;
   real had = 0, has = 0, given = 0, part = 0;
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const joint_end &from = joints.before[k], &to = joints.ends[k];
-    held = held || !to.moves;
-    if (!to.moves) continue;
-    const body_step& x = steps[k];
+    if (!to.moves) {
+      held = true;
+      carried = carried || to.velocity != vec3(0, 0, 0) || to.spin != vec3(0, 0, 0);
+      continue;
+    }
+    const body_step& x = given_to[k];
     const real mass = 1 / x.inverse_mass;
     const auto energy = [&](const joint_end& e) {
       const vec3 own = e.orientation.conjugate() * e.spin;
@@ -219,14 +233,14 @@ void fit_velocities(const world_state<Scenario>& s, moved_joints<Scenario>& join
     };
     had += energy(from), has += energy(to);
     given += mass * s.gravity.dot(to.position - from.position);
-    const vec3 push = mass * (x.free_velocity - from.velocity - s.dt * s.gravity),
-               turn = x.free_momentum - x.first_momentum;
+    const vec3 push = mass * (x.velocity - from.velocity - s.dt * s.gravity),
+               turn = x.momentum - x.first_momentum;
     given += real(0.5) * (push.dot(from.velocity) + turn.dot(from.spin));
     part += real(0.5) * (push.dot(to.velocity) + turn.dot(to.spin));
   }
   // has f² = had + given + part f
   const real root = part * part + 4 * has * (had + given);
-  if (!held || s.damping != 1 || !(has > 0) || !(root > 0)) return;
+  if (!held || carried || s.damping != 1 || !(has > 0) || !(root > 0)) return;
   const real factor = (part + std::sqrt(root)) / (2 * has);
   constexpr real most = 1.1;
   if (!(factor < most && factor > 1 / most)) return;
