@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -21,8 +22,8 @@ namespace talus::detail {
 
 /// The parts of islands: bodies of one rank that its own joints connect. A part has the lowest id
 /// of its bodies as its name. Parts on two ranks are adjacent if a joint connects them. In each
-/// round a rank tells the ranks of adjacent parts which parts, with their adjacent parts, it has
-/// heard of in the last round. So after k rounds it knows all parts within a distance of k. Once a
+/// round a rank tells the ranks of adjacent parts which parts of the island, with their adjacent
+/// parts, it knows, each once. So after k rounds it knows all parts within a distance of k. Once a
 /// rank knows all parts of an island, it knows the largest distance of two of them. That is the
 /// number of rounds of the island, on all its ranks: until then a rank goes on telling.
 class joint_groups {
@@ -43,7 +44,7 @@ class joint_groups {
   template <class Exchange>
   void find(int own, const plain_vector<system_id>& parts, const plain_vector<border>& borders,
             Exchange&& exchange) {
-    groups_.clear(), group_of_.assign(parts.size(), -1), known_.clear();
+    groups_.clear(), group_of_.assign(parts.size(), -1), known_.clear(), told_.clear();
     ranks_.clear();
     for (const border& b : borders) ranks_.push_back(b.rank);
     sort_values(ranks_);
@@ -61,7 +62,7 @@ class joint_groups {
 
  private:
   struct node {
-    std::int32_t rank = -1, learned = 0;
+    std::int32_t rank = -1;
     plain_vector<system_id> next;
   };
   struct extent {
@@ -149,13 +150,10 @@ class joint_groups {
         if (b.rank != rank || (x.complete && x.width < round)) continue;
         open = true;
         for (const system_id id : x.nodes)
-          if (const auto at = known_.find(value_of(id));
-              at != known_.end() && at->second.learned == round - 1)
+          if (known_.contains(value_of(id)) && told_[rank].insert(value_of(id)).second)
             news.push_back(value_of(id));
       }
       if (!open) continue;
-      sort_values(news);
-      news.resize(static_cast<std::size_t>(std::unique(news.begin(), news.end()) - news.begin()));
       byte_writer out(messages.emplace_back(neighbour_message{.rank = rank}).out);
       out.put(news.size());
       for (const std::uint64_t id : news) {
@@ -171,7 +169,7 @@ class joint_groups {
       for (auto count = in.get<std::size_t>(); count > 0; --count) {
         const auto id = in.get<std::uint64_t>();
         node n;
-        n.rank = in.get<std::int32_t>(), n.learned = round;
+        n.rank = in.get<std::int32_t>();
         for (const system_id next : in.get_all<system_id>()) n.next.push_back(next);
         known_.emplace(id, std::move(n));
       }
@@ -209,6 +207,7 @@ class joint_groups {
   plain_vector<std::int32_t> group_of_;
   plain_vector<int> ranks_;
   std::map<std::uint64_t, node> known_;
+  std::map<int, std::set<std::uint64_t>> told_;  ///< by ranks
 };
 
 }  // namespace talus::detail
