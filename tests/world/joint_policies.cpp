@@ -8,6 +8,7 @@
 #include <string>
 #include <talus/body/motion.hpp>
 #include <talus/constraint/ball_joint.hpp>
+#include <talus/constraint/hinge.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/parallel/grid.hpp>
@@ -184,5 +185,68 @@ TEST_CASE("a row hangs on a driven body and follows it") {
     };
     const outcome end = run_row<scene>(square_cells(ranks), ranks, 500, 2e-3, {0, 0, -9.81}, lift);
     CHECK(end.gap < 5e-3);
+  }
+}
+
+namespace {
+
+/// A row that hangs along x over all domains, with a wheel at its end. When it sleeps,
+/// `rouse(world, motor, material)` is called. Returns how many of the six bodies sleep before, and
+/// 20 steps after that.
+template <class Scenario>
+std::array<std::uint64_t, 2> asleep(int ranks, auto&& rouse) {
+  std::array<std::uint64_t, 2> count{};
+  threads::launch({.ranks = ranks}, [&](threads::link& link) {
+    world<Scenario> w(link, square_cells(ranks));
+    w.gravity({9.81, 0, 0});
+    w.sleeping({.speed = 0.02, .time = 0.1});
+    const auto stuff = w.material({.density = 1});
+    handle<sphere> wall;
+    w.global([&](auto& scope) { wall = scope.add(sphere{0.2}, stuff, vec3(-2.6, 0.4, 0)); });
+    std::optional<handle<sphere>> last = wall;
+    for (int k = 0; k < 5; ++k) {
+      const vec3 at(-2 + 0.7 * k, 0.4, 0);
+      const auto next =
+          w.add_if_local(body{.shape = sphere{0.3}, .position = at, .material = stuff});
+      (void)w.join(last, next, ball_joint{.at = at - vec3(0.35, 0, 0)});
+      last = next;
+    }
+    const auto wheel =
+        w.add_if_local(body{.shape = sphere{0.3}, .position = {1.5, 0.4, 0}, .material = stuff});
+    auto motor = w.join(last, wheel, hinge{.at = {1.5, 0.4, 0}, .axis = {1, 0, 0}});
+    for (int k = 0; k < 400; ++k) w.step(2e-3);
+    const std::uint64_t before = measure_motion(w).asleep;
+    rouse(w, motor, stuff);
+    for (int k = 0; k < 20; ++k) w.step(2e-3);
+    const std::uint64_t after = measure_motion(w).asleep;
+    if (link.rank() == 0) count = {before, after};
+  });
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE(
+    "a mechanism sleeps as one island, and wakes when its motor changes or something touches it",
+    Solver, nonlinear_gauss_seidel, reproducible) {
+  using scene = scenario<bodies<sphere>, joints<ball_joint, hinge>, transport<threads>,
+                         solver<Solver>, decomposition<cells>, features<sleeping>>;
+  for (const int ranks : {1, 4}) {
+    CAPTURE(ranks);
+    const auto undisturbed = asleep<scene>(ranks, [](auto&, auto&, auto) {});
+    CHECK(undisturbed == std::array<std::uint64_t, 2>{6, 6});
+    const auto driven = asleep<scene>(ranks, [](auto&, auto& motor, auto) {
+      motor.set_motor(torque_motor{.velocity = 9, .largest_torque = 1});
+    });
+    CHECK(driven == std::array<std::uint64_t, 2>{6, 0});
+    const auto released = asleep<scene>(ranks, [](auto&, auto& motor, auto) { motor.release(); });
+    CHECK(released == std::array<std::uint64_t, 2>{6, 0});
+    const auto struck = asleep<scene>(ranks, [](auto& w, auto&, auto stuff) {
+      w.add_if_local(body{.shape = sphere{0.3},
+                          .position = {-2, 1.1, 0},
+                          .material = stuff,
+                          .velocity = {0, -20, 0}});
+    });
+    CHECK(struck == std::array<std::uint64_t, 2>{6, 0});
   }
 }

@@ -21,3 +21,4 @@
 #include "talus/io/detail/vtk_bodies_definitions.hpp"
 #include "talus/io/detail/vtk_contacts_definitions.hpp"
 #include "talus/io/detail/vtk_file_definitions.hpp"
+#include "talus/io/detail/vtk_joints_definitions.hpp"

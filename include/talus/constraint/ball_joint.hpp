@@ -19,6 +19,7 @@ struct ball_joint final {
   struct anchors {
     detail::joint_frames frames;
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     return {detail::frames_at(at, {1, 0, 0, 0}, a, b)};
   }

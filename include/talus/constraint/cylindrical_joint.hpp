@@ -15,13 +15,13 @@ struct cylindrical_joint final {
   vec3 at{0, 0, 0};               ///< a point of the axis, in the world, when the bodies are joined
   vec3 axis{0, 0, 1};             ///< its direction, of any length
   joint_limits turn_limits = {};  ///< of the angle
-  torque_motor turn_motor = {};
-  joint_spring turn_spring = {};
-  real turn_friction = 0;           ///< the largest torque of friction
+  torque_motor turn_motor = {};   ///< of the angle
+  joint_spring turn_spring = {};  ///< of the angle
+  real turn_friction = 0;         ///< the largest torque of friction
   joint_limits travel_limits = {};  ///< of the travel
-  force_motor travel_motor = {};
-  joint_spring travel_spring = {};
-  real travel_friction = 0;  ///< the largest force of friction
+  force_motor travel_motor = {};    ///< of the travel
+  joint_spring travel_spring = {};  ///< of the travel
+  real travel_friction = 0;         ///< the largest force of friction
 
   /// Throws invalid_argument that names the wrong value.
   void validate() const {
@@ -36,6 +36,7 @@ struct cylindrical_joint final {
     detail::joint_frames frames;
     detail::axis_rules turn, way;
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     return {detail::frames_at(at, detail::rotation_to(axis), a, b),
             detail::rules_of(turn_limits, turn_motor, turn_spring, turn_friction),

@@ -35,6 +35,7 @@ struct gear final {
     real ratio = -1;
     real distance = 0;  ///< of the bodies
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     anchors x;
     x.first = detail::rotation_to(first_axis), x.second = detail::rotation_to(second_axis);

@@ -29,6 +29,7 @@ struct hinge final {
     detail::joint_frames frames;
     detail::axis_rules turn;
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     return {detail::frames_at(at, detail::rotation_to(axis), a, b),
             detail::rules_of(limits, motor, spring, friction)};

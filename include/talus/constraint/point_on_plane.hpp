@@ -23,6 +23,7 @@ struct point_on_plane final {
   struct anchors {
     detail::joint_frames frames;
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     return {detail::frames_at(at, detail::rotation_to(normal), a, b)};
   }

@@ -43,6 +43,7 @@ struct rod final {
     detail::joint_frames frames;
     real length = 0;
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     return {detail::frames_between(from, to, a, b), (to - from).norm()};
   }
@@ -85,6 +86,7 @@ struct rope final {
     detail::joint_frames frames;
     real length = 0, restitution = 0;
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     return {detail::frames_between(from, to, a, b), length > 0 ? length : (to - from).norm(),
             restitution};

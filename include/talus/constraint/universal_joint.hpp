@@ -19,12 +19,12 @@ struct universal_joint final {
   vec3 at{0, 0, 0};           ///< where the axes cross, in the world, when the bodies are joined
   vec3 first_axis{0, 0, 1};   ///< in the first body, of any length
   vec3 second_axis{1, 0, 0};  ///< in the second body, perpendicular to it
-  joint_limits first_limits = {};
-  joint_spring first_spring = {};
-  real first_friction = 0;  ///< the largest torque of friction
-  joint_limits second_limits = {};
-  joint_spring second_spring = {};
-  real second_friction = 0;
+  joint_limits first_limits = {};   ///< of the first angle
+  joint_spring first_spring = {};   ///< of the first angle
+  real first_friction = 0;          ///< the largest torque of friction
+  joint_limits second_limits = {};  ///< of the second angle
+  joint_spring second_spring = {};  ///< of the second angle
+  real second_friction = 0;         ///< the largest torque of friction
 
   /// Throws invalid_argument that names the wrong value.
   void validate() const {
@@ -45,6 +45,7 @@ struct universal_joint final {
     detail::joint_frames frames;
     detail::axis_rules first, second;
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     return {detail::frames_at(at, detail::rotation_to(first_axis, second_axis), a, b),
             detail::rules_of(first_limits, torque_motor{}, first_spring, first_friction),

@@ -34,6 +34,7 @@ struct weld final {
     detail::joint_frames frames;
     real largest_force = no_limit, largest_torque = no_limit;
   };
+  /// What the bodies carry of it, for their present poses.
   [[nodiscard]] anchors fix(const pose& a, const pose& b) const {
     return {detail::frames_at(at, {1, 0, 0, 0}, a, b), std::min(largest_force, no_limit),
             std::min(largest_torque, no_limit)};

@@ -9,6 +9,8 @@
 
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/ghosts/shared_joints.hpp"
+#include "talus/state/joints.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
@@ -28,7 +30,27 @@ class shared_velocities {
   static constexpr bool turning =
       filter_types<typename state_type::finite_shapes, has_tensor>::size > 0;
 
+  /// Whether joints are solved all at once.
+  static constexpr bool solves_joints = state_type::has_joints && solves_joints_directly<Scenario>;
+
   explicit shared_velocities(state_type& s) : s_(s) {}
+
+  /// The joints of this rank, and those of other ranks in the same islands, in an order that does
+  /// not depend on the ranks.
+  template <bool Coloured>
+  [[nodiscard]] plain_vector<joint_view> joint_views() {
+    plain_vector<joint_view> views;
+    s_.joints.each_kind([&](auto& of_kind) {
+      each_joint_in_order<Coloured>(of_kind,
+                                    [&](auto& c, const auto&) { views.push_back(c.view()); });
+    });
+    return views;
+  }
+  /// The velocities of the bodies of islands of joints on several ranks; `first` in a step, also
+  /// their masses.
+  void share_jointed(bool first) {
+    if constexpr (solves_joints && !alone) share_jointed_velocities(s_, first);
+  }
 
   /// Besides the velocities: the number of parts into which each body's mass is split at the
   /// boundary, and data for shared islands.

@@ -1,5 +1,6 @@
 #pragma once
 // Pictures: a world as a scene file for the ray tracer POV-Ray.
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <exception>
@@ -10,6 +11,7 @@
 #include "talus/core/output_file.hpp"
 #include "talus/io/output_kinds.hpp"
 #include "talus/io/povray_text.hpp"
+#include "talus/world/each_joint.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -29,6 +31,7 @@ struct picture {
   bool copies = false;   ///< show shadow copies, as thin shells, in the colour of their holder
   bool domains = false;  ///< show the domain of each rank, as glass
   bool ground = true;    ///< show planes, those that face the camera
+  bool joints = true;    ///< show joints: a ball at each, and a bar if its points are apart
   bool force = false;    ///< replace a file that is not a picture of talus
 };
 
@@ -77,6 +80,7 @@ class povray_scene {
         add(b, own, true);
       }
     });
+    if (look_.joints) for_each_joint(world_, [&](const joint_in_world& x) { add_joint(x); });
     if (look_.domains) add_domain(own);
     return out_.str();
   }
@@ -130,6 +134,25 @@ class povray_scene {
     if constexpr (std::remove_cvref_t<decltype(b.shape())>::finite) add_placement(out_, b.pose());
     paint(b.is_fixed() && !b.is_global() ? vec3(0.6 * colour + vec3(0.35, 0.35, 0.35)) : colour,
           glass ? 0.7 : 0);
+  }
+  /// A ball whose size follows from the bodies, dark so that it differs from these; and a bar
+  /// between points that are apart, as those of a rod.
+  void add_joint(const joint_in_world& x) {
+    const vec3 colour(0.12, 0.12, 0.14);
+    const real size = real(0.12) * std::min(room(x.centre_a, x.point_a, x.centre_b, x.point_b),
+                                            real(0.1) * (upper_ - lower_).norm());
+    if (!(size > 0)) return;
+    for (const vec3& at : {x.point_a, x.point_b}) {
+      out_ << "sphere{" << at << "," << size << " ";
+      paint(colour, 0);
+      if ((x.point_a - x.point_b).norm() < size) return;
+    }
+    out_ << "cylinder{" << x.point_a << "," << x.point_b << "," << real(0.5) * size << " ";
+    paint(colour, 0);
+  }
+  /// The longest arm of a joint.
+  [[nodiscard]] static real room(const vec3& a, const vec3& at_a, const vec3& b, const vec3& at_b) {
+    return std::max((a - at_a).norm(), (b - at_b).norm());
   }
   void add_domain(const vec3& colour) {
     if (world_.connections().empty()) return;

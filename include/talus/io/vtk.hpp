@@ -1,5 +1,5 @@
 #pragma once
-// Bodies and contacts for ParaView, VTK and Python: docs/output.md.
+// Bodies, contacts and joints for ParaView, VTK and Python: docs/output.md.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -17,6 +17,7 @@
 #include "talus/io/detail/vtk_bodies.hpp"
 #include "talus/io/detail/vtk_contacts.hpp"
 #include "talus/io/detail/vtk_file.hpp"
+#include "talus/io/detail/vtk_joints.hpp"
 #include "talus/io/detail/vtk_surfaces.hpp"
 #include "talus/io/output_kinds.hpp"
 #include "talus/io/output_series.hpp"
@@ -52,6 +53,16 @@ void write_vtk_contacts(world<Scenario>& w, checkpoint_team& team, const std::st
                  std::move(rows.points), std::move(rows.data), w.steps(), w.time(), force);
 }
 template <class Scenario>
+void write_vtk_joints(world<Scenario>& w, checkpoint_team& team, const std::string& file,
+                      bool force) {
+  vtk_joints rows;
+  rows.add_all(w);
+  write_vtk_file(
+      team, file,
+      vtk_cells::in_a_row(vtk_cell::poly_line, rows.points.rows(), vtk_joints::points_of_each),
+      std::move(rows.points), std::move(rows.data), w.steps(), w.time(), force);
+}
+template <class Scenario>
 void write_vtk_surfaces(world<Scenario>& w, checkpoint_team& team, const std::string& file,
                         bool force) {
   vtk_surfaces<Scenario> rows;
@@ -70,6 +81,7 @@ template <class Scenario>
 [[nodiscard, gnu::cold]] std::vector<vtk_block<Scenario>> vtk_blocks(const vtk_content& content) {
   std::vector<vtk_block<Scenario>> all{{"", write_vtk_bodies<Scenario>},
                                        {"_contacts", write_vtk_contacts<Scenario>}};
+  if constexpr (Scenario::joints::size > 0) all.push_back({"_joints", write_vtk_joints<Scenario>});
   if constexpr (has_surfaces<Scenario>) {
     if (content.surfaces) all.push_back({"_surfaces", write_vtk_surfaces<Scenario>});
   } else if (content.surfaces) {
@@ -94,7 +106,8 @@ template <class Scenario>
 /// replace files of that name when they are complete. Bodies are points: those that ranks own, and
 /// the finite global ones, in the order of their ids within each rank; of a union each part. A
 /// contact that carries a force is a line from centre to centre, or to the contact point with
-/// something immovable. All columns, and programs that read them: docs/output.md. Throws
+/// something immovable. Joints are lines, too, in NAME_joints.hdf, if the scenario names any. All
+/// columns, and programs that read them: docs/output.md. Throws
 /// runtime_error alike on all ranks if a file cannot be written, and invalid_argument for surfaces
 /// if no shape has any.
 template <class Scenario>

@@ -197,9 +197,9 @@ struct scenario final {
   static_assert(!has_joints || law_policy::soft || law_policy::correction,
                 "scenario<...> names joints and a contact law without a position correction, which "
                 "keeps joints together: add split_correction to hard_contact<...>");
-  static_assert(!has_joints || !(names<continuous_collision> || names<sleeping>),
-                "scenario<...> names joints and continuous_collision or sleeping, which do not see "
-                "joints yet: remove the feature, or the joints");
+  static_assert(!has_joints || !names<continuous_collision>,
+                "scenario<...> names joints and continuous_collision, which follows bodies without "
+                "their joints: remove the feature, or the joints");
   /// Joints turn with their bodies.
   using oriented_features =
       std::conditional_t<has_joints && !names<orientation>,

@@ -1,6 +1,7 @@
 #pragma once
 // The definitions of run_configuration.hpp, in the compiled part or in each program.
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <string_view>
 
@@ -12,9 +13,9 @@ namespace talus::detail {
 template <class F>
 void run_configuration::each_file(F&& f) const {
   const std::string* const outputs[] = {&options_.json, &options_.csv, &options_.output,
-                                        &options_.frames};
-  constexpr const char* names[] = {"--json", "--csv", "--output", "--frames"};
-  for (std::size_t k = 0; k < 4; ++k) {
+                                        &options_.frames, &options_.view};
+  constexpr const char* names[] = {"--json", "--csv", "--output", "--frames", "--view"};
+  for (std::size_t k = 0; k < std::size(names); ++k) {
     std::string path = *outputs[k];
     if (path.empty() || is_stream(path)) continue;
     while (path.size() > 1 && path.back() == '/') path.pop_back();

@@ -10,6 +10,7 @@
 #include "talus/core/policy.hpp"
 #include "talus/solver/coloured_list.hpp"
 #include "talus/solver/convergence.hpp"
+#include "talus/solver/direct/exact_joints.hpp"
 
 namespace talus {
 
@@ -21,11 +22,13 @@ namespace talus {
 /// does not depend on the number of ranks, on the decomposition, or on the position of bodies in
 /// memory, and momentum is conserved as on one rank. Each rank also solves the contacts of other
 /// ranks on which its own depend within a sweep (see solver/dependence_cones.hpp), so that mostly
-/// one message for each iteration suffices.
+/// one message for each iteration suffices. Joints are solved all at once after each sweep, those
+/// of an island on several ranks on each of them alike (see solver/direct/exact_joints.hpp).
 struct coloured_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "coloured_gauss_seidel";
   static constexpr bool by_colours = true;
+  static constexpr bool solves_joints = true;
 
   /// As nonlinear_gauss_seidel::solve; the contacts in `lists` are coloured. `ranks` has the number
   /// of colours.
@@ -40,6 +43,7 @@ struct coloured_gauss_seidel final {
     each([&](auto& list) { list.prepare(s); });
     for (std::uint32_t c = 0; c < colours; ++c) each([&](auto& list) { list.warm_start(s, c); });
 
+    detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>, true> joints(s, ranks);
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if constexpr (!alone)
@@ -47,11 +51,12 @@ struct coloured_gauss_seidel final {
       if (watch.reached(k)) break;
       for (std::uint32_t c = 0; c < colours; ++c) {
         if constexpr (!alone) ranks.start_velocities(c);
-        each([&](auto& list) { list.sweep(s, c, false); });
+        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });
         if constexpr (alone) continue;
         ranks.finish_velocities(c);
-        each([&](auto& list) { list.sweep(s, c, true); });
+        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true); });
       }
+      joints.solve(s);
       watch.poll();
     }
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });

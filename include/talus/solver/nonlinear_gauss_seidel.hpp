@@ -26,12 +26,14 @@ namespace talus {
 /// the others are swept. Islands on which sweeps stall, such as a heavy body on light ones or a
 /// tall wall, are balanced from the top down or solved by Newton's method after the last of them
 /// (see solver/direct/stalled_islands.hpp). Joints are solved all at once, exactly, after each
-/// sweep over contacts (see solver/direct/exact_joints.hpp). After a step that left nothing to
+/// sweep over contacts, those of an island on several ranks on each of them (see
+/// solver/direct/exact_joints.hpp). After a step that left nothing to
 /// change, a single rank sweeps once, and more often only if that changes anything.
 struct nonlinear_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "nonlinear_gauss_seidel";
   static constexpr bool solves_shared_islands = true;
+  static constexpr bool solves_joints = true;
 
   /// Solves the contact problem in `lists` (a tuple of contact lists). `ranks` refreshes the shadow
   /// copies: share_velocities_and_counts(), share_velocities() or its two halves start_velocities()
@@ -53,7 +55,7 @@ struct nonlinear_gauss_seidel final {
       ranks.solve_shared_islands(lists);
     }
 
-    detail::exact_joints<Lists, State> joints(lists, s);
+    detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>> joints(s, ranks);
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
     const bool settled =
@@ -61,7 +63,10 @@ struct nonlinear_gauss_seidel final {
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
-      detail::relax_boundary<Ranks>(lists, s);
+      if constexpr (!alone) {
+        detail::each_swept(lists, ranks, [&](auto& list) { list.relax_boundary(s); });
+        detail::each_swept(lists, ranks, [&](auto& list) { list.apply_boundary(s); });
+      }
       const bool more = k + 1 < watch.limit();
       const bool first = settled && k == 0;
       if (first || (looks && k + 1 == settings.iterations)) {
@@ -73,7 +78,7 @@ struct nonlinear_gauss_seidel final {
           break;
         }
         joints.solve(s);
-        if constexpr (!alone)
+        if constexpr (!alone && !detail::solves_joints_at_once<Lists, Ranks>)
           if (more) ranks.share_velocities();
       } else {
         joints.sweep(lists, s, k % 2 == 0, more, ranks);

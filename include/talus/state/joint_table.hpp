@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
+#include <vector>
 
 #include "talus/body/jointed_body.hpp"
 #include "talus/constraint/line_writer.hpp"
@@ -51,8 +52,13 @@ template <class Kind, class List>
 struct joints_of_kind {
   using kind = Kind;
   using record = joint_record<Kind>;
+  using row = typename List::contact_type;
   plain_vector<record> records;
   List list;
+  /// Joints of other ranks in islands that reach here, for the step under way, and their rows; in
+  /// the order of their keys. See ghosts/shared_joints.hpp.
+  plain_vector<record> far;
+  plain_vector<row> far_rows;
 
   [[nodiscard]] record* find(const joint_key& key) {
     record* at = place(key);
@@ -99,8 +105,10 @@ struct jointed_ids {
 /// A body of a joint, as this rank sees it.
 struct joint_end {
   bool known = false, own = false, moves = false, global = false;
+  bool asleep = false;       ///< immovable until it wakes
   bool at_border = false;    ///< other ranks need its velocity
   std::int32_t number = -1;  ///< in the solver's arrays
+  std::int32_t owner = -1;   ///< the rank of a copy
   vec3 position{0, 0, 0};    ///< at its owner
   quat orientation{1, 0, 0, 0};
   vec3 velocity{0, 0, 0}, spin{0, 0, 0};
@@ -108,6 +116,15 @@ struct joint_end {
 };
 
 inline constexpr std::size_t no_wall = ~std::size_t{0};
+
+/// What this rank and another one exchange of the islands of joints on both; bodies by their
+/// numbers in joint_table::ends.
+struct joint_partner {
+  static constexpr std::uint32_t ignored = ~std::uint32_t{0};
+  int rank = -1;
+  plain_vector<std::uint32_t> sent;
+  plain_vector<std::uint32_t> received;  ///< or ignored: what never moves and is known here
+};
 
 template <class Kinds, template <class> class ListOf>
 class joint_table;
@@ -117,6 +134,10 @@ class joint_table<type_list<Kinds...>, ListOf> {
   std::uint64_t made = 0;      ///< calls of join so far; alike on all ranks
   std::size_t wall = no_wall;  ///< what global bodies are in the solver's arrays, if joints need it
   plain_vector<joint_end> before;  ///< at the start of the step, for integrators that need it
+  /// The bodies of joints in the step under way: the members of ids(), then those of far joints.
+  plain_vector<joint_end> ends;
+  plain_vector<plain_pair<system_id, std::uint32_t>> far;  ///< the latter, in the order of ids
+  std::vector<joint_partner> partners;  ///< of islands of joints on several ranks, by rank
 
   template <class F>
   void each_kind(F&& f) {
@@ -144,6 +165,12 @@ class joint_table<type_list<Kinds...>, ListOf> {
   [[nodiscard]] const jointed_ids& ids() {
     if (!known_) list_ids();
     return ids_;
+  }
+  /// The place of a body in `ends`, or jointed_ids::unknown.
+  [[nodiscard]] std::size_t find_end(system_id id) {
+    if (const std::size_t k = ids().find(id); k != jointed_ids::unknown) return k;
+    const auto at = std::lower_bound(far.begin(), far.end(), plain_pair{id, std::uint32_t{0}});
+    return at != far.end() && at->first == id ? at->second : jointed_ids::unknown;
   }
   /// Whether two bodies have a joint: then they have no contacts.
   [[nodiscard]] bool joined(system_id a, system_id b) { return ids().joined(a, b); }

@@ -28,6 +28,17 @@ void each_jointed(world_state<Scenario>& s, bool owned_here, F&& f) {
   });
 }
 
+/// The rank that owns copy i of a shape.
+template <class Scenario, class Bodies>
+[[nodiscard]] int owner_of_copy(const world_state<Scenario>& s, const Bodies& b, std::size_t i) {
+  using shape = typename Bodies::shape_type;
+  constexpr auto k = index_of<typename world_state<Scenario>::finite_shapes, shape>;
+  std::size_t end = b.movable.locals;
+  for (const auto& n : s.neighbours)
+    if (i < (end += n.copies[k])) return n.rank;
+  return -1;
+}
+
 /// The bodies of the joints of this rank, as jointed_ids numbers them.
 template <class Scenario>
 [[nodiscard]] plain_vector<joint_end> find_joint_ends(world_state<Scenario>& s) {
@@ -40,7 +51,7 @@ template <class Scenario>
       using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
       const auto& store = b.movable;
       joint_end& end = ends[k];
-      end.known = true, end.own = own, end.moves = store.moves(i);
+      end.known = true, end.own = own, end.moves = store.moves(i), end.asleep = store.asleep(i);
       end.number = static_cast<std::int32_t>(b.first + i);
       end.position = store.position[i];
       if constexpr (world_state<Scenario>::periodic)
@@ -48,8 +59,10 @@ template <class Scenario>
       end.orientation = store.pose(i).orientation;
       end.velocity = store.velocity[i], end.spin = store.angular_velocity[i];
       end.inverse_mass = store.inverse_mass[i];
-      if constexpr (!world_state<Scenario>::link_type::alone)
+      if constexpr (!world_state<Scenario>::link_type::alone) {
         end.at_border = b.first + i < s.at_border.size() && s.at_border[b.first + i];
+        if (!own) end.owner = owner_of_copy(s, b, i);
+      }
     });
   return ends;
 }
@@ -109,16 +122,46 @@ template <class Scenario>
 }
 [[nodiscard]] inline jointed_body body_of(const joint_end& x) { return body_of(x, x.position); }
 
-/// Whether the joints of a rank may be solved together, exactly: not where nothing may depend on
-/// the ranks, or where positions follow several velocities.
+/// Whether the joints are solved together, exactly, and hold after the step: not where positions
+/// follow several velocities.
 template <class Scenario>
-inline constexpr bool may_solve_directly =
-    !uses_substeps<typename Scenario::solver> &&
-    (world_state<Scenario>::two_solvers || !world_state<Scenario>::may_use_colours);
-/// Whether they are so in this run.
-template <class Scenario>
-[[nodiscard]] constexpr bool solves_directly(const world_state<Scenario>& s) {
-  return may_solve_directly<Scenario> && !s.by_colours();
+inline constexpr bool solves_joints_directly = !uses_substeps<typename Scenario::solver>;
+
+/// Calls f(rows, record) for the joints of a kind on this rank and the far ones, in the order of
+/// their keys. `Coloured`: the lists of the solver in use.
+template <bool Coloured, class OfKind, class F>
+void each_joint_in_order(OfKind& of_kind, F&& f) {
+  using row = typename OfKind::row;
+  plain_vector<row*> own(of_kind.records.size(), nullptr);
+  auto& list = list_in_use<Coloured>(of_kind.list);
+  const auto note = [&](row& c, auto...) { own[c.record] = &c; };
+  if constexpr (Coloured)
+    list.edit_all(note);
+  else
+    list.edit_interior_contacts(note), list.edit_boundary_contacts(note);
+  std::size_t next = 0;
+  const auto pass_far = [&](const joint_key* until) {
+    for (; next < of_kind.far.size() && (until == nullptr || of_kind.far[next].key < *until);
+         ++next)
+      f(of_kind.far_rows[next], of_kind.far[next]);
+  };
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (own[i] == nullptr) continue;
+    pass_far(&of_kind.records[i].key);
+    f(*own[i], of_kind.records[i]);
+  }
+  pass_far(nullptr);
+}
+
+/// Writes the rows of a joint of the bodies a and b.
+template <class Scenario, class Row, class Record>
+void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_end& a,
+                const joint_end& b) {
+  c.a = a.number, c.b = b.number;
+  const joint_moment when{s.dt, world_state<Scenario>::midpoint, world_state<Scenario>::midpoint};
+  c.place(r.anchors, body_of(a), body_of(b, seen_from(s, a.position, b.position)), when,
+          r.coordinates);
+  c.set(r.impulse), c.earlier = r.impulse;
 }
 
 /// Fills the lists of joints for the step under way. Those of two movable bodies on two ranks are
@@ -126,7 +169,8 @@ template <class Scenario>
 template <class Scenario>
 void place_joints(world_state<Scenario>& s) {
   s.each_joint_list([](auto& list) { list.clear(); });
-  plain_vector<joint_end> ends = find_joint_ends(s);
+  plain_vector<joint_end>& ends = s.joints.ends;
+  ends = find_joint_ends(s);
   find_global_ends(s, ends);
   const jointed_ids& ids = s.joints.ids();
   s.joints.each_kind([&](auto& of_kind) {
@@ -137,18 +181,13 @@ void place_joints(world_state<Scenario>& s) {
       const joint_end &a = ends[at_a], &b = ends[at_b];
       if (!a.known) fail_jointed(s, r.key.b, b.position, r.key.a, ids.members[at_a].reach);
       if (!b.known) fail_jointed(s, r.key.a, a.position, r.key.b, ids.members[at_b].reach);
-      r.acts = (a.own && a.moves) || (b.own && b.moves);
-      if (!r.acts) continue;
+      r.acts = (a.own && (a.moves || a.asleep)) || (b.own && (b.moves || b.asleep));
+      if (!(a.own && a.moves) && !(b.own && b.moves)) continue;
       typename std::remove_cvref_t<decltype(of_kind.list)>::contact_type c;
-      c.a = a.number, c.b = b.number, c.record = record;
-      const bool shared = a.moves && b.moves && a.own != b.own;
-      const joint_moment when{s.dt, world_state<Scenario>::midpoint,
-                              world_state<Scenario>::midpoint && !shared && solves_directly(s)};
-      c.place(r.anchors, body_of(a), body_of(b, seen_from(s, a.position, b.position)), when,
-              r.coordinates);
-      c.set(r.impulse), c.earlier = r.impulse;
+      c.record = record;
+      place_rows(s, c, r, a, b);
       const contact_key key{r.key.a, r.key.b, r.key.number};
-      if (shared)
+      if (a.moves && b.moves && a.own != b.own)
         of_kind.list.add_boundary(c, key, a.own, nullptr);
       else
         of_kind.list.add(c, key, a.moves, b.moves, nullptr, a.at_border || b.at_border);

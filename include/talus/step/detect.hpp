@@ -2,6 +2,7 @@
 // First stage of a step: candidate pairs, and the contacts made from them.
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/features/sleeping/sleep.hpp"
+#include "talus/ghosts/shared_joints.hpp"
 #include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/search.hpp"
 #include "talus/state/hooks.hpp"
@@ -92,7 +93,7 @@ void find_contacts(world_state<Scenario>& s) {
   bool again = false;
   run_hooks<search_stages::contacts_found>(s, again);
   if (again) search();
-  if constexpr (world_state<Scenario>::has_joints) place_joints(s);
+  if constexpr (world_state<Scenario>::has_joints) place_joints(s), gather_joints(s);
 }
 
 }  // namespace talus::detail

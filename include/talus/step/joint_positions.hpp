@@ -1,29 +1,24 @@
 #pragma once
 // After a step the bodies of joints lie where their joints hold: to round-off, at any number of
-// steps. This is so for joints between bodies that this rank alone moves; others are corrected by
-// sweeps.
+// steps. Ranks that share an island of joints compute the same, each for all its bodies.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
 #include "talus/core/plain_vector.hpp"
-#include "talus/core/portable_powers.hpp"
 #include "talus/features/energy_ledger/energy_ledger.hpp"
-#include "talus/motion/mean_rotation.hpp"
 #include "talus/state/joints.hpp"
 #include "talus/state/state.hpp"
+#include "talus/step/conserve_joints.hpp"
 #include "talus/step/moved_joints.hpp"
 
 namespace talus::detail {
 
 /// Moves the bodies to where the joints hold, by the least displacements with respect to their
-/// masses (Gauss-Newton). Velocities stay. Global bodies are taken where they will be after
-/// `ahead`.
+/// masses (Gauss-Newton). Velocities stay. Returns whether that makes the joints better.
 template <class Scenario>
-void project_joints(world_state<Scenario>& s, real ahead) {
-  moved_joints<Scenario> joints(s, ahead);
-  if (joints.all.empty()) return;
+[[nodiscard]] bool project_joints(moved_joints<Scenario>& joints) {
   const real error = joints.iterate(
       0,
       [&] {
@@ -46,16 +41,7 @@ void project_joints(world_state<Scenario>& s, real ahead) {
           joints.ends[k].orientation = turned<real>(joints.ends[k].orientation, d.w);
         }
       });
-  if (!(error <= joints.first_error())) return;
-  each_jointed(s, true, [&](auto& b, std::size_t i, std::size_t k) {
-    const joint_end& to = joints.ends[k];
-    auto& store = b.movable;
-    if (!store.moves(i)) return;
-    if constexpr (monitored<Scenario, energy_ledger>)
-      s.monitors.energy.running.correction -=
-          s.gravity.dot(to.position - store.position[i]) / store.inverse_mass[i];
-    store.position[i] = to.position, store.orientation_of[i] = to.orientation;
-  });
+  return error <= joints.first_error();
 }
 
 /// The state of jointed bodies at the start of a step.
@@ -65,166 +51,14 @@ void note_jointed(world_state<Scenario>& s) {
   locate_global_ends(s, s.joints.before, 0);
 }
 
-/// A larger error is no solution: of a step that is too long for its loads.
-inline constexpr real largest_error = 1e-10;
-
-/// The step of a jointed body.
-struct body_step {
-  vec3 inertia{0, 0, 0};  ///< principal moments
-  real inverse_mass = 0;
-  vec3 first_momentum{0, 0, 0};                         ///< angular, at the start
-  vec3 velocity{0, 0, 0}, momentum{0, 0, 0};            ///< at the end
-  vec3 free_velocity{0, 0, 0}, free_momentum{0, 0, 0};  ///< without the joints
-  vec3 free_position{0, 0, 0};
-  vec3 turn{0, 0, 0};  ///< by the position correction
-
-  void push(const joint_line& x, const vec3& moment, real p) {
-    velocity += (p * inverse_mass) * x.force, momentum += p * moment;
-  }
-};
-
-/// Computes the step of the jointed bodies again, with rows in the mean of the configurations
-/// before and after it (an energy-momentum method, as of Simo and Gonzalez 1993): conditions hold
-/// after the step, to round-off, and their impulses do no work. Unknowns are the impulses of the
-/// conditions and the momenta of the bodies (Newton). Returns whether a solution was found.
+/// Writes what joints have changed to the bodies owned here.
 template <class Scenario>
-bool conserve_with_joints(world_state<Scenario>& s) {
-  moved_joints<Scenario> joints(s, s.dt / 2);
-  const plain_vector<joint_end>& before = s.joints.before;
-  if (joints.all.empty() || before.size() != joints.ends.size()) return true;
-  const real dt = s.dt, kept = s.damping == 1 ? 1 : portable::pow(s.damping, dt);
-  plain_vector<body_step> steps(joints.ends.size(), body_step{});
-  const auto push = [&](const moved_joint& j, const joint_line& x, real p) {
-    if (joints.bodies.moves(j.a)) steps[static_cast<std::size_t>(j.a)].push(x, x.moment_a, p);
-    if (joints.bodies.moves(j.b)) steps[static_cast<std::size_t>(j.b)].push(x, x.moment_b, -p);
-  };
-  const auto push_all = [&](auto&& lines, real part) {
-    for (const moved_joint& j : joints.all)
-      for (int k = 0; k < j.solved.rows; ++k)
-        push(j, lines(j)[static_cast<std::size_t>(k)], part * j.solved.impulse[k]);
-  };
-  const auto solved_lines = [](const moved_joint& j) { return j.solved.lines; };
-  const auto written_lines = [&](const moved_joint& j) { return joints.lines(j); };
-  const auto each_moving = [&](auto&& f) {
-    for (std::size_t k = 0; k < steps.size(); ++k)
-      if (joints.bodies.moves(static_cast<std::int32_t>(k)))
-        f(steps[k], joints.ends[k], before[k], static_cast<std::int32_t>(k));
-  };
-
-  each_jointed(s, true, [&](auto& b, std::size_t i, std::size_t k) {
-    const auto& store = b.movable;
-    if (!store.moves(i)) return;
-    body_step& x = steps[k];
-    x.inverse_mass = store.inverse_mass[i];
-    x.inertia = store.shape[i].inertia() / store.inverse_mass[i];
-    const auto momentum = [&](const joint_end& e) {
-      return e.orientation * vec3(x.inertia.cwiseProduct(e.orientation.conjugate() * e.spin));
-    };
-    x.first_momentum = momentum(before[k]), x.momentum = momentum(joints.ends[k]);
-    x.velocity = store.velocity[i];
-    x.free_position = store.position[i] - (dt / 2) * store.velocity[i];
-    if constexpr (std::remove_cvref_t<decltype(store)>::tensor)
-      x.turn = dt * s.solver.turn[b.first + i - s.solver.first_tensor].w;
-  });
-  plain_vector<body_step> assumed = steps;
-  push_all(solved_lines, -kept);
-  each_moving([&](body_step& x, joint_end&, const joint_end&, std::int32_t k) {
-    x.free_velocity = x.velocity, x.free_momentum = x.momentum;
-    x.velocity = assumed[static_cast<std::size_t>(k)].velocity;
-    x.momentum = assumed[static_cast<std::size_t>(k)].momentum;
-  });
-  plain_vector<real> found;
-  for (const moved_joint& j : joints.all) {
-    // How the moments of the impulses change with the rotation of their arms.
-    const joint_geometry g = joints.geometry(j, joints.ends);
-    vec3 p{0, 0, 0};
-    for (int k = 0; k < j.solved.rows; ++k) p += j.solved.impulse[k] * j.solved.lines[k].force;
-    const auto stiffen = [&](std::int32_t body, const vec3& arm, const vec3& impulse) {
-      mat3 by = diagonal_matrix<real>(arm.dot(impulse));
-      for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k)
-          by(i, k) -= real(0.5) * (arm[i] * impulse[k] + impulse[i] * arm[k]);
-      joints.bodies.stiffen(body, (dt / 4) * by);
-    };
-    stiffen(j.a, g.arm_a, p), stiffen(j.b, g.arm_b, -p);
-    for (int k = 0; k < j.solved.rows; ++k) found.push_back(j.solved.impulse[k]);
-  }
-
-  const auto search = [&] {
-    return joints.iterate(
-        1,
-        [&] {
-          each_moving([&](body_step& x, joint_end& end, const joint_end& start, std::int32_t) {
-            end.velocity = x.velocity, end.position = x.free_position + (dt / 2) * x.velocity;
-            end.orientation =
-                turned<real>(rotated_by_mean(start.orientation, x.inertia, x.first_momentum,
-                                             x.momentum, dt, end.spin),
-                             x.turn);
-          });
-          real worst = 0;
-          plain_vector<real> errors;
-          for (const moved_joint& j : joints.all) {
-            const joint_geometry g = joints.geometry(j, joints.ends);
-            joints.write(j, g);
-            worst = std::max(worst, joints.error(j, g));
-            for (const joint_line& x : joints.lines(j)) errors.push_back(x.error);
-            joints.write(j, mean_of(joints.geometry(j, before), g));
-          }
-          // The momenta by the impulses, with the rows as they are now, beside those assumed.
-          assumed = steps;
-          each_moving([](body_step& x, joint_end&, const joint_end&, std::int32_t) {
-            x.velocity = x.free_velocity, x.momentum = x.free_momentum;
-          });
-          push_all(written_lines, kept);
-          each_moving([&](body_step& x, joint_end&, const joint_end&, std::int32_t k) {
-            const body_step& before = assumed[static_cast<std::size_t>(k)];
-            const body_motion rest{
-                x.velocity - before.velocity,
-                joints.bodies.inverse_inertia(k) * (x.momentum - before.momentum)};
-            joints.bodies.add(k, rest);
-            x.velocity = before.velocity, x.momentum = before.momentum;
-            worst = std::max(worst, (dt / 2) * rest.w.norm());
-          });
-          for (const moved_joint& j : joints.all)
-            for (std::size_t k = 0; k < joints.lines(j).size(); ++k) {
-              joint_line& x = joints.lines(j)[k];
-              if (x.use != line_use::holds) x.use = line_use::off;
-              x.target = real(-2) / dt * errors[j.first + k];
-            }
-          return worst;
-        },
-        [&] {
-          each_moving([&](body_step& x, joint_end&, const joint_end&, std::int32_t k) {
-            const body_motion& d = joints.bodies.motion(k);
-            x.velocity += d.v;
-            x.momentum += joints.bodies.own_inverse_inertia(k).inverse() * d.w;
-          });
-          for (const moved_joint& j : joints.all)
-            for (int k = 0; k < j.solved.rows; ++k)
-              j.solved.impulse[k] += joints.impulses(j)[static_cast<std::size_t>(k)] / kept;
-        });
-  };
-  real error = search();
-  if (!(error < largest_error)) {
-    // Where rows nearly depend on each other, as in a stretched linkage, the impulses that were
-    // solved in the middle of the step are far off: start from those of the last step.
-    for (const moved_joint& j : joints.all)
-      for (int k = 0; k < j.solved.rows; ++k) j.solved.impulse[k] = j.solved.earlier[k];
-    each_moving([](body_step& x, joint_end&, const joint_end&, std::int32_t) {
-      x.velocity = x.free_velocity, x.momentum = x.free_momentum;
-    });
-    push_all(solved_lines, kept);
-    error = search();
-  }
-  if (!(error < largest_error)) {
-    for (const moved_joint& j : joints.all)
-      for (int k = 0; k < j.solved.rows; ++k)
-        j.solved.impulse[k] = found[j.first + static_cast<std::size_t>(k)];
-    return false;
-  }
+void put_moved(world_state<Scenario>& s, const plain_vector<moved_body>& bodies) {
   each_jointed(s, true, [&](auto& b, std::size_t i, std::size_t k) {
     auto& store = b.movable;
-    if (!store.moves(i)) return;
+    const moved_body& to = bodies[k];
+    if (to.by_joints == moved_body::change::none) return;
+    const bool whole = to.by_joints == moved_body::change::step;
     // The ledger itself compares the rotational energies of bodies with a tensor.
     [[maybe_unused]] const auto energy = [&] {
       real sum = (real(0.5) * store.velocity[i].squaredNorm() - s.gravity.dot(store.position[i])) /
@@ -234,26 +68,59 @@ bool conserve_with_joints(world_state<Scenario>& s) {
                twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]);
       return sum;
     };
-    if constexpr (monitored<Scenario, energy_ledger>) s.monitors.energy.running.scheme -= energy();
-    const joint_end& to = joints.ends[k];
-    store.position[i] = to.position, store.velocity[i] = to.velocity;
-    store.orientation_of[i] = to.orientation, store.angular_velocity[i] = to.spin;
-    if constexpr (monitored<Scenario, energy_ledger>) s.monitors.energy.running.scheme += energy();
+    if constexpr (monitored<Scenario, energy_ledger>) {
+      auto& flows = s.monitors.energy.running;
+      if (whole)
+        flows.scheme -= energy();
+      else
+        flows.correction -=
+            s.gravity.dot(to.end.position - store.position[i]) / store.inverse_mass[i];
+    }
+    store.position[i] = to.end.position, store.orientation_of[i] = to.end.orientation;
+    if (whole) store.velocity[i] = to.end.velocity, store.angular_velocity[i] = to.end.spin;
+    if constexpr (monitored<Scenario, energy_ledger>)
+      if (whole) s.monitors.energy.running.scheme += energy();
   });
-  return true;
 }
 
-/// The end of the integration of a step, in scenarios with joints.
+/// The end of the integration of a step, in scenarios with joints. Each island is moved by itself,
+/// so that nothing depends on what else a rank holds.
 template <class Scenario>
 void settle_joints(world_state<Scenario>& s) {
-  if constexpr (may_solve_directly<Scenario>) {
-    if (s.by_colours() || s.joints.size() == 0) return;
-    if constexpr (world_state<Scenario>::midpoint) {
-      if (!conserve_with_joints(s)) project_joints(s, s.dt / 2);
-      store_joint_impulses(s);
-    } else {
-      project_joints(s, s.dt);
+  if constexpr (solves_joints_directly<Scenario>) {
+    constexpr bool midpoint = world_state<Scenario>::midpoint;
+    if (s.joints.size() == 0) return;
+    all_moved<Scenario> moved(s, midpoint ? s.dt / 2 : s.dt);
+    plain_vector<std::int32_t> numbers(moved.bodies.size(), -1);
+    const auto keep = [&](const moved_joints<Scenario>& island, moved_body::change how) {
+      for (std::size_t k = 0; k < island.members.size(); ++k) {
+        moved_body& to = moved.bodies[island.members[k]];
+        if (!to.end.moves) continue;
+        to.end = island.ends[k], to.by_joints = how;
+      }
+    };
+    for (const auto& members : moved.islands) {
+      if constexpr (midpoint) {
+        plain_vector<body_step> steps;
+        moved_joints<Scenario> island(s, moved, members, numbers);
+        const real error = conserve_with_joints(s, island, steps);
+        if (error < largest_error) {
+          keep(island, moved_body::change::step);
+          continue;
+        }
+        moved_joints<Scenario> again(s, moved, members, numbers);
+        if (error < useful_error) again.ends = island.ends;
+        if (project_joints(again)) {
+          fit_velocities(s, again, steps);
+          keep(again, moved_body::change::step);
+        }
+      } else {
+        moved_joints<Scenario> island(s, moved, members, numbers);
+        if (project_joints(island)) keep(island, moved_body::change::position);
+      }
     }
+    put_moved(s, moved.bodies);
+    if constexpr (midpoint) store_joint_impulses(s);
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-// The joints that a rank solves exactly, and their bodies, while these are moved to where the
-// joints hold.
+// The joints of an island, and its bodies, while these are moved to where the joints hold.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,78 +7,20 @@
 #include <span>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "talus/constraint/joint_geometry.hpp"
 #include "talus/constraint/line_writer.hpp"
+#include "talus/core/disjoint_sets.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/ghosts/shared_joints.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/solver/direct/articulations.hpp"
 #include "talus/state/joints.hpp"
 #include "talus/state/state.hpp"
+#include "talus/step/moved_bodies.hpp"
 
 namespace talus::detail {
-
-/// One of them; its bodies are numbered as in jointed_ids.
-struct moved_joint {
-  const joint_frames* frames;
-  const void* anchors;
-  void (*write)(const void*, line_writer&);
-  const joint_coordinates* coordinates;  ///< at the start of the step, or in its middle
-  joint_view solved;                     ///< its rows in the solver
-  std::int32_t a, b;
-  std::size_t first = 0;  ///< of its rows here
-};
-
-/// The bodies of joints with changes of their velocities, or displacements.
-template <class State>
-class moved_bodies {
- public:
-  moved_bodies(const State& s, const plain_vector<joint_end>& ends)
-      : s_(s), ends_(ends), motions_(ends.size(), body_motion{}) {}
-  /// Moments of inertia that are added to those of a body, if the sum is positive definite.
-  void stiffen(std::int32_t k, const mat3& by) {
-    if (added_.empty()) added_.assign(ends_.size(), mat3::Zero());
-    added_[static_cast<std::size_t>(k)] += by;
-  }
-  [[nodiscard]] std::size_t size() const { return ends_.size(); }
-  [[nodiscard]] bool moves(std::int32_t k) const { return end(k).own && end(k).moves; }
-  [[nodiscard]] real inverse_mass(std::int32_t k) const {
-    return moves(k) ? real(s_.bodies[number(k)].inverse_mass) : real(0);
-  }
-  [[nodiscard]] mat3 own_inverse_inertia(std::int32_t k) const {
-    const std::size_t i = number(k);
-    return s_.has_tensor(i) ? s_.tensor(i)
-                            : diagonal_matrix<real>(real(s_.bodies[i].inverse_inertia));
-  }
-  [[nodiscard]] mat3 inverse_inertia(std::int32_t k) const {
-    const mat3 own = own_inverse_inertia(k);
-    if (added_.empty()) return own;
-    const mat3 sum = own.inverse() + added_[static_cast<std::size_t>(k)];
-    const real minor = sum(0, 0) * sum(1, 1) - sum(0, 1) * sum(1, 0);
-    const bool definite = sum(0, 0) > 0 && minor > 0 && sum.determinant() > 0;
-    return definite ? sum.inverse() : own;
-  }
-  [[nodiscard]] const body_motion& motion(std::int32_t k) const {
-    return motions_[static_cast<std::size_t>(k)];
-  }
-  void add(std::int32_t k, const body_motion& d) {
-    body_motion& x = motions_[static_cast<std::size_t>(k)];
-    x.v += d.v, x.w += d.w;
-  }
-  void clear() { motions_.assign(motions_.size(), body_motion{}); }
-
- private:
-  [[nodiscard]] const joint_end& end(std::int32_t k) const {
-    return ends_[static_cast<std::size_t>(k)];
-  }
-  [[nodiscard]] std::size_t number(std::int32_t k) const {
-    return static_cast<std::size_t>(end(k).number);
-  }
-  const State& s_;
-  const plain_vector<joint_end>& ends_;
-  plain_vector<body_motion> motions_;
-  plain_vector<mat3> added_;
-};
 
 /// Adds the poses of global bodies after a further time of `ahead`.
 template <class Scenario>
@@ -97,42 +38,136 @@ void locate_global_ends(world_state<Scenario>& s, plain_vector<joint_end>& ends,
   });
 }
 
+/// The joints that this rank solves, and their bodies: those of other ranks in the same islands,
+/// too.
+template <class Scenario>
+class all_moved {
+  using state_type = world_state<Scenario>;
+
+ public:
+  plain_vector<moved_joint> joints;
+  plain_vector<moved_body> bodies;  ///< as joint_table::ends numbers them
+  vector_of<plain_vector<std::uint32_t>> islands;
+
+  /// After the integration; global bodies are taken where they will be after `ahead`.
+  all_moved(state_type& s, real ahead) : s_(s) {
+    find_bodies(ahead);
+    constexpr bool coloured = state_type::may_use_colours;
+    if constexpr (state_type::two_solvers)
+      s.by_colours() ? list_joints<true>() : list_joints<false>();
+    else
+      list_joints<coloured>();
+    find_islands();
+  }
+
+ private:
+  void find_bodies(real ahead) {
+    plain_vector<joint_end> ends = find_joint_ends(s_);
+    locate_global_ends(s_, ends, ahead);
+    for (std::size_t k = 0; k < s_.joints.ends.size(); ++k) {
+      moved_body one;
+      one.end = k < ends.size() ? ends[k] : s_.joints.ends[k];
+      bodies.push_back(one);
+    }
+    each_jointed(s_, true, [&](auto& b, std::size_t i, std::size_t k) {
+      using store_type = std::remove_cvref_t<decltype(b.movable)>;
+      const auto& store = b.movable;
+      if (!store.moves(i)) return;
+      moved_body& x = bodies[k];
+      const std::size_t number = b.first + i;
+      x.inertia = store.shape[i].inertia() / store.inverse_mass[i];
+      x.inverse_inertia =
+          s_.solver.has_tensor(number)
+              ? s_.solver.tensor(number)
+              : diagonal_matrix<real>(real(s_.solver.bodies[number].inverse_inertia));
+      if constexpr (store_type::tensor)
+        x.turn = s_.dt * s_.solver.turn[number - s_.solver.first_tensor].w;
+    });
+    if constexpr (!state_type::link_type::alone)
+      exchange_jointed(
+          s_, [&](std::uint32_t k, byte_writer& out) { out.put(bodies[k]); },
+          [&](std::uint32_t k, byte_reader& in) {
+            const auto one = in.template get<moved_body>();
+            if (k == joint_partner::ignored) return;
+            bodies[k] = one;
+            bodies[k].end.own = false;
+          });
+  }
+  template <bool Coloured>
+  void list_joints() {
+    s_.joints.each_kind([&](auto& of_kind) {
+      using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
+      each_joint_in_order<Coloured>(of_kind, [&](auto& c, auto& r) {
+        joints.push_back({&r.anchors.frames, &r.anchors,
+                          [](const void* x, line_writer& to) {
+                            kind::write(*static_cast<const typename kind::anchors*>(x), to);
+                          },
+                          &r.coordinates, c.view(),
+                          static_cast<std::int32_t>(s_.joints.find_end(r.key.a)),
+                          static_cast<std::int32_t>(s_.joints.find_end(r.key.b))});
+      });
+    });
+  }
+  void find_islands() {
+    disjoint_sets sets(bodies.size());
+    const auto moves = [&](std::int32_t k) {
+      return bodies[static_cast<std::size_t>(k)].end.moves;
+    };
+    for (const moved_joint& j : joints)
+      if (moves(j.a) && moves(j.b)) sets.join(j.a, j.b);
+    plain_vector<std::int32_t> island(bodies.size(), -1);
+    for (std::uint32_t n = 0; n < joints.size(); ++n) {
+      const moved_joint& j = joints[n];
+      std::int32_t& k = island[sets.root(moves(j.a) ? j.a : j.b)];
+      if (k < 0) k = static_cast<std::int32_t>(islands.size()), islands.emplace_back();
+      islands[static_cast<std::size_t>(k)].push_back(n);
+    }
+  }
+
+  state_type& s_;
+};
+
+/// An island, with its bodies in numbers of its own.
 template <class Scenario>
 class moved_joints {
   using state_type = world_state<Scenario>;
-  using solver_type = std::remove_cvref_t<decltype(std::declval<state_type&>().solver)>;
 
  public:
-  /// After the integration; global bodies are taken where they will be after `ahead`.
-  moved_joints(state_type& s, real ahead)
-      : ends(find_joint_ends(s)), bodies(s.solver, ends), s_(s) {
-    locate_global_ends(s, ends, ahead);
-    const jointed_ids& ids = s.joints.ids();
+  /// `numbers` holds -1 for all bodies, before and after.
+  moved_joints(const state_type& s, const all_moved<Scenario>& from,
+               const plain_vector<std::uint32_t>& island, plain_vector<std::int32_t>& numbers)
+      : s_(s) {
+    const auto number = [&](std::int32_t body) {
+      std::int32_t& k = numbers[index(body)];
+      if (k < 0) {
+        k = static_cast<std::int32_t>(members.size());
+        members.push_back(static_cast<std::uint32_t>(body));
+        of.push_back(from.bodies[index(body)]);
+        ends.push_back(of.back().end);
+        if (!s.joints.before.empty()) before.push_back(s.joints.before[index(body)]);
+      }
+      return k;
+    };
     std::size_t rows = 0;
-    s.joints.each_kind([&](auto& of_kind) {
-      using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
-      list_in_use<false>(of_kind.list).edit_interior_contacts([&](auto& c) {
-        auto& r = of_kind.records[c.record];
-        const moved_joint one{&r.anchors.frames,
-                              &r.anchors,
-                              [](const void* x, line_writer& to) {
-                                kind::write(*static_cast<const typename kind::anchors*>(x), to);
-                              },
-                              &r.coordinates,
-                              c.view(),
-                              static_cast<std::int32_t>(ids.find(r.key.a)),
-                              static_cast<std::int32_t>(ids.find(r.key.b)),
-                              rows};
-        rows += static_cast<std::size_t>(kind::rows);
-        all.push_back(one);
-      });
-    });
+    for (const std::uint32_t n : island) {
+      moved_joint one = from.joints[n];
+      one.a = number(one.a), one.b = number(one.b), one.first = rows;
+      rows += static_cast<std::size_t>(one.solved.rows);
+      all.push_back(one);
+    }
+    for (const std::uint32_t k : members) numbers[k] = -1;
     lines_.resize(rows), impulses_.assign(rows, 0);
+    bodies.clear();
   }
+  moved_joints(const moved_joints&) = delete;
+  moved_joints& operator=(const moved_joints&) = delete;
 
   plain_vector<moved_joint> all;
-  plain_vector<joint_end> ends;
-  moved_bodies<solver_type> bodies;
+  plain_vector<std::uint32_t> members;  ///< as joint_table::ends numbers them
+  plain_vector<moved_body> of;          ///< after the integration
+  plain_vector<joint_end> ends;         ///< as they are moved
+  plain_vector<joint_end> before;       ///< at the start of the step, if the integrator notes it
+  moved_bodies bodies{of};
 
   [[nodiscard]] std::span<joint_line> lines(const moved_joint& j) {
     return {lines_.data() + j.first, static_cast<std::size_t>(j.solved.rows)};
@@ -199,7 +234,7 @@ class moved_joints {
   static constexpr real enough = 4e-15;
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-  state_type& s_;
+  const state_type& s_;
   plain_vector<joint_line> lines_;
   plain_vector<real> impulses_;
   real first_error_ = 0;

@@ -43,7 +43,8 @@ template <class Store>
 /// The factor belongs to an island of contacts of this rank. Both ranks of a boundary contact
 /// compute the power that it transfers from the last velocities that both hold, so that the works
 /// of the ranks add up to that of all contacts without a message. Each rank scales its interior
-/// contacts, and leaves its boundary contacts as they are.
+/// contacts, and leaves its boundary contacts as they are. Islands with joints across ranks are
+/// left as they are.
 template <class Scenario, class Ranks>
 class passivity {
   using state_type = world_state<Scenario>;
@@ -191,6 +192,13 @@ class passivity {
     };
     each_body(add);
     each_exchange(add);
+    // Of an island of joints on several ranks this rank sees a part, and its joints alone may do
+    // work: their solution is exact for the whole.
+    if constexpr (Ranks::solves_joints)
+      for (const joint_partner& p : s_.joints.partners)
+        for (const std::uint32_t k : p.sent)
+          if (const joint_end& end = s_.joints.ends[k]; end.own && end.moves)
+            works[s_.passive.island[static_cast<std::size_t>(end.number)]] = {};
   }
   void join_islands() {
     auto& root = s_.passive.root;

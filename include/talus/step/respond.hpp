@@ -7,6 +7,7 @@
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/ghosts/shared_velocities.hpp"
 #include "talus/motion/integrate.hpp"
+#include "talus/solver/direct/exact_joints.hpp"
 #include "talus/state/joints.hpp"
 #include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
@@ -105,6 +106,11 @@ void solve_contacts(world_state<Scenario>& s) {
   s.convergence.add(
       Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
       s.settings.tolerance);
+  if constexpr (world_state<Scenario>::has_joints && solves_joints_directly<Scenario> &&
+                !requires { Solver::solves_joints; })
+    exact_joints<std::remove_reference_t<decltype(lists)>, decltype(s.solver), decltype(ranks)>(
+        s.solver, ranks)
+        .solve(s.solver);
   if constexpr (coloured && !alone) drop_foreign_bodies(s);
   passivity(s, ranks).keep();
 }

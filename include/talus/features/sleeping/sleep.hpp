@@ -134,8 +134,8 @@ void advance_sleep_timers(world_state<Scenario>& s) {
   s.each_shape([&](auto& b) { forget(b.movable), forget(b.global); });
 }
 
-/// Bodies joined by contacts have the rest time of the least rested of them; for those that touch a
-/// fixed body with a velocity, as on a belt, it is zero.
+/// Bodies joined by contacts or joints have the rest time of the least rested of them; for those
+/// that touch a fixed body with a velocity, as on a belt, it is zero.
 template <class Scenario>
 void join_islands(world_state<Scenario>& s) {
   disjoint_sets& islands = s.sleep.islands;
@@ -157,7 +157,7 @@ void join_islands(world_state<Scenario>& s) {
     if (v_of(bodies[by]) != vec3(0, 0, 0) || w_of(bodies[by]) != vec3(0, 0, 0))
       island_timer[body] = 0;
   };
-  s.each_contact_list([&](const auto& list) {
+  s.each_constraint_list([&](const auto& list) {
     list.each([&](const auto& c, bool) {
       if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
         const auto a = static_cast<std::uint32_t>(c.a), b = static_cast<std::uint32_t>(c.b);

@@ -1,7 +1,8 @@
 #pragma once
-// features<sleeping>: islands, that is bodies joined by contacts (immovable ones do not join), that
-// have rested for a while are left out of the steps. features/sleeping/sleep.hpp decides which
-// bodies sleep or wake; this file holds the memory of an island, and spreads waking through it.
+// features<sleeping>: islands, that is bodies joined by contacts or joints (immovable ones do not
+// join), that have rested for a while are left out of the steps. features/sleeping/sleep.hpp
+// decides which bodies sleep or wake; this file holds the memory of an island, and spreads waking
+// through it.
 //
 // The flag of a body is changed by its owner alone, and only right before the exchange of shadow
 // copies, so that at any time all ranks that know the body agree on it. In a step a sleeping body
@@ -268,8 +269,8 @@ void wake_islands(world_state<Scenario>& s) {
     else if (known[k].is == known_body::awake && wakes_others(s, known[k].quiet))
       wake(sleeper, known[k].quiet);
   };
-  for (const auto& c : sleep.contacts.entries()) {
-    const auto a = known.find(c.key.a), b = known.find(c.key.b);
+  const auto connect = [&](system_id id_a, system_id id_b) {
+    const auto a = known.find(id_a), b = known.find(id_b);
     const bool sleeps_a = a != known.unknown && known[a].is == known_body::asleep;
     const bool sleeps_b = b != known.unknown && known[b].is == known_body::asleep;
     if (sleeps_a && sleeps_b)
@@ -278,7 +279,14 @@ void wake_islands(world_state<Scenario>& s) {
       meet(a, b);
     else if (sleeps_b)
       meet(b, a);
-  }
+  };
+  for (const auto& c : sleep.contacts.entries()) connect(c.key.a, c.key.b);
+  if constexpr (world_state<Scenario>::has_joints)
+    s.joints.each_kind([&](const auto& of_kind) {
+      for (const auto& r : of_kind.records)
+        if (known.find(r.key.a) != known.unknown && known.find(r.key.b) != known.unknown)
+          connect(r.key.a, r.key.b);
+    });
   for (const auto& [id, quiet] : sleep.touched)
     if (const auto k = known.find(id); k != known.unknown) wake(k, quiet);
   sleep.touched.clear();

@@ -24,7 +24,7 @@ class vtk_kind final : public file_kind {
 };
 
 /// Kinds of cells, as numbered by VTK.
-enum class vtk_cell : std::uint8_t { vertex = 1, line = 3, polygon = 7 };
+enum class vtk_cell : std::uint8_t { vertex = 1, line = 3, poly_line = 4, polygon = 7 };
 
 /// Cells of one rank: the points of each, one cell after the other, counted from the rank's first;
 /// and the end of each cell among them.

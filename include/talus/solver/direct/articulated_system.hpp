@@ -11,6 +11,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
+#include "talus/solver/direct/block_product.hpp"
 #include "talus/solver/direct/elimination_order.hpp"
 
 namespace talus::detail {
@@ -76,12 +77,21 @@ class articulated_system {
           }
       }
       for (std::size_t e = start_[p]; e < start_[p + 1]; ++e) {
-        const std::size_t q = at(later_[e]);
-        subtract(values_.data() + diagonal_[q], e, e, n, sign);
+        const std::size_t q = at(later_[e]), columns = at(size_[q]);
+        turned_.resize(n * columns);
+        const real* y = values_.data() + block_[e];
+        for (std::size_t j = 0; j < columns; ++j)
+          for (std::size_t k = 0; k < n; ++k) turned_[k * columns + j] = y[j * n + k];
+        const block_product product = block_product_of(n, columns);
+        const auto subtract = [&](real* to, std::size_t f) {
+          product(to, values_.data() + block_[f], turned_.data(), at(size_[at(later_[f])]), n,
+                  columns, sign);
+        };
+        subtract(values_.data() + diagonal_[q], e);
         std::size_t to = start_[q];
         for (std::size_t f = e + 1; f < start_[p + 1]; ++f) {
           while (later_[to] != later_[f]) ++to;
-          subtract(values_.data() + block_[to], f, e, n, sign);
+          subtract(values_.data() + block_[to], f);
         }
       }
     }
@@ -271,19 +281,6 @@ class articulated_system {
       d[i * n + i] = std::sqrt(std::max(pivot, least));
     }
   }
-  /// Subtracts sign Y_e Y_f' of column p from a block: the lower triangle of the diagonal is
-  /// enough.
-  void subtract(real* to, std::size_t e, std::size_t f, std::size_t n, real sign) {
-    const real *x = values_.data() + block_[e], *y = values_.data() + block_[f];
-    const std::size_t rows = at(size_[at(later_[e])]), columns = at(size_[at(later_[f])]);
-    for (std::size_t i = 0; i < rows; ++i)
-      for (std::size_t j = 0, end = e == f ? i + 1 : columns; j < end; ++j) {
-        real sum = 0;
-        for (std::size_t k = 0; k < n; ++k) sum += x[i * n + k] * y[j * n + k];
-        to[i * columns + j] -= sign * sum;
-      }
-  }
-
   std::int32_t bodies_ = 0;
   plain_vector<std::int32_t> place_, node_;  ///< of a node in the order, and the other way
   plain_vector<std::int32_t> size_;          ///< unknowns, by place, and likewise:
@@ -292,6 +289,7 @@ class articulated_system {
   plain_vector<std::size_t> block_;
   plain_vector<ends> ends_;
   plain_vector<real> values_, scale_, added_;
+  plain_vector<real> turned_;  ///< the transpose of a block
 };
 
 }  // namespace talus::detail

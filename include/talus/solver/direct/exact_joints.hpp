@@ -10,49 +10,59 @@
 
 namespace talus::detail {
 
-/// The joints between bodies that this rank alone moves.
-template <class Lists>
-[[nodiscard]] plain_vector<joint_view> views_of_joints(Lists& lists) {
-  plain_vector<joint_view> views;
+/// Whether a solver with these ranks leaves joints to exact_joints.
+template <class Lists, class Ranks>
+inline constexpr bool solves_joints_at_once = has_joints<Lists>&& requires {
+  requires std::remove_cvref_t<Ranks>::solves_joints;
+};
+
+/// Calls f(list) for the lists that sweeps solve: all but those of joints that are solved at once.
+template <class Lists, class Ranks, class F>
+void each_swept(Lists& lists, const Ranks&, F&& f) {
   each_of(lists, [&](auto& list) {
-    if constexpr (is_joint<typename std::remove_cvref_t<decltype(list)>::contact_type>)
-      list.edit_interior_contacts([&](auto& c) { views.push_back(c.view()); });
+    if constexpr (!solves_joints_at_once<Lists, Ranks> ||
+                  !is_joint<typename std::remove_cvref_t<decltype(list)>::contact_type>)
+      f(list);
   });
-  return views;
 }
 
-/// Takes the place of the sweeps over joints. Without joints it is nothing.
-template <class Lists, class State, bool = has_joints<Lists>>
+/// Takes the place of the sweeps over joints. Without joints it is nothing. An island of joints on
+/// several ranks is solved on each of these alike.
+template <class Lists, class State, class Ranks, bool Coloured = false,
+          bool = solves_joints_at_once<Lists, Ranks>>
 class exact_joints {
  public:
-  exact_joints(Lists&, State&) {}
+  exact_joints(State&, Ranks&) {}
   void solve(State&) {}
-  template <class Ranks>
   void sweep(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
     sweep_interior(lists, s, forward, more, ranks);
   }
 };
-template <class Lists, class State>
-class exact_joints<Lists, State, true> {
+template <class Lists, class State, class Ranks, bool Coloured>
+class exact_joints<Lists, State, Ranks, Coloured, true> {
  public:
-  exact_joints(Lists& lists, State& s) {
-    const plain_vector<joint_view> views = views_of_joints(lists);
+  /// After the impulses of the last step have been applied.
+  exact_joints(State& s, Ranks& ranks) : ranks_(ranks) {
+    ranks.share_jointed(true);
+    const plain_vector<joint_view> views = ranks.template joint_views<Coloured>();
     joints_.gather({views.data(), views.size()}, solver_bodies(s));
   }
-  void solve(State& s) { joints_.solve(solver_bodies(s)); }
+  /// All joints. If there are other ranks, they have the new velocities of bodies here afterwards,
+  /// unless the solver shares them by colours.
+  void solve(State& s) {
+    ranks_.share_jointed(false);
+    joints_.solve(solver_bodies(s));
+    if constexpr (!std::remove_cvref_t<Ranks>::alone && !Coloured) ranks_.share_velocities();
+  }
   /// As sweep_interior: the contacts one after the other, and then the joints.
-  template <class Ranks>
-  void sweep(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
-    each_of(lists, [&](auto& list) {
-      if constexpr (!is_joint<typename std::remove_cvref_t<decltype(list)>::contact_type>)
-        list.sweep_border(s, forward), list.sweep_inner(s, forward);
-    });
+  void sweep(Lists& lists, State& s, bool forward, bool, Ranks& ranks) {
+    each_swept(lists, ranks,
+               [&](auto& list) { list.sweep_border(s, forward), list.sweep_inner(s, forward); });
     solve(s);
-    if constexpr (!std::remove_cvref_t<Ranks>::alone)
-      if (more) ranks.share_velocities();
   }
 
  private:
+  Ranks& ranks_;
   articulations joints_;
 };
 

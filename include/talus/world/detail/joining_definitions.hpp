@@ -34,6 +34,18 @@ struct no_shape {
 };
 [[nodiscard]] inline named_body<no_shape> body_named(world_frame_t) { return {id_of_world}; }
 
+/// The island of a joint that the user makes, changes or removes wakes.
+template <class Scenario>
+void wake_jointed(world_state<Scenario>& s, const joint_key& key) {
+  if constexpr (world_state<Scenario>::sleeps)
+    s.each_finite_shape([&](auto& b) {
+      for (std::size_t i = 0; i < b.movable.locals; ++i)
+        if (b.movable.id[i] == key.a || b.movable.id[i] == key.b) disturb(s, b.movable, i);
+    });
+  else
+    (void)s, (void)key;
+}
+
 /// The data of a body that a joint needs, alike on all ranks.
 struct body_to_join {
   system_id id = no_id;
@@ -138,6 +150,7 @@ joint_handle<Scenario, Kind> world<Scenario>::join(const A& a, const B& b, const
       state_.joints.changed();
     }
     state_.changed = true;
+    detail::wake_jointed(state_, key);
   }
   return {*this, key};
 }
@@ -161,7 +174,10 @@ template <class Kind, class Motor>
 void world<Scenario>::set_motor(const joint_handle<Scenario, Kind>& joint, const Motor& motor) {
   sections_.require_all_ranks("set_motor", rank());
   detail::require_motor(Kind::name, detail::motor_of(motor));
-  if (auto* r = state_.joints.template of<Kind>().find(joint.key())) Kind::drive(r->anchors, motor);
+  auto* r = state_.joints.template of<Kind>().find(joint.key());
+  if (r == nullptr) return;
+  Kind::drive(r->anchors, motor);
+  detail::wake_jointed(state_, joint.key());
 }
 
 template <class Scenario>
@@ -169,7 +185,10 @@ template <class Kind>
 void world<Scenario>::release(const joint_handle<Scenario, Kind>& joint) {
   sections_.require_all_ranks("release", rank());
   auto& of_kind = state_.joints.template of<Kind>();
-  if (auto* r = of_kind.find(joint.key())) of_kind.records.erase(r), state_.joints.changed();
+  if (auto* r = of_kind.find(joint.key())) {
+    of_kind.records.erase(r), state_.joints.changed();
+    detail::wake_jointed(state_, joint.key());
+  }
   state_.changed = true;
 }
 
