@@ -22,6 +22,7 @@ import slurm
 import table
 from design import Wrong
 from program import WHOLE, Program
+from progress import Progress, say
 from runs import Run, name_of, read, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -31,17 +32,8 @@ class Ended(Exception):
     """By SIGINT, SIGTERM or SIGHUP."""
 
 
-def say(words):
-    print(f"sweep: {words}", file=sys.stderr, flush=True)
-
-
 def digest_of(file):
     return hashlib.sha256(pathlib.Path(file).read_bytes()).hexdigest()[:16]
-
-
-def duration(seconds):
-    hours, rest = divmod(int(seconds + 0.5), 3600)
-    return f"{hours}:{rest // 60:02}:{rest % 60:02}"
 
 
 def arguments_of(words):
@@ -65,6 +57,7 @@ def arguments_of(words):
     add("--limit", type=float, default=0, metavar="SECONDS", help="a run that takes longer is ended and fails")
     add("--retry", action="store_true", help="run those again that failed")
     add("--plot", default="", metavar="A,B", help="results to draw (those that vary)")
+    add("--no-plots", action="store_true", help="write the table only")
     add("--slurm", action="store_true", help="run nothing; write a job array for Slurm, DIR/sweep.sh")
     add("--time", default="01:00:00", help="with --slurm: the time limit of a task, as sbatch takes it")
     add("--collect", metavar="DIR", help="write the table and the plots of what is there")
@@ -117,46 +110,6 @@ def runs_of(folder, wanted):
     return [Run(folder, values, wanted) for values in wanted["runs"]]
 
 
-class Progress:
-    """One line on a terminal, else one for each run, with an estimate of the time left."""
-
-    def __init__(self, count, done, jobs):
-        self.count, self.before, self.jobs = count, done, jobs
-        self.began, self.finished, self.failed = time.monotonic(), 0, 0
-        self.shown = sys.stderr.isatty()
-
-    def left(self, running):
-        """Seconds until the end, from the mean pace of this session, in which runs under way count half."""
-        if not self.finished:
-            return None
-        pace = (time.monotonic() - self.began) / (self.finished + running / 2)
-        return pace * (self.count - self.before - self.finished - running / 2)
-
-    def note(self, run, state, running):
-        self.finished += 1
-        self.failed += state == "failed"
-        if state == "failed":
-            self.clear()
-            say(f"{run.folder.name} failed: {run.failure()}")
-        if not self.shown:
-            left = self.left(running)
-            say(f"run {self.before + self.finished} of {self.count}, {duration(time.monotonic() - self.began)}, "
-                f"{duration(left or 0)} left: {run.folder.name}")
-
-    def show(self, running):
-        if self.shown:
-            left = self.left(running)
-            words = (f"{self.before + self.finished} of {self.count} runs, {running} under way" +
-                     (f", {self.failed} failed" if self.failed else "") +
-                     f", {duration(time.monotonic() - self.began)}" +
-                     (f", {duration(left)} left" if left is not None else ""))
-            print(f"\rsweep: {words} \x1b[K", end="", file=sys.stderr, flush=True)
-
-    def clear(self):
-        if self.shown:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
-
-
 def carry_out(todo, progress, jobs, limit):
     """Makes the runs, `jobs` at a time. Whatever ends it, no program is left behind."""
     waiting, active = list(todo), []
@@ -198,21 +151,25 @@ def carry_out(todo, progress, jobs, limit):
             run.stop()
 
 
-def finish(folder, runs, wanted_plots):
+def draw(folder, runs, wanted_plots):
+    names = table.collect(runs)[1]
+    for name in wanted_plots:
+        if name not in names:
+            say(f"--plot {name}: the results have no {name}")
+    drawn = plots.draw(folder / "plots", runs, wanted_plots)
+    if drawn is None:
+        say("no plots: this Python has no matplotlib (in Debian python3-matplotlib)")
+    else:
+        say(f"{len(drawn)} plots are in {folder}/plots")
+
+
+def finish(folder, runs, asked):
     """The table and the plots; returns the exit code: 0 if all runs are done."""
     table.write(folder / "table.csv", runs)
     states = [run.state for run in runs]
     failed = [run for run, state in zip(runs, states) if state == "failed"]
-    if "done" in states:
-        names = table.collect(runs)[1]
-        for name in wanted_plots:
-            if name not in names:
-                say(f"--plot {name}: the results have no {name}")
-        drawn = plots.draw(folder / "plots", runs, wanted_plots)
-        if drawn is None:
-            say("no plots: this Python has no matplotlib (in Debian python3-matplotlib)")
-        else:
-            say(f"{len(drawn)} plots are in {folder}/plots")
+    if "done" in states and not asked.no_plots:
+        draw(folder, runs, [p for p in asked.plot.split(",") if p])
     say(f"{states.count('done')} of {len(runs)} runs are done, {len(failed)} failed, "
         f"{states.count('missing')} are missing; the table is {folder}/table.csv")
     for run in failed:
@@ -247,12 +204,11 @@ def make_task(asked):
 
 def main(words):
     asked, options = arguments_of(words)
-    plotted = [p for p in asked.plot.split(",") if p]
     if asked.task:
         return make_task(asked)
     if asked.collect is not None:
         folder, wanted = stored(asked.collect)
-        return finish(folder, runs_of(folder, wanted), plotted)
+        return finish(folder, runs_of(folder, wanted), asked)
     folder, wanted = prepare(asked, options)
     runs = runs_of(folder, wanted)
     if asked.slurm:
@@ -281,7 +237,7 @@ def main(words):
         table.write(folder / "table.csv", runs)
         say(f"ended by {end or 'SIGINT'}; the same command goes on from here")
         return 130
-    return finish(folder, runs, plotted)
+    return finish(folder, runs, asked)
 
 
 def on_signal(number, _):
