@@ -79,17 +79,14 @@ class Bodies(Columns):
     def __len__(self):
         return len(self["id"])
 
-    @property
-    def radii(self):
-        if self.shape not in ("sphere", "capsule", "cylinder"):
-            raise AttributeError(f"a {self.shape} has no radius")
-        values = self["shape"]
-        return values if values.ndim == 1 else values[:, 0]
-
     def __getattr__(self, name):
+        shape = self.__dict__.get("shape", "body")
+        if name == "radii" and shape in ("sphere", "capsule", "cylinder"):
+            values = self["shape"]  # of a sphere its only number, of the others the first
+            return values if values.ndim == 1 else values[:, 0]
         word = type(self).WORDS.get(name)
         if word is None or word not in self._names:
-            raise AttributeError(f"the {self.__dict__.get('shape', 'bodie')}s of a checkpoint have no {name}")
+            raise AttributeError(f"a {shape} of this checkpoint has no {name}")
         return self[word]
 
 

@@ -43,13 +43,6 @@ class Frame:
         return self._positions
 
     @property
-    def orientations(self):
-        """Unit quaternions x, y, z, w. (The file has w, x, y, z.)"""
-        if "orientation" not in self.bodies:
-            raise AttributeError(f"the bodies of {self.path} have no orientations")
-        return np.roll(self.bodies["orientation"], -1, axis=1)
-
-    @property
     def shapes(self):
         """The name of the shape of each body."""
         return np.array(SHAPES)[self.bodies["shape"]]
@@ -60,11 +53,13 @@ class Frame:
         return self.bodies["fixed"] != 0
 
     def __getattr__(self, name):
-        if name in BODIES and "bodies" in self.__dict__:
-            if BODIES[name] not in self.bodies:
-                raise AttributeError(f"the bodies of {self.path} have no {name}")
-            return self.bodies[BODIES[name]]
-        raise AttributeError(f"a frame has no {name}")
+        word = {**BODIES, "orientations": "orientation"}.get(name)
+        if word is None or "bodies" not in self.__dict__:
+            raise AttributeError(f"a frame has no {name}")
+        if word not in self.bodies:
+            raise AttributeError(f"the bodies of {self.path} have no {name}")
+        values = self.bodies[word]
+        return np.roll(values, -1, axis=1) if name == "orientations" else values  # the file has w, x, y, z
 
     @property
     def contacts(self):

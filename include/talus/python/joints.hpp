@@ -75,7 +75,9 @@ template <class Session, class Kind>
     };
   };
   const auto three = [](const vec3& v) { return std::array<real, 3>{v[0], v[1], v[2]}; };
-  any_joint j{.kind = Kind::name, .number = key.number, .a = value_of(key.a), .b = value_of(key.b)};
+  any_joint j;
+  j.kind = Kind::name, j.number = key.number;
+  j.a = value_of(key.a), j.b = value_of(key.b);
   j.force = read([three](const handle& h) { return three(h.force()); });
   j.torque = read([three](const handle& h) { return three(h.torque()); });
   if constexpr (requires(const handle& h) { h.angle(); })

@@ -64,7 +64,7 @@ void bind_figures(Class& world_class) {
           "results",
           [](driven& d) {
             const std::string text = d.session->read([&](world_type& w) {
-              summary figures = summarize(w, 0, 0);
+              talus::summary figures = summarize(w, 0, 0);
               figures.scenario = d.session->name();
               figures.own = d.session->own();
               return to_json(figures);
