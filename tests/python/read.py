@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """The package talus reads what talus writes.  read.py ROOT MODULES   (MODULES: see drive.py)"""
 import json
+import os
 import pathlib
 import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -84,6 +86,12 @@ class Read(unittest.TestCase):
         self.assertIn("time", table)
         with self.assertRaisesRegex(KeyError, "has no column colour; it has step, time"):
             table["colour"]
+
+    def test_the_script_of_the_documentation_runs(self):
+        told = subprocess.run([sys.executable, "-B", f"{ROOT}/docs/reading.py", self.file("")], check=True, text=True,
+                              capture_output=True, env={**os.environ, "PYTHONPATH": f"{ROOT}/python"}).stdout
+        self.assertIn("5 frames; in the last one 4 bodies around [", told)
+        self.assertIn("step 40 has 3 spheres of radius 0.5\n", told)
 
     def test_a_line_that_is_not_complete_is_left_out(self):
         text = self.file(".csv").read_text()
