@@ -271,6 +271,24 @@ class Worlds(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "nowhere.h5"):
             drop.World(restart="nowhere.h5")
 
+    def test_a_fork_is_refused_the_world_and_ends(self):
+        world = drop.World()
+        world.step(1)
+        child = os.fork()
+        if child == 0:
+            try:
+                world.step(1)
+            except RuntimeError as e:
+                os._exit(7 if "a fork cannot use it" in str(e) else 8)
+            os._exit(9)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 7)
+        child = os.fork()
+        if child == 0:
+            world.close()
+            os._exit(5)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 5)
+        self.assertEqual(world.step(1), 1)
+
     def test_python_ends_without_a_word_while_worlds_are_open(self):
         told = subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {MODULES!r})\n"
                                "import drop\nworld = drop.World()\nworld.step(3)\nkept = world.positions\n"

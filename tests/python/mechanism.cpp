@@ -1,5 +1,5 @@
-// A hinged bar with a motor above falling spheres: the module that drive.py drives. Its set-up observes,
-// simulates twice, returns results, and fails on request.
+// A hinged bar with a motor above falling spheres: the module that drive.py drives. Its set-up
+// observes, simulates twice, returns results, and fails on request.
 #include <cstddef>
 #include <memory>
 #include <stdexcept>
@@ -37,8 +37,7 @@ PYBIND11_MODULE(mechanism, module) {
         world.gravity({0, 0, -10});
         const auto wood = world.material({.density = 1, .friction = 0.5});
         world.global([&](auto& scope) { scope.add(plane{}, wood); });
-        for (int k = 0; k < 3; ++k)
-          world.add(sphere{0.5}, wood, {2.0 * k, 5, 0.5 + k});
+        for (int k = 0; k < 3; ++k) world.add(sphere{0.5}, wood, {2.0 * k, 5, 0.5 + k});
         const auto bar = world.add(box{{2, 0.2, 0.2}}, wood, {0, 0, 8});
         world.join(world_frame, bar,
                    hinge{.at = {0, 0, 8},

@@ -219,10 +219,10 @@ class Sweeps(unittest.TestCase):
 
     @unittest.skipUnless(REAL, "no real program is given")
     def test_a_real_program_is_swept(self):
-        self.sweep("--vary", "iterations=2,5,10", "--", "--steps", "20", "--ranks", "1", program=REAL)
+        self.sweep("--vary", "iterations=2,5,10", "--", "--steps", "120", "--ranks", "1", program=REAL)
         rows = self.rows()
         self.assertEqual([r["iterations"] for r in rows], ["2", "5", "10"])
-        self.assertEqual({(r["status"], r["bodies"], r["steps"]) for r in rows}, {("done", "729", "20")})
+        self.assertEqual({(r["status"], r["bodies"], r["steps"]) for r in rows}, {("done", "729", "120")})
         self.assertEqual(len({r["state_digest"] for r in rows}), 3)
         said = self.sweep("--vary", "iteration=2,5", "--out", str(self.work / "other"), program=REAL, code=2)
         self.assertIn("did you mean iterations?", said)

@@ -3,4 +3,4 @@
 
 #include "scene.hpp"
 
-PYBIND11_MODULE(@NAME@, module) { python::scenario<scene, scene_options>(module, set_up); }
+PYBIND11_MODULE(NAME, module) { python::scenario<scene, scene_options>(module, set_up); }

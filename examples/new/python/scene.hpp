@@ -1,13 +1,14 @@
 #pragma once
-// The scene of @NAME@: its scenario, and how a world of it is set up. The program (main.cpp) and the module of
-// Python (module.cpp) share it.
+// The scene of @NAME@: its scenario, and how a world of it is set up. The program (main.cpp) and
+// the module of Python (module.cpp) share it.
 #include <talus/mpi.hpp>
 using namespace talus;
 
-using scene = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
-                       solver<nonlinear_gauss_seidel, reproducible>,  // the second: --reproducible
-                       decomposition<grid<dynamic, dynamic>>,         // as many ranks as there are
-                       transport<as_launched>>;  // serial, --ranks N, or mpirun; Python has one rank
+using scene =
+    scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
+             solver<nonlinear_gauss_seidel, reproducible>,  // the second: --reproducible
+             decomposition<grid<dynamic, dynamic>>,         // as many ranks as there are
+             transport<as_launched>>;  // serial, --ranks N, or mpirun; Python has one rank
 
 // An option of this scene, beside those of every program: --friction, and World(friction=...).
 struct scene_options : options {

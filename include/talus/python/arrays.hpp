@@ -40,8 +40,8 @@ template <class Store>
     if (name == "orientations") {
       static_assert(sizeof(quat) == 4 * sizeof(real));  // x, y, z, w
       auto& column = b.orientation_of;
-      return lent.template lend<real>(
-          column, n, 4, n > 0 ? reinterpret_cast<const real*>(&column[0]) : nullptr);
+      return lent.template lend<real>(column, n, 4,
+                                      n > 0 ? reinterpret_cast<const real*>(&column[0]) : nullptr);
     }
   if constexpr (requires(const shape& s) { requires std::same_as<decltype(s.radius), real>; })
     if (name == "radii")
@@ -55,9 +55,8 @@ template <class Store>
 template <class Scenario>
 [[nodiscard]] std::vector<std::string> movable_shapes(world<Scenario>& w) {
   std::vector<std::string> names;
-  state_of(w).each_finite_shape([&](auto& b) {
-    names.emplace_back(std::remove_cvref_t<decltype(b)>::shape_type::name);
-  });
+  state_of(w).each_finite_shape(
+      [&](auto& b) { names.emplace_back(std::remove_cvref_t<decltype(b)>::shape_type::name); });
   return names;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // The joints of a world for Python.
-#include <pybind11/pybind11.h>
 #include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
 
 #include <algorithm>
 #include <array>
@@ -38,9 +38,8 @@ template <class Motor>
                                                   {"damping", &m.damping}};
   for (const auto& [key, value] : given) {
     const auto name = key.template cast<std::string>();
-    const auto* const found =
-        std::find_if(std::begin(fields), std::end(fields),
-                     [&](const auto& field) { return name == field.first; });
+    const auto* const found = std::find_if(std::begin(fields), std::end(fields),
+                                           [&](const auto& field) { return name == field.first; });
     if (found == std::end(fields))
       throw pybind11::type_error(
           compose("set_motor has no argument {}: it takes velocity, {}, position, stiffness and "
@@ -102,9 +101,7 @@ template <class Session, class Kind>
         set(motor_from<force_motor>(given));
       }
     };
-  j.release = [s, key] {
-    s->change([&](world_type& w) { handle(w, key).release(); });
-  };
+  j.release = [s, key] { s->change([&](world_type& w) { handle(w, key).release(); }); };
   return j;
 }
 
@@ -137,12 +134,10 @@ inline void bind_joints(pybind11::module_& module) {
       .def_readonly("id_a", &any_joint::a, "id of the first body")
       .def_readonly("id_b", &any_joint::b, "id of the second body")
       .def_property_readonly(
-          "angle",
-          [need](const any_joint& j) { return need(j.angle, j, "angle"), j.angle(); },
+          "angle", [need](const any_joint& j) { return need(j.angle, j, "angle"), j.angle(); },
           "Angle of the second body relative to the first, in radians.")
       .def_property_readonly(
-          "travel",
-          [need](const any_joint& j) { return need(j.travel, j, "travel"), j.travel(); },
+          "travel", [need](const any_joint& j) { return need(j.travel, j, "travel"), j.travel(); },
           "Travel of the second body along the axis.")
       .def_property_readonly(
           "force", [](const any_joint& j) { return py::array_t<real>(3, j.force().data()); },

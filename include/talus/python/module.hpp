@@ -39,10 +39,10 @@ namespace detail {
     quiet |= name == "quiet";
     std::replace(name.begin(), name.end(), '_', '-');
     if (value.is_none()) continue;
-    const std::string text = py::isinstance<py::bool_>(value) ? value.cast<bool>() ? "true" : "false"
-                             : py::isinstance<py::float_>(value)
-                                 ? py::repr(value).cast<std::string>()
-                                 : py::str(value).cast<std::string>();
+    const std::string text =
+        py::isinstance<py::bool_>(value)    ? value.cast<bool>() ? "true" : "false"
+        : py::isinstance<py::float_>(value) ? py::repr(value).cast<std::string>()
+                                            : py::str(value).cast<std::string>();
     words.push_back("--" + name + "=" + text);
   }
   if (!quiet) words.emplace_back("--quiet=true");
@@ -72,8 +72,8 @@ struct driven_world {
   std::vector<observer> observers{};
   bool observing = false;
 
-  /// Makes n steps, or fewer if the set-up ends before, and calls the observers after those that are
-  /// multiples of their numbers. Returns their number. `self` is this world in Python.
+  /// Makes n steps, or fewer if the set-up ends before, and calls the observers after those that
+  /// are multiples of their numbers. Returns their number. `self` is this world in Python.
   std::uint64_t advance(std::uint64_t n, const pybind11::object& self) {
     if (observing)
       throw std::runtime_error("an observer made steps in its own world: it may only look at it");

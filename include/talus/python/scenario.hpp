@@ -49,9 +49,7 @@ void bind_figures(Class& world_class) {
           "Kinetic energy of all bodies, of translation and rotation.")
       .def_property_readonly(
           "digest",
-          [](driven& d) {
-            return d.session->read([](world_type& w) { return state_digest(w); });
-          },
+          [](driven& d) { return d.session->read([](world_type& w) { return state_digest(w); }); },
           "state_digest of the present state, 16 hexadecimal digits.")
       .def_property_readonly(
           "contacts",
@@ -83,8 +81,9 @@ void bind_bodies(pybind11::module_& module, Class& world_class) {
   using bodies = bodies_of_one_shape<Session>;
   py::class_<bodies> bodies_class(module, "Bodies", py::module_local(),
                                   "The bodies of one shape that are not global.");
-  bodies_class.def_readonly("shape", &bodies::shape)
-      .def("__len__", [](const bodies& b) { return py::len(b.column("ids")); });
+  bodies_class.def_readonly("shape", &bodies::shape).def("__len__", [](const bodies& b) {
+    return py::len(b.column("ids"));
+  });
   for (const auto& [name, words] : column_words) {
     bodies_class.def_property_readonly(
         name, [name = name](const bodies& b) { return b.column(name); }, words);
@@ -180,9 +179,10 @@ void scenario(pybind11::module_& module, SetUp set_up) {
   using session = detail::session<Scenario, Options, SetUp>;
   using driven = detail::driven_world<session>;
   const auto name = module.attr("__name__").cast<std::string>();
-  const std::string words = "A world of this scenario. Its arguments are the options of the "
-                            "program, with _ instead of -:\n\n" +
-                            detail::help_of<Scenario, Options>(name);
+  const std::string words =
+      "A world of this scenario. Its arguments are the options of the "
+      "program, with _ instead of -:\n\n" +
+      detail::help_of<Scenario, Options>(name);
   py::class_<driven> world_class(module, "World", words.c_str(), py::module_local());
   const auto sessions = std::make_shared<std::vector<std::weak_ptr<session>>>();
   world_class.def(py::init([set_up, name, sessions](const py::kwargs& given) {

@@ -1,10 +1,13 @@
 #pragma once
 // A scene on a thread of its own, which runs only while its caller waits for it.
+#include <unistd.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -32,6 +35,7 @@ class scene_thread {
   /// Starts the function; returns when it yields or ends.
   void start(std::function<void()> main, const poll_type& poll) {
     turn_ = turn::scene;
+    process_ = ::getpid();
     thread_ = std::thread([this, main = std::move(main)] {
       std::exception_ptr error;
       try {
@@ -67,6 +71,10 @@ class scene_thread {
   /// Ends the function: yield() throws scene_closed in it. Afterwards the thread is gone.
   void close() {
     if (!thread_.joinable()) return;
+    if (!here()) {  // a fork has no copy of the thread
+      thread_.detach();
+      return;
+    }
     if (!ended_) {
       {
         const std::lock_guard lock(mutex_);
@@ -78,6 +86,8 @@ class scene_thread {
     thread_.join();
   }
 
+  /// Whether this is the process that started it, not a fork of that.
+  [[nodiscard]] bool here() const { return process_ == ::getpid(); }
   /// Whether the function has ended.
   [[nodiscard]] bool ended() const { return ended_; }
   /// The exception that ended it, unless that was close(); null otherwise.
@@ -107,6 +117,10 @@ class scene_thread {
   enum class turn { caller, scene };
 
   void hand_over() {
+    if (!here())
+      throw std::runtime_error(
+          "this world belongs to the process that made it, and a fork cannot use it: make a world "
+          "in each process");
     const std::lock_guard lock(mutex_);
     turn_ = turn::scene;
     changed_.notify_all();
@@ -125,6 +139,7 @@ class scene_thread {
   std::condition_variable changed_;
   turn turn_ = turn::caller;
   bool closing_ = false, ended_ = false;
+  ::pid_t process_ = 0;  ///< that started the thread
   std::function<void()> job_;
   std::exception_ptr error_, job_error_;
   std::thread thread_;

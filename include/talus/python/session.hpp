@@ -60,7 +60,8 @@ class session {
   }
 
   /// Makes `n` steps, or fewer if the set-up ends before: none if it had no more to simulate.
-  /// Returns their number. Throws runtime_error if it had ended before, what the steps throw, and the exception of a signal, such as KeyboardInterrupt, after the present step.
+  /// Returns their number. Throws runtime_error if it had ended before, what the steps throw, and
+  /// the exception of a signal, such as KeyboardInterrupt, after the present step.
   std::uint64_t step(std::uint64_t n) {
     if (n == 0) return 0;
     (void)open();
@@ -119,9 +120,8 @@ class session {
   [[nodiscard]] world_type& open() {
     require_idle();
     if (world_ == nullptr)
-      throw std::runtime_error(failed_.empty()
-                                   ? "this world was closed: make another one"
-                                   : "this world was ended by an error: " + failed_);
+      throw std::runtime_error(failed_.empty() ? "this world was closed: make another one"
+                                               : "this world was ended by an error: " + failed_);
     return *world_;
   }
   /// Ends the scene; arrays that were taken from it stay valid. Files of options, such as json, are
@@ -132,7 +132,7 @@ class session {
     lent_.keep();
     {
       const pybind11::gil_scoped_release release;
-      if (over_) thread_.resume({});  // to the end of the run
+      if (over_ && thread_.here()) thread_.resume({});  // to the end of the run
       thread_.close();
       world_ = nullptr;
     }
