@@ -40,6 +40,16 @@ INSTEAD = {
         "./dev run shaker --config shaker.toml",
     "./dev run shaker --config shaker.toml --set iterations=20 --set grain.friction=0.3 --seed 7":
         "./dev run shaker --config shaker.toml --set iterations=5 --set grain.friction=0.3 --seed 7",
+    "./dev new --python": None,  # named, not typed
+    "./dev new --python heap": "./dev new --python waves",
+    "./dev sweep": None,
+    "./dev sweep NAME --vary OPTION=VALUES": "./dev sweep drop --vary iterations=5,10 --out ~/swept -- --steps 40",
+    "./dev sweep --collect DIR": "./dev sweep --collect ~/swept",
+    "./dev sweep cards --vary friction=0.3:0.42:7 --vary lean=20,25 --jobs 2":
+        "./dev sweep cards --vary friction=0.3:0.42:2 --jobs 2 -- --steps 40 --ranks 1",
+    "./dev sweep ./build/heap --vary iterations=5,10,20 --repeat 10 -n 16 --slurm --time 02:00:00 --jobs 8":
+        "./dev sweep drop --vary iterations=5,10,20 --repeat 10 -n 16 --slurm --time 02:00:00 --jobs 8 && "
+        "bash -n sweep_drop/sweep.sh",
     "./dev run NAME [-n RANKS] [OPTIONS]": "./dev run drop -n 2 --seed 3",
     "./dev run NAME -n RANKS": "./dev run drop -n 3",
     "./dev render DIR": "./dev render ~/heap/pictures",

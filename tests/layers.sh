@@ -25,7 +25,8 @@ level() {
     scene/*) echo 13 ;;
     response/*) echo 14 ;;  # former places of the solvers
     talus.hpp) echo 14 ;;
-    mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | config.hpp | observe.hpp | feature.hpp | liquid.hpp | adhesion.hpp) echo 15 ;;
+    python/*) echo 14 ;;
+    python.hpp | mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | config.hpp | observe.hpp | feature.hpp | liquid.hpp | adhesion.hpp) echo 15 ;;
   esac
 }
 

@@ -1,0 +1,128 @@
+#pragma once
+// The classes of a Python module that drives a compiled scenario.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "talus/core/error.hpp"
+#include "talus/observe/digest.hpp"
+#include "talus/observe/motion.hpp"
+#include "talus/observe/summary.hpp"
+#include "talus/observe/summary_json.hpp"
+#include "talus/python/arrays.hpp"
+#include "talus/python/joints.hpp"
+#include "talus/python/session.hpp"
+#include "talus/scene/options.hpp"
+
+namespace talus {
+
+/// Writes a checkpoint; defined by <talus/checkpoint.hpp>.
+template <class Scenario>
+void write_checkpoint(world<Scenario>& w, const std::string& file);
+
+namespace detail {
+
+/// The words of a command line for the keyword arguments of Python: csv_every=5 is --csv-every=5.
+[[nodiscard]] inline std::vector<std::string> words_of(const pybind11::kwargs& given) {
+  namespace py = pybind11;
+  std::vector<std::string> words;
+  bool quiet = false;
+  for (const auto& [key, value] : given) {
+    auto name = key.cast<std::string>();
+    quiet |= name == "quiet";
+    std::replace(name.begin(), name.end(), '_', '-');
+    if (value.is_none()) continue;
+    const std::string text =
+        py::isinstance<py::bool_>(value)    ? value.cast<bool>() ? "true" : "false"
+        : py::isinstance<py::float_>(value) ? py::repr(value).cast<std::string>()
+                                            : py::str(value).cast<std::string>();
+    words.push_back("--" + name + "=" + text);
+  }
+  if (!quiet) words.emplace_back("--quiet=true");
+  return words;
+}
+
+/// What --help prints of the options.
+template <class Scenario, class Options>
+[[nodiscard]] std::string help_of(const std::string& name) {
+  const char* const arguments[] = {name.c_str(), "--help"};
+  try {
+    (void)parse<Options>(2, arguments, {}, "", withdraw_options<Scenario>);
+  } catch (const help_requested& help) {
+    return help.what();
+  }
+  return {};
+}
+
+/// A world, with the functions of Python that are called between its steps.
+template <class Session>
+struct driven_world {
+  struct observer {
+    std::uint64_t every;
+    pybind11::function f;
+  };
+  std::shared_ptr<Session> session;
+  std::vector<observer> observers{};
+  bool observing = false;
+
+  /// Makes n steps, or fewer if the set-up ends before, and calls the observers after those that
+  /// are multiples of their numbers. Returns their number. `self` is this world in Python.
+  std::uint64_t advance(std::uint64_t n, const pybind11::object& self) {
+    if (observing)
+      throw std::runtime_error("an observer made steps in its own world: it may only look at it");
+    std::uint64_t made = 0;
+    while (made < n && !session->over()) {
+      const std::uint64_t now = session->open().steps();
+      std::uint64_t part = n - made;
+      for (const observer& o : observers) part = std::min(part, o.every - now % o.every);
+      const std::uint64_t steps = session->step(part);
+      if (steps == 0) break;
+      made += steps;
+      observe(self);
+    }
+    return made;
+  }
+
+ private:
+  void observe(const pybind11::object& self) {
+    struct mark {
+      bool& set;
+      explicit mark(bool& b) : set(b) { set = true; }
+      ~mark() { set = false; }
+    } const under_way(observing);
+    const std::uint64_t now = session->open().steps();
+    for (std::size_t k = 0; k < observers.size(); ++k)  // one may add another
+      if (now % observers[k].every == 0) {
+        const pybind11::function f = observers[k].f;
+        f(self);
+      }
+  }
+};
+
+/// The bodies of one shape.
+template <class Session>
+struct bodies_of_one_shape {
+  std::shared_ptr<Session> session;
+  std::string shape;
+  [[nodiscard]] pybind11::array column(const std::string& name) const {
+    return column_of_shape(session->lent(), session->open(), shape, name);
+  }
+};
+
+inline constexpr std::pair<const char*, const char*> column_words[] = {
+    {"positions", "Centres of mass, one row for each body. Read-only, without a copy."},
+    {"velocities", "Velocities of the centres of mass, likewise."},
+    {"angular_velocities", "Angular velocities in the world frame, likewise."},
+    {"orientations", "Unit quaternions x, y, z, w, likewise, where bodies have orientations."},
+    {"ids", "Ids of the bodies, likewise. The order of the bodies may change from step to step."},
+    {"radii", "Radii, likewise, of shapes that have one."}};
+
+}  // namespace detail
+}  // namespace talus

@@ -1,0 +1,211 @@
+#pragma once
+// talus::python::scenario<Scenario>(module, set_up): a compiled scenario as a Python module.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "talus/python/module.hpp"
+
+namespace talus {
+
+namespace detail {
+
+/// The numbers of a world that Python reads as properties.
+template <class Session, class Class>
+void bind_figures(Class& world_class) {
+  namespace py = pybind11;
+  using driven = driven_world<Session>;
+  using world_type = typename Session::world_type;
+  world_class
+      .def_property_readonly(
+          "time", [](driven& d) { return d.session->open().time(); }, "Elapsed time.")
+      .def_property_readonly(
+          "steps", [](driven& d) { return d.session->open().steps(); }, "Steps made so far.")
+      .def_property_readonly(
+          "finished", [](driven& d) { return d.session->over(); },
+          "Whether the set-up has come to its end, so that no more steps can be made.")
+      .def_property(
+          "gravity",
+          [](driven& d) {
+            const vec3& g = d.session->open().gravity();
+            return py::make_tuple(g[0], g[1], g[2]);
+          },
+          [](driven& d, const std::array<real, 3>& g) {
+            d.session->change([&](world_type& w) { w.gravity({g[0], g[1], g[2]}); });
+          },
+          "Acceleration of all bodies.")
+      .def_property_readonly(
+          "kinetic_energy",
+          [](driven& d) {
+            return d.session->read([](world_type& w) { return measure_motion(w).kinetic_energy; });
+          },
+          "Kinetic energy of all bodies, of translation and rotation.")
+      .def_property_readonly(
+          "digest",
+          [](driven& d) { return d.session->read([](world_type& w) { return state_digest(w); }); },
+          "state_digest of the present state, 16 hexadecimal digits.")
+      .def_property_readonly(
+          "contacts",
+          [](driven& d) {
+            return d.session->read([](world_type& w) { return contact_columns::of(w); }).arrays();
+          },
+          "The contacts that carry a force, as a dictionary of arrays: id_a, id_b, point, normal "
+          "(from b towards a), force (on a), gap. Copies.")
+      .def(
+          "results",
+          [](driven& d) {
+            const std::string text = d.session->read([&](world_type& w) {
+              talus::summary figures = summarize(w, 0, 0);
+              figures.scenario = d.session->name();
+              figures.own = d.session->own();
+              return to_json(figures);
+            });
+            return py::module_::import("json").attr("loads")(text);
+          },
+          "What the program writes for --json, of the present state, as a dictionary. Its times of "
+          "the whole run are 0; what the set-up returns is in it once the set-up has ended.");
+}
+
+/// The bodies of a world.
+template <class Session, class Class>
+void bind_bodies(pybind11::module_& module, Class& world_class) {
+  namespace py = pybind11;
+  using driven = driven_world<Session>;
+  using bodies = bodies_of_one_shape<Session>;
+  py::class_<bodies> bodies_class(module, "Bodies", py::module_local(),
+                                  "The bodies of one shape that are not global.");
+  bodies_class.def_readonly("shape", &bodies::shape).def("__len__", [](const bodies& b) {
+    return py::len(b.column("ids"));
+  });
+  for (const auto& [name, words] : column_words) {
+    bodies_class.def_property_readonly(
+        name, [name = name](const bodies& b) { return b.column(name); }, words);
+    world_class.def_property_readonly(
+        name,
+        [name = name](driven& d) {
+          const std::vector<std::string> shapes = movable_shapes(d.session->open());
+          if (shapes.size() != 1) {
+            std::string all;
+            for (const std::string& s : shapes) all += (all.empty() ? "" : ", ") + s;
+            throw py::attribute_error(
+                compose("this world has bodies of several shapes ({}): write world.bodies['{}'].{}",
+                        all, shapes.empty() ? "" : shapes.front(), name));
+          }
+          return column_of_shape(d.session->lent(), d.session->open(), shapes.front(), name);
+        },
+        words);
+  }
+  world_class.def_property_readonly(
+      "bodies",
+      [](driven& d) {
+        py::dict all;
+        for (const std::string& s : movable_shapes(d.session->open()))
+          all[s.c_str()] = bodies{d.session, s};
+        return all;
+      },
+      "The bodies by their shape, as world.bodies['sphere'].positions.");
+}
+
+/// Its steps, from the beginning to the end.
+template <class Session, class Class>
+void bind_course(Class& world_class) {
+  namespace py = pybind11;
+  using driven = driven_world<Session>;
+  world_class
+      .def(
+          "step",
+          [](const py::object& self, std::uint64_t n) {
+            auto& d = self.cast<driven&>();
+            const std::uint64_t made = d.advance(n, self);
+            if (made < n && made == 0) d.session->require_more();
+            return made;
+          },
+          py::arg("n") = 1,
+          "Makes n steps and returns their number, which is smaller if the set-up ends before. "
+          "Other threads of Python run meanwhile.")
+      .def(
+          "run",
+          [](const py::object& self) {
+            auto& d = self.cast<driven&>();
+            std::uint64_t made = 0;
+            while (!d.session->over()) made += d.advance(1000, self);
+            return made;
+          },
+          "Makes all steps that the set-up simulates, to its end; returns their number.")
+      .def(
+          "observe",
+          [](driven& d, std::uint64_t every, py::function f) {
+            if (every == 0)
+              throw std::invalid_argument("observe needs a number of steps of 1 or more, not 0");
+            d.observers.push_back({every, std::move(f)});
+          },
+          py::arg("every"), py::arg("f"),
+          "Calls f(world) after each step whose number is a multiple of `every`.")
+      .def(
+          "close", [](driven& d) { d.session->close(); },
+          "Ends the world and frees its memory; arrays that were taken from it stay valid.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](driven& d, const py::args&) { d.session->close(); });
+  using world_type = typename Session::world_type;
+  if constexpr (world_type::scenario_type::template has_feature<checkpoints>)
+    world_class.def(
+        "write_checkpoint",
+        [](driven& d, const std::string& file) {
+          d.session->change([&](world_type& w) { talus::write_checkpoint(w, file); });
+        },
+        py::arg("file"),
+        "Writes the state to a file, from which World(restart=file) and --restart continue.");
+}
+
+}  // namespace detail
+
+namespace python {
+
+/// Adds the classes World, Bodies and, where the scenario has joints, Joint to a module. `set_up`
+/// is the function that run<Scenario, Options> takes: a World runs it on a thread of its own, and
+/// suspends it in world.simulate(...) after the steps that Python asks for. The keyword arguments
+/// of World are the options of the program. Exceptions of the scene become those of Python:
+/// invalid_argument ValueError, all others RuntimeError. docs/python.md describes the classes.
+template <class Scenario, class Options = talus::options, class SetUp>
+void scenario(pybind11::module_& module, SetUp set_up) {
+  namespace py = pybind11;
+  using session = detail::session<Scenario, Options, SetUp>;
+  using driven = detail::driven_world<session>;
+  const auto name = module.attr("__name__").cast<std::string>();
+  const std::string words =
+      "A world of this scenario. Its arguments are the options of the "
+      "program, with _ instead of -:\n\n" +
+      detail::help_of<Scenario, Options>(name);
+  py::class_<driven> world_class(module, "World", words.c_str(), py::module_local());
+  const auto sessions = std::make_shared<std::vector<std::weak_ptr<session>>>();
+  world_class.def(py::init([set_up, name, sessions](const py::kwargs& given) {
+    auto made = std::make_shared<session>(set_up, name, detail::words_of(given));
+    std::erase_if(*sessions, [](const auto& s) { return s.expired(); });
+    sessions->push_back(made);
+    return driven{std::move(made)};
+  }));
+  // At the end of Python no set-up is left suspended.
+  py::module_::import("atexit").attr("register")(py::cpp_function([sessions] {
+    for (const auto& one : *sessions)
+      if (const auto alive = one.lock()) alive->close();
+  }));
+  detail::bind_figures<session>(world_class);
+  detail::bind_bodies<session>(module, world_class);
+  detail::bind_course<session>(world_class);
+  if constexpr (requires(detail::world_state<Scenario> & s) { s.joints.size(); }) {
+    detail::bind_joints(module);
+    world_class.def_property_readonly(
+        "joints", [](driven& d) { return detail::joints_of(d.session); },
+        "The joints, in the order in which they were joined.");
+  }
+}
+
+}  // namespace python
+}  // namespace talus

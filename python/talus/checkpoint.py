@@ -1,0 +1,128 @@
+"""Checkpoints: the files that --checkpoint wrote. docs/checkpoints.md describes the format."""
+import pathlib
+import struct
+
+import numpy as np
+
+from .arrays import Columns, by_id, open_hdf5
+from .errors import Error
+
+WHAT = "checkpoint of talus"
+MARK = b"talus checkpoint, HDF5 follows\n\0"
+VERSION = 1
+GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+
+
+def mix(x):
+    """The finaliser of splitmix64."""
+    x = x + GOLDEN
+    x = (x ^ (x >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return x ^ (x >> np.uint64(31))
+
+
+def checksum(data, place=0):
+    """The checksum of talus of some bytes."""
+    words = np.frombuffer(data + bytes(-len(data) % 8), dtype="<u8")
+    with np.errstate(over="ignore"):
+        start = np.uint64(place) * np.uint64(0xD1342543DE82EF95) + GOLDEN
+        salt = start + np.arange(len(words), dtype=np.uint64) * GOLDEN
+        return int(mix(np.uint64(len(data) ^ place)) + np.sum(mix(words ^ salt), dtype=np.uint64))
+
+
+def require_whole(path):
+    """Raises Error unless the first block of the file is that of a checkpoint, undamaged, and the file has the
+    length that the block tells."""
+    try:
+        with open(path, "rb") as file:
+            head = file.read(56)
+            if not head.startswith(MARK[:31]):
+                raise Error(f"{path} is no {WHAT}, or its first bytes are damaged")
+            if len(head) < 56:
+                raise Error(f"{path} is truncated: it ends within its first block")
+            version, block_bytes, file_bytes, _ = struct.unpack_from("<IIQQ", head, 32)
+            if not 512 <= block_bytes <= 1 << 26:
+                raise Error(f"{path} is damaged: its first block makes no sense")
+            block = head + file.read(block_bytes - 56)
+            length = file.seek(0, 2)
+    except OSError as e:
+        raise Error(f"{path} cannot be read: {e.strerror}") from None
+    if len(block) < block_bytes:
+        raise Error(f"{path} is truncated: it ends within its first block")
+    if struct.unpack("<Q", block[-8:])[0] != checksum(block[:-8]):
+        raise Error(f"{path} is damaged: the checksum of its first block is wrong")
+    if version > VERSION:
+        raise Error(f"{path} is of format {version}, but this package reads formats up to {VERSION}")
+    if length != file_bytes:
+        raise Error(f"{path} is {'truncated' if length < file_bytes else 'damaged'}: it has {length} bytes, but "
+                    f"was written with {file_bytes}")
+
+
+class Bodies(Columns):
+    """The bodies of one shape, in the order of their ids: positions, velocities, angular_velocities, orientations
+    (x, y, z, w), ids, radii; ["..."] for all columns by their names in the file."""
+
+    WORDS = {"positions": "position", "velocities": "velocity", "angular_velocities": "angular_velocity",
+             "orientations": "orientation", "ids": "id", "materials": "material"}
+
+    def __init__(self, path, table):
+        with open_hdf5(path, WHAT) as file:
+            order = by_id(file[f"{table}/id"][:].ravel())
+        super().__init__(path, WHAT, table, order)
+        self._names = [n for n in self._names if n not in ("pieces", "boxes", "extra")]
+        self.shape = table.rpartition("/")[2]
+
+    def __getitem__(self, name):
+        values = super().__getitem__(name)
+        return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
+
+    def __len__(self):
+        return len(self["id"])
+
+    def __getattr__(self, name):
+        shape = self.__dict__.get("shape", "body")
+        if name == "radii" and shape in ("sphere", "capsule", "cylinder"):
+            values = self["shape"]  # of a sphere its only number, of the others the first
+            return values if values.ndim == 1 else values[:, 0]
+        word = type(self).WORDS.get(name)
+        if word is None or word not in self._names:
+            raise AttributeError(f"a {shape} of this checkpoint has no {name}")
+        return self[word]
+
+
+class Checkpoint:
+    """A checkpoint: step, time, ranks, policies; `bodies["sphere"].positions` and so on of the bodies, `globals`
+    likewise; `contacts` with the arrays a, b, feature, impulse, ... The rows of tables are not compared with
+    their checksums: a restart does that."""
+
+    def __init__(self, path):
+        require_whole(path)
+        self.path = pathlib.Path(path)
+        with open_hdf5(path, WHAT) as file:
+            try:
+                self.step = int(file["run/steps"][()].ravel()[0])
+                self.time = float(file["run/time"][()].ravel()[0])
+                self.ranks = int(file["run/ranks"][()].ravel()[0])
+                self.policies = bytes(file["scenario/policies"][()]).decode()
+                tables = {kind: list(file.get(kind, ())) for kind in ("bodies", "globals")}
+            except (KeyError, OSError) as e:
+                raise Error(f"{path} is damaged: {e}") from None
+        self.bodies = {shape: Bodies(path, f"bodies/{shape}") for shape in tables["bodies"]}
+        self.globals = {shape: Bodies(path, f"globals/{shape}") for shape in tables["globals"]}
+
+    @property
+    def contacts(self):
+        return Columns(self.path, WHAT, "contacts")
+
+    def __getattr__(self, name):
+        if name not in Bodies.WORDS and name != "radii":
+            raise AttributeError(f"a checkpoint has no {name}")
+        shapes = list(self.__dict__.get("bodies", ()))
+        if len(shapes) != 1:
+            raise AttributeError(f"this checkpoint has bodies of several shapes ({', '.join(shapes)}): write "
+                                 f"bodies['{shapes[0] if shapes else ''}'].{name}")
+        return getattr(self.bodies[shapes[0]], name)
+
+    def __repr__(self):
+        count = ", ".join(f"{len(b)} of shape {s}" for s, b in self.bodies.items())
+        return f"<talus.Checkpoint {self.path}: step {self.step}, time {self.time:g}, bodies: {count}>"

@@ -1,0 +1,70 @@
+"""Results (--json) and time series (--csv)."""
+import csv
+import json
+
+import numpy as np
+
+from .errors import Error
+
+
+def results(path):
+    """The results that --json wrote, as a dictionary."""
+    try:
+        with open(path) as file:
+            found = json.load(file)
+    except OSError as e:
+        raise Error(f"{path} cannot be read: {e.strerror}") from None
+    except ValueError:
+        raise Error(f"{path} holds no results of talus, or is truncated: it is no JSON") from None
+    if not isinstance(found, dict):
+        raise Error(f"{path} holds no results of talus: it is JSON, but no object")
+    if "ended_early" in found:
+        raise Error(f"{path} is of a run that ended early: {found['ended_early']}")
+    return found
+
+
+class Table:
+    """A time series that --csv wrote: table["time"] is a column as a numpy array; the unit in the head of a
+    column is not part of its name. Cells that are empty are NaN."""
+
+    def __init__(self, path):
+        self.path = str(path)
+        try:
+            with open(path, newline="") as file:
+                rows = list(csv.reader(file))
+        except OSError as e:
+            raise Error(f"{path} cannot be read: {e.strerror}") from None
+        except (csv.Error, UnicodeDecodeError):
+            raise Error(f"{path} is no time series of talus: it is no CSV") from None
+        if not rows or not rows[0] or rows[0][0].partition(" [")[0] != "step":
+            raise Error(f"{path} is no time series of talus: its first column is not 'step'")
+        head = rows[0]
+        if rows[-1] and len(rows[-1]) < len(head) and len(rows) > 1:
+            rows.pop()  # the run is still writing this line, or was killed
+        for number, row in enumerate(rows[1:], 2):
+            if len(row) != len(head):
+                raise Error(f"{path} is damaged: line {number} has {len(row)} cells, and its head {len(head)}")
+        self.units = {h.partition(" [")[0]: h.partition(" [")[2].rstrip("]") for h in head}
+        self._columns = {}
+        for k, name in enumerate(self.units):
+            try:
+                self._columns[name] = np.array([float(row[k]) if row[k] else np.nan for row in rows[1:]])
+            except ValueError:
+                raise Error(f"{path} is damaged: its column {name} has a cell that is no number") from None
+
+    def __getitem__(self, name):
+        if name not in self._columns:
+            raise KeyError(f"{self.path} has no column {name}; it has {', '.join(self._columns)}")
+        return self._columns[name]
+
+    def __iter__(self):
+        return iter(self._columns)
+
+    def __len__(self):
+        return len(next(iter(self._columns.values())))
+
+    def keys(self):
+        return self._columns.keys()
+
+    def __repr__(self):
+        return f"<talus.Table {self.path}: {len(self)} lines of {', '.join(self)}>"

@@ -1,0 +1,300 @@
+#!/usr/bin/env python3
+"""Python drives compiled scenes.  drive.py MODULES DROP_PROGRAM
+  MODULES       folder of the modules drop (from examples/drop/drop.cpp) and mechanism
+  DROP_PROGRAM  the example drop"""
+import gc
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+MODULES, PROGRAM = sys.argv.pop(1), sys.argv.pop(1)
+sys.path.insert(0, MODULES)
+import numpy as np
+
+import drop
+import mechanism
+
+
+class Worlds(unittest.TestCase):
+    def setUp(self):
+        made = tempfile.TemporaryDirectory()
+        self.addCleanup(made.cleanup)
+        self.work = pathlib.Path(made.name)
+
+    def test_the_scene_has_the_digest_of_its_program(self):
+        for options in ({"steps": 300}, {"steps": 120, "iterations": 4, "seed": 7, "dt": 0.004}):
+            words = [f"--{name}={value}" for name, value in options.items()]
+            subprocess.run([PROGRAM, *words, "--ranks", "1", "--quiet", "--json", "drop.json"], check=True,
+                           cwd=self.work)
+            said = json.loads((self.work / "drop.json").read_text())
+            world = drop.World(**options)
+            while world.steps < options["steps"]:
+                world.step(50)
+            self.assertEqual(world.digest, said["state_digest"])
+            mine = world.results()
+            for name in ("bodies", "contacts", "kinetic_energy", "penetration_max", "residual", "transport"):
+                self.assertEqual(mine[name], said[name], name)
+            self.assertEqual(world.kinetic_energy, said["kinetic_energy"])
+
+    def test_columns_are_views_of_the_bodies(self):
+        world = drop.World()
+        self.assertEqual((world.steps, world.time), (0, 0.0))
+        self.assertEqual(world.positions.shape, (729, 3))
+        self.assertEqual(world.velocities.dtype, np.float64)
+        self.assertTrue(((0.3 <= world.radii) & (world.radii <= 0.5)).all())
+        self.assertEqual(len(set(world.ids)), 729)
+        self.assertFalse(world.positions.flags.owndata)
+        one, two = world.positions, world.positions
+        self.assertTrue(np.shares_memory(one, two))
+        with self.assertRaises(ValueError):
+            one[0, 0] = 1
+        energy = world.step(10) and world.kinetic_energy
+        mass = 2.8 * 4 / 3 * np.pi * world.radii**3
+        spin = 0.4 * mass * world.radii**2 * (world.angular_velocities**2).sum(axis=1)
+        self.assertAlmostEqual(energy, 0.5 * (mass * (world.velocities**2).sum(axis=1) + spin).sum())
+
+    def test_a_view_that_is_kept_shows_the_state_in_which_it_was_taken(self):
+        world = drop.World(steps=600)
+        before = world.positions
+        copied, part, ids = before.copy(), before[10:20, 2], world.ids
+        again = world.positions
+        world.step(300)  # bodies are sorted in between
+        self.assertTrue((before == copied).all())
+        self.assertTrue((again == copied).all())
+        after = world.positions
+        self.assertFalse((after == copied).all(axis=1).any())
+        self.assertFalse(np.shares_memory(before, after))
+        del before, again
+        gc.collect()
+        self.assertTrue((part == copied[10:20, 2]).all())
+        moved = dict(zip(world.ids, after))
+        self.assertTrue(all(moved[i][2] < z for i, z in zip(ids[10:20], part)))
+        del world
+        gc.collect()
+        self.assertTrue((part == copied[10:20, 2]).all())
+        self.assertTrue(np.isfinite(after).all())
+
+    def test_a_step_copies_nothing_where_no_view_is_kept(self):
+        world = drop.World()
+        place = world.positions.__array_interface__["data"][0]
+        world.step(3)
+        self.assertEqual(world.positions.__array_interface__["data"][0], place)
+        kept = world.positions
+        world.step(1)
+        self.assertEqual(kept.__array_interface__["data"][0], place)
+        self.assertNotEqual(world.positions.__array_interface__["data"][0], place)
+
+    def test_views_do_not_change_the_trajectory(self):
+        one, other = drop.World(steps=300), drop.World(steps=300)
+        kept = []
+        for _ in range(30):
+            kept += [one.positions, one.velocities, one.radii, one.ids]
+            one.step(10)
+        other.step(300)
+        self.assertEqual(one.digest, other.digest)
+
+    def test_contacts_carry_the_weight(self):
+        world = drop.World(steps=600)
+        world.step(600)
+        contacts = world.contacts
+        self.assertEqual(set(contacts), {"id_a", "id_b", "point", "normal", "force", "gap"})
+        n = len(contacts["id_a"])
+        self.assertEqual(contacts["force"].shape, (n, 3))
+        self.assertTrue(np.allclose(np.linalg.norm(contacts["normal"], axis=1), 1))
+        floor = np.abs(contacts["normal"][:, 2]) > 0.999
+        on_floor = floor & ~np.isin(contacts["id_b"], world.ids)
+        weight = 9.81 * 2.8 * 4 / 3 * np.pi * (world.radii**3).sum()
+        self.assertAlmostEqual(contacts["force"][on_floor, 2].sum() / weight, 1, delta=0.1)
+
+    def test_several_shapes_are_named(self):
+        world = mechanism.World()
+        self.assertEqual(list(world.bodies), ["sphere", "box"])
+        self.assertEqual(len(world.bodies["sphere"]), 3)
+        self.assertEqual(world.bodies["box"].positions.tolist(), [[0, 0, 8]])
+        self.assertEqual(world.bodies["box"].orientations.tolist(), [[0, 0, 0, 1]])
+        with self.assertRaisesRegex(AttributeError, r"several shapes \(sphere, box\): write world.bodies"):
+            world.positions
+        with self.assertRaisesRegex(AttributeError, "a box has no radii"):
+            world.bodies["box"].radii
+        with self.assertRaisesRegex(AttributeError, "a sphere has no orientations: name features"):
+            drop.World().orientations
+
+    def test_a_motor_is_set(self):
+        world = mechanism.World(speed=2)
+        (joint,) = world.joints
+        self.assertEqual(joint.kind, "hinge")
+        self.assertEqual(joint.id_b, world.bodies["box"].ids[0])
+        world.step(10)
+        self.assertAlmostEqual(world.bodies["box"].angular_velocities[0, 1], 2, places=6)
+        joint.set_motor(velocity=-3, largest_torque=1000)
+        world.step(2)
+        self.assertAlmostEqual(world.bodies["box"].angular_velocities[0, 1], -3, places=6)
+        self.assertGreater(joint.angle, 0)
+        self.assertEqual(joint.force.shape, (3,))
+        with self.assertRaisesRegex(AttributeError, "a hinge has no travel"):
+            joint.travel
+        with self.assertRaisesRegex(TypeError, "set_motor has no argument torque: it takes velocity, largest_torque"):
+            joint.set_motor(torque=1)
+        with self.assertRaises(ValueError):
+            joint.set_motor(velocity=float("nan"), largest_torque=1)
+        joint.release()
+        self.assertEqual(world.joints, [])
+
+    def test_the_set_up_goes_on_where_its_simulations_end(self):
+        world = mechanism.World(steps=30)
+        self.assertEqual(world.gravity, (0, 0, -10))
+        self.assertEqual(world.step(16), 16)  # across the end of the first simulate
+        self.assertEqual(world.gravity, (0, 0, -5))
+        self.assertFalse(world.finished)
+        self.assertEqual(world.step(100), 14)
+        self.assertTrue(world.finished)
+        self.assertEqual(world.results()["calls"], 30)
+        self.assertEqual(world.results()["steps"], 30)
+        with self.assertRaisesRegex(RuntimeError, r"the set-up has ended after 30 steps.*World\(steps=60\)"):
+            world.step()
+        self.assertEqual(mechanism.World(steps=30).run(), 30)
+
+    def test_gravity_is_set(self):
+        world = mechanism.World()
+        world.gravity = (0, 0, 0)
+        world.step(10)
+        self.assertEqual(world.bodies["sphere"].velocities.tolist()[2], [0, 0, 0])
+        with self.assertRaises(ValueError):
+            world.gravity = (0, 0, float("inf"))
+
+    def test_options_are_those_of_the_program(self):
+        with self.assertRaisesRegex(ValueError, "'--iteratoins=5' is not an option.*did you mean --iterations"):
+            drop.World(iteratoins=5)
+        with self.assertRaisesRegex(ValueError, "--iterations must be at least 1, but is 0"):
+            drop.World(iterations=0)
+        with self.assertRaisesRegex(ValueError, "4 ranks are asked for, but Python drives worlds of one rank"):
+            drop.World(ranks=4)
+        self.assertEqual(drop.World(reproducible=True, csv=None).step(2), 2)
+        self.assertIn("--iterations", drop.World.__doc__)
+
+    def test_exceptions_of_the_scene_arrive(self):
+        with self.assertRaisesRegex(ValueError, "the set-up has no wood"):
+            mechanism.World(fail_first=True)
+        world = mechanism.World(fail_at=5)
+        kept = world.bodies["sphere"].positions
+        with self.assertRaisesRegex(RuntimeError, "the bar broke in step 5"):
+            world.step(10)
+        self.assertEqual(kept[2, 2], 2.5)
+        with self.assertRaisesRegex(RuntimeError, "was ended by an error: the bar broke in step 5"):
+            world.step(1)
+        with self.assertRaisesRegex(RuntimeError, "was ended by an error"):
+            world.time
+
+    def test_observers_are_called_between_steps(self):
+        world, seen = drop.World(), []
+        world.observe(10, lambda w: seen.append((w.steps, w.positions[:, 2].mean())))
+        self.assertEqual(world.step(35), 35)
+        self.assertEqual([s for s, _ in seen], [10, 20, 30])
+        self.assertTrue(seen[0][1] > seen[1][1] > seen[2][1])
+
+        def fail(w):
+            raise KeyError(w.steps)
+        world.observe(7, fail)
+        with self.assertRaises(KeyError):
+            world.step(100)
+        self.assertEqual(world.steps, 42)
+        with self.assertRaises(ValueError):
+            world.observe(0, fail)
+        again = drop.World()
+        again.observe(1, lambda w: w.step(1))
+        with self.assertRaisesRegex(RuntimeError, "it may only look"):
+            again.step(1)
+
+    def test_worlds_are_independent_and_close(self):
+        one, other = drop.World(seed=1), drop.World(seed=2)
+        one.step(5)
+        self.assertEqual((one.steps, other.steps), (5, 0))
+        self.assertNotEqual(one.digest, other.digest)
+        kept = one.positions
+        copied = kept.copy()
+        one.close()
+        one.close()
+        self.assertTrue((kept == copied).all())
+        with self.assertRaisesRegex(RuntimeError, "this world was closed"):
+            one.step(1)
+        with drop.World() as third:
+            third.step(1)
+        with self.assertRaisesRegex(RuntimeError, "this world was closed"):
+            third.steps
+
+    def test_other_threads_run_during_steps_and_are_refused_the_same_world(self):
+        world, counted, refused = drop.World(), [], []
+
+        def count():
+            while not done.is_set():
+                counted.append(1)
+                try:
+                    world.step(1)
+                except RuntimeError as e:
+                    refused.append(str(e))
+                done.wait(0.001)
+        done = threading.Event()
+        busy = threading.Thread(target=lambda: (world.step(400), done.set()))
+        other = threading.Thread(target=count)
+        busy.start()
+        other.start()
+        busy.join()
+        other.join()
+        self.assertGreater(len(counted), 3)
+        self.assertTrue(any("another thread works with this world" in r for r in refused), refused[:3])
+
+    def test_an_interrupt_ends_a_step_and_leaves_the_world_whole(self):
+        world = drop.World(steps=1000000)
+        threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            world.step(1000000)
+        there = world.steps
+        self.assertTrue(0 < there < 1000000)
+        world.step(1)
+        self.assertEqual(world.steps, there + 1)
+
+    def test_a_checkpoint_continues(self):
+        first = drop.World(steps=60)
+        first.step(30)
+        first.write_checkpoint(str(self.work / "half.h5"))
+        first.step(30)
+        second = drop.World(steps=60, restart=str(self.work / "half.h5"))
+        self.assertEqual(second.steps, 30)
+        second.step(30)
+        self.assertEqual(second.digest, first.digest)
+        with self.assertRaisesRegex(RuntimeError, "nowhere.h5"):
+            drop.World(restart="nowhere.h5")
+
+    def test_a_fork_is_refused_the_world_and_ends(self):
+        world = drop.World()
+        world.step(1)
+        child = os.fork()
+        if child == 0:
+            try:
+                world.step(1)
+            except RuntimeError as e:
+                os._exit(7 if "a fork cannot use it" in str(e) else 8)
+            os._exit(9)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 7)
+        child = os.fork()
+        if child == 0:
+            world.close()
+            os._exit(5)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 5)
+        self.assertEqual(world.step(1), 1)
+
+    def test_python_ends_without_a_word_while_worlds_are_open(self):
+        told = subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {MODULES!r})\n"
+                               "import drop\nworld = drop.World()\nworld.step(3)\nkept = world.positions\n"
+                               "world.observe(1, lambda w: world)\n"], capture_output=True, text=True, timeout=60)
+        self.assertEqual((told.returncode, told.stdout, told.stderr), (0, "", ""))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""The package talus reads what talus writes.  read.py ROOT MODULES   (MODULES: see drive.py)"""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT, MODULES = sys.argv.pop(1), sys.argv.pop(1)
+sys.path[:0] = [str(pathlib.Path(ROOT) / "python"), MODULES]
+import numpy as np
+
+import mechanism
+import talus
+
+
+class Read(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.work = pathlib.Path(tempfile.mkdtemp())
+        cls.addClassCleanup(shutil.rmtree, cls.work)
+        name = cls.work / "out"
+        world = mechanism.World(steps=40, output=str(name), output_every=10, csv=str(name) + ".csv", csv_every=5,
+                                json=str(name) + ".json", checkpoint=str(name) + ".h5")
+        world.step(40)
+        cls.spheres = {k: getattr(world.bodies["sphere"], k) for k in
+                       ("ids", "positions", "velocities", "angular_velocities", "radii")}
+        cls.box = {k: getattr(world.bodies["box"], k) for k in ("ids", "positions", "velocities", "orientations")}
+        cls.contacts, cls.digest, cls.time = world.contacts, world.digest, world.time
+        world.run()
+        world.close()
+
+    def file(self, end):
+        return self.work / f"out{end}"
+
+    def test_a_series_has_frames_with_the_arrays_of_the_world(self):
+        series = talus.open(self.file(""))
+        self.assertEqual([f.step for f in series], [0, 10, 20, 30, 40])
+        self.assertTrue(np.allclose(series.times, [0, 0.1, 0.2, 0.3, 0.4]))
+        self.assertEqual(series.at(0.24).step, 20)
+        self.assertEqual([f.step for f in series[1:3]], [10, 20])
+        last = series[-1]
+        self.assertEqual((last.step, last.time, len(last)), (40, self.time, 4))
+        order = np.argsort(self.spheres["ids"])
+        ball = last.shapes == "sphere"
+        self.assertEqual(ball.sum(), 3)
+        self.assertTrue((last.ids[:-1] < last.ids[1:]).all())
+        for name in self.spheres:
+            self.assertTrue((getattr(last, name)[ball] == self.spheres[name][order]).all(), name)
+        self.assertTrue((last.positions[~ball] == self.box["positions"]).all())
+        self.assertTrue((last.orientations[~ball] == self.box["orientations"]).all())
+        self.assertFalse(last.fixed.any())
+        self.assertTrue((last.bodies["mass"] > 0).all())
+        self.assertEqual(sorted(last.contacts["id_a"]), sorted(self.contacts["id_a"]))
+        self.assertTrue(np.allclose(sorted(last.contacts["force"][:, 2]), sorted(self.contacts["force"][:, 2])))
+        with self.assertRaisesRegex(KeyError, "has no colour; there are"):
+            last.bodies["colour"]
+        with self.assertRaises(IndexError):
+            series[5]
+        self.assertIn("5 frames", repr(series))
+
+    def test_a_checkpoint_has_the_bodies_by_their_ids(self):
+        state = talus.open(self.file(".h5"))
+        self.assertEqual((state.step, state.time, state.ranks), (40, self.time, 1))
+        order = np.argsort(self.spheres["ids"])
+        for name in self.spheres:
+            self.assertTrue((getattr(state.bodies["sphere"], name) == self.spheres[name][order]).all(), name)
+        self.assertTrue((state.bodies["box"].orientations == self.box["orientations"]).all())
+        self.assertEqual(state.bodies["box"]["shape"].shape, (1, 3))
+        self.assertEqual(len(state.globals["plane"]["id"]), 1)
+        self.assertIn("impulse", state.contacts)
+        with self.assertRaisesRegex(AttributeError, "several shapes"):
+            state.positions
+        with self.assertRaisesRegex(AttributeError, "a box of this checkpoint has no radii"):
+            state.bodies["box"].radii
+
+    def test_results_and_time_series(self):
+        results = talus.open(self.file(".json"))
+        self.assertEqual((results["state_digest"], results["steps"], results["calls"]), (self.digest, 40, 40))
+        table = talus.open(self.file(".csv"))
+        self.assertEqual(table["step"].tolist(), list(range(0, 41, 5)))
+        self.assertEqual(len(table), 9)
+        self.assertIn("time", table)
+        with self.assertRaisesRegex(KeyError, "has no column colour; it has step, time"):
+            table["colour"]
+
+    def test_the_script_of_the_documentation_runs(self):
+        told = subprocess.run([sys.executable, "-B", f"{ROOT}/docs/reading.py", self.file("")], check=True, text=True,
+                              capture_output=True, env={**os.environ, "PYTHONPATH": f"{ROOT}/python"}).stdout
+        self.assertIn("5 frames; in the last one 4 bodies around [", told)
+        self.assertIn("step 40 has 3 spheres of radius 0.5\n", told)
+
+    def test_a_line_that_is_not_complete_is_left_out(self):
+        text = self.file(".csv").read_text()
+        path = self.work / "cut.csv"
+        path.write_text(text[:text.rstrip().rindex(",")])
+        self.assertEqual(len(talus.open(path)), 8)
+
+    def test_wrong_and_truncated_files_are_refused_in_words(self):
+        def refused(path, words):
+            with self.assertRaises(talus.Error, msg=str(path)) as told:
+                found = talus.open(path)
+                [f.positions for f in found] if isinstance(found, talus.Series) else found.positions
+            self.assertIn(words, str(told.exception))
+            self.assertIn(str(path), str(told.exception))
+
+        def cut(end, part, name):
+            data = self.file(end).read_bytes()
+            path = self.work / name
+            path.write_bytes(data[:int(len(data) * part)])
+            return path
+
+        refused(self.work / "none.hdf", "does not exist")
+        refused(self.work, "is a folder")
+        refused(cut(".h5", 0.7, "cut.h5"), "is truncated: it has")
+        refused(cut(".h5", 100 / self.file(".h5").stat().st_size, "cut2.h5"), "it ends within its first block")
+        refused(cut("_0000000040.hdf", 0.7, "cut_0000000040.hdf"), "is truncated")
+        refused(cut(".json", 0.7, "cut.json"), "is truncated: it is no JSON")
+        refused(cut(".hdf.series", 0.7, "cut.hdf.series"), "is truncated: it is no JSON")
+        refused(cut(".h5", 0, "empty.h5"), "is empty")
+        odd = self.work / "notes.txt"
+        odd.write_text("a thesis")
+        refused(odd, "is nothing that talus writes")
+        wrong = bytearray(self.file(".h5").read_bytes())
+        wrong[60] ^= 1
+        (self.work / "wrong.h5").write_bytes(wrong)
+        refused(self.work / "wrong.h5", "the checksum of its first block is wrong")
+        (self.work / "list.json").write_text('{"ended_early": "exit(3) on rank 0"}')
+        refused(self.work / "list.json", "of a run that ended early: exit(3)")
+        shutil.copy(self.file("_contacts_0000000040.hdf"), self.work / "lines_0000000040.hdf")
+        refused(self.work / "lines_0000000040.hdf", "with bodies")
+        index = {"files": [{"name": "gone_0000000001.hdf", "time": 1}]}
+        (self.work / "gone.hdf.series").write_text(json.dumps(index))
+        with self.assertRaisesRegex(talus.Error, "gone_0000000001.hdf does not exist"):
+            talus.open(self.work / "gone.hdf.series")[0]
+
+
+if __name__ == "__main__":
+    unittest.main()
