@@ -138,7 +138,7 @@ def ghosts():
     size, reach = 230, 12
     bodies = [(0.06, 0.05, 34), (-0.42, 0.28, 26), (0.42, 0.38, 30), (-0.24, -0.30, 30), (0.38, -0.22, 26), (-0.12, 0.56, 24), (0.62, -0.64, 26), (-0.66, -0.60, 24)]
     d = Drawing(760, 428, "Shadow copies at a corner of four domains")
-    largest = max(r for *_, r in bodies) * 1.0
+    largest = max(r for *_, r in bodies)
 
     def owner(x, y):
         return (1 if x >= 0 else 0) + (2 if y >= 0 else 0)
