@@ -38,8 +38,7 @@ void get_view_list(std::span<const std::byte>& in, List& values) {
   if (count > in.size() / sizeof(value))
     throw std::runtime_error("a message for --view ended before its content");
   values.resize(count);
-  if (count > 0)
-    std::memcpy(static_cast<void*>(values.data()), in.data(), count * sizeof(value));
+  if (count > 0) std::memcpy(static_cast<void*>(values.data()), in.data(), count * sizeof(value));
   in = in.subspan(count * sizeof(value));
 }
 
