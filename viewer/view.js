@@ -139,6 +139,7 @@ function talus_view() {
     return loading;
   }
   const stop = () => {
+    if (!state.playing) return;
     state.playing = false, ($("play").innerHTML = "&#9654;");
     if (state.frame) write_frame();
   };
@@ -224,7 +225,10 @@ function talus_view() {
   function connect() {
     $("play").onclick = toggle;
     $("back").onclick = () => step(-1), $("forth").onclick = () => step(1);
-    $("slider").oninput = () => (stop(), require(+$("slider").value));
+    $("slider").oninput = () => {
+      const at = +$("slider").value;
+      stop(), require(at);
+    };
     $("speed").replaceChildren(...[0.1, 0.25, 0.5, 1, 2, 4, 10].map((s) => new Option(s + "×", s, false, s === 1)));
     $("speed").onchange = () => (state.speed = +$("speed").value);
     $("colour").onchange = () => choose_colour($("colour").value);

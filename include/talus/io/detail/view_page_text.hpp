@@ -1416,6 +1416,7 @@ function talus_view() {
     return loading;
   }
   const stop = () => {
+    if (!state.playing) return;
     state.playing = false, ($("play").innerHTML = "&#9654;");
     if (state.frame) write_frame();
   };
@@ -1501,7 +1502,10 @@ function talus_view() {
   function connect() {
     $("play").onclick = toggle;
     $("back").onclick = () => step(-1), $("forth").onclick = () => step(1);
-    $("slider").oninput = () => (stop(), require(+$("slider").value));
+    $("slider").oninput = () => {
+      const at = +$("slider").value;
+      stop(), require(at);
+    };
     $("speed").replaceChildren(...[0.1, 0.25, 0.5, 1, 2, 4, 10].map((s) => new Option(s + "×", s, false, s === 1)));
     $("speed").onchange = () => (state.speed = +$("speed").value);
     $("colour").onchange = () => choose_colour($("colour").value);
@@ -1590,10 +1594,10 @@ function talus_view() {
     try {
       const answer = await fetch("heads/" + run.heads.length);
       if (!answer.ok) throw new Error("the server answers " + answer.status);
-      const more = await answer.json(), first = run.heads.length === 0, at_end = state.at >= run.heads.length - 1;
+      const more = await answer.json(), first = run.heads.length === 0, at_end = state.at >= run.heads.)page",
+    R"page(length - 1;
       run.heads.push(...more.heads);
-      if (more.re)page",
-    R"page(start) location.reload();
+      if (more.restart) location.reload();
       say(run.heads.length ? "" : "Waiting for the first frame.");
       if (run.heads.length && first) await begin(), require(run.heads.length - 1);
       else if (more.heads.length) {
