@@ -89,7 +89,7 @@ function talus_view() {
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
     if (!new_frame) return;
     // While it plays, texts and plots change some times a second: they cost more than the picture.
-    if (state.playing && performance.now() - written < 150) return;
+    if (state.playing && performance.now() - written < 250) return;
     write_frame();
   }
   function write_frame() {
