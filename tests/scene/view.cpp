@@ -387,7 +387,8 @@ TEST_CASE("a message holds a contribution, and base64 and JSON are those of thei
   const view_part read = view_part::unpacked(part.packed());
   CHECK(read.seconds == part.seconds);
   REQUIRE(read.forms.size() == 1);
-  CHECK(read.forms[0].corners == std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3});
+  CHECK(std::vector<std::uint32_t>(read.forms[0].corners.begin(), read.forms[0].corners.end()) ==
+        std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3});
   CHECK(read.contacts[0].force[2] == 9);
   byte_buffer cut = part.packed();
   cut.resize(cut.size() - 9);

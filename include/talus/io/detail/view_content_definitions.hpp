@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "talus/core/linkage.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/io/detail/view_content.hpp"
 
 namespace talus::detail {
@@ -60,14 +61,18 @@ TALUS_INLINE void put_motion(view_json& head, view_blocks& to, const plain_vecto
   head.add("speed_max", fastest);
 }
 
-TALUS_INLINE void put_contacts(view_json& head, view_blocks& to, const view_grid& grid,
-                               const view_places& places, plain_vector<view_contact>& contacts) {
-  std::sort(contacts.begin(), contacts.end(), [](const view_contact& x, const view_contact& y) {
+struct stronger {
+  [[nodiscard]] bool operator()(const view_contact& x, const view_contact& y) const {
     const double f = x.force.squaredNorm(), g = y.force.squaredNorm();
     if (f != g) return f > g;
     if (x.a != y.a) return value_of(x.a) < value_of(y.a);
     return x.b != y.b ? value_of(x.b) < value_of(y.b) : x.feature < y.feature;
-  });
+  }
+};
+
+TALUS_INLINE void put_contacts(view_json& head, view_blocks& to, const view_grid& grid,
+                               const view_places& places, plain_vector<view_contact>& contacts) {
+  sort_values(contacts, stronger{});
   head.add("contacts_of", static_cast<double>(contacts.size()));
   if (!contacts.empty()) {
     double sum = 0;
@@ -92,14 +97,10 @@ TALUS_INLINE void put_contacts(view_json& head, view_blocks& to, const view_grid
 TALUS_INLINE void put_joints(view_blocks& to, const view_grid& grid, const view_places& places,
                              plain_vector<view_joint>& joints) {
   // Both ranks of a joint report it.
-  const auto joint_before = [](const view_joint& x, const view_joint& y) {
-    if (x.a != y.a) return value_of(x.a) < value_of(y.a);
-    return x.b != y.b ? value_of(x.b) < value_of(y.b) : x.number < y.number;
-  };
-  std::sort(joints.begin(), joints.end(), joint_before);
+  sort_values(joints);
   std::size_t kept = 0;
   for (const view_joint& j : joints)
-    if (kept == 0 || joint_before(joints[kept - 1], j)) joints[kept++] = j;
+    if (kept == 0 || joints[kept - 1] < j) joints[kept++] = j;
   joints.resize(kept);
   if (!joints.empty()) {
     plain_vector<std::uint32_t> a, b;

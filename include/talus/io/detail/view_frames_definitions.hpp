@@ -9,10 +9,27 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/linkage.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/io/detail/view_frames.hpp"
 
 namespace talus::detail {
 
+struct by_id {
+  [[nodiscard]] bool operator()(const view_body& x, const view_body& y) const {
+    return comes_before(x, y);
+  }
+};
+/// What decides on the place of a body in a frame.
+struct view_rank_of_body {
+  int wall = 0, shape = 0, form = 0;
+  std::uint32_t index = 0;
+
+  friend bool operator<(const view_rank_of_body& x, const view_rank_of_body& y) {
+    if (x.wall != y.wall) return x.wall < y.wall;
+    if (x.shape != y.shape) return x.shape < y.shape;
+    return x.form != y.form ? x.form < y.form : x.index < y.index;
+  }
+};
 /// Whether what does not move is the same.
 [[nodiscard]] inline bool looks_like(const view_body& x, const view_body& y) {
   return x.shape == y.shape && x.flags == y.flags && x.material == y.material && x.form == y.form &&
@@ -108,8 +125,8 @@ TALUS_INLINE void view_frames::add_rows(const plain_vector<view_body>& all,
     const std::string number = std::to_string(at->number);
     (numbers += numbers.empty() ? "" : ",") += number;
     view_form& f = pending_[at->at];
-    to.put("form_points_" + number, std::span<const float>(f.points));
-    to.put("form_corners_" + number, std::span<const std::uint32_t>(f.corners));
+    to.put("form_points_" + number, f.points);
+    to.put("form_corners_" + number, f.corners);
     f = {};
   }
   if (!numbers.empty()) out.head.add_raw("forms", "[" + numbers + "]");
@@ -165,21 +182,17 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
   }
   leave_out(all, out);
   measure(all);
-  std::sort(all.begin(), all.end(), comes_before);
+  sort_values(all, by_id{});
   plain_vector<std::uint32_t> rows(all.size());
   add_rows(all, rows, to, out);
 
   // The order of a frame: bodies of one form follow each other.
+  plain_vector<view_rank_of_body> keys(all.size());
+  for (std::uint32_t i = 0; i < keys.size(); ++i)
+    keys[i] = {all[i].flags & view_wall, static_cast<int>(all[i].shape), number_of(all[i].form), i};
+  sort_values(keys);
   plain_vector<std::uint32_t> order(all.size());
-  plain_vector<std::int32_t> forms(all.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i, forms[i] = number_of(all[i].form);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const view_body &x = all[i], &y = all[j];
-    const int wall_x = x.flags & view_wall, wall_y = y.flags & view_wall;
-    if (wall_x != wall_y) return wall_x < wall_y;
-    if (x.shape != y.shape) return x.shape < y.shape;
-    return forms[i] != forms[j] ? forms[i] < forms[j] : i < j;
-  });
+  for (std::size_t k = 0; k < keys.size(); ++k) order[k] = keys[k].index;
   plain_vector<std::uint32_t> shown(all.size()), place_of(all.size());
   for (std::uint32_t k = 0; k < order.size(); ++k)
     shown[k] = rows[order[k]], place_of[order[k]] = k;
