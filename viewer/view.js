@@ -210,6 +210,7 @@ function talus_view() {
   }
   function pick(x, y) {
     const c = $("canvas"), at = new THREE.Vector3((2 * x) / c.clientWidth - 1, 1 - (2 * y) / c.clientHeight, 0.5);
+    control.apply(); // the view may have changed since the last picture
     const from = stage.camera.position, way = at.unproject(stage.camera).sub(from).normalize();
     const i = body_on_ray(state.frame, run.forms, from, way, +$("walls").value > 0);
     state.picked = i < 0 ? null : state.frame.rows[i];

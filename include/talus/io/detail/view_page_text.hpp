@@ -31,6 +31,7 @@ aside { position: absolute; background: rgba(255, 255, 255, .88); border: 1px so
 #legend div { display: flex; justify-content: space-between; font-size: 11px; color: var(--soft); font-variant-numeric: tabular-nums; }
 #ramp { width: 100%; height: 10px; display: block; border-radius: 3px; }
 #body { top: 10px; right: 10px; min-width: 210px; max-width: 300px; font-variant-numeric: tabular-nums; }
+#body tr:first-child td { padding-right: 18px; }
 #body table { border-collapse: collapse; font-size: 13px; width: 100%; }
 #body th { text-align: left; font-weight: 500; color: var(--soft); padding: 1px 10px 1px 0; vertical-align: top; white-space: nowrap; }
 #body td { overflow-wrap: anywhere; }
@@ -1491,6 +1492,7 @@ function talus_view() {
   }
   function pick(x, y) {
     const c = $("canvas"), at = new THREE.Vector3((2 * x) / c.clientWidth - 1, 1 - (2 * y) / c.clientHeight, 0.5);
+    control.apply(); // the view may have changed since the last picture
     const from = stage.camera.position, way = at.unproject(stage.camera).sub(from).normalize();
     const i = body_on_ray(state.frame, run.forms, from, way, +$("walls").value > 0);
     state.picked = i < 0 ? null : state.frame.rows[i];
@@ -1593,10 +1595,10 @@ function talus_view() {
     requestAnimationFrame(loop);
     api.ready = true;
   }
-  // Of a run under way: asks for the heads of new frames.
+  // Of a run )page",
+    R"page(under way: asks for the heads of new frames.
   async function follow() {
-)page",
-    R"page(    try {
+    try {
       const answer = await fetch("heads/" + run.heads.length);
       if (!answer.ok) throw new Error("the server answers " + answer.status);
       const more = await answer.json(), first = run.heads.length === 0, at_end = state.at >= run.heads.length - 1;
