@@ -56,6 +56,7 @@ INSTEAD = {
     "./dev render DIR [--frame N] [--quality fast]": "./dev render ~/heap/pictures --frame last --quality fast",
     "./dev view OUTPUT [--html FILE] [--serve PORT]":
         "./dev run hopper --output ~/seen --output-every 20 && ./dev view ~/seen --html ~/seen.html",
+    "python3 tests/view/measure.py PAGE.html": None,  # minutes of a browser
     "./dev view hopper --serve 8000": None,  # it serves until it is ended
     "./dev gallery": "./dev gallery cards",
     "./dev compile-cost": "./dev compile-cost --runs 1",

@@ -16,21 +16,28 @@ class hidden_spheres {
     this.covered = new Uint8Array(0);
   }
   // Fills `seen` with the numbers of the spheres to be drawn, nearest first, and returns how many there
-  // are. `view` are the elements of the camera's view matrix, `pixels` those of a length 1 at distance 1.
-  find(count, position_of, radius, view, width, height, pixels) {
-    const { x, y, r, z, bucket, order, seen, starts } = this, p = [0, 0, 0];
+  // are. The place of sphere i before the camera is rest + A p + B q, where p and q are its stored
+  // numbers in two frames, and A and B (three rows of three) contain cells, camera and mixture.
+  // `pixels` are those of a length 1 at distance 1.
+  find(count, p, A, q, B, rest, radius, width, height, pixels) {
+    const { x, y, r, z, bucket, order, seen, starts } = this;
+    const [a0, a1, a2, a3, a4, a5, a6, a7, a8] = A, [c0, c1, c2] = rest, middle = width / 2, centre = height / 2;
+    const [b0, b1, b2, b3, b4, b5, b6, b7, b8] = B || [];
     let near = Infinity, far = 0, sum = 0, here = 0;
-    for (let i = 0; i < count; ++i) {
-      position_of(i, p);
-      const a = p[0], b = p[1], c = p[2];
-      const depth = -(view[2] * a + view[6] * b + view[10] * c + view[14]);
+    for (let i = 0, k = 0; i < count; ++i, k += 3) {
+      const p0 = p[k], p1 = p[k + 1], p2 = p[k + 2];
+      let u = c0 + a0 * p0 + a1 * p1 + a2 * p2, v = c1 + a3 * p0 + a4 * p1 + a5 * p2, w = c2 + a6 * p0 + a7 * p1 + a8 * p2;
+      if (B) {
+        const q0 = q[k], q1 = q[k + 1], q2 = q[k + 2];
+        u += b0 * q0 + b1 * q1 + b2 * q2, v += b3 * q0 + b4 * q1 + b5 * q2, w += b6 * q0 + b7 * q1 + b8 * q2;
+      }
+      const depth = -w;
       z[i] = -1;
       if (depth <= 0) continue;
       const scale = pixels / depth, size = radius[i] * scale;
-      const u = width / 2 + (view[0] * a + view[4] * b + view[8] * c + view[12]) * scale;
-      const v = height / 2 - (view[1] * a + view[5] * b + view[9] * c + view[13]) * scale;
+      u = middle + u * scale, v = centre - v * scale;
       if (u < 0 || v < 0 || u > width || v > height) continue; // points go with their centres
-      x[i] = u, y[i] = v, r[i] = Math.max(0.5, size), z[i] = depth;
+      x[i] = u, y[i] = v, r[i] = size > 0.5 ? size : 0.5, z[i] = depth;
       if (depth < near) near = depth;
       if (depth > far) far = depth;
       sum += size, ++here;

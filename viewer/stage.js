@@ -127,18 +127,15 @@ class body_group {
       return;
     }
     this.hidden ??= new hidden_spheres(this.room);
-    const p = a.place.array, q = a.place_next.array, t = u.between.value;
-    const l = u.lower.value.toArray(), s = u.span.value.toArray(), m = u.lower_next.value.toArray(), n = u.span_next.value.toArray();
-    const whole = p instanceof Uint16Array ? 1 / 65535 : 1, whole_next = q instanceof Uint16Array ? 1 / 65535 : 1;
-    const [lx, ly, lz] = l, [sx, sy, sz] = s.map((x) => x * whole), [mx, my, mz] = m, [nx, ny, nz] = n.map((x) => x * whole_next);
-    const still = (i, to) => {
-      to[0] = lx + sx * p[3 * i], to[1] = ly + sy * p[3 * i + 1], to[2] = lz + sz * p[3 * i + 2];
+    const place = a.place.array, next = a.place_next.array, t = u.between.value, rest = [view[12], view[13], view[14]];
+    const rows = (values, lower, span, part) => {
+      const scale = part * (values instanceof Uint16Array ? 1 / 65535 : 1), l = lower.toArray(), s = span.toArray(), out = [];
+      for (let k = 0; k < 3; ++k)
+        for (let c = 0; c < 3; ++c) rest[k] += part * view[4 * c + k] * l[c], out.push(scale * view[4 * c + k] * s[c]);
+      return out;
     };
-    const mixed = (i, to) => {
-      still(i, to);
-      to[0] += t * (mx + nx * q[3 * i] - to[0]), to[1] += t * (my + ny * q[3 * i + 1] - to[1]), to[2] += t * (mz + nz * q[3 * i + 2] - to[2]);
-    };
-    const drawn = this.hidden.find(this.count, t > 0 ? mixed : still, a.radius.array, view, width, height, pixels);
+    const A = rows(place, u.lower.value, u.span.value, 1 - t), B = t > 0 ? rows(next, u.lower_next.value, u.span_next.value, t) : null;
+    const drawn = this.hidden.find(this.count, place, A, next, B, rest, a.radius.array, width, height, pixels);
     if (drawn > 0.4 * this.count) this.pause = 60;
     if (!g.index) {
       const made = new THREE.BufferAttribute(new Uint32Array(this.room), 1);

@@ -89,7 +89,7 @@ function talus_view() {
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
     if (!new_frame) return;
     // While it plays, texts and plots change some times a second: they cost more than the picture.
-    if (state.playing && performance.now() - written < 150) return;
+    if (state.playing && performance.now() - written < 250) return;
     write_frame();
   }
   function write_frame() {
@@ -139,6 +139,7 @@ function talus_view() {
     return loading;
   }
   const stop = () => {
+    if (!state.playing) return;
     state.playing = false, ($("play").innerHTML = "&#9654;");
     if (state.frame) write_frame();
   };
@@ -209,6 +210,7 @@ function talus_view() {
   }
   function pick(x, y) {
     const c = $("canvas"), at = new THREE.Vector3((2 * x) / c.clientWidth - 1, 1 - (2 * y) / c.clientHeight, 0.5);
+    control.apply(); // the view may have changed since the last picture
     const from = stage.camera.position, way = at.unproject(stage.camera).sub(from).normalize();
     const i = body_on_ray(state.frame, run.forms, from, way, +$("walls").value > 0);
     state.picked = i < 0 ? null : state.frame.rows[i];
@@ -224,7 +226,10 @@ function talus_view() {
   function connect() {
     $("play").onclick = toggle;
     $("back").onclick = () => step(-1), $("forth").onclick = () => step(1);
-    $("slider").oninput = () => (stop(), require(+$("slider").value));
+    $("slider").oninput = () => {
+      const at = +$("slider").value;
+      stop(), require(at);
+    };
     $("speed").replaceChildren(...[0.1, 0.25, 0.5, 1, 2, 4, 10].map((s) => new Option(s + "×", s, false, s === 1)));
     $("speed").onchange = () => (state.speed = +$("speed").value);
     $("colour").onchange = () => choose_colour($("colour").value);

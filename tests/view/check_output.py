@@ -103,7 +103,7 @@ def serving(browser, program, root):
         check(ask("/" + token + "/heads/0") == (200, b'{"heads": [], "restart": false}'), "no frames yet")
         browser.errors.clear(), browser.requests.clear()
         browser.open(address)
-        browser.wait("document.getElementById('message').textContent.includes('Waiting for the first frame')")
+        browser.wait("document.getElementById('message')?.textContent.includes('Waiting for the first frame')")
         run = subprocess.Popen([program, "--quiet", "--steps", "4000", "--bodies", "200", "--output", "live", "--output-every", "20"])
         browser.wait("window.talus && talus.ready && talus.frames() > 2", 120)
         frames = browser.run("talus.frames()")

@@ -188,7 +188,7 @@ def shapes(browser, program, folder):
         const s = p.clone().project(talus.stage.camera);
         const k = talus.pick((s.x + 1) / 2 * c.clientWidth, (1 - s.y) / 2 * c.clientHeight);
         const q = k < 0 ? null : new THREE.Vector3(...f.place(k, [0, 0, 0]));
-        if (k !== i && !(q && q.distanceTo(talus.stage.camera.position) < d + 1)) bad.push([i, k, f.run.table.shape[f.rows[i]]]);
+        if (k !== i && !(q && !(f.run.table.flags[f.rows[k]] & 1) && q.distanceTo(talus.stage.camera.position) < d + 1)) bad.push([i, k, f.run.table.shape[f.rows[i]]]);
       }
       return bad; })()""")
     check(not far, f"bodies that a click does not find: {far}")

@@ -1,6 +1,6 @@
-// Scenes whose pages tests look at in a browser (check_page.py): --scene known has one sphere with a
-// known path, --scene shapes has bodies of all shapes, joints and walls, --scene many has --bodies
-// spheres close together that drift.
+// Scenes whose pages tests look at in a browser (check_page.py): --scene known has one sphere with
+// a known path, --scene shapes has bodies of all shapes, joints and walls, --scene many has
+// --bodies spheres close together that drift.
 #include <talus/mesh.hpp>
 #include <talus/talus.hpp>
 using namespace talus;
@@ -8,10 +8,10 @@ using namespace talus;
 namespace {
 
 using clump = union_of<sphere, box>;
-using scene = scenario<
-    bodies<sphere, box, capsule, cylinder, convex_polyhedron, clump, triangle_mesh, plane>,
-    hard_contact<coulomb_friction>, decomposition<grid<dynamic, dynamic>>, transport<threads>,
-    joints<ball_joint>, features<penetration_monitor>>;
+using scene =
+    scenario<bodies<sphere, box, capsule, cylinder, convex_polyhedron, clump, triangle_mesh, plane>,
+             hard_contact<coulomb_friction>, decomposition<grid<dynamic, dynamic>>,
+             transport<threads>, joints<ball_joint>, features<penetration_monitor>>;
 
 struct scene_options : options {
   std::string scene = "known";
@@ -25,8 +25,8 @@ struct scene_options : options {
 
 /// A red sphere (it is of rank 0) that goes from (0, 0, 0) to (4, 0, 0).
 void add_known(auto& world, material_id stone) {
-  world.add_if_local(body{.shape = sphere{1}, .position = {0, 0, 0}, .material = stone,
-                          .velocity = {4, 0, 0}});
+  world.add_if_local(
+      body{.shape = sphere{1}, .position = {0, 0, 0}, .material = stone, .velocity = {4, 0, 0}});
 }
 
 void add_shapes(auto& world, material_id stone, material_id oak) {
@@ -37,7 +37,8 @@ void add_shapes(auto& world, material_id stone, material_id oak) {
     scope.add(box{{0.4, 3, 0.8}}, stone, {-2, 0, 0.4});
   });
   const convex_polyhedron wedge({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0.6}});
-  const clump hammer{{{.shape = sphere{0.35}, .at = {{0.5, 0, 0}}}, {.shape = box{{0.9, 0.3, 0.3}}}}};
+  const clump hammer{
+      {{.shape = sphere{0.35}, .at = {{0.5, 0, 0}}}, {.shape = box{{0.9, 0.3, 0.3}}}}};
   world.fill(simple_cubic{.spacing = 1.2} & box_region{{-2.5, -2.5, 2}, {2.5, 2.5, 7}},
              [&](const site& place, random_stream& random) {
                std::variant<body<sphere>, body<box>, body<capsule>, body<cylinder>,
@@ -51,11 +52,21 @@ void add_shapes(auto& world, material_id stone, material_id oak) {
                                               .orientation = random.rotation()};
                };
                switch (static_cast<int>(random.uniform(0., 6.))) {
-                 case 0: give(box{{0.7, 0.5, 0.4}}, oak); break;
-                 case 1: give(capsule{.radius = 0.2, .length = 0.5}, stone); break;
-                 case 2: give(cylinder{.radius = 0.3, .length = 0.5}, oak); break;
-                 case 3: give(wedge, stone); break;
-                 case 4: give(hammer, oak); break;
+                 case 0:
+                   give(box{{0.7, 0.5, 0.4}}, oak);
+                   break;
+                 case 1:
+                   give(capsule{.radius = 0.2, .length = 0.5}, stone);
+                   break;
+                 case 2:
+                   give(cylinder{.radius = 0.3, .length = 0.5}, oak);
+                   break;
+                 case 3:
+                   give(wedge, stone);
+                   break;
+                 case 4:
+                   give(hammer, oak);
+                   break;
                  default:
                    made = body<sphere>{.shape = sphere{random.uniform(0.2, 0.5)},
                                        .position = place.position,
@@ -67,8 +78,8 @@ void add_shapes(auto& world, material_id stone, material_id oak) {
   std::optional<handle<sphere>> last;
   for (int k = 0; k < 6; ++k) {
     const vec3 at{-1.5 + 0.6 * k, 0, 8.5};
-    const auto link = world.add_if_local(
-        body{.shape = sphere{0.2}, .position = at, .material = oak});
+    const auto link =
+        world.add_if_local(body{.shape = sphere{0.2}, .position = at, .material = oak});
     if (k > 0) world.join(last, link, ball_joint{.at = at - vec3(0.3, 0, 0)});
     last = link;
   }

@@ -15,8 +15,7 @@ namespace talus::detail {
 
 TALUS_INLINE std::string three_file() {
   const char* const named = std::getenv("TALUS_THREE");
-  return named != nullptr && *named != '\0' ? named
-                                            : "/usr/share/javascript/three/three.min.js";
+  return named != nullptr && *named != '\0' ? named : "/usr/share/javascript/three/three.min.js";
 }
 
 TALUS_INLINE std::string read_three() {
@@ -48,8 +47,7 @@ TALUS_INLINE void append_base64(std::string& to, std::span<const std::byte> byte
     const std::size_t here = std::min<std::size_t>(3, bytes.size() - i);
     for (std::size_t k = 0; k < 3; ++k)
       three = three << 8 | (k < here ? static_cast<std::uint32_t>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k)
-      to += k <= here ? digits[three >> (18 - 6 * k) & 63] : '=';
+    for (std::size_t k = 0; k < 4; ++k) to += k <= here ? digits[three >> (18 - 6 * k) & 63] : '=';
   }
 }
 
@@ -58,8 +56,7 @@ TALUS_INLINE view_page::view_page(std::string file, bool force)
   if (is_stream(file_))
     fail<std::runtime_error>("--view {} is a stream: name a file, as in --view run.html", file_);
   const output_target target = inspect_target(file_, view_output, force_);
-  if (!target.objection.empty())
-    fail<std::runtime_error>("--view {} {}", file_, target.objection);
+  if (!target.objection.empty()) fail<std::runtime_error>("--view {} {}", file_, target.objection);
   const std::string three = read_three();
   part_ = part_file(file_);
   if (!part_.good())
@@ -100,11 +97,13 @@ TALUS_INLINE void view_page::add(const view_frame& frame, const std::string& abo
   if (frames_++ == 0) write_element("about", about);
   write_element("head", frame.head.str());
   write("<script type=\"text/plain\" class=\"talus-data\">");
-  constexpr std::size_t piece = 3 << 18;  // a multiple of three: base64 of each ends without padding
+  constexpr std::size_t piece =
+      3 << 18;  // a multiple of three: base64 of each ends without padding
   std::string text;
   for (std::size_t at = 0; at < frame.bytes.size(); at += piece) {
     text.clear();
-    append_base64(text, std::span(frame.bytes).subspan(at, std::min(piece, frame.bytes.size() - at)));
+    append_base64(text,
+                  std::span(frame.bytes).subspan(at, std::min(piece, frame.bytes.size() - at)));
     write(text);
   }
   write("</script>\n");
@@ -117,8 +116,7 @@ TALUS_INLINE void view_page::finish(const std::string& end) {
   for (const char* const piece : view_page_end) write(piece);
   // Another file may have appeared there meanwhile.
   const output_target target = inspect_target(file_, view_output, force_);
-  if (!target.objection.empty())
-    fail<std::runtime_error>("--view {} {}", file_, target.objection);
+  if (!target.objection.empty()) fail<std::runtime_error>("--view {} {}", file_, target.objection);
   if (!part_.rename_to(file_)) {
     const std::string words = system_words();
     part_ = {};

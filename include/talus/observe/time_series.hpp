@@ -22,8 +22,8 @@
 
 namespace talus {
 
-/// Collective: step, time, number of bodies and contacts, energy, momentum and overlap of the present
-/// state, and the values of the monitors.
+/// Collective: step, time, number of bodies and contacts, energy, momentum and overlap of the
+/// present state, and the values of the monitors.
 template <class Scenario>
 [[nodiscard, gnu::cold]] detail::plain_vector<measured> measure_run(world<Scenario>& w) {
   const motion m = measure_motion(w);

@@ -37,8 +37,8 @@ namespace talus::detail {
   return target.replaces;
 }
 
-/// Checks --json, --view and --csv on rank 0 before anything is written. Returns a text that lists the
-/// files to be replaced.
+/// Checks --json, --view and --csv on rank 0 before anything is written. Returns a text that lists
+/// the files to be replaced.
 template <class Options>
 [[nodiscard, gnu::cold]] std::string inspect_outputs(const Options& options) {
   std::string words;

@@ -3,33 +3,15 @@
 // except for the rank of each body. docs/view.md describes the blocks of a frame.
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/io/detail/view_blocks.hpp"
+#include "talus/io/detail/view_content.hpp"
 #include "talus/io/detail/view_part.hpp"
 
 namespace talus::detail {
-
-/// A growing JSON object. Numbers that are not finite become null.
-class view_json {
- public:
-  [[gnu::cold]] void add(std::string_view key, double value);
-  [[gnu::cold]] void add_text(std::string_view key, std::string_view text);
-  /// A value that is JSON already.
-  [[gnu::cold]] void add_raw(std::string_view key, std::string_view json);
-  [[nodiscard]] std::string str() const { return "{" + text_ + "}"; }
-  /// A text in quotation marks, also fit for a script element of a page.
-  [[nodiscard, gnu::cold]] static std::string quoted(std::string_view text);
-  [[nodiscard, gnu::cold]] static std::string number(double value);
-  /// A list of three numbers.
-  [[nodiscard, gnu::cold]] static std::string vector(const vec3& v);
-
- private:
-  std::string text_;
-};
 
 /// A frame: its head and the bytes of its blocks.
 struct view_frame {
@@ -42,11 +24,6 @@ struct view_frame {
 /// run has had so far, not with the number of frames.
 class view_frames {
  public:
-  /// Of each frame the strongest contacts are stored, at most so many.
-  static constexpr std::size_t most_contacts = 50000;
-
-  class blocks;
-
   [[nodiscard, gnu::cold]] view_frame make(std::vector<view_part>& parts);
 
  private:
@@ -63,8 +40,8 @@ class view_frames {
 
   void leave_out(plain_vector<view_body>& all, view_frame& out) const;
   void measure(plain_vector<view_body>& all);
-  void add_rows(const plain_vector<view_body>& all, plain_vector<std::uint32_t>& rows, blocks& to,
-                view_frame& out);
+  void add_rows(const plain_vector<view_body>& all, plain_vector<std::uint32_t>& rows,
+                view_blocks& to, view_frame& out);
   [[nodiscard]] std::int32_t number_of(std::uint64_t form) const;
 
   plain_vector<known_body> known_;  ///< in the order of ids and parts

@@ -31,6 +31,7 @@ aside { position: absolute; background: rgba(255, 255, 255, .88); border: 1px so
 #legend div { display: flex; justify-content: space-between; font-size: 11px; color: var(--soft); font-variant-numeric: tabular-nums; }
 #ramp { width: 100%; height: 10px; display: block; border-radius: 3px; }
 #body { top: 10px; right: 10px; min-width: 210px; max-width: 300px; font-variant-numeric: tabular-nums; }
+#body tr:first-child td { padding-right: 18px; }
 #body table { border-collapse: collapse; font-size: 13px; width: 100%; }
 #body th { text-align: left; font-weight: 500; color: var(--soft); padding: 1px 10px 1px 0; vertical-align: top; white-space: nowrap; }
 #body td { overflow-wrap: anywhere; }
@@ -585,21 +586,28 @@ class hidden_spheres {
     this.covered = new Uint8Array(0);
   }
   // Fills `seen` with the numbers of the spheres to be drawn, nearest first, and returns how many there
-  // are. `view` are the elements of the camera's view matrix, `pixels` those of a length 1 at distance 1.
-  find(count, position_of, radius, view, width, height, pixels) {
-    const { x, y, r, z, bucket, order, seen, starts } = this, p = [0, 0, 0];
+  // are. The place of sphere i before the camera is rest + A p + B q, where p and q are its stored
+  // numbers in two frames, and A and B (three rows of three) contain cells, camera and mixture.
+  // `pixels` are those of a length 1 at distance 1.
+  find(count, p, A, q, B, rest, radius, width, height, pixels) {
+    const { x, y, r, z, bucket, order, seen, starts } = this;
+    const [a0, a1, a2, a3, a4, a5, a6, a7, a8] = A, [c0, c1, c2] = rest, middle = width / 2, centre = height / 2;
+    const [b0, b1, b2, b3, b4, b5, b6, b7, b8] = B || [];
     let near = Infinity, far = 0, sum = 0, here = 0;
-    for (let i = 0; i < count; ++i) {
-      position_of(i, p);
-      const a = p[0], b = p[1], c = p[2];
-      const depth = -(view[2] * a + view[6] * b + view[10] * c + view[14]);
+    for (let i = 0, k = 0; i < count; ++i, k += 3) {
+      const p0 = p[k], p1 = p[k + 1], p2 = p[k + 2];
+      let u = c0 + a0 * p0 + a1 * p1 + a2 * p2, v = c1 + a3 * p0 + a4 * p1 + a5 * p2, w = c2 + a6 * p0 + a7 * p1 + a8 * p2;
+      if (B) {
+        const q0 = q[k], q1 = q[k + 1], q2 = q[k + 2];
+        u += b0 * q0 + b1 * q1 + b2 * q2, v += b3 * q0 + b4 * q1 + b5 * q2, w += b6 * q0 + b7 * q1 + b8 * q2;
+      }
+      const depth = -w;
       z[i] = -1;
       if (depth <= 0) continue;
       const scale = pixels / depth, size = radius[i] * scale;
-      const u = width / 2 + (view[0] * a + view[4] * b + view[8] * c + view[12]) * scale;
-      const v = height / 2 - (view[1] * a + view[5] * b + view[9] * c + view[13]) * scale;
+      u = middle + u * scale, v = centre - v * scale;
       if (u < 0 || v < 0 || u > width || v > height) continue; // points go with their centres
-      x[i] = u, y[i] = v, r[i] = Math.max(0.5, size), z[i] = depth;
+      x[i] = u, y[i] = v, r[i] = size > 0.5 ? size : 0.5, z[i] = depth;
       if (depth < near) near = depth;
       if (depth > far) far = depth;
       sum += size, ++here;
@@ -637,7 +645,8 @@ class hidden_spheres {
         const off = Math.max(Math.abs(line - cy), Math.abs(line + 1 - cy));
         if (off >= inner) continue;
         const half = Math.sqrt(inner_square - off * off), to = Math.min(columns, Math.floor(cx + half));
-        for (let c = Math.max(0, Math.ceil(cx - half)); c < to; ++c) covered[line * columns + c] = 1;
+        for (let c = Math.max)page",
+    R"page((0, Math.ceil(cx - half)); c < to; ++c) covered[line * columns + c] = 1;
       }
     }
     return drawn;
@@ -649,8 +658,7 @@ class hidden_spheres {
 const shape_names = ["sphere", "box", "capsule", "cylinder", "convex polyhedron", "triangle mesh", "plane"];
 const shape = { sphere: 0, box: 1, capsule: 2, cylinder: 3, polyhedron: 4, mesh: 5, plane: 6 };
 
-class form_bu)page",
-    R"page(ilder {
+class form_builder {
   constructor() {
     this.points = [], this.normals = [], this.ends = [];
   }
@@ -850,18 +858,15 @@ class body_group {
       return;
     }
     this.hidden ??= new hidden_spheres(this.room);
-    const p = a.place.array, q = a.place_next.array, t = u.between.value;
-    const l = u.lower.value.toArray(), s = u.span.value.toArray(), m = u.lower_next.value.toArray(), n = u.span_next.value.toArray();
-    const whole = p instanceof Uint16Array ? 1 / 65535 : 1, whole_next = q instanceof Uint16Array ? 1 / 65535 : 1;
-    const [lx, ly, lz] = l, [sx, sy, sz] = s.map((x) => x * whole), [mx, my, mz] = m, [nx, ny, nz] = n.map((x) => x * whole_next);
-    const still = (i, to) => {
-      to[0] = lx + sx * p[3 * i], to[1] = ly + sy * p[3 * i + 1], to[2] = lz + sz * p[3 * i + 2];
+    const place = a.place.array, next = a.place_next.array, t = u.between.value, rest = [view[12], view[13], view[14]];
+    const rows = (values, lower, span, part) => {
+      const scale = part * (values instanceof Uint16Array ? 1 / 65535 : 1), l = lower.toArray(), s = span.toArray(), out = [];
+      for (let k = 0; k < 3; ++k)
+        for (let c = 0; c < 3; ++c) rest[k] += part * view[4 * c + k] * l[c], out.push(scale * view[4 * c + k] * s[c]);
+      return out;
     };
-    const mixed = (i, to) => {
-      still(i, to);
-      to[0] += t * (mx + nx * q[3 * i] - to[0]), to[1] += t * (my + ny * q[3 * i + 1] - to[1]), to[2] += t * (mz + nz * q[3 * i + 2] - to[2]);
-    };
-    const drawn = this.hidden.find(this.count, t > 0 ? mixed : still, a.radius.array, view, width, height, pixels);
+    const A = rows(place, u.lower.value, u.span.value, 1 - t), B = t > 0 ? rows(next, u.lower_next.value, u.span_next.value, t) : null;
+    const drawn = this.hidden.find(this.count, place, A, next, B, rest, a.radius.array, width, height, pixels);
     if (drawn > 0.4 * this.count) this.pause = 60;
     if (!g.index) {
       const made = new THREE.BufferAttribute(new Uint32Array(this.room), 1);
@@ -891,12 +896,12 @@ class line_group {
       const put = (name, made) => (g.setAttribute ? g.setAttribute(name, made) : g.addAttribute(name, made));
       put("position", new THREE.BufferAttribute(new Float32Array([0, -1, 0, 1, -1, 0, 1, 1, 0, 0, -1, 0, 1, 1, 0, 0, 1, 0]), 3));
       put("from", new THREE.InstancedBufferAttribute(new Float32Array(3 * this.room), 3));
-      put("to", new THREE.InstancedBufferAttribute(new Float32Array(3 * this.room), 3));
+      put("to", new THREE.InstancedBufferAttribute(new Float32Array(3 * this.room), 3))page",
+    R"page();
       put("width", new THREE.InstancedBufferAttribute(new Float32Array(this.room), 1));
       put("colour", new THREE.InstancedBufferAttribute(new Uint8Array(4 * this.room), 4, true));
       this.object = new THREE.Mesh(g, this.material);
-      this.o)page",
-    R"page(bject.frustumCulled = false;
+      this.object.frustumCulled = false;
       this.stage.scene.add(this.object);
     }
     const g = this.geometry, a = g.attributes;
@@ -1131,10 +1136,10 @@ const figures = [
     names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "largest so far" } },
   { title: "Contact residual", unit: "", log: true, names: { contact_residual: "residual", contact_residual_worst: "worst contact" } },
   { title: "Momentum balance", unit: "", log: true, names: { momentum_error: "error" } },
-  { title: "Weight borne by contacts", unit: "over the weight", names: { borne_weight: "borne" } },
+  { title: "Weig)page",
+    R"page(ht borne by contacts", unit: "over the weight", names: { borne_weight: "borne" } },
   { title: "Largest speed", unit: "L/T", names: { max_speed: "speed" } },
-  { title: "Bodies and contacts", unit: "", names: { bodies: "bodies", contacts: "contacts" } },)page",
-    R"page(
+  { title: "Bodies and contacts", unit: "", names: { bodies: "bodies", contacts: "contacts" } },
   { title: "Normal force", unit: "M L/T²", names: { normal_force_mean: "mean", normal_force_max: "largest" } },
 ];
 
@@ -1353,20 +1358,20 @@ function talus_view() {
       for (const [a, b] of edges_of_domain(d.planes, stage.lower, stage.upper)) {
         from.push(...a), to.push(...b), width.push(1.5), colour.push(...colour_of_number(d.rank), 255);
       }
-    if (width.length) stage.lines.domains.show(width.length, from, to, width, colour, false);
+    if (width.length) stage.lines.domains.show(width.length, from, to,)page",
+    R"page( width, colour, false);
     else stage.lines.domains.hide();
   }
   function show_frame(frame, next, part) {
     const new_frame = frame !== state.frame;
     Object.assign(state, { frame, next });
     stage.show(frame, next, part);
-    if (new_frame || st)page",
-    R"page(ate.recolour) colour_bodies(), (state.recolour = false);
+    if (new_frame || state.recolour) colour_bodies(), (state.recolour = false);
     if (new_frame || state.relink) show_lines(), (state.relink = false);
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
     if (!new_frame) return;
     // While it plays, texts and plots change some times a second: they cost more than the picture.
-    if (state.playing && performance.now() - written < 150) return;
+    if (state.playing && performance.now() - written < 250) return;
     write_frame();
   }
   function write_frame() {
@@ -1416,6 +1421,7 @@ function talus_view() {
     return loading;
   }
   const stop = () => {
+    if (!state.playing) return;
     state.playing = false, ($("play").innerHTML = "&#9654;");
     if (state.frame) write_frame();
   };
@@ -1486,6 +1492,7 @@ function talus_view() {
   }
   function pick(x, y) {
     const c = $("canvas"), at = new THREE.Vector3((2 * x) / c.clientWidth - 1, 1 - (2 * y) / c.clientHeight, 0.5);
+    control.apply(); // the view may have changed since the last picture
     const from = stage.camera.position, way = at.unproject(stage.camera).sub(from).normalize();
     const i = body_on_ray(state.frame, run.forms, from, way, +$("walls").value > 0);
     state.picked = i < 0 ? null : state.frame.rows[i];
@@ -1501,7 +1508,10 @@ function talus_view() {
   function connect() {
     $("play").onclick = toggle;
     $("back").onclick = () => step(-1), $("forth").onclick = () => step(1);
-    $("slider").oninput = () => (stop(), require(+$("slider").value));
+    $("slider").oninput = () => {
+      const at = +$("slider").value;
+      stop(), require(at);
+    };
     $("speed").replaceChildren(...[0.1, 0.25, 0.5, 1, 2, 4, 10].map((s) => new Option(s + "×", s, false, s === 1)));
     $("speed").onchange = () => (state.speed = +$("speed").value);
     $("colour").onchange = () => choose_colour($("colour").value);
@@ -1585,15 +1595,15 @@ function talus_view() {
     requestAnimationFrame(loop);
     api.ready = true;
   }
-  // Of a run under way: asks for the heads of new frames.
+  // Of a run )page",
+    R"page(under way: asks for the heads of new frames.
   async function follow() {
     try {
       const answer = await fetch("heads/" + run.heads.length);
       if (!answer.ok) throw new Error("the server answers " + answer.status);
       const more = await answer.json(), first = run.heads.length === 0, at_end = state.at >= run.heads.length - 1;
       run.heads.push(...more.heads);
-      if (more.re)page",
-    R"page(start) location.reload();
+      if (more.restart) location.reload();
       say(run.heads.length ? "" : "Waiting for the first frame.");
       if (run.heads.length && first) await begin(), require(run.heads.length - 1);
       else if (more.heads.length) {

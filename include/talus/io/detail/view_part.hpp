@@ -44,6 +44,11 @@ struct view_joint {
   system_id a = no_id, b = no_id;
   std::uint64_t number = 0;
   vec3 on_a{0, 0, 0}, on_b{0, 0, 0};
+
+  friend bool operator<(const view_joint& x, const view_joint& y) {
+    if (x.a != y.a) return value_of(x.a) < value_of(y.a);
+    return x.b != y.b ? value_of(x.b) < value_of(y.b) : x.number < y.number;
+  }
 };
 /// The domain of a rank is where normal . x >= distance for all its planes.
 struct view_plane {
@@ -53,8 +58,8 @@ struct view_plane {
 /// The faces of a form, as triangles.
 struct view_form {
   std::uint64_t id = 0;
-  std::vector<float> points;
-  std::vector<std::uint32_t> corners;
+  plain_vector<float> points;
+  plain_vector<std::uint32_t> corners;
 };
 
 struct view_part {

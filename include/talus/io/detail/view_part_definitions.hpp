@@ -38,8 +38,7 @@ void get_view_list(std::span<const std::byte>& in, List& values) {
   if (count > in.size() / sizeof(value))
     throw std::runtime_error("a message for --view ended before its content");
   values.resize(count);
-  if (count > 0)
-    std::memcpy(static_cast<void*>(values.data()), in.data(), count * sizeof(value));
+  if (count > 0) std::memcpy(static_cast<void*>(values.data()), in.data(), count * sizeof(value));
   in = in.subspan(count * sizeof(value));
 }
 
@@ -53,8 +52,8 @@ TALUS_INLINE byte_buffer view_part::packed() const {
   byte_writer(out).put(std::uint64_t{forms.size()});
   for (const view_form& f : forms) {
     byte_writer(out).put(f.id);
-    put_view_list(out, std::span<const float>(f.points));
-    put_view_list(out, std::span<const std::uint32_t>(f.corners));
+    put_view_list(out, std::span(std::as_const(f.points).data(), f.points.size()));
+    put_view_list(out, std::span(std::as_const(f.corners).data(), f.corners.size()));
   }
   return out;
 }
@@ -96,7 +95,7 @@ TALUS_INLINE std::uint64_t add_form(view_part& to, plain_vector<std::uint64_t>& 
   std::uint32_t first = 0;
   for (const std::uint32_t end : ends) {
     for (std::uint32_t k = first + 1; k + 1 < end; ++k)
-      f.corners.insert(f.corners.end(), {corners[first], corners[k], corners[k + 1]});
+      for (const std::uint32_t at : {first, k, k + 1}) f.corners.push_back(corners[at]);
     first = end;
   }
   return id;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
-#include "talus/io/detail/view_scene.hpp"
+#include "talus/io/view_scene.hpp"
 #include "talus/io/view_page.hpp"
 #include "talus/observe/residual.hpp"
 #include "talus/observe/time_series.hpp"
@@ -23,9 +23,8 @@ namespace talus::detail {
 /// bodies (64 MB of frames), at least 20.
 [[nodiscard, gnu::cold]] inline std::uint64_t usual_view_interval(std::uint64_t steps,
                                                                   std::uint64_t bodies) {
-  const std::uint64_t frames =
-      std::clamp<std::uint64_t>((std::uint64_t{64} << 20) / (16 * std::max<std::uint64_t>(bodies, 1)),
-                                20, 200);
+  const std::uint64_t frames = std::clamp<std::uint64_t>(
+      (std::uint64_t{64} << 20) / (16 * std::max<std::uint64_t>(bodies, 1)), 20, 200);
   return std::max<std::uint64_t>(1, (steps + frames - 1) / frames);
 }
 
@@ -79,9 +78,9 @@ class run_view {
     const vec3 g = w_.gravity();
     frame.head.add_raw("gravity", view_json::vector(g));
     if (!frame.warning.empty())
-      std::fputs(compose("{}: warning: --view: step {}: {}\n", name_, w_.steps(), frame.warning)
-                     .c_str(),
-                 stderr);
+      std::fputs(
+          compose("{}: warning: --view: step {}: {}\n", name_, w_.steps(), frame.warning).c_str(),
+          stderr);
     view_json about;
     about.add_text("name", name_);
     about.add_text("policies", policies_in_use(view_of(w_)));

@@ -74,9 +74,8 @@ class view_writer {
       const vec3 n = store.shape[i].unit_normal();
       b.shape = view_shape::plane;
       b.position = store.shape[i].offset * n;
-      b.orientation = n[2] > real(-0.999999)
-                          ? quat(1 + n[2], -n[1], n[0], 0).normalized()
-                          : quat(0, 1, 0, 0);
+      b.orientation =
+          n[2] > real(-0.999999) ? quat(1 + n[2], -n[1], n[0], 0).normalized() : quat(0, 1, 0, 0);
       out.bodies.push_back(b);
     } else if constexpr (is_union<shape>) {
       const vec3 v = b.velocity, centre = b.position, w = store.angular_velocity[i];
@@ -110,8 +109,8 @@ class view_writer {
     s.joints.each_kind([&](const auto& of_kind) {
       for (const auto& r : of_kind.records)
         if constexpr (requires { vec3(r.anchors.frames.on_a); })
-          out.joints.push_back({r.key.a, r.key.b, r.key.number, r.anchors.frames.on_a,
-                                r.anchors.frames.on_b});
+          out.joints.push_back(
+              {r.key.a, r.key.b, r.key.number, r.anchors.frames.on_a, r.anchors.frames.on_b});
     });
   }
   /// The planes of the domain, if it is convex.

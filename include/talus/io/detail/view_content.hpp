@@ -1,0 +1,55 @@
+#pragma once
+// The blocks of a frame of the viewer's page that change from frame to frame.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "talus/core/plain_vector.hpp"
+#include "talus/io/detail/view_blocks.hpp"
+#include "talus/io/detail/view_part.hpp"
+
+namespace talus::detail {
+
+/// Of each frame the strongest contacts are stored, at most so many.
+inline constexpr std::size_t most_view_contacts = 50000;
+
+/// The order of ids and parts.
+[[nodiscard]] inline bool comes_before(const view_body& x, const view_body& y) {
+  return x.id != y.id ? value_of(x.id) < value_of(y.id) : x.part < y.part;
+}
+/// Bodies by their ids, of a union the first part, and their places in the frame.
+class view_places {
+ public:
+  view_places(const plain_vector<view_body>& all, const plain_vector<std::uint32_t>& place_of)
+      : all_(all), place_of_(place_of) {}
+  [[nodiscard]] const view_body* find(system_id id) const {
+    view_body key;
+    key.id = id;
+    const auto at = std::lower_bound(all_.begin(), all_.end(), key, comes_before);
+    return at != all_.end() && at->id == id ? at : nullptr;
+  }
+  [[nodiscard]] std::uint32_t of(system_id id) const {
+    const view_body* const b = find(id);
+    return b != nullptr ? place_of_[static_cast<std::size_t>(b - all_.begin())] : ~std::uint32_t{0};
+  }
+
+ private:
+  const plain_vector<view_body>& all_;  ///< in the order of ids and parts
+  const plain_vector<std::uint32_t>& place_of_;
+};
+
+/// Velocities, orientations and states of bodies in the order of the frame, and the bounds of all.
+[[gnu::cold]] void put_motion(view_json& head, view_blocks& to, const plain_vector<view_body>& all,
+                              const plain_vector<std::uint32_t>& order, bool several_ranks);
+/// The strongest contacts, the strongest first.
+[[gnu::cold]] void put_contacts(view_json& head, view_blocks& to, const view_grid& grid,
+                                const view_places& places, plain_vector<view_contact>& contacts);
+/// Joints, which all ranks of their bodies report, with the point of each body.
+[[gnu::cold]] void put_joints(view_blocks& to, const view_grid& grid, const view_places& places,
+                              plain_vector<view_joint>& joints);
+
+}  // namespace talus::detail
+
+#ifndef TALUS_COMPILED
+#include "talus/io/detail/view_content_definitions.hpp"
+#endif
