@@ -8,10 +8,18 @@
 
 #include "talus/core/clock.hpp"
 #include "talus/observe/memory.hpp"
+#include "talus/scene/options.hpp"
 #include "talus/state/contact_count.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus::detail {
+
+/// A dry run makes no outputs.
+[[gnu::cold]] inline void write_nothing(options& o) {
+  for (std::string* const file : {&o.json, &o.csv, &o.frames, &o.checkpoint, &o.output, &o.log})
+    file->clear();
+  o.checkpoint_every = 0;
+}
 
 /// Contacts per body of a packing at rest: spheres with friction have five to six contacts each,
 /// and each belongs to two bodies.
@@ -21,12 +29,12 @@ inline constexpr double contacts_per_body_at_rest = 3;
 struct run_estimate {
   int ranks = 1;
   std::uint64_t bodies = 0, movable = 0;
-  std::uint64_t bodies_max = 0;       ///< on the rank that has most
-  std::uint64_t contacts = 0;         ///< after the trial
-  double bytes = 0, bytes_max = 0;    ///< of bodies and contacts after the trial; of the largest rank
-  double process_bytes_max = 0;       ///< that the largest process has had, with programs and libraries
-  std::uint64_t trial_steps = 0;      ///< measured
-  double seconds_per_step = 0;        ///< of wall time
+  std::uint64_t bodies_max = 0;     ///< on the rank that has most
+  std::uint64_t contacts = 0;       ///< after the trial
+  double bytes = 0, bytes_max = 0;  ///< of bodies and contacts after the trial; of the largest rank
+  double process_bytes_max = 0;   ///< that the largest process has had, with programs and libraries
+  std::uint64_t trial_steps = 0;  ///< measured
+  double seconds_per_step = 0;    ///< of wall time
   std::uint64_t first_step = 0, steps = 0;  ///< to be made by this call of simulate()
 };
 

@@ -37,7 +37,11 @@ TALUS_INLINE double seconds_in(const std::string& text) {
     double unit = 1;
     if (at < text.size()) {
       const char letter = text[at++];
-      unit = letter == 's' ? 1 : letter == 'm' ? 60 : letter == 'h' ? 3600 : letter == 'd' ? 86400 : 0;
+      unit = letter == 's'   ? 1
+             : letter == 'm' ? 60
+             : letter == 'h' ? 3600
+             : letter == 'd' ? 86400
+                             : 0;
     } else if (from != 0) {
       refuse();  // a number without a unit stands alone
     }
@@ -84,13 +88,15 @@ TALUS_INLINE void options::describe(command_line& cli) {
       "--output-surfaces", output_surfaces,
       "with the faces of boxes, capsules and all that are no spheres: NAME_surfaces.hdf.series");
   cli.add("--force", force, "outputs replace files that talus did not write");
-  cli.add("--until", until, "end when all bodies are at \"rest\", or \"steady:NAME\": see docs/runs.md");
+  cli.add("--until", until,
+          "end when all bodies are at \"rest\", or \"steady:NAME\": see docs/runs.md");
   cli.add("--until-speed", until_speed,
           "largest speed of bodies at rest (default: they rise by 1e-4 radii)", 0);
-  cli.add("--until-time", until_time,
-          "how long bodies are at rest (default: a fall by their diameter), or the window of what is "
-          "steady",
-          0);
+  cli.add(
+      "--until-time", until_time,
+      "how long bodies are at rest (default: a fall by their diameter), or the window of what is "
+      "steady",
+      0);
   cli.add("--until-within", until_within, "change of what is steady, as a part of its size", 0, 1);
   cli.add("--until-every", until_every, "steps from one look at it to the next", 1);
   cli.add("--time-limit", time_limit,
@@ -107,7 +113,8 @@ TALUS_INLINE void options::describe(command_line& cli) {
           "potential_energy or max_speed, but is '" +
           until + "'; see --help");
     if (steady && until_time == 0)
-      throw usage_error("--until steady:NAME needs --until-time, the length of its window; see --help");
+      throw usage_error(
+          "--until steady:NAME needs --until-time, the length of its window; see --help");
     if (until.empty())
       for (const char* name : {"--until-speed", "--until-time", "--until-within", "--until-every"})
         if (cli.given(name)) throw usage_error(std::string(name) + " needs --until; see --help");
@@ -125,8 +132,10 @@ TALUS_INLINE void options::describe(command_line& cli) {
     if (tolerance == 0 && cli.given("--max-iterations"))
       throw usage_error("--max-iterations needs --tolerance; see --help");
     needs(output, "--output-every", "--output NAME");
-    detail::refuse_shared_files({{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}, {"--log", log}});
-    detail::refuse_shared_files({{"--json", json}, {"--csv", csv}, {"--restart", restart}, {"--log", log}});
+    detail::refuse_shared_files(
+        {{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}, {"--log", log}});
+    detail::refuse_shared_files(
+        {{"--json", json}, {"--csv", csv}, {"--restart", restart}, {"--log", log}});
     if (output.empty() && output_surfaces)
       throw usage_error("--output-surfaces needs --output NAME; see --help");
     if (!colour.empty() && colour != "rank" && colour != "speed")
