@@ -118,6 +118,27 @@ limit() {
   [[ $(value state_digest on.json) == "$(value state_digest straight.json)" ]] || fail "another digest"
 }
 
+# A killed run keeps the lines of its log; a restart adds to it, and another run replaces it.
+logged() {
+  "$program" --quiet --seed 3 --steps 1000000000 --log l.log --checkpoint c.h5 --checkpoint-every 50 &
+  local pid=$! n
+  for ((n = 0; n < 2000; ++n)); do
+    [[ -e c.h5 ]] && break
+    sleep 0.01
+  done
+  kill -KILL $pid
+  wait $pid || true
+  grep -q '^seed         3$' l.log || fail "the log of the killed run has no seed"
+  ! grep -q '^digest' l.log || fail "the log of the killed run has a digest"
+  expect 1 'the checkpoint c.h5 is of step' -- "$program" --quiet --steps 1 --restart c.h5 --log l.log
+  grep -q 'the checkpoint c.h5 is of step' l.log || fail "the log has no error"
+  [[ $(grep -c '^# log of a run of talus: drop$' l.log) == 2 ]] || fail "the restart has not added to the log"
+  expect 0 -- "${launch[@]}" "$program" --quiet --steps 5 --log l.log --json o.json
+  [[ $(grep -c '^# log of a run of talus: drop$' l.log) == 1 ]] || fail "the log was not replaced"
+  grep -q '^ranks        2$' l.log || fail "the log has no ranks"
+  grep -q "^digest $(value state_digest o.json), " l.log || fail "the log has no digest"
+}
+
 # The estimate beside the run itself, and the configuration in the checkpoint.
 dry() {
   local ranks
@@ -136,7 +157,11 @@ dry() {
   awk -v e="$estimate" -v f="$found" 'BEGIN { r = e / (f * 729); print "estimate over memory at the end:", r
     exit !(r > 0.5 && r < 2.5) }' || fail "the estimate $estimate beside $found a body"
   if command -v h5dump >/dev/null; then
-    h5dump -d /run/configuration c.h5 | grep -q 'steps = 700  # command line' || fail "no configuration in c.h5"
+    h5dump -d /run/configuration -b LE -o again.toml c.h5 >/dev/null
+    grep -q 'steps = 700  # command line' again.toml || fail "no configuration in c.h5"
+    cp o.json before.json
+    expect 0 -- "$program" --config again.toml
+    [[ $(value state_digest o.json) == "$(value state_digest before.json)" ]] || fail "another digest"
   else
     grep -aq 'steps = 700  # command line' c.h5 || fail "no configuration in c.h5"
   fi
