@@ -79,6 +79,18 @@ class end_watch {
 
 [[gnu::cold]] void require_sane(const rest& how);
 [[gnu::cold]] void require_gravity(real gravity);
+
+/// Collective: whether all bodies have been at rest. Fills in what `how` leaves open.
+template <class Scenario>
+[[nodiscard, gnu::cold]] bool all_rest(world<Scenario>& w, rest& how, end_watch& watch) {
+  if (how.speed == 0 || how.time == 0) {
+    const real g = w.gravity().norm(), radius = mean_radius(w);
+    require_gravity(g);
+    if (how.speed == 0) how.speed = std::sqrt(2e-4 * g * radius);
+    if (how.time == 0) how.time = std::sqrt(4 * radius / g);
+  }
+  return watch.rests(largest_speed_with_spin(w) <= how.speed, w.time(), how.time);
+}
 [[gnu::cold]] void require_sane(const steadiness& how);
 
 }  // namespace detail
@@ -93,15 +105,7 @@ template <class Scenario>
   detail::require_sane(how);
   const auto watch = std::make_shared<detail::end_watch>();
   w.before_simulating([watch] { watch->clear(); });
-  return [&w, how, watch]() mutable {
-    if (how.speed == 0 || how.time == 0) {
-      const real g = w.gravity().norm(), radius = detail::mean_radius(w);
-      detail::require_gravity(g);
-      if (how.speed == 0) how.speed = std::sqrt(2e-4 * g * radius);
-      if (how.time == 0) how.time = std::sqrt(4 * radius / g);
-    }
-    return watch->rests(detail::largest_speed_with_spin(w) <= how.speed, w.time(), how.time);
-  };
+  return [&w, how, watch]() mutable { return detail::all_rest(w, how, *watch); };
 }
 
 /// The condition that `observable(world)`, a number that is the same on all ranks, is steady:

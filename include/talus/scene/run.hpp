@@ -183,6 +183,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
                              : std::function<void(const std::string&)>());
   time_series table(options.csv, speaks, !options.restart.empty());
   run_place place{.rank = link.rank()};
+  until_option until(options);
   w.before_simulating([&] {
     if (options.dry_run) {
       const run_estimate e = estimate_run(w, w.last_step() - w.steps());
@@ -192,12 +193,12 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     require_pictures(w, options);
     table.begin(w);
     configuration.write();
+    until.begin(w, log);
     if (silent) return;
     mention_overlap(log, name, w, quiet);
     if constexpr (Scenario::contact_law::soft) mention_step(log, name, w, quiet);
   });
   std::string note, ended;
-  attach_end(w, options, log, ended);
   bool out_of_time = false;
   time_limit limit(options.time_limit.empty() ? 0 : seconds_in(options.time_limit), began,
                    !options.checkpoint.empty());
@@ -261,7 +262,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   table.sample(w);
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
-  figures.ended = ended;
+  figures.ended = ended.empty() ? until.ended() : ended;
   figures.own = std::move(own);
   if (!speaks) return code;
   if (!silent) log.print(to_text(figures), quiet);

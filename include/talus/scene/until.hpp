@@ -1,7 +1,6 @@
 #pragma once
 // --until: conditions of observe/run_ends.hpp by their names.
 #include <array>
-#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -30,35 +29,50 @@ template <class Scenario>
   if (found[0] == 0)
     fail<std::runtime_error>(
         "--until steady:{}: nothing is recorded under that name; call world.record(\"{}\", value) "
-        "in "
-        "world.observe(...), or name kinetic_energy, potential_energy or max_speed",
+        "in world.observe(...), or name kinetic_energy, potential_energy or max_speed",
         name, name);
   return found[1];
 }
 
-/// Ends calls of simulate() as --until says. Collective.
-template <class Scenario>
-[[gnu::cold]] void attach_end(world<Scenario>& w, const options& options, run_log& log,
-                              std::string& ended) {
-  if (options.until.empty()) return;
-  const std::function<bool()> over =
-      options.until == "rest"
-          ? at_rest(w, {.speed = options.until_speed, .time = options.until_time})
-          : steady(w, {.time = options.until_time, .within = options.until_within},
-                   [name = options.until.substr(7)](auto& of) { return observable_of(of, name); });
-  // After the functions of the set-up, which may record the observable.
-  w.before_simulating([&w, &options, &log, &ended, over, first = true]() mutable {
-    ended.clear();
-    if (!std::exchange(first, false)) return;
-    w.after_each_step([&w, &options, &log, &ended, over] {
-      if (w.steps() % options.until_every != 0 || !over()) return;
-      ended = options.until;
+/// Ends calls of simulate() as --until says. (The conditions without the function objects of
+/// at_rest() and steady(), which would be compiled into every program.)
+class until_option {
+ public:
+  explicit until_option(const options& o)
+      : options_(o),
+        rest_{o.until_speed, o.until_time},
+        watch_(steadiness{o.until_time, o.until_within}) {}
+
+  /// A call of simulate() begins. The first time this adds an observer, after those of the set-up,
+  /// which may record the observable.
+  template <class Scenario>
+  [[gnu::cold]] void begin(world<Scenario>& w, run_log& log) {
+    if (options_.until.empty()) return;
+    ended_.clear(), watch_.clear();
+    if (std::exchange(added_, true)) return;
+    w.after_each_step([this, &w, &log] {
+      if (w.steps() % options_.until_every != 0 || !holds(w)) return;
+      ended_ = options_.until;
       if (w.rank() == 0)
-        log.say(compose("ended by --until {} in step {}\n", options.until, w.steps()),
-                options.quiet);
+        log.say(compose("ended by --until {} in step {}\n", ended_, w.steps()), options_.quiet);
       w.stop();  // alike on all ranks
     });
-  });
-}
+  }
+  /// What ended the last call of simulate(); empty: its steps were made.
+  [[nodiscard]] const std::string& ended() const { return ended_; }
+
+ private:
+  template <class Scenario>
+  [[nodiscard, gnu::cold]] bool holds(world<Scenario>& w) {
+    if (options_.until == "rest") return all_rest(w, rest_, watch_);
+    return watch_.take(w.time(), observable_of(w, options_.until.substr(7)));
+  }
+
+  const options& options_;
+  rest rest_;
+  end_watch watch_;
+  std::string ended_{};
+  bool added_ = false;
+};
 
 }  // namespace talus::detail
