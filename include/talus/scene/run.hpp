@@ -266,15 +266,14 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   figures.own = std::move(own);
   if (!speaks) return code;
   if (!silent) log.print(to_text(figures), quiet);
+  configuration.write();
+  if (!options.json.empty()) try {
+      write_output(options.json, to_json(figures), results_output, options.force);
+    } catch (const std::exception& e) {
+      fail<std::runtime_error>("the results {} (--json) {}", options.json, e.what());
+    }
   log.write(compose("digest {}, {} s of wall time, exit code {}\n", figures.digest,
                     text(wall_seconds() - began, 6), code));
-  configuration.write();
-  if (options.json.empty()) return code;
-  try {
-    write_output(options.json, to_json(figures), results_output, options.force);
-  } catch (const std::exception& e) {
-    fail<std::runtime_error>("the results {} (--json) {}", options.json, e.what());
-  }
   return code;
 }
 

@@ -15,8 +15,7 @@ template <class Scenario>
   if constexpr (!Scenario::contact_law::soft)
     cli.withdraw_soft(
         "this program has hard contacts, which use no stiffness, Young's modulus, Poisson's ratio "
-        "or "
-        "rolling friction");
+        "or rolling friction");
   if constexpr (Scenario::contact_law::soft) {
     const char* const refusal =
         "this program has nothing to iterate: its contacts are soft, and their forces follow from "
