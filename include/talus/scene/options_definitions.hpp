@@ -100,8 +100,7 @@ TALUS_INLINE void options::describe(command_line& cli) {
   cli.add("--until-within", until_within, "change of what is steady, as a part of its size", 0, 1);
   cli.add("--until-every", until_every, "steps from one look at it to the next", 1);
   cli.add("--time-limit", time_limit,
-          "end after so much wall time, as in 3600 or 1h30m, with the exit code 75; --checkpoint "
-          "keeps the state");
+          "end after so much wall time, as in 3600 or 1h30m, with the exit code 75");
   cli.add("--dry-run", dry_run, "estimate time and memory in a short trial, and write nothing");
   cli.add("--log", log, "write what the run says into this file too, also with --quiet");
   cli.check([this, &cli] {
