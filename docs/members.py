@@ -111,6 +111,7 @@ SHEET = [
         ("observe/momentum.hpp", ["*"]),
         ("observe/overlaps.hpp", ["*"]),
         ("observe/digest.hpp", ["*"]),
+        ("observe/run_ends.hpp", "*", ""), ("observe/run_ends.hpp", ["*"]),
         ("observe/critical_dt.hpp", ["*"]),
         ("observe/fields.hpp", "coarse_fields", "coarse_fields"),
         ("observe/fields.hpp", ["measure_fields"]),

@@ -19,7 +19,7 @@ struct shaker_options : options {
   void describe(auto& line) {
     options::describe(line);
     line.add("--grains", grains, "number of small grains", 1);
-    line.add("--grain", grain, "all bodies");          // --grain.friction and so on
+    line.add("--grain", grain, "all bodies");         // --grain.friction and so on
     line.add("--radius", radius, "of small grains");  // --radius.lower, --radius.upper
     line.add_positive("--frequency", frequency, "cycles per unit of time");
     line.add("--amplitude", amplitude, "half the stroke");
@@ -53,9 +53,8 @@ int main(int argc, char** argv) {
                        box_region{{0.5, 0.5, 0.5}, {W - 0.5, W - 0.5, 99}} &
                        beside_the_large_grain{};
     world.fill(sites.first(options.grains), [&](const site& place, random_stream& random) {
-      return body{.shape = sphere{options.radius(random)},
-                  .position = place.position,
-                  .material = grain};
+      return body{
+          .shape = sphere{options.radius(random)}, .position = place.position, .material = grain};
     });
     take_pictures(world, options, {.from = {0.5 * W, -14, 24}, .at = {0.5 * W, 2, 5}, .angle = 36});
 

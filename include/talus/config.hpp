@@ -1,6 +1,6 @@
 #pragma once
-// Reads the files of --config in a program of headers alone. Programs that link talus::compiled read
-// them without this header. Needs toml++.
+// Reads the files of --config in a program of headers alone. Programs that link talus::compiled
+// read them without this header. Needs toml++.
 #include "talus/scene/settings_file.hpp"
 
 #ifndef TALUS_COMPILED

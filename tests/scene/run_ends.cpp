@@ -1,5 +1,5 @@
-// Runs that end by themselves: at rest, when an observable is steady, at a time limit; dry runs, logs
-// and configurations. On one, two and four ranks, as threads.
+// Runs that end by themselves: at rest, when an observable is steady, at a time limit; dry runs,
+// logs and configurations. On one, two and four ranks, as threads.
 // plain
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -142,8 +142,9 @@ TEST_CASE("a run whose bodies never rest makes all its steps") {
 
 TEST_CASE("the speed and the time of rest are those that are given") {
   const folder in;
-  const auto o = run_balls(in, {"--quiet", "--steps", "1000", "--dt", "0.002", "--until", "rest",
-                                "--until-speed", "100", "--until-time", "0.1", "--until-every", "7"});
+  const auto o =
+      run_balls(in, {"--quiet", "--steps", "1000", "--dt", "0.002", "--until", "rest",
+                     "--until-speed", "100", "--until-time", "0.1", "--until-every", "7"});
   // From the first look, in step 7, for 50 steps, and then to the next look.
   CHECK(o.number("steps") == 63);
 }
@@ -189,8 +190,7 @@ TEST_CASE("conditions are given in a program too") {
   auto ball = w.add(sphere{0.5}, stone);
   CHECK_THROWS_WITH_AS(w.simulate({.steps = 1, .dt = 0.01, .stop_when = at_rest(w)}),
                        doctest::Contains("without gravity"), std::invalid_argument);
-  w.simulate(
-      {.steps = 100, .dt = 0.01, .stop_when = at_rest(w, {.speed = 1e-3, .time = 0.2})});
+  w.simulate({.steps = 100, .dt = 0.01, .stop_when = at_rest(w, {.speed = 1e-3, .time = 0.2})});
   CHECK(w.stopped());
   CHECK(w.steps() == 22);
   w[ball].set_angular_velocity({0, 0, 1});  // a body that turns is not at rest
@@ -202,7 +202,7 @@ TEST_CASE("conditions are given in a program too") {
 }
 
 TEST_CASE("a steady observable fluctuates, but its mean does not move") {
-  detail::steady_window noise({.time = 1, .within = 0.05}), ramp({.time = 1, .within = 0.05});
+  detail::end_watch noise({.time = 1, .within = 0.05}), ramp({.time = 1, .within = 0.05});
   bool steady = false, rising = false;
   int at = 0;
   for (int k = 0; k < 400; ++k) {
@@ -220,9 +220,9 @@ TEST_CASE("a time limit ends the run on all ranks, with its code, figures and lo
   const folder in;
   for (const char* ranks : {"1", "2", "4"}) {
     const std::string log = in.path + "/run.log";
-    const auto o = run_balls(in, {"--ranks", ranks, "--steps", "1000000", "--time-limit", "1s",
-                                  "--log", log},
-                             true, 1e-3);
+    const auto o =
+        run_balls(in, {"--ranks", ranks, "--steps", "1000000", "--time-limit", "1s", "--log", log},
+                  true, 1e-3);
     CHECK(o.code == 75);
     CHECK(o["ended_by"] == "\"time limit\"");
     CHECK(o.number("steps") > 10);
@@ -247,8 +247,9 @@ TEST_CASE("a dry run counts the bodies, estimates the rest, and writes nothing")
   const folder in;
   for (const char* ranks : {"1", "4"}) {
     const std::string log = in.path + "/none.log", csv = in.path + "/none.csv";
-    const auto o = run_balls(in, {"--dry-run", "--ranks", ranks, "--steps", "1000", "--log", log,
-                                  "--csv", csv, "--json", in.path + "/none.json"},
+    const auto o = run_balls(in,
+                             {"--dry-run", "--ranks", ranks, "--steps", "1000", "--log", log,
+                              "--csv", csv, "--json", in.path + "/none.json"},
                              false);
     CHECK(o.code == 0);
     CHECK(o.err.empty());
@@ -257,8 +258,8 @@ TEST_CASE("a dry run counts the bodies, estimates the rest, and writes nothing")
                          (*ranks == '1' ? "4" : "1") + " on the rank with most of " + ranks));
     CHECK(has(o.out, "for the 1000 steps"));
     CHECK(!has(o.out, "digest"));
-    for (const std::string& file : {log, csv, in.path + "/none.json",
-                                    in.path + "/none.json.config.toml"})
+    for (const std::string& file :
+         {log, csv, in.path + "/none.json", in.path + "/none.json.config.toml"})
       CHECK(access(file.c_str(), F_OK) != 0);
   }
 }
@@ -294,8 +295,8 @@ TEST_CASE("the log has what the terminal shows, also of a quiet run, with what t
   const auto refused = run_balls(in, {"--log", in.path + "/mine.txt"}, false);
   CHECK(refused.code == 1);
   CHECK(text_of(in.path + "/mine.txt") == "mine\n");
-  const auto failed = run_balls(in, {"--quiet", "--log", log, "--stone.density", "1e300", "--radius",
-                                     "1e100"});
+  const auto failed =
+      run_balls(in, {"--quiet", "--log", log, "--stone.density", "1e300", "--radius", "1e100"});
   CHECK(failed.code != 0);
   CHECK(!failed.err.empty());
   CHECK(has(text_of(log), failed.err));

@@ -112,7 +112,9 @@ lower = 0.1
   CHECK(o.radius.upper == 0.5);
 }
 
-TEST_CASE("later files replace earlier ones, and the command line replaces files wherever it names them") {
+TEST_CASE(
+    "later files replace earlier ones, and the command line replaces files wherever it names "
+    "them") {
   const folder here;
   const std::string a = here.file("a.toml", "steps = 1\ndt = 0.1\nspheres = 10\n");
   const std::string b = here.file("b.toml", "dt = 0.2\nspheres = 20\nseed = 7\n");
@@ -134,9 +136,10 @@ TEST_CASE("later files replace earlier ones, and the command line replaces files
 TEST_CASE("a file with a fault is refused with its line, the key, the value and what is allowed") {
   CHECK(refusal_of("steps = 1\n\nsphere = 3\n") ==
         "box.toml:3: 'sphere' is not an option of this program; did you mean spheres? see --help");
-  CHECK(refusal_of("[stone]\nfrction = 0.5\n") ==
-        "box.toml:2: 'stone.frction' is not an option of this program; did you mean stone.friction? "
-        "see --help");
+  CHECK(
+      refusal_of("[stone]\nfrction = 0.5\n") ==
+      "box.toml:2: 'stone.frction' is not an option of this program; did you mean stone.friction? "
+      "see --help");
   CHECK(refusal_of("colour_of_the_sky = 'blue'") ==
         "box.toml:1: 'colour_of_the_sky' is not an option of this program; see --help");
   CHECK(refusal_of("kept_speed = 1.5") ==

@@ -151,9 +151,9 @@ class checkpoint_files final : public checkpoint_hooks {
     if (plan_.to.empty()) return;
     const heard asked = std::exchange(asked_, nothing);
     const std::uint64_t now = w_.steps();
-    const bool late = plan_.out_of_time && plan_.out_of_time();
-    const bool due = late || (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last || stopped ||
-                     (ends && now > plan_.last);
+    const bool late = plan_.out_of_time != nullptr && *plan_.out_of_time;
+    const bool due = late || (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last ||
+                     stopped || (ends && now > plan_.last);
     if (!due && asked == nothing) return;
     write_checkpoint_file(w_, plan_.to, plan_.force);
     heard_write_ = heard_signals().write;  // other ranks may have received it a step later

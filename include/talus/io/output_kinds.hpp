@@ -16,8 +16,7 @@ inline constexpr std::string_view configuration_mark_line = "# configuration of 
 inline constexpr std::string_view log_mark = "# log of a run of talus: ";
 
 inline constexpr output_kind log_output{
-    "the log of a run of talus",
-    [](std::string_view head) { return head.starts_with(log_mark); }};
+    "the log of a run of talus", [](std::string_view head) { return head.starts_with(log_mark); }};
 inline constexpr output_kind configuration_output{
     "the configuration of a run of talus",
     [](std::string_view head) { return head.starts_with(configuration_mark_line); }};

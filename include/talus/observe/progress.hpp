@@ -20,9 +20,7 @@ class progress_line {
  public:
   /// Writes to `out`, unless that is null, and every 10 s to `log`, unless that is empty.
   explicit progress_line(std::FILE* out, std::function<void(const std::string&)> log = {})
-      : out_(out),
-        terminal_(out != nullptr && isatty(fileno(out)) != 0),
-        log_(std::move(log)) {}
+      : out_(out), terminal_(out != nullptr && isatty(fileno(out)) != 0), log_(std::move(log)) {}
 
   /// The run continues from this step: speed counts from here.
   void begin_at(std::uint64_t step);

@@ -1,6 +1,6 @@
 #pragma once
-// Conditions for the end of a run, for world.stop_when(...) and .stop_when of simulate(): all bodies
-// are at rest, or an observable is steady. All ranks decide alike, by reductions.
+// Conditions for the end of a run, for world.stop_when(...) and .stop_when of simulate(): all
+// bodies are at rest, or an observable is steady. All ranks decide alike, by reductions.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -31,8 +31,8 @@ struct rest {
 struct steadiness {
   /// The length of the window, in units of time: several periods of whatever fluctuates.
   real time = 0;
-  /// The means over the two halves of the window differ by at most this part of the mean size of the
-  /// observable.
+  /// The means over the two halves of the window differ by at most this part of the mean size of
+  /// the observable.
   real within = 0.01;
 };
 
@@ -57,29 +57,40 @@ template <class Scenario>
   return std::sqrt(fastest);
 }
 
-/// The values of an observable in a window of time.
-class steady_window {
+/// What a condition remembers from one look to the next. One class for both conditions, because
+/// each shared pointer to another class is compiled into every program.
+class end_watch {
  public:
-  explicit steady_window(const steadiness& how) : how_(how) {}
-  /// Forgets all values: simulate() begins.
-  void clear() { times_.clear(), values_.clear(); }
-  /// Takes a value; whether the observable is steady. Throws runtime_error for one that is not
+  end_watch() = default;
+  explicit end_watch(const steadiness& how) : how_(how) {}
+  /// Forgets everything: simulate() begins.
+  void clear() { quiet_since_ = -1, times_.clear(), values_.clear(); }
+  /// Whether all bodies have been slow for `time`, if they are `slow` at the time `now`.
+  [[nodiscard, gnu::cold]] bool rests(bool slow, real now, real time);
+  /// Takes a value of an observable; whether it is steady. Throws runtime_error for one that is not
   /// finite.
   [[nodiscard, gnu::cold]] bool take(real time, real value);
 
  private:
-  steadiness how_;
+  real quiet_since_ = -1;  ///< negative: they are not slow
+  steadiness how_{};
   plain_vector<real> times_, values_;
-};
-
-/// How long all bodies have been slow.
-struct quiet_time {
-  real since = -1;  ///< a time of the world; negative: they are not slow
-  void clear() { since = -1; }
 };
 
 [[gnu::cold]] void require_sane(const rest& how);
 [[gnu::cold]] void require_gravity(real gravity);
+
+/// Collective: whether all bodies have been at rest. Fills in what `how` leaves open.
+template <class Scenario>
+[[nodiscard, gnu::cold]] bool all_rest(world<Scenario>& w, rest& how, end_watch& watch) {
+  if (how.speed == 0 || how.time == 0) {
+    const real g = w.gravity().norm(), radius = mean_radius(w);
+    require_gravity(g);
+    if (how.speed == 0) how.speed = std::sqrt(2e-4 * g * radius);
+    if (how.time == 0) how.time = std::sqrt(4 * radius / g);
+  }
+  return watch.rests(largest_speed_with_spin(w) <= how.speed, w.time(), how.time);
+}
 [[gnu::cold]] void require_sane(const steadiness& how);
 
 }  // namespace detail
@@ -92,38 +103,25 @@ struct quiet_time {
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::function<bool()> at_rest(world<Scenario>& w, rest how = {}) {
   detail::require_sane(how);
-  const auto quiet = std::make_shared<detail::quiet_time>();
-  w.before_simulating([quiet] { quiet->clear(); });
-  return [&w, how, quiet]() mutable {
-    if (how.speed == 0 || how.time == 0) {
-      const real g = w.gravity().norm(), radius = detail::mean_radius(w);
-      detail::require_gravity(g);
-      if (how.speed == 0) how.speed = std::sqrt(2e-4 * g * radius);
-      if (how.time == 0) how.time = std::sqrt(4 * radius / g);
-    }
-    if (detail::largest_speed_with_spin(w) > how.speed) {
-      quiet->clear();
-      return false;
-    }
-    if (quiet->since < 0) quiet->since = w.time();
-    return w.time() - quiet->since >= how.time;
-  };
+  const auto watch = std::make_shared<detail::end_watch>();
+  w.before_simulating([watch] { watch->clear(); });
+  return [&w, how, watch]() mutable { return detail::all_rest(w, how, *watch); };
 }
 
 /// The condition that `observable(world)`, a number that is the same on all ranks, is steady:
 /// `world.stop_when(every{10}, steady(world, {.time = 5}, [](auto& w) { return
 /// measure_motion(w).kinetic_energy; }))`. It is evaluated on all ranks, so that the observable may
-/// be collective. Each call of simulate() begins with an empty window, and so does a restart. Throws
-/// invalid_argument for a time or a part that is not positive; the condition throws runtime_error
-/// for a value that is not finite.
+/// be collective. Each call of simulate() begins with an empty window, and so does a restart.
+/// Throws invalid_argument for a time or a part that is not positive; the condition throws
+/// runtime_error for a value that is not finite.
 template <class Scenario, class Observable>
 [[nodiscard]] std::function<bool()> steady(world<Scenario>& w, const steadiness& how,
                                            Observable observable) {
   detail::require_sane(how);
-  const auto window = std::make_shared<detail::steady_window>(how);
-  w.before_simulating([window] { window->clear(); });
-  return [&w, window, observable = std::move(observable)]() mutable {
-    return window->take(w.time(), observable(w));
+  const auto watch = std::make_shared<detail::end_watch>(how);
+  w.before_simulating([watch] { watch->clear(); });
+  return [&w, watch, observable = std::move(observable)]() mutable {
+    return watch->take(w.time(), observable(w));
   };
 }
 

@@ -28,7 +28,13 @@ TALUS_INLINE void require_sane(const steadiness& how) {
         how.time, how.within);
 }
 
-TALUS_INLINE bool steady_window::take(real time, real value) {
+TALUS_INLINE bool end_watch::rests(bool slow, real now, real time) {
+  if (!slow) quiet_since_ = -1;
+  if (slow && quiet_since_ < 0) quiet_since_ = now;
+  return slow && now - quiet_since_ >= time;
+}
+
+TALUS_INLINE bool end_watch::take(real time, real value) {
   if (!std::isfinite(value))
     fail<std::runtime_error>(
         "the observable that is to become steady is {} at the time {}: it must be finite", value,

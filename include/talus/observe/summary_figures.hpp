@@ -29,8 +29,8 @@ struct summary {
   std::string policies;
   std::string transport;
   int ranks = 1;
-  std::uint64_t steps = 0;         ///< from the beginning
-  std::string ended;               ///< what ended the run early, as "rest"; empty: all steps are made
+  std::uint64_t steps = 0;  ///< from the beginning
+  std::string ended;        ///< what ended the run early, as "rest"; empty: all steps are made
   std::uint64_t restarted_at = 0;  ///< step of the checkpoint from which this run continued
   double dt = 0;
   /// Of soft contacts, at the end: the step beyond which they are not stable; 0: they are hard.

@@ -47,7 +47,7 @@ class command_line {
   static_assert(std::numeric_limits<number>::digits >= std::numeric_limits<std::size_t>::digits);
 
   enum class kind { flag, text, natural, whole, real, file, pair };  // in the order of help()
-  enum class origin : unsigned char { none, file, set, word };         // in the order of precedence
+  enum class origin : unsigned char { none, file, set, word };       // in the order of precedence
 
   struct option {
     std::string name, meaning, initial;  ///< `initial`: as help shows it; empty: not at all
@@ -91,7 +91,9 @@ class command_line {
                                           : kind::whole,
           &value, value,
           [](void* target, number v) { *static_cast<Value*>(target) = static_cast<Value>(v); },
-          [](const void* target) { return static_cast<number>(*static_cast<const Value*>(target)); },
+          [](const void* target) {
+            return static_cast<number>(*static_cast<const Value*>(target));
+          },
           std::numeric_limits<Value>::lowest(), std::numeric_limits<Value>::max());
     }
   }
@@ -175,4 +177,5 @@ class command_line {
 
 #ifndef TALUS_COMPILED
 #include "talus/scene/detail/command_line_definitions.hpp"
+#include "talus/scene/detail/settings_definitions.hpp"
 #endif

@@ -38,16 +38,18 @@ TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& progr
   all += compose("  contacts {} after the trial, about {} when the bodies rest on each other\n",
                  e.contacts, static_cast<std::uint64_t>(contacts_at_rest(e)));
   all += compose(
-      "  memory   {} for bodies and contacts, {} on the rank with most, about {} at rest; the largest "
+      "  memory   {} for bodies and contacts, {} on the rank with most, about {} at rest; the "
+      "largest "
       "process has had {}\n",
       bytes_text(e.bytes), bytes_text(e.bytes_max), bytes_text(bytes_at_rest(e)),
       bytes_text(e.process_bytes_max));
   if (e.trial_steps == 0) return all + "  time     no step is to be made\n";
   all += compose("  speed    {} steps/s in a trial of {} steps\n", text(1 / e.seconds_per_step, 3),
                  e.trial_steps);
-  return all + compose("  time     {} for the {} steps of this call of simulate(), as long as steps "
-                       "take what they took in the trial\n",
-                       seconds_text(e.seconds_per_step * static_cast<double>(steps)), steps);
+  return all + compose(
+                   "  time     {} for the {} steps of this call of simulate(), as long as steps "
+                   "take what they took in the trial\n",
+                   seconds_text(e.seconds_per_step * static_cast<double>(steps)), steps);
 }
 
 }  // namespace talus::detail

@@ -77,7 +77,7 @@ template <class Options>
 #ifdef TALUS_COMPILED
   return &read_settings;
 #else
-  if constexpr (complete<settings_file<Options>>)
+  if constexpr (complete<settings_file<Options> >)
     return &settings_file<Options>::read;
   else
     return nullptr;
@@ -86,9 +86,9 @@ template <class Options>
 
 }  // namespace detail
 
-/// Reads a command line, with the files that it names; `defaults` holds the values of options that it omits. Throws
-/// help_requested and usage_error, and never ends the program. `adapt(line, options)` may withdraw
-/// options without effect in this program.
+/// Reads a command line, with the files that it names; `defaults` holds the values of options that
+/// it omits. Throws help_requested and usage_error, and never ends the program. `adapt(line,
+/// options)` may withdraw options without effect in this program.
 template <class Options = options, class Adapt = void (*)(command_line&, const Options&)>
 [[nodiscard]] Options parse(
     int argc, const char* const* argv, Options defaults = {}, std::string_view description = "",

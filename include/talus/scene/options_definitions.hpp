@@ -37,7 +37,11 @@ TALUS_INLINE double seconds_in(const std::string& text) {
     double unit = 1;
     if (at < text.size()) {
       const char letter = text[at++];
-      unit = letter == 's' ? 1 : letter == 'm' ? 60 : letter == 'h' ? 3600 : letter == 'd' ? 86400 : 0;
+      unit = letter == 's'   ? 1
+             : letter == 'm' ? 60
+             : letter == 'h' ? 3600
+             : letter == 'd' ? 86400
+                             : 0;
     } else if (from != 0) {
       refuse();  // a number without a unit stands alone
     }
@@ -87,18 +91,19 @@ TALUS_INLINE void options::describe(command_line& cli) {
   cli.add("--view-every", view_every,
           "steps from one frame of it to the next (default: about 200 frames)", 1);
   cli.add("--force", force, "outputs replace files that talus did not write");
-  cli.add("--until", until, "end when all bodies are at \"rest\", or \"steady:NAME\": see docs/runs.md");
+  cli.add("--until", until,
+          "end when all bodies are at \"rest\", or \"steady:NAME\": see docs/runs.md");
   cli.add("--until-speed", until_speed,
           "largest speed of bodies at rest (default: they rise by 1e-4 radii)", 0);
-  cli.add("--until-time", until_time,
-          "how long bodies are at rest (default: a fall by their diameter), or the window of what is "
-          "steady",
-          0);
+  cli.add(
+      "--until-time", until_time,
+      "how long bodies are at rest (default: a fall by their diameter), or the window of what is "
+      "steady",
+      0);
   cli.add("--until-within", until_within, "change of what is steady, as a part of its size", 0, 1);
   cli.add("--until-every", until_every, "steps from one look at it to the next", 1);
   cli.add("--time-limit", time_limit,
-          "end after so much wall time, as in 3600 or 1h30m, with the exit code 75; --checkpoint "
-          "keeps the state");
+          "end after so much wall time, as in 3600 or 1h30m, with the exit code 75");
   cli.add("--dry-run", dry_run, "estimate time and memory in a short trial, and write nothing");
   cli.add("--log", log, "write what the run says into this file too, also with --quiet");
   cli.check([this, &cli] {
@@ -110,7 +115,8 @@ TALUS_INLINE void options::describe(command_line& cli) {
           "potential_energy or max_speed, but is '" +
           until + "'; see --help");
     if (steady && until_time == 0)
-      throw usage_error("--until steady:NAME needs --until-time, the length of its window; see --help");
+      throw usage_error(
+          "--until steady:NAME needs --until-time, the length of its window; see --help");
     if (until.empty())
       for (const char* name : {"--until-speed", "--until-time", "--until-within", "--until-every"})
         if (cli.given(name)) throw usage_error(std::string(name) + " needs --until; see --help");

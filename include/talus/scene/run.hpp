@@ -1,17 +1,13 @@
 #pragma once
 // run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
 #include <algorithm>
-#include <array>
 #include <concepts>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <functional>
-#include <limits>
 #include <memory>
-#include <optional>
-#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -21,7 +17,6 @@
 #include "talus/observe/initial_overlap.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/progress.hpp"
-#include "talus/observe/run_ends.hpp"
 #include "talus/observe/summary.hpp"
 #include "talus/observe/time_series.hpp"
 #include "talus/parallel/launch_settings.hpp"
@@ -29,12 +24,13 @@
 #include "talus/scene/detail/options_in_use.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/detail/run_view.hpp"
-#include "talus/scene/options.hpp"
 #include "talus/scene/dry_run.hpp"
+#include "talus/scene/options.hpp"
 #include "talus/scene/run_configuration.hpp"
 #include "talus/scene/run_log.hpp"
 #include "talus/scene/run_outputs.hpp"
 #include "talus/scene/time_limit.hpp"
+#include "talus/scene/until.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -55,8 +51,9 @@ namespace detail {
 [[gnu::cold]] inline void mention_forgotten(run_log& log, const std::string& name, bool stepped,
                                             const options& options) {
   if (stepped || options.steps == 0) return;
-  log.say(name + ": no step was made: call world.simulate({.steps = options.steps, .dt = "
-                 "options.dt}) at the end of the set-up\n",
+  log.say(name +
+              ": no step was made: call world.simulate({.steps = options.steps, .dt = "
+              "options.dt}) at the end of the set-up\n",
           options.quiet);
 }
 
@@ -98,19 +95,6 @@ template <class Scenario>
                              : w.last_step();
 }
 
-/// Throws usage_error, alike on all ranks, if the ranks have read different files of options.
-template <class Scenario>
-[[gnu::cold]] void require_same_options(world<Scenario>& w, const std::string& configuration) {
-  if (w.ranks() == 1) return;
-  const double mine = configuration_mark(configuration);
-  std::array<double, 2> ends{mine, -mine};
-  w.link().reduce(reduction::max, std::span<double>(ends));
-  if (ends[0] != -ends[1])
-    throw usage_error(
-        "the ranks have different options: a file of --config is not the same on all machines; put "
-        "it where all of them read the same");
-}
-
 /// The checkpoints that the options ask for. Collective.
 template <class Scenario, class Options>
 void attach_checkpoints(world<Scenario>& w, const Options& options, run_log& log,
@@ -134,7 +118,7 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, run_log& log
         progress.begin_at(step);
         table.go_on_from(step, options.csv_every);
       };
-      plan.out_of_time = [&out_of_time] { return out_of_time; };
+      plan.out_of_time = &out_of_time;
       plan.configuration = options.configuration;
       plan.configured = [&options, tell](const std::string& theirs) {
         const std::string words = differing_options(options.configuration, theirs);
@@ -171,50 +155,6 @@ void attach_output(world<Scenario>& w, const Options& options, run_log& log) {
   }
 }
 
-/// The observable of --until steady:NAME.
-template <class Scenario>
-[[nodiscard, gnu::cold]] real observable_of(world<Scenario>& w, const std::string& name) {
-  if (name == "kinetic_energy") return measure_motion(w).kinetic_energy;
-  if (name == "potential_energy") return measure_motion(w).potential_energy;
-  if (name == "max_speed") return measure_motion(w).max_speed;
-  // Only rank 0 has to record.
-  std::array<double, 2> found{0, -std::numeric_limits<double>::max()};
-  if (w.rank() == 0)
-    for (const recorded_value& one : w.records().all())
-      if (one.name == name) found = {1, one.value};
-  w.link().reduce(reduction::max, std::span<double>(found));
-  if (found[0] == 0)
-    fail<std::runtime_error>(
-        "--until steady:{}: nothing is recorded under that name; call world.record(\"{}\", value) in "
-        "world.observe(...), or name kinetic_energy, potential_energy or max_speed",
-        name, name);
-  return found[1];
-}
-
-/// Ends calls of simulate() as --until says. Collective.
-template <class Scenario>
-[[gnu::cold]] void attach_end(world<Scenario>& w, const options& options, run_log& log,
-                              std::string& ended) {
-  if (options.until.empty()) return;
-  const std::function<bool()> over =
-      options.until == "rest"
-          ? at_rest(w, {.speed = options.until_speed, .time = options.until_time})
-          : steady(w, {.time = options.until_time, .within = options.until_within},
-                   [name = options.until.substr(7)](auto& of) { return observable_of(of, name); });
-  // After the functions of the set-up, which may record the observable.
-  w.before_simulating([&w, &options, &log, &ended, over, first = true]() mutable {
-    if (!std::exchange(first, false)) return;
-    w.stop_when(every{options.until_every}, [&w, &options, &log, &ended, over] {
-      if (!over()) return false;
-      ended = options.until;
-      if (w.rank() == 0)
-        log.say(compose("ended by --until {} in step {}\n", options.until, w.steps()),
-                options.quiet);
-      return true;
-    });
-  });
-}
-
 /// One rank of the program: set-up, steps with progress, figures. Returns the exit code. `began`:
 /// wall_seconds() when the program began.
 template <class Scenario, class Options, class SetUp>
@@ -232,8 +172,8 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   const bool speaks = link.rank() == 0;
   require_same_options(w, options.configuration);
   const std::string replaced = speaks ? inspect_outputs(options) : "";
-  std::optional<run_configuration> configuration;
-  if (speaks) configuration.emplace(options, name);
+  run_configuration configuration;
+  if (speaks) configuration.prepare(options, name);
   // Ranks take part in what needs all of them if any speaks or keeps a log.
   const bool quiet = options.quiet, silent = quiet && options.log.empty();
   if (speaks) log.write(compose("ranks        {}\n", w.ranks()));
@@ -244,20 +184,22 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
                              : std::function<void(const std::string&)>());
   time_series table(options.csv, speaks, !options.restart.empty());
   run_place place{.rank = link.rank()};
-  if (options.dry_run)
-    w.before_simulating([&] {
+  until_option until(options);
+  w.before_simulating([&] {
+    if (options.dry_run) {
       const run_estimate e = estimate_run(w, w.last_step() - w.steps());
       if (speaks) std::fputs(to_text(e, name).c_str(), stdout);
       throw ended_early{w.steps(), 0, ended_early::cause::dry_run};
-    });
-  w.before_simulating([&] { require_pictures(w, options); });
-  w.before_simulating([&] { table.begin(w); });
-  if (speaks) w.before_simulating([&] { configuration->write(); });
-  if (!silent) w.before_simulating([&] { mention_overlap(log, name, w, quiet); });
-  if constexpr (Scenario::contact_law::soft)
-    if (!silent) w.before_simulating([&] { mention_step(log, name, w, quiet); });
+    }
+    require_pictures(w, options);
+    table.begin(w);
+    configuration.write();
+    until.begin(w, log);
+    if (silent) return;
+    mention_overlap(log, name, w, quiet);
+    if constexpr (Scenario::contact_law::soft) mention_step(log, name, w, quiet);
+  });
   std::string note, ended;
-  attach_end(w, options, log, ended);
   bool out_of_time = false;
   time_limit limit(options.time_limit.empty() ? 0 : seconds_in(options.time_limit), began,
                    !options.checkpoint.empty());
@@ -269,8 +211,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     if (w.steps() % options.csv_every == 0) table.sample(w);
     if (!limit.over(w, link) || w.stopped() || w.steps() >= planned_steps(w, options)) return;
     out_of_time = true;  // checkpoints end the run when they have written the state
-    if (options.checkpoint.empty())
-      throw ended_early{w.steps(), 0, ended_early::cause::time_limit};
+    if (options.checkpoint.empty()) throw ended_early{w.steps(), 0, ended_early::cause::time_limit};
   });
   attach_checkpoints(w, options, log, progress, table, out_of_time);
   attach_output(w, options, log);
@@ -300,9 +241,8 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
                       : end.signal == SIGINT ? "SIGINT"
                                              : "SIGTERM",
                       end.step,
-                      options.checkpoint.empty()
-                          ? "its state is lost: --checkpoint FILE keeps it"
-                          : "go on with --restart " + options.checkpoint));
+                      options.checkpoint.empty() ? "its state is lost: --checkpoint FILE keeps it"
+                                                 : "go on with --restart " + options.checkpoint));
     if (!by_limit) return 128 + end.signal;  // as a shell says it
     code = exit_code_of_time_limit;
     ended = "time limit";
@@ -325,19 +265,18 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   if (view) view->finish();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
-  figures.ended = ended;
+  figures.ended = ended.empty() ? until.ended() : ended;
   figures.own = std::move(own);
   if (!speaks) return code;
   if (!silent) log.print(to_text(figures), quiet);
+  configuration.write();
+  if (!options.json.empty()) try {
+      write_output(options.json, to_json(figures), results_output, options.force);
+    } catch (const std::exception& e) {
+      fail<std::runtime_error>("the results {} (--json) {}", options.json, e.what());
+    }
   log.write(compose("digest {}, {} s of wall time, exit code {}\n", figures.digest,
                     text(wall_seconds() - began, 6), code));
-  configuration->write();
-  if (options.json.empty()) return code;
-  try {
-    write_output(options.json, to_json(figures), results_output, options.force);
-  } catch (const std::exception& e) {
-    fail<std::runtime_error>("the results {} (--json) {}", options.json, e.what());
-  }
   return code;
 }
 
@@ -359,13 +298,6 @@ inline constexpr bool linked<Scenario, true> = [] {
       "write #include <talus/talus.hpp>, or <talus/mpi.hpp> for mpi and as_launched");
   return here;
 }();
-
-/// A dry run makes no outputs.
-[[gnu::cold]] inline void write_nothing(options& o) {
-  for (std::string* const file : {&o.json, &o.csv, &o.frames, &o.checkpoint, &o.output, &o.log})
-    file->clear();
-  o.checkpoint_every = 0;
-}
 
 template <class Scenario, class Options, class SetUp>
 int run_checked(int argc, char** argv, SetUp& set_up) {
@@ -391,8 +323,7 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
     settings.give_up = chosen.give_up;
     int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
-      const int of_rank =
-          run_rank<Scenario>(link, std::as_const(chosen), name, set_up, log, began);
+      const int of_rank = run_rank<Scenario>(link, std::as_const(chosen), name, set_up, log, began);
       if (link.rank() == 0 || find_launcher().size > 1) code = of_rank;
     });
     return code;

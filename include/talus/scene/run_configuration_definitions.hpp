@@ -12,8 +12,8 @@ namespace talus::detail {
 
 template <class F>
 void run_configuration::each_file(F&& f) const {
-  const std::string* const outputs[] = {&options_.json, &options_.csv, &options_.output,
-                                        &options_.frames, &options_.view};
+  const std::string* const outputs[] = {&options_->json, &options_->csv, &options_->output,
+                                        &options_->frames, &options_->view};
   constexpr const char* names[] = {"--json", "--csv", "--output", "--frames", "--view"};
   for (std::size_t k = 0; k < std::size(names); ++k) {
     std::string path = *outputs[k];
@@ -23,12 +23,13 @@ void run_configuration::each_file(F&& f) const {
   }
 }
 
-TALUS_INLINE run_configuration::run_configuration(const options& o, const std::string& program)
-    : options_(o),
-      text_(std::string(configuration_mark_line) + program +
-            "\n# Each line is an option with its value; its comment says where the value comes "
-            "from.\n# --config with this file makes the run again.\n" +
-            o.configuration) {
+TALUS_INLINE void run_configuration::prepare(const options& o, const std::string& program) {
+  options_ = &o;
+  text_ =
+      std::string(configuration_mark_line) + program +
+      "\n# Each line is an option with its value; its comment says where the value comes from.\n"
+      "# --config with this file makes the run again.\n" +
+      o.configuration;
   each_file([&](const char* name, const std::string& path) {
     (void)inspect_output((std::string("the configuration beside ") + name).c_str(), path,
                          configuration_output, o.force);
@@ -36,22 +37,21 @@ TALUS_INLINE run_configuration::run_configuration(const options& o, const std::s
 }
 
 TALUS_INLINE void run_configuration::write() {
-  if (written_) return;
-  written_ = true;
+  if (options_ == nullptr) return;
   each_file([&](const char* name, const std::string& path) {
     try {
-      write_output(path, text_, configuration_output, options_.force);
+      write_output(path, text_, configuration_output, options_->force);
     } catch (const std::exception& e) {
       fail<std::runtime_error>("the configuration {} (beside {}) {}", path, name, e.what());
     }
   });
+  options_ = nullptr;
 }
 
 /// FNV-1a (Fowler, Noll, Vo), cut to the digits of a double.
 TALUS_INLINE double configuration_mark(const std::string& configuration) {
   std::uint64_t hash = 14695981039346656037U;
-  for (const char c : configuration)
-    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
+  for (const char c : configuration) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
   return static_cast<double>(hash >> 12);
 }
 

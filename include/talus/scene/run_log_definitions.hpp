@@ -50,6 +50,8 @@ TALUS_INLINE void run_log::open(const options& o, const std::string& program, in
   line("program    ", build);
 #ifdef TALUS_BUILD_FLAGS
   line("library    ", "compiled with " TALUS_BUILD_FLAGS);
+#elif defined(TALUS_COMPILED)
+  line("library    ", "compiled as part of another project");
 #else
   line("library    ", "headers alone");
 #endif

@@ -33,9 +33,8 @@ inline constexpr std::size_t longest_settings_file = std::size_t{16} << 20;
   };
   const int id = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (id < 0) refuse(std::strerror(errno));
-  const std::unique_ptr<const int, void (*)(const int*)> close_it(&id, [](const int* open) {
-    ::close(*open);
-  });
+  const std::unique_ptr<const int, void (*)(const int*)> close_it(
+      &id, [](const int* open) { ::close(*open); });
   struct stat about {};
   if (::fstat(id, &about) != 0) refuse(std::strerror(errno));
   if (S_ISDIR(about.st_mode)) refuse("it is a folder");

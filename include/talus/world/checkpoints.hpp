@@ -139,11 +139,11 @@ struct checkpoint_plan {
   /// takes the configuration of the run that wrote the file, on rank 0, when it is read
   std::function<void(const std::string&)> configured{};
   /// whether the time limit ends the run with this step; alike on all ranks
-  std::function<bool()> out_of_time{};
+  const bool* out_of_time = nullptr;
 };
 
-/// Thrown, alike on all ranks, to end a run before its last step: after a signal to end (SIGTERM, or
-/// SIGINT by Ctrl-C) or at the time limit, when the state is written, and by a dry run.
+/// Thrown, alike on all ranks, to end a run before its last step: after a signal to end (SIGTERM,
+/// or SIGINT by Ctrl-C) or at the time limit, when the state is written, and by a dry run.
 struct ended_early {
   enum class cause { signal, time_limit, dry_run };
   std::uint64_t step = 0;

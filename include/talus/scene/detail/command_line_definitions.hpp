@@ -36,8 +36,7 @@ TALUS_INLINE void command_line::add_option(std::string_view name, std::string_vi
 TALUS_INLINE void command_line::add_number(std::string_view name, std::string_view meaning,
                                            kind holds, void* target, number initial,
                                            void (*store)(void*, number),
-                                           number (*load)(const void*), number least,
-                                           number most) {
+                                           number (*load)(const void*), number least, number most) {
   add_option(name, meaning, holds, target);
   option& o = options_.back();
   o.initial = print(initial, holds);
@@ -82,7 +81,8 @@ TALUS_INLINE void command_line::withdraw_soft(std::string_view refusal) {
 TALUS_INLINE void command_line::add_settings(settings_reader* read) {
   add_option("--config", "read options from this file, as in steps = 200 (TOML); may be repeated",
              kind::file, nullptr);
-  add_option("--set", "set one option, as in --set steps=200; may be repeated", kind::pair, nullptr);
+  add_option("--set", "set one option, as in --set steps=200; may be repeated", kind::pair,
+             nullptr);
   reader_ = read;
 }
 
@@ -152,61 +152,6 @@ TALUS_INLINE std::string command_line::walk(int argc, const char* const* argv, b
     if (!wrong.empty()) return wrong;
   }
   return {};
-}
-
-TALUS_INLINE std::string command_line::read_file(const std::string& file) {
-  if (reader_ == nullptr)
-    return detail::compose(
-        "--config {}: this program is built from headers alone and reads no files of options: link "
-        "talus::compiled, or #include <talus/config.hpp>, which needs toml++ (in Debian "
-        "libtomlplusplus-dev)",
-        file);
-  ++files_;
-  std::string mistake;
-  reader_(file, [&](const setting& s) {
-    if (mistake.empty()) mistake = read_setting(file, s);
-  });
-  return mistake;
-}
-
-TALUS_INLINE std::string command_line::read_setting(const std::string& file, const setting& s) {
-  const std::string place = detail::compose("{}:{}", file, s.line);
-  option* const o = find_key(s.key);
-  if (o == nullptr) return place + ": " + unknown(s.key, true);
-  const std::string name = place + ": " + s.key;
-  if (o->holds == kind::file || o->holds == kind::pair)
-    return detail::compose("{}: {} stands on the command line only, not in a file", place, s.key);
-  if (o->files == files_)
-    return detail::compose("{} is set twice in this file, first at {}", name, o->place);
-  const bool text = s.holds == setting::kind::text;
-  // Whole numbers that TOML cannot hold are written as texts.
-  const bool large = o->holds == kind::natural && text && s.value.size() > 18;
-  const char* wanted = o->holds == kind::text ? (text ? nullptr : "a text in quotes")
-                       : o->holds == kind::flag
-                           ? (s.holds == setting::kind::boolean ? nullptr : "true or false")
-                       : s.holds == setting::kind::number || large ? nullptr
-                                                                   : "a number";
-  if (wanted != nullptr)
-    return detail::compose("{} needs {}{}, but is {}; see --help", name, wanted,
-                           o->limits.empty() ? "" : ", " + o->limits,
-                           text ? '"' + s.value + '"' : s.value);
-  std::string wrong = o->refusal.empty() ? read(*o, s.value, name) : place + ": " + o->refusal;
-  o->from = origin::file;
-  o->files = files_;
-  o->place = place;
-  return wrong;
-}
-
-TALUS_INLINE std::string command_line::read_pair(std::string_view pair) {
-  const std::string_view key = pair.substr(0, pair.find('='));
-  if (key.empty() || key.size() == pair.size())
-    return detail::compose("--set needs NAME=VALUE, as in --set steps=200, but is '{}'; see --help",
-                           std::string(pair));
-  option* const o = find_key(key);
-  if (o == nullptr) return "--set: " + unknown(key, true);
-  if (o->holds == kind::file || o->holds == kind::pair)
-    return detail::compose("--set cannot set {}: give it by itself", o->name);
-  return read_value(*o, origin::set, pair.substr(key.size() + 1));
 }
 
 /// A value from the command line.
@@ -281,7 +226,7 @@ TALUS_INLINE std::string command_line::unknown(std::string_view word, bool key) 
   const std::string name = (key ? "--" : "") + std::string(word.substr(0, word.find('=')));
   std::string_view closest = "--help";
   for (const option& o : options_)
-    if (o.refusal.empty() && !(key && o.target == nullptr) && 
+    if (o.refusal.empty() && !(key && o.target == nullptr) &&
         edits(name, o.name) < edits(name, closest))
       closest = o.name;
   const std::size_t distance = edits(name, closest);
@@ -311,7 +256,7 @@ TALUS_INLINE std::string command_line::help(std::string_view program) const {
   line("--help", "show this help and stop");
   for (const option& o : options_) {
     if (!o.refusal.empty()) continue;
-    constexpr const char* types[] = {"",     " TEXT", " UINT",      " INT",
+    constexpr const char* types[] = {"",       " TEXT", " UINT",      " INT",
                                      " FLOAT", " FILE", " NAME=VALUE"};
     std::string name = o.name + types[static_cast<int>(o.holds)];
     if (!o.initial.empty()) name += "=" + o.initial;
@@ -329,58 +274,6 @@ TALUS_INLINE std::string command_line::print(number value, kind holds) {
   }
   return value < 0 ? std::to_string(static_cast<std::int64_t>(value))
                    : std::to_string(static_cast<std::uint64_t>(value));
-}
-
-/// The present value as TOML; empty if it stands for "not given".
-TALUS_INLINE std::string command_line::value_text(const option& o) {
-  if (o.holds == kind::flag) return *static_cast<const bool*>(o.target) ? "true" : "false";
-  if (o.holds == kind::text) {
-    std::string quoted = "\"";
-    for (const char c : *static_cast<const std::string*>(o.target)) {
-      const auto code = static_cast<unsigned char>(c);
-      if (c == '"' || c == '\\') quoted += '\\';
-      if (code < 0x20 || code == 0x7f) {
-        constexpr const char* digits = "0123456789abcdef";
-        ((quoted += "\\u00") += digits[code >> 4]) += digits[code & 15];
-      } else {
-        quoted += c;
-      }
-    }
-    return quoted + '"';
-  }
-  const number value = o.load(o.target);
-  if (!(value >= o.lower && value <= o.upper)) return {};
-  std::string digits = print(value, o.holds);
-  const bool large = o.holds == kind::natural &&
-                     value > static_cast<number>(std::numeric_limits<std::int64_t>::max());
-  return large ? '"' + digits + '"' : digits;
-}
-
-TALUS_INLINE std::string command_line::configuration() const {
-  std::string text;
-  for (const option& o : options_) {
-    if (!o.refusal.empty() || o.target == nullptr) continue;
-    std::string key = o.name.substr(2);
-    for (const char c : key)
-      if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-            c == '-' || c == '_' || c == '.')) {
-        key = '"' + key + '"';
-        break;
-      }
-    const std::string value = value_text(o);
-    if (value.empty()) {
-      text += "# " + key + ": not given\n";
-      continue;
-    }
-    std::string from = o.from == origin::none   ? "default"
-                       : o.from == origin::file ? o.place
-                       : o.from == origin::set  ? "--set"
-                                                : "command line";
-    for (char& c : from)
-      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    text += key + " = " + value + "  # " + from + "\n";
-  }
-  return text;
 }
 
 /// Insertions, deletions and changes of letters between two words (Levenshtein).

@@ -14,8 +14,8 @@ template <class Scenario>
 [[gnu::cold]] void withdraw_options(command_line& cli, const options& o) {
   if constexpr (!Scenario::contact_law::soft)
     cli.withdraw_soft(
-        "this program has hard contacts, which use no stiffness, Young's modulus, Poisson's ratio or "
-        "rolling friction");
+        "this program has hard contacts, which use no stiffness, Young's modulus, Poisson's ratio "
+        "or rolling friction");
   if constexpr (Scenario::contact_law::soft) {
     const char* const refusal =
         "this program has nothing to iterate: its contacts are soft, and their forces follow from "

@@ -28,10 +28,10 @@ TALUS_INLINE void refuse_exit(int code) {
                                 ? std::string("on a thread that is no rank")
                                 : compose("on rank {} after step {}", place->rank, place->step);
   std::fflush(nullptr);
-  const std::string words =
-      compose("{}: ended early: the program called exit({}) {}, and the run was not at its end; "
-              "throw an exception or return from the set-up to end a run\n",
-              run.name, code, where);
+  const std::string words = compose(
+      "{}: ended early: the program called exit({}) {}, and the run was not at its end; "
+      "throw an exception or return from the set-up to end a run\n",
+      run.name, code, where);
   if (run.log != nullptr)
     run.log->say(words);
   else
