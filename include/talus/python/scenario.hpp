@@ -130,6 +130,7 @@ void bind_bodies(pybind11::module_& module, Class& world_class) {
   bodies_class.def_readonly("shape", &bodies::shape).def("__len__", [](const bodies& b) {
     return py::len(b.column("ids"));
   });
+  bind_changes<Session>(bodies_class);
   for (const auto& [name, words] : column_words) {
     bodies_class.def_property_readonly(
         name, [name = name](const bodies& b) { return b.column(name); }, words);
