@@ -7,7 +7,7 @@
   failed.json  the run failed: the exit code and the message; likewise
   lock         locked as long as a program runs here
 
-A folder with neither of the two was interrupted: its run begins anew.
+A run with neither done.json nor failed.json was interrupted, and begins anew.
 """
 import ctypes
 import fcntl
