@@ -206,6 +206,8 @@ class Worlds(unittest.TestCase):
             drop.World(ranks=4)
         self.assertEqual(drop.World(reproducible=True, csv=None).step(2), 2)
         self.assertIn("--iterations", drop.World.__doc__)
+        with self.assertRaisesRegex(ValueError, "the bar has its own mass"):
+            mechanism.World(bar_mass=2)
 
     def test_exceptions_of_the_scene_arrive(self):
         with self.assertRaisesRegex(ValueError, "the set-up has no wood"):

@@ -232,8 +232,8 @@ void scenario(pybind11::module_& module, SetUp set_up) {
       detail::help_of<Scenario, Options>(name);
   py::class_<driven> world_class(module, "World", words.c_str(), py::module_local());
   const auto sessions = std::make_shared<std::vector<std::weak_ptr<session>>>();
-  world_class.def(py::init([set_up, name, sessions](const py::kwargs& given) {
-    auto made = std::make_shared<session>(set_up, name, detail::words_of(given));
+  world_class.def(py::init([set_up, name, words, sessions](const py::kwargs& given) {
+    auto made = std::make_shared<session>(set_up, name, detail::words_of(given, words));
     std::erase_if(*sessions, [](const auto& s) { return s.expired(); });
     sessions->push_back(made);
     return driven{std::move(made)};
