@@ -172,15 +172,18 @@ class Run:
         own = [l for l in lines if l.startswith(os.path.basename(self.setup["program"]) + ":")]
         return (own or [l for l in lines if l] or [""])[-1][:500]
 
-    def stop(self):
-        """Ends the program, with SIGKILL if it does not end by itself; the run counts as interrupted."""
-        if self.process is None:
-            return
+    def end(self):
+        """Ends the program, with SIGKILL if it does not end by itself within 10 s."""
         self.process.terminate()
         try:
             self.process.wait(10)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
-        self.process = None
-        self.leave()
+
+    def stop(self):
+        """Ends the program; the run counts as interrupted."""
+        if self.process is not None:
+            self.end()
+            self.process = None
+            self.leave()
