@@ -52,7 +52,7 @@ def parse(text):
     where = f"--vary {text}"
     name, sign, what = text.partition("=")
     name = name.removeprefix("--")
-    if not sign or not what or not re.fullmatch(r"[A-Za-z][\w-]*", name):
+    if not sign or not what or not re.fullmatch(r"[A-Za-z][\w.-]*", name):
         raise Wrong(f"{where}: write NAME=A:B:N for N values from A to B, or NAME=V,W,...")
     words = what.split(":")
     if len(words) == 1 or not re.fullmatch(NUMBER, words[0]):  # a list; texts may contain colons

@@ -1,12 +1,13 @@
 """What a program of talus says of its options, and the check of a command line before any run."""
 import re
 import subprocess
+import tempfile
 
 from design import Wrong
 
 # Options that the sweep sets itself.
 OWN = {"json": "the sweep keeps the results of each run", "help": "use ./dev run NAME --help"}
-LINE = re.compile(r"^  --([A-Za-z][\w-]*)(?: (TEXT|UINT|INT|FLOAT))?(?=[=\s]|$)", re.M)
+LINE = re.compile(r"^  --([A-Za-z][\w.-]*)(?: (TEXT|UINT|INT|FLOAT))?(?=[=\s]|$)", re.M)
 WHOLE = ("UINT", "INT")
 CHECK = "--no-such-option-to-end-the-check"
 
@@ -40,7 +41,7 @@ class Program:
         if told.returncode:
             raise Wrong(f"{self.path} --help ended with {told.returncode}: {told.stderr.strip()[-300:]}")
         self.options = {m[1]: m[2] or "" for m in LINE.finditer(told.stdout)}
-        if self.options.get("json") != "TEXT":
+        if "json" not in self.options:
             raise Wrong(f"{self.path} has no option --json FILE for its results, so there is nothing to "
                         "collect: a program that is made with run<...> has it")
 
@@ -68,6 +69,7 @@ class Program:
         """Raises Wrong for a value that the program refuses. The program reads the command line of each
         run, with an unknown option as its last word, so it reports the first mistake and makes no step."""
         seen = set()
+        elsewhere = tempfile.TemporaryDirectory()  # runs work in their own folders, not in this one
         for run in runs:
             new = {(name, value) for name, value in run.items()} - seen
             if not new:
@@ -76,7 +78,7 @@ class Program:
             command = [self.path, *options, *arguments(run), CHECK]
             try:
                 told = subprocess.run(command, capture_output=True, text=True, timeout=60,
-                                      stdin=subprocess.DEVNULL, errors="replace")
+                                      stdin=subprocess.DEVNULL, errors="replace", cwd=elsewhere.name)
             except subprocess.TimeoutExpired:
                 raise Wrong(f"{self.path} takes an unknown option and starts: its options cannot be "
                             "checked") from None

@@ -7,7 +7,7 @@
   failed.json  the run failed: the exit code and the message; likewise
   lock         locked as long as a program runs here
 
-A folder with neither of the two was interrupted: its run begins anew.
+A run with neither done.json nor failed.json was interrupted, and begins anew.
 """
 import ctypes
 import fcntl
@@ -172,15 +172,18 @@ class Run:
         own = [l for l in lines if l.startswith(os.path.basename(self.setup["program"]) + ":")]
         return (own or [l for l in lines if l] or [""])[-1][:500]
 
-    def stop(self):
-        """Ends the program, with SIGKILL if it does not end by itself; the run counts as interrupted."""
-        if self.process is None:
-            return
+    def end(self):
+        """Ends the program, with SIGKILL if it does not end by itself within 10 s."""
         self.process.terminate()
         try:
             self.process.wait(10)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
-        self.process = None
-        self.leave()
+
+    def stop(self):
+        """Ends the program; the run counts as interrupted."""
+        if self.process is not None:
+            self.end()
+            self.process = None
+            self.leave()

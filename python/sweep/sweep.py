@@ -133,10 +133,8 @@ def carry_out(todo, progress, jobs, limit):
             for run in list(active):
                 code = run.process.poll()
                 if code is None and limit and time.monotonic() - run.began > limit:
-                    run.process.kill()
-                    run.process.wait()
-                    code = -signal.SIGKILL
-                    state = run.finish(code, f"it took longer than {limit:g} s (--limit)")
+                    run.end()
+                    state = run.finish(-signal.SIGTERM, f"it took longer than {limit:g} s (--limit)")
                 elif code is None:
                     continue
                 else:

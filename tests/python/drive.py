@@ -160,6 +160,35 @@ class Worlds(unittest.TestCase):
             world.step()
         self.assertEqual(mechanism.World(steps=30).run(), 30)
 
+    def test_bodies_are_added_changed_and_removed(self):
+        world = mechanism.World(steps=60)
+        world.step(3)
+        spheres, before = world.bodies["sphere"], world.bodies["sphere"].positions
+        new = spheres.add(0.25, position=(0, -5, 3), velocity=(1, 0, 0))
+        self.assertEqual(len(spheres), 4)
+        self.assertEqual(before.shape, (3, 3))
+        row = list(spheres.ids).index(new)
+        self.assertEqual(spheres.radii[row], 0.25)
+        world.step(10)
+        row = list(spheres.ids).index(new)
+        self.assertAlmostEqual(spheres.positions[row, 0], 0.1)
+        spheres.set_velocity(new, (0, 2, 0))
+        self.assertEqual(spheres.velocities[row].tolist(), [0, 2, 0])
+        crate = world.bodies["box"].add(1, 2, 3, position=(0, -9, 4))
+        world.step(1)
+        world.bodies["box"].remove(crate)
+        spheres.remove(new)
+        self.assertEqual((len(spheres), len(world.bodies["box"])), (3, 1))
+        self.assertEqual(world.run(), 46)  # and the audit finds all bodies
+        for add, words in [(lambda: spheres.add(position=(0, 0, 9)), "a sphere has a radius, so add takes 1 numbers"),
+                           (lambda: spheres.add(-1, position=(0, 0, 9)), "radius"),
+                           (lambda: spheres.add(1, position=(0, 0, float("nan"))), "position"),
+                           (lambda: spheres.add(1, position=(0, 0, 9), material=7), "material"),
+                           (lambda: spheres.remove(new), "sphere"),
+                           (lambda: spheres.set_velocity(new, (0, 0, 0)), "does not know the sphere")]:
+            with self.assertRaisesRegex(ValueError, words):
+                add()
+
     def test_gravity_is_set(self):
         world = mechanism.World()
         world.gravity = (0, 0, 0)
@@ -177,6 +206,8 @@ class Worlds(unittest.TestCase):
             drop.World(ranks=4)
         self.assertEqual(drop.World(reproducible=True, csv=None).step(2), 2)
         self.assertIn("--iterations", drop.World.__doc__)
+        with self.assertRaisesRegex(ValueError, "the bar has its own mass"):
+            mechanism.World(bar_mass=2)
 
     def test_exceptions_of_the_scene_arrive(self):
         with self.assertRaisesRegex(ValueError, "the set-up has no wood"):

@@ -18,6 +18,7 @@ struct mechanism_options : options {
   double speed = 2;
   std::size_t fail_at = 0;
   bool fail_first = false;
+  double bar_mass = 0;
   mechanism_options() {
     steps = 40;
     dt = 0.01;
@@ -26,6 +27,7 @@ struct mechanism_options : options {
     options::describe(cli);
     cli.add_positive("--speed", speed, "of the motor, radians per unit of time");
     cli.add("--fail-at", fail_at, "step in which an observer throws");
+    cli.add("--bar_mass", bar_mass, "refused unless it is 0: its name has an underscore");
     cli.add("--fail-first", fail_first, "the set-up throws");
   }
 };
@@ -33,6 +35,7 @@ struct mechanism_options : options {
 PYBIND11_MODULE(mechanism, module) {
   python::scenario<mechanism, mechanism_options>(
       module, [](auto& world, const auto& options) -> results {
+        if (options.bar_mass != 0) throw std::invalid_argument("the bar has its own mass");
         if (options.fail_first) throw std::invalid_argument("the set-up has no wood");
         world.gravity({0, 0, -10});
         const auto wood = world.material({.density = 1, .friction = 0.5});

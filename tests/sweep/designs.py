@@ -32,6 +32,7 @@ class Parsed(unittest.TestCase):
         self.assertEqual(self.values("--colour=rank,speed"), ["rank", "speed"])
         self.assertEqual(self.values("grid=a:b,c"), ["a:b", "c"])
         self.assertEqual(self.values("n=7"), ["7"])
+        self.assertEqual(design.parse("stone.friction=0.1,0.2").name, "stone.friction")
 
     def test_what_makes_no_sense_is_refused_with_its_words(self):
         for text, words in [("friction", "write NAME="), ("=1,2", "write NAME="), ("a=", "write NAME="),

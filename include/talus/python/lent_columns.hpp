@@ -1,5 +1,5 @@
 #pragma once
-// Columns of bodies as numpy arrays without a copy, which stay valid whatever the world does.
+// Columns of bodies as numpy arrays without a copy, which stay valid when the world changes.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 

@@ -29,15 +29,20 @@ void write_checkpoint(world<Scenario>& w, const std::string& file);
 
 namespace detail {
 
-/// The words of a command line for the keyword arguments of Python: csv_every=5 is --csv-every=5.
-[[nodiscard]] inline std::vector<std::string> words_of(const pybind11::kwargs& given) {
+/// The words of a command line for the keyword arguments of Python: csv_every=5 is --csv-every=5,
+/// unless `help`, the list of the options, has --csv_every.
+[[nodiscard]] inline std::vector<std::string> words_of(const pybind11::kwargs& given,
+                                                       const std::string& help) {
   namespace py = pybind11;
   std::vector<std::string> words;
   bool quiet = false;
   for (const auto& [key, value] : given) {
     auto name = key.cast<std::string>();
     quiet |= name == "quiet";
-    std::replace(name.begin(), name.end(), '_', '-');
+    const auto has = [&](const char* end) {
+      return help.find("\n  --" + name + end) != std::string::npos;
+    };
+    if (!has(" ") && !has("=") && !has("\n")) std::replace(name.begin(), name.end(), '_', '-');
     if (value.is_none()) continue;
     const std::string text =
         py::isinstance<py::bool_>(value)    ? value.cast<bool>() ? "true" : "false"

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/python/changes.hpp"
 #include "talus/python/module.hpp"
 
 namespace talus {
@@ -73,6 +74,51 @@ void bind_figures(Class& world_class) {
           "the whole run are 0; what the set-up returns is in it once the set-up has ended.");
 }
 
+/// Changes of the bodies of one shape.
+template <class Session, class Class>
+void bind_changes(Class& bodies_class) {
+  namespace py = pybind11;
+  using bodies = bodies_of_one_shape<Session>;
+  using world_type = typename Session::world_type;
+  constexpr std::array<real, 3> none{0, 0, 0};
+  bodies_class
+      .def(
+          "add",
+          [](const bodies& b, const py::args& sizes, const std::array<real, 3>& position,
+             const std::array<real, 3>& velocity, const std::array<real, 3>& angular_velocity,
+             const std::array<real, 4>& orientation, std::uint16_t material) {
+            const auto numbers = sizes.cast<std::vector<real>>();
+            const new_body how{position, velocity, angular_velocity, orientation, material};
+            return b.session->change(
+                [&](world_type& w) { return add_body(w, b.shape, numbers, how); });
+          },
+          py::arg("position"), py::arg("velocity") = none, py::arg("angular_velocity") = none,
+          py::arg("orientation") = std::array<real, 4>{0, 0, 0, 1}, py::arg("material") = 0,
+          "Adds a body and returns its id: add(radius, position=...), of a box add(x, y, z, "
+          "position=...), of a capsule or cylinder add(radius, length, position=...). The material "
+          "is its number in the order of the set-up.")
+      .def(
+          "remove",
+          [](const bodies& b, std::uint64_t id) {
+            b.session->change([&](world_type& w) {
+              on_shape(w, b.shape, [&]<class Shape>(std::type_identity<Shape>) {
+                w.destroy(handle<Shape>{system_id{id}});
+              });
+            });
+          },
+          py::arg("id"), "Removes a body.")
+      .def(
+          "set_velocity",
+          [](const bodies& b, std::uint64_t id, const std::array<real, 3>& v) {
+            b.session->change([&](world_type& w) {
+              on_shape(w, b.shape, [&]<class Shape>(std::type_identity<Shape>) {
+                w[handle<Shape>{system_id{id}}].set_velocity({v[0], v[1], v[2]});
+              });
+            });
+          },
+          py::arg("id"), py::arg("velocity"), "Sets the velocity of the centre of mass of a body.");
+}
+
 /// The bodies of a world.
 template <class Session, class Class>
 void bind_bodies(pybind11::module_& module, Class& world_class) {
@@ -84,6 +130,7 @@ void bind_bodies(pybind11::module_& module, Class& world_class) {
   bodies_class.def_readonly("shape", &bodies::shape).def("__len__", [](const bodies& b) {
     return py::len(b.column("ids"));
   });
+  bind_changes<Session>(bodies_class);
   for (const auto& [name, words] : column_words) {
     bodies_class.def_property_readonly(
         name, [name = name](const bodies& b) { return b.column(name); }, words);
@@ -185,8 +232,8 @@ void scenario(pybind11::module_& module, SetUp set_up) {
       detail::help_of<Scenario, Options>(name);
   py::class_<driven> world_class(module, "World", words.c_str(), py::module_local());
   const auto sessions = std::make_shared<std::vector<std::weak_ptr<session>>>();
-  world_class.def(py::init([set_up, name, sessions](const py::kwargs& given) {
-    auto made = std::make_shared<session>(set_up, name, detail::words_of(given));
+  world_class.def(py::init([set_up, name, words, sessions](const py::kwargs& given) {
+    auto made = std::make_shared<session>(set_up, name, detail::words_of(given, words));
     std::erase_if(*sessions, [](const auto& s) { return s.expired(); });
     sessions->push_back(made);
     return driven{std::move(made)};

@@ -55,7 +55,7 @@ class session {
   ~session() {
     try {
       close();
-    } catch (...) {  // nobody is there to hear it
+    } catch (...) {  // close() reports it
     }
   }
 
@@ -93,7 +93,7 @@ class session {
         "with more steps, as in World(steps={})",
         steps, 2 * std::max<std::uint64_t>(steps, 1));
   }
-  /// Calls f(world) on the thread of the scene, for what reads.
+  /// Calls f(world), which changes nothing, on the thread of the scene.
   template <class F>
   auto read(F&& f) {
     world_type& w = open();
@@ -108,7 +108,7 @@ class session {
       return r;
     }
   }
-  /// The same for what changes the world.
+  /// Calls f(world), which may change the world, likewise.
   template <class F>
   auto change(F&& f) {
     (void)open();
@@ -116,7 +116,7 @@ class session {
     lent_.keep();
     return read(std::forward<F>(f));
   }
-  /// The world, for what only looks at its numbers. Throws runtime_error if it was closed.
+  /// The world, to read single numbers. Throws runtime_error if it was closed or ended by an error.
   [[nodiscard]] world_type& open() {
     require_idle();
     if (world_ == nullptr)
