@@ -39,7 +39,7 @@ TEST_CASE("all ranks of an island agree on its name and its ranks") {
       const auto own = static_cast<std::size_t>(link.rank());
       detail::plain_vector<system_id> names;
       for (std::size_t p = own; p < all; p += ranks) names.push_back(id_of_part(p));
-      detail::plain_vector<detail::joint_groups::border> borders;
+      detail::plain_vector<detail::joint_groups<void>::border> borders;
       for (std::size_t k = 0; k < edges.size(); ++k)
         for (const bool first : {true, false}) {
           const std::size_t here = first ? edges[k].first : edges[k].second,
@@ -49,7 +49,7 @@ TEST_CASE("all ranks of an island agree on its name and its ranks") {
                                static_cast<std::int32_t>(there % ranks), id_of_end(k, first),
                                id_of_end(k, !first)});
         }
-      detail::joint_groups groups;
+      detail::joint_groups<void> groups;
       groups.find(link.rank(), names, borders, [&](std::vector<neighbour_message>& messages) {
         link.start(messages);
         link.finish(messages);

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <set>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -26,6 +25,8 @@ namespace talus::detail {
 /// parts, it knows, each once. So after k rounds it knows all parts within a distance of k. Once a
 /// rank knows all parts of an island, it knows the largest distance of two of them. That is the
 /// number of rounds of the island, on all its ranks: until then a rank goes on telling.
+/// (A template, so that programs without joints compile none of it.)
+template <class Of>
 class joint_groups {
  public:
   /// A joint of a body here and one of another rank.
@@ -150,7 +151,7 @@ class joint_groups {
         if (b.rank != rank || (x.complete && x.width < round)) continue;
         open = true;
         for (const system_id id : x.nodes)
-          if (known_.contains(value_of(id)) && told_[rank].insert(value_of(id)).second)
+          if (known_.contains(value_of(id)) && told_[rank].emplace(value_of(id), true).second)
             news.push_back(value_of(id));
       }
       if (!open) continue;
@@ -207,7 +208,7 @@ class joint_groups {
   plain_vector<std::int32_t> group_of_;
   plain_vector<int> ranks_;
   std::map<std::uint64_t, node> known_;
-  std::map<int, std::set<std::uint64_t>> told_;  ///< by ranks
+  std::map<int, std::map<std::uint64_t, bool>> told_;  ///< by ranks
 };
 
 }  // namespace talus::detail

@@ -50,6 +50,7 @@ void exchange_jointed(world_state<Scenario>& s, Pack&& pack, Unpack&& unpack) {
 template <class Scenario>
 class joint_gathering {
   using state_type = world_state<Scenario>;
+  using groups_type = joint_groups<Scenario>;
   struct reported_end {
     system_id id;
     joint_end end, before;
@@ -227,8 +228,8 @@ class joint_gathering {
   std::size_t own_;  ///< bodies of own joints
   plain_vector<system_id> parts_;
   plain_vector<std::uint32_t> part_of_;
-  plain_vector<joint_groups::border> borders_;
-  joint_groups groups_;
+  plain_vector<typename groups_type::border> borders_;
+  groups_type groups_;
 };
 
 /// To be called after place_joints().

@@ -7,7 +7,7 @@
 
 #include "talus/constraint/joint_geometry.hpp"
 #include "talus/state/joints.hpp"
-#include "talus/world/each_contact.hpp"
+#include "talus/world/body_places.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
