@@ -14,7 +14,7 @@ struct rover_options : options {
   int layers = 3;
   double pull = 0.1, length = 5;
 
-  rover_options() { steps = 2500, dt = 0.002; }  // metres, seconds, tonnes
+  rover_options() { steps = 2500, dt = 0.002, iterations = 30; }  // metres, seconds, tonnes
   void describe(auto& line) {
     options::describe(line);
     line.add("--layers", layers, "of grains; 0: the rover drives on the floor", 0);
