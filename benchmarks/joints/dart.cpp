@@ -2,7 +2,11 @@
 // constraints, two for a hinge that is not of a plane mechanism. Springs are explicit.
 #include <dart/constraint/BallJointConstraint.hpp>
 #include <dart/constraint/ConstraintSolver.hpp>
-#include <dart/dynamics/dynamics.hpp>
+#include <dart/dynamics/BallJoint.hpp>
+#include <dart/dynamics/BodyNode.hpp>
+#include <dart/dynamics/PrismaticJoint.hpp>
+#include <dart/dynamics/RevoluteJoint.hpp>
+#include <dart/dynamics/Skeleton.hpp>
 #include <dart/simulation/World.hpp>
 #include <memory>
 #include <stdexcept>

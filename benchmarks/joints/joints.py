@@ -22,6 +22,7 @@ def main():
     runs, exact = [], {}
     for engine in ["talus", *options.rivals]:
         runs += plans(engine, options)
+    runs.sort(key=lambda run: run[1])  # engines of a scene one after the other
     rows = {run: [] for run in runs}
     ends = time.monotonic() + options.within if options.within else float("inf")
     for turn in range(options.turns):
@@ -70,13 +71,16 @@ def parse():
     parser.add_argument("--turns", type=int, default=3, help="of which the median counts")
     parser.add_argument("--quick", action="store_true",
                         help="one turn, large steps; ends within five minutes")
+    parser.add_argument("--within", type=float, default=0, metavar="SECONDS",
+                        help="after which no run begins; 0: none, 200 with --quick")
     options = parser.parse_args()
+    if options.within < 0:
+        parser.error(f"--within needs seconds, not {options.within:g}")
     options.build = os.path.abspath(options.build)
-    options.within = 0
     if options.turns < 1:
         parser.error(f"--turns needs a whole number from 1, not {options.turns}")
     if options.quick:
-        options.turns, options.within = 1, 200
+        options.turns, options.within = 1, options.within or 200
     if options.json and not os.path.isdir(os.path.dirname(os.path.abspath(options.json))):
         parser.error(f"there is no folder for --json {options.json}")
     return options
@@ -114,7 +118,7 @@ def plans(engine, options):
 def measured(options, engine, scene, integrator, dt):
     """The row of a run; None if it fails or takes too long."""
     words = [program(options, engine), "--scene", scene, "--integrator", integrator, "--dt", dt]
-    longest = LONGEST / 4 if options.quick else LONGEST
+    longest = min(LONGEST, options.within / 6) if options.quick else LONGEST
     try:
         done = subprocess.run(words, capture_output=True, text=True, timeout=longest,
                               cwd=options.build)

@@ -128,7 +128,7 @@ class talus_joints {
       list.push_back({"A02_40", integrator, {1e-2, 1e-3}, {1e-2}});
       list.push_back({"A03", integrator, {1e-4, 1e-5, 1e-6}, {1e-4, 1e-5}});
       list.push_back({"A04", integrator, {1e-2, 1e-3, 1e-4}, {1e-2, 1e-3}});
-      list.push_back({"A05", integrator, {1e-3, 1e-4, 1e-5}, {1e-3, 1e-4}});
+      list.push_back({"A05", integrator, {1e-2, 1e-3, 1e-4}, {1e-2, 1e-3}});
       list.push_back({"chain_", integrator, {1e-3}, {1e-3}});
     }
     list.push_back({"grid_", "substepping_10", {1e-2}, {1e-2}});

@@ -7,14 +7,16 @@ using namespace talus;
 using bucket_shape = union_of<box>;
 using excavator =
     scenario<bodies<sphere, bucket_shape, plane>, joints<hinge>, hard_contact<coulomb_friction>,
-             solver<nonlinear_gauss_seidel, reproducible>, decomposition<grid<dynamic>>,
-             transport<as_launched>, features<energy_ledger, checkpoints>>;
+             solver<reproducible>, decomposition<grid<dynamic>>, transport<as_launched>,
+             features<energy_ledger, checkpoints>>;
 
 struct excavator_options : options {
   int grains = 600;
   double speed = 0.6;
 
-  excavator_options() { steps = 2400, dt = 0.0025; }  // the mean grain has the radius 0.12
+  excavator_options() {
+    steps = 2400, dt = 0.0025, iterations = 40;
+  }  // the mean grain has the radius 0.12
   void describe(auto& line) {
     options::describe(line);
     line.add("--grains", grains, "number of grains", 0);

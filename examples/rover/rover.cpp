@@ -1,19 +1,20 @@
-// A rover with six wheels on rockers and bogies drives over loose ground, or over a floor. A force
-// pulls it back: drawbar pull against slip.
+// A rover with six wheels on rockers and bogies drives over loose ground, or with smooth wheels
+// over a floor. A force pulls it back: drawbar pull against slip.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
 
-using rover = scenario<bodies<sphere, box, cylinder, plane>, joints<hinge, rod>,
-                       hard_contact<coulomb_friction>, solver<nonlinear_gauss_seidel, reproducible>,
-                       decomposition<grid<dynamic>>, transport<as_launched>,
-                       features<forces, user_ids, energy_ledger, checkpoints>>;
+using tyre_shape = union_of<cylinder, box>;
+using rover =
+    scenario<bodies<sphere, box, tyre_shape, plane>, joints<hinge, rod>,
+             hard_contact<coulomb_friction>, solver<reproducible>, decomposition<grid<dynamic>>,
+             transport<as_launched>, features<forces, user_ids, energy_ledger, checkpoints>>;
 
 struct rover_options : options {
   int layers = 3;
   double pull = 0.1, length = 5;
 
-  rover_options() { steps = 2500, dt = 0.002; }  // metres, seconds, tonnes
+  rover_options() { steps = 2500, dt = 0.002, iterations = 30; }  // metres, seconds, tonnes
   void describe(auto& line) {
     options::describe(line);
     line.add("--layers", layers, "of grains; 0: the rover drives on the floor", 0);
@@ -24,24 +25,39 @@ struct rover_options : options {
 
 constexpr double wheel_radius = 0.25, speed = 2;  // of the wheels, radians per second
 
+/// A wheel about the y axis, with lugs that grip loose ground.
+tyre_shape make_tyre(bool lugs) {
+  const double width = 0.22;
+  const int number = lugs ? 12 : 0;
+  std::vector<tyre_shape::part> parts{
+      {cylinder{wheel_radius, width}, {{0, 0, 0}, rotation({1, 0, 0}, 0.5 * pi)}}};
+  for (int k = 0; k < number; ++k) {
+    const quat turn = rotation({0, 1, 0}, 2 * pi * k / number);
+    parts.push_back({box{{0.02, width, 0.05}}, {rotated(turn, {0, 0, wheel_radius}), turn}});
+  }
+  return tyre_shape(parts);
+}
+
 enum : std::uint32_t { grain, part, hull_of_rover };  // user ids
 
 /// Adds a rover whose middle wheels are at x on ground of height z. Returns the hinges of its
 /// wheels.
 template <class World>
-auto add_rover(World& world, double x, double z, material_id steel, material_id tyre) {
+auto add_rover(World& world, double x, double z, material_id steel, material_id rubber,
+               const tyre_shape& tyre) {
   const auto add = [&](const auto& shape, const vec3& at, material_id stuff,
-                       const quat& turn = {1, 0, 0, 0}, std::uint32_t id = part) {
+                       std::uint32_t id = part) {
+    const pose p = placed(shape, {vec3(x, 0, z) + at});
     return world.add_if_local(body{.shape = shape,
-                                   .position = vec3(x, 0, z) + at,
+                                   .position = p.position,
                                    .material = stuff,
-                                   .orientation = turn,
+                                   .orientation = p.orientation,
                                    .user_id = id});
   };
   const auto place = [&](double px, double py, double pz) { return vec3(x + px, py, z + pz); };
   const vec3 across(0, 1, 0);
   const double axle = wheel_radius, beam = axle + 0.4;  // heights
-  const auto hull = add(box{{1, 0.7, 0.3}}, {0, 0, beam}, steel, {1, 0, 0, 0}, hull_of_rover);
+  const auto hull = add(box{{1, 0.7, 0.3}}, {0, 0, beam}, steel, hull_of_rover);
   // A bar across the hull, with a rod to each rocker, keeps the hull at the mean of their angles.
   const auto bar = add(box{{0.06, 0.9, 0.06}}, {0.35, 0, beam + 0.25}, steel);
   (void)world.join(hull, bar, hinge{.at = place(0.35, 0, beam + 0.25)});
@@ -55,8 +71,7 @@ auto add_rover(World& world, double x, double z, material_id steel, material_id 
     (void)world.join(bar, rocker,
                      rod{.from = place(0.35, y, beam + 0.25), .to = place(0.75, y, beam)});
     const auto wheel = [&](const auto& carrier, double at) {
-      const auto one = add(cylinder{wheel_radius, 0.22}, {at, 0.63 * side, axle}, tyre,
-                           rotation({1, 0, 0}, 0.5 * pi));
+      const auto one = add(tyre, {at, 0.63 * side, axle}, rubber);
       motors.push_back(world.join(carrier, one,
                                   hinge{.at = place(at, 0.63 * side, axle),
                                         .axis = across,
@@ -73,7 +88,7 @@ int main(int argc, char** argv) {
     world.decompose({.lower = {0}, .upper = {L}}, reach{2});
     world.gravity({0, 0, -g});
     const auto sand = world.material({.density = 1.6, .friction = 0.7});
-    const auto tyre = world.material({.density = 1, .friction = 0.7});
+    const auto rubber = world.material({.density = 1, .friction = 0.7});
     const auto steel = world.material({.density = 0.5, .friction = 0.3});
     world.global([&](auto& scope) {
       scope.add(plane{}, sand);
@@ -83,7 +98,7 @@ int main(int argc, char** argv) {
         scope.add(plane{.normal = {0, -side, 0}, .offset = -W}, steel);
       }
     });
-    const double height = options.layers == 0 ? 0 : options.layers * pitch + 0.02;
+    const double height = options.layers == 0 ? 0 : options.layers * pitch + 0.03;  // with lugs
     world.fill(simple_cubic{.spacing = pitch, .origin = {r, r - W, 1.05 * r}} &
                    box_region{{r, r - W, 0}, {L - r, W - r, options.layers * pitch}},
                [&](const site& place, random_stream& random) {
@@ -91,7 +106,7 @@ int main(int argc, char** argv) {
                              .position = place.position,
                              .material = sand};
                });
-    auto motors = add_rover(world, 1.3, height, steel, tyre);
+    auto motors = add_rover(world, 1.3, height, steel, rubber, make_tyre(options.layers > 0));
     take_pictures(world, options,
                   {.from = {0.75 * L, -6, 2.6},
                    .at = {0.5 * L, 0, 0.3},

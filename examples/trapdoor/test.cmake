@@ -5,4 +5,4 @@ set(opens "weight_borne GREATER 0.999" "weight_borne LESS 1.001" "held EQUAL 1" 
 add_example_test(alone ARGS --quiet --ranks 1 CHECK ${opens})
 add_example_test(threads ARGS --quiet --ranks 4 CHECK ${opens})
 # A strong weld holds.
-add_example_test(closed ARGS --quiet --ranks 1 --strength 1000 CHECK "broken EQUAL 0" "grains_through EQUAL 0")
+add_example_test(closed ARGS --quiet --ranks 1 --strength 1000 --grains 100 CHECK "broken EQUAL 0" "grains_through EQUAL 0")
