@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -266,6 +267,36 @@ TEST_CASE("a set-up that never simulates is told so") {
             "warning  there is no body: make some by world.fill, add_if_local or add before "
             "world.simulate\n"));
   CHECK(!has(program({"--steps", "0"}, ball(0.5)).err, "no step was made"));
+}
+
+TEST_CASE("results that differ between ranks are told, with the one that is reported") {
+  const auto returned = [](auto value) {
+    return program({}, [=](world<scene>& world, const options& options) {
+      ball(0.5)(world, options);
+      return value(world);
+    });
+  };
+  const auto differ = returned([](world<scene>& world) {
+    return results{{"alike", -2.5}, {"largest_pull", 3.0 - world.rank()}};
+  });
+  CHECK(differ.code == 0);
+  CHECK(has(differ.err,
+            "program: warning: ranks return different results, and those of rank 0 are reported: "
+            "'largest_pull' is 3 on rank 0, and from 0 to 3 over all ranks; combine the values "
+            "before they are returned, as by world.link().reduce(reduction::max, values)\n"));
+  CHECK(has(differ.out, "largest_pull 3"));
+  const auto some = returned([](world<scene>& world) {
+    return world.rank() == 2 ? results{{"height", 1}} : results{};
+  });
+  CHECK(has(some.err,
+            "program: warning: ranks return between 0 and 1 results, and those of rank 0 are "
+            "reported: return the same results on all ranks\n"));
+  const auto alike = returned([](world<scene>& world) {
+    double pull = 3.0 - world.rank();
+    world.link().reduce(reduction::max, {&pull, 1});
+    return results{{"largest_pull", pull}, {"none", std::nan("")}};
+  });
+  CHECK(!has(alike.err, "warning"));
 }
 
 TEST_CASE("bodies that begin inside each other are told, on any rank, and where they are") {

@@ -20,6 +20,7 @@
 #include "talus/observe/time_series.hpp"
 #include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/launcher.hpp"
+#include "talus/scene/detail/differing_results.hpp"
 #include "talus/scene/detail/options_in_use.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/options.hpp"
@@ -225,6 +226,8 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   table.sample(w);
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
+  if constexpr (!std::is_void_v<decltype(set_up(w, options))>)
+    if (!options.quiet) mention_results(name, link, own);
   figures.own = std::move(own);
   if (!speaks) return 0;
   if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
