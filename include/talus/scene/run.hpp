@@ -223,11 +223,11 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   if (speaks && !options.quiet) mention_forgotten(name, w.steps() > 0, options);
 
   if (w.steps() == 0) w.synchronize();
+  if constexpr (!std::is_void_v<decltype(set_up(w, options))>)
+    if (!options.quiet) mention_results(name, link, own);
   table.sample(w);
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
-  if constexpr (!std::is_void_v<decltype(set_up(w, options))>)
-    if (!options.quiet) mention_results(name, link, own);
   figures.own = std::move(own);
   if (!speaks) return 0;
   if (!options.quiet) std::fputs(to_text(figures).c_str(), stdout);
