@@ -313,9 +313,9 @@ TEST_CASE("bodies that begin inside each other are told, on any rank, and where 
   const said sunk = at({-3, -3, 1}, {3, 3, 0.25});
   CHECK(has(sunk.err, "program: warning: the sphere "));
   CHECK(has(sunk.err,
-            " at (3, 3, 0.25) begins 0.25 deep in the plane 0x4000000000000000, 0.5 of half "
-            "the thickness of the thinner one: contacts will push them apart, perhaps fast; leave "
-            "room between bodies at the start\n"));
+            " at (3, 3, 0.25) begins 0.25 deep in the plane 0x4000000000000000 with the normal "
+            "(0, 0, 1), 0.5 of half the thickness of the thinner one: contacts will push them "
+            "apart, perhaps fast; leave room between bodies at the start\n"));
   const said across = at({-0.5, 2, 3}, {0.5, 2, 3});  // of two ranks: printed once
   CHECK(has(across.err, "begins 0.5 deep in the sphere "));
   CHECK(across.err.find("warning") == across.err.rfind("warning"));

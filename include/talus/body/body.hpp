@@ -32,7 +32,8 @@ struct handle {
   /// the same on all ranks
   system_id id = no_id;
 
-  /// Refuses what only the view of a body has; the other members of a view get the compiler's message.
+  /// Refuses what only the view of a body has; the other members of a view get the compiler's
+  /// message.
   template <class S = Shape>
   vec3 position() const {
     return refuse<S>();
