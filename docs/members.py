@@ -25,6 +25,7 @@ SHEET = [
         ("body/body.hpp", "body", "body<Shape>"),
         ("body/body.hpp", "handle", "handle<Shape>"),
         ("world/view.hpp", "body_view", "body_view<Scenario, Shape>"),
+        ("core/math.hpp", ["rotation", "rotated"]),
         ("shape/sphere.hpp", "sphere", "sphere"),
         ("shape/box.hpp", "box", "box"),
         ("shape/capsule.hpp", "capsule", "capsule"),

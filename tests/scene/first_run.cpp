@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -268,6 +269,36 @@ TEST_CASE("a set-up that never simulates is told so") {
   CHECK(!has(program({"--steps", "0"}, ball(0.5)).err, "no step was made"));
 }
 
+TEST_CASE("results that differ between ranks are told, with the one that is reported") {
+  const auto returned = [](auto value) {
+    return program({}, [=](world<scene>& world, const options& options) {
+      ball(0.5)(world, options);
+      return value(world);
+    });
+  };
+  const auto differ = returned([](world<scene>& world) {
+    return results{{"alike", -2.5}, {"largest_pull", 3.0 - world.rank()}};
+  });
+  CHECK(differ.code == 0);
+  CHECK(has(differ.err,
+            "program: warning: ranks return different results, and those of rank 0 are reported: "
+            "'largest_pull' is 3 on rank 0, and from 0 to 3 over all ranks; combine the values "
+            "before they are returned, as by world.link().reduce(reduction::max, values)\n"));
+  CHECK(has(differ.out, "largest_pull 3"));
+  const auto some = returned([](world<scene>& world) {
+    return world.rank() == 2 ? results{{"height", 1}} : results{};
+  });
+  CHECK(has(some.err,
+            "program: warning: ranks return between 0 and 1 results, and those of rank 0 are "
+            "reported: return the same results on all ranks\n"));
+  const auto alike = returned([](world<scene>& world) {
+    double pull = 3.0 - world.rank();
+    world.link().reduce(reduction::max, {&pull, 1});
+    return results{{"largest_pull", pull}, {"none", std::nan("")}};
+  });
+  CHECK(!has(alike.err, "warning"));
+}
+
 TEST_CASE("bodies that begin inside each other are told, on any rank, and where they are") {
   const auto at = [](vec3 first, vec3 second) {
     return program({"--steps", "1"}, [=](world<scene>& world, const options& options) {
@@ -282,9 +313,9 @@ TEST_CASE("bodies that begin inside each other are told, on any rank, and where 
   const said sunk = at({-3, -3, 1}, {3, 3, 0.25});
   CHECK(has(sunk.err, "program: warning: the sphere "));
   CHECK(has(sunk.err,
-            " at (3, 3, 0.25) begins 0.25 deep in the plane 0x4000000000000000, 0.5 of half "
-            "the thickness of the thinner one: contacts will push them apart, perhaps fast; leave "
-            "room between bodies at the start\n"));
+            " at (3, 3, 0.25) begins 0.25 deep in the plane 0x4000000000000000 with the normal "
+            "(0, 0, 1), 0.5 of half the thickness of the thinner one: contacts will push them "
+            "apart, perhaps fast; leave room between bodies at the start\n"));
   const said across = at({-0.5, 2, 3}, {0.5, 2, 3});  // of two ranks: printed once
   CHECK(has(across.err, "begins 0.5 deep in the sphere "));
   CHECK(across.err.find("warning") == across.err.rfind("warning"));

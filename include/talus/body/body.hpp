@@ -31,7 +31,29 @@ template <class Shape>
 struct handle {
   /// the same on all ranks
   system_id id = no_id;
+
+  /// Refuses what only the view of a body has; the other members of a view get the compiler's
+  /// message.
+  template <class S = Shape>
+  vec3 position() const {
+    return refuse<S>();
+  }
+  /// Refuses it likewise.
+  template <class S = Shape>
+  vec3 velocity() const {
+    return refuse<S>();
+  }
+
   friend bool operator==(handle, handle) = default;
+
+ private:
+  template <class S>
+  static vec3 refuse() {
+    static_assert(sizeof(S) == 0,
+                  "a handle is the number of a body: write world[handle].position() and the like, "
+                  "on a rank that has the body or a copy of it");
+    return {};
+  }
 };
 
 }  // namespace talus

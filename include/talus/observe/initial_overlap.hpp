@@ -24,10 +24,12 @@ template <class Scenario>
   double first = worst.part == most ? -w.rank() : -w.ranks();
   w.link().reduce(reduction::max, std::span(&first, 1));
   if (first != -w.rank()) return {};
+  const std::string which =
+      worst.normal.squaredNorm() > 0 ? compose(" with the normal {}", worst.normal) : std::string();
   return compose(
-      "the {} {} at {} begins {} deep in the {} {}, {} of half the thickness of the thinner one: "
+      "the {} {} at {} begins {} deep in the {} {}{}, {} of half the thickness of the thinner one: "
       "contacts will push them apart, perhaps fast; leave room between bodies at the start",
-      worst.shape_a, worst.a, worst.at, text(worst.depth, 3), worst.shape_b, worst.b,
+      worst.shape_a, worst.a, worst.at, text(worst.depth, 3), worst.shape_b, worst.b, which,
       text(worst.part, 2));
 }
 

@@ -39,6 +39,7 @@ struct deepest_pair {
   vec3 at{0, 0, 0};  ///< centre of the first, which this rank owns
   system_id a = no_id, b = no_id;
   const char *shape_a = "", *shape_b = "";
+  vec3 normal{0, 0, 0};  ///< of the second if it is a plane, else 0
 };
 
 /// Sums over the contact points of one rank; each point is counted on one rank only.
@@ -99,7 +100,8 @@ template <class Store, class Others, class History>
     const auto count = [&](const contact_geometry& g, const contact_key& key) {
       if (-g.gap > sums.worst.part * size) {
         sums.worst = {-g.gap / size, -g.gap,      own.position[i], own.id[i],
-                      others.id[j],  shape::name, other::name};
+                      others.id[j],  shape::name, other::name,     {0, 0, 0}};
+        if constexpr (!other::finite) sums.worst.normal = g.normal;
         if (!own_i) {
           sums.worst.at = others.position[j];
           std::swap(sums.worst.a, sums.worst.b), std::swap(sums.worst.shape_a, sums.worst.shape_b);

@@ -21,6 +21,7 @@
 #include "talus/observe/time_series.hpp"
 #include "talus/parallel/launch_settings.hpp"
 #include "talus/parallel/launcher.hpp"
+#include "talus/scene/detail/differing_results.hpp"
 #include "talus/scene/detail/options_in_use.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/detail/run_view.hpp"
@@ -261,6 +262,8 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   if (speaks && !silent) mention_forgotten(log, name, w.steps() > 0, options);
 
   if (w.steps() == 0) w.synchronize();
+  if constexpr (!std::is_void_v<decltype(set_up(w, options))>)
+    if (!options.quiet) mention_results(name, link, own);
   table.sample(w);
   if (view) view->finish();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);

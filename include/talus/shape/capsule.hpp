@@ -8,7 +8,7 @@
 
 namespace talus {
 
-/// A cylinder with a hemisphere on each end, about its centre.
+/// A cylinder with a hemisphere on each end, about its centre; its axis is the z axis of its frame.
 struct capsule {
   real radius = 1;  ///< length, above zero
   real length = 1;  ///< of the segment, without the caps; above zero

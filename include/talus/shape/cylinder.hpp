@@ -8,7 +8,7 @@
 
 namespace talus {
 
-/// A cylinder about its centre.
+/// A cylinder about its centre; its axis is the z axis of its frame.
 struct cylinder {
   real radius = 1;  ///< length, above zero
   real length = 1;  ///< from one flat face to the other, above zero
