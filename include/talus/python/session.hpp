@@ -34,10 +34,10 @@ class session {
   /// Runs the set-up up to the start of its first simulate(). `words` are the arguments of a
   /// command line. Throws usage_error, and what the set-up throws.
   session(const SetUp& set_up, std::string name, const std::vector<std::string>& words)
-      : set_up_(set_up), name_(std::move(name)) {
-    std::vector<const char*> arguments{name_.c_str()};
-    for (const std::string& word : words) arguments.push_back(word.c_str());
-    options_ = parse<Options>(static_cast<int>(arguments.size()), arguments.data(), {}, "",
+      : set_up_(set_up), name_(std::move(name)), words_(words) {
+    arguments_.push_back(name_.c_str());
+    for (const std::string& word : words_) arguments_.push_back(word.c_str());
+    options_ = parse<Options>(static_cast<int>(arguments_.size()), arguments_.data(), {}, "",
                               withdraw_options<Scenario>);
     if (options_.ranks > 1)
       fail<std::invalid_argument>(
@@ -178,7 +178,9 @@ class session {
         session* of;
         ~leave() { of->world_ = nullptr; }
       } const at_the_end{this};
-      const int code = run_rank<Scenario>(link, options_, name_, driven);
+      run_log log;
+      log.open(options_, name_, static_cast<int>(arguments_.size()), arguments_.data(), program_build());
+      const int code = run_rank<Scenario>(link, std::as_const(options_), name_, driven, log, wall_seconds());
       if (code > 128)
         fail<std::runtime_error>("the run was ended by signal {}; its checkpoint is {}", code - 128,
                                  options_.checkpoint);
@@ -215,6 +217,8 @@ class session {
 
   SetUp set_up_;
   std::string name_;
+  std::vector<std::string> words_;
+  std::vector<const char*> arguments_;
   Options options_;
   results own_;
   std::string failed_;
