@@ -247,10 +247,11 @@ TEST_CASE("a dry run counts the bodies, estimates the rest, and writes nothing")
   const folder in;
   for (const char* ranks : {"1", "4"}) {
     const std::string log = in.path + "/none.log", csv = in.path + "/none.csv";
-    const auto o = run_balls(in,
-                             {"--dry-run", "--ranks", ranks, "--steps", "1000", "--log", log,
-                              "--csv", csv, "--json", in.path + "/none.json"},
-                             false);
+    const auto o =
+        run_balls(in,
+                  {"--dry-run", "--ranks", ranks, "--steps", "1000", "--log", log, "--csv", csv,
+                   "--json", in.path + "/none.json", "--view", in.path + "/none.html"},
+                  false);
     CHECK(o.code == 0);
     CHECK(o.err.empty());
     CHECK(has(o.out, "balls: dry run, nothing is written"));
@@ -258,8 +259,8 @@ TEST_CASE("a dry run counts the bodies, estimates the rest, and writes nothing")
                          (*ranks == '1' ? "4" : "1") + " on the rank with most of " + ranks));
     CHECK(has(o.out, "for the 1000 steps"));
     CHECK(!has(o.out, "digest"));
-    for (const std::string& file :
-         {log, csv, in.path + "/none.json", in.path + "/none.json.config.toml"})
+    for (const std::string& file : {log, csv, in.path + "/none.json", in.path + "/none.html",
+                                    in.path + "/none.json.config.toml"})
       CHECK(access(file.c_str(), F_OK) != 0);
   }
 }

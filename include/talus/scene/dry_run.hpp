@@ -16,7 +16,8 @@ namespace talus::detail {
 
 /// A dry run makes no outputs.
 [[gnu::cold]] inline void write_nothing(options& o) {
-  for (std::string* const file : {&o.json, &o.csv, &o.frames, &o.checkpoint, &o.output, &o.log})
+  for (std::string* const file :
+       {&o.json, &o.csv, &o.frames, &o.checkpoint, &o.output, &o.view, &o.log})
     file->clear();
   o.checkpoint_every = 0;
 }
