@@ -213,6 +213,11 @@ TEST_CASE("values that make no sense are refused") {
   CHECK(refusal({"--output-surfaces"}) == "--output-surfaces needs --output NAME; see --help");
   CHECK(refusal({"--output-every", "5"}) == "--output-every needs --output NAME; see --help");
   CHECK(refusal({"--csv-every", "5"}) == "--csv-every needs --csv FILE; see --help");
+  CHECK(refusal({"--view-every", "5"}) == "--view-every needs --view FILE; see --help");
+  CHECK(refusal({"--view", "x", "--view-every", "0"}) ==
+        "--view-every must be at least 1, but is 0; see --help");
+  CHECK(refusal({"--view", "x", "--csv", "x"}) ==
+        "--view and --csv name the same file, x: give each its own");
   CHECK(refusal({"--every", "100"}) == "--every needs --frames DIR; see --help");
   CHECK(refusal({"--csv-every", "0"}) == "--csv-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");
