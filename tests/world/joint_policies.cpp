@@ -126,17 +126,17 @@ void holds(real gap, real momentum = 1e-13) {
 }  // namespace
 
 TEST_CASE("joints hold with accelerated_jacobi") {
-  holds<row<solver<accelerated_jacobi>, decomposition<cells>>>(2e-3);
+  holds<row<solver<accelerated_jacobi>, decomposition<cells>>>(1e-10);
 }
 TEST_CASE("joints hold with substepping") {
   holds<row<solver<substepping>, decomposition<cells>>>(2e-3);
 }
 TEST_CASE("joints hold in mixed precision") {
-  holds<row<precision<mixed_precision>, decomposition<cells>>>(1e-3, 1e-5);
+  holds<row<precision<mixed_precision>, decomposition<cells>>>(1e-9, 1e-5);
 }
 TEST_CASE("joints hold with a solver on request") {
   using scene = row<solver<nonlinear_gauss_seidel, reproducible>, decomposition<cells>>;
-  holds<scene>(1e-3);
+  holds<scene>(1e-10);
   std::string one;
   for (const int ranks : {1, 4}) {
     const auto request = [](auto& w, auto) { w.use_solver_on_request(); };
@@ -144,12 +144,12 @@ TEST_CASE("joints hold with a solver on request") {
         run_row<scene>(square_cells(ranks), ranks, 300, 2e-3, {0, 0, -9.81}, request);
     if (ranks == 1) one = end.digest;
     CHECK(end.digest == one);
-    CHECK(end.gap < 1e-3);
+    CHECK(end.gap < 1e-10);
   }
 }
 TEST_CASE("joints hold in the middle of the step, with one digest on 1 and 4 ranks") {
   using scene = row<solver<reproducible>, integrator<moreau_midpoint>, decomposition<cells>>;
-  holds<scene>(1e-3);
+  holds<scene>(1e-10);
   CHECK(run_row<scene>(square_cells(1), 1, 300, 2e-3, {0, 0, -9.81}).digest ==
         run_row<scene>(square_cells(4), 4, 300, 2e-3, {0, 0, -9.81}).digest);
 }
@@ -168,7 +168,7 @@ TEST_CASE("a row flies through the faces of a periodic box, with one digest on 1
     };
     const outcome end = run_row<scene>(box, ranks, 800, 2e-3, {0, 0, 0}, fast);
     CHECK((end.after - end.before).norm() < 1e-12 * (1 + end.before.norm()));
-    CHECK(end.gap < 1e-3);
+    CHECK(end.gap < 1e-10);
     if (ranks == 1) one = end.digest;
     CHECK(end.digest == one);
   }
@@ -184,7 +184,7 @@ TEST_CASE("a row hangs on a driven body and follows it") {
       });
     };
     const outcome end = run_row<scene>(square_cells(ranks), ranks, 500, 2e-3, {0, 0, -9.81}, lift);
-    CHECK(end.gap < 5e-3);
+    CHECK(end.gap < 1e-9);
   }
 }
 
