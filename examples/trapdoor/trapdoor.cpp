@@ -50,7 +50,9 @@ int main(int argc, char** argv) {
         const body clasp{.shape = box{{0.3, 0.3, 0.3}}, .position = {tip, 0, 2}, .material = stone};
         const auto flap = world.add_if_local(plate), latch = world.add_if_local(clasp);
         const vec3 edge(-arm, 0, -thick - 0.02), eye(tip, 0, -0.02);
-        const auto pin = world.join(world_frame, flap, hinge{.at = edge, .axis = {0, 1, 0}});
+        const auto pin = world.join(
+            world_frame, flap,
+            hinge{.at = edge, .axis = {0, 1, 0}, .limits = {.lower = -0.1, .upper = 0.5 * pi}});
         (void)world.join(latch, flap, rod{.from = clasp.position, .to = eye});
 
         const double r = 0.2, grain = 2.5 * sphere{r}.volume(), pitch = 2.2 * r;
@@ -68,7 +70,7 @@ int main(int argc, char** argv) {
                                              random.uniform(vec3(0, 0, 0), vec3(0.03, 0.03, 0.01)),
                                  .material = stone};
                    });
-        take_pictures(world, options, {.from = {9, -20, 3}, .at = {0, 0, -0.4}, .angle = 38});
+        take_pictures(world, options, {.from = {9, -24, 3}, .at = {0, 0, -1.2}, .angle = 38});
 
         const auto simulate_until = [&](double part) {
           const auto last = static_cast<std::uint64_t>(part * static_cast<double>(options.steps));

@@ -105,7 +105,7 @@ TEST_CASE(
       for (int k = 0; k < 1000; ++k) w.step(1e-3);
       const motion after = measure_motion(w);
       CHECK((after.momentum - before.momentum).norm() < 1e-14);
-      CHECK((after.angular_momentum - before.angular_momentum).norm() < 1e-12);
+      CHECK((after.angular_momentum - before.angular_momentum).norm() < 1e-11);
       CHECK(std::abs(energy_of(w) - energy) < 1e-8 * energy);
       CHECK(measure_energy(w).worst < 1e-10);
       CHECK(measure_energy(w).total.work == 0);
@@ -226,7 +226,7 @@ TEST_CASE("a strut is a spring between two points, a damper, and a cylinder that
     jack.set_motor(force_motor{});
     for (int k = 0; k < 100; ++k) w.step(1e-3);
     CHECK(w[b].velocity()[2] == doctest::Approx(-0.1 * g).epsilon(1e-9));
-    CHECK(measure_energy(w).worst < 1e-11);
+    CHECK(measure_energy(w).worst < 1e-9);
   });
 }
 
