@@ -47,7 +47,7 @@ template <class Link>
       "ranks return different results, and those of rank 0 are reported: '{}' is {} on rank 0, and "
       "from {} to {} over all ranks; combine the values before they are returned, as by "
       "world.link().reduce(reduction::max, values)",
-      name, value, smallest[0], largest[0]);
+      name, text(value, 5), text(smallest[0], 5), text(largest[0], 5));
 }
 
 /// The same as a warning of a program, on standard error. Collective.
