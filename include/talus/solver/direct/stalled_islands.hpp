@@ -94,6 +94,9 @@ class stalled_islands {
   static constexpr real exact = 1e-9;
   /// Rows through which the sweeps of the position correction do not carry.
   static constexpr int tall = 8;
+  /// Contacts of islands that are solved in each step in which they stall. Larger ones in which nothing
+  /// heavy lies on light bodies, such as moving heaps, may take as much time as their sweeps.
+  static constexpr std::size_t small = 64;
   /// Cheaper islands are solved by contacts, which is as good for a few.
   static constexpr real few = 4e6;
   /// The fraction of solver_state::speed that may be left as error.
@@ -170,7 +173,7 @@ class stalled_islands {
       masses_[i] = s.bodies[i].inverse_mass != 0 ? 1 / real(s.bodies[i].inverse_mass) : 0;
     bool large = false;
     each_contact([&](island& one, const contact_ends& c, const member&) {
-      large |= ++one.size > many;
+      large |= ++one.size > small;
       for (const std::int32_t end : {c.a, c.b})
         if (end >= 0 && moves(s, end)) {
           const real mass = mass_of(end);
@@ -201,12 +204,12 @@ class stalled_islands {
       return c.b >= 0 && moves(s, c.a) && moves(s, c.b);
     };
     each_contact([&](island& one, const contact_ends& c, const member&) {
-      if (one.size <= many || !paired(c)) return;
+      if (one.size <= small || !paired(c)) return;
       const real a = mass_of(c.a), b = mass_of(c.b);
       if (a != b) below[static_cast<std::size_t>(a > b ? c.a : c.b)] += std::min(a, b);
     });
     each_contact([&](island& one, const contact_ends& c, const member&) {
-      if (one.size <= many || !paired(c)) return;
+      if (one.size <= small || !paired(c)) return;
       for (const std::int32_t end : {c.a, c.b}) {
         const real light = below[static_cast<std::size_t>(end)];
         one.overloaded |= light > 0 && mass_of(end) > heavy * light;
@@ -279,12 +282,15 @@ class stalled_islands {
       return true;
     one.rows = rows;
     if (pays < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
+    const bool wide = contacts.size() > small && !one.overloaded;
+    if (wide && !s.islands.affords_wide()) return false;
     double left = std::min<double>(budget, pays);
     const double before = left;
     contact_vector r;
     const body_problem problem(contacts, s, r);
     const island_outcome found = solve_by_bodies(problem, r, left);
     budget -= before - left;
+    if (wide) s.islands.spend_wide(before - left);
     if (found.too_dear && !found.solved && pays > before) s.islands.skip(contacts.size());
     if (!(found.after < found.before)) return found.solved;
     s.islands.solved();
