@@ -263,7 +263,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
 
   if (w.steps() == 0) w.synchronize();
   if constexpr (!std::is_void_v<decltype(set_up(w, options))>)
-    if (!options.quiet) mention_results(name, link, own);
+    if (!silent) mention_results(log, name, link, own, quiet);
   table.sample(w);
   if (view) view->finish();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);

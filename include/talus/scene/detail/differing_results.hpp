@@ -5,7 +5,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <span>
 #include <string>
 #include <vector>
@@ -50,12 +49,13 @@ template <class Link>
       name, text(value, 5), text(smallest[0], 5), text(largest[0], 5));
 }
 
-/// The same as a warning of a program, on standard error. Collective.
-template <class Link>
-[[gnu::cold]] void mention_results(const std::string& program, Link& link, const results& own) {
+/// The same as a warning of a program, in its log and, unless `quiet`, on standard error. Collective.
+template <class Link, class Log>
+[[gnu::cold]] void mention_results(Log& log, const std::string& program, Link& link,
+                                   const results& own, bool quiet) {
   const std::string words = differing_results(link, own);
   if (link.rank() == 0 && !words.empty())
-    std::fputs(compose("{}: warning: {}\n", program, words).c_str(), stderr);
+    log.say(compose("{}: warning: {}\n", program, words), quiet);
 }
 
 }  // namespace talus::detail
