@@ -13,6 +13,14 @@ import page
 import view
 
 
+def changed(file):
+    """When a file was written; a run replaces its files, and does not change them."""
+    try:
+        return os.stat(file).st_mtime_ns
+    except OSError:
+        return None
+
+
 class Source:
     """The frames of a series so far. Their bytes lie in a temporary folder, not in memory."""
 
@@ -20,29 +28,29 @@ class Source:
         self.base, self.every, self.csv_file = base, every, csv_file
         self.folder = tempfile.TemporaryDirectory(prefix="talus-view-")
         self.lock = threading.Lock()
+        self.series = 0
         self.begin()
 
     def begin(self):
         self.converter = frames.Converter(self.base)
+        self.series += 1
         self.files, self.heads = [], []
 
     def update(self):
-        """Takes what the index lists beyond the last time; True if the series has begun again."""
+        """Takes what the index lists beyond the last time. Another run may have begun the series again."""
         if not os.path.exists(self.base + ".hdf.series"):
-            return False
-        listed = frames.read_index(self.base)[::self.every]
-        restart = listed[:len(self.files)] != self.files
-        if restart:
+            return
+        listed = [(file, time, changed(file)) for file, time in frames.read_index(self.base)[::self.every]]
+        if listed[:len(self.files)] != self.files:
             self.begin()
         table = view.read_table(self.csv_file)[0] if self.csv_file and os.path.exists(self.csv_file) else {}
-        for file, time in listed[len(self.files):]:
+        for file, time, when in listed[len(self.files):]:
             head, data = self.converter.frame(file, time)
             view.add_table(head, table)
             with open(self.path(len(self.heads)), "wb") as f:
                 f.write(data)
-            self.files.append((file, time))
+            self.files.append((file, time, when))
             self.heads.append(head)
-        return restart
 
     def path(self, k):
         return os.path.join(self.folder.name, str(k))
@@ -82,10 +90,10 @@ def handler_of(source, token, whole_page):
 
         def heads(self, k):
             try:
-                restart = source.update()
+                source.update()
             except SystemExit as error:
                 return self.answer(500, (str(error) + "\n").encode())
-            more = {"heads": source.heads[k:], "restart": restart or k > len(source.heads)}
+            more = {"heads": source.heads[k:], "series": source.series}
             self.answer(200, json.dumps(more, allow_nan=False).encode(), "application/json")
 
         def refuse(self):

@@ -319,8 +319,8 @@ function talus_view() {
       const answer = await fetch("heads/" + run.heads.length);
       if (!answer.ok) throw new Error("the server answers " + answer.status);
       const more = await answer.json(), first = run.heads.length === 0, at_end = state.at >= run.heads.length - 1;
+      if ((run.series ??= more.series) !== more.series) return location.reload(); // another run
       run.heads.push(...more.heads);
-      if (more.restart) location.reload();
       say(run.heads.length ? "" : "Waiting for the first frame.");
       if (run.heads.length && first) await begin(), require(run.heads.length - 1);
       else if (more.heads.length) {

@@ -100,7 +100,7 @@ def serving(browser, program, root):
             check(ask("/" + token + path)[0] == 404, f"{path}: 404")
         for method in ("POST", "PUT", "DELETE", "HEAD", "OPTIONS"):
             check(ask("/" + token + "/", method)[0] == 405, f"{method}: 405")
-        check(ask("/" + token + "/heads/0") == (200, b'{"heads": [], "restart": false}'), "no frames yet")
+        check(ask("/" + token + "/heads/0") == (200, b'{"heads": [], "series": 1}'), "no frames yet")
         browser.errors.clear(), browser.requests.clear()
         browser.open(address)
         browser.wait("document.getElementById('message')?.textContent.includes('Waiting for the first frame')")
@@ -114,8 +114,8 @@ def serving(browser, program, root):
         run.kill(), run.wait()
         # The series begins again: the page does too.
         run = subprocess.Popen([program, "--quiet", "--steps", "40", "--bodies", "100", "--output", "live", "--output-every", "20"])
-        browser.wait("window.talus && talus.ready && talus.frames() > 0 && talus.run.heads[0].bodies === 100", 120)
         run.wait()
+        browser.wait("window.talus && talus.ready && talus.frames() === 3", 60)
     finally:
         if run:
             run.kill(), run.wait()
