@@ -173,12 +173,15 @@ def table(rows):
 
 def page(rows, options, stem):
     """The rows as a page: a table for each scene, and where talus has no run that is better."""
+    command = "./dev bench joints" + " --quick" * options.quick
+    command += f" --within {options.within:g}" * (options.quick and options.within != 200)
+    command += f" --scenes {','.join(options.scenes)}" * bool(options.scenes)
+    command += f" --rivals {','.join(options.rivals)} --json {stem}.json"
     text = ["# Mechanisms with joints", "",
-            f"Written by `./dev bench joints{' --quick' if options.quick else ''} "
-            f"--rivals {','.join(options.rivals)} --json {stem}.json`. "
+            f"Written by `{command}`. "
             f"{'One turn' if options.turns == 1 else f'Medians of {options.turns} turns'} on one "
-            "core, CPU seconds; `-` is a run that is not finite, or an energy that changes by "
-            "itself.", ""]
+            "core, CPU seconds; `-` is a value that is not finite, or an energy that is not "
+            "conserved.", ""]
     for scene in sorted({row["scene"] for row in rows}):
         own = [row for row in rows if row["scene"] == scene]
         text += [f"## {scene}", "", f"Error: {own[0]['error_is']}.", ""]
@@ -188,9 +191,9 @@ def page(rows, options, stem):
             x["cpu_seconds"] <= row["cpu_seconds"] for x in own)]
         if others and len(others) < len(own):
             names = sorted({f"{row['engine']} {row['integrator']}" for row in better})
-            text += [f"Talus has a run that is both faster and more accurate than each of "
-                     f"{len(others) - len(better)} of {len(others)} runs of the others"
-                     f"{'; not than ' + ', '.join(names) if names else ''}.", ""]
+            text += [f"Of {len(others)} runs of other engines {len(others) - len(better)} are both "
+                     "slower and less accurate than a run of talus"
+                     f"{'; at least one run of each of these is not: ' + ', '.join(names) if names else ''}.", ""]
         if os.path.exists(f"{os.path.splitext(os.path.abspath(options.json))[0]}_{scene}.png"):
             text += [f"![{scene}]({stem}_{scene}.png)", ""]
         text += ["| engine | integrator | dt, s | CPU, s | error | largest gap, m | energy, J |",

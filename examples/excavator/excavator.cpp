@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
         const double bed = layers * pitch;
         const double R = L, from = -1.2,
                      to = 1.2;  // of the bucket: radius, angles from the vertical
-        world.decompose({.lower = {-L}, .upper = {L}});
+        world.decompose({.lower = {-L}, .upper = {L}}, reach{1.5 * R});
         world.gravity({0, 0, -g});
         const auto sand = world.material({.density = 2.5, .friction = 0.5});
         const auto steel = world.material({.density = 7.8, .friction = 0.3});

@@ -179,8 +179,10 @@ class session {
         ~leave() { of->world_ = nullptr; }
       } const at_the_end{this};
       run_log log;
-      log.open(options_, name_, static_cast<int>(arguments_.size()), arguments_.data(), program_build());
-      const int code = run_rank<Scenario>(link, std::as_const(options_), name_, driven, log, wall_seconds());
+      log.open(options_, name_, static_cast<int>(arguments_.size()), arguments_.data(),
+               program_build());
+      const int code =
+          run_rank<Scenario>(link, std::as_const(options_), name_, driven, log, wall_seconds());
       if (code > 128)
         fail<std::runtime_error>("the run was ended by signal {}; its checkpoint is {}", code - 128,
                                  options_.checkpoint);

@@ -94,8 +94,9 @@ class stalled_islands {
   static constexpr real exact = 1e-9;
   /// Rows through which the sweeps of the position correction do not carry.
   static constexpr int tall = 8;
-  /// Contacts of islands that are solved in each step in which they stall. Larger ones in which nothing
-  /// heavy lies on light bodies, such as moving heaps, may take as much time as their sweeps.
+  /// Contacts of islands that are solved in each step in which they stall. Larger ones in which
+  /// nothing heavy lies on light bodies, such as moving heaps, may take as much time as their
+  /// sweeps.
   static constexpr std::size_t small = 64;
   /// Cheaper islands are solved by contacts, which is as good for a few.
   static constexpr real few = 4e6;

@@ -46,8 +46,8 @@ class support_balance : public support_graph<State> {
   }
   /// Improves the impulses. Changes of velocity below `least` do not matter. Returns the fraction
   /// of the error that is left; above a half, or if they may add energy, 1: then they are not to be
-  /// used. Gives up early with 1 if many of the uppermost bodies cannot rest on those below, as in a
-  /// pile of spheres.
+  /// used. Gives up early with 1 if many of the uppermost bodies cannot rest on those below, as in
+  /// a pile of spheres.
   real solve(real least) {
     least_ = least;
     find_scale();
