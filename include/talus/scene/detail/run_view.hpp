@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
-#include "talus/io/view_scene.hpp"
 #include "talus/io/view_page.hpp"
+#include "talus/io/view_scene.hpp"
 #include "talus/observe/residual.hpp"
 #include "talus/observe/time_series.hpp"
 #include "talus/scene/options.hpp"
