@@ -135,10 +135,11 @@ TALUS_INLINE void options::describe(command_line& cli) {
       throw usage_error("--max-iterations needs --tolerance; see --help");
     needs(output, "--output-every", "--output NAME");
     needs(view, "--view-every", "--view FILE");
-    for (const auto& [option, file] :
-         {std::pair("--json", &json), std::pair("--csv", &csv), std::pair("--log", &log),
-          std::pair("--checkpoint", &checkpoint), std::pair("--restart", &restart)})
-      detail::refuse_shared_files({{"--view", view}, {option, *file}});
+    detail::refuse_shared_files({{"--view", view}, {"--json", json}});
+    detail::refuse_shared_files({{"--view", view}, {"--csv", csv}});
+    detail::refuse_shared_files({{"--view", view}, {"--log", log}});
+    detail::refuse_shared_files({{"--view", view}, {"--checkpoint", checkpoint}});
+    detail::refuse_shared_files({{"--view", view}, {"--restart", restart}});
     detail::refuse_shared_files(
         {{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}, {"--log", log}});
     detail::refuse_shared_files(
