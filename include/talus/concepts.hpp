@@ -492,6 +492,8 @@ concept ghost_exchange = requires(Exchange e, std::span<double> sums) {
 ///   sign; over ranks it refreshes ghosts by `ranks`, and reduces over all ranks only if a
 ///   tolerance is set
 /// - `uses_substeps`, optional: if true, positions also follow solver_state::drift
+/// - `solves_joints`, optional: it solves joints all at once, by detail::exact_joints; for others
+///   that is done after solve(), unless they use substeps
 /// - `by_colours`, optional: if true, it sweeps colour by colour, in an order that depends on the
 ///   ids of bodies
 template <class Method>
