@@ -71,10 +71,9 @@ INSTEAD = {
     "./dev bench fc3d FILES": "./dev bench fc3d {problem}",
     "./dev bench dem --bodies N --rivals liggghts,lammps --json FILE":
         "./dev bench dem --quick --rivals liggghts,lammps --json ~/dem.json",
-    "./dev bench joints --rivals simbody,mujoco,ode,bullet --json FILE":
+    "./dev bench joints --rivals simbody,mujoco,dart,ode,bullet --json FILE":
         "./dev bench joints --quick --scenes A01 --rivals ode --json ~/joints.json",
-    "./dev bench joints --quick --within 660 --scenes A01,A03,A04,A05,chain_250,A02_2 "
-    "--rivals mujoco,simbody,dart,ode,bullet --json joints.json":
+    "./dev bench joints --quick --rivals mujoco,simbody,dart,ode,bullet --json joints.json":
         "./dev bench joints --quick --scenes A01 --rivals ode --json ~/joints.json",
     "./dev bench pile --bodies 8000 --from STATE --tiles 8":
         "./dev bench pile --bodies 300 --settle 60 --keep ~/pile.state && "

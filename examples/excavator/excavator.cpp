@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
 
         // The grains settle, the bucket digs, and stands again. What digging takes is the torque of
         // the motor on the bucket without that of its weight.
-        const auto settled = options.steps / 4;
+        const auto settled = static_cast<std::uint64_t>(std::lround(1.5 / options.dt));
         const double way = to - from, weight = 7.8 * shape.volume() * g;
         const vec3 arm = at.position - pivot;
         std::array<double, 3> angles{};  // of the last steps

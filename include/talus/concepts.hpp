@@ -426,7 +426,8 @@ concept contact_kind = constraint_kind<Kind> &&
 ///   (detail::joint_frames). It travels with the bodies, and is written to checkpoints
 /// - `fix(a, b)`: the anchors for bodies with these poses
 /// - `write(anchors, writer)`, static: writes its rows, always in the same slots, by a
-///   detail::line_writer: conditions by `hold`, free coordinates by `turn` and `travel`
+///   detail::line_writer: conditions by `hold`, free coordinates by `turn`, `travel`
+///   and `stretch`
 /// and optionally
 /// - `room(anchors)`, static: how far its two points may part; `roams`: whether there is no limit
 /// - `has_angle`, `has_travel`: its coordinates, an angle first; `drive(anchors, motor)`, static:

@@ -85,6 +85,7 @@ struct solver_state_of {
   vec3 fall{0, 0, 0};  ///< the gain of velocity by gravity in a step
   island_budget islands;
   plain_vector<std::uint32_t> gathered;  ///< bodies whose islands one rank solves for several
+  plain_vector<std::uint32_t> jointed;   ///< bodies whose joints are solved all at once
 
   // For solvers with substeps; empty with others.
   plain_vector<body_motion> gain;   ///< gain of the velocities by forces in the step

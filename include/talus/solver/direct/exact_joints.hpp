@@ -1,5 +1,6 @@
 #pragma once
 // The joints of a solver's lists, as sweeps over contacts see them: all are solved at once.
+#include <cstdint>
 #include <type_traits>
 
 #include "talus/constraint/joint_in_list.hpp"
@@ -46,6 +47,10 @@ class exact_joints<Lists, State, Ranks, Coloured, true> {
     ranks.share_jointed(true);
     const plain_vector<joint_view> views = ranks.template joint_views<Coloured>();
     joints_.gather({views.data(), views.size()}, solver_bodies(s));
+    s.jointed.clear();
+    for (const joint_view& joint : views)
+      for (const std::int32_t end : {joint.a, joint.b})
+        if (end >= 0) s.jointed.push_back(static_cast<std::uint32_t>(end));
   }
   /// All joints. If there are other ranks, they have the new velocities of bodies here afterwards,
   /// unless the solver shares them by colours.

@@ -112,6 +112,7 @@ class stalled_islands {
     plain_vector<member> contacts;
     std::size_t size = 0;
     bool overloaded = false;
+    bool jointed = false;    ///< contains bodies with joints
     bool elsewhere = false;  ///< solved as a part of a gathered island
     real change = 0;         ///< largest change of velocity in the last sweep
     real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
@@ -186,6 +187,10 @@ class stalled_islands {
     for (const std::uint32_t i : s.gathered)
       if (const auto number = number_[sets_.root(i)]; number != 0)
         islands_[number - 1].elsewhere = true;
+    for (const std::uint32_t i : s.jointed)
+      if (i < s.bodies.size())
+        if (const auto number = number_[sets_.root(i)]; number != 0)
+          islands_[number - 1].jointed = true;
     const bool balances = s.fall != vec3(0, 0, 0) && s.islands.balances();
     each_contact([&](island& one, const contact_ends&, const member& m) {
       if (balances || !one.sweeps_do()) one.contacts.push_back(m);
@@ -274,8 +279,13 @@ class stalled_islands {
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // Not if the sweeps that it replaces cost less, as in wide heaps.
     const real pays = sweep_cost * sweeps * static_cast<real>(contacts.size());
+    // The joints move what was solved here, so that it stalls again.
+    const bool wide = one.jointed || (contacts.size() > small && !one.overloaded);
+    if (one.jointed && !s.islands.affords_wide()) return false;
     if (cost <= std::min<real>({few, budget / 2, pays})) {
+      const double before = budget;
       solve_by_contacts(one, contacts, order, cost, lists, s, budget);
+      if (one.jointed) s.islands.spend_wide(before - budget);
       s.islands.solved();
       return true;
     }
@@ -283,7 +293,6 @@ class stalled_islands {
       return true;
     one.rows = rows;
     if (pays < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
-    const bool wide = contacts.size() > small && !one.overloaded;
     if (wide && !s.islands.affords_wide()) return false;
     double left = std::min<double>(budget, pays);
     const double before = left;
