@@ -1,4 +1,4 @@
-# long: outputs, fields, flow.
+# Outputs, fields, flow. These tests are long; an everyday one, view_of_output, reads its outputs.
 # All that has left the hopper is below it, fields hold all of the mass, and the flow carries no more than
 # a heap of its height can press: on one rank and on four.
 set(flows "collectives_per_step EQUAL 0" "penetration_mean LESS 5e-3" "mass_out_error LESS 1e-12"

@@ -94,12 +94,12 @@ TALUS_INLINE void options::describe(command_line& cli) {
   cli.add("--until", until,
           "end when all bodies are at \"rest\", or \"steady:NAME\": see docs/runs.md");
   cli.add("--until-speed", until_speed,
-          "largest speed of bodies at rest (default: they rise by 1e-4 radii)", 0);
+          "largest speed of bodies at rest (default: they rise by 1e-4 radii)", 1e-12);
   cli.add(
       "--until-time", until_time,
       "how long bodies are at rest (default: a fall by their diameter), or the window of what is "
       "steady",
-      0);
+      1e-12);
   cli.add("--until-within", until_within, "change of what is steady, as a part of its size", 0, 1);
   cli.add("--until-every", until_every, "steps from one look at it to the next", 1);
   cli.add("--time-limit", time_limit,
