@@ -15,7 +15,8 @@ import sys
 import time
 import urllib.parse
 
-import browser
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import browser  # noqa: E402
 
 # What is typed, and the beginnings of the addresses that must be first; then one that must be among
 # the first ten.
@@ -77,31 +78,31 @@ def search(opened, folder, faults):
     """Types into the box of a page, and reads the list that appears."""
     for typed, first, among in SEARCHES:
         opened.open((folder / "docs" / "joints.html").as_uri())
-        opened.evaluate("document.getElementById('talus-search').focus()")
+        opened.run("document.getElementById('talus-search').focus()")
         opened.type_text(typed)
-        found = opened.evaluate(
+        found = opened.run(
             "[...document.querySelectorAll('#talus-results a')].map(a => a.getAttribute('href').replace(/^(\\.\\.\\/)+/, ''))")
-        kinds = opened.evaluate("[...document.querySelectorAll('#talus-results a')].map(a => a.dataset.kind)")
+        kinds = opened.run("[...document.querySelectorAll('#talus-results a')].map(a => a.dataset.kind)")
         if not found or not any(found[0].startswith(f) for f in first):
             faults.append(f"a search for '{typed}' finds {found[:3]} first, not {first[0]}")
         elif not any(f.startswith(among) for f in found[:10]):
             faults.append(f"a search for '{typed}' finds {found[:10]}, without {among}")
         if typed == "coulomb_friction" and "coulomb_friction" not in found[0]:
             faults.append(f"the first of '{typed}' is {found[0]}")
-        if not opened.evaluate("document.querySelector('#talus-results a')?.offsetHeight > 0"):
+        if not opened.run("document.querySelector('#talus-results a')?.offsetHeight > 0"):
             faults.append(f"the results of '{typed}' are not visible")
         if "_" in typed and len(set(kinds)) < 2:
             faults.append(f"a search for '{typed}' finds only {set(kinds)}, not guides and the reference")
         # The first result leads to its page.
-        opened.evaluate("document.querySelector('.search').requestSubmit()")
+        opened.run("document.querySelector('.search').requestSubmit()")
         to = (folder / found[0].partition("#")[0]).as_uri() if found else ""
         if not opened.wait_until(f"location.href.split('#')[0] === {json.dumps(to)} && document.readyState === 'complete'"):
             faults.append(f"the first result of '{typed}' does not lead to {to}")
         faults += [f"search for '{typed}': {e}" for e in opened.errors]
     opened.open((folder / "index.html").as_uri())
-    opened.evaluate("document.getElementById('talus-search').focus()")
+    opened.run("document.getElementById('talus-search').focus()")
     opened.type_text("xyzzyplugh")
-    if opened.evaluate("document.querySelectorAll('#talus-results a').length") != 0:
+    if opened.run("document.querySelectorAll('#talus-results a').length") != 0:
         faults.append("a search for nonsense finds something")
 
 
@@ -111,11 +112,11 @@ def open_pages(pages, folder, faults):
             opened.open(page.as_uri())
             name = page.relative_to(folder)
             faults += [f"{name}: {e}" for e in opened.errors]
-            broken = opened.evaluate("[...document.images].filter(i => !i.naturalWidth).map(i => i.src)")
+            broken = opened.run("[...document.images].filter(i => !i.naturalWidth).map(i => i.src)")
             faults += [f"{name}: {b} is no picture" for b in broken]
-            if opened.evaluate("document.querySelector('main').innerText.trim().length") < 40:
+            if opened.run("document.querySelector('main').innerText.trim().length") < 40:
                 faults.append(f"{name} is empty")
-            if opened.evaluate("document.documentElement.scrollWidth > innerWidth + 1"):
+            if opened.run("document.documentElement.scrollWidth > innerWidth + 1"):
                 faults.append(f"{name} is wider than the window")
         search(opened, folder, faults)
 
@@ -146,7 +147,7 @@ def main():
     if links < 1000:
         faults.append(f"only {links} links: the pages have lost their text")
     print(f"{len(pages)} pages, {links} links, {len(faults)} faults, {time.monotonic() - began:.0f} s")
-    found = browser.program()
+    found = browser.find_browser()
     if found:
         began = time.monotonic()
         # Pages of source code alike: one of them stands for all.

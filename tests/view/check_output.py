@@ -6,12 +6,14 @@ import glob
 import http.client
 import json
 import os
+import pathlib
 import shutil
 import subprocess
 import sys
 import time
 
-from browser import Browser, find_browser
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from browser import Browser, find_browser  # noqa: E402
 from check_page import check, check_quiet, count_drawn, opened
 
 READER = "/usr/bin/python3"  # Debian's h5py belongs to Debian's Python
@@ -135,7 +137,7 @@ def main():
                     "--csv", "two.csv", "--csv-every", "100"], check=True)
     refusals(root)
     print("refusals ok", flush=True)
-    browser = Browser(640, 700)
+    browser = Browser(size=(640, 700))
     try:
         page(browser, root)
         print("page ok", flush=True)

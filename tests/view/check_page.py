@@ -10,7 +10,8 @@ import shutil
 import subprocess
 import sys
 
-from browser import Browser, find_browser
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from browser import Browser, find_browser  # noqa: E402
 
 WIDTH, HEIGHT = 640, 700
 FAR = 20.0  # of the camera
@@ -219,7 +220,7 @@ def main():
         sys.exit(77)
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
-    browser = Browser(WIDTH, HEIGHT)
+    browser = Browser(size=(WIDTH, HEIGHT))
     try:
         for scene in (known, shapes, many):
             scene(browser, program, folder)

@@ -38,7 +38,7 @@ def processor_seconds(root):
 
 
 def main():
-    browser = Browser(1200, 1000)
+    browser = Browser(size=(1200, 1000))
     try:
         browser.open(pathlib.Path(sys.argv[1]).resolve().as_uri())
         browser.wait("window.talus && talus.ready", 120)
