@@ -54,6 +54,8 @@ class Blocks:
 def quantised(points, smallest):
     """Positions as whole cells of their box, or as floats where cells would be coarse beside bodies:
     the values, the lower corner, the cell, the largest error."""
+    if len(points) == 0:
+        return points, np.zeros(3), np.ones(3), 0.0, "u2"
     lower, upper = points.min(axis=0), points.max(axis=0)
     cell = np.where(upper > lower, (upper - lower) / 65535, 1.0)
     error = float(cell[upper > lower].max(initial=0)) / 2
@@ -134,8 +136,6 @@ class Converter:
             self.note(f"step {step}: {notes[-1]}")
             points, data = points[finite], {k: v[finite] for k, v in data.items()}
         count = len(points)
-        if count == 0:
-            fail(f"{path} has no bodies to show")
         part = data.get("part", np.zeros(count, "u4"))
         rank = data["rank"]
         # Without a column of their own, global bodies are fixed ones of rank 0.
@@ -178,15 +178,15 @@ class Converter:
             blocks.put("rows", rows, "u4")
         self.previous = rows
         points, data = points[order], {k: v[order] for k, v in data.items()}
-        smallest = float(data["size"].max(axis=1).min()) / 2
+        smallest = float(data["size"].max(axis=1).min(initial=np.inf)) / 2
         cells, lower, cell, error, kind = quantised(points, smallest)
         blocks.put("position", cells, kind)
-        head.update(lower=lower.tolist(), cell=cell.tolist(), position_error=error, bodies=int(count), ranks=int(rank.max()) + 1)
+        head.update(lower=lower.tolist(), cell=cell.tolist(), position_error=error, bodies=int(count), ranks=int(rank.max(initial=0)) + 1)
         solid = data["shape"] != SPHERE
         if solid.any():
             turn = data["orientation"][solid][:, [1, 2, 3, 0]] if "orientation" in data else np.tile((0, 0, 0, 1), (solid.sum(), 1))
             blocks.put("orientation", np.rint(turn * 32767), "i2")
-        speed_cell = max(float(np.abs(data["velocity"]).max()) / 32767, 1e-30)
+        speed_cell = max(float(np.abs(data["velocity"]).max(initial=0)) / 32767, 1e-30)
         blocks.put("velocity", np.rint(data["velocity"] / speed_cell), "i2")
         speed = np.linalg.norm(data["velocity"], axis=1)
         free = data["fixed"] == 0
@@ -217,7 +217,7 @@ class Converter:
         good = np.flatnonzero(np.isfinite(force) & np.isfinite(c["point"]).all(axis=1))
         head["contacts_of"] = int(len(good))
         values["contacts"] = int(len(good))
-        if len(good) == 0:
+        if len(good) == 0 or len(points) == 0:
             return
         values["normal_force_mean"] = float(c["normal_force"][good].mean())
         values["normal_force_max"] = float(c["normal_force"][good].max())
@@ -233,7 +233,7 @@ class Converter:
         blocks.put("contact_b", index(c["id_b"][good]), "u4")
         place = (c["point"][good] - lower) / cell
         blocks.put("contact_point", place if kind == "f4" else np.clip(np.rint(place), 0, 65535), kind)
-        force_cell = float(force.max()) / 65535
+        force_cell = max(float(force[good].max()) / 65535, 1e-30)
         blocks.put("contact_force", np.rint(force[good] / force_cell), "u2")
         head.update(force_cell=force_cell, force_mean=float(force[good].mean()))
 

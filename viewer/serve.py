@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import secrets
+import signal
 import sys
 import tempfile
 import threading
@@ -56,9 +57,18 @@ class Source:
         return os.path.join(self.folder.name, str(k))
 
 
+class Server(http.server.ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request, address):
+        if not isinstance(sys.exc_info()[1], OSError):  # a browser that closes a connection is no fault
+            super().handle_error(request, address)
+
+
 def handler_of(source, token, whole_page):
     class Handler(http.server.BaseHTTPRequestHandler):
         server_version, sys_version, protocol_version = "talus", "", "HTTP/1.1"
+        timeout = 60  # of a connection that neither asks nor reads
 
         def answer(self, code, body, kind="text/plain; charset=utf-8"):
             self.send_response(code)
@@ -79,22 +89,24 @@ def handler_of(source, token, whole_page):
             if way[1:] == [""]:
                 return self.answer(200, whole_page, "text/html; charset=utf-8")
             if len(way) == 3 and way[2].isascii() and way[2].isdigit() and len(way[2]) < 10:
-                k = int(way[2])
-                with source.lock:
-                    if way[1] == "heads":
-                        return self.heads(k)
-                    if way[1] == "frame" and k < len(source.heads):
-                        with open(source.path(k), "rb") as f:
-                            return self.answer(200, f.read(), "application/octet-stream")
+                with source.lock:  # not while it answers: a browser may read slowly, or not at all
+                    found = self.found(way[1], int(way[2]))
+                if found:
+                    return self.answer(*found)
             self.answer(404, b"There is no such page.\n")
 
-        def heads(self, k):
-            try:
-                source.update()
-            except SystemExit as error:
-                return self.answer(500, (str(error) + "\n").encode())
-            more = {"heads": source.heads[k:], "series": source.series}
-            self.answer(200, json.dumps(more, allow_nan=False).encode(), "application/json")
+        def found(self, what, k):
+            if what == "heads":
+                try:
+                    source.update()
+                except SystemExit as error:
+                    return 500, (str(error) + "\n").encode()
+                more = {"heads": source.heads[k:], "series": source.series}
+                return 200, json.dumps(more, allow_nan=False).encode(), "application/json"
+            if what == "frame" and k < len(source.heads):
+                with open(source.path(k), "rb") as f:
+                    return 200, f.read(), "application/octet-stream"
+            return None
 
         def refuse(self):
             self.close_connection = True
@@ -116,10 +128,10 @@ def serve(o, base):
     token = secrets.token_urlsafe(16)
     source = Source(base, o.every, o.csv)
     try:
-        server = http.server.ThreadingHTTPServer((o.bind, o.serve), handler_of(source, token, whole))
+        server = Server((o.bind, o.serve), handler_of(source, token, whole))
     except OSError as error:
         sys.exit(f"view: cannot serve at {o.bind}, port {o.serve}: {error.strerror}; name another port, or 0 for any")
-    server.daemon_threads = True
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the temporary folder is removed, too
     print(f"http://{o.bind}:{server.server_port}/{token}/", flush=True)
     print("view: open that address; Ctrl-C ends the server", file=sys.stderr)
     try:

@@ -34,9 +34,12 @@ def read_table(file):
     """Lines of a time series by step, and their names."""
     try:
         with open(file, newline="", encoding="utf-8") as f:
-            lines = list(csv.reader(f))
+            text = f.read()
+        lines = list(csv.reader(text[:text.rfind("\n") + 1].splitlines()))  # the run may be writing the last line
     except OSError as error:
         sys.exit(f"view: {file} cannot be read: {error.strerror}")
+    except (UnicodeDecodeError, csv.Error):
+        lines = []
     if not lines or lines[0][:1] != ["step [1]"]:
         sys.exit(f"view: {file} is no time series of talus: name a file that --csv of the run has written")
     names = [n.split(" [")[0] for n in lines[0]]
@@ -48,7 +51,7 @@ def read_table(file):
                 values[name] = float(text)
             except ValueError:
                 pass
-        if "step" in values:
+        if values.get("step", -1) >= 0 and values["step"] < float("inf"):
             table[int(values.pop("step"))] = {k: v for k, v in values.items() if k != "time" and abs(v) < float("inf")}
     return table, names
 

@@ -1,5 +1,6 @@
 // A rover with six wheels on rockers and bogies drives over loose ground, or with smooth wheels
 // over a floor. A force pulls it back: drawbar pull against slip.
+#include <numeric>
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 using namespace talus;
@@ -38,26 +39,27 @@ tyre_shape make_tyre(bool lugs) {
   return tyre_shape(parts);
 }
 
-enum : std::uint32_t { grain, part, hull_of_rover };  // user ids
+enum : std::uint32_t { grain, hull_of_rover };  // user ids; the other parts have 2 to 12
+constexpr std::size_t parts_of_rover = 12;
 
 /// Adds a rover whose middle wheels are at x on ground of height z. Returns the hinges of its
 /// wheels.
 template <class World>
 auto add_rover(World& world, double x, double z, material_id steel, material_id rubber,
                const tyre_shape& tyre) {
-  const auto add = [&](const auto& shape, const vec3& at, material_id stuff,
-                       std::uint32_t id = part) {
+  std::uint32_t part = hull_of_rover;
+  const auto add = [&](const auto& shape, const vec3& at, material_id stuff) {
     const pose p = placed(shape, {vec3(x, 0, z) + at});
     return world.add_if_local(body{.shape = shape,
                                    .position = p.position,
                                    .material = stuff,
                                    .orientation = p.orientation,
-                                   .user_id = id});
+                                   .user_id = part++});
   };
   const auto place = [&](double px, double py, double pz) { return vec3(x + px, py, z + pz); };
   const vec3 across(0, 1, 0);
   const double axle = wheel_radius, beam = axle + 0.4;  // heights
-  const auto hull = add(box{{1, 0.7, 0.3}}, {0, 0, beam}, steel, hull_of_rover);
+  const auto hull = add(box{{1, 0.7, 0.3}}, {0, 0, beam}, steel);
   // A bar across the hull, with a rod to each rocker, keeps the hull at the mean of their angles.
   const auto bar = add(box{{0.06, 0.9, 0.06}}, {0.35, 0, beam + 0.25}, steel);
   (void)world.join(hull, bar, hinge{.at = place(0.35, 0, beam + 0.25)});
@@ -113,17 +115,23 @@ int main(int argc, char** argv) {
                    .angle = 42,
                    .ground = options.layers == 0});
 
-    // Mass of the rover, and the place of its centre.
-    const auto sums = [&] {
+    // The place of the centre of the rover.
+    const auto centre = [&] {
       std::array<double, 2> s{};
       world.for_each_local([&](const auto& b) {
         if (b.user_id() != grain) s[0] += b.mass(), s[1] += b.mass() * b.position()[0];
       });
       world.link().reduce(reduction::sum, s);
-      return std::pair{s[0], s[1] / s[0]};
+      return s[1] / s[0];
     };
     world.synchronize();
-    const double weight = sums().first * g;
+    // One rank has each part, and all ranks add them in this order: the same bits on any number.
+    std::array<double, parts_of_rover> masses{};
+    world.for_each_local([&](const auto& b) {
+      if (b.user_id() != grain) masses.at(b.user_id() - hull_of_rover) = b.mass();
+    });
+    world.link().reduce(reduction::sum, masses);
+    const double weight = std::accumulate(masses.begin(), masses.end(), 0.0) * g;
     const auto settled = options.steps / 5, measured = options.steps / 2;
     double start = 0;
     world.keep("start", start);
@@ -131,7 +139,7 @@ int main(int argc, char** argv) {
       if (world.steps() == settled)
         for (auto& m : motors)
           m.set_motor(torque_motor{.velocity = speed, .largest_torque = no_limit});
-      if (world.steps() == measured) start = sums().second;
+      if (world.steps() == measured) start = centre();
       if (world.steps() >= settled)
         world.for_each_local([&](auto& b) {
           if (b.user_id() == hull_of_rover) b.add_force({-options.pull * weight, 0, 0});
@@ -146,7 +154,7 @@ int main(int argc, char** argv) {
     world.simulate({.steps = options.steps, .dt = options.dt});
 
     const double time = static_cast<double>(options.steps - measured) * options.dt;
-    const double v = (sums().second - start) / time, rolling = speed * wheel_radius;
+    const double v = (centre() - start) / time, rolling = speed * wheel_radius;
     return results{{"speed", v},
                    {"slip", 1 - v / rolling},
                    {"pull", options.pull},

@@ -26,6 +26,7 @@ from program import arguments
 
 LIBC = ctypes.CDLL(None, use_errno=True)
 SET_PARENT_DEATH_SIGNAL = 1  # prctl(2), of Linux
+OUT_OF_TIME = 75  # exit code of a program that its --time-limit has ended
 KEPT = {"lock"}
 
 
@@ -153,6 +154,8 @@ class Run:
             write_whole(self.folder / "done.json", json.dumps(record, indent=1) + "\n")
         else:
             record["exit_code"] = code
+            if code == OUT_OF_TIME:
+                why = why or "its --time-limit ended it before its last step"
             record["message"] = why or self.last_words() or (
                 "it wrote no results" if code == 0 else f"it ended with code {code} and without a message")
             write_whole(self.folder / "failed.json", json.dumps(record, indent=1) + "\n")

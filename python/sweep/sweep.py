@@ -89,6 +89,8 @@ def prepare(asked, options):
     wanted = {"program": str(path), "digest": digest_of(path), "options": options, "ranks": asked.ranks,
               "limit": asked.limit, "runs": runs}
     found = read(folder / "sweep.json")
+    if folder.exists() and not folder.is_dir():
+        raise Wrong(f"{folder} is no folder: choose another one with --out DIR")
     if found is None and folder.exists() and any(folder.iterdir()):
         raise Wrong(f"{folder} is there already and holds no sweep: choose another folder with --out DIR")
     if found is not None:
@@ -100,7 +102,10 @@ def prepare(asked, options):
         if set(found["runs"][0]) != set(runs[0]):
             raise Wrong(f"{folder} holds a sweep over {', '.join(found['runs'][0])}, and this one is over "
                         f"{', '.join(runs[0])}: choose another folder with --out DIR")
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as e:
+        raise Wrong(f"{folder} cannot be made: {e.strerror}: choose another folder with --out DIR") from None
     write_whole(folder / "sweep.json", json.dumps(wanted, indent=1) + "\n")
     write_whole(folder / "runs.txt", "".join(f"{i} runs/{name_of(r)}\n" for i, r in enumerate(runs)))
     return folder, wanted

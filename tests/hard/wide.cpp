@@ -108,6 +108,20 @@ TEST_CASE("islands that are too dear are in the summary and the JSON, with their
   CHECK(to_json(r).find("\"islands_skipped_contacts\": 4567") != std::string::npos);
 }
 
+TEST_CASE(
+    "an island of many contacts is solved again after a solution beyond the largest reserve") {
+  detail::island_budget budget;
+  constexpr std::size_t contacts = 100;
+  const auto open = [&] { (void)budget.due(), budget.close(budget.open(contacts)); };
+  open();
+  CHECK(budget.affords_wide());
+  budget.spend_wide(2 * detail::island_budget::kept_per_contact * contacts);
+  int steps = 0;
+  for (; !budget.affords_wide() && steps < 10000; ++steps) open();
+  CHECK(steps >= 400);  // as many as take what was spent
+  CHECK(steps <= 600);
+}
+
 TEST_CASE("what is too dear to be solved within the budget is left as it was and counted") {
   detail::island_budget budget;
   CHECK(budget.open(100) == detail::island_budget::least_kept);

@@ -163,6 +163,8 @@ class Sweeps(unittest.TestCase):
         mine.mkdir()
         (mine / "thesis.txt").write_text("words")
         self.assertIn("holds no sweep", self.sweep("--vary", "friction=1,2", "--out", str(mine), code=2))
+        self.assertIn("is no folder", self.sweep("--vary", "friction=1,2", "--out", str(mine / "thesis.txt"), code=2))
+        self.assertIn("cannot be made", self.sweep("--vary", "friction=1,2", "--out", "/proc/none", code=2))
 
     def test_the_script_for_slurm_makes_each_run_once_and_names_the_collection(self):
         said = self.sweep("--vary", "friction=0.2,0.4,0.6", "--slurm", "--time", "00:10:00", "--jobs", "2")

@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -75,6 +76,39 @@ def refusals(root):
     check(not glob.glob("*.part-*"), "nothing temporary is left")
 
 
+ODD = """
+import glob, h5py, numpy
+bodies, contacts = (sorted(glob.glob(name)) for name in ("odd_0*.hdf", "odd_contacts_*.hdf"))
+with h5py.File(bodies[0], "r+") as f:
+    for name in ["Points"] + ["PointData/" + n for n in f["VTKHDF/PointData"]]:
+        values = f["VTKHDF"][name][:0]
+        del f["VTKHDF"][name]
+        f["VTKHDF"][name] = values
+for file, change in (contacts[-2], lambda x: numpy.concatenate([x[:1] * numpy.nan, x[1:]])), (contacts[-1], lambda x: 0 * x):
+    with h5py.File(file, "r+") as f:
+        force = f["VTKHDF/CellData/force"]
+        force[...] = change(force[:])
+"""
+
+
+def odd(browser, root):
+    """No bodies yet, forces that are not finite or all 0, and a line of the time series that is half written."""
+    for file in glob.glob("two*.hdf*"):
+        shutil.copyfile(file, "odd" + file[3:])
+    with open("two.hdf.series") as f, open("odd.hdf.series", "w") as to:
+        to.write(f.read().replace('"two_', '"odd_'))
+    with open("two.csv") as f, open("odd.csv", "w") as to:
+        to.write(f.read() + "10")
+    subprocess.run([READER, "-c", ODD], check=True)
+    made = view(root, "odd", "--csv", "odd.csv")
+    check(made.returncode == 0, "view: " + made.stderr)
+    opened(browser, "odd.html")
+    for k, bodies in (0, False), (1, True), (3, True):
+        browser.run(f"talus.show({k})")
+        check(browser.run("talus.state.frame.count > 0") == bodies, f"bodies of frame {k}")
+    check_quiet(browser, "odd.html")
+
+
 def serving(browser, program, root):
     environment = {**os.environ, "TALUS_NO_APT": "1"}
     for file in glob.glob("live*"):
@@ -111,6 +145,16 @@ def serving(browser, program, root):
         frames = browser.run("talus.frames()")
         browser.wait(f"talus.frames() > {frames} && talus.state.frame.number > {frames - 1}", 120)
         check(count_drawn(browser) > 200, "a run under way is drawn")
+        # Some that ask and do not read keep nobody else from reading.
+        port = int(host.split(":")[1])
+        stalled = [socket.create_connection(("127.0.0.1", port)) for _ in range(3)]
+        for one in stalled:
+            one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            one.sendall(f"GET /{token}/frame/0 HTTP/1.1\r\nHost: {host}\r\n\r\n".encode() * 400)
+        time.sleep(0.5)
+        check(ask("/" + token + "/heads/0")[0] == 200, "others are served")
+        for one in stalled:
+            one.close()
         foreign = [r for r in browser.requests if not r.startswith(address) and not r.startswith("data:")]
         check(not foreign and not browser.errors, f"requests {foreign}, errors {browser.errors}")
         run.kill(), run.wait()
@@ -141,6 +185,8 @@ def main():
     try:
         page(browser, root)
         print("page ok", flush=True)
+        odd(browser, root)
+        print("odd files ok", flush=True)
         serving(browser, program, root)
         print("serving ok", flush=True)
     finally:

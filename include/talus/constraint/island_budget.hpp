@@ -55,15 +55,16 @@ class island_budget {
     const double most = std::max(least_kept, kept_per_contact * n);
     const double more = kept_ + steps_ * std::max(least, per_contact * n);
     kept_ = kept_ < 0 ? most : std::max(kept_, std::min(most, more));
-    wide_ = std::min(wide_ + steps_ * wide_per_contact * n, kept_per_contact * n);
+    most_wide_ = kept_per_contact * n;
+    wide_ = std::min(wide_ + steps_ * wide_per_contact * n, most_wide_);
     steps_ = 0;
     return kept_;
   }
   void close(double left) { kept_ = left; }
 
   /// Whether an island of many contacts may be solved: not before so much has come together, at
-  /// wide_per_contact in each step, as the last such solution took.
-  [[nodiscard]] bool affords_wide() const { return wide_ >= last_wide_; }
+  /// wide_per_contact in each step, as the last such solution took, or the most that may be kept.
+  [[nodiscard]] bool affords_wide() const { return wide_ >= std::min(last_wide_, most_wide_); }
   void spend_wide(double operations) { wide_ -= operations, last_wide_ = operations; }
 
   /// An island that was left to the sweeps because its solution would have cost too much.
@@ -79,7 +80,7 @@ class island_budget {
   /// As at the beginning of a run, except for the counts.
   void begin_afresh() {
     pause_ = 0, steps_ = 0, wait_ = 0, patience_ = least_wait, kept_ = -1;
-    wide_ = last_wide_ = 0;
+    wide_ = last_wide_ = most_wide_ = 0;
     settled_ = stands_ = false, errors_ = unknown;
   }
 
@@ -90,7 +91,7 @@ class island_budget {
   int wait_ = 0, patience_ = least_wait;  ///< steps, for large islands
   bool settled_ = false, stands_ = false;
   double errors_ = unknown;
-  double wide_ = 0, last_wide_ = 0;
+  double wide_ = 0, last_wide_ = 0, most_wide_ = 0;
   double kept_ = -1;  ///< negative: the largest amount that may be kept
   std::uint64_t solved_ = 0, skipped_ = 0, skipped_contacts_ = 0;
 };
