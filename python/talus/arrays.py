@@ -32,9 +32,14 @@ class Columns:
         self._path, self._what, self._group, self._order = str(path), what, group, order
         self._read = {}
         with open_hdf5(path, what) as file:
-            if group not in file:
-                raise Error(f"{path} is no {what}: it has no group {group}")
-            self._names = [name for name, item in file[group].items() if isinstance(item, h5py.Dataset)]
+            try:
+                if group not in file:
+                    raise Error(f"{path} is no {what}: it has no group {group}")
+                self._names = [name for name, item in file[group].items() if isinstance(item, h5py.Dataset)]
+            except (KeyError, OSError, RuntimeError) as e:
+                if isinstance(e, Error):
+                    raise
+                raise Error(f"{path} is damaged: {group} cannot be read: {e}") from None
 
     def raw(self, dataset):
         """An array of the file in the stored order."""

@@ -67,7 +67,10 @@ class Bodies(Columns):
 
     def __init__(self, path, table):
         with open_hdf5(path, WHAT) as file:
-            order = by_id(file[f"{table}/id"][:].ravel())
+            try:
+                order = by_id(file[f"{table}/id"][:].ravel())
+            except (KeyError, OSError) as e:
+                raise Error(f"{path} is damaged: {table}/id cannot be read: {e}") from None
         super().__init__(path, WHAT, table, order)
         self._names = [n for n in self._names if n not in ("pieces", "boxes", "extra")]
         self.shape = table.rpartition("/")[2]

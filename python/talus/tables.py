@@ -31,7 +31,9 @@ class Table:
         self.path = str(path)
         try:
             with open(path, newline="") as file:
-                rows = list(csv.reader(file))
+                text = file.read()
+            # Behind the last end of a line is one that the run is still writing, or that a kill has cut.
+            rows = list(csv.reader(text[:text.rfind("\n") + 1].splitlines()))
         except OSError as e:
             raise Error(f"{path} cannot be read: {e.strerror}") from None
         except (csv.Error, UnicodeDecodeError):
@@ -39,8 +41,6 @@ class Table:
         if not rows or not rows[0] or rows[0][0].partition(" [")[0] != "step":
             raise Error(f"{path} is no time series of talus: its first column is not 'step'")
         head = rows[0]
-        if rows[-1] and len(rows[-1]) < len(head) and len(rows) > 1:
-            rows.pop()  # the run is still writing this line, or was killed
         for number, row in enumerate(rows[1:], 2):
             if len(row) != len(head):
                 raise Error(f"{path} is damaged: line {number} has {len(row)} cells, and its head {len(head)}")

@@ -98,6 +98,8 @@ class Read(unittest.TestCase):
         path = self.work / "cut.csv"
         path.write_text(text[:text.rstrip().rindex(",")])
         self.assertEqual(len(talus.open(path)), 8)
+        path.write_text(text.rstrip()[:-1])  # all cells are there, but not all digits of the last one
+        self.assertEqual(len(talus.open(path)), 8)
 
     def test_wrong_and_truncated_files_are_refused_in_words(self):
         def refused(path, words):
@@ -116,6 +118,9 @@ class Read(unittest.TestCase):
         refused(self.work / "none.hdf", "does not exist")
         refused(self.work, "is a folder")
         refused(cut(".h5", 0.7, "cut.h5"), "is truncated: it has")
+        data = self.file(".h5").read_bytes()
+        (self.work / "damaged.h5").write_bytes(data[:4096] + b"x" * (len(data) - 4096))
+        refused(self.work / "damaged.h5", "damaged")
         refused(cut(".h5", 100 / self.file(".h5").stat().st_size, "cut2.h5"), "it ends within its first block")
         refused(cut("_0000000040.hdf", 0.7, "cut_0000000040.hdf"), "is truncated")
         refused(cut(".json", 0.7, "cut.json"), "is truncated: it is no JSON")

@@ -218,6 +218,11 @@ TEST_CASE("values that make no sense are refused") {
         "--view-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--view", "x", "--csv", "x"}) ==
         "--view and --csv name the same file, x: give each its own");
+  CHECK(refusal({"--json", ".//x", "--csv", "x"}) ==
+        "--json and --csv name the same file, .//x: give each its own");
+  CHECK(
+      refusal({"--json", "./x.config.toml", "--csv", "x"}) ==
+      "--json ./x.config.toml is the name of the configuration beside --csv: give it another one");
   CHECK(refusal({"--every", "100"}) == "--every needs --frames DIR; see --help");
   CHECK(refusal({"--csv-every", "0"}) == "--csv-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");

@@ -183,6 +183,8 @@ class session {
                program_build());
       const int code =
           run_rank<Scenario>(link, std::as_const(options_), name_, driven, log, wall_seconds());
+      if (code == exit_code_of_time_limit)
+        throw std::runtime_error("the run was ended by its time limit (time_limit)");
       if (code > 128)
         fail<std::runtime_error>("the run was ended by signal {}; its checkpoint is {}", code - 128,
                                  options_.checkpoint);

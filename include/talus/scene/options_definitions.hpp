@@ -1,6 +1,8 @@
 #pragma once
 // The definitions of options.hpp, in the compiled part or in each program.
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "talus/core/linkage.hpp"
 #include "talus/scene/options.hpp"
@@ -144,6 +146,20 @@ TALUS_INLINE void options::describe(command_line& cli) {
         {{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}, {"--log", log}});
     detail::refuse_shared_files(
         {{"--json", json}, {"--csv", csv}, {"--restart", restart}, {"--log", log}});
+    const std::pair<const char*, const std::string&> files[] = {{"--json", json},
+                                                                {"--csv", csv},
+                                                                {"--view", view},
+                                                                {"--log", log},
+                                                                {"--checkpoint", checkpoint},
+                                                                {"--output", output},
+                                                                {"--frames", frames}};
+    for (const auto& [name, file] : files)
+      for (const auto& [other, beside] : files)
+        if (!beside.empty() &&
+            detail::plain_name(file) == std::string(detail::plain_name(beside)) + ".config.toml")
+          throw usage_error(detail::compose(
+              "{} {} is the name of the configuration beside {}: give it another one", name, file,
+              other));
     if (output.empty() && output_surfaces)
       throw usage_error("--output-surfaces needs --output NAME; see --help");
     if (!colour.empty() && colour != "rank" && colour != "speed")

@@ -12,12 +12,22 @@
 
 namespace talus::detail {
 
+/// The name of a file without `./` before it.
+[[nodiscard, gnu::cold]] inline std::string_view plain_name(std::string_view file) {
+  while (file.starts_with("./")) {
+    file.remove_prefix(2);
+    while (file.starts_with('/')) file.remove_prefix(1);
+  }
+  return file;
+}
+
 /// Throws usage_error if two options name one file.
 [[gnu::cold]] inline void refuse_shared_files(
     std::initializer_list<std::pair<const char*, std::string_view>> files) {
   for (const auto* a = files.begin(); a != files.end(); ++a)
     for (const auto* b = a + 1; b != files.end(); ++b)
-      if (!a->second.empty() && a->second == b->second && !is_stream(std::string(a->second)))
+      if (!a->second.empty() && plain_name(a->second) == plain_name(b->second) &&
+          !is_stream(std::string(a->second)))
         throw usage_error(compose("{} and {} name the same file, {}: give each its own", a->first,
                                   b->first, std::string(a->second)));
 }

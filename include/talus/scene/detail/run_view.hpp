@@ -2,7 +2,6 @@
 // The page of --view during a run: frames at a fixed interval of steps, with values to plot.
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,6 +13,7 @@
 #include "talus/io/view_scene.hpp"
 #include "talus/observe/residual.hpp"
 #include "talus/observe/time_series.hpp"
+#include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/world/world.hpp"
 
@@ -78,9 +78,7 @@ class run_view {
     const vec3 g = w_.gravity();
     frame.head.add_raw("gravity", view_json::vector(g));
     if (!frame.warning.empty())
-      std::fputs(
-          compose("{}: warning: --view: step {}: {}\n", name_, w_.steps(), frame.warning).c_str(),
-          stderr);
+      say_in_run(compose("{}: warning: --view: step {}: {}\n", name_, w_.steps(), frame.warning));
     view_json about;
     about.add_text("name", name_);
     about.add_text("policies", policies_in_use(view_of(w_)));
