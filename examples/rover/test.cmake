@@ -6,5 +6,5 @@ add_example_test(held ARGS --quiet --ranks 1 --layers 0 --pull 0.8 CHECK "slip G
 set(drives "slip GREATER 0.02" "slip LESS 0.6" "joint_gap LESS 0.03" "ledger LESS 1e-12")
 add_example_test(alone ARGS --quiet --ranks 1 --steps 1500 CHECK ${drives})
 add_example_test(mpi RANKS 2 ARGS --quiet --steps 1500 CHECK ${drives})
-add_same_bits_test(same_bits STEPS 150 ARGS --quiet --reproducible
+add_same_bits_test(same_bits STEPS 150 ARGS --reproducible
                    RUNS "--ranks 1" "--ranks 3" "mpi 2")
