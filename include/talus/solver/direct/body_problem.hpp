@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "talus/constraint/coulomb.hpp"
+#include "talus/constraint/solver_state.hpp"
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_pair.hpp"
@@ -38,32 +39,18 @@ class body_problem {
 
   /// At the velocities of `s`, which contain the impulses of the contacts; `r` becomes those
   /// impulses in the axes of the contacts.
-  template <class State>
-  body_problem(const plain_vector<island_contact>& contacts, const State& s, contact_vector& r) {
-    plain_vector<plain_pair<std::int32_t, std::int32_t>> numbers;  // in the state, here
-    for (const island_contact& c : contacts)
-      for (const std::int32_t end : {c.a, c.b})
-        if (end >= 0 && s.bodies[at(end)].inverse_mass != 0) numbers.emplace_back(end, 0);
-    sort_values(numbers);
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < numbers.size(); ++k)
-      if (k == 0 || numbers[k].first != numbers[k - 1].first) numbers[count++] = numbers[k];
-    numbers.resize(count);
-    for (const auto& [of, none] : numbers) {
-      const auto& b = s.bodies[at(of)];
-      bodies_.push_back({real(b.inverse_mass), at(of) >= s.first_tensor
-                                                   ? s.tensor(at(of))
-                                                   : diagonal_matrix<real>(b.inverse_inertia)});
-      const vec3 v = v_of(b), w = w_of(b);
-      free_.push_back({v[0], v[1], v[2], w[0], w[1], w[2]});
+  body_problem(const plain_vector<island_contact>& contacts, const solver_state& s,
+               contact_vector& r) {
+    plain_vector<std::int32_t> numbers;  // of those that move
+    for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+      const solver_body& b = s.bodies[i];
+      numbers.push_back(b.inverse_mass != 0 ? static_cast<std::int32_t>(bodies_.size()) : -1);
+      if (b.inverse_mass == 0) continue;
+      bodies_.push_back({b.inverse_mass, i >= s.first_tensor
+                                             ? s.tensor(i)
+                                             : diagonal_matrix<real>(b.inverse_inertia)});
+      free_.push_back({b.v[0], b.v[1], b.v[2], b.w[0], b.w[1], b.w[2]});
     }
-    const auto number = [&](std::int32_t of) {
-      const auto found =
-          std::lower_bound(numbers.begin(), numbers.end(), plain_pair{of, std::int32_t{0}});
-      return found != numbers.end() && found->first == of
-                 ? static_cast<std::int32_t>(found - numbers.begin())
-                 : -1;
-    };
     contacts_.reserve(contacts.size());
     r.resize(static_cast<int>(contacts.size()));
     for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -74,10 +61,10 @@ class body_problem {
                   c.friction, diagonal_matrix(real{0})};
       const auto enter = [&](std::int32_t of, std::int32_t& here, const vec3& arm, real sign) {
         if (of < 0) return;
-        here = number(of);
+        here = numbers[at(of)];
         if (here < 0) {
-          const auto& b = s.bodies[at(of)];
-          one.offset += sign * (c.axes * (v_of(b) + w_of(b).cross(arm)));
+          const solver_body& b = s.bodies[at(of)];
+          one.offset += sign * (c.axes * (b.v + b.w.cross(arm)));
           return;
         }
         const mat3 turning = c.axes * cross_matrix(arm);

@@ -4,9 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <span>
 #include <utility>
-#include <vector>
 
 #include "talus/constraint/island_contact.hpp"
 #include "talus/constraint/solver_state.hpp"
@@ -21,31 +20,35 @@ namespace talus::detail {
 /// of one body are then close together. Returns the order and the half bandwidth in contacts.
 class contact_order {
  public:
-  explicit contact_order(const plain_vector<island_contact>& contacts) {
+  /// Immovable bodies do not connect.
+  contact_order(const plain_vector<island_contact>& contacts, const solver_state& s)
+      : bodies_of_(contacts.size(), {-1, -1}), first_(s.bodies.size() + 1, 0) {
     const std::size_t n = contacts.size();
-    plain_vector<plain_pair<std::int64_t, std::uint32_t>> ends;  // body, contact
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < n; ++i) {
+      auto& [a, b] = bodies_of_[i];
       for (const std::int32_t body : {contacts[i].a, contacts[i].b})
-        if (body >= 0) ends.emplace_back(body, static_cast<std::uint32_t>(i));
-    sort_values(ends);
-    of_body_.clear();
-    bodies_of_.assign(n, {-1, -1});
-    for (std::size_t k = 0; k < ends.size(); ++k) {
-      if (k == 0 || ends[k].first != ends[k - 1].first) of_body_.emplace_back();
-      of_body_.back().push_back(ends[k].second);
-      auto& own = bodies_of_[ends[k].second];
-      (own[0] < 0 ? own[0] : own[1]) = static_cast<std::int32_t>(of_body_.size()) - 1;
+        if (body >= 0 && s.bodies[at(body)].inverse_mass != 0) {
+          (a < 0 ? a : b) = body;
+          ++first_[at(body) + 1];
+        }
+      if (b >= 0 && b < a) std::swap(a, b);
     }
+    for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+    contacts_of_.resize(first_.back());
+    plain_vector<std::uint32_t> next = first_;
+    for (std::uint32_t i = 0; i < n; ++i)
+      for (const std::int32_t body : bodies_of_[i])
+        if (body >= 0) contacts_of_[next[at(body)]++] = i;
     // Twice: the last contact of a search from anywhere lies at an end of the chain.
     search(0);
     search(order_.back());
     plain_vector<std::uint32_t> place(n);
     for (std::size_t k = 0; k < n; ++k) place[order_[k]] = static_cast<std::uint32_t>(k);
-    for (const auto& touching : of_body_) {
+    for (std::size_t body = 0; body < s.bodies.size(); ++body) {
       std::uint32_t first = ~0u, last = 0;
-      for (const auto i : touching)
+      for (const auto i : of(body))
         first = std::min(first, place[i]), last = std::max(last, place[i]);
-      half_ = std::max<std::size_t>(half_, last - first);
+      if (first < last) half_ = std::max<std::size_t>(half_, last - first);
     }
   }
   [[nodiscard]] const plain_vector<std::uint32_t>& order() const { return order_; }
@@ -54,33 +57,35 @@ class contact_order {
   [[nodiscard]] std::size_t length() const { return length_; }
 
  private:
+  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t body) const {
+    return {contacts_of_.data() + first_[body], contacts_of_.data() + first_[body + 1]};
+  }
   void search(std::uint32_t start) {
-    plain_vector<char> seen(bodies_of_.size(), 0), met(of_body_.size(), 0);
+    plain_vector<char> seen(bodies_of_.size(), 0), met(first_.size(), 0);
     order_.assign(1, start);
     seen[start] = 1;
     length_ = 0;
     for (std::size_t k = 0, level_end = 0; k < order_.size(); ++k) {
       if (k == level_end) level_end = order_.size(), ++length_;
       for (const std::int32_t body : bodies_of_[order_[k]]) {
-        if (body < 0 || met[static_cast<std::size_t>(body)]) continue;
-        met[static_cast<std::size_t>(body)] = 1;
-        for (const auto next : of_body_[static_cast<std::size_t>(body)])
+        if (body < 0 || std::exchange(met[at(body)], char{1})) continue;
+        for (const auto next : of(at(body)))
           if (!seen[next]) seen[next] = 1, order_.push_back(next);
       }
     }
   }
 
-  std::vector<plain_vector<std::uint32_t>> of_body_;
-  plain_vector<std::array<std::int32_t, 2>> bodies_of_;
-  plain_vector<std::uint32_t> order_;
+  plain_vector<std::array<std::int32_t, 2>> bodies_of_;  ///< that move, ascending
+  plain_vector<std::uint32_t> first_;  ///< of each body in `contacts_of_`, and the end
+  plain_vector<std::uint32_t> contacts_of_, order_;
   std::size_t half_ = 0, length_ = 0;
 };
 
 /// Assembles the problem of these contacts at the velocities of `s`, which contain their impulses;
 /// `r` becomes those impulses in the axes of the contacts.
-template <class State>
-[[nodiscard]] assembled_problem assemble_island(const plain_vector<island_contact>& contacts,
-                                                const State& s, contact_vector& r) {
+[[nodiscard]] inline assembled_problem assemble_island(const plain_vector<island_contact>& contacts,
+                                                       const solver_state& s, contact_vector& r) {
   struct end {
     std::int32_t body;
     std::int32_t contact;

@@ -202,7 +202,7 @@ class shared_islands {
       c.impulse = {0, 0, 0};
       contacts.push_back(c);
     }
-    const contact_order order(contacts);
+    const contact_order order(contacts, own);
     // Alike on all ranks: the cost of the island, instead of the spent budget of a rank.
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     if (cost > 2e7) return;

@@ -8,7 +8,6 @@
 #include <span>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "talus/constraint/solver_state.hpp"
 #include "talus/core/disjoint_sets.hpp"
@@ -20,6 +19,7 @@
 #include "talus/solver/direct/body_problem.hpp"
 #include "talus/solver/direct/island_problem.hpp"
 #include "talus/solver/direct/island_solver.hpp"
+#include "talus/solver/direct/isolated_island.hpp"
 #include "talus/solver/direct/solve_bodies.hpp"
 #include "talus/solver/direct/support_balance.hpp"
 
@@ -59,7 +59,8 @@ class stalled_islands {
     join_bodies(lists, s);
     gather(lists, changes, s);
     plain_vector<plain_pair<real, std::size_t>> worst_first;
-    for (const island& one : islands_) worst_first.emplace_back(-one.stall(), worst_first.size());
+    for (const island& one : islands_)
+      worst_first.emplace_back(is_solved_here(one) ? -one.error() : 0, worst_first.size());
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
     bool solved = false, searched_at = false, settled = true;
@@ -109,8 +110,7 @@ class stalled_islands {
     std::size_t list, index;
   };
   struct island {
-    plain_vector<member> contacts;
-    std::size_t size = 0;
+    std::size_t size = 0, end = 0;  ///< number of its contacts, and their end in `members_`
     bool overloaded = false;
     bool jointed = false;    ///< contains bodies with joints
     bool elsewhere = false;  ///< solved as a part of a gathered island
@@ -125,10 +125,6 @@ class stalled_islands {
     }
     [[nodiscard]] real error() const { return change * error_per_change(); }
     [[nodiscard]] bool sweeps_do() const { return size > many && !overloaded; }
-    /// 0 if the island is not to be solved here.
-    [[nodiscard]] real stall() const {
-      return (sweeps_do() && contacts.empty()) || elsewhere ? 0 : error();
-    }
   };
 
   static const auto& body(const State& s, std::int32_t i) {
@@ -191,10 +187,22 @@ class stalled_islands {
       if (i < s.bodies.size())
         if (const auto number = number_[sets_.root(i)]; number != 0)
           islands_[number - 1].jointed = true;
-    const bool balances = s.fall != vec3(0, 0, 0) && s.islands.balances();
+    balances_ = s.fall != vec3(0, 0, 0) && s.islands.balances();
+    std::size_t members = 0;
+    for (island& one : islands_) {
+      if (is_solved_here(one)) members += one.size;
+      one.end = members;
+    }
+    members_.resize(members);
+    for (island& one : islands_)
+      if (is_solved_here(one)) one.end -= one.size;
     each_contact([&](island& one, const contact_ends&, const member& m) {
-      if (balances || !one.sweeps_do()) one.contacts.push_back(m);
+      if (is_solved_here(one)) members_[one.end++] = m;
     });
+    numbers_.assign(s.bodies.size(), -1);
+  }
+  [[nodiscard]] bool is_solved_here(const island& one) const {
+    return !one.elsewhere && (balances_ || !one.sweeps_do());
   }
   /// Calls f(island, ends, contact) for each contact of the islands.
   template <class F>
@@ -224,55 +232,48 @@ class stalled_islands {
   }
   [[nodiscard]] real mass_of(std::int32_t i) const { return masses_[static_cast<std::size_t>(i)]; }
 
-  static plain_vector<island_contact> contacts_of(const island& one,
-                                                  std::span<const access> lists) {
-    plain_vector<island_contact> contacts;
-    contacts.reserve(one.contacts.size());
-    for (const member& m : one.contacts)
-      contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
-    return contacts;
+  [[nodiscard]] std::span<const member> members_of(const island& one) const {
+    return {members_.data() + (one.end - one.size), one.size};
   }
-  static void set(const island& one, const plain_vector<island_contact>& contacts,
-                  const contact_vector& r, std::span<const access> lists, State& s) {
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const member& m = one.contacts[k];
-      lists[m.list].set(m.index, contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
-    }
+  [[nodiscard]] isolated_island isolate(const island& one, std::span<const access> lists,
+                                        const State& s) {
+    plain_vector<island_contact> contacts;
+    contacts.reserve(one.size);
+    for (const member& m : members_of(one))
+      contacts.push_back(lists[m.list].contact(contact_part::interior, m.index));
+    return {std::move(contacts), s, numbers_};
   }
   enum class outcome : char { not_stalled, failed, done };
   /// Lets the bodies of an island rest on each other, if so many are above each other that sweeps
   /// stall, and if they can.
   /// More than the fraction `left` of the error is a failure.
-  static outcome balance(island& one, const plain_vector<island_contact>& contacts, real left,
-                         std::span<const access> lists, State& s) {
-    support_balance<State> balance(contacts, s);
+  outcome balance(island& one, const isolated_island& alone, real left,
+                  std::span<const access> lists, State& s) const {
+    support_balance balance(alone.contacts, alone.state);
     one.rows = static_cast<real>(balance.rows());
     if (one.error() <= negligible * s.speed) return outcome::not_stalled;
     const bool solved = balance.solve(1e-12 * s.speed) <= left;
     if (balance.rows() >= tall) s.islands.note_stack(solved);
     if (!solved) return outcome::failed;
     s.islands.solved();
-    for (std::size_t k = 0; k < contacts.size(); ++k)
-      if (balance.changes(k))
-        lists[one.contacts[k].list].set(one.contacts[k].index, balance.impulse(k), s);
+    const auto members = members_of(one);
+    for (std::size_t k = 0; k < members.size(); ++k)
+      if (balance.changes(k)) lists[members[k].list].set(members[k].index, balance.impulse(k), s);
     return outcome::done;
   }
   /// The same for a large island. Further attempts are postponed unless it succeeds.
-  static bool balance_large(island& one, std::span<const access> lists, State& s) {
-    const outcome found = balance(one, contacts_of(one, lists), 0.5, lists, s);
+  bool balance_large(island& one, std::span<const access> lists, State& s) {
+    const outcome found = balance(one, isolate(one, lists, s), 0.5, lists, s);
     if (found == outcome::done) s.islands.balanced();
     if (found == outcome::failed) s.islands.not_balanced();
     if (found == outcome::not_stalled) s.islands.need_no_balance();
     return found == outcome::done;
   }
   /// Whether the island, with its known length, is stalled and within the budget.
-  static bool solve_one(island& one, std::span<const access> lists, State& s, double& budget) {
-    const plain_vector<island_contact> contacts = contacts_of(one, lists);
-    plain_vector<island_contact> ties = contacts;  // immovable bodies do not connect
-    for (island_contact& c : ties)
-      for (std::int32_t* end : {&c.a, &c.b})
-        if (*end >= 0 && !moves(s, *end)) *end = -1;
-    const contact_order order(ties);
+  bool solve_one(island& one, std::span<const access> lists, State& s, double& budget) {
+    const isolated_island alone = isolate(one, lists, s);
+    const plain_vector<island_contact>& contacts = alone.contacts;
+    const contact_order order(contacts, alone.state);
     const real rows = one.rows = 1 + static_cast<real>(order.length());
     if (one.error() <= let_be * s.speed) return false;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
@@ -284,12 +285,12 @@ class stalled_islands {
     if (one.jointed && !s.islands.affords_wide()) return false;
     if (cost <= std::min<real>({few, budget / 2, pays})) {
       const double before = budget;
-      solve_by_contacts(one, contacts, order, cost, lists, s, budget);
+      solve_by_contacts(one, alone, order, cost, lists, s, budget);
       if (one.jointed) s.islands.spend_wide(before - budget);
       s.islands.solved();
       return true;
     }
-    if (s.fall != vec3(0, 0, 0) && balance(one, contacts, exact, lists, s) == outcome::done)
+    if (s.fall != vec3(0, 0, 0) && balance(one, alone, exact, lists, s) == outcome::done)
       return true;
     one.rows = rows;
     if (pays < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
@@ -297,26 +298,29 @@ class stalled_islands {
     double left = std::min<double>(budget, pays);
     const double before = left;
     contact_vector r;
-    const body_problem problem(contacts, s, r);
+    const body_problem problem(contacts, alone.state, r);
     const island_outcome found = solve_by_bodies(problem, r, left);
     budget -= before - left;
     if (wide) s.islands.spend_wide(before - left);
     if (found.too_dear && !found.solved && pays > before) s.islands.skip(contacts.size());
     if (!(found.after < found.before)) return found.solved;
     s.islands.solved();
-    set(one, contacts, r, lists, s);
+    const auto members = members_of(one);
+    for (std::size_t k = 0; k < members.size(); ++k)
+      lists[members[k].list].set(members[k].index,
+                                 contacts[k].axes.transpose() * r(static_cast<int>(k)), s);
     return found.after < 0.5 * found.before;
   }
-  static void solve_by_contacts(const island& one, const plain_vector<island_contact>& contacts,
-                                const contact_order& order, real cost,
-                                std::span<const access> lists, State& s, double& budget) {
+  void solve_by_contacts(const island& one, const isolated_island& alone,
+                         const contact_order& order, real cost, std::span<const access> lists,
+                         State& s, double& budget) const {
     plain_vector<island_contact> chain;
-    for (const auto i : order.order()) chain.push_back(contacts[i]);
+    for (const auto i : order.order()) chain.push_back(alone.contacts[i]);
     contact_vector r;
-    const assembled_problem problem = assemble_island(chain, s, r);
+    const assembled_problem problem = assemble_island(chain, alone.state, r);
     budget -= cost * solve_island(problem, r, static_cast<int>(budget / cost));
     for (std::size_t k = 0; k < chain.size(); ++k) {
-      const member& m = one.contacts[order.order()[k]];
+      const member& m = members_of(one)[order.order()[k]];
       lists[m.list].set(m.index, chain[k].axes.transpose() * r(static_cast<int>(k)), s);
     }
   }
@@ -327,7 +331,10 @@ class stalled_islands {
   plain_vector<std::uint32_t> island_of_;  ///< of each contact, from 1
   plain_vector<std::uint32_t> number_;     ///< the same of a root
   plain_vector<real> masses_;              ///< of the bodies that can move
-  std::vector<island> islands_;
+  plain_vector<island> islands_;
+  plain_vector<member> members_;        ///< the contacts of each island that is solved here
+  plain_vector<std::int32_t> numbers_;  ///< of bodies, for isolated_island
+  bool balances_ = false;               ///< large islands, too
 };
 
 }  // namespace talus::detail

@@ -24,25 +24,14 @@ namespace talus::detail {
 /// solve the contact problem exactly, because no contact slips or parts; Gauss-Seidel would need as
 /// many sweeps as the square of the bodies above each other. Contacts that support neither body
 /// (side by side) keep their impulses.
-template <class State>
-class support_balance : public support_graph<State> {
-  using base = support_graph<State>;
-  using base::arm, base::arm_below, base::at, base::contact, base::direction;
-  using base::contacts_, base::first_, base::order_, base::s_, base::supports_;
-  using base::inverse_inertia, base::inverse_mass, base::length_of, base::of_point;
-  using typename base::support;
-
+class support_balance : public support_graph {
  public:
   /// The contacts of an island, at the velocities of `s`, which contain their impulses.
-  support_balance(const plain_vector<island_contact>& contacts, const State& s)
-      : base(contacts, s), r_(static_cast<int>(contacts.size())) {
-    v_.resize(s.bodies.size());
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      const island_contact& c = contacts[i];
-      r_(static_cast<int>(i)) = c.axes * c.impulse;
-      for (const std::int32_t end : {c.a, c.b})
-        if (end >= 0) v_[at(end)] = {v_of(s.bodies[at(end)]), w_of(s.bodies[at(end)])};
-    }
+  support_balance(const plain_vector<island_contact>& contacts, const solver_state& s)
+      : support_graph(contacts, s), r_(static_cast<int>(contacts.size())) {
+    for (const solver_body& b : s.bodies) v_.push_back({b.v, b.w});
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+      r_(static_cast<int>(i)) = contacts[i].axes * contacts[i].impulse;
   }
   /// Improves the impulses. Changes of velocity below `least` do not matter. Returns the fraction
   /// of the error that is left; above a half, or if they may add energy, 1: then they are not to be
@@ -105,7 +94,7 @@ class support_balance : public support_graph<State> {
     if (at(body) >= s_->first_tensor)
       v.w += s_->tensor(at(body)) * turn;
     else
-      v.w += real(s_->bodies[at(body)].inverse_inertia) * turn;
+      v.w += s_->bodies[at(body)].inverse_inertia * turn;
   }
   void change(const support& c, const vec3& by) {
     r_(c.contact) += by;
@@ -161,7 +150,7 @@ class support_balance : public support_graph<State> {
   [[nodiscard]] body_block gram(std::int32_t body, real length) const {
     body_block g;
     each_direction(body, length,
-                   [&](const support&, int, const body_vector& d) { base::add_square(g, d); });
+                   [&](const support&, int, const body_vector& d) { add_square(g, d); });
     return g;
   }
   /// Minus G^T times the velocities.
@@ -229,7 +218,7 @@ class support_balance : public support_graph<State> {
       const real length = length_of(body);
       for (int round = 0; round < most_rounds && !still(body, own); ++round) {
         if (round > 0) close(body, own);
-        if (!base::factorize(pivot_, gram(body, length))) continue;
+        if (!factorize(pivot_, gram(body, length))) continue;
         body_vector change = opposed(body, length, own);
         pivot_.solve<1>(change.data());
         own.v += vec3(change[0], change[1], change[2]);
@@ -270,7 +259,7 @@ class support_balance : public support_graph<State> {
       for (int j = 0; j < 3; ++j) moved(j, k) = -g(j, k), moved(3 + j, k) = -turn[j];
     }
     product.take(g, moved);
-    if (!base::factorize(pivot_, product)) return;
+    if (!factorize(pivot_, product)) return;
     for (int refinement = 0; refinement < 3; ++refinement) {
       body_vector z = opposed(body, length, v_[at(body)]);
       pivot_.solve<1>(z.data());

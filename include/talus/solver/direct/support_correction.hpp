@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "talus/constraint/island_contact.hpp"
 #include "talus/constraint/solver_state.hpp"
@@ -12,6 +13,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/contact_access.hpp"
 #include "talus/solver/direct/body_elimination.hpp"
+#include "talus/solver/direct/isolated_island.hpp"
 #include "talus/solver/direct/support_graph.hpp"
 
 namespace talus::detail {
@@ -22,16 +24,10 @@ namespace talus::detail {
 /// support it, which have moved already. The motion of a body is the least one that gives its
 /// loaded supports their rates, and does not let the others come closer than theirs, as far as
 /// possible.
-template <class State>
-class support_correction : support_graph<State> {
-  using base = support_graph<State>;
-  using base::arm, base::arm_below, base::at, base::contact, base::direction, base::of_point;
-  using base::first_, base::order_, base::s_, base::supported, base::supports_;
-  using typename base::support;
-
+class support_correction : support_graph {
  public:
-  support_correction(const plain_vector<island_contact>& contacts, const State& s)
-      : base(contacts, s), moved_(s.bodies.size()) {}
+  support_correction(const plain_vector<island_contact>& contacts, const solver_state& s)
+      : support_graph(contacts, s), moved_(s.bodies.size()) {}
 
   /// False if a body that supports others has no support, so that nothing holds the stack.
   [[nodiscard]] bool stands() const {
@@ -76,7 +72,7 @@ class support_correction : support_graph<State> {
     return all;
   }
   void correct(std::int32_t body, real least) {
-    const real length = base::length_of(body);
+    const real length = length_of(body);
     for (int round = 0; round < most_rounds && !settled(body, least); ++round) {
       body_block g;
       body_vector change{};
@@ -84,11 +80,11 @@ class support_correction : support_graph<State> {
         const support& c = supports_[k];
         if (c.open) continue;
         const body_vector d = direction(c, 0, length);
-        base::add_square(g, d);
+        add_square(g, d);
         const real rate = excess(c);
         for (std::size_t j = 0; j < 6; ++j) change[j] -= rate * d[j];
       }
-      if (!base::factorize(pivot_, g)) return;
+      if (!factorize(pivot_, g)) return;
       pivot_.template solve<1>(change.data());
       moved_[at(body)].v += vec3(change[0], change[1], change[2]);
       if (at(body) >= s_->first_tensor)
@@ -115,10 +111,13 @@ void correct_stacks_here(std::span<const contact_access<State>> lists, State& s)
   for (const contact_access<State>& list : lists)
     for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i)
       contacts.push_back(list.contact(contact_part::interior, i));
-  support_correction<State> correction(contacts, s);
+  plain_vector<std::int32_t> numbers(s.bodies.size(), -1);
+  const isolated_island all(std::move(contacts), s, numbers);
+  support_correction correction(all.contacts, all.state);
   if (!correction.stands()) return;
   correction.solve(slow * s.speed, least * s.speed);
-  correction.each([&](std::size_t body, const body_motion& moved) {
+  correction.each([&](std::size_t number, const body_motion& moved) {
+    const std::uint32_t body = all.bodies[number];
     s.shift[body].v += in_scalar<typename State::number>(moved.v);
     if (body >= s.first_tensor) s.turn[body - s.first_tensor].w += moved.w;
   });

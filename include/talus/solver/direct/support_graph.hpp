@@ -14,7 +14,6 @@
 namespace talus::detail {
 
 /// A contact whose normal rises by at least `least_slope` supports the upper of its bodies.
-template <class State>
 class support_graph {
  public:
   /// Bodies above each other, at most.
@@ -31,7 +30,7 @@ class support_graph {
   /// Of the trace of a matrix, added to its diagonal, because supports may leave directions free.
   static constexpr real shift = 1e-9;
 
-  support_graph(const plain_vector<island_contact>& contacts, const State& s)
+  support_graph(const plain_vector<island_contact>& contacts, const solver_state& s)
       : contacts_(&contacts), s_(&s) {
     find_supports();
     find_order();
@@ -47,13 +46,10 @@ class support_graph {
   [[nodiscard]] const vec3& arm_below(const support& c) const {
     return c.sign == 1 ? contact(c).arm_b : contact(c).arm_a;
   }
-  [[nodiscard]] real inverse_mass(std::int32_t i) const {
-    return real(s_->bodies[at(i)].inverse_mass);
-  }
+  [[nodiscard]] real inverse_mass(std::int32_t i) const { return s_->bodies[at(i)].inverse_mass; }
   [[nodiscard]] mat3 inverse_inertia(std::int32_t i) const {
-    return at(i) >= s_->first_tensor
-               ? s_->tensor(at(i))
-               : diagonal_matrix<real>(real(s_->bodies[at(i)].inverse_inertia));
+    return at(i) >= s_->first_tensor ? s_->tensor(at(i))
+                                     : diagonal_matrix<real>(s_->bodies[at(i)].inverse_inertia);
   }
   [[nodiscard]] bool moves(std::int32_t i) const { return i >= 0 && inverse_mass(i) != 0; }
   [[nodiscard]] bool supported(std::int32_t i) const { return first_[at(i)] < first_[at(i) + 1]; }
@@ -134,7 +130,7 @@ class support_graph {
   }
 
   const plain_vector<island_contact>* contacts_;
-  const State* s_;
+  const solver_state* s_;
   plain_vector<support> supports_;  ///< by the supported body
   plain_vector<std::uint32_t> first_;
   plain_vector<std::int32_t> order_;  ///< those that are supported, from the top down
