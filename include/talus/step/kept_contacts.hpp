@@ -137,19 +137,28 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     });
   }
 
+  /// The pairs of a batch that may be in reach, by the largest reach of all spheres. Calls
+  /// `pair(k)` for the bodies of pair k.
+  template <class Pair>
+  [[nodiscard]] [[gnu::always_inline]] inline unsigned near(unsigned count, Pair&& pair) const {
+    const auto a = places_of(count, [&](unsigned k) { return pair(k).first; });
+    const auto b = places_of(count, [&](unsigned k) { return pair(k).second; });
+    const pack_vector<wide> d = vectors_in(a) - vectors_in(b);
+    const wide reach =
+        (a.w + b.w + every_lane<wide>(2 * margin_)) * every_lane<wide>(1 + 1e-9);  // at least
+    return bits_of(dot(d, d) <= reach * reach) & ((1u << count) - 1);
+  }
   /// Whether the pairs without a contact have none now.
   [[nodiscard]] bool still_apart() {
     const auto& apart = kept_.apart;
-    const wide margin = every_lane<wide>(2 * margin_), more = every_lane<wide>(1 + 1e-9);
     for (std::size_t first = 0; first < apart.size(); first += lanes) {
       const auto count = static_cast<unsigned>(std::min<std::size_t>(apart.size() - first, lanes));
-      const auto a = places_of(count, [&](unsigned k) { return apart[first + k].first; });
-      const auto b = places_of(count, [&](unsigned k) { return apart[first + k].second; });
-      const pack_vector<wide> d = vectors_in(a) - vectors_in(b);
-      const wide reach = (a.w + b.w + margin) * more;  // at least
-      if (all_lanes(dot(d, d) > reach * reach)) continue;
-      for (unsigned k = 0; k < count; ++k)
-        set_lane(k, apart[first + k].first, apart[first + k].second);
+      if (near(count, [&](unsigned k) { return apart[first + k]; }) == 0) continue;
+      for (unsigned k = 0; k < count; ++k) {
+        std::size_t i = apart[first + k].first, j = apart[first + k].second;
+        this->order(i, j);
+        set_lane(k, i, j);
+      }
       if (collide(count) != 0) return false;
     }
     return true;
@@ -158,28 +167,47 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   void find(plain_vector<close_pair>& pairs) {
     kept_.apart.clear();
     kept_.rebounds = kept_.slides = false;
-    plain_pair<std::uint32_t, std::uint32_t> of_lane[lanes];
-    for (std::size_t first = 0; first < pairs.size(); first += lanes) {
-      const auto count = static_cast<unsigned>(std::min<std::size_t>(pairs.size() - first, lanes));
-      for (unsigned k = 0; k < count; ++k) {
-        std::size_t i = pairs[first + k].i, j = pairs[first + k].j;
+    close_pair* in_lane[lanes];
+    unsigned filled = 0;
+    const auto leave_out = [&](close_pair& pair) {
+      pair.last = history_place::none;
+      if (kept_.moves[pair.i] || kept_.moves[pair.j])
+        kept_.apart.emplace_back(static_cast<std::uint32_t>(pair.i),
+                                 static_cast<std::uint32_t>(pair.j));
+    };
+    const auto add_lanes = [&] {
+      plain_pair<std::size_t, std::size_t> bodies[lanes];
+      for (unsigned k = 0; k < filled; ++k) {
+        auto& [i, j] = bodies[k] = {in_lane[k]->i, in_lane[k]->j};
         this->order(i, j);
-        of_lane[k] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)};
         batch_.set(k, spheres_[i], spheres_[j]);
       }
-      const unsigned met = collide(count);
-      for (unsigned k = 0; k < count; ++k) {
-        const auto [i, j] = of_lane[k];
-        history_place& last = pairs[first + k].last;
+      const unsigned met = filled > 0 ? collide(filled) : 0;
+      for (unsigned k = 0; k < filled; ++k) {
+        const auto [i, j] = bodies[k];
         const bool moves_a = kept_.moves[i], moves_b = kept_.moves[j];
-        if ((met >> k & 1u) != 0 && (moves_a || moves_b)) {
-          add(i, j, moves_a, moves_b, last);
-        } else {
-          last = history_place::none;
-          if (moves_a || moves_b) kept_.apart.push_back(of_lane[k]);
+        if ((met >> k & 1u) != 0 && (moves_a || moves_b))
+          add(i, j, moves_a, moves_b, in_lane[k]->last);
+        else
+          leave_out(*in_lane[k]);
+      }
+      filled = 0;
+    };
+    for (std::size_t first = 0; first < pairs.size(); first += lanes) {
+      const auto count = static_cast<unsigned>(std::min<std::size_t>(pairs.size() - first, lanes));
+      const unsigned close = near(count, [&](unsigned k) {
+        return plain_pair{pairs[first + k].i, pairs[first + k].j};
+      });
+      for (unsigned k = 0; k < count; ++k) {
+        if ((close >> k & 1u) == 0) {
+          leave_out(pairs[first + k]);
+          continue;
         }
+        in_lane[filled++] = &pairs[first + k];
+        if (filled == lanes) add_lanes();
       }
     }
+    add_lanes();
   }
   void add(std::size_t i, std::size_t j, bool moves_a, bool moves_b, history_place& last) {
     contact_type c;
