@@ -279,7 +279,17 @@ void book_response(world_state<Scenario>& s) {
       r.running.scheme += -pull.dot(solver.drift[k].v);
     const bool damped = kept != 1;
     if (!damped && !store_type::tensor) return;
-    const real spin = twice_spin_energy(store, i, store.pose(i).orientation, w);
+    real spin = twice_spin_energy(store, i, store.pose(i).orientation, w);
+    if constexpr (uses_substeps<typename Scenario::solver> && store_type::tensor)
+      if (const rotated_body* last = solver.rotated_at(k)) {
+        // Its angular momentum has been constant between impulses, not its angular velocity.
+        rotated_body first = *last;
+        first.orientation = store.orientation_of[i];
+        spin = mass * last->momentum(w).dot(w);
+        r.running.scheme += real(-0.5) * mass *
+                            (last->momentum(w).dot(store.angular_velocity[i]) -
+                             first.momentum(store.angular_velocity[i]).dot(w));
+      }
     if (damped) r.running.damping += (0.5 * lost) * (mass * v.squaredNorm() + spin);
     if constexpr (store_type::tensor) r.running.scheme += -0.5 * kept * kept * spin;
   });
