@@ -15,14 +15,16 @@ template <class Contact>
 struct contact_course {
   real gap = 0;          ///< over the length of the whole step; an overlap counts as 0
   real restitution = 0;  ///< if the detection predicted an impact
+  bool apart = false;    ///< at the start of the step
   typename Contact::change last, total;
 
   /// From the conditions of the detection, which are documented in conditions_of of
-  /// step/detect.hpp.
-  contact_course(Contact& c, const solver_state& s, real part)
+  /// step/detect.hpp. `held` is a gap that counts as closed.
+  contact_course(Contact& c, const solver_state& s, real part, real held)
       : gap(c.target_velocity < 0   ? -c.target_velocity
             : c.target_velocity > 0 ? std::max(real{0}, -c.correction_rate)
                                     : 0),
+        apart(c.target_velocity < 0 || gap > held),
         total(0 * c.impulse_in_frame()) {
     if (c.target_velocity > 0)
       restitution = std::clamp(-c.target_velocity / approach(c, s), real{0}, real{1});
@@ -30,8 +32,7 @@ struct contact_course {
   }
 
   /// Sets the conditions of the contact in the coming substep, from the velocities before it.
-  /// `moved` is the part of the step for which surfaces have moved with these, and `held` a gap
-  /// that counts as closed.
+  /// `moved` is the part of the step for which surfaces have moved with these.
   void advance(Contact& c, const solver_state& s, real part, real moved, real held) {
     last = c.impulse_in_frame();
     const real un = approach(c, s);
@@ -43,6 +44,11 @@ struct contact_course {
     c.target_velocity = rebound(restitution, un, gap, part, fall);
   }
   void add(const Contact& c) { total = total + c.impulse_in_frame(); }
+  /// After the last one. The position correction may close what is left of a gap.
+  void finish(Contact& c, const solver_state& s, real part) {
+    c.set(total);
+    if (apart) c.correction_rate = -std::max(real{0}, gap + approach(c, s) * part);
+  }
   /// Whether the impulse has changed in the substep as in an impact: velocities by more than
   /// `speed`.
   [[nodiscard]] bool changes(const Contact& c, const solver_state& s, real speed) const {
@@ -69,12 +75,17 @@ requires is_joint<Contact>
 struct contact_course<Contact> {
   typename Contact::change total;
 
-  contact_course(Contact& c, const solver_state&, real part) : total(0 * c.impulse_in_frame()) {
+  contact_course(Contact& c, const solver_state&, real part, real)
+      : total(0 * c.impulse_in_frame()) {
     c.take_part(part);
     c.set(part * c.impulse_in_frame());
   }
   void advance(Contact&, const solver_state&, real, real, real) {}
   void add(const Contact& c) { total = total + c.impulse_in_frame(); }
+  void finish(Contact& c, const solver_state&, real part) {
+    c.set(total);
+    c.take_part(1 / part);
+  }
 };
 
 /// Whether bodies of a contact may have a tensor of inertia.

@@ -52,8 +52,8 @@ struct substepping final {
     s.drift.assign(bodies, {});
     for (std::size_t i = 0; i < bodies; ++i)
       s.bodies[i].v -= s.gain[i].v, s.bodies[i].w -= s.gain[i].w;
-    auto courses =
-        std::apply([&](auto&... list) { return std::tuple(courses_of(list, s, part)...); }, lists);
+    auto courses = std::apply(
+        [&](auto&... list) { return std::tuple(courses_of(list, s, part, held)...); }, lists);
     each([&](auto& list) { list.prepare_interior(s); });
 
     detail::solved done{0, 0};
@@ -77,7 +77,7 @@ struct substepping final {
         last[i] = {v, w};
         v += part * s.gain[i].v, w += part * s.gain[i].w;
       }
-      if (rotates) prepare_rotated<alone>(lists, s);
+      if (rotates) prepare_tensors<alone, true>(lists, s);
       detail::convergence<Lists, Ranks> watch(lists, s, once, ranks);
       if (j == 0) {
         each([&](auto& list) { list.warm_start(s); });
@@ -93,7 +93,8 @@ struct substepping final {
       const detail::solved now = iterate(lists, s, watch, ranks);
       done.iterations += now.iterations;
       if (!(done.residual >= now.residual)) done.residual = now.residual;
-      each_with(lists, courses, [&](auto& list, auto& of) { finish_impacts(list, of, s); });
+      each_with(lists, courses,
+                [&](auto& list, auto& of) { finish_impacts(list, of, s, 2 * part * s.speed); });
       for (std::size_t i = 0; i < bodies; ++i)
         s.drift[i].v += s.bodies[i].v, s.drift[i].w += s.bodies[i].w;
     }
@@ -108,22 +109,22 @@ struct substepping final {
       }
     }
     each_with(lists, courses, [&](auto& list, auto& of) {
-      list.each_numbered([&](auto& c, std::size_t i) {
-        c.set(of[i].total);
-        if constexpr (detail::is_joint<decltype(c)>) c.take_part(1 / part);
-      });
+      list.each_numbered([&](auto& c, std::size_t i) { of[i].finish(c, s, part); });
     });
-    if (correct) detail::correct_overlaps(lists, s, settings, ranks);
+    if (correct) {
+      prepare_tensors<alone, false>(lists, s);  // the rates of the correction have changed
+      detail::correct_overlaps(lists, s, settings, ranks);
+    }
     return done;
   }
 
  private:
   template <class List>
-  static auto courses_of(List& list, const detail::solver_state& s, real part) {
+  static auto courses_of(List& list, const detail::solver_state& s, real part, real held) {
     using contact = typename List::contact_type;
     detail::plain_vector<detail::contact_course<contact>> all;
     all.reserve(list.size());
-    list.each_numbered([&](contact& c, std::size_t) { all.emplace_back(c, s, part); });
+    list.each_numbered([&](contact& c, std::size_t) { all.emplace_back(c, s, part, held); });
     return all;
   }
 
@@ -147,30 +148,31 @@ struct substepping final {
     given = per_mass * by_contacts;
     if (by_torques != vec3(0, 0, 0)) s.gain[i].w = per_mass * by_torques;
   }
-  template <bool Alone, class Lists>
-  static void prepare_rotated(Lists& lists, detail::solver_state& s) {
+  /// Contacts, and `Joints`, of bodies with a tensor of inertia.
+  template <bool Alone, bool Joints, class Lists>
+  static void prepare_tensors(Lists& lists, detail::solver_state& s) {
     detail::each_of(lists, [&](auto& list) {
-      if constexpr (detail::turns_bodies<
-                        typename std::remove_cvref_t<decltype(list)>::contact_type>) {
+      using contact = typename std::remove_cvref_t<decltype(list)>::contact_type;
+      if constexpr (detail::turns_bodies<contact> && (Joints || !detail::is_joint<contact>)) {
         list.prepare_interior(s);
         if constexpr (!Alone) list.prepare_boundary(s);
       }
     });
   }
 
-  /// Adds up the impulses of a substep. Where an impact has changed those of two bodies with
-  /// several contacts, one sweep has left a rotation: these contacts are solved together.
+  /// Adds up the impulses of a substep. Where these have changed the velocities of two bodies with
+  /// several contacts by more than `speed`, as in an impact, one sweep has left a rotation: these
+  /// contacts are solved together.
   template <class List, class Courses>
-  static void finish_impacts(List& list, Courses& of, detail::solver_state& s) {
+  static void finish_impacts(List& list, Courses& of, detail::solver_state& s, real speed) {
     using contact = typename List::contact_type;
     constexpr auto interior = detail::contact_part::interior;
-    const real fast = 2 * s.speed;
     if constexpr (detail::comes_in_manifolds<contact> && !detail::is_joint<contact>)
       for (std::size_t first = 0, last = 0, n = list.size(interior); first < n; first = last) {
         bool struck = false;
         while (last < n && list.key(interior, last).same_pair(list.key(interior, first))) {
           list.edit(interior, last,
-                    [&](const contact& c) { struck = of[last].changes(c, s, fast) || struck; });
+                    [&](const contact& c) { struck = of[last].changes(c, s, speed) || struck; });
           ++last;
         }
         if (struck && last > first + 1) solve_together(list, first, last, s);

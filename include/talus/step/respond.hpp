@@ -236,9 +236,13 @@ void integrate(world_state<Scenario>& s) {
           if (!has_unequal_moments(store.shape[i].inertia()))
             store.orientation_of[i] =
                 turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
-        if constexpr (world_state<Scenario>::law::correction)
-          store.orientation_of[i] = turned<real>(
-              store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor].w);
+        if constexpr (world_state<Scenario>::law::correction) {
+          const vec3 turn = s.dt * solver.turn[b.first + i - solver.first_tensor].w;
+          store.orientation_of[i] = turned<real>(store.orientation_of[i], turn);
+          if constexpr (divided)  // with it, so that its energy stays
+            store.angular_velocity[i] =
+                turned<real>(quat(1, 0, 0, 0), turn) * store.angular_velocity[i];
+        }
       } else if constexpr (store_type::oriented) {
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], left * store.angular_velocity[i]);

@@ -316,7 +316,8 @@ void book_stop(world_state<Scenario>& s, const Store& store, std::size_t i, cons
 }
 
 /// After positions have moved: the change of rotational energy by free rotation and by the position
-/// correction. The correction rotates bodies last and does not change their angular velocity.
+/// correction. The correction rotates bodies last and does not change their angular velocity; in
+/// steps with substeps it rotates that as well, and the energy stays.
 template <class Scenario>
 void book_motion(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
@@ -325,7 +326,8 @@ void book_motion(world_state<Scenario>& s) {
       const vec3& w = store.angular_velocity[i];
       const quat& last = store.orientation_of[i];
       quat free = last;
-      if constexpr (world_state<Scenario>::law::correction)
+      if constexpr (world_state<Scenario>::law::correction &&
+                    !uses_substeps<typename Scenario::solver>)
         free = turned<real>(last, -s.dt * s.solver.turn[k - s.solver.first_tensor].w);
       const real spin = twice_spin_energy(store, i, free, w);
       r.running.scheme += 0.5 * spin;
