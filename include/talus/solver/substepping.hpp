@@ -52,8 +52,13 @@ struct substepping final {
     s.drift.assign(bodies, {});
     for (std::size_t i = 0; i < bodies; ++i)
       s.bodies[i].v -= s.gain[i].v, s.bodies[i].w -= s.gain[i].w;
+    detail::plain_vector<char> bound(bodies, 0);
     auto courses = std::apply(
-        [&](auto&... list) { return std::tuple(courses_of(list, s, part, held)...); }, lists);
+        [&](auto&... list) { return std::tuple(courses_of(list, s, part, held, bound)...); },
+        lists);
+    for (std::size_t i = 0; i < bodies; ++i)  // free bodies rotate in one piece
+      if (detail::rotated_body* body = s.rotated_at(i))
+        if (!bound[i] && s.gain[i].w == vec3(0, 0, 0)) body->time = 0;
     each([&](auto& list) { list.prepare_interior(s); });
 
     detail::solved done{0, 0};
@@ -120,11 +125,16 @@ struct substepping final {
 
  private:
   template <class List>
-  static auto courses_of(List& list, const detail::solver_state& s, real part, real held) {
+  static auto courses_of(List& list, const detail::solver_state& s, real part, real held,
+                         detail::plain_vector<char>& bound) {
     using contact = typename List::contact_type;
     detail::plain_vector<detail::contact_course<contact>> all;
     all.reserve(list.size());
-    list.each_numbered([&](contact& c, std::size_t) { all.emplace_back(c, s, part, held); });
+    list.each_numbered([&](contact& c, std::size_t) {
+      all.emplace_back(c, s, part, held);
+      bound[static_cast<std::size_t>(c.a)] = true;
+      if constexpr (contact::paired) bound[static_cast<std::size_t>(c.b)] = true;
+    });
     return all;
   }
 
