@@ -12,8 +12,8 @@ level() {
     core/* | concepts.hpp) echo 0 ;;
     geometry/* | shape/*) echo 1 ;;
     body/* | contact/*) echo 2 ;;
-    detect/* | constraint/* | interaction/*) echo 3 ;;
-    solver/* | motion/* | parallel/*) echo 4 ;;
+    detect/* | constraint/* | interaction/* | motion/*) echo 3 ;;
+    solver/* | parallel/*) echo 4 ;;
     scenario/*) echo 5 ;;
     state/*) echo 6 ;;
     ghosts/*) echo 7 ;;

@@ -72,8 +72,8 @@ def layers():
             ("9", ["features/"], "optional parts, with their hooks"), ("8", ["pairs/"], "search for pairs, neighbour lists"),
             ("7", ["ghosts/"], "migration, shadow copies"), ("6", ["state/"], "a world on one rank"),
             ("5", ["scenario/"], "policies, their defaults and contradictions"),
-            ("4", ["solver/", "motion/", "parallel/"], "sweeps; integration; domains, messages"),
-            ("3", ["detect/", "constraint/", "interaction/"], "contacts, rows, soft laws"), ("2", ["body/", "contact/"], "columns, materials; keys of contacts"),
+            ("4", ["solver/", "parallel/"], "sweeps; domains, messages"),
+            ("3", ["detect/", "constraint/", "interaction/", "motion/"], "contacts, rows, soft laws; integration"), ("2", ["body/", "contact/"], "columns, materials; keys of contacts"),
             ("1", ["geometry/", "shape/"], "parts of space; shapes"), ("0", ["core/", "concepts.hpp"], "numbers, vectors, ids, errors")]
     d = Drawing(760, 64 + 36 * len(rows), "The layers of talus")
     d.text(24, 30, "Level", "small dim")

@@ -251,6 +251,76 @@ TEST_CASE("the books of a divided step close") {
     });
 }
 
+namespace {
+
+/// A box that falls on a floor, at the corner of the domains, in steps of 1/60. Calls f(world)
+/// before the first step and after each.
+template <class F>
+void drop(int ranks, const vec3& size, const vec3& spin, real restitution, int parts, F&& f) {
+  threads::launch({.ranks = ranks}, [&](threads::link& link) {
+    typename divided::world_type w(link, {.lower = {-2, -2}, .upper = {2, 2}});
+    const auto stuff = w.material({.restitution = restitution, .friction = 0.5});
+    w.solver().iterations = parts;
+    w.gravity({0, 0, -g});
+    w.global([&](auto& scope) { scope.add(plane{.normal = {0, 0, 1}}, stuff); });
+    w.add_if_local(body{.shape = box{size},
+                        .position = {-0.01, 0.01, 2},
+                        .material = stuff,
+                        .angular_velocity = spin});
+    w.synchronize();
+    f(w);
+    for (int k = 0; k < 120; ++k) w.step(1.0 / 60), f(w);
+  });
+}
+
+}  // namespace
+
+TEST_CASE("where the step is divided, a thin box that spins gains no energy from a floor") {
+  for (const int ranks : {1, 4})
+    for (const real speed : {10., 30., 100., 300.})
+      for (const vec3& axis : {vec3(0, 1, 0), vec3(0, 0, 1), vec3(0.6, 0.64, 0.48)}) {
+        CAPTURE(ranks);
+        CAPTURE(speed);
+        CAPTURE(axis[2]);
+        real initial = 0, highest = 0, last = 0, closure = 0;
+        drop(ranks, {2, 0.05, 0.03}, speed * axis, 0.5, 10, [&](auto& w) {
+          const motion m = measure_motion(w);
+          const energy_balance e = measure_energy(w);
+          if (w.rank() != 0) return;
+          last = initial == 0 ? m.kinetic_energy + m.mass * g * 2 : e.kinetic + e.potential;
+          if (initial == 0) initial = last;
+          highest = std::max(highest, last);
+          closure = std::max(closure, e.worst);
+        });
+        CHECK(highest < 1.001 * initial);
+        CHECK(last < 0.9 * initial);  // it has struck the floor
+        CHECK(closure < 1e-11);
+      }
+}
+
+TEST_CASE("where the step is divided, a cube that falls flat rebounds flat, to e^2 of its height") {
+  for (const int parts : {5, 10, 50})
+    for (const real e : {0.0, 0.5, 0.8}) {
+      CAPTURE(parts);
+      CAPTURE(e);
+      real top = 0, turn = 0, lowest = 1;
+      bool struck = false;
+      drop(1, {1, 1, 1}, {0, 0, 0}, e, parts, [&](auto& w) {
+        w.for_each_local([&](const auto& cube) {
+          const real height = cube.position()[2] - 0.5;
+          struck = struck || height < 0.1;
+          if (struck) top = std::max(top, height);
+          lowest = std::min(lowest, height);
+          turn = std::max(turn, cube.angular_velocity().norm());
+        });
+      });
+      CHECK(struck);
+      CHECK(turn < 1e-4);
+      CHECK(top == doctest::Approx(std::max(e * e * 1.5, 0.1)).epsilon(0.02));
+      CHECK(lowest > -1e-3);
+    }
+}
+
 TEST_CASE("more parts of a step bring a divided heap nearer to rest") {
   divided::on(1, 0, [&](auto& w, bool) {
     double before = 1;

@@ -69,6 +69,10 @@ struct joint_rows {
       split[k] = corrects ? real(-0.2) / when.dt * line.error : 0;
     }
   }
+  /// The force laws for a part of the step: the same forces act for a shorter time.
+  void take_part(real part) {
+    for (joint_line& x : lines) x.compliance /= part, x.least *= part, x.most *= part;
+  }
   [[nodiscard]] joint_view view() {
     return {a, b, rows, lines.data(), r.at.data(), earlier.at.data()};
   }

@@ -3,6 +3,7 @@
 // into one array at the beginning of the response and scattered at its end.
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "talus/constraint/island_budget.hpp"
 #include "talus/core/math.hpp"
@@ -39,6 +40,27 @@ struct alignas(32) body_turn {
 struct body_motion {
   vec3 v{0, 0, 0}, w{0, 0, 0};
 };
+
+/// The orientation of a body whose moments of inertia differ, if the solver rotates it in the
+/// course of a step.
+struct rotated_body {
+  quat orientation{1, 0, 0, 0};
+  vec3 inertia{0, 0, 0};  ///< principal moments, over the mass
+  real time = 0;          ///< of a substep; 0 for a body that the solver does not rotate
+  // By contacts and joints, over the mass:
+  vec3 angular_impulse{0, 0, 0};
+  real work = 0;
+  vec3 spin{0, 0, 0};  ///< after them
+
+  /// The angular momentum at an angular velocity, over the mass.
+  [[nodiscard]] vec3 momentum(const vec3& w) const {
+    return orientation * vec3(inertia.cwiseProduct(orientation.conjugate() * w));
+  }
+};
+/// Whether the energy of a body at a given angular velocity depends on its orientation.
+[[nodiscard]] inline bool has_unequal_moments(const vec3& inertia) {
+  return inertia.maxCoeff() > (1 + real(1e-12)) * inertia.minCoeff();
+}
 
 /// A solver with substeps, so that positions follow more velocities than the last one.
 template <class Solver>
@@ -88,9 +110,19 @@ struct solver_state_of {
   plain_vector<std::uint32_t> jointed;   ///< bodies whose joints are solved all at once
 
   // For solvers with substeps; empty with others.
-  plain_vector<body_motion> gain;   ///< gain of the velocities by forces in the step
-  plain_vector<body_motion> drift;  ///< mean velocity of the step, minus the one at its end
+  plain_vector<body_motion> gain;      ///< gain of the velocities by forces in the step
+  plain_vector<body_motion> drift;     ///< mean velocity of the step, minus the one at its end
+  plain_vector<rotated_body> rotated;  ///< bodies from first_tensor, as the last substep begins
 
+  /// Of a body that the solver rotates; null for others.
+  [[nodiscard]] const rotated_body* rotated_at(std::size_t body) const {
+    const std::size_t k = body - first_tensor;
+    return body >= first_tensor && k < rotated.size() && rotated[k].time > 0 ? &rotated[k]
+                                                                             : nullptr;
+  }
+  [[nodiscard]] rotated_body* rotated_at(std::size_t body) {
+    return const_cast<rotated_body*>(std::as_const(*this).rotated_at(body));
+  }
   [[nodiscard]] const mat3& tensor(std::size_t body) const { return tensors[body - first_tensor]; }
   /// Bodies of other ranks whose contacts this rank solves too follow all others, with either kind
   /// of inertia.

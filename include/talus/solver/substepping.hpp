@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "talus/constraint/joint_in_list.hpp"
-#include "talus/constraint/rebound.hpp"
 #include "talus/constraint/solver_settings.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/core/each.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/policy.hpp"
+#include "talus/motion/integrate.hpp"
+#include "talus/solver/contact_course.hpp"
 #include "talus/solver/contact_list.hpp"
 #include "talus/solver/convergence.hpp"
 #include "talus/solver/correct_overlaps.hpp"
@@ -20,66 +21,13 @@
 
 namespace talus {
 
-namespace detail {
-
-/// State of a contact in a step with substeps.
-template <class Contact>
-struct contact_course {
-  real gap = 0;          ///< over the length of the whole step; an overlap counts as 0
-  real restitution = 0;  ///< if the detection predicted an impact
-  typename Contact::change total;
-
-  /// From the conditions of the detection, which are documented in conditions_of of
-  /// step/detect.hpp.
-  contact_course(const Contact& c, const solver_state& s)
-      : gap(c.target_velocity < 0   ? -c.target_velocity
-            : c.target_velocity > 0 ? std::max(real{0}, -c.correction_rate)
-                                    : 0),
-        total(0 * c.impulse_in_frame()) {
-    if (c.target_velocity > 0)
-      restitution = std::clamp(-c.target_velocity / approach(c, s), real{0}, real{1});
-  }
-
-  /// Sets the conditions of the contact in the coming substep, from the velocities before it.
-  /// `moved` is the part of the step for which surfaces have moved with these, and `held` a gap
-  /// that counts as closed.
-  void advance(Contact& c, const solver_state& s, real part, real moved, real held) {
-    const real un = approach(c, s);
-    gap = std::max(real{0}, gap + un * moved);
-    c.target_velocity = gap > held || restitution > 0 ? -gap / part : 0;
-    if (restitution == 0 || un >= 0 || gap + un * part > 0) return;
-    const real fall = -c.axis().dot(gain(c, s));  // the length of the whole step is 1 here
-    c.target_velocity = rebound(restitution, un, gap, part, fall);
-  }
-
- private:
-  static vec3 gain(const Contact& c, const solver_state& s) {
-    vec3 v = s.gain[static_cast<std::size_t>(c.a)].v;
-    if constexpr (Contact::paired) v -= s.gain[static_cast<std::size_t>(c.b)].v;
-    return v;
-  }
-  static real approach(const Contact& c, const solver_state& s) {
-    return c.axis().dot(c.relative_velocity(s));
-  }
-};
-
-/// The same of a joint, whose conditions do not change.
-template <class Contact>
-requires is_joint<Contact>
-struct contact_course<Contact> {
-  typename Contact::change total;
-
-  contact_course(const Contact& c, const solver_state&) : total(0 * c.impulse_in_frame()) {}
-  void advance(Contact&, const solver_state&, real, real, real) {}
-};
-
-}  // namespace detail
-
 /// Divides the step into `solver_settings::iterations` substeps with one Gauss-Seidel sweep each
 /// (Macklin, Storey, Lu, Terdiman, Chentanez, Jeschke, Mueller 2019, "Small steps in physics
 /// simulation"). Contacts are detected once per step; in between, gaps advance with the relative
-/// velocities, so that an impact happens in its substep. Each substep starts from the impulses of
-/// the last one. Unlike more sweeps, more substeps also refine the motion in time.
+/// velocities, so that an impact happens in its substep, and bodies rotate with their tensors of
+/// inertia. Each substep starts from the impulses of the last one. Unlike more sweeps, more
+/// substeps also refine the motion in time. Where an impact changes the velocities of two bodies,
+/// their contacts are solved together: a face that strikes a floor does not turn.
 ///
 /// With a tolerance each substep is iterated to it. After the step contacts hold the impulses of
 /// the whole step; measure_residual() compares these with the velocities at its end, so that an
@@ -104,8 +52,13 @@ struct substepping final {
     s.drift.assign(bodies, {});
     for (std::size_t i = 0; i < bodies; ++i)
       s.bodies[i].v -= s.gain[i].v, s.bodies[i].w -= s.gain[i].w;
-    auto courses =
-        std::apply([&](auto&... list) { return std::tuple(courses_of(list, s)...); }, lists);
+    detail::plain_vector<char> bound(bodies, 0);
+    auto courses = std::apply(
+        [&](auto&... list) { return std::tuple(courses_of(list, s, part, held, bound)...); },
+        lists);
+    for (std::size_t i = 0; i < bodies; ++i)  // free bodies rotate in one piece
+      if (detail::rotated_body* body = s.rotated_at(i))
+        if (!bound[i] && s.gain[i].w == vec3(0, 0, 0)) body->time = 0;
     each([&](auto& list) { list.prepare_interior(s); });
 
     detail::solved done{0, 0};
@@ -116,19 +69,23 @@ struct substepping final {
         list.each_numbered(
             [&](auto& c, std::size_t i) { of[i].advance(c, s, part, j > 0 ? part : 0, held); });
       });
+      bool rotates = false;
       for (std::size_t i = 0; i < bodies; ++i) {
         auto& [v, inverse_mass, w, inverse_inertia] = s.bodies[i];
-        const vec3 dv = part * s.gain[i].v, dw = part * s.gain[i].w;
-        given[i] = {v - last[i].v - dv, w - last[i].w - dw};
+        given[i] = {v - last[i].v - part * s.gain[i].v, w - last[i].w - part * s.gain[i].w};
+        if (j > 0)
+          if (detail::rotated_body* body = s.rotated_at(i)) {
+            book(*body, given[i].w, last[i].w, w);
+            rotate(s, i, *body, given[i].w);
+            rotates = true;
+          }
         last[i] = {v, w};
-        v += dv, w += dw;
+        v += part * s.gain[i].v, w += part * s.gain[i].w;
       }
+      if (rotates) prepare_tensors<alone, true>(lists, s);
       detail::convergence<Lists, Ranks> watch(lists, s, once, ranks);
       if (j == 0) {
-        each([&](auto& list) {
-          list.each_numbered([&](auto& c, std::size_t) { c.set(part * c.impulse_in_frame()); });
-          list.warm_start(s);
-        });
+        each([&](auto& list) { list.warm_start(s); });
         if constexpr (!alone) {
           each([&](auto& list) { list.count_boundary(s); });
           ranks.share_velocities_and_counts();
@@ -141,33 +98,118 @@ struct substepping final {
       const detail::solved now = iterate(lists, s, watch, ranks);
       done.iterations += now.iterations;
       if (!(done.residual >= now.residual)) done.residual = now.residual;
-      each_with(lists, courses, [&](auto& list, auto& of) {
-        list.each_numbered(
-            [&](auto& c, std::size_t i) { of[i].total = of[i].total + c.impulse_in_frame(); });
-      });
+      each_with(lists, courses,
+                [&](auto& list, auto& of) { finish_impacts(list, of, s, 2 * part * s.speed); });
       for (std::size_t i = 0; i < bodies; ++i)
         s.drift[i].v += s.bodies[i].v, s.drift[i].w += s.bodies[i].w;
     }
 
     for (std::size_t i = 0; i < bodies; ++i) {
-      s.drift[i].v = part * s.drift[i].v - s.bodies[i].v;
-      s.drift[i].w = part * s.drift[i].w - s.bodies[i].w;
+      const auto& [v, inverse_mass, w, inverse_inertia] = s.bodies[i];
+      s.drift[i].v = part * s.drift[i].v - v;
+      s.drift[i].w = part * s.drift[i].w - w;
+      if (detail::rotated_body* body = s.rotated_at(i)) {
+        book(*body, w - last[i].w - part * s.gain[i].w, last[i].w, w);
+        body->spin = w;
+      }
     }
     each_with(lists, courses, [&](auto& list, auto& of) {
-      list.each_numbered([&](auto& c, std::size_t i) { c.set(of[i].total); });
+      list.each_numbered([&](auto& c, std::size_t i) { of[i].finish(c, s, part); });
     });
-    if (correct) detail::correct_overlaps(lists, s, settings, ranks);
+    if (correct) {
+      prepare_tensors<alone, false>(lists, s);  // the rates of the correction have changed
+      detail::correct_overlaps(lists, s, settings, ranks);
+    }
     return done;
   }
 
  private:
   template <class List>
-  static auto courses_of(List& list, const detail::solver_state& s) {
+  static auto courses_of(List& list, const detail::solver_state& s, real part, real held,
+                         detail::plain_vector<char>& bound) {
     using contact = typename List::contact_type;
     detail::plain_vector<detail::contact_course<contact>> all;
     all.reserve(list.size());
-    list.each_numbered([&](contact& c, std::size_t) { all.emplace_back(c, s); });
+    list.each_numbered([&](contact& c, std::size_t) {
+      all.emplace_back(c, s, part, held);
+      bound[static_cast<std::size_t>(c.a)] = true;
+      if constexpr (contact::paired) bound[static_cast<std::size_t>(c.b)] = true;
+    });
     return all;
+  }
+
+  /// Of a substep in which contacts and joints have changed an angular velocity by `given`.
+  static void book(detail::rotated_body& body, const vec3& given, const vec3& before,
+                   const vec3& after) {
+    const vec3 p = body.momentum(given);
+    body.angular_impulse += p;
+    body.work += real(0.5) * p.dot(before + after);
+  }
+  /// Rotates a body, free, for the time of a substep. Angular impulses stay the same, in the world,
+  /// and so `given` and the gain by torques change.
+  static void rotate(detail::solver_state& s, std::size_t i, detail::rotated_body& body,
+                     vec3& given) {
+    auto& [v, inverse_mass, w, inverse_inertia] = s.bodies[i];
+    const vec3 by_contacts = body.momentum(given), by_torques = body.momentum(s.gain[i].w);
+    w = detail::rotate_freely(body.orientation, w, body.inertia, body.time);
+    const mat3 per_mass =
+        detail::inverse_tensor(body.orientation, vec3(body.inertia.cwiseInverse()));
+    s.tensors[i - s.first_tensor] = inverse_mass * per_mass;
+    given = per_mass * by_contacts;
+    if (by_torques != vec3(0, 0, 0)) s.gain[i].w = per_mass * by_torques;
+  }
+  /// Contacts, and `Joints`, of bodies with a tensor of inertia.
+  template <bool Alone, bool Joints, class Lists>
+  static void prepare_tensors(Lists& lists, detail::solver_state& s) {
+    detail::each_of(lists, [&](auto& list) {
+      using contact = typename std::remove_cvref_t<decltype(list)>::contact_type;
+      if constexpr (detail::turns_bodies<contact> && (Joints || !detail::is_joint<contact>)) {
+        list.prepare_interior(s);
+        if constexpr (!Alone) list.prepare_boundary(s);
+      }
+    });
+  }
+
+  /// Adds up the impulses of a substep. Where these have changed the velocities of two bodies with
+  /// several contacts by more than `speed`, as in an impact, one sweep has left a rotation: these
+  /// contacts are solved together.
+  template <class List, class Courses>
+  static void finish_impacts(List& list, Courses& of, detail::solver_state& s, real speed) {
+    using contact = typename List::contact_type;
+    constexpr auto interior = detail::contact_part::interior;
+    if constexpr (detail::comes_in_manifolds<contact> && !detail::is_joint<contact>)
+      for (std::size_t first = 0, last = 0, n = list.size(interior); first < n; first = last) {
+        bool struck = false;
+        while (last < n && list.key(interior, last).same_pair(list.key(interior, first))) {
+          list.edit(interior, last,
+                    [&](const contact& c) { struck = of[last].changes(c, s, speed) || struck; });
+          ++last;
+        }
+        if (struck && last > first + 1) solve_together(list, first, last, s);
+      }
+    list.each_numbered([&](auto& c, std::size_t i) { of[i].add(c); });
+  }
+  template <class List>
+  static void solve_together(List& list, std::size_t first, std::size_t last,
+                             detail::solver_state& s) {
+    using contact = typename List::contact_type;
+    constexpr auto interior = detail::contact_part::interior;
+    constexpr int most = 200;
+    const auto each = [&](auto&& f) {
+      for (std::size_t i = first; i < last; ++i) list.edit(interior, i, f);
+    };
+    each([&](contact& c) { c.prepare(s, 1, 1); });
+    real largest = 0;
+    for (int k = 0; k < most; ++k) {
+      real change = 0;
+      each([&](contact& c) {
+        const auto d = c.relax(s);
+        c.apply(s, d);
+        change = std::max(change, c.speed_of(d));
+      });
+      largest = std::max(largest, change);
+      if (!(change > real(1e-13) * largest)) return;
+    }
   }
   template <class Lists, class Others, class F>
   static void each_with(Lists& lists, Others& others, F&& f) {

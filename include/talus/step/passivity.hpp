@@ -19,9 +19,12 @@
 
 namespace talus::detail {
 
-/// The angular impulse that changes the angular velocity of body i by dw.
+/// The angular impulse that changes the angular velocity of body i by dw. `rotated`: if the solver
+/// rotates it.
 template <class Store>
-[[nodiscard]] vec3 angular_impulse(const Store& store, std::size_t i, real mass, const vec3& dw) {
+[[nodiscard]] vec3 angular_impulse(const Store& store, std::size_t i, real mass, const vec3& dw,
+                                   const rotated_body* rotated = nullptr) {
+  if (rotated != nullptr) return mass * rotated->momentum(dw);
   const vec3 inertia = mass * store.shape[i].inertia();
   if constexpr (Store::tensor) {
     const quat& q = store.orientation_of[i];
@@ -86,6 +89,7 @@ class passivity {
   void each_body(F&& f, const bool& more = always) {
     s_.each_finite_shape([&](const auto& b) {
       const auto& store = b.movable;
+      using store_type = std::remove_cvref_t<decltype(store)>;
       for (std::size_t i = 0; more && i < store.size(); ++i) {
         const std::size_t k = b.first + i;
         if (i >= store.locals && solver_.bodies[k].inverse_mass != 0) continue;
@@ -96,13 +100,24 @@ class passivity {
         }
         const vec3& before = store.velocity[i];
         const vec3 v = solved_velocity(s_, store, i, k), dv = v - free_velocity(s_, store, i);
-        const vec3 w = solved_spin(s_, store, i, k), dw = w - free_spin(s_, store, i, k);
+        const vec3 w = solved_spin(s_, store, i, k);
+        vec3 dw = w - free_spin(s_, store, i, k);
         const real mass = 1 / store.inverse_mass[i];
-        const vec3 spin = angular_impulse(store, i, mass, dw);
         impulse_work of;
         const vec3 mean = real(0.5) * (before + v) + offset_of(store, i, k);
-        const vec3 mean_w = real(0.5) * (store.angular_velocity[i] + w);
-        const real linear = mass * dv.dot(mean), angular = spin.dot(mean_w);
+        vec3 mean_w = real(0.5) * (store.angular_velocity[i] + w);
+        const rotated_body* rotated = nullptr;
+        if constexpr (divided && store_type::tensor) rotated = solver_.rotated_at(k);
+        vec3 spin = angular_impulse(store, i, mass, dw);
+        real angular = spin.dot(mean_w);
+        if (rotated != nullptr) {  // in the course of the step, and changes since
+          const vec3 since = rotated->momentum(w - rotated->spin);
+          spin = mass * (rotated->angular_impulse + since);
+          angular = mass * (rotated->work + since.dot(real(0.5) * (rotated->spin + w)));
+          dw = solver_.tensor(k) * spin;
+          mean_w = w - real(0.5) * (solver_.gain[k].w + dw);
+        }
+        const real linear = mass * dv.dot(mean);
         of.work = linear + angular;
         const vec3 pull = v - dv - before;  // by gravity and forces
         of.rise = rise_of(mass * pull, before - v, k);
@@ -112,7 +127,7 @@ class passivity {
         if constexpr (!alone && !by_colours)
           if (const auto& received = s_.passive.received; !received.empty()) {
             own_dv -= received[k].v, own_dw -= received[k].w;
-            own_spin = angular_impulse(store, i, mass, own_dw);
+            own_spin = angular_impulse(store, i, mass, own_dw, rotated);
             if (received[k].v != vec3(0, 0, 0)) of.fall = real(0.5) * mass * pull.dot(dv);
           }
         of.square = mass * own_dv.squaredNorm() + own_spin.dot(own_dw);

@@ -21,6 +21,19 @@
 
 namespace talus::detail {
 
+/// Prepares the rotation of a body in the substeps of a solver. (A body with an impact in this step
+/// rotates after it, as far as its path is free.)
+template <class Scenario, class Store>
+void rotate_in_solver(world_state<Scenario>& s, const Store& store, std::size_t i, std::size_t k) {
+  rotated_body& body = s.solver.rotated[k - s.solver.first_tensor];
+  body.inertia = store.shape[i].inertia();
+  if (!has_unequal_moments(body.inertia)) return;
+  if constexpr (world_state<Scenario>::continuous)
+    if (s.impacts.time[k] != never) return;
+  body.orientation = store.orientation_of[i];
+  body.time = s.dt / s.settings.iterations;
+}
+
 /// Fills the solver's arrays: velocities after forces, inverse masses and inertias.
 template <class Scenario>
 void gather_velocities(world_state<Scenario>& s) {
@@ -38,7 +51,10 @@ void gather_velocities(world_state<Scenario>& s) {
     s.passive.common.resize(solver.bodies.size());
   }
   constexpr bool divided = uses_substeps<typename Scenario::solver>;
-  if constexpr (divided) solver.gain.assign(solver.bodies.size(), {});
+  if constexpr (divided) {
+    solver.gain.assign(solver.bodies.size(), {});
+    solver.rotated.assign(solver.tensors.size(), {});
+  }
   if constexpr (world_state<Scenario>::drives)
     for (std::size_t k = s.driving.first; k < solver.bodies.size(); ++k) {
       solver.tensors[k - solver.first_tensor].setZero();
@@ -80,6 +96,7 @@ void gather_velocities(world_state<Scenario>& s) {
       if constexpr (divided) {
         auto& gain = solver.gain[b.first + i];
         gain = {body.v - store.velocity[i], body.w - store.angular_velocity[i]};
+        if constexpr (store_type::tensor) rotate_in_solver(s, store, i, b.first + i);
         if constexpr (world_state<Scenario>::continuous)  // the first part was gained before its
                                                           // impact
           if (const real t = s.impacts.time[b.first + i]; t != never) {
@@ -210,14 +227,22 @@ void integrate(world_state<Scenario>& s) {
         queue.add(store, i, spin, turn, left, watch);
         continue;
       } else if constexpr (store_type::tensor) {
+        if constexpr (divided)  // the last of its substeps is left
+          if (const rotated_body* last = solver.rotated_at(b.first + i))
+            store.orientation_of[i] = last->orientation, left = last->time;
         store.angular_velocity[i] = rotate_freely(
             store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), left);
-        if constexpr (divided)
-          store.orientation_of[i] =
-              turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
-        if constexpr (world_state<Scenario>::law::correction)
-          store.orientation_of[i] = turned<real>(
-              store.orientation_of[i], s.dt * solver.turn[b.first + i - solver.first_tensor].w);
+        if constexpr (divided)  // others must not take an orientation with another energy
+          if (!has_unequal_moments(store.shape[i].inertia()))
+            store.orientation_of[i] =
+                turned<real>(store.orientation_of[i], left * solver.drift[b.first + i].w);
+        if constexpr (world_state<Scenario>::law::correction) {
+          const vec3 turn = s.dt * solver.turn[b.first + i - solver.first_tensor].w;
+          store.orientation_of[i] = turned<real>(store.orientation_of[i], turn);
+          if constexpr (divided)  // with it, so that its energy stays
+            store.angular_velocity[i] =
+                turned<real>(quat(1, 0, 0, 0), turn) * store.angular_velocity[i];
+        }
       } else if constexpr (store_type::oriented) {
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], left * store.angular_velocity[i]);

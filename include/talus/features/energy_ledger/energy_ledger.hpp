@@ -279,7 +279,17 @@ void book_response(world_state<Scenario>& s) {
       r.running.scheme += -pull.dot(solver.drift[k].v);
     const bool damped = kept != 1;
     if (!damped && !store_type::tensor) return;
-    const real spin = twice_spin_energy(store, i, store.pose(i).orientation, w);
+    real spin = twice_spin_energy(store, i, store.pose(i).orientation, w);
+    if constexpr (uses_substeps<typename Scenario::solver> && store_type::tensor)
+      if (const rotated_body* last = solver.rotated_at(k)) {
+        // Its angular momentum has been constant between impulses, not its angular velocity.
+        rotated_body first = *last;
+        first.orientation = store.orientation_of[i];
+        spin = mass * last->momentum(w).dot(w);
+        r.running.scheme += real(-0.5) * mass *
+                            (last->momentum(w).dot(store.angular_velocity[i]) -
+                             first.momentum(store.angular_velocity[i]).dot(w));
+      }
     if (damped) r.running.damping += (0.5 * lost) * (mass * v.squaredNorm() + spin);
     if constexpr (store_type::tensor) r.running.scheme += -0.5 * kept * kept * spin;
   });
@@ -306,7 +316,8 @@ void book_stop(world_state<Scenario>& s, const Store& store, std::size_t i, cons
 }
 
 /// After positions have moved: the change of rotational energy by free rotation and by the position
-/// correction. The correction rotates bodies last and does not change their angular velocity.
+/// correction. The correction rotates bodies last and does not change their angular velocity; in
+/// steps with substeps it rotates that as well, and the energy stays.
 template <class Scenario>
 void book_motion(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
@@ -315,7 +326,8 @@ void book_motion(world_state<Scenario>& s) {
       const vec3& w = store.angular_velocity[i];
       const quat& last = store.orientation_of[i];
       quat free = last;
-      if constexpr (world_state<Scenario>::law::correction)
+      if constexpr (world_state<Scenario>::law::correction &&
+                    !uses_substeps<typename Scenario::solver>)
         free = turned<real>(last, -s.dt * s.solver.turn[k - s.solver.first_tensor].w);
       const real spin = twice_spin_energy(store, i, free, w);
       r.running.scheme += 0.5 * spin;
