@@ -35,6 +35,7 @@ class exact_joints {
  public:
   exact_joints(State&, Ranks&) {}
   void solve(State&) {}
+  void share_loads() {}
   void sweep(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
     sweep_interior(lists, s, forward, more, ranks);
   }
@@ -59,6 +60,8 @@ class exact_joints<Lists, State, Ranks, Coloured, true> {
     joints_.solve(solver_bodies(s));
     if constexpr (!std::remove_cvref_t<Ranks>::alone && !Coloured) ranks_.share_velocities();
   }
+  /// After the last of these in a step.
+  void share_loads() { joints_.share_loads(); }
   /// As sweep_interior: the contacts one after the other, and then the joints.
   void sweep(Lists& lists, State& s, bool forward, bool, Ranks& ranks) {
     each_swept(lists, ranks,
