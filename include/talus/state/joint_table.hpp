@@ -120,11 +120,10 @@ struct joint_end {
   quat orientation{1, 0, 0, 0};
   vec3 velocity{0, 0, 0}, spin{0, 0, 0};
   real inverse_mass = 0;
+  real radius = 0;  ///< of its bounding sphere, if it moves
 
   /// Neither fixed nor global, awake or not.
   [[nodiscard]] bool movable() const { return inverse_mass != 0; }
-  real radius = 0;  ///< of its bounding sphere, if it moves
-
   /// The lever of a joint on it, at least its size; 0 if it does not move.
   [[nodiscard]] real lever(const vec3& arm) const {
     return moves ? std::max(arm.norm(), radius) : real(0);
