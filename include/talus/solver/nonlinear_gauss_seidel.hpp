@@ -58,11 +58,13 @@ struct nonlinear_gauss_seidel final {
     detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>> joints(s, ranks);
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
-    const bool settled =
-        alone && !detail::has_joints<Lists> && looks && s.islands.settled() && !watch.monitored();
+    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
+                         !s.impacts && !watch.monitored();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
+      if (detail::releases_in(k))
+        detail::each_swept(lists, ranks, [&](auto& list) { list.release(s); });
       if constexpr (!alone) {
         detail::each_swept(lists, ranks, [&](auto& list) { list.relax_boundary(s); });
         detail::each_swept(lists, ranks, [&](auto& list) { list.apply_boundary(s); });
