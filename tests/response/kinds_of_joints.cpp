@@ -65,3 +65,21 @@ TEST_CASE("point_on_plane obeys the laws of joints") {
     return point_on_plane{.at = any_vector(random, 2), .normal = any_vector(random, 1)};
   });
 }
+
+TEST_CASE(
+    "a row with bounds keeps them exactly for any target, and the other rows of its joint hold") {
+  laws::for_random<hinge>([](laws::jointed_pair p, int a, int b, random_stream& random) {
+    const hinge kind{
+        .at = any_vector(random, 2),
+        .axis = any_vector(random, 1),
+        .motor = {.velocity = random.uniform(0, 1) < 0.5 ? 1e308 : -1e30, .largest_torque = 3},
+        .friction = 1};
+    auto c = laws::row_of(kind, p, a, b);
+    c.apply(p.s, c.relax(p.s));
+    const auto r = c.impulse_in_frame();
+    CHECK(std::abs(r[c.rows - 2]) == 3 * 1e-2);
+    CHECK(std::abs(r[c.rows - 1]) <= 1e-2);
+    const auto u = c.relative_velocity(p.s);
+    for (int k = 0; k < 5; ++k) CHECK(std::abs(u[k]) < 1e-12);
+  });
+}

@@ -23,6 +23,7 @@
 #include <talus/observe/digest.hpp>
 #include <talus/observe/joints.hpp>
 #include <talus/observe/motion.hpp>
+#include <talus/observe/summary.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/shape/box.hpp>
@@ -329,7 +330,7 @@ TEST_CASE("a fixed body of another rank can be destroyed when its weld has broke
       const auto seam = add_welded(w, stuff, breaks ? 1e-3 : 1e3);
       const auto remove = [&w] { w.destroy_if([](const auto& b) { return b.is_fixed(); }); };
       return acts{.before =
-                      [=](int k) {
+                      [&w, remove, breaks](int k) {
                         if (k != 20) return;
                         bool here = false;
                         w.for_each_local([&](const auto& b) { here = here || b.is_fixed(); });
@@ -362,6 +363,42 @@ TEST_CASE("two bodies may have joints of different kinds") {
       if (kinds < 2) (void)w.join(a, b, ball_joint{});
       if (kinds == 2) (void)w.join(a, b, hinge{}), (void)w.join(a, b, spring);
       return acts{};
+    });
+  }
+}
+
+TEST_CASE("a joint that its anchors tear open is named in a warning, on any ranks alike") {
+  for (const int ranks : {1, 2, 4}) {
+    CAPTURE(ranks);
+    threads::launch({.ranks = ranks}, [&](threads::link& link) {
+      world<machine<nonlinear_gauss_seidel>> w(link, square_cells(ranks));
+      const auto stuff = w.material({.density = 1});
+      const auto ball = [&](const vec3& at, bool fixed) {
+        return w.add_if_local(
+            body{.shape = sphere{0.2}, .position = at, .material = stuff, .fixed = fixed});
+      };
+      const auto left = ball({-0.8, 0.3, 0}, true), right = ball({0.8, 0.3, 0}, true),
+                 middle = ball({0.1, 0.3, 0}, false);
+      (void)w.join(left, middle, hinge{.at = {-0.4, 0.3, 0}});
+      (void)w.join(middle, right, hinge{.at = {0.4, 0.3, 0}});
+      for (int k = 1; k <= 20; ++k) {
+        if (right) w[*right].translate({0.01, 0, 0});
+        w.step(1e-2);
+      }
+      const joint_errors errors = measure_joints(w);
+      CHECK(errors.joints == 2);
+      CHECK(errors.gap == doctest::Approx(0.1).epsilon(0.01));
+      const detail::open_joint worst = detail::worst_open_joint(w);
+      CHECK(worst.step == 20);
+      CHECK(worst.gap == doctest::Approx(0.1).epsilon(0.01));
+      const std::string said = detail::warnings_of_scales({.bodies = 3,
+                                                           .movable = 1,
+                                                           .steps = 20,
+                                                           .dt = 0.01,
+                                                           .gravity = 10,
+                                                           .radius = 1,
+                                                           .joint = worst});
+      CHECK(said.find("in step 20 the hinge of body ") != said.npos);
     });
   }
 }

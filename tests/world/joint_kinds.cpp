@@ -4,9 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <talus/constraint/ball_joint.hpp>
 #include <talus/constraint/cylindrical_joint.hpp>
 #include <talus/constraint/fixed_joint.hpp>
@@ -23,6 +25,7 @@
 #include <talus/observe/motion.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/shape/box.hpp>
+#include <talus/world/each_joint.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 
@@ -248,6 +251,150 @@ TEST_CASE("a velocity motor turns at its speed, or with its largest torque") {
     for (int k = 0; k < 20000; ++k) w.step(1e-3);
     CHECK(pin.angle() == doctest::Approx(1).epsilon(1e-6));
     CHECK(measure_energy(w).worst < 1e-11);
+  });
+}
+
+TEST_CASE("a motor whose velocity is out of reach applies its largest torque, for any target") {
+  const auto spins = []<class Scenario>(Scenario*, real target, real ratio) {
+    in_world<Scenario>([&](auto& w, material_id stuff) {
+      w.gravity({0, 0, 0});
+      const auto h = add_brick(w, stuff, {0, 0, 0});
+      const auto pin =
+          w.join(world_frame, h, hinge{.motor = {.velocity = target, .largest_torque = 0.01}});
+      real inertia = mass * brick.inertia()[2];
+      if (ratio != 0) {
+        const auto other = add_brick(w, stuff, {0, 0, 3});
+        (void)w.join(world_frame, other, hinge{.at = {0, 0, 3}});
+        (void)w.join(h, other, gear{.ratio = ratio});
+        inertia *= 1 + ratio * ratio;
+      }
+      for (int k = 0; k < 100; ++k) w.step(1e-2);
+      const real spin = std::copysign(0.01 / inertia, target);
+      CHECK(w[h].angular_velocity()[2] == doctest::Approx(spin).epsilon(1e-12));
+      CHECK(std::abs(pin.torque()[2]) <= 0.01 * (1 + 1e-12));
+      CHECK(measure_joints(w).gap < 1e-12);
+    });
+  };
+  for (const real target : {1e3, -1e9, 1e12, 1e30, -1e300, 1.7e308})
+    for (const real ratio : {0., -100.}) {
+      CAPTURE(target);
+      CAPTURE(ratio);
+      spins(static_cast<first_order*>(nullptr), target, ratio);
+      spins(static_cast<second_order*>(nullptr), target, ratio);
+    }
+}
+
+TEST_CASE("friction beyond the largest torque of a motor holds, with all of that torque") {
+  in_world([](auto& w, material_id stuff) {
+    w.gravity({0, 0, 0});
+    const auto h = add_brick(w, stuff, {0, 0, 0}), k = add_brick(w, stuff, {3, 0, 0});
+    const auto held = w.join(
+        world_frame, h, hinge{.motor = {.velocity = 2, .largest_torque = 50}, .friction = 100});
+    const auto turns = w.join(
+        world_frame, k,
+        hinge{.at = {3, 0, 0}, .motor = {.velocity = 2, .largest_torque = 100}, .friction = 50});
+    for (int n = 0; n < 20; ++n) w.step(1e-3);
+    CHECK(std::abs(w[h].angular_velocity()[2]) < 1e-12);
+    CHECK(w[k].angular_velocity()[2] == doctest::Approx(2).epsilon(1e-12));
+    CHECK(held.torque().norm() < 1e-9);  // both together
+    CHECK(turns.torque().norm() < 1e-9);
+  });
+}
+
+TEST_CASE("a drive that takes a joint from limit to limit within a step opens no joint") {
+  in_world([](auto& w, material_id stuff) {
+    for (int n = 0; n < 12; ++n) {
+      const vec3 at(0, 3 * n, 0);
+      const box beam{.size = {0.8, 0.4, 0.4}};
+      const auto h = *w.add_if_local(body{.shape = beam, .position = at, .material = stuff});
+      const real target = std::pow(10.0, n / 4) * (n % 2 == 0 ? 0.9 : -0.8);
+      (void)w.join(world_frame, h,
+                   hinge{.at = at + vec3(0.5 - 0.1 * n, 0.1, 0.02 * n),
+                         .axis = {0.1 * n, 1, 0.3},
+                         .limits = {-0.34, 0.26, 1},
+                         .motor = {.largest_torque = no_limit,
+                                   .position = target,
+                                   .stiffness = 1.8e7,
+                                   .damping = 140}});
+    }
+    for (int k = 0; k < 60; ++k) {
+      w.step(1. / 60);
+      const joint_errors errors = measure_joints(w);
+      CHECK(errors.gap < 1e-12);
+      CHECK(errors.angle < 0.02);  // of the limits, by the step
+    }
+    CHECK(detail::state_of(w).joints.opening.step == 0);
+  });
+}
+
+TEST_CASE("redundant joints share their load by the least norm") {
+  // Two spheres circle about each other: the load of the joint between them lies along the arm.
+  const auto loads = [](bool twice, bool first) {
+    std::array<std::vector<vec3>, 2> found;
+    in_world([&](auto& w, material_id stuff) {
+      w.gravity({0, 0, 0});
+      const auto ball = [&](const vec3& at) {
+        return *w.add_if_local(body{.shape = sphere{0.3}, .position = at, .material = stuff});
+      };
+      const auto a = ball({-0.5, 0, 0}), b = ball({0.5, 0, 0});
+      const point_on_plane plane{.normal = {1, 0, 0}};
+      if (twice && first) (void)w.join(a, b, plane);
+      const auto pin = w.join(a, b, ball_joint{});
+      if (twice && !first) (void)w.join(a, b, plane);
+      w[a].set_velocity({0, -2, 0}), w[b].set_velocity({0, 2, 0});
+      for (const auto h : {a, b}) w[h].set_angular_velocity({0, 0, 4});
+      for (int k = 0; k < 100; ++k) {
+        w.step(1e-2);
+        found[0].push_back(pin.force());
+        if (twice)
+          for_each_joint(w, [&](const joint_in_world& x) {
+            if (std::string_view(x.name) == point_on_plane::name) found[1].push_back(x.force);
+          });
+      }
+      CHECK(measure_joints(w).gap < 1e-13);
+    });
+    return found;
+  };
+  const auto whole = loads(false, false)[0];
+  for (const bool first : {true, false}) {
+    const auto [on_pin, on_plane] = loads(true, first);
+    REQUIRE(on_plane.size() == whole.size());
+    for (std::size_t k = 0; k < whole.size(); ++k) {
+      const real size = whole[k].norm();
+      CHECK((on_pin[k] + on_plane[k] - whole[k]).norm() < 1e-9 * size);
+      CHECK(on_pin[k].norm() < size * (1 + 1e-9));
+      CHECK(on_plane[k].norm() < 0.51 * size);
+    }
+    CHECK((on_pin[0] - 0.5 * whole[0]).norm() < 1e-9 * whole[0].norm());
+  }
+}
+
+TEST_CASE("joints that contradict each other share the opening, and the worst is noted") {
+  in_world([](auto& w, material_id stuff) {
+    const auto fixed = [&](const vec3& at) {
+      return *w.add_if_local(
+          body{.shape = sphere{0.2}, .position = at, .material = stuff, .fixed = true});
+    };
+    const auto left = fixed({-0.8, 0, 0}), right = fixed({0.8, 0, 0}), below = fixed({-2, 0, -3});
+    const auto beam = add_brick(w, stuff, {0, 0, 0});
+    (void)w.join(left, beam, ball_joint{.at = {-0.5, 0, 0}});
+    (void)w.join(right, beam, ball_joint{.at = {0.5, 0, 0}});
+    const auto loose = add_brick(w, stuff, {-2, 0, -5}), other = add_brick(w, stuff, {2, 0, -5});
+    (void)w.join(below, loose, rod{.from = {-2, 0, -3}, .to = {-2, 0, -5}});
+    (void)w.join(loose, other, gear{.ratio = 3});  // nothing holds its axes
+    w[loose].set_angular_velocity({3, 2, 1}), w[other].set_angular_velocity({-1, 2, 3});
+    for (int k = 1; k <= 100; ++k) {
+      w[right].translate({0.01, 0, 0});
+      w.step(1e-2);
+      CHECK(measure_joints(w).gap == doctest::Approx(0.005 * k).epsilon(1e-3));
+      CHECK(std::abs(w[beam].velocity()[0]) < 1);
+      CHECK(w[loose].angular_velocity().norm() < 20);
+      CHECK(w[other].angular_velocity().norm() < 20);
+    }
+    const detail::joint_opening& worst = detail::state_of(w).joints.opening;
+    CHECK(worst.step == 100);
+    CHECK(worst.gap == doctest::Approx(0.5).epsilon(1e-3));
+    CHECK((worst.key.b == beam.id && (worst.key.a == left.id || worst.key.a == right.id)));
   });
 }
 

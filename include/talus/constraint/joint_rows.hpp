@@ -237,6 +237,13 @@ struct joint_rows {
     std::array<at, static_cast<std::size_t>(rows)> held{};
     change d;
     const auto rest = system;
+    for (std::size_t k = 0; k < held.size(); ++k) {  // out of reach by itself
+      const real w = rest.a[k][k];
+      if (lines[k].use == line_use::off || !lines[k].bounded() || !(w > 0)) continue;
+      const real alone = r.at[k] + rest.b[k] / w;
+      if (alone < lines[k].least) held[k] = at::least;
+      if (alone > lines[k].most) held[k] = at::most;
+    }
     constexpr int tries = 4 * rows;
     for (int round = 0; round < tries; ++round) {
       small_system<rows> now = rest;

@@ -15,6 +15,7 @@
 #include "talus/observe/summary_json.hpp"
 #include "talus/observe/summary_text.hpp"
 #include "talus/state/contact_count.hpp"
+#include "talus/state/joint_table.hpp"
 
 namespace talus {
 
@@ -44,6 +45,38 @@ template <class Scenario>
   const bool it = as_large && static_cast<double>(mine.step) == first;
   return {static_cast<std::uint64_t>(first), largest(it ? mine.before : 0),
           largest(it ? mine.after : 0)};
+}
+
+/// Collective: the joint that opened farthest on any rank.
+template <class Scenario>
+[[nodiscard, gnu::cold]] open_joint worst_open_joint(world<Scenario>& w) {
+  auto& s = state_of(w);
+  const joint_opening& mine = s.joints.opening;
+  std::array<double, 2> most{mine.part, 0};
+  w.link().reduce(reduction::max, std::span(most).first(1));
+  if (most[0] == 0) return {};
+  const bool worst = mine.part == most[0];
+  most[1] = worst ? w.ranks() - w.rank() : 0;  // the first of several
+  w.link().reduce(reduction::max, std::span(most).last(1));
+  const bool it = worst && most[1] == w.ranks() - w.rank();
+  std::array<std::uint64_t, 4> all{};
+  if (it) all = {mine.step, mine.kind, value_of(mine.key.a), value_of(mine.key.b)};
+  double gap = it ? mine.gap : 0;
+  w.link().reduce(reduction::max, std::span(all));
+  w.link().reduce(reduction::max, std::span(&gap, 1));
+  const auto name = [](std::uint64_t id) {
+    return id == value_of(id_of_world) ? std::string("the world")
+                                       : compose("body {}", system_id{id});
+  };
+  open_joint x{.step = all[0],
+               .bodies = compose("{} and {}", name(all[2]), name(all[3])),
+               .part = most[0],
+               .gap = gap};
+  std::uint64_t kinds = 0;
+  s.joints.each_kind([&](const auto& of_kind) {
+    if (kinds++ == all[1]) x.kind = std::remove_cvref_t<decltype(of_kind)>::kind::name;
+  });
+  return x;
 }
 
 /// The number of steps per contact of a soft scenario, and its stability.
@@ -80,6 +113,7 @@ template <class Scenario>
   r.followed = Scenario::template has_feature<continuous_collision>;
   r.may_follow = !Scenario::contact_law::soft && !detail::world_state<Scenario>::midpoint;
   if constexpr (detail::world_state<Scenario>::drives) r.leap = detail::largest_leap_of(w);
+  if constexpr (detail::world_state<Scenario>::has_joints) r.joint = detail::worst_open_joint(w);
   r.gravity = w.gravity().norm();
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);

@@ -15,6 +15,7 @@
 #include "talus/observe/motion.hpp"
 #include "talus/observe/penetration.hpp"
 #include "talus/observe/residual.hpp"
+#include "talus/observe/warnings_of_scales.hpp"
 #include "talus/state/speed_leap.hpp"
 #include "talus/world/world.hpp"
 
@@ -42,6 +43,7 @@ struct summary {
   bool followed = false;         ///< whether fast bodies are followed: continuous_collision
   bool may_follow = false;       ///< whether the scenario could name that feature
   detail::speed_leap leap;       ///< the largest leap of a body's speed by contacts
+  detail::open_joint joint;      ///< the joint that opened farthest
   double gravity = 0;            ///< its size
   motion moving;
   penetration overlap;

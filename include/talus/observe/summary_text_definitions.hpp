@@ -106,7 +106,8 @@ TALUS_INLINE std::string to_text(const summary& r) {
                                          .followed = r.followed,
                                          .may_follow = r.may_follow,
                                          .soft = soft(r),
-                                         .leap = r.leap});
+                                         .leap = r.leap,
+                                         .joint = r.joint});
   warning += detail::islands_warning(r.islands);
   own = detail::islands_line(r.islands) + own;
   const std::string asleep =

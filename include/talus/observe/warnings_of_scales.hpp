@@ -9,6 +9,15 @@
 
 namespace talus::detail {
 
+/// The joint that opened farthest in a run, if by more than a hundredth of its arm.
+struct open_joint {
+  std::uint64_t step = 0;  ///< 0: none
+  std::string kind;
+  std::string bodies;  ///< as "body 3 and the world"
+  double part = 0;     ///< the gap over the arm, or the error of an angle
+  double gap = 0;      ///< length
+};
+
 /// The scales of a run. Lengths and times in the units of the scene.
 struct run_scales {
   std::uint64_t bodies = 0, movable = 0, steps = 0;
@@ -20,6 +29,7 @@ struct run_scales {
   bool may_follow = false;  ///< or could be, with the other policies of the scenario
   bool soft = false;        ///< the step follows from stiffness
   speed_leap leap;          ///< the largest of all ranks; a step of 0: none
+  open_joint joint;
 };
 
 /// Fractions of the mean radius by which gravity, and the fastest body, may move a body in a step.

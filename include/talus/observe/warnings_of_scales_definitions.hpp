@@ -39,6 +39,13 @@ TALUS_INLINE std::string warnings_of_scales(const run_scales& r) {
         "than {}: perhaps something was caught between a driven body and what stands still, and "
         "came free; leave it room (twice the largest body), or press with world.hold_force\n",
         r.leap.step, text(r.leap.after, 3), text(r.leap.before, 3));
+  if (r.joint.step > 0)
+    all += compose(
+        "  warning  in step {} the {} of {} was open by {}, {} of its arm or as an angle: joints "
+        "or "
+        "driven bodies may contradict each other, or bodies turn too far in one step; remove a "
+        "joint, or take a smaller dt\n",
+        r.joint.step, r.joint.kind, r.joint.bodies, text(r.joint.gap, 3), text(r.joint.part, 3));
   return all;
 }
 

@@ -225,7 +225,7 @@ class moved_joints {
   template <class Write, class Left>
   bool close(Write&& write, Left&& left) {
     constexpr int most = 30, most_idle = 3, most_parts = 6;
-    constexpr real small = 1e-12;
+    constexpr real small = 1e-12, far = 0.5;
     plain_vector<joint_end> best = ends;
     real least = unbounded, first = 0, part = 1, remains = 0;
     for (int k = 0, idle = 0, parts = 0; k < most; ++k) {
@@ -243,6 +243,14 @@ class moved_joints {
         if (worst <= enough || idle > most_idle) break;
         bodies.clear();
         solve(k == 0);
+        if (const real turn = largest_turn(); turn > far) {  // too far for rows at one orientation
+          for (std::size_t i = 0; i < of.size(); ++i)
+            if (of[i].end.moves)
+              bodies.stiffen(static_cast<std::int32_t>(i),
+                             (turn / far) * mat3(of[i].inverse_inertia.inverse()));
+          bodies.clear();
+          solve(true);
+        }
       } else {
         if (worst <= small || ++parts > most_parts) break;
         ends = best, part *= real(0.25);
@@ -263,6 +271,12 @@ class moved_joints {
   static constexpr real enough = 4e-15;
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+  [[nodiscard]] real largest_turn() const {
+    real turn = 0;
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      turn = std::max(turn, bodies.motion(static_cast<std::int32_t>(i)).w.norm());
+    return turn;
+  }
   void solve(bool first) {
     impulses_.assign(impulses_.size(), 0);
     if (first) {

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "talus/core/math.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/solver/direct/block_product.hpp"

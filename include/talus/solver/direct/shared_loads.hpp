@@ -1,0 +1,105 @@
+#pragma once
+// Loads of joints whose rows depend on each other: the impulses of least norm.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "talus/constraint/joint_line.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/solver/direct/articulated_rows.hpp"
+#include "talus/solver/direct/articulated_system.hpp"
+
+namespace talus::detail {
+
+/// Of all impulses of conditions on positions that give the bodies the same momenta, the solution
+/// of least norm, where the square of an impulse counts by the mobility of its row. It is that of
+/// springs with the mobilities as compliances, which bear the momenta.
+class shared_loads {
+ public:
+  /// `structure` has been arranged for these rows.
+  shared_loads(articulated_rows& rows, const articulated_system& structure)
+      : rows_(rows), springs_(structure) {}
+
+  /// Replaces the impulses, if the solution is as exact as they are.
+  void find() {
+    constexpr real weak = 1e-8, enough = 1e-15, useful = 1e-12;
+    constexpr int most = 20;
+    // Rows as springs with their mobilities as compliances, which bear the momenta; bodies as weak
+    // springs keep the matrix regular.
+    springs_.clear();
+    rows_.set_bodies(springs_, weak);
+    plain_vector<real> loads(springs_.size(), 0), left, x(springs_.size(), 0);
+    each_shared([&](std::size_t j, std::size_t k, const joint_line& line, real& r, real w) {
+      articulated_rows::set_row(springs_, j, k, line, w, w);
+      add_momenta(j, line, r, loads);
+    });
+    springs_.factorize();
+    const auto size_of = [&](const plain_vector<real>& all, std::size_t from) {
+      real sum = 0;
+      for (std::size_t i = 0; i < rows_.bodies.size(); ++i)
+        for (std::size_t k = from; k < from + 3; ++k)
+          sum = std::max(sum, std::abs(all[springs_.of_body(static_cast<std::int32_t>(i)) + k]));
+      return sum;
+    };
+    const real push = size_of(loads, 0), turn = size_of(loads, 3);
+    real last = unbounded;
+    for (int pass = 0; pass < most; ++pass) {
+      left = loads;
+      each_shared([&](std::size_t j, std::size_t k, const joint_line& line, real&, real w) {
+        const std::size_t row = springs_.of_joint(static_cast<std::int32_t>(j)) + k;
+        add_momenta(j, line, -x[row], left);
+        left[row] = w * x[row] - of_bodies(j, line, x);
+      });
+      const real worst = std::max(push > 0 ? size_of(left, 0) / push : real(0),
+                                  turn > 0 ? size_of(left, 3) / turn : real(0));
+      const bool slow = pass > 1 && !(worst < real(0.5) * last);
+      last = worst;
+      if (worst <= enough || slow) break;
+      springs_.solve(left);
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] += left[i];
+    }
+    if (last <= useful)
+      each_shared([&](std::size_t j, std::size_t k, const joint_line&, real& r, real) {
+        r = x[springs_.of_joint(static_cast<std::int32_t>(j)) + k];
+      });
+  }
+
+ private:
+  /// Calls f(joint, row, line, impulse, mobility) for the rows that only the motion determines.
+  template <class F>
+  void each_shared(F&& f) {
+    rows_.each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      if (x.use != line_use::holds) return;
+      if (const real w = rows_.mobility(j, x); w > 0) f(j, k, x, r, w);
+    });
+  }
+  /// Adds the momenta that an impulse gives to the bodies.
+  void add_momenta(std::size_t j, const joint_line& x, real r, plain_vector<real>& to) const {
+    const auto add = [&](std::int32_t i, real p, const vec3& moment) {
+      if (i < 0) return;
+      real* at_body = to.data() + springs_.of_body(i);
+      for (int k = 0; k < 3; ++k) at_body[k] += p * x.force[k], at_body[3 + k] += p * moment[k];
+    };
+    add(rows_.ties[j].a, r, x.moment_a), add(rows_.ties[j].b, -r, x.moment_b);
+  }
+  /// The velocity of a row by those of its bodies.
+  [[nodiscard]] real of_bodies(std::size_t j, const joint_line& x,
+                               const plain_vector<real>& from) const {
+    real sum = 0;
+    const auto add = [&](std::int32_t i, real sign, const vec3& moment) {
+      if (i < 0) return;
+      const real* at_body = from.data() + springs_.of_body(i);
+      for (int k = 0; k < 3; ++k)
+        sum += sign * (x.force[k] * at_body[k] + moment[k] * at_body[3 + k]);
+    };
+    add(rows_.ties[j].a, 1, x.moment_a), add(rows_.ties[j].b, -1, x.moment_b);
+    return sum;
+  }
+
+  articulated_rows& rows_;
+  articulated_system springs_;
+};
+
+}  // namespace talus::detail
