@@ -42,6 +42,10 @@ class manifold_blocks {
     fill(contacts, spare);
     each([&](block& b) { work::prepare(b, layers_of(b), s); });
   }
+  /// After tensors of inertia have changed.
+  void prepare_again(const solver_state& s) {
+    each([&](block& b) { work::prepare(b, layers_of(b), s); });
+  }
   void sweep_forward(solver_state& s) {
     const auto silent = [](auto&&...) {};
     each([&](block& b) { work::template sweep<true, false>(b, layers_of(b), s, silent); });
@@ -136,6 +140,11 @@ class contact_manifolds {
     }
     blocks_.prepare(contacts, spare_, s);
     large_.prepare(contacts, spare_, s);
+  }
+  /// Prepares the same contacts, after tensors of inertia or rates of the correction have changed.
+  void prepare_again(const solver_state& s) {
+    impulses_change();
+    blocks_.prepare_again(s), large_.prepare_again(s);
   }
   /// Applies all impulses of the contacts, which need not be prepared, to the bodies.
   static void apply_all(const plain_vector<Contact>& contacts, solver_state& s) {

@@ -34,6 +34,7 @@ class contact_row {
   void prepare(const state& s) {
     for (Contact& c : contacts_) c.prepare(s, 1, 1);
   }
+  void prepare_again(const state& s) { prepare(s); }
   void apply(state& s) const {
     for (const Contact& c : contacts_) c.apply(s, c.impulse_in_frame());
   }

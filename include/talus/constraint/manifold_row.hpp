@@ -22,6 +22,7 @@ class manifold_row : public contact_row<Contact> {
     contact_row<Contact>::edit(i, f);
   }
   void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
+  void prepare_again(const state& s) { manifolds_.prepare_again(s); }
   void apply(state& s) const { manifolds_.apply_all(this->contacts_, s); }
   void forward(state& s) { manifolds_.sweep_forward(s); }
   void backward(state& s) { manifolds_.sweep_backward(s); }

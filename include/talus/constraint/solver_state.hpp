@@ -47,6 +47,7 @@ struct rotated_body {
   quat orientation{1, 0, 0, 0};
   vec3 inertia{0, 0, 0};  ///< principal moments, over the mass
   real time = 0;          ///< of a substep; 0 for a body that the solver does not rotate
+  real waiting = 0;       ///< time for which it is still to be rotated, without the last substep
   // By contacts and joints, over the mass:
   vec3 angular_impulse{0, 0, 0};
   real work = 0;

@@ -257,6 +257,12 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     for (; i < interior(); ++i) edit_interior(i, [&](Contact& c) { f(c, i); });
     for (std::size_t k = 0; k < boundary_.size(); ++k) f(boundary_[k], i++);
   }
+  /// After tensors of inertia or rates of the correction have changed.
+  void prepare_again(const state& s) {
+    for (part* p : {&inner_, &border_}) p->row.prepare_again(s);
+    boundary_.prepare(s);
+  }
+
   // For solvers that treat all contacts simultaneously.
 
   void count_all(state& s) const {

@@ -76,13 +76,12 @@ struct substepping final {
         if (j > 0)
           if (detail::rotated_body* body = s.rotated_at(i)) {
             book(*body, given[i].w, last[i].w, w);
-            rotate(s, i, *body, given[i].w);
-            rotates = true;
+            rotates = rotate(s, i, *body, given[i].w) || rotates;
           }
         last[i] = {v, w};
         v += part * s.gain[i].v, w += part * s.gain[i].w;
       }
-      if (rotates) prepare_tensors<alone, true>(lists, s);
+      if (rotates) prepare_tensors<true>(lists, s);
       detail::convergence<Lists, Ranks> watch(lists, s, once, ranks);
       if (j == 0) {
         each([&](auto& list) { list.warm_start(s); });
@@ -99,7 +98,7 @@ struct substepping final {
       done.iterations += now.iterations;
       if (!(done.residual >= now.residual)) done.residual = now.residual;
       each_with(lists, courses,
-                [&](auto& list, auto& of) { finish_impacts(list, of, s, 2 * part * s.speed); });
+                [&](auto& list, auto& of) { finish_impacts(list, of, s, 2 * s.speed); });
       for (std::size_t i = 0; i < bodies; ++i)
         s.drift[i].v += s.bodies[i].v, s.drift[i].w += s.bodies[i].w;
     }
@@ -117,13 +116,15 @@ struct substepping final {
       list.each_numbered([&](auto& c, std::size_t i) { of[i].finish(c, s, part); });
     });
     if (correct) {
-      prepare_tensors<alone, false>(lists, s);  // the rates of the correction have changed
+      prepare_tensors<false>(lists, s);  // the rates of the correction have changed
       detail::correct_overlaps(lists, s, settings, ranks);
     }
     return done;
   }
 
  private:
+  static constexpr real smallest_angle = 1e-8;  ///< rad, in which bodies rotate
+
   template <class List>
   static auto courses_of(List& list, const detail::solver_state& s, real part, real held,
                          detail::plain_vector<char>& bound) {
@@ -146,27 +147,29 @@ struct substepping final {
     body.work += real(0.5) * p.dot(before + after);
   }
   /// Rotates a body, free, for the time of a substep. Angular impulses stay the same, in the world,
-  /// and so `given` and the gain by torques change.
-  static void rotate(detail::solver_state& s, std::size_t i, detail::rotated_body& body,
+  /// and so `given` and the gain by torques change. Angles near round-off wait for those to come.
+  static bool rotate(detail::solver_state& s, std::size_t i, detail::rotated_body& body,
                      vec3& given) {
     auto& [v, inverse_mass, w, inverse_inertia] = s.bodies[i];
+    body.waiting += body.time;
+    if (body.waiting * w.norm() < smallest_angle) return false;
     const vec3 by_contacts = body.momentum(given), by_torques = body.momentum(s.gain[i].w);
-    w = detail::rotate_freely(body.orientation, w, body.inertia, body.time);
+    w = detail::rotate_freely(body.orientation, w, body.inertia, body.waiting);
+    body.waiting = 0;
     const mat3 per_mass =
         detail::inverse_tensor(body.orientation, vec3(body.inertia.cwiseInverse()));
     s.tensors[i - s.first_tensor] = inverse_mass * per_mass;
     given = per_mass * by_contacts;
     if (by_torques != vec3(0, 0, 0)) s.gain[i].w = per_mass * by_torques;
+    return true;
   }
   /// Contacts, and `Joints`, of bodies with a tensor of inertia.
-  template <bool Alone, bool Joints, class Lists>
+  template <bool Joints, class Lists>
   static void prepare_tensors(Lists& lists, detail::solver_state& s) {
     detail::each_of(lists, [&](auto& list) {
       using contact = typename std::remove_cvref_t<decltype(list)>::contact_type;
-      if constexpr (detail::turns_bodies<contact> && (Joints || !detail::is_joint<contact>)) {
-        list.prepare_interior(s);
-        if constexpr (!Alone) list.prepare_boundary(s);
-      }
+      if constexpr (detail::turns_bodies<contact> && (Joints || !detail::is_joint<contact>))
+        list.prepare_again(s);
     });
   }
 
@@ -194,7 +197,7 @@ struct substepping final {
                              detail::solver_state& s) {
     using contact = typename List::contact_type;
     constexpr auto interior = detail::contact_part::interior;
-    constexpr int most = 200;
+    constexpr int most = 50;
     const auto each = [&](auto&& f) {
       for (std::size_t i = first; i < last; ++i) list.edit(interior, i, f);
     };
@@ -208,7 +211,7 @@ struct substepping final {
         change = std::max(change, c.speed_of(d));
       });
       largest = std::max(largest, change);
-      if (!(change > real(1e-13) * largest)) return;
+      if (!(change > real(1e-10) * largest)) return;
     }
   }
   template <class Lists, class Others, class F>

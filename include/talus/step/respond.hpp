@@ -230,7 +230,7 @@ void integrate(world_state<Scenario>& s) {
       } else if constexpr (store_type::tensor) {
         if constexpr (divided)  // the last of its substeps is left
           if (const rotated_body* last = solver.rotated_at(b.first + i))
-            store.orientation_of[i] = last->orientation, left = last->time;
+            store.orientation_of[i] = last->orientation, left = last->waiting + last->time;
         store.angular_velocity[i] = rotate_freely(
             store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), left);
         if constexpr (divided)  // others must not take an orientation with another energy
