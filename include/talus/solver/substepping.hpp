@@ -98,7 +98,7 @@ struct substepping final {
       done.iterations += now.iterations;
       if (!(done.residual >= now.residual)) done.residual = now.residual;
       each_with(lists, courses,
-                [&](auto& list, auto& of) { finish_impacts(list, of, s, 2 * s.speed); });
+                [&](auto& list, auto& of) { finish_impacts(list, of, s, 2 * part * s.speed); });
       for (std::size_t i = 0; i < bodies; ++i)
         s.drift[i].v += s.bodies[i].v, s.drift[i].w += s.bodies[i].w;
     }
