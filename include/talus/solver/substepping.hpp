@@ -201,8 +201,11 @@ struct substepping final {
     const auto each = [&](auto&& f) {
       for (std::size_t i = first; i < last; ++i) list.edit(interior, i, f);
     };
-    each([&](contact& c) { c.prepare(s, 1, 1); });
     real largest = 0;
+    each([&](contact& c) {
+      c.prepare(s, 1, 1);
+      largest = std::max(largest, c.speed_of(c.impulse_in_frame()));
+    });
     for (int k = 0; k < most; ++k) {
       real change = 0;
       each([&](contact& c) {
@@ -210,7 +213,6 @@ struct substepping final {
         c.apply(s, d);
         change = std::max(change, c.speed_of(d));
       });
-      largest = std::max(largest, change);
       if (!(change > real(1e-10) * largest)) return;
     }
   }
