@@ -98,7 +98,7 @@ struct substepping final {
       done.iterations += now.iterations;
       if (!(done.residual >= now.residual)) done.residual = now.residual;
       each_with(lists, courses,
-                [&](auto& list, auto& of) { finish_impacts(list, of, s, 2 * s.speed); });
+                [&](auto& list, auto& of) { finish_impacts(list, of, s, 2 * part * s.speed); });
       for (std::size_t i = 0; i < bodies; ++i)
         s.drift[i].v += s.bodies[i].v, s.drift[i].w += s.bodies[i].w;
     }
@@ -201,8 +201,11 @@ struct substepping final {
     const auto each = [&](auto&& f) {
       for (std::size_t i = first; i < last; ++i) list.edit(interior, i, f);
     };
-    each([&](contact& c) { c.prepare(s, 1, 1); });
     real largest = 0;
+    each([&](contact& c) {
+      c.prepare(s, 1, 1);
+      largest = std::max(largest, c.speed_of(c.impulse_in_frame()));
+    });
     for (int k = 0; k < most; ++k) {
       real change = 0;
       each([&](contact& c) {
@@ -210,7 +213,6 @@ struct substepping final {
         c.apply(s, d);
         change = std::max(change, c.speed_of(d));
       });
-      largest = std::max(largest, change);
       if (!(change > real(1e-10) * largest)) return;
     }
   }
