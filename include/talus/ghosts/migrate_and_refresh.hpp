@@ -190,7 +190,9 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
     for (std::size_t n = 0; n < to.size(); ++n)
       byte_writer(s.neighbour_messages[n].out).put(std::span<const stored_entry>(to[n]));
   });
-  if constexpr (world_state<Scenario>::has_joints) send_joints(s, find);
+  bool new_joints = !leaving.empty();
+  if constexpr (world_state<Scenario>::has_joints)
+    new_joints = send_joints(s, after_step, find) || new_joints;
 
   for (std::size_t n = 0; n < s.neighbour_messages.size(); ++n) seal_message(s, n, true);
   s.link->start(s.neighbour_messages);
@@ -225,11 +227,12 @@ std::size_t migrate(world_state<Scenario>& s, bool after_step) {
           history.add_arrived(c.key, c.memory);
     };
     each_migrating_history(s, receive);
-    if constexpr (world_state<Scenario>::has_joints) receive_joints(s, in);
+    if constexpr (world_state<Scenario>::has_joints)
+      new_joints = receive_joints(s, in) || new_joints;
     close_message(s, n, in);
   }
   if constexpr (world_state<Scenario>::has_joints)
-    if (!leaving.empty()) keep_own_joints(s);
+    if (new_joints && s.joints.size() > 0) keep_own_joints(s, after_step);
   require_new(s, came);
   return passing;
 }

@@ -185,7 +185,8 @@ class joint_gathering {
       s_.joints.each_kind([&](auto& of_kind) {
         using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
         for (const record& r : in.get_all<record>())
-          if (of_kind.find(r.key) == nullptr) of_kind.far.push_back(r);
+          if (const record* held = of_kind.find(r.key); held == nullptr || held->follows)
+            of_kind.far.push_back(r);
       });
     }
   }

@@ -52,6 +52,44 @@ class shared_velocities {
     if constexpr (solves_joints && !alone) share_jointed_velocities(s_, first);
   }
 
+  /// Calls f(rows) for the same joints, in the same order.
+  template <class F>
+  void each_joint(F&& f) {
+    s_.joints.each_kind([&](auto& of_kind) {
+      each_joint_in_order<coloured>(of_kind, [&](auto& c, const auto&) { f(c); });
+    });
+  }
+  /// For solvers that solve joints at once: as the lists of contacts do it, but alike on all ranks
+  /// of an island. The impulses of the last step go to all bodies here, in the order of the joints.
+  void warm_start_joints() {
+    each_joint([&](const auto& c) { c.apply(s_.solver, c.impulse_in_frame()); });
+  }
+  /// After share_jointed(true).
+  void prepare_joints() {
+    each_joint([&](auto& c) { c.prepare(s_.solver, 1, 1); });
+  }
+  /// One sweep of the position correction.
+  void correct_joints() {
+    if constexpr (!alone) {
+      std::array<correction, of_correction> values{};
+      exchange_jointed(
+          s_,
+          [&](std::uint32_t k, byte_writer& out) {
+            put_correction(static_cast<std::uint32_t>(s_.joints.ends[k].number), values.data());
+            out.put(values);
+          },
+          [&](std::uint32_t k, byte_reader& in) {
+            values = in.get<std::array<correction, of_correction>>();
+            if (k != joint_partner::ignored)
+              get_correction(static_cast<std::uint32_t>(s_.joints.ends[k].number), values.data());
+          });
+    }
+    each_joint([&](auto& c) {
+      const auto d = c.relax_correction(s_.solver);
+      c.correct_a(s_.solver, d), c.correct_b(s_.solver, d);
+    });
+  }
+
   /// Besides the velocities: the number of parts into which each body's mass is split at the
   /// boundary, and data for shared islands.
   void share_velocities_and_counts() {

@@ -22,6 +22,7 @@ struct contact_unit {
   std::uint64_t priority = 0;  ///< a hash of the ids
   system_id id_a = no_id, id_b = no_id;
   std::int32_t a = -1, b = -1;  ///< the movable ones, in solver indices; owned here first
+  std::uint32_t list = 0;       ///< of the solver: two bodies may have joints in several
   std::uint32_t first = 0;      ///< of its contacts in their list
   std::int32_t line = -1;       ///< index of the connection to the neighbour that has it too
 };

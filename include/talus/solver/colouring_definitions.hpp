@@ -22,8 +22,8 @@ TALUS_INLINE std::size_t colouring::bytes() const {
 
 TALUS_INLINE bool colouring::comes_before(const contact_unit& x, const contact_unit& y) {
   if (x.priority != y.priority) return x.priority < y.priority;
-  return x.id_a != y.id_a ? value_of(x.id_a) < value_of(y.id_a)
-                          : value_of(x.id_b) < value_of(y.id_b);
+  if (x.id_a != y.id_a) return value_of(x.id_a) < value_of(y.id_a);
+  return x.id_b != y.id_b ? value_of(x.id_b) < value_of(y.id_b) : x.list < y.list;
 }
 
 TALUS_INLINE void colouring::sort() {

@@ -41,13 +41,15 @@ struct nonlinear_gauss_seidel final {
   template <class Lists, class State, class Ranks>
   static detail::solved solve(Lists& lists, State& s, const solver_settings& settings, bool correct,
                               Ranks&& ranks) {
-    const auto each = [&](auto&& f) { detail::each_of(lists, f); };
+    const auto each = [&](auto&& f) { detail::each_swept(lists, ranks, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
+    constexpr bool joined = detail::solves_joints_at_once<Lists, Ranks>;
 
     detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
     each([&](auto& list) { list.prepare_interior(s); });
     if constexpr (!alone) ranks.look_for_shared_islands(lists);
     each([&](auto& list) { list.warm_start(s); });
+    if constexpr (joined) ranks.warm_start_joints();
     if constexpr (!alone) {
       each([&](auto& list) { list.count_boundary(s); });
       ranks.share_velocities_and_counts();
@@ -56,6 +58,7 @@ struct nonlinear_gauss_seidel final {
     }
 
     detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>> joints(s, ranks);
+    if constexpr (joined) ranks.prepare_joints();
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
     const bool settled =
@@ -64,8 +67,8 @@ struct nonlinear_gauss_seidel final {
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
       if constexpr (!alone) {
-        detail::each_swept(lists, ranks, [&](auto& list) { list.relax_boundary(s); });
-        detail::each_swept(lists, ranks, [&](auto& list) { list.apply_boundary(s); });
+        each([&](auto& list) { list.relax_boundary(s); });
+        each([&](auto& list) { list.apply_boundary(s); });
       }
       const bool more = k + 1 < watch.limit();
       const bool first = settled && k == 0;
@@ -78,7 +81,7 @@ struct nonlinear_gauss_seidel final {
           break;
         }
         joints.solve(s);
-        if constexpr (!alone && !detail::solves_joints_at_once<Lists, Ranks>)
+        if constexpr (!alone && !joined)
           if (more) ranks.share_velocities();
       } else {
         joints.sweep(lists, s, k % 2 == 0, more, ranks);
@@ -92,7 +95,7 @@ struct nonlinear_gauss_seidel final {
 
     if (correct && s.islands.stands())
       detail::correct_stacks<State>(detail::access_to<State>(lists), s);
-    if (correct) detail::correct_overlaps(lists, s, settings, ranks);
+    if (correct) detail::correct_overlaps(lists, s, settings, ranks, joints);
     return done;
   }
 };

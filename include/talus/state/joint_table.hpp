@@ -45,6 +45,10 @@ struct joint_record {
   joint_coordinates coordinates;  ///< at the start of the last step, or in its middle
   wrench load;        ///< its impulse on the first body in the last step, about the joint's point
   bool acts = false;  ///< on a body owned here, which is not fixed
+  /// Of a joint of a fixed body that acts on a body of another rank: a record here that repeats the
+  /// one there (`follows`), or the rank that owns the fixed body and has such a record.
+  bool follows = false;
+  std::int32_t follower = -1;
 };
 
 /// The joints of one kind, in the order of their keys, and their rows in the solver.
@@ -64,10 +68,13 @@ struct joints_of_kind {
     record* at = place(key);
     return at != records.end() && at->key == key ? at : nullptr;
   }
-  /// Unless it is there already: both ranks of a joint may send it.
+  /// A joint may come from several ranks. One from a rank on which it acts replaces others.
   void add(const record& r) {
     record* at = place(r.key);
-    if (at == records.end() || !(at->key == r.key)) records.insert(at, r);
+    if (at == records.end() || !(at->key == r.key))
+      records.insert(at, r);
+    else if (r.acts)
+      *at = r;
   }
 
  private:
@@ -113,6 +120,9 @@ struct joint_end {
   quat orientation{1, 0, 0, 0};
   vec3 velocity{0, 0, 0}, spin{0, 0, 0};
   real inverse_mass = 0;
+
+  /// Neither fixed nor global, awake or not.
+  [[nodiscard]] bool movable() const { return inverse_mass != 0; }
 };
 
 inline constexpr std::size_t no_wall = ~std::size_t{0};

@@ -153,6 +153,16 @@ void each_joint_in_order(OfKind& of_kind, F&& f) {
   pass_far(nullptr);
 }
 
+/// Finds which ranks have the record of a joint of the bodies a and b.
+template <class Record>
+void find_holders(Record& r, const joint_end& a, const joint_end& b) {
+  r.acts = (a.own && a.movable()) || (b.own && b.movable());
+  r.follows = !r.acts && (a.movable() || b.movable());
+  r.follower = -1;
+  for (const joint_end* x : {&a, &b})
+    if (r.acts && x->known && !x->own && !x->global && !x->movable()) r.follower = x->owner;
+}
+
 /// Writes the rows of a joint of the bodies a and b.
 template <class Scenario, class Row, class Record>
 void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_end& a,
@@ -181,7 +191,7 @@ void place_joints(world_state<Scenario>& s) {
       const joint_end &a = ends[at_a], &b = ends[at_b];
       if (!a.known) fail_jointed(s, r.key.b, b.position, r.key.a, ids.members[at_a].reach);
       if (!b.known) fail_jointed(s, r.key.a, a.position, r.key.b, ids.members[at_b].reach);
-      r.acts = (a.own && (a.moves || a.asleep)) || (b.own && (b.moves || b.asleep));
+      find_holders(r, a, b);
       if (!(a.own && a.moves) && !(b.own && b.moves)) continue;
       typename std::remove_cvref_t<decltype(of_kind.list)>::contact_type c;
       c.record = record;
@@ -241,39 +251,59 @@ void reach_jointed(world_state<Scenario>& s) {
 }
 
 /// Adds to each message the joints of the bodies that leave in it: destination(id) is the index of
-/// the message, or their number.
+/// the message, or their number. After a step the joints that act here go to the ranks that own
+/// their fixed bodies, too. Returns whether this rank expects such joints.
 template <class Scenario, class Destination>
-void send_joints(world_state<Scenario>& s, Destination&& destination) {
+bool send_joints(world_state<Scenario>& s, bool after_step, Destination&& destination) {
+  const std::size_t messages = s.neighbour_messages.size();
+  const auto message_to = [&](int rank) {
+    std::size_t n = 0;
+    while (n < messages && s.neighbour_messages[n].rank != rank) ++n;
+    return n;
+  };
+  bool expects = false;
   s.joints.each_kind([&](const auto& of_kind) {
     using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
-    std::vector<plain_vector<record>> to(s.neighbour_messages.size());
+    std::vector<plain_vector<record>> to(messages);
     for (const record& r : of_kind.records) {
-      const std::size_t a = destination(r.key.a), b = destination(r.key.b);
-      if (a < to.size()) to[a].push_back(r);
-      if (b < to.size() && b != a) to[b].push_back(r);
+      const auto send = [&](std::size_t n) {
+        if (n < messages && (to[n].empty() || !(to[n].back().key == r.key))) to[n].push_back(r);
+      };
+      send(destination(r.key.a)), send(destination(r.key.b));
+      if (!after_step) continue;
+      if (r.follower >= 0) send(message_to(r.follower));
+      expects = expects || r.follows;
     }
-    for (std::size_t n = 0; n < to.size(); ++n)
+    for (std::size_t n = 0; n < messages; ++n)
       byte_writer(s.neighbour_messages[n].out).put(std::span<const record>(to[n]));
   });
+  return expects;
 }
+/// Returns whether there were any.
 template <class Scenario>
-void receive_joints(world_state<Scenario>& s, byte_reader& in) {
+bool receive_joints(world_state<Scenario>& s, byte_reader& in) {
+  bool any = false;
   s.joints.each_kind([&](auto& of_kind) {
     using record = typename std::remove_cvref_t<decltype(of_kind)>::record;
-    for (const record& r : in.get_all<record>()) of_kind.add(r), s.joints.changed();
+    for (record& r : in.get_all<record>()) r.follows = false, of_kind.add(r), any = true;
   });
+  if (any) s.joints.changed();
+  return any;
 }
-/// Removes the joints of bodies that are all owned elsewhere.
+/// Removes the joints of bodies that are all owned elsewhere, and after a step those of fixed
+/// bodies that no rank has sent: they have broken.
 template <class Scenario>
-void keep_own_joints(world_state<Scenario>& s) {
-  if (s.joints.size() == 0) return;
+void keep_own_joints(world_state<Scenario>& s, bool after_step) {
+  const plain_vector<joint_end> ends = find_joint_ends(s);
   const jointed_ids ids = s.joints.ids();
-  plain_vector<char> own(ids.members.size(), 0);
-  each_jointed(s, true, [&](auto&, std::size_t, std::size_t k) { own[k] = true; });
   s.joints.each_kind([&](auto& of_kind) {
     std::size_t kept = 0;
-    for (const auto& r : of_kind.records)
-      if (own[ids.find(r.key.a)] || own[ids.find(r.key.b)]) of_kind.records[kept++] = r;
+    for (auto& r : of_kind.records) {
+      const joint_end &a = ends[ids.find(r.key.a)], &b = ends[ids.find(r.key.b)];
+      if ((!a.own && !b.own) || (after_step && r.follows)) continue;
+      find_holders(r, a, b);
+      of_kind.records[kept++] = r;
+    }
     of_kind.records.resize(kept);
   });
   s.joints.changed();

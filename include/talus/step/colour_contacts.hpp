@@ -73,6 +73,7 @@ void colour_contacts(world_state<Scenario>& s) {
   auto&& lists = solver_lists<true>(s);
   each_of(lists, [&](const auto& list) {
     list.each_unit([&](contact_unit unit, bool shared) {
+      unit.list = static_cast<std::uint32_t>(ends.size());
       if (shared) unit.line = line_of[static_cast<std::size_t>(unit.b)];
       if (shared && unit.line < 0)
         fail<std::runtime_error>(

@@ -33,7 +33,7 @@ template <class Kind>
           column_of<wrench>("load")};
 }
 
-/// The joints that act on bodies owned here: both ranks of a joint write it, each near its body.
+/// The joints of bodies owned here: both ranks of two movable ones write it, each near its body.
 template <class Kind, class Records>
 [[nodiscard]] table_part table_of_joints(const Records& records, const jointed_ids& ids,
                                          const plain_vector<joint_end>& ends) {
@@ -43,9 +43,8 @@ template <class Kind, class Records>
   t.memory.resize(t.columns.size());
   plain_vector<std::array<std::size_t, 2>> bodies;
   for (const auto& r : records) {
+    if (r.follows) continue;
     const std::size_t a = ids.find(r.key.a), b = ids.find(r.key.b);
-    if (!(ends[a].own && ends[a].inverse_mass != 0) && !(ends[b].own && ends[b].inverse_mass != 0))
-      continue;
     std::size_t k = 0;
     const auto put = [&](const auto& value) { byte_writer(t.memory[k++]).put(value); };
     put(r.key.a), put(r.key.b), put(r.key.number), put(r.anchors), put(r.impulse);
@@ -100,11 +99,11 @@ void read_joints(const checkpoint_reader& in, world_state<Scenario>& s, const id
               !all_finite(r.load) || r.key.number >= s.joints.made)
             fail<std::runtime_error>("is damaged: the {} of bodies {} and {} makes no sense",
                                      kind::name, r.key.a, r.key.b);
-          r.acts = true;
           of_kind.add(r);
         }
       }
     });
+    keep_own_joints(s, false);
   } else {
     (void)in, (void)s, (void)own, (void)bounds;
   }

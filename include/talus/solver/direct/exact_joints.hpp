@@ -33,6 +33,7 @@ template <class Lists, class State, class Ranks, bool Coloured = false,
           bool = solves_joints_at_once<Lists, Ranks>>
 class exact_joints {
  public:
+  static constexpr bool at_once = false;
   exact_joints(State&, Ranks&) {}
   void solve(State&) {}
   void sweep(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
@@ -42,6 +43,7 @@ class exact_joints {
 template <class Lists, class State, class Ranks, bool Coloured>
 class exact_joints<Lists, State, Ranks, Coloured, true> {
  public:
+  static constexpr bool at_once = true;
   /// After the impulses of the last step have been applied.
   exact_joints(State& s, Ranks& ranks) : ranks_(ranks) {
     ranks.share_jointed(true);
@@ -59,6 +61,8 @@ class exact_joints<Lists, State, Ranks, Coloured, true> {
     joints_.solve(solver_bodies(s));
     if constexpr (!std::remove_cvref_t<Ranks>::alone && !Coloured) ranks_.share_velocities();
   }
+  /// One sweep of the position correction over all joints.
+  void correct() const { ranks_.correct_joints(); }
   /// As sweep_interior: the contacts one after the other, and then the joints.
   void sweep(Lists& lists, State& s, bool forward, bool, Ranks& ranks) {
     each_swept(lists, ranks,
