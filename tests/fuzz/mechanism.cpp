@@ -312,7 +312,9 @@ mechanism draw_mechanism(std::uint64_t seed, bool around) {
   if (around) m.how = mechanism::domains::grid;
   m.balances = m.how == mechanism::domains::bisection && chance(r, 0.6);
   m.dt = r.integer(2) ? 0.005 : r.uniform(0.001, 0.01);
-  m.steps = 100 + up_to(r, 301);
+  m.steps = 100 + up_to(r, m.ranks == 2 ? 301 : m.ranks == 4 ? 101 : 51);
+  m.reach = chance(r, 0.2) ? 9 : 1.5;
+  m.iterations = 2 + up_to(r, 5);
   if (chance(r, 0.75)) m.gravity = chance(r, 0.8) ? vec3(0, 0, -9.81) : vec3(9.81 * r.in_ball());
   m.friction = chance(r, 0.5) ? r.uniform() : 0;
   m.restitution = chance(r, 0.5) ? r.uniform() : 0;

@@ -1,6 +1,7 @@
 #pragma once
 // The plan of a random mechanism: its bodies, joints and events as data, drawn from a seed. Items
 // have numbers, so that a smaller mechanism is a seed and the numbers of the items left out.
+#include <array>
 #include <limits>
 #include <set>
 #include <string>
@@ -96,7 +97,9 @@ struct mechanism {
   real dt = 0.005;
   vec3 gravity{0, 0, 0};
   real friction = 0, restitution = 0;
-  real side = 1;  ///< half the edge of the space that is divided
+  real side = 1;   ///< half the edge of the space that is divided
+  real reach = 9;  ///< of connections
+  int iterations = 5;
   std::vector<mechanism_body> bodies;
   std::vector<mechanism_joint> joints;
   std::vector<mechanism_event> events;
@@ -118,5 +121,32 @@ struct mechanism {
 mechanism draw_mechanism(std::uint64_t seed, bool around);
 /// In words, an item a line.
 std::string text(const mechanism& m);
+
+/// A mechanism at the end of a run, and what was seen on the way.
+struct mechanism_end {
+  struct body {
+    std::uint64_t id = 0;
+    std::array<real, 13> state{};  ///< position, orientation, velocity, angular velocity
+    bool operator<(const body& o) const { return id < o.id; }
+  };
+  std::vector<body> bodies;
+  std::vector<std::array<real, 3>> joints;  ///< whether it is there, its angle and its travel
+  std::vector<std::string> digests;         ///< after each step, if they were asked for
+  std::string digest;
+  std::string refused;  ///< the message the run ended with, if it did
+  std::uint64_t contacts = 0, crossed = 0;
+  real worst_closure = 0, gain = 0, gap = 0, fastest = 0, overlap = 0;
+  int step_of_gain = -1, step_of_gap = -1;
+};
+struct mechanism_options {
+  real perturbation = 0;  ///< of the first positions
+  bool trace = false;     ///< digests of all steps
+};
+
+/// A run on so many ranks. With several it is restarted on others, if the mechanism says so.
+using mechanism_runner = mechanism_end (*)(const mechanism&, int ranks, const mechanism_options&);
+
+/// Draws the mechanism of the plan, and throws `broken` if something is wrong with it.
+outcome check_mechanism(const plan& p, bool around, mechanism_runner run);
 
 }  // namespace fuzz

@@ -38,27 +38,6 @@ using namespace talus;
 
 any_decomposition decomposition_of(const mechanism& m, int ranks, std::uint64_t variant);
 
-/// A mechanism at the end of a run, and what was seen on the way.
-struct mechanism_end {
-  struct body {
-    std::uint64_t id = 0;
-    std::array<real, 13> state{};  ///< position, orientation, velocity, angular velocity
-    bool operator<(const body& o) const { return id < o.id; }
-  };
-  std::vector<body> bodies;
-  std::vector<std::array<real, 3>> joints;  ///< whether it is there, its angle and its travel
-  std::vector<std::string> digests;         ///< after each step, if they were asked for
-  std::string digest;
-  std::string refused;  ///< the message the run ended with, if it did
-  std::uint64_t contacts = 0, crossed = 0;
-  real worst_closure = 0, gain = 0, gap = 0, fastest = 0, overlap = 0;
-  int step_of_gain = -1, step_of_gap = -1;
-};
-struct mechanism_options {
-  real perturbation = 0;  ///< of the first positions
-  bool trace = false;     ///< digests of all steps
-};
-
 /// What all ranks remember of a run, over restarts.
 struct mechanism_progress {
   std::vector<system_id> ids;
@@ -118,15 +97,16 @@ class mechanism_on_rank {
   void set_up() {
     if (m_.reproducible) w_.use_solver_on_request();
     if constexpr (around) {
-      w_.decompose({{.lower = {-m_.side, -m_.side}, .upper = {m_.side, m_.side}}}, {.distance = 9});
+      w_.decompose({{.lower = {-m_.side, -m_.side}, .upper = {m_.side, m_.side}}},
+                   {.distance = m_.reach});
     } else {
-      w_.decompose(decomposition_of(m_, w_.ranks(), 0), {.distance = 9});
+      w_.decompose(decomposition_of(m_, w_.ranks(), 0), {.distance = m_.reach});
     }
     if constexpr (balances)
       if (m_.balances) w_.balance({.every = 5, .above = 1.01, .by = balance_by::count});
     stuff_ = w_.material({.density = 1, .restitution = m_.restitution, .friction = m_.friction});
     w_.gravity(m_.gravity);
-    w_.solver().iterations = 20;
+    w_.solver().iterations = m_.iterations;
     if (m_.sleeps)
       w_.sleeping({.speed = 0.05, .time = 0.05});
     else
@@ -408,7 +388,7 @@ class mechanism_on_rank {
         return;
       case what::divide:
         if constexpr (!around) {
-          w_.decompose(decomposition_of(m_, w_.ranks(), 1), {.distance = 9});
+          w_.decompose(decomposition_of(m_, w_.ranks(), 1), {.distance = m_.reach});
           w_.synchronize();
         }
         return;
@@ -492,7 +472,7 @@ class mechanism_on_rank {
 
 /// A run on so many ranks; with several, a restart on others if the mechanism has one.
 template <class Scenario>
-mechanism_end run_mechanism(const mechanism& m, int ranks, const mechanism_options& how = {}) {
+mechanism_end run_mechanism(const mechanism& m, int ranks, const mechanism_options& how) {
   struct leg {
     int ranks, from, to;
   };
@@ -531,107 +511,6 @@ mechanism_end run_mechanism(const mechanism& m, int ranks, const mechanism_optio
   std::error_code ignored;
   if (legs.size() > 1) std::filesystem::remove(file, ignored);
   return end;
-}
-
-/// The largest difference of two ends: of positions and orientations, and of velocities over the
-/// fastest one; infinite if other bodies or joints are there.
-inline real difference(const mechanism_end& x, const mechanism_end& y) {
-  constexpr real infinity = std::numeric_limits<real>::infinity();
-  if (x.bodies.size() != y.bodies.size() || x.joints.size() != y.joints.size()) return infinity;
-  real most = 0;
-  const real fastest = std::max<real>({1, x.fastest, y.fastest});
-  for (std::size_t k = 0; k < x.bodies.size(); ++k) {
-    if (x.bodies[k].id != y.bodies[k].id) return infinity;
-    for (std::size_t n = 0; n < 13; ++n) {
-      const real d = std::abs(x.bodies[k].state[n] - y.bodies[k].state[n]);
-      if (!(d <= most)) most = n < 7 ? d : std::max(most, d / fastest);
-    }
-  }
-  for (std::size_t n = 0; n < x.joints.size(); ++n) {
-    if (x.joints[n][0] != y.joints[n][0]) return infinity;
-    for (const std::size_t c : {1u, 2u})
-      most = std::max(most, std::abs(x.joints[n][c] - y.joints[n][c]));
-  }
-  return most;
-}
-
-/// What is wrong with a mechanism, empty if nothing is; `seen` gets the runs.
-template <class Scenario>
-std::string what_fails(const mechanism& m, outcome& seen) {
-  const auto text = [](real x) { return detail::text(x, 3); };
-  mechanism_end one, many;
-  try {
-    one = run_mechanism<Scenario>(m, 1);
-  } catch (const broken& e) {
-    return std::string("one rank: ") + e.what();
-  }
-  try {
-    many = run_mechanism<Scenario>(m, m.ranks);
-  } catch (const broken& e) {
-    return std::to_string(m.ranks) + " ranks: " + e.what();
-  }
-  seen.contacts = one.contacts, seen.crossed = many.crossed, seen.refused = one.refused;
-  for (const auto& [name, end] : {std::pair("one rank", &one), std::pair("ranks", &many)}) {
-    if (!end->refused.empty() && !m.wild) return std::string(name) + ": throws: " + end->refused;
-    if (end->worst_closure > 1e-10)
-      return std::string(name) + ": the ledger leaves " + text(end->worst_closure);
-    if (end->gain > 1e-9 && !m.wild)
-      return std::string(name) + ": impulses add " + text(end->gain) + " of the energy in step " +
-             std::to_string(end->step_of_gain);
-    if (end->gap > 1e-3 && !m.wild)
-      return std::string(name) + ": a joint is open by " + text(end->gap) + " in step " +
-             std::to_string(end->step_of_gap);
-  }
-  if (!one.refused.empty() || !many.refused.empty()) return "";
-  if (m.reproducible) {
-    if (one.digest != many.digest || one.joints != many.joints) {
-      const mechanism_options traced{.trace = true};
-      const auto x = run_mechanism<Scenario>(m, 1, traced).digests;
-      const auto y = run_mechanism<Scenario>(m, m.ranks, traced).digests;
-      std::size_t k = 0;
-      while (k < x.size() && k < y.size() && x[k] == y[k]) ++k;
-      return k == x.size() ? std::string("angle or travel of a joint differs by ranks")
-                           : "bits: the digest differs by ranks, from step " + std::to_string(k) +
-                                 ", at the end by " + text(difference(one, many));
-    }
-    return "";
-  }
-  if (one.contacts > 0) return "";
-  const real found = difference(one, many);
-  if (found <= 1e-9) return "";
-  const real sensitive = difference(one, run_mechanism<Scenario>(m, 1, {.perturbation = 1e-13}));
-  seen.chaotic = sensitive > 1e-10;
-  if (seen.chaotic) return "";
-  return "default: the end differs by ranks by " + text(found) +
-         ", by a perturbation of 1e-13 by " + text(sensitive);
-}
-
-template <class Scenario>
-outcome check_mechanism(const plan& p, bool around) {
-  mechanism m = draw_mechanism(p.seed, around);
-  m.without = p.without;
-  outcome seen;
-  std::string fails = what_fails<Scenario>(m, seen);
-  if (fails.empty()) return seen;
-  // Items without which it fails alike.
-  const auto kind = [](const std::string& s) { return s.substr(0, s.find_first_of("0123456789")); };
-  for (bool smaller = p.shrinks; smaller;) {
-    smaller = false;
-    for (int k = m.items() - 1; k >= 0; --k) {
-      if (!m.without.insert(k).second) continue;
-      outcome ignored;
-      const std::string same = what_fails<Scenario>(m, ignored);
-      if (kind(same) == kind(fails))
-        smaller = true, fails = same;
-      else
-        m.without.erase(k);
-    }
-  }
-  std::string numbers;
-  for (const int k : m.without)
-    numbers += (numbers.empty() ? " --without " : ",") + std::to_string(k);
-  throw broken(fails + (p.shrinks && !numbers.empty() ? "\n  the same with" + numbers : "") +
-               "\n  " + text(m) + "\n ");
 }
 
 }  // namespace fuzz

@@ -9,7 +9,7 @@ outcome run_mechanisms(const plan& p) {
                                 universal_joint, rod, rope, strut, point_on_plane, gear>,
                          transport<threads>, decomposition<any_decomposition>,
                          features<sleeping, driven, balancing, energy_ledger, checkpoints>>;
-  return check_mechanism<scene>(p, false);
+  return check_mechanism(p, false, run_mechanism<scene>);
 }
 
 }  // namespace fuzz

@@ -12,7 +12,7 @@ outcome run_mechanisms_around(const plan& p) {
                          transport<threads>,
                          decomposition<periodic<grid<dynamic, dynamic>, along::x, along::y>>,
                          features<sleeping, driven, energy_ledger, checkpoints>>;
-  return check_mechanism<scene>(p, true);
+  return check_mechanism(p, true, run_mechanism<scene>);
 }
 
 }  // namespace fuzz
