@@ -57,8 +57,8 @@ struct axis_rules {
   joint_spring spring;
   real friction = 0;  ///< the largest torque or force, by Coulomb's law
 };
-/// Rows of a coordinate: limit, spring, motor, friction.
-inline constexpr int rows_of_axis = 4;
+/// Rows of a coordinate: lower and upper limit, spring, motor, friction.
+inline constexpr int rows_of_axis = 5;
 
 [[nodiscard]] inline force_motor motor_of(const force_motor& m) { return m; }
 [[nodiscard]] inline force_motor motor_of(const torque_motor& m) {

@@ -121,6 +121,10 @@ class line_writer {
     return value;
   }
   void put(const joint_line& x) { lines_[next_++] = x; }
+  void put_if(bool used, const joint_line& x) {
+    if (used) lines_[next_] = x;
+    ++next_;
+  }
   static void flip(joint_line& x) {
     x.force = -x.force, x.moment_a = -x.moment_a, x.moment_b = -x.moment_b, x.error = -x.error;
   }
@@ -153,20 +157,15 @@ class line_writer {
     note(value);
     x.error = 0;
     const joint_limits& l = rules.limits;
-    if (l.lower > -no_limit || l.upper < no_limit) {
-      if (l.lower == l.upper) {
-        joint_line fixed = x;
-        fixed.error = value - l.lower;
-        hold(fixed);
-      } else if (value - l.lower <= l.upper - value) {
-        put(limit(x, value - l.lower, l.restitution));
-      } else {
-        joint_line from = x;
-        flip(from);
-        put(limit(from, l.upper - value, l.restitution));
-      }
-    } else {
-      ++next_;
+    if (l.lower == l.upper) {
+      joint_line fixed = x;
+      fixed.error = value - l.lower;
+      hold(fixed), ++next_;
+    } else {  // both, since a drive may take it from one to the other within a step
+      joint_line from = x;
+      flip(from);
+      put_if(l.lower > -no_limit, limit(x, value - l.lower, l.restitution));
+      put_if(l.upper < no_limit, limit(from, l.upper - value, l.restitution));
     }
     const joint_spring& k = rules.spring;
     if (k.stiffness > 0 || k.damping > 0)

@@ -81,7 +81,7 @@ template <class Scenario>
   keeper.added_elsewhere.assign(
       added.begin() + static_cast<std::ptrdiff_t>(std::min(ranks, added.size())), added.end());
   const auto waking = in.integers("/run/waking", 3);
-  wakes = {waking[0], waking[1], waking[2]};
+  wakes = {waking[0], waking[1]};
 
   const auto get = [&](const char* path) {
     const auto values = in.reals(path, parameter_names.size());

@@ -72,9 +72,10 @@ template <class Scenario>
     using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
     for (const auto& r : of_kind.records) {
       const detail::joint_end &a = ends[ids.find(r.key.a)], &b = ends[ids.find(r.key.b)];
-      const bool own_a = a.own && a.moves, own_b = b.own && b.moves;
+      const bool movable_a = a.moves || a.asleep, movable_b = b.moves || b.asleep;
+      const bool own_a = a.own && movable_a, own_b = b.own && movable_b;
       if (!(own_a || own_b) || !a.known || !b.known) continue;
-      count += own_a || !a.moves;
+      count += own_a || !movable_a;
       const detail::joint_geometry g =
           detail::geometry_of(r.anchors.frames, {a.position, a.orientation},
                               {detail::seen_from(s, a.position, b.position), b.orientation});

@@ -59,6 +59,7 @@ struct coloured_gauss_seidel final {
       joints.solve(s);
       watch.poll();
     }
+    joints.share_loads();
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 
     if (correct)

@@ -88,6 +88,7 @@ struct nonlinear_gauss_seidel final {
       }
       watch.poll();
     }
+    joints.share_loads();
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
     if constexpr (!alone)  // on all ranks or on none
       if (!(settings.tolerance > 0 && done.residual <= settings.tolerance))

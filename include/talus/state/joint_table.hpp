@@ -123,7 +123,29 @@ struct joint_end {
 
   /// Neither fixed nor global, awake or not.
   [[nodiscard]] bool movable() const { return inverse_mass != 0; }
+  real radius = 0;  ///< of its bounding sphere, if it moves
+
+  /// The lever of a joint on it, at least its size; 0 if it does not move.
+  [[nodiscard]] real lever(const vec3& arm) const {
+    return moves ? std::max(arm.norm(), radius) : real(0);
+  }
 };
+
+/// A joint that does not hold: the worst one so far. Step 0: none.
+struct joint_opening {
+  std::uint64_t step = 0;
+  std::uint32_t kind = 0;  ///< its place in joints<...>
+  joint_key key;
+  real part = 0;  ///< its gap over its arm, or the error of an angle
+  real gap = 0;   ///< the largest error of a length
+
+  /// Takes the worse one.
+  void note(const joint_opening& other) {
+    if (other.part > part) *this = other;
+  }
+};
+/// Smaller openings are not noted.
+inline constexpr real noted_opening = 0.01;
 
 inline constexpr std::size_t no_wall = ~std::size_t{0};
 
@@ -147,6 +169,7 @@ class joint_table<type_list<Kinds...>, ListOf> {
   /// The bodies of joints in the step under way: the members of ids(), then those of far joints.
   plain_vector<joint_end> ends;
   plain_vector<plain_pair<system_id, std::uint32_t>> far;  ///< the latter, in the order of ids
+  joint_opening opening;                                   ///< on this rank
   std::vector<joint_partner> partners;  ///< of islands of joints on several ranks, by rank
 
   template <class F>

@@ -1,6 +1,7 @@
 #pragma once
 // Joints in a step: their rows for the solver, the impulses that they keep, and their migration.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
@@ -59,6 +60,7 @@ template <class Scenario>
       end.orientation = store.pose(i).orientation;
       end.velocity = store.velocity[i], end.spin = store.angular_velocity[i];
       end.inverse_mass = store.inverse_mass[i];
+      end.radius = store.shape[i].bounding_radius();
       if constexpr (!world_state<Scenario>::link_type::alone) {
         end.at_border = b.first + i < s.at_border.size() && s.at_border[b.first + i];
         if (!own) end.owner = owner_of_copy(s, b, i);
@@ -174,6 +176,21 @@ void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_e
   c.set(r.impulse), c.earlier = r.impulse;
 }
 
+/// The errors of rows: the largest gap, and the larger of its part of an arm and the largest error
+/// of an angle. Limits count where they are passed.
+[[nodiscard]] inline joint_opening opening_of(std::span<const joint_line> lines, real arm) {
+  joint_opening x;
+  real angle = 0;
+  for (const joint_line& line : lines) {
+    if (line.use == line_use::off || line.use == line_use::drives) continue;
+    if (line.use == line_use::limits && line.error >= 0) continue;
+    real& worst = line.force == vec3(0, 0, 0) ? angle : x.gap;
+    worst = std::max(worst, std::abs(line.error));
+  }
+  x.part = std::max(angle, arm > 0 ? x.gap / arm : x.gap);
+  return x;
+}
+
 /// Fills the lists of joints for the step under way. Those of two movable bodies on two ranks are
 /// boundary constraints of both.
 template <class Scenario>
@@ -183,7 +200,9 @@ void place_joints(world_state<Scenario>& s) {
   ends = find_joint_ends(s);
   find_global_ends(s, ends);
   const jointed_ids& ids = s.joints.ids();
+  std::uint32_t kinds = 0;
   s.joints.each_kind([&](auto& of_kind) {
+    const std::uint32_t kind = kinds++;
     std::uint32_t number = 0;
     for (auto& r : of_kind.records) {
       const std::uint32_t record = number++;
@@ -196,6 +215,12 @@ void place_joints(world_state<Scenario>& s) {
       typename std::remove_cvref_t<decltype(of_kind.list)>::contact_type c;
       c.record = record;
       place_rows(s, c, r, a, b);
+      if constexpr (!solves_joints_directly<Scenario>) {  // otherwise, settle_joints() notes it
+        joint_opening open =
+            opening_of(c.lines, a.lever(r.anchors.frames.on_a) + b.lever(r.anchors.frames.on_b));
+        open.step = s.steps, open.kind = kind, open.key = r.key;
+        if (open.part > noted_opening) s.joints.opening.note(open);
+      }
       const contact_key key{r.key.a, r.key.b, r.key.number};
       if (a.moves && b.moves && a.own != b.own)
         of_kind.list.add_boundary(c, key, a.own, nullptr);

@@ -116,7 +116,7 @@ template <class Scenario>
           for (const moved_joint& j : joints.all) {
             const joint_geometry g = joints.geometry(j, joints.ends);
             joints.write(j, g);
-            worst = std::max(worst, joints.error(j, g));
+            worst = std::max(worst, joints.error(j));
             for (const joint_line& x : joints.lines(j)) errors.push_back(x.error);
             joints.write(j, mean_of(joints.geometry(j, before), g));
           }

@@ -1,7 +1,6 @@
 #pragma once
 // After a step the bodies of joints lie where their joints hold: to round-off, at any number of
 // steps. Ranks that share an island of joints compute the same, each for all its bodies.
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -16,32 +15,22 @@
 namespace talus::detail {
 
 /// Moves the bodies to where the joints hold, by the least displacements with respect to their
-/// masses (Gauss-Newton). Velocities stay. Returns whether that makes the joints better.
+/// masses (Gauss-Newton). Velocities stay. Returns whether that makes the joints better; it never
+/// makes the largest error of an island larger. Notes those that stay open.
 template <class Scenario>
-[[nodiscard]] bool project_joints(moved_joints<Scenario>& joints) {
-  const real error = joints.iterate(
-      0,
-      [&] {
-        real worst = 0;
-        for (const moved_joint& j : joints.all) {
-          const joint_geometry g = joints.geometry(j, joints.ends);
-          joints.write(j, g);
-          worst = std::max(worst, joints.error(j, g));
-          for (joint_line& x : joints.lines(j)) {
-            if (x.use == line_use::drives) x.use = line_use::off;
-            x.target = -x.error;
-          }
+[[nodiscard]] bool project_joints(world_state<Scenario>& s, moved_joints<Scenario>& joints) {
+  return joints.close(
+      [&](const moved_joint& j) {
+        joints.write(j, joints.geometry(j, joints.ends));
+        for (joint_line& x : joints.lines(j)) {
+          if (x.use == line_use::drives) x.use = line_use::off;
+          x.target = -x.error;
         }
-        return worst;
       },
-      [&] {
-        for (std::size_t k = 0; k < joints.ends.size(); ++k) {
-          const body_motion& d = joints.bodies.motion(static_cast<std::int32_t>(k));
-          joints.ends[k].position += d.v;
-          joints.ends[k].orientation = turned<real>(joints.ends[k].orientation, d.w);
-        }
+      [&](const moved_joint& j, joint_opening open) {
+        open.step = s.steps + 1, open.kind = j.kind, open.key = j.key;
+        s.joints.opening.note(open);
       });
-  return error <= joints.first_error();
 }
 
 /// The state of jointed bodies at the start of a step.
@@ -110,13 +99,13 @@ void settle_joints(world_state<Scenario>& s) {
         }
         moved_joints<Scenario> again(s, moved, members, numbers);
         if (error < useful_error) again.ends = island.ends;
-        if (project_joints(again)) {
+        if (project_joints(s, again)) {
           fit_velocities(s, again, steps);
           keep(again, moved_body::change::step);
         }
       } else {
         moved_joints<Scenario> island(s, moved, members, numbers);
-        if (project_joints(island)) keep(island, moved_body::change::position);
+        if (project_joints(s, island)) keep(island, moved_body::change::position);
       }
     }
     put_moved(s, moved.bodies);

@@ -13,6 +13,8 @@ namespace talus::detail {
 
 /// A joint, with its bodies in the numbers of joint_table::ends, or of an island.
 struct moved_joint {
+  std::uint32_t kind;  ///< its place in joints<...>
+  joint_key key;
   const joint_frames* frames;
   const void* anchors;
   void (*write)(const void*, line_writer&);
@@ -20,6 +22,8 @@ struct moved_joint {
   joint_view solved;                     ///< its rows in the solver
   std::int32_t a, b;
   std::size_t first = 0;  ///< of its rows here
+  real arm = 0;           ///< the sum of its arms
+  real length = 0;        ///< the sum of the lengths of which its errors consist
 };
 
 /// A body of joints after the integration of a step.
@@ -63,6 +67,7 @@ class moved_bodies {
     body_motion& x = motions_[index(k)];
     x.v += d.v, x.w += d.w;
   }
+  void set(std::int32_t k, const body_motion& to) { motions_[index(k)] = to; }
   void clear() { motions_.assign(of_.size(), body_motion{}); }
 
  private:

@@ -95,10 +95,12 @@ class all_moved {
   }
   template <bool Coloured>
   void list_joints() {
+    std::uint32_t kinds = 0;
     s_.joints.each_kind([&](auto& of_kind) {
       using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
+      const std::uint32_t number = kinds++;
       each_joint_in_order<Coloured>(of_kind, [&](auto& c, auto& r) {
-        joints.push_back({&r.anchors.frames, &r.anchors,
+        joints.push_back({number, r.key, &r.anchors.frames, &r.anchors,
                           [](const void* x, line_writer& to) {
                             kind::write(*static_cast<const typename kind::anchors*>(x), to);
                           },
@@ -158,6 +160,13 @@ class moved_joints {
     for (const std::uint32_t k : members) numbers[k] = -1;
     lines_.resize(rows), impulses_.assign(rows, 0);
     bodies.clear();
+    for (moved_joint& j : all) {
+      const joint_geometry g = geometry(j, ends);
+      const joint_end &a = ends[index(j.a)], &b = ends[index(j.b)];
+      j.arm = a.lever(g.arm_a) + b.lever(g.arm_b);
+      j.length = g.arm_a.norm() + g.arm_b.norm() + a.position.norm() + b.position.norm();
+      arm_ = std::max(arm_, j.arm);
+    }
   }
   moved_joints(const moved_joints&) = delete;
   moved_joints& operator=(const moved_joints&) = delete;
@@ -189,20 +198,8 @@ class moved_joints {
     line_writer writer(lines(j), coordinates, g, still, still, {.dt = 1});
     j.write(j.anchors, writer);
   }
-  /// The largest error of its rows, over the lengths of which they consist.
-  [[nodiscard]] real error(const moved_joint& j, const joint_geometry& g) {
-    const real length = g.arm_a.norm() + g.arm_b.norm() + g.gap.norm() +
-                        ends[index(j.a)].position.norm() + ends[index(j.b)].position.norm();
-    real worst = 0;
-    for (const joint_line& x : lines(j)) {
-      if (x.use == line_use::off || x.use == line_use::drives) continue;
-      if (x.use == line_use::limits && x.error >= 0) continue;
-      worst = std::max(worst, std::abs(x.error) / (x.force == vec3(0, 0, 0) ? real(1) : length));
-    }
-    return worst;
-  }
-  /// The error before the last iterate().
-  [[nodiscard]] real first_error() const { return first_error_; }
+  /// The largest error of its rows, as they were written: over the lengths of which it consists.
+  [[nodiscard]] real error(const moved_joint& j) { return opening_of(lines(j), j.length).part; }
   /// Repeats: measure() writes the rows with their targets, may set motions, which are 0 before,
   /// and returns the largest error; the joints are solved; move() applies the motions of `bodies`.
   /// Returns the last error.
@@ -214,30 +211,75 @@ class moved_joints {
       bodies.clear();
       const real worst = measure();
       idle += !(worst < real(0.5) * best);
-      if (k == 0) first_error_ = worst;
       if (k == most || (k >= least && (worst <= enough || idle == most_idle))) return worst;
       best = std::min(best, worst);
-      impulses_.assign(impulses_.size(), 0);
-      if (k == 0) {
-        plain_vector<joint_view> views;
-        for (const moved_joint& j : all)
-          views.push_back({j.a, j.b, j.solved.rows, lines_.data() + j.first,
-                           impulses_.data() + j.first, nullptr});
-        system_.gather({views.data(), views.size()}, bodies);
-      }
-      system_.solve(bodies);
+      solve(k == 0);
+      system_.share_loads();
       move();
     }
+  }
+  /// Moves the ends until all rows hold, and never to where the worst of them is worse: repeats
+  /// write(joint), which writes the rows with their targets; the joints are solved, and the ends
+  /// are moved so, or by a part of it if all of it is too far. Calls left(joint, opening) for the
+  /// joints that stay open, and returns whether that makes them better.
+  template <class Write, class Left>
+  bool close(Write&& write, Left&& left) {
+    constexpr int most = 30, most_idle = 3, most_parts = 6;
+    constexpr real small = 1e-12;
+    plain_vector<joint_end> best = ends;
+    real least = unbounded, first = 0, part = 1, remains = 0;
+    for (int k = 0, idle = 0, parts = 0; k < most; ++k) {
+      real worst = 0, open = 0, own = 0;
+      for (const moved_joint& j : all) {
+        write(j);
+        worst = std::max(worst, error(j));
+        open = std::max(open, opening_of(lines(j), arm_).part);
+        own = std::max(own, opening_of(lines(j), j.arm).part);
+      }
+      if (k == 0) first = open;
+      if (open < least) {
+        idle += !(open < real(0.5) * least), parts = 0;
+        least = open, best = ends, part = 1, remains = own;
+        if (worst <= enough || idle > most_idle) break;
+        bodies.clear();
+        solve(k == 0);
+      } else {
+        if (worst <= small || ++parts > most_parts) break;
+        ends = best, part *= real(0.25);
+      }
+      for (std::size_t i = 0; i < ends.size(); ++i) {
+        const body_motion& d = bodies.motion(static_cast<std::int32_t>(i));
+        ends[i].position += part * d.v;
+        ends[i].orientation = turned<real>(ends[i].orientation, part * d.w);
+      }
+    }
+    ends = best;
+    if (remains > noted_opening)
+      for (const moved_joint& j : all) write(j), left(j, opening_of(lines(j), j.arm));
+    return least < first;
   }
 
  private:
   static constexpr real enough = 4e-15;
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+  void solve(bool first) {
+    impulses_.assign(impulses_.size(), 0);
+    if (first) {
+      plain_vector<joint_view> views;
+      for (const moved_joint& j : all)
+        views.push_back({j.a, j.b, j.solved.rows, lines_.data() + j.first,
+                         impulses_.data() + j.first, nullptr});
+      system_.gather({views.data(), views.size()}, bodies);
+    }
+    system_.renew();
+    system_.solve(bodies);
+  }
+
   const state_type& s_;
   plain_vector<joint_line> lines_;
   plain_vector<real> impulses_;
-  real first_error_ = 0;
+  real arm_ = 0;  ///< the longest
   articulations system_;
 };
 

@@ -107,10 +107,11 @@ void solve_contacts(world_state<Scenario>& s) {
       Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
       s.settings.tolerance);
   if constexpr (world_state<Scenario>::has_joints && solves_joints_directly<Scenario> &&
-                !requires { Solver::solves_joints; })
-    exact_joints<std::remove_reference_t<decltype(lists)>, decltype(s.solver), decltype(ranks)>(
-        s.solver, ranks)
-        .solve(s.solver);
+                !requires { Solver::solves_joints; }) {
+    exact_joints<std::remove_reference_t<decltype(lists)>, decltype(s.solver), decltype(ranks)>
+        joints(s.solver, ranks);
+    joints.solve(s.solver), joints.share_loads();
+  }
   if constexpr (coloured && !alone) drop_foreign_bodies(s);
   passivity(s, ranks).keep();
 }

@@ -98,15 +98,15 @@ template <class Scenario>
 
 /// The pending state of sleeping and waking; alike on all ranks.
 struct pending_wakes {
-  std::uint64_t all = 0, spreads = 0, disturbed = 0;
+  std::uint64_t all = 0, spreads = 0;
 };
 
 template <class Scenario>
 [[nodiscard]] pending_wakes measure_pending_wakes(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps) {
-    std::array<std::uint64_t, 3> any{s.sleep.all, s.sleep.spreads, s.sleep.disturbed};
+    std::array<std::uint64_t, 2> any{s.sleep.all, s.sleep.spreads};
     s.link->reduce(reduction::max, std::span(any));
-    return {any[0], any[1], any[2]};
+    return {any[0], any[1]};
   } else {
     return (void)s, pending_wakes{};
   }
@@ -149,7 +149,6 @@ void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
     s.sleep.asleep = known_sleepers(s);
     s.sleep.all = wakes.all != 0;
     s.sleep.spreads = wakes.spreads != 0;
-    s.sleep.disturbed = wakes.disturbed != 0;
   } else {
     (void)wakes;
     w.synchronize();

@@ -50,8 +50,9 @@ void wake_everywhere(world_state<Scenario>& s) {
   }
 }
 
-/// Records the sleeping bodies owned here near an immovable body that the user added, moved or
-/// changed.
+/// Records the sleeping bodies owned here that a change of an immovable body by the user concerns,
+/// or its motion if it is driven: those near it, and those that contacts or joints connect with it.
+/// A body that the user has released counts, too.
 template <class Scenario>
 void meet_disturbed(world_state<Scenario>& s) {
   const auto meet = [&](const auto& store, std::size_t j) {
@@ -75,8 +76,10 @@ void meet_disturbed(world_state<Scenario>& s) {
   s.each_shape([&](const auto& b) {
     const auto look = [&](const auto& store) {
       for (std::size_t j = 0; j < store.size(); ++j)
-        if ((store.flags[j] & flag_disturbed) != 0 && store.inverse_mass[j] == 0)
-          disturbed.push_back(store.id[j]), meet(store, j);
+        if ((store.flags[j] & flag_disturbed) != 0) {
+          disturbed.push_back(store.id[j]);
+          if (store.inverse_mass[j] == 0) meet(store, j);
+        }
     };
     look(b.movable), look(b.global);
   });
@@ -85,8 +88,14 @@ void meet_disturbed(world_state<Scenario>& s) {
   const auto moved = [&](system_id id) {
     return std::binary_search(disturbed.begin(), disturbed.end(), id);
   };
-  for (const auto& c : s.sleep.contacts.entries())  // the bodies that touched it lose their support
-    s.sleep.spreads = s.sleep.spreads || moved(c.key.a) || moved(c.key.b);
+  const auto meets = [&](system_id a, system_id b) {
+    s.sleep.spreads = s.sleep.spreads || moved(a) || moved(b);
+  };
+  for (const auto& c : s.sleep.contacts.entries()) meets(c.key.a, c.key.b);
+  if constexpr (world_state<Scenario>::has_joints)
+    s.joints.each_kind([&](const auto& of_kind) {
+      for (const auto& r : of_kind.records) meets(r.key.a, r.key.b);
+    });
 }
 
 /// Wakes the islands that something approaches, and notifies the neighbours. Returns whether any
@@ -125,9 +134,6 @@ void advance_sleep_timers(world_state<Scenario>& s) {
       store.quiet[i] = rests ? store.quiet[i] + dt : 0;
     }
   });
-  // Copies of bodies disturbed elsewhere keep their mark, which must not depend on the ranks.
-  const bool disturbed = std::exchange(s.sleep.disturbed, false);
-  if (!disturbed && !s.by_colours()) return;
   const auto forget = [](auto& store) {
     for (auto& flags : store.flags) flags &= static_cast<std::uint8_t>(~flag_disturbed);
   };

@@ -40,10 +40,9 @@ struct sleep_state {
   disjoint_sets islands;           ///< in the solver's indices
   plain_vector<float> island_timer;  ///< of each island, at its root
   bool all = false;                  ///< all are to wake
-  bool changed = false;    ///< own bodies fell asleep or woke, neighbours not yet notified
-  bool noted = false;      ///< the memory was sorted after wake_disturbed() began
-  bool spreads = false;    ///< a body known here woke: others of its island may have to
-  bool disturbed = false;  ///< own immovable bodies are marked as disturbed
+  bool changed = false;  ///< own bodies fell asleep or woke, neighbours not yet notified
+  bool noted = false;    ///< the memory was sorted after wake_disturbed() began
+  bool spreads = false;  ///< a body known here woke: others of its island may have to
 
   [[nodiscard]] std::size_t bytes() const {
     return contacts.bytes() + asleep.capacity() * sizeof(system_id) +

@@ -92,7 +92,6 @@ template <class Scenario, class Store>
 void disturb(world_state<Scenario>& s, Store& store, std::size_t i) {
   if (store.inverse_mass[i] == 0) {
     store.flags[i] |= flag_disturbed;
-    s.sleep.disturbed = true;
   } else if constexpr (Store::sleeps) {
     if (store.asleep(i)) {
       store.flags[i] &= static_cast<std::uint8_t>(~flag_asleep);

@@ -20,8 +20,8 @@ namespace talus::detail {
 /// C. It is factorized as L D L' without pivoting between blocks. Bodies are eliminated by minimum
 /// degree. A body is followed by one joint, if none that ends with it precedes; other joints follow
 /// the last of their bodies. Along a chain each block then is definite, and the effort is linear.
-/// Rows that depend on others, as in closed loops, leave pivots that are round-off: a small
-/// compliance bounds them, and the caller refines the solution.
+/// Rows that depend on others, as in closed loops, leave pivots that are round-off. These get a
+/// compliance of the size of their mobility, and the caller refines the solution.
 class articulated_system {
  public:
   /// A joint between two bodies of the system, numbered from 0, or -1 for what never moves.
@@ -38,7 +38,9 @@ class articulated_system {
     find_fill(ties);
   }
   /// Sets all values to 0.
-  void clear() { values_.assign(values_.size(), 0), scale_.assign(scale_.size(), 0); }
+  void clear() {
+    for (auto* all : {&values_, &scale_, &compliance_}) all->assign(all->size(), 0);
+  }
   void set_body(std::int32_t i, real mass, const mat3& inertia) {
     real* d = values_.data() + diagonal_[at(place_[at(i)])];
     for (int k = 0; k < 3; ++k) d[7 * k] = mass;
@@ -52,6 +54,7 @@ class articulated_system {
     const std::int32_t p = place_[at(bodies_ + j)], n = size_[at(p)];
     values_[diagonal_[at(p)] + at(k) * at(n + 1)] = -compliance;
     scale_[first_[at(p)] + at(k)] = scale;
+    compliance_[first_[at(p)] + at(k)] = compliance;
     const auto put = [&](std::size_t block, bool joint_is_row, const std::array<real, 6>& x) {
       if (block == none) return;
       for (std::size_t i = 0; i < 6; ++i)
@@ -102,13 +105,14 @@ class articulated_system {
     return first_[at(place_[at(bodies_ + j)])];
   }
   [[nodiscard]] std::size_t size() const { return scale_.size(); }
+  /// Whether a row depends on rows eliminated before it, by its position: these determine its
+  /// velocity.
+  [[nodiscard]] bool depends(std::size_t row) const { return added_[row] != 0; }
   /// The compliance that the factorization has added to a row, by its position.
   [[nodiscard]] real added(std::size_t row) const { return added_[row]; }
   /// The velocity of a row for a unit impulse, where the rows eliminated before hold; 0 if it
   /// depends on these.
-  [[nodiscard]] real left_of(std::size_t row) const {
-    return added_[row] < scale_[row] ? added_[row] / softness : real(0);
-  }
+  [[nodiscard]] real left_of(std::size_t row) const { return left_[row]; }
 
   /// Replaces the right-hand side by the solution.
   void solve(plain_vector<real>& x) const {
@@ -154,9 +158,8 @@ class articulated_system {
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};
-  /// The compliance added to a row, as a part of what the elimination has left of its diagonal. If
-  /// that is but round-off, the row depends on others and is left out.
-  static constexpr real softness = 1e-8, round_off = 1e-12;
+  /// A row depends on others if the elimination leaves less than this part of its diagonal.
+  static constexpr real round_off = 1e-12;
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] bool is_body(std::size_t p) const { return node_[p] < bodies_; }
 
@@ -236,7 +239,8 @@ class articulated_system {
       for (std::size_t k = 1; k < kept; ++k) below[at(list[0])].push_back(list[k]);
       plain_vector<std::int32_t>().swap(list);
     }
-    values_.resize(values), scale_.resize(unknowns), added_.assign(unknowns, 0);
+    values_.resize(values), scale_.resize(unknowns), compliance_.resize(unknowns);
+    added_.assign(unknowns, 0), left_.assign(unknowns, 0);
     ends_.assign(ties.size(), {});
     for (std::size_t j = 0; j < ties.size(); ++j) {
       const std::int32_t place = place_[at(bodies_) + j];
@@ -262,23 +266,26 @@ class articulated_system {
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j <= i; ++j) d[i * n + j] = -d[i * n + j];
     for (std::size_t i = 0; i < n; ++i) {
-      real least = round_off * d[i * n + i];
-      if (!body) {
-        const real scale = scale_[first_[p] + i];
-        real& added = added_[first_[p] + i];
-        added = d[i * n + i] > round_off * scale ? softness * d[i * n + i] : scale;
-        if (scale == 0) added = 1;  // an unused row
-        d[i * n + i] = std::max(d[i * n + i], real(0)) + added;
-        least = real(0.1) * added;
-      }
       for (std::size_t j = 0; j < i; ++j) {
         real sum = d[i * n + j];
         for (std::size_t k = 0; k < j; ++k) sum -= d[i * n + k] * d[j * n + k];
         d[i * n + j] = sum / d[j * n + j];
       }
-      real pivot = d[i * n + i];
+      const real own = d[i * n + i];
+      real pivot = own;
       for (std::size_t k = 0; k < i; ++k) pivot -= d[i * n + k] * d[i * n + k];
-      d[i * n + i] = std::sqrt(std::max(pivot, least));
+      if (body) {
+        pivot = std::max(pivot, round_off * own);
+      } else {
+        const real scale = scale_[first_[p] + i];
+        pivot = std::max(pivot, compliance_[first_[p] + i]);
+        const bool depends = !(pivot > round_off * scale);
+        real& added = added_[first_[p] + i];
+        added = depends ? (scale > 0 ? scale : real(1)) : real(0);
+        left_[first_[p] + i] = depends ? real(0) : pivot;
+        if (depends) pivot = std::max(pivot, real(0)) + added;
+      }
+      d[i * n + i] = std::sqrt(pivot);
     }
   }
   std::int32_t bodies_ = 0;
@@ -288,7 +295,7 @@ class articulated_system {
   plain_vector<std::int32_t> later_;  ///< places of the blocks below, ascending
   plain_vector<std::size_t> block_;
   plain_vector<ends> ends_;
-  plain_vector<real> values_, scale_, added_;
+  plain_vector<real> values_, scale_, compliance_, added_, left_;
   plain_vector<real> turned_;  ///< the transpose of a block
 };
 

@@ -35,6 +35,11 @@ class solver_bodies {
     auto& x = s_.bodies[index(i)];
     x.v += in_scalar<number>(d.v), x.w += in_scalar<number>(d.w);
   }
+  void set(std::int32_t i, const body_motion& to) {
+    using number = typename State::number;
+    auto& x = s_.bodies[index(i)];
+    x.v = in_scalar<number>(to.v), x.w = in_scalar<number>(to.w);
+  }
 
  private:
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -74,30 +79,89 @@ class articulation {
     for (const std::int32_t i : bodies_) number[at(i)] = -1;
     ties_ = std::move(ties);
     system_.arrange(static_cast<std::int32_t>(bodies_.size()), {ties_.data(), ties_.size()});
-    held_.assign(rows, bound::none);
+    held_.assign(rows, bound::none), start_.assign(rows, 0), residuals_.assign(rows, 0);
     factorized_ = false;
   }
+  /// The rows are others from now on, and the factorization is an approximation.
+  void renew() { stale_ = true; }
 
   /// Changes the impulses of the joints, and the motions of the bodies, so that all rows hold.
   template <class Bodies>
   void solve(Bodies& all) {
     bool bounded = false;
     each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      start_[first_[j] + k] = r;
       if (!x.bounded()) return;
       bounded = true;
       if (factorized_) return;
-      if (r <= x.least) held_[first_[j] + k] = bound::least;
-      if (r >= x.most) held_[first_[j] + k] = bound::most;
+      const real w = mobility(j, x);
+      const real alone =
+          w > 0 ? r + (x.target - rate(x, all, joints_[j]) - x.compliance * r) / w : r;
+      if (alone <= x.least) held_[first_[j] + k] = bound::least;
+      if (alone >= x.most) held_[first_[j] + k] = bound::most;
     });
-    if (bounded) move_to_bounds(all);
-    constexpr int all_at_once = 8, rounds = 40;
+    if (bounded) note_motions(all), move_to_bounds(all);
+    constexpr int all_at_once = 8, rounds = 40, adding = 32;
     for (int round = 0; round < rounds; ++round) {
       refine(all);
-      if (!bounded || !change_bounds(all, round >= all_at_once)) break;
-      move_to_bounds(all);
-      factorized_ = false;
+      if (!bounded) break;
+      const bool more = round < adding ? change_bounds(all, round >= all_at_once) || meet_bound()
+                                       : hold_beyond_bounds();
+      if (!more) break;
+      start_again(all);
     }
     if (bounded) move_within_bounds(all);
+  }
+
+  /// Of all impulses of dependent rows that give the bodies the same momenta, takes those of least
+  /// norm, where a row counts by its mobility.
+  void share_loads() {
+    if (!factorized_ || !any_depends()) return;
+    constexpr real softness = 1e-8, enough = 1e-15, useful = 1e-12;
+    constexpr int most = 20;
+    // Rows as springs with their mobilities as compliances, which bear the momenta; bodies as weak
+    // springs keep the matrix regular.
+    articulated_system springs = system_;
+    springs.clear();
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      springs.set_body(static_cast<std::int32_t>(i), softness / inverse_mass_[i],
+                       softness * inverse_inertia_[i].inverse());
+    plain_vector<real> loads(springs.size(), 0), left, x(springs.size(), 0);
+    each_shared([&](std::size_t j, std::size_t k, const joint_line& line, real& r, real w) {
+      set_row(springs, j, k, line, w, w);
+      add_momenta(springs, j, line, r, loads);
+    });
+    springs.factorize();
+    const auto size_of = [&](const plain_vector<real>& all, std::size_t from) {
+      real sum = 0;
+      for (std::size_t i = 0; i < bodies_.size(); ++i)
+        for (std::size_t k = from; k < from + 3; ++k)
+          sum = std::max(sum, std::abs(all[springs.of_body(static_cast<std::int32_t>(i)) + k]));
+      return sum;
+    };
+    const real push = size_of(loads, 0), turn = size_of(loads, 3);
+    real last = unbounded;
+    for (int pass = 0; pass < most; ++pass) {
+      left = loads;
+      each_shared([&](std::size_t j, std::size_t k, const joint_line& line, real&, real w) {
+        const std::size_t row = springs.of_joint(static_cast<std::int32_t>(j)) + k;
+        add_momenta(springs, j, line, -x[row], left);
+        left[row] = w * x[row] - of_bodies(springs, j, line, x);
+      });
+      const real worst = std::max(push > 0 ? size_of(left, 0) / push : real(0),
+                                  turn > 0 ? size_of(left, 3) / turn : real(0));
+      if (worst <= enough || (pass > 1 && !(worst < real(0.5) * last))) {
+        last = std::min(last, worst);
+        break;
+      }
+      last = worst;
+      springs.solve(left);
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] += left[i];
+    }
+    if (last <= useful)
+      each_shared([&](std::size_t j, std::size_t k, const joint_line&, real& r, real) {
+        r = x[springs.of_joint(static_cast<std::int32_t>(j)) + k];
+      });
   }
 
  private:
@@ -128,6 +192,24 @@ class articulation {
     move(joints_[j].b, ties_[j].b, -d, x.moment_b);
   }
 
+  /// The velocity of a row for a unit impulse.
+  [[nodiscard]] real mobility(std::size_t j, const joint_line& x) const {
+    real sum = x.compliance;
+    const auto add = [&](std::int32_t i, const vec3& moment) {
+      if (i >= 0)
+        sum += inverse_mass_[at(i)] * x.force.squaredNorm() +
+               moment.dot(inverse_inertia_[at(i)] * moment);
+    };
+    add(ties_[j].a, x.moment_a), add(ties_[j].b, x.moment_b);
+    return sum;
+  }
+  static void set_row(articulated_system& to, std::size_t j, std::size_t k, const joint_line& x,
+                      real compliance, real scale) {
+    const vec3 &p = x.force, &a = x.moment_a, &b = x.moment_b;
+    to.set_row(static_cast<std::int32_t>(j), static_cast<std::int32_t>(k),
+               {p[0], p[1], p[2], a[0], a[1], a[2]}, {-p[0], -p[1], -p[2], -b[0], -b[1], -b[2]},
+               compliance, scale);
+  }
   void factorize() {
     system_.clear();
     for (std::size_t i = 0; i < bodies_.size(); ++i)
@@ -135,58 +217,95 @@ class articulation {
                        inverse_inertia_[i].inverse());
     each_row([&](std::size_t j, std::size_t k, const joint_line& x, real&) {
       if (held_[first_[j] + k] != bound::none) return;
-      const vec3 &p = x.force, &a = x.moment_a, &b = x.moment_b;
-      real scale = x.compliance;
-      const auto add = [&](std::int32_t i, const vec3& moment) {
-        if (i >= 0)
-          scale +=
-              inverse_mass_[at(i)] * p.squaredNorm() + moment.dot(inverse_inertia_[at(i)] * moment);
-      };
-      add(ties_[j].a, a), add(ties_[j].b, b);
-      if (scale > 0)
-        system_.set_row(static_cast<std::int32_t>(j), static_cast<std::int32_t>(k),
-                        {p[0], p[1], p[2], a[0], a[1], a[2]},
-                        {-p[0], -p[1], -p[2], -b[0], -b[1], -b[2]}, x.compliance, scale);
+      if (const real scale = mobility(j, x); scale > 0)
+        set_row(system_, j, k, x, x.compliance, scale);
     });
     system_.factorize();
-    factorized_ = true;
+    factorized_ = true, stale_ = false;
+  }
+  [[nodiscard]] bool depends(std::size_t j, std::size_t k) const {
+    return factorized_ && system_.depends(row_of(j, k));
+  }
+  [[nodiscard]] std::size_t row_of(std::size_t j, std::size_t k) const {
+    return system_.of_joint(static_cast<std::int32_t>(j)) + k;
   }
 
-  /// Solves the rows that are at no bound, and repeats that with what is left of them.
+  // Loads that rows share.
+  [[nodiscard]] bool any_depends() {
+    bool any = false;
+    each_row([&](std::size_t j, std::size_t k, const joint_line& x, real&) {
+      any = any || (x.use == line_use::holds && mobility(j, x) > 0 && depends(j, k));
+    });
+    return any;
+  }
+  /// Calls f(joint, row, line, impulse, mobility) for the rows that only the motion determines.
+  template <class F>
+  void each_shared(F&& f) {
+    each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      if (x.use != line_use::holds) return;
+      if (const real w = mobility(j, x); w > 0) f(j, k, x, r, w);
+    });
+  }
+  /// Adds the momenta that an impulse gives to the bodies.
+  void add_momenta(const articulated_system& of, std::size_t j, const joint_line& x, real r,
+                   plain_vector<real>& to) const {
+    const auto add = [&](std::int32_t i, real p, const vec3& moment) {
+      if (i < 0) return;
+      real* at_body = to.data() + of.of_body(i);
+      for (int k = 0; k < 3; ++k) at_body[k] += p * x.force[k], at_body[3 + k] += p * moment[k];
+    };
+    add(ties_[j].a, r, x.moment_a), add(ties_[j].b, -r, x.moment_b);
+  }
+  /// The velocity of a row by those of its bodies.
+  [[nodiscard]] real of_bodies(const articulated_system& of, std::size_t j, const joint_line& x,
+                               const plain_vector<real>& from) const {
+    real sum = 0;
+    const auto add = [&](std::int32_t i, real sign, const vec3& moment) {
+      if (i < 0) return;
+      const real* at_body = from.data() + of.of_body(i);
+      for (int k = 0; k < 3; ++k)
+        sum += sign * (x.force[k] * at_body[k] + moment[k] * at_body[3 + k]);
+    };
+    add(ties_[j].a, 1, x.moment_a), add(ties_[j].b, -1, x.moment_b);
+    return sum;
+  }
+
+  /// Solves the rows that are at no bound, and repeats that with what is left of them. The
+  /// residuals of rows that depend on others follow from these.
   template <class Bodies>
   void refine(Bodies& all) {
     constexpr int most = 8;
     real last = unbounded;
     for (int k = 0; k < most; ++k) {
       real left = 0, scale = 0;
-      rest_.assign(system_.size(), 0);
+      rest_.assign(system_.size(), 0), contradiction_ = 0;
       each_row([&](std::size_t j, std::size_t i, const joint_line& x, real& r) {
         if (held_[first_[j] + i] != bound::none) return;
         const body_motion a = all.motion(joints_[j].a), b = all.motion(joints_[j].b);
         const real u = x.force.dot(a.v - b.v) + (x.moment_a.dot(a.w) - x.moment_b.dot(b.w));
         const real e = x.target - u - x.compliance * r;
-        const std::size_t row = system_.of_joint(static_cast<std::int32_t>(j)) + i;
-        rest_[row] = e;
-        left = std::max(left, std::abs(e));
+        rest_[row_of(j, i)] = residuals_[first_[j] + i] = e;
+        real& worst = depends(j, i) ? contradiction_ : left;
+        worst = std::max(worst, std::abs(e));
         scale = std::max({scale, std::abs(x.target),
                           x.force.norm() * (a.v.norm() + b.v.norm()) +
                               x.moment_a.norm() * a.w.norm() + x.moment_b.norm() * b.w.norm()});
-        if (factorized_) scale = std::max(scale, system_.left_of(row) * std::abs(r));
+        if (factorized_) scale = std::max(scale, system_.left_of(row_of(j, i)) * std::abs(r));
       });
       scale_ = scale;
-      if (!(left > real(4e-16) * scale) || (k > 1 && !(left < real(0.5) * last))) return;
+      const bool slow = k > 0 && !(left < real(0.5) * last);
+      if (!(left > real(4e-16) * scale) || (k > 1 && slow && !stale_)) return;
       last = left;
-      if (!factorized_) factorize();
+      if (!factorized_ || (slow && stale_)) factorize();
       if (k == 0)  // impulses of rows that depend on others would grow by round-off
         each_row([&](std::size_t j, std::size_t i, const joint_line&, real& r) {
-          if (held_[first_[j] + i] != bound::none) return;
-          const std::size_t row = system_.of_joint(static_cast<std::int32_t>(j)) + i;
-          rest_[row] -= system_.added(row) * r;
+          if (held_[first_[j] + i] == bound::none)
+            rest_[row_of(j, i)] -= system_.added(row_of(j, i)) * r;
         });
       system_.solve(rest_);
       each_row([&](std::size_t j, std::size_t i, const joint_line& x, real& r) {
         if (held_[first_[j] + i] != bound::none) return;
-        const real d = -rest_[system_.of_joint(static_cast<std::int32_t>(j)) + i];
+        const real d = -rest_[row_of(j, i)];
         r += d;
         push(all, j, x, d);
       });
@@ -213,6 +332,66 @@ class articulation {
     });
     return changed;
   }
+  /// Rows beyond a bound stay on it, and no row leaves one: the end of a search that has cycled.
+  bool hold_beyond_bounds() {
+    bool changed = false;
+    each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      bound& held = held_[first_[j] + k];
+      if (held != bound::none || (r >= x.least && r <= x.most)) return;
+      held = r < x.least ? bound::least : bound::most;
+      changed = true;
+    });
+    return changed;
+  }
+  /// Where rows contradict each other, impulses that do not move the bodies grow until the first of
+  /// them meets a bound: it stays there. Returns whether there is one.
+  bool meet_bound() {
+    const real small = 1e-9 * scale_;
+    if (!factorized_ || !(contradiction_ > small)) return false;
+    rest_.assign(system_.size(), 0);
+    each_row([&](std::size_t j, std::size_t k, const joint_line&, real&) {
+      if (depends(j, k) && held_[first_[j] + k] == bound::none)
+        rest_[row_of(j, k)] = residuals_[first_[j] + k];
+    });
+    system_.solve(rest_);
+    real most = 0;
+    each_row([&](std::size_t j, std::size_t k, const joint_line&, real&) {
+      most = std::max(most, std::abs(rest_[row_of(j, k)]));
+    });
+    bound* first = nullptr;
+    bound to = bound::none;
+    real soonest = unbounded;
+    each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      bound& held = held_[first_[j] + k];
+      const real d = -rest_[row_of(j, k)];
+      if (held != bound::none || !x.bounded() || !(std::abs(d) > 1e-9 * most)) return;
+      const real when = ((d > 0 ? x.most : x.least) - r) / d;
+      if (when < soonest) soonest = when, first = &held, to = d > 0 ? bound::most : bound::least;
+    });
+    if (first == nullptr) return false;
+    *first = to;
+    return true;
+  }
+
+  // All impulses are added to the motions before, so that those of a trial leave no round-off.
+  template <class Bodies>
+  void note_motions(const Bodies& all) {
+    before_.clear();
+    for (const std::int32_t i : bodies_) before_.push_back(all.motion(i));
+  }
+  template <class Bodies>
+  void restore_motions(Bodies& all) const {
+    for (std::size_t k = 0; k < bodies_.size(); ++k) all.set(bodies_[k], before_[k]);
+  }
+  template <class Bodies>
+  void start_again(Bodies& all) {
+    restore_motions(all);
+    each_row([&](std::size_t j, std::size_t k, const joint_line&, real& r) {
+      r = start_[first_[j] + k];
+    });
+    move_to_bounds(all);
+    factorized_ = false;
+  }
   template <class Bodies>
   void move_to_bounds(Bodies& all) {
     each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
@@ -227,11 +406,15 @@ class articulation {
   /// If the search for the right bounds has not ended.
   template <class Bodies>
   void move_within_bounds(Bodies& all) {
-    each_row([&](std::size_t j, std::size_t, const joint_line& x, real& r) {
-      const real to = std::clamp(r, x.least, x.most);
-      if (to == r) return;
-      push(all, j, x, to - r);
-      r = to;
+    bool beyond = false;
+    each_row([&](std::size_t, std::size_t, const joint_line& x, real& r) {
+      beyond = beyond || r < x.least || r > x.most;
+    });
+    if (!beyond) return;
+    restore_motions(all);
+    each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      r = std::clamp(r, x.least, x.most);
+      push(all, j, x, r - start_[first_[j] + k]);
     });
   }
 
@@ -242,10 +425,13 @@ class articulation {
   plain_vector<mat3> inverse_inertia_;
   plain_vector<articulated_system::tie> ties_;
   plain_vector<bound> held_;  ///< by rows
+  plain_vector<real> start_, residuals_;
+  plain_vector<body_motion> before_;
   articulated_system system_;
   plain_vector<real> rest_;
-  real scale_ = 0;  ///< of velocities
-  bool factorized_ = false;
+  real scale_ = 0;          ///< of velocities
+  real contradiction_ = 0;  ///< the largest residual of a row that depends on others
+  bool factorized_ = false, stale_ = false;
 };
 
 /// All articulations of a rank.
@@ -278,6 +464,14 @@ class articulations {
   template <class Bodies>
   void solve(Bodies&& all) {
     for (articulation& one : all_) one.solve(all);
+  }
+  /// After the last solve() of a step.
+  void share_loads() {
+    for (articulation& one : all_) one.share_loads();
+  }
+  /// The rows have changed since the last solve().
+  void renew() {
+    for (articulation& one : all_) one.renew();
   }
   [[nodiscard]] bool empty() const { return all_.empty(); }
 

@@ -36,6 +36,7 @@ class exact_joints {
   static constexpr bool at_once = false;
   exact_joints(State&, Ranks&) {}
   void solve(State&) {}
+  void share_loads() {}
   void sweep(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
     sweep_interior(lists, s, forward, more, ranks);
   }
@@ -63,6 +64,8 @@ class exact_joints<Lists, State, Ranks, Coloured, true> {
   }
   /// One sweep of the position correction over all joints.
   void correct() const { ranks_.correct_joints(); }
+  /// After the last of these in a step.
+  void share_loads() { joints_.share_loads(); }
   /// As sweep_interior: the contacts one after the other, and then the joints.
   void sweep(Lists& lists, State& s, bool forward, bool, Ranks& ranks) {
     each_swept(lists, ranks,
