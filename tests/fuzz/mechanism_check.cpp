@@ -29,6 +29,22 @@ real difference(const mechanism_end& x, const mechanism_end& y) {
   return most;
 }
 
+bool any_body(const mechanism& m, mechanism_body::role how) {
+  for (std::size_t k = 0; k < m.bodies.size(); ++k)
+    if (m.has_body(static_cast<int>(k)) && m.bodies[k].how == how) return true;
+  return false;
+}
+/// Whether a limit or a rope has a restitution.
+bool rebounds(const mechanism& m) {
+  for (std::size_t k = 0; k < m.joints.size(); ++k) {
+    const mechanism_joint& j = m.joints[k];
+    if (m.has_joint(static_cast<int>(k)) &&
+        std::max({j.first.restitution, j.second.restitution, j.restitution}) > 0)
+      return true;
+  }
+  return m.floor && m.restitution > 0;
+}
+
 /// What is wrong with one run, empty if nothing is.
 std::string what_fails(const mechanism& m, const mechanism_end& end) {
   const auto text = [](real x) { return talus::detail::text(x, 3); };
@@ -37,9 +53,10 @@ std::string what_fails(const mechanism& m, const mechanism_end& end) {
   if (!end.refused.empty() && !m.wild && !too_far) return "throws: " + end.refused;
   if (end.worst_closure > 1e-10) return "the ledger leaves " + text(end.worst_closure);
   if (m.wild) return "";
-  if (end.gain > 1e-9)
-    return "impulses add " + text(end.gain) + " of the energy in step " +
-           std::to_string(end.step_of_gain);
+  // (Impulses of a body that is driven do work.)
+  if (end.gain > 1e-9 && !any_body(m, mechanism_body::role::driven))
+    return std::string(rebounds(m) ? "impulses with rebounds" : "impulses") + " add " +
+           text(end.gain) + " of the energy in step " + std::to_string(end.step_of_gain);
   if (end.gap > 1e-3)
     return "a joint is open by " + text(end.gap) + " in step " + std::to_string(end.step_of_gap);
   return "";
