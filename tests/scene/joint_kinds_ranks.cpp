@@ -329,7 +329,7 @@ TEST_CASE("a fixed body of another rank can be destroyed when its weld has broke
       const auto seam = add_welded(w, stuff, breaks ? 1e-3 : 1e3);
       const auto remove = [&w] { w.destroy_if([](const auto& b) { return b.is_fixed(); }); };
       return acts{.before =
-                      [=](int k) {
+                      [&w, remove, breaks](int k) {
                         if (k != 20) return;
                         bool here = false;
                         w.for_each_local([&](const auto& b) { here = here || b.is_fixed(); });
