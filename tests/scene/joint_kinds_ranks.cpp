@@ -365,3 +365,24 @@ TEST_CASE("two bodies may have joints of different kinds") {
     });
   }
 }
+
+TEST_CASE("a rank that knows a gear only as part of an island turns it with the same bits") {
+  const course train = same_on_all(400, 2e-3, [](auto& w, auto stuff) {
+    const auto add = [&](const vec3& at, const vec3& velocity, const vec3& spin) {
+      return w.add_if_local(body{.shape = box{.size = {0.02, 0.03, 0.04}},
+                                 .position = at,
+                                 .material = stuff,
+                                 .velocity = velocity,
+                                 .angular_velocity = spin});
+    };
+    const auto a = add({-0.45, 1.07, -0.22}, {-0.4, -0.3, -0.2}, {1.5, -1, 0.5});
+    const auto b = add({1.09, 0.8, -0.82}, {0.3, -0.2, 0.4}, {-0.3, 1.2, 1.7});
+    const auto c = add({0.06, -0.17, -0.44}, {0.2, 0.1, -0.3}, {0.9, 0.4, -1.1});
+    (void)w.join(a, b,
+                 gear{.first_axis = {0.3, -0.2, 1}, .second_axis = {1, 0.4, 0.2}, .ratio = 1.3});
+    (void)w.join(b, c, ball_joint{.at = {0.8, 0.5, -0.7}});
+    (void)w.join(world_frame, c, gear{.second_axis = {0.1, 0.3, 1}, .ratio = 0.7});
+    return acts{};
+  });
+  CHECK(train.digests.size() == 20);
+}
