@@ -109,10 +109,10 @@ class line_writer {
   [[nodiscard]] static real angle_in(const mat3& frame, const vec3& x) {
     return portable::atan2(x.dot(frame.col(1)), x.dot(frame.col(0)));
   }
-  /// An angle of the next coordinate with all its turns.
+  /// An angle of the next coordinate with all its turns. Computed again it has the same bits: a
+  /// third rank gets the coordinates of the step under way.
   [[nodiscard]] real continued(real angle) const {
-    const real last = coordinates_[axis_];
-    return last + std::remainder(angle - last, 2 * pi);
+    return angle + 2 * pi * std::nearbyint((coordinates_[axis_] - angle) / (2 * pi));
   }
   /// The same, noted.
   real whole_turns(real angle) {

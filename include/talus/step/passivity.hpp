@@ -43,8 +43,8 @@ template <class Store>
 /// The factor belongs to an island of contacts of this rank. Both ranks of a boundary contact
 /// compute the power that it transfers from the last velocities that both hold, so that the works
 /// of the ranks add up to that of all contacts without a message. Each rank scales its interior
-/// contacts, and leaves its boundary contacts as they are. Islands with joints across ranks are
-/// left as they are.
+/// contacts, and leaves its boundary contacts as they are. Islands of joints without contacts, and
+/// those with joints across ranks, are left as they are.
 template <class Scenario, class Ranks>
 class passivity {
   using state_type = world_state<Scenario>;
@@ -192,13 +192,30 @@ class passivity {
     };
     each_body(add);
     each_exchange(add);
-    // Of an island of joints on several ranks this rank sees a part, and its joints alone may do
-    // work: their solution is exact for the whole.
-    if constexpr (Ranks::solves_joints)
+    // The solution of joints is exact. Their impulses alone are left as they are, and an island of
+    // joints on several ranks, of which this rank sees a part.
+    if constexpr (Ranks::solves_joints) {
+      plain_vector<char> touched(works.size(), 0);
+      const auto island = [&](std::int32_t k) {
+        return s_.passive.island[static_cast<std::size_t>(k)];
+      };
+      each_list([&](const auto& list) {
+        using contact = typename std::remove_cvref_t<decltype(list)>::contact_type;
+        if constexpr (!is_joint<contact>)
+          list.each([&](const contact& c, bool) {
+            if (!acts(c)) return;
+            if (moves(c.a)) touched[island(c.a)] = 1;
+            if constexpr (contact::paired)
+              if (moves(c.b)) touched[island(c.b)] = 1;
+          });
+      });
       for (const joint_partner& p : s_.joints.partners)
         for (const std::uint32_t k : p.sent)
           if (const joint_end& end = s_.joints.ends[k]; end.own && end.moves)
-            works[s_.passive.island[static_cast<std::size_t>(end.number)]] = {};
+            touched[island(end.number)] = 0;
+      for (std::size_t k = 0; k < works.size(); ++k)
+        if (!touched[k]) works[k] = {};
+    }
   }
   void join_islands() {
     auto& root = s_.passive.root;
