@@ -135,7 +135,8 @@ struct mechanism_end {
   std::string digest;
   std::string refused;  ///< the message the run ended with, if it did
   std::uint64_t contacts = 0, crossed = 0;
-  real worst_closure = 0, gain = 0, gap = 0, fastest = 0, overlap = 0;
+  real worst_closure = 0, gain = 0, gap = 0, fastest = 0;
+  real opened = 0;  ///< as the world says: the part of its arm by which a joint was open
   int step_of_gain = -1, step_of_gap = -1;
 };
 struct mechanism_options {

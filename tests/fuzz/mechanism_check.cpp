@@ -49,15 +49,17 @@ bool rebounds(const mechanism& m) {
 std::string what_fails(const mechanism& m, const mechanism_end& end) {
   const auto text = [](real x) { return talus::detail::text(x, 3); };
   // Ranks that are not connected end a run with the reach that they need.
-  const bool too_far = end.refused.find("reach") != std::string::npos && m.reach < 9;
-  if (!end.refused.empty() && !m.wild && !too_far) return "throws: " + end.refused;
+  const auto says = [&](const char* words) { return end.refused.find(words) != std::string::npos; };
+  const bool of_domains = (says("reach") && m.reach < 9) || says("no space of its own");
+  if (!end.refused.empty() && !m.wild && !of_domains) return "throws: " + end.refused;
   if (end.worst_closure > 1e-10) return "the ledger leaves " + text(end.worst_closure);
   if (m.wild) return "";
   // (Impulses of a body that is driven do work.)
   if (end.gain > 1e-9 && !any_body(m, mechanism_body::role::driven))
     return std::string(rebounds(m) ? "impulses with rebounds" : "impulses") + " add " +
            text(end.gain) + " of the energy in step " + std::to_string(end.step_of_gain);
-  if (end.gap > 1e-3)
+  // Arms are longer than 0.1; what is open by 0.01 of its arm is noted for a warning.
+  if (end.gap > 5e-3 && end.opened == 0)
     return "a joint is open by " + text(end.gap) + " in step " + std::to_string(end.step_of_gap);
   return "";
 }

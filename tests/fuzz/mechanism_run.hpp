@@ -428,6 +428,8 @@ class mechanism_on_rank {
       end_.gain = gain / e.scale, end_.step_of_gain = k;
     const joint_errors open = measure_joints(w_);
     if (open.gap > end_.gap) end_.gap = open.gap, end_.step_of_gap = k;
+    end_.opened = std::max(end_.opened, talus::detail::state_of(w_).joints.opening.part);
+    w_.link().reduce(reduction::max, std::span(&end_.opened, 1));
   }
   void read_joints() {
     end_.joints.assign(m_.joints.size(), {});
