@@ -1,6 +1,7 @@
 #pragma once
 // The parameters of a fuzzed run, drawn from its seed: numbers only, so that one compiled type of
 // scenario serves thousands of runs.
+#include <set>
 #include <string>
 #include <talus/core/error.hpp>
 #include <talus/core/random.hpp>
@@ -35,6 +36,8 @@ struct plan {
   int look_every;                    ///< steps between checks of all invariants
   real reach;                        ///< of the neighbourhood
   static constexpr real side = 2.5;  ///< half the edge of the scene
+  std::set<int> without;             ///< items of a mechanism that are left out
+  bool shrinks = false;              ///< a mechanism that fails
 };
 
 inline plan draw(std::uint64_t seed) {
@@ -87,16 +90,19 @@ struct outcome {
   std::string refused;  ///< the message it ended with, if it did
   std::string digest;   ///< of the final state, else
   std::uint64_t crossed = 0, contacts = 0;
+  bool chaotic = false;  ///< so that runs of the default solver were not compared
   real energy_gain = 0;  ///< over the scale of the energy; see checks.hpp
   real momentum_error = 0;
 };
 
-outcome run_spheres(const plan& p);  ///< nonlinear Gauss-Seidel
-outcome run_solids(const plan& p);   ///< spheres, boxes, capsules and unions
-outcome run_jacobi(const plan& p);   ///< spheres, accelerated Jacobi, sleeping islands
-outcome run_springs(const plan& p);  ///< spheres with soft contacts
-outcome run_alike(const plan& p);    ///< spheres and boxes, the same bits as on one rank
-outcome run_around(const plan& p);   ///< the same in a periodic box, or the default solver there
-outcome run_pursued(const plan& p);  ///< spheres and boxes with continuous collision
+outcome run_spheres(const plan& p);     ///< nonlinear Gauss-Seidel
+outcome run_solids(const plan& p);      ///< spheres, boxes, capsules and unions
+outcome run_jacobi(const plan& p);      ///< spheres, accelerated Jacobi, sleeping islands
+outcome run_springs(const plan& p);     ///< spheres with soft contacts
+outcome run_alike(const plan& p);       ///< spheres and boxes, the same bits as on one rank
+outcome run_around(const plan& p);      ///< the same in a periodic box, or the default solver there
+outcome run_pursued(const plan& p);     ///< spheres and boxes with continuous collision
+outcome run_mechanisms(const plan& p);  ///< joints of all kinds
+outcome run_mechanisms_around(const plan& p);  ///< the same in a periodic box
 
 }  // namespace fuzz

@@ -76,11 +76,7 @@ class checkpoint_files final : public checkpoint_hooks {
 
   restart_plan begin(const simulation& s) override {
     next_poll_ = 0, between_ = 1;  // steps other than those before may take longer
-    if (!waiting_) {
-      auto& first = checkpoint_access::keeper(w_).first_parameters;
-      if (!first) first = parameters_of(state_of(w_));
-      return {.steps = s.steps};
-    }
+    if (!waiting_) return {.steps = s.steps};
     auto& state = state_of(w_);
     const std::uint64_t call = calls_++;
     const course_part* const then = past_.find(call);

@@ -2,7 +2,6 @@
 // features<checkpoints>: its part of a world. io/ writes and reads files, and a program includes it
 // by <talus/checkpoint.hpp>; this file holds the state that the user adds, and the points of
 // simulate() at which files are written or read.
-#include <array>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +17,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/state/course.hpp"
+#include "talus/world/run_parameters.hpp"
 
 namespace talus {
 
@@ -75,12 +75,12 @@ struct kept_value {
 
 struct checkpoint_keeper {
   std::vector<kept_value> values;
-  std::vector<std::uint64_t> added_elsewhere;              ///< by ranks of an earlier run
-  std::optional<std::array<double, 12>> first_parameters;  ///< of the set-up
-  std::uint64_t restarted_at = 0;                          ///< step of the file that was read
-  std::string configuration;                               ///< of the run, alike on all ranks
-  std::unique_ptr<checkpoint_hooks> hooks;                 ///< null if no file is requested
-  detail::course course;                                   ///< the calls of simulate()
+  std::vector<std::uint64_t> added_elsewhere;  ///< by ranks of an earlier run
+  std::optional<parameters> first_parameters;  ///< of the set-up
+  std::uint64_t restarted_at = 0;              ///< step of the file that was read
+  std::string configuration;                   ///< of the run, alike on all ranks
+  std::unique_ptr<checkpoint_hooks> hooks;     ///< null if no file is requested
+  detail::course course;                       ///< the calls of simulate()
   mutable bool read = false;  ///< bodies were read since the last call of simulate()
 
   template <class T>

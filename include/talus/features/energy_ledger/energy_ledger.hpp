@@ -30,6 +30,11 @@ struct energy_flows {
   [[nodiscard]] double net() const {
     return work + correction + scheme - friction - impact - damping - sleep;
   }
+  /// The sum of the absolute values.
+  [[nodiscard]] double turnover() const {
+    return std::abs(work) + std::abs(friction) + std::abs(impact) + std::abs(damping) +
+           std::abs(correction) + std::abs(scheme) + std::abs(sleep);
+  }
   energy_flows& operator+=(const energy_flows& x) {
     work += x.work, friction += x.friction, impact += x.impact;
     damping += x.damping, correction += x.correction, scheme += x.scheme;
@@ -70,6 +75,13 @@ struct energy_record {
   double worst = 0;    ///< largest |closure| over scale of all steps
   bool started = false;
   plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
+
+  /// Of bodies that have come to rest, round-off alone is left: a small part of the energies
+  /// before.
+  void note_closure() {
+    const double least = 1e-12 * (std::abs(initial) + total.turnover());
+    if (scale > 0) worst = std::max(worst, std::abs(closure) / std::max(scale, least));
+  }
 
   template <class Visitor>
   void each_number(Visitor& visit) {
@@ -348,7 +360,7 @@ void close_energy(world_state<Scenario>& s) {
   r.closure = (r.after.kinetic - r.before.kinetic) + (r.after.potential - r.before.potential) -
               r.step.net();
   r.scale = std::max(r.before.scale, r.after.scale) + r.exchanged;
-  if (r.scale > 0) r.worst = std::max(r.worst, std::abs(r.closure) / r.scale);
+  r.note_closure();
 }
 
 }  // namespace detail

@@ -132,7 +132,7 @@ void close_springs(step_records<Scenario>& s, double energy, double opened) {
               springs.moved + change - r.step.net();
   r.scale = std::max(r.before.scale, r.after.scale) + std::abs(springs.moved) + r.exchanged +
             std::max(energy, springs.start);
-  if (r.scale > 0) r.worst = std::max(r.worst, std::abs(r.closure) / r.scale);
+  r.note_closure();
 }
 
 }  // namespace talus::detail

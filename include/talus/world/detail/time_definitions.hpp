@@ -63,8 +63,10 @@ void world<Scenario>::step(real dt) {
     detail::fail<std::logic_error>(
         "step was called inside a global section on rank {}: close the section first", rank());
   detail::require_positive(dt, "the time step dt");
-  if constexpr (keeps)
+  if constexpr (keeps) {
     if (keeper_.hooks != nullptr) keeper_.hooks->refuse_step_before_restart();
+    if (!keeper_.first_parameters) keeper_.first_parameters = detail::parameters_of(state_);
+  }
   if constexpr (!Scenario::contact_law::soft) {
     const solver_settings& how = state_.settings;
     if (!(how.tolerance >= 0 && how.tolerance < 1) || how.max_iterations < 1)
