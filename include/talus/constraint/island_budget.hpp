@@ -7,17 +7,19 @@
 
 namespace talus::detail {
 
-/// In floating-point operations of this rank. Each step adds to the budget, at most as much as
-/// about seven sweeps take, or 2e8; the rest is kept for a step in which much must be solved at
-/// once, up to fifty times of that (or 2e9). So no step takes longer than that, and many steps
-/// together hardly longer than their sweeps.
+/// In floating-point operations of this rank. Each step adds to the budget of islands in which
+/// sweeps would fail, at most as much as about seven sweeps take, or 2e8; the rest is kept for a
+/// step in which much must be solved at once, up to fifty times of that (or 2e9). All others, where
+/// a solution is only better than sweeps, share a small part of the time that sweeps take.
 class island_budget {
  public:
   static constexpr double least = 2e8;
   static constexpr double per_contact = 4000;
-  static constexpr double wide_per_contact = 1000;  ///< about as much as ten sweeps
   static constexpr double least_kept = 2e9;
   static constexpr double kept_per_contact = 2e5;
+  static constexpr double least_spare = 5e5;
+  static constexpr double spare_per_contact = 400;  ///< less than a tenth of ten sweeps
+  static constexpr double steps_of_spare = 10;      ///< that may be kept
 
   /// Whether to search for islands in this step: not for some steps after pause().
   [[nodiscard]] bool due() {
@@ -55,17 +57,17 @@ class island_budget {
     const double most = std::max(least_kept, kept_per_contact * n);
     const double more = kept_ + steps_ * std::max(least, per_contact * n);
     kept_ = kept_ < 0 ? most : std::max(kept_, std::min(most, more));
-    most_wide_ = kept_per_contact * n;
-    wide_ = std::min(wide_ + steps_ * wide_per_contact * n, most_wide_);
+    const double spare = std::max(least_spare, spare_per_contact * n);
+    spare_ = spare_ < 0 ? steps_of_spare * spare
+                        : std::min(spare_ + steps_ * spare, steps_of_spare * spare);
     steps_ = 0;
     return kept_;
   }
-  void close(double left) { kept_ = left; }
+  void close(double left) { spent_ += kept_ - left, kept_ = left; }
 
-  /// Whether an island of many contacts may be solved: not before so much has come together, at
-  /// wide_per_contact in each step, as the last such solution took, or the most that may be kept.
-  [[nodiscard]] bool affords_wide() const { return wide_ >= std::min(last_wide_, most_wide_); }
-  void spend_wide(double operations) { wide_ -= operations, last_wide_ = operations; }
+  /// For islands in which sweeps would not fail.
+  [[nodiscard]] double spare() const { return std::max(spare_, 0.); }
+  void spend_spare(double operations) { spent_ += operations, spare_ -= operations; }
 
   /// An island that was left to the sweeps because its solution would have cost too much.
   void skip(std::size_t contacts) {
@@ -75,12 +77,13 @@ class island_budget {
   [[nodiscard]] std::uint64_t skipped() const { return skipped_; }  ///< in all steps of this run
   [[nodiscard]] std::uint64_t skipped_contacts() const { return skipped_contacts_; }  ///< at most
   void solved() { ++solved_; }
+  [[nodiscard]] double spent() const { return spent_; }                   ///< in all steps
   [[nodiscard]] std::uint64_t islands_solved() const { return solved_; }  ///< in all steps
 
   /// As at the beginning of a run, except for the counts.
   void begin_afresh() {
     pause_ = 0, steps_ = 0, wait_ = 0, patience_ = least_wait, kept_ = -1;
-    wide_ = last_wide_ = most_wide_ = 0;
+    spare_ = -1;
     settled_ = stands_ = false, errors_ = unknown;
   }
 
@@ -91,8 +94,8 @@ class island_budget {
   int wait_ = 0, patience_ = least_wait;  ///< steps, for large islands
   bool settled_ = false, stands_ = false;
   double errors_ = unknown;
-  double wide_ = 0, last_wide_ = 0, most_wide_ = 0;
-  double kept_ = -1;  ///< negative: the largest amount that may be kept
+  double spare_ = -1, kept_ = -1;  ///< negative: the largest amount that may be kept
+  double spent_ = 0;
   std::uint64_t solved_ = 0, skipped_ = 0, skipped_contacts_ = 0;
 };
 

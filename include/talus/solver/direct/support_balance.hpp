@@ -36,9 +36,11 @@ class support_balance : public support_graph {
   /// Improves the impulses. Changes of velocity below `least` do not matter. Returns the fraction
   /// of the error that is left; above a half, or if they may add energy, 1: then they are not to be
   /// used. Gives up early with 1 if many of the uppermost bodies cannot rest on those below, as in
-  /// a pile of spheres.
-  real solve(real least) {
+  /// a pile of spheres, and if many bodies are `fast`, as in a heap that moves. `wholly`: or if any
+  /// body cannot rest.
+  real solve(real least, real fast, bool wholly) {
     least_ = least;
+    if (flows(fast)) return 1;
     find_scale();
     const real before = error();
     const plain_vector<body_motion> start = v_;
@@ -48,7 +50,10 @@ class support_balance : public support_graph {
     for (const std::int32_t body : order_) {
       if (++balanced >= few && moving > balanced / 8) return 1;
       balance(body);
-      if (!still(body, v_[at(body)])) ++moving;
+      if (!still(body, v_[at(body)])) {
+        if (wholly) return 1;
+        ++moving;
+      }
       for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
         if (const support& c = supports_[k]; c.below >= 0) {
           const vec3 change = r_(c.contact) - contact(c).axes * contact(c).impulse;
@@ -84,6 +89,18 @@ class support_balance : public support_graph {
     vec3 u = i.axes * (c.sign == 1 ? v : vec3(-v));
     u[0] -= i.target_velocity, u[1] += i.drive[0], u[2] += i.drive[1];
     return u;
+  }
+  /// Whether many bodies are faster than that on what supports them.
+  [[nodiscard]] bool flows(real fast) const {
+    std::size_t fast_ones = 0;
+    for (const std::int32_t body : order_)
+      for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
+        if (const support& c = supports_[k];
+            r_(c.contact)[0] > 0 && velocity(c, v_[at(body)], v_).squaredNorm() > fast * fast) {
+          ++fast_ones;
+          break;
+        }
+    return fast_ones > order_.size() / 8;
   }
   /// With the body below at its velocity of rest.
   [[nodiscard]] vec3 velocity(const support& c) const { return velocity(c, v_[at(c.body)], rest_); }
