@@ -33,7 +33,8 @@ MINUTES = 30  # that a command may take
 # Commands that would take too long, or are patterns with names to be filled in, and their replacements.
 INSTEAD = {
     "./dev test": None, "./dev test --long": None,  # .ci/run is the one, and this is part of the other
-    "./dev test [--long]": None,
+    "./dev test [PATTERN] [--long]": None,
+    "./dev test 'sleeping|joints'": None,
     "./dev new NAME": "./dev new shore",
     "./dev run shaker --config shaker.toml":
         "printf 'steps = 20\\n[grain]\\nfriction = 0.6\\n' >shaker.toml && "

@@ -38,7 +38,7 @@ def main():
             if entry["name"] == "REQUIRED_FILES":
                 words += entry["value"]
         shared = shared_program(test)
-        if shared:
+        if shared and words[1]:
             words.remove(words[1] if 2 * wanted[shared] > files[shared] else shared)
         for word in words:
             path = os.path.relpath(re.sub(r"^-D\\w+=", "", word), build)
