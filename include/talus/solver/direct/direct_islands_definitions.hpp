@@ -10,7 +10,7 @@ namespace talus::detail {
 
 template <class State>
 bool solve_stalled_islands(std::span<const contact_access<State>> lists, State& s, bool first) {
-  return stalled_islands<State>().sweep_and_solve(lists, s, first);
+  return stalled_islands<State>::sweep_and_solve(lists, s, first);
 }
 
 template <class State>
