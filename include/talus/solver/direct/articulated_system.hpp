@@ -65,7 +65,9 @@ class articulated_system {
     put(e.a, e.a_first, of_a), put(e.b, e.b_first, of_b);
   }
 
-  void factorize() {
+  /// Rows whose elimination leaves less than a part of their diagonal depend on others.
+  void factorize(real dependence = round_off) {
+    dependence_ = dependence;
     for (std::size_t p = 0; p < size_.size(); ++p) {
       factorize_block(p);
       const std::size_t n = at(size_[p]);
@@ -159,7 +161,6 @@ class articulated_system {
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};
-  /// A row depends on others if the elimination leaves less than this part of its diagonal.
   static constexpr real round_off = 1e-12;
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] bool is_body(std::size_t p) const { return node_[p] < bodies_; }
@@ -280,7 +281,7 @@ class articulated_system {
       } else {
         const real scale = scale_[first_[p] + i];
         pivot = std::max(pivot, compliance_[first_[p] + i]);
-        const bool depends = !(pivot > round_off * scale);
+        const bool depends = !(pivot > dependence_ * scale);
         real& added = added_[first_[p] + i];
         added = depends ? (scale > 0 ? scale : real(1)) : real(0);
         left_[first_[p] + i] = depends ? real(0) : pivot;
@@ -290,6 +291,7 @@ class articulated_system {
     }
   }
   std::int32_t bodies_ = 0;
+  real dependence_ = round_off;
   plain_vector<std::int32_t> place_, node_;  ///< of a node in the order, and the other way
   plain_vector<std::int32_t> size_;          ///< unknowns, by place, and likewise:
   plain_vector<std::size_t> diagonal_, first_, start_{0};

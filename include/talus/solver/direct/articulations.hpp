@@ -32,7 +32,7 @@ class articulation : private articulated_rows {
     articulated_rows::arrange(all, number);
     system_.arrange(static_cast<std::int32_t>(bodies.size()), {ties.data(), ties.size()});
     held_.assign(rows, bound::none), start_.assign(rows, 0), residuals_.assign(rows, 0);
-    factorized_ = yields_ = false;
+    factorized_ = false, care_ = care::none;
   }
   /// The rows are others from now on, and the factorization is an approximation.
   void renew() { stale_ = true; }
@@ -59,7 +59,7 @@ class articulation : private articulated_rows {
       const bool more =
           (bounded && (round < adding ? change_bounds(all, round >= all_at_once) || meet_bound()
                                       : hold_beyond_bounds())) ||
-          yield();
+          take_care();
       if (!more) break;
       start_again(all);
     }
@@ -77,10 +77,14 @@ class articulation : private articulated_rows {
 
  private:
   enum class bound : char { none, least, most };
+  /// How rows are solved that nearly depend on others: exactly; as if they did, if the impulses or
+  /// velocities would be far too large, and exactly after all if that is worse; and by least
+  /// squares, if rows contradict each other.
+  enum class care : char { none, more, in_vain, yields };
   /// The compliance of contradicting rows, over their mobility.
   static constexpr real softness = 1e-6;
   [[nodiscard]] real compliance_of(std::size_t j, const joint_line& x) const {
-    return yields_ && x.use == line_use::holds ? softness * mobility(j, x) : x.compliance;
+    return care_ == care::yields ? x.compliance + softness * mobility(j, x) : x.compliance;
   }
   void factorize() {
     system_.clear();
@@ -90,7 +94,8 @@ class articulation : private articulated_rows {
       if (const real scale = mobility(j, x); scale > 0)
         set_row(system_, j, k, x, compliance_of(j, x), scale);
     });
-    system_.factorize();
+    constexpr real exact = 1e-12, nearly = 1e-8;
+    system_.factorize(care_ == care::more ? nearly : exact);
     factorized_ = true, stale_ = false;
   }
   [[nodiscard]] bool depends(std::size_t j, std::size_t k) const {
@@ -122,7 +127,8 @@ class articulation : private articulated_rows {
                               x.moment_a.norm() * a.w.norm() + x.moment_b.norm() * b.w.norm()});
         if (factorized_) scale = std::max(scale, system_.left_of(row_of(j, i)) * std::abs(r));
       });
-      scale_ = scale;
+      scale_ = scale, left_ = left;
+      if (k == 0) first_scale_ = scale;
       const bool slow = k > 0 && !(left < real(0.5) * last);
       if (!(left > real(4e-16) * scale) || (k > 1 && slow && !stale_)) return;
       last = left;
@@ -154,7 +160,7 @@ class articulation : private articulated_rows {
         if (r < x.least) held = bound::least;
         if (r > x.most) held = bound::most;
       } else {
-        const real excess = rate(x, all, joints[j]) + x.compliance * r - x.target;
+        const real excess = rate(x, all, joints[j]) + compliance_of(j, x) * r - x.target;
         const real small = 1e-12 * scale_;
         if (held == bound::least ? excess < -small : excess > small) held = bound::none;
       }
@@ -173,18 +179,34 @@ class articulation : private articulated_rows {
     });
     return changed;
   }
-  /// Whether rows that depend on each other cannot hold together.
-  [[nodiscard]] bool contradicts() const { return contradiction_ > real(1e-6) * scale_; }
-  /// Rows that contradict each other, and none of which has a bound, hold as well as they can, by
-  /// least squares: all get a small compliance. Returns whether they do so from now on.
-  bool yield() {
-    if (yields_ || !contradicts()) return false;
-    return yields_ = true;
+  /// Whether the solution is better with more care. Without drives no velocity grows, and impulses
+  /// are larger than velocities by the ratios of masses.
+  bool take_care() {
+    constexpr real small = 1e-6, bearable = 1e-3, faster = 30, heavier = 1e4;
+    const real worst = std::max(left_, contradiction_);
+    if (care_ == care::none) {
+      const bool wrong = !(worst <= small * first_scale_ && scale_ <= faster * first_scale_);
+      if (!wrong && !(largest_change() > heavier * first_scale_)) return false;
+      care_ = care::more, heavy_ = !wrong;
+      return true;
+    }
+    if (care_ != care::more || worst <= bearable * first_scale_) return false;
+    care_ = heavy_ ? care::in_vain : care::yields;
+    return true;
+  }
+  /// Of the impulses, as velocities.
+  [[nodiscard]] real largest_change() {
+    real most = 0;
+    each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      if (held_[first[j] + k] == bound::none)
+        most = std::max(most, std::abs(r - start_[first[j] + k]) * mobility(j, x));
+    });
+    return most;
   }
   /// Where rows contradict each other, impulses that do not move the bodies grow until the first of
   /// them meets a bound: it stays there. Returns whether there is one.
   bool meet_bound() {
-    if (!contradicts()) return false;
+    if (!(contradiction_ > 1e-6 * first_scale_)) return false;
     rest_.assign(system_.size(), 0);
     each_row([&](std::size_t j, std::size_t k, const joint_line&, real&) {
       if (depends(j, k) && held_[first[j] + k] == bound::none)
@@ -260,9 +282,11 @@ class articulation : private articulated_rows {
   plain_vector<body_motion> before_;
   articulated_system system_;
   plain_vector<real> rest_;
-  real scale_ = 0;          ///< of velocities
-  real contradiction_ = 0;  ///< the largest residual of a row that depends on others
-  bool factorized_ = false, stale_ = false, yields_ = false;
+  real scale_ = 0, first_scale_ = 0;  ///< of velocities, at the end and at the start
+  real left_ = 0;                     ///< the largest residual of other rows
+  real contradiction_ = 0;            ///< the largest residual of a row that depends on others
+  bool factorized_ = false, stale_ = false, heavy_ = false;
+  care care_ = care::none;
 };
 
 /// All articulations of a rank.
