@@ -135,8 +135,9 @@ struct mechanism_end {
   std::string digest;
   std::string refused;  ///< the message the run ended with, if it did
   std::uint64_t contacts = 0, crossed = 0;
-  real worst_closure = 0, gain = 0, gap = 0, fastest = 0;
-  real opened = 0;  ///< as the world says: the part of its arm by which a joint was open
+  real worst_closure = 0, gap = 0, fastest = 0;
+  real energy = 0, gain = 0;  ///< the largest one, and what impulses add in a step, as a part of it
+  real opened = 0;            ///< as the world says: the part of its arm by which a joint was open
   int step_of_gain = -1, step_of_gap = -1;
 };
 struct mechanism_options {

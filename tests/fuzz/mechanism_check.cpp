@@ -34,15 +34,16 @@ bool any_body(const mechanism& m, mechanism_body::role how) {
     if (m.has_body(static_cast<int>(k)) && m.bodies[k].how == how) return true;
   return false;
 }
-/// Whether a limit or a rope has a restitution.
-bool rebounds(const mechanism& m) {
+/// Whether a limit, a rope or a contact has a restitution.
+bool rebounds(const mechanism& m, std::uint64_t contacts) {
   for (std::size_t k = 0; k < m.joints.size(); ++k) {
     const mechanism_joint& j = m.joints[k];
     if (m.has_joint(static_cast<int>(k)) &&
-        std::max({j.first.restitution, j.second.restitution, j.restitution}) > 0)
+        std::max({j.first.restitution, j.second.restitution,
+                  j.what == mechanism_joint::kind::rope ? j.restitution : 0}) > 0)
       return true;
   }
-  return m.floor && m.restitution > 0;
+  return contacts > 0 && m.restitution > 0;
 }
 
 /// What is wrong with one run, empty if nothing is.
@@ -56,8 +57,8 @@ std::string what_fails(const mechanism& m, const mechanism_end& end) {
   if (m.wild) return "";
   // (Impulses of a body that is driven do work.)
   if (end.gain > 1e-9 && !any_body(m, mechanism_body::role::driven))
-    return std::string(rebounds(m) ? "impulses with rebounds" : "impulses") + " add " +
-           text(end.gain) + " of the energy in step " + std::to_string(end.step_of_gain);
+    return std::string(rebounds(m, end.contacts) ? "impulses with rebounds" : "impulses") +
+           " add " + text(end.gain) + " of the energy in step " + std::to_string(end.step_of_gain);
   // Arms are longer than 0.1; what is open by 0.01 of its arm is noted for a warning.
   if (end.gap > 5e-3 && end.opened == 0)
     return "a joint is open by " + text(end.gap) + " in step " + std::to_string(end.step_of_gap);

@@ -423,7 +423,9 @@ class mechanism_on_rank {
     end_.fastest = std::max(end_.fastest, fastest);
     const energy_balance e = measure_energy(w_);
     const real taken = e.step.friction + e.step.impact;
-    const real gain = std::min(-taken, e.step.scheme - taken);
+    // Gravity, motors and springs may do work against the other impulses of the step.
+    const real gain =
+        std::min({-taken, e.step.scheme - taken, e.step.scheme + e.step.work - taken});
     if (e.scale > 0 && gain / e.scale > end_.gain)
       end_.gain = gain / e.scale, end_.step_of_gain = k;
     const joint_errors open = measure_joints(w_);
