@@ -88,10 +88,4 @@ struct contact_course<Contact> {
   }
 };
 
-/// Whether bodies of a contact may have a tensor of inertia.
-template <class Contact>
-concept turns_bodies = !requires {
-  typename Contact::blocks;
-};
-
 }  // namespace talus::detail

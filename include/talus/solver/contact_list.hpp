@@ -20,6 +20,12 @@
 
 namespace talus::detail {
 
+/// Whether bodies of a contact may have a tensor of inertia.
+template <class Contact>
+concept turns_bodies = !requires {
+  typename Contact::blocks;
+};
+
 template <class Contact>
 struct interior_contacts {
   using type = contact_row<Contact>;
@@ -258,7 +264,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     for (std::size_t k = 0; k < boundary_.size(); ++k) f(boundary_[k], i++);
   }
   /// After tensors of inertia or rates of the correction have changed.
-  void prepare_again(const state& s) {
+  void prepare_again(const state& s) requires turns_bodies<Contact> {
     for (part* p : {&inner_, &border_}) p->row.prepare_again(s);
     boundary_.prepare(s);
   }
