@@ -5,63 +5,66 @@
 #   layers.sh INCLUDE_DIR | --self-test
 set -euo pipefail
 
-# Level of a header, from its path below talus/; empty for an unknown place. CONTRIBUTING.md and
+# Sets `level` to that of a header, from its path below talus/; empty for an unknown place. CONTRIBUTING.md and
 # docs/architecture.md say what lives where.
-level() {
+find_level() {
+  level=''
   case $1 in
-    core/* | concepts.hpp) echo 0 ;;
-    geometry/* | shape/*) echo 1 ;;
-    body/* | contact/*) echo 2 ;;
-    detect/* | constraint/* | interaction/* | motion/*) echo 3 ;;
-    solver/* | parallel/*) echo 4 ;;
-    scenario/*) echo 5 ;;
-    state/*) echo 6 ;;
-    ghosts/*) echo 7 ;;
-    pairs/*) echo 8 ;;
-    features/*) echo 9 ;;
-    step/*) echo 10 ;;
-    world/*) echo 11 ;;
-    io/* | observe/*) echo 12 ;;
-    scene/*) echo 13 ;;
-    response/*) echo 14 ;;  # former places of the solvers
-    talus.hpp) echo 14 ;;
-    python/*) echo 14 ;;
-    python.hpp | mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | config.hpp | observe.hpp | feature.hpp | liquid.hpp | adhesion.hpp) echo 15 ;;
+    core/* | concepts.hpp) level=0 ;;
+    geometry/* | shape/*) level=1 ;;
+    body/* | contact/*) level=2 ;;
+    detect/* | constraint/* | interaction/* | motion/*) level=3 ;;
+    solver/* | parallel/*) level=4 ;;
+    scenario/*) level=5 ;;
+    state/*) level=6 ;;
+    ghosts/*) level=7 ;;
+    pairs/*) level=8 ;;
+    features/*) level=9 ;;
+    step/*) level=10 ;;
+    world/*) level=11 ;;
+    io/* | observe/*) level=12 ;;
+    scene/*) level=13 ;;
+    response/*) level=14 ;;  # former places of the solvers
+    talus.hpp) level=14 ;;
+    python/*) level=14 ;;
+    python.hpp | mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | config.hpp | observe.hpp | feature.hpp | liquid.hpp | adhesion.hpp) level=15 ;;
   esac
 }
 
-layer() {
+# Sets `layer` to the folder of a header.
+find_layer() {
   case $1 in
-    concepts.hpp) echo core ;;
-    */*) echo "${1%%/*}" ;;
-    *) echo "$1" ;;
+    concepts.hpp) layer=core ;;
+    *) layer=${1%%/*} ;;
   esac
 }
 
-# Prints why header $1 (of the tree $3) may not include $2; nothing if it may.
-objection() {
-  local from=$1 what=$2 tree=$3 from_level to to_level
-  from_level=$(level "$from")
+# Sets `why` to the reason why header $1 (of the tree $3) may not include $2; empty if it may.
+find_objection() {
+  local from=$1 what=$2 tree=$3 from_level from_layer to level layer
+  why=''
+  find_level "$from" && from_level=$level
+  find_layer "$from" && from_layer=$layer
   case $what in
     '<mpi.h>' | '<mpi/'* | '<boost/mpi'*)
       [[ $from =~ ^parallel/(detail/)?(mpi|as_launched) ]] ||
-        echo "only parallel/mpi*.hpp and parallel/as_launched.hpp may include MPI" ;;
+        why="only parallel/mpi*.hpp and parallel/as_launched.hpp may include MPI" ;;
     '"talus/'*.hpp'"')
       to=${what#'"talus/'} to=${to%'"'}
-      to_level=$(level "$to")
+      find_level "$to"
+      find_layer "$to"
       if [[ ! -e $tree/talus/$to ]]; then
-        echo "there is no such header"
-      elif [[ -z $to_level ]]; then
-        echo "'$to' belongs to no layer"
-      elif [[ $(layer "$from") == $(layer "$to") ]]; then
+        why="there is no such header"
+      elif [[ -z $level ]]; then
+        why="'$to' belongs to no layer"
+      elif [[ $from_layer == "$layer" ]]; then
         :
-      elif ((to_level >= from_level)); then
-        echo "layer '$(layer "$from")' (level $from_level) may include only below its level," \
-          "not '$(layer "$to")' (level $to_level)"
+      elif ((level >= from_level)); then
+        why="layer '$from_layer' (level $from_level) may include only below its level, not '$layer' (level $level)"
       elif [[ $to == */detail/* ]]; then
-        echo "the details of layer '$(layer "$to")' are its own"
+        why="the details of layer '$layer' are its own"
       fi ;;
-    '<talus'* | '"'*) echo 'spell it "talus/<layer>/<file>.hpp"' ;;
+    '<talus'* | '"'*) why='spell it "talus/<layer>/<file>.hpp"' ;;
   esac
 }
 
@@ -80,18 +83,19 @@ circles() {
 }
 
 check() {
-  local tree=$1 faults=0 files=0 header from line what why
+  local tree=$1 faults=0 files=0 header from line what why level layer
   while IFS= read -r header; do
     files=$((files + 1))
     from=${header#"$tree"/talus/}
-    if [[ -z $(level "$from") ]]; then
+    find_level "$from"
+    if [[ -z $level ]]; then
       echo "$header:1: lies in no layer"
       faults=$((faults + 1))
       continue
     fi
     while IFS=: read -r line what; do
       [[ $what =~ (\<[^\>]*\>|\"[^\"]*\") ]] && what=${BASH_REMATCH[1]}
-      why=$(objection "$from" "$what" "$tree")
+      find_objection "$from" "$what" "$tree"
       if [[ -n $why ]]; then
         echo "$header:$line: $what: $why"
         faults=$((faults + 1))
