@@ -114,13 +114,13 @@ TEST_CASE("islands in which sweeps would not fail get as much in each step as wa
   const auto open = [&] { (void)budget.due(), budget.close(budget.open(contacts)); };
   open();
   const double step = detail::island_budget::spare_per_contact * contacts;
-  CHECK(budget.spare() == detail::island_budget::steps_of_spare * step);
-  budget.spend_spare(2 * budget.spare());
+  CHECK(budget.spare() == detail::island_budget::kept_spare_per_contact * contacts);
+  budget.spend_spare(budget.spare() + 5 * step);
   CHECK(budget.spare() == 0);
   int steps = 0;
   for (; budget.spare() < step; ++steps) open();
-  CHECK(steps == 11);
-  CHECK(budget.spent() == 20 * step);
+  CHECK(steps == 6);
+  CHECK(budget.spent() == 15 * step);
 }
 
 TEST_CASE("what is too dear to be solved within the budget is left as it was and counted") {

@@ -17,9 +17,10 @@ class island_budget {
   static constexpr double per_contact = 4000;
   static constexpr double least_kept = 2e9;
   static constexpr double kept_per_contact = 2e5;
-  static constexpr double least_spare = 5e5;
+  static constexpr double least_spare = 1e5;
   static constexpr double spare_per_contact = 400;  ///< less than a tenth of ten sweeps
-  static constexpr double steps_of_spare = 10;      ///< that may be kept
+  static constexpr double least_kept_spare = 5e6;
+  static constexpr double kept_spare_per_contact = 4000;
 
   /// Whether to search for islands in this step: not for some steps after pause().
   [[nodiscard]] bool due() {
@@ -57,9 +58,9 @@ class island_budget {
     const double most = std::max(least_kept, kept_per_contact * n);
     const double more = kept_ + steps_ * std::max(least, per_contact * n);
     kept_ = kept_ < 0 ? most : std::max(kept_, std::min(most, more));
-    const double spare = std::max(least_spare, spare_per_contact * n);
-    spare_ = spare_ < 0 ? steps_of_spare * spare
-                        : std::min(spare_ + steps_ * spare, steps_of_spare * spare);
+    const double most_spare = std::max(least_kept_spare, kept_spare_per_contact * n);
+    const double more_spare = spare_ + steps_ * std::max(least_spare, spare_per_contact * n);
+    spare_ = std::min(most_spare, more_spare);
     steps_ = 0;
     return kept_;
   }
@@ -83,7 +84,7 @@ class island_budget {
   /// As at the beginning of a run, except for the counts.
   void begin_afresh() {
     pause_ = 0, steps_ = 0, wait_ = 0, patience_ = least_wait, kept_ = -1;
-    spare_ = -1;
+    spare_ = unknown;
     settled_ = stands_ = false, errors_ = unknown;
   }
 
@@ -94,7 +95,8 @@ class island_budget {
   int wait_ = 0, patience_ = least_wait;  ///< steps, for large islands
   bool settled_ = false, stands_ = false;
   double errors_ = unknown;
-  double spare_ = -1, kept_ = -1;  ///< negative: the largest amount that may be kept
+  double spare_ = unknown;  ///< at first the largest amount that may be kept
+  double kept_ = -1;        ///< negative: likewise
   double spent_ = 0;
   std::uint64_t solved_ = 0, skipped_ = 0, skipped_contacts_ = 0;
 };

@@ -73,6 +73,7 @@ class stalled_islands {
             -stall <= (one.sweeps_do() ? negligible : let_be) * s.speed)
           continue;
         if (clusters && islands[one.within].done) continue;
+        if (!one.sweeps_do() && !one.overloaded && s.islands.spare() == 0) continue;
         searched_at |= !one.sweeps_do();
         one.done =
             one.sweeps_do() ? balance_large(one, found, s) : solve_one(one, found, s, budget);
@@ -95,6 +96,9 @@ class stalled_islands {
  private:
   /// Of a contact in a sweep, in operations; twice, because a solution is exact.
   static constexpr real sweep_cost = 600;
+  /// Of an attempt, in operations for each contact, besides linear systems. A balance that succeeds
+  /// is not counted: it is always worth it.
+  static constexpr real overhead = 2000;
   /// The fraction of an error that a solution may leave where Newton's method can find a better
   /// one.
   static constexpr real exact = 1e-9;
@@ -148,6 +152,7 @@ class stalled_islands {
     const real pays = sweep_cost * sweeps * static_cast<real>(contacts.size());
     // The joints move what was solved here, so that it stalls again.
     const bool fails = one.overloaded && !one.jointed;
+    if (!fails) s.islands.spend_spare(overhead * static_cast<real>(contacts.size()));
     double left = std::min<double>(fails ? budget : s.islands.spare(), pays);
     const double before = left;
     const auto spend = [&](double used) {
@@ -162,8 +167,10 @@ class stalled_islands {
       s.islands.solved();
       return true;
     }
-    if (s.fall != vec3(0, 0, 0) && balance(one, alone, exact, found, s) == outcome::done)
+    if (s.fall != vec3(0, 0, 0) && balance(one, alone, exact, found, s) == outcome::done) {
+      if (!fails) s.islands.spend_spare(-overhead * static_cast<real>(contacts.size()));
       return true;
+    }
     one.rows = rows;
     if (contacts.size() > island::small && !one.is_cluster()) return false;
     if (left < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
