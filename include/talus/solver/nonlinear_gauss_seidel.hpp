@@ -90,7 +90,7 @@ struct nonlinear_gauss_seidel final {
       }
       watch.poll();
     }
-    if constexpr (alone)
+    if constexpr (alone && !detail::has_joints<Lists>)
       if (s.impacts && s.fall == vec3(0, 0, 0)) finish_impacts(lists, s, ranks);
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
     if constexpr (!alone)  // on all ranks or on none
