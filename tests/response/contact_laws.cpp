@@ -103,12 +103,11 @@ TEST_CASE("an impact rebounds from more than twice what gravity adds in a step")
             .target_velocity == 0);
 }
 
-TEST_CASE(
-    "with restitution, contacts are released that are apart or part, and do not rebound yet") {
+TEST_CASE("with restitution, contacts may be released that are apart and do not rebound yet") {
   const pair_material bouncy{.restitution = 0.5, .friction = 0, .dynamic_friction = 0};
   const real gap = 3 * g * dt * dt;
   CHECK(ask(bouncy, {0, 0, 0}, gap).released == doctest::Approx(-(gap + 0.05) / dt));
-  CHECK(ask(bouncy, {0, 0, 3 * g * dt}).released == doctest::Approx(-0.05 / dt));
+  CHECK(ask(bouncy, {0, 0, 3 * g * dt}).released == 0);   // parts, and may bear a load
   CHECK(ask(bouncy, {0, 0, 0}).released == 0);            // touches, and rests
   CHECK(ask(bouncy, {0, 0, -3 * g * dt}).released == 0);  // rebounds
   CHECK(ask({.restitution = 0, .friction = 0, .dynamic_friction = 0}, {0, 0, 0}, gap).released ==
