@@ -1,4 +1,5 @@
 // What many small islands and moving heaps cost, by counts.
+// alone
 #include <doctest/doctest.h>
 
 #include <algorithm>
