@@ -48,6 +48,7 @@ class moved_bodies {
     if (added_.empty()) added_.assign(of_.size(), mat3::Zero());
     added_[index(k)] += by;
   }
+  void end_stiffening() { added_.clear(); }
   [[nodiscard]] std::size_t size() const { return of_.size(); }
   [[nodiscard]] bool moves(std::int32_t k) const { return of_[index(k)].end.moves; }
   [[nodiscard]] real inverse_mass(std::int32_t k) const { return of_[index(k)].inverse_mass(); }

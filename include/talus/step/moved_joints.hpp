@@ -261,7 +261,7 @@ class moved_joints {
         ends[i].orientation = turned<real>(ends[i].orientation, part * d.w);
       }
     }
-    ends = best;
+    ends = best, bodies.end_stiffening();
     if (remains > noted_opening)
       for (const moved_joint& j : all) write(j), left(j, opening_of(lines(j), j.arm));
     return least < first;

@@ -108,13 +108,11 @@ class articulated_system {
     return first_[at(place_[at(bodies_ + j)])];
   }
   [[nodiscard]] std::size_t size() const { return scale_.size(); }
-  /// Whether a row depends on rows eliminated before it, by its position: these determine its
-  /// velocity.
+  /// Whether rows eliminated before a row determine its velocity, by its position.
   [[nodiscard]] bool depends(std::size_t row) const { return added_[row] != 0; }
   /// The compliance that the factorization has added to a row, by its position.
   [[nodiscard]] real added(std::size_t row) const { return added_[row]; }
-  /// The velocity of a row for a unit impulse, where the rows eliminated before hold; 0 if it
-  /// depends on these.
+  /// The velocity of a row for a unit impulse where these hold.
   [[nodiscard]] real left_of(std::size_t row) const { return left_[row]; }
 
   /// Replaces the right-hand side by the solution.
