@@ -13,6 +13,7 @@
 #include "talus/ghosts/closed_faces.hpp"
 #include "talus/ghosts/conservation.hpp"
 #include "talus/ghosts/flights.hpp"
+#include "talus/ghosts/migrating_joints.hpp"
 #include "talus/ghosts/released.hpp"
 #include "talus/ghosts/shadow_copies.hpp"
 #include "talus/ghosts/stages.hpp"

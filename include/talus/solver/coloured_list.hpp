@@ -9,6 +9,7 @@
 #include "talus/constraint/contact_row.hpp"
 #include "talus/constraint/in_sequence.hpp"
 #include "talus/constraint/isotropic_blocks.hpp"
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/manifold_row.hpp"
 #include "talus/constraint/passive_rebound.hpp"
 #include "talus/constraint/residual.hpp"
@@ -263,7 +264,7 @@ void coloured_list<Contact>::store_impulses(contact_history& history) const {
 
 template <class Contact>
 void coloured_list<Contact>::limit_rebounds(state& s) {
-  if constexpr (Contact::rows == 3 && comes_in_manifolds<Contact>) {
+  if constexpr (!is_joint<Contact> && Contact::rows == 3 && comes_in_manifolds<Contact>) {
     passive_rebound<Contact> impact;
     plain_vector<Contact> pair;
     each_part([&](part& p, bool) {

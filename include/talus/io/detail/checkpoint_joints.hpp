@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/ghosts/migrating_joints.hpp"
 #include "talus/io/detail/checkpoint_bodies.hpp"
 #include "talus/io/detail/checkpoint_contacts.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
