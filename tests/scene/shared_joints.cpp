@@ -194,8 +194,10 @@ TEST_CASE("a flying chain migrates through 4 ranks, and keeps its joints and its
 TEST_CASE("the ledger of a body that its joints hold closes, though round-off alone moves it") {
   threads::launch({.ranks = 1}, [](threads::link& link) {
     world<scene<nonlinear_gauss_seidel>> w(link, slices_of(1));
+    const auto stuff = w.material({.density = 1});
     const auto one = w.add_if_local(body{.shape = box{.size = {0.3, 0.2, 0.1}},
                                          .position = {0.1, 0.2, 0.3},
+                                         .material = stuff,
                                          .velocity = {0.3, -0.1, 0.2},
                                          .angular_velocity = {-0.5, 1.7, 1.9}});
     for (const vec3& at : {vec3(0.1, 0.2, 0.7), vec3(0.6, 0.1, 0.3), vec3(0, 0.9, 0.2)})
