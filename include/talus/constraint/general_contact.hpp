@@ -131,6 +131,7 @@ struct general_contact : local_problem<typename Law::cone>, contact_bias<has_bia
       0;              ///< least separating rate of the correction; at rest and under load, the rate
   real friction = 0;  ///< coefficient mu
   real correction_impulse = 0;  ///< normal impulse of the correction
+  real released = 0;            ///< target velocity if other impulses drive the surfaces together
   std::int32_t a = 0;
   std::int32_t b = -1;
 

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "talus/constraint/block_planner.hpp"
+#include "talus/constraint/impact_terms.hpp"
 #include "talus/constraint/isotropic_rows.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
@@ -126,6 +127,7 @@ struct renewed_contacts {
   using wide = wide_pack<real>;
   pack_vector<wide> normal;
   wide arm_a, arm_b, target_velocity, correction_rate, friction;
+  wide released{};
   bool slides = false;  ///< whether `friction` has changed
   static constexpr int lanes = lanes_of<wide>;
 };
@@ -180,7 +182,7 @@ class isotropic_blocks {
       pack_vector<wide> normal{};
       wide arm_a{}, arm_b{};
       correction& c = corrections_[at];
-      c = correction{}, x.target_velocity = wide{};
+      c = correction{}, x.target_velocity = wide{}, released_[at] = wide{};
       for (int first = 0; first < filled; first += part) {
         const int count = std::min(filled - first, part);
         if (!renewed(x.a + first, x.b + first, count, next)) return false;
@@ -190,6 +192,7 @@ class isotropic_blocks {
         put(normal.x, next.normal.x), put(normal.y, next.normal.y), put(normal.z, next.normal.z);
         put(arm_a, next.arm_a), put(arm_b, next.arm_b);
         put(x.target_velocity, next.target_velocity), put(c.rate, next.correction_rate);
+        put(released_[at], next.released);
         if constexpr (requires { x.friction; })
           if (next.slides) put(x.friction, next.friction);
       }
@@ -214,7 +217,7 @@ class isotropic_blocks {
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + corrections_.capacity() * sizeof(correction) +
-           overflow_.capacity() * sizeof(Contact) +
+           released_.capacity() * sizeof(wide) + overflow_.capacity() * sizeof(Contact) +
            (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
   }
   [[nodiscard]] Contact operator[](std::size_t i) const {
@@ -293,6 +296,20 @@ class isotropic_blocks {
     for (const block& x : used()) x.apply(s);
     for (const Contact& c : overflow_) c.apply(s, c.impulse_in_frame());
   }
+  /// Contacts that an impact drives together; see impact_terms.hpp.
+  void release(const state& s) {
+    const wide none{};
+    for (std::size_t at = 0; at < used_; ++at) {
+      if (all_lanes(released_[at] == none)) continue;
+      for (std::size_t l = 0; l < lanes; ++l)
+        if (released_[at][l] != 0) {
+          Contact c = get(at, l);
+          release_if_struck(c, s);
+          blocks_[at].target_velocity[l] = c.target_velocity;
+        }
+    }
+    for (Contact& c : overflow_) release_if_struck(c, s);
+  }
   void forward(state& s) {
     for (block& x : used()) x.relax(s);
     for (Contact& c : overflow_) c.apply(s, c.relax(s));
@@ -346,7 +363,8 @@ class isotropic_blocks {
     slots_.push_back(static_cast<std::uint32_t>(slot));
     const auto at = static_cast<std::size_t>(slot) / lanes;
     for (; used_ <= at; ++used_) {
-      if (used_ == blocks_.size()) blocks_.emplace_back(), corrections_.emplace_back();
+      if (used_ == blocks_.size())
+        blocks_.emplace_back(), corrections_.emplace_back(), released_.emplace_back();
       make_empty(used_, c);
     }
     if (slot % lanes == 0) make_empty(at, c);  // blocks do not begin in their order
@@ -368,6 +386,7 @@ class isotropic_blocks {
     c.renew(in_scalar<number>(lane(next.normal, l)), of_lane(next.arm_a), of_lane(next.arm_b));
     c.target_velocity = of_lane(next.target_velocity);
     c.correction_rate = of_lane(next.correction_rate), c.correction_impulse = 0;
+    c.released = of_lane(next.released);
     if constexpr (requires { c.friction; })
       if (next.slides) c.friction = of_lane(next.friction);
   }
@@ -387,6 +406,7 @@ class isotropic_blocks {
     x = block{};
     x.normal = {zero, zero, zero};
     corrections_[at] = {zero, zero};
+    released_[at] = zero;
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
@@ -396,6 +416,7 @@ class isotropic_blocks {
     if constexpr (Contact::biased) put_lane(x.bias, l, in_scalar<number>(c.bias));
     corrections_[at].rate[l] = c.correction_rate;
     corrections_[at].impulse[l] = c.correction_impulse;
+    released_[at][l] = c.released;
     x.a[l] = c.a, x.b[l] = c.b;
   }
   [[nodiscard]] Contact get(std::size_t at, std::size_t l) const {
@@ -405,6 +426,7 @@ class isotropic_blocks {
     if constexpr (Contact::biased) c.bias = in_scalar<real>(lane(x.bias, l));
     c.correction_rate = corrections_[at].rate[l];
     c.correction_impulse = corrections_[at].impulse[l];
+    c.released = released_[at][l];
     c.a = x.a[l], c.b = x.b[l];
     return c;
   }
@@ -412,6 +434,7 @@ class isotropic_blocks {
   Planner plan_;
   plain_vector<block> blocks_;            ///< of which only the first are in use
   plain_vector<correction> corrections_;  ///< of each block
+  plain_vector<wide> released_;           ///< target velocities of contacts that may be struck
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
   plain_vector<Contact> overflow_;      ///< contacts that found no slot

@@ -39,6 +39,7 @@ struct isotropic_contact : isotropic_rows<Real, typename Law::cone, Partner == p
   Real correction_rate =
       0;  ///< least separating rate of the correction; at rest and under load, the rate
   Real correction_impulse = 0;  ///< normal impulse of the correction
+  Real released = 0;            ///< target velocity if other impulses drive the surfaces together
 
   using change = isotropic_impulse<Real, cone>;
 

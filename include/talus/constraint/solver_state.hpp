@@ -106,6 +106,7 @@ struct solver_state_of {
   plain_vector<std::uint32_t> boundary_contacts;
   real speed = 0;      ///< a relevant change of velocity: the gain by gravity in a step
   vec3 fall{0, 0, 0};  ///< the gain of velocity by gravity in a step
+  bool impacts = false;  ///< a contact of this step is an impact that rebounds
   island_budget islands;
   plain_vector<std::uint32_t> gathered;  ///< bodies whose islands one rank solves for several
   plain_vector<std::uint32_t> jointed;   ///< bodies whose joints are solved all at once

@@ -5,6 +5,8 @@
 #include <cstdint>
 
 #include "talus/constraint/boundary_manifold.hpp"
+#include "talus/constraint/impact_terms.hpp"
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/contact/key.hpp"
@@ -71,6 +73,11 @@ class boundary_contacts {
       contacts_[i].apply_to_b(s, d);
   }
 
+  /// Contacts that an impact drives together; see impact_terms.hpp.
+  void release(const state& s) {
+    if constexpr (!is_joint<Contact>)
+      for (Contact& c : contacts_) release_if_struck(c, s);
+  }
   /// Solves all contacts from one and the same state, those of a pair together; the changes are
   /// applied later.
   void relax(state& s) {

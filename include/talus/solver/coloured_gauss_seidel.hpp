@@ -49,12 +49,13 @@ struct coloured_gauss_seidel final {
       if constexpr (!alone)
         if (watch.due(k)) ranks.share_velocities();
       if (watch.reached(k)) break;
+      const bool releases = detail::releases_in(k);
       for (std::uint32_t c = 0; c < colours; ++c) {
         if constexpr (!alone) ranks.start_velocities(c);
-        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });
+        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false, releases); });
         if constexpr (alone) continue;
         ranks.finish_velocities(c);
-        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true); });
+        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true, releases); });
       }
       joints.solve(s);
       watch.poll();

@@ -157,8 +157,9 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   void warm_start(state& s) const {
     for (std::uint32_t k = 0; k < used_; ++k) warm_start(s, k);
   }
-  /// Of one colour, the own contacts or those that wait for velocities from other ranks.
-  void sweep(state& s, std::uint32_t colour, bool waits);
+  /// Of one colour, the own contacts or those that wait for velocities from other ranks. If it
+  /// `releases`, contacts that an impact drives together (see impact_terms.hpp) are found first.
+  void sweep(state& s, std::uint32_t colour, bool waits, bool releases);
   void correct(state& s, std::uint32_t colour, bool waits);
 
  private:
@@ -270,11 +271,13 @@ void coloured_list<Contact>::warm_start(state& s, std::uint32_t colour) const {
 }
 
 template <class Contact>
-void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool waits) {
+void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool waits, bool releases) {
   if (colour >= used_) return;
-  auto& parts = colours_[colour].parts;
-  if (!waits) return parts[0].row.forward(s);
-  parts[1].row.forward(s), parts[foreign].row.forward(s);
+  for (std::uint32_t k = waits ? 1 : 0; k < (waits ? 3 : 1); ++k) {
+    auto& row = colours_[colour].parts[k].row;
+    if (releases) row.release(s);
+    row.forward(s);
+  }
 }
 
 template <class Contact>

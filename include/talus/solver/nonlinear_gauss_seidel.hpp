@@ -61,11 +61,13 @@ struct nonlinear_gauss_seidel final {
     if constexpr (joined) ranks.prepare_joints();
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
-    const bool settled =
-        alone && !detail::has_joints<Lists> && looks && s.islands.settled() && !watch.monitored();
+    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
+                         !s.impacts && !watch.monitored();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
+      if (detail::releases_in(k))
+        detail::each_swept(lists, ranks, [&](auto& list) { list.release(s); });
       if constexpr (!alone) {
         each([&](auto& list) { list.relax_boundary(s); });
         each([&](auto& list) { list.apply_boundary(s); });

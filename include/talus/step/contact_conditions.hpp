@@ -13,6 +13,7 @@ namespace talus::detail {
 /// at the point before the step, `gap` the distance of the surfaces.
 struct contact_conditions {
   real target_velocity = 0, correction_rate = 0, friction = 0;
+  real released = 0;  ///< the target velocity if an impact drives the surfaces together, or 0
 };
 
 /// The part of the conditions that follows from the gap alone, of one contact or of several. Up to
@@ -40,6 +41,12 @@ template <class Law, class Pack>
     return (void)pull, (void)dt, every_lane<Pack>(0);
 }
 
+/// Whether a contact is not one at rest: the surfaces are apart, or part faster than gravity would
+/// allow.
+[[nodiscard]] inline bool may_be_struck(real un, real gap, real held, real gravity, real dt) {
+  return gap > held || un > 2 * gravity * dt;
+}
+
 /// The velocity that iterations leave to a sticking body: a millionth of its size in a step. (If
 /// other bodies press, the bodies themselves may have neither gravity nor forces.)
 [[nodiscard]] inline real creep(real radius, real dt) { return 1e-6 * radius / dt; }
@@ -57,15 +64,19 @@ template <class Law, class Pack>
 ///   time of impact itself, and takes -e u_n.
 /// - Sliding faster than the gain by gravity in a step, and than `creep`, has the dynamic
 ///   coefficient, else the static.
+/// - With restitution, surfaces at a distance, or parting, that an impact elsewhere drives together
+///   within the step may meet, and enter each other by up to half of `thickness()`, the smaller
+///   inner radius (see constraint/impact_terms.hpp).
 /// `gravity` is the acceleration of the bodies without contacts; fall() is the part of it by which
 /// the surfaces approach.
-template <class Law, bool Divided, class Fall>
+template <class Law, bool Divided, class Fall, class Thickness>
 [[nodiscard]] contact_conditions conditions_of(const pair_material& pair, const vec3& normal,
                                                const vec3& u, real gap, real dt, real gravity,
-                                               Fall&& fall, real creep, real correction) {
+                                               Fall&& fall, real creep, real correction,
+                                               Thickness&& thickness) {
   contact_conditions c;
-  const real un = normal.dot(u);
-  const auto by_gap = conditions_of_gap<Law, real>(gap, held_gap<Law>(gravity, dt), dt, correction);
+  const real un = normal.dot(u), held = held_gap<Law>(gravity, dt);
+  const auto by_gap = conditions_of_gap<Law, real>(gap, held, dt, correction);
   c.target_velocity = by_gap.target_velocity, c.correction_rate = by_gap.correction_rate;
   if constexpr (Law::restitution)
     if (pair.restitution > 0 && un < -2 * gravity * dt)
@@ -73,6 +84,9 @@ template <class Law, bool Divided, class Fall>
         c.target_velocity =
             std::max(c.target_velocity,
                      Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
+  if constexpr (Law::restitution && !Divided)
+    if (pair.restitution > 0 && c.target_velocity <= 0 && may_be_struck(un, gap, held, gravity, dt))
+      c.released = -(std::max(gap, real{0}) + real(0.5) * thickness()) / dt;
   if constexpr (Law::friction) {
     c.friction = pair.friction;
     if (pair.dynamic_friction < pair.friction) {

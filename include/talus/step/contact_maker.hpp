@@ -323,14 +323,18 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       c.bias = bias_of(x, g, u, pulled);
       u += g.normal.dot(c.bias) * g.normal;  // the rest may be an impact
     }
-    const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
+    auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
-        creep(x.radius, s_.dt), s_.settings.correction);
-    real target = want.target_velocity;
-    if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
+        creep(x.radius, s_.dt), s_.settings.correction, [&] { return motion_.thickness(i, j); });
+    const real rebound = want.target_velocity;
+    if constexpr (state_type::continuous) {
+      motion_.add_flight_after(want.target_velocity, i, j, g.normal);
+      if (want.released < 0) want.released += want.target_velocity - rebound;
+    }
     if constexpr (state_type::midpoint)
-      if (target != 0) c.bias = {0, 0, 0};
-    set_conditions(c, target, want.correction_rate, want.friction);
+      if (want.target_velocity != 0) c.bias = {0, 0, 0};
+    set_conditions(c, want);
+    s_.solver.impacts = s_.solver.impacts || rebound > 0;
     const contact_key key{a_.id[i], b_.id[j], g.feature};
     if constexpr (is_cohesive<law>)
       if (!x.foreign && g.gap <= std::max(x.slack, pulled * s_.dt * s_.dt))
@@ -341,10 +345,11 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         }
     add_to_list(x, c, key);
   }
-  static void set_conditions(contact_type& c, real target, real rate, real friction) {
-    c.target_velocity = static_cast<decltype(c.target_velocity)>(target);
-    c.correction_rate = static_cast<decltype(c.correction_rate)>(rate);
-    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(friction);
+  static void set_conditions(contact_type& c, const contact_conditions& want) {
+    c.target_velocity = static_cast<decltype(c.target_velocity)>(want.target_velocity);
+    c.correction_rate = static_cast<decltype(c.correction_rate)>(want.correction_rate);
+    c.released = static_cast<decltype(c.released)>(want.released);
+    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
   }
   [[gnu::always_inline]] void add_to_list(pair_at_hand& x, const contact_type& c,
                                           const contact_key& key) {
@@ -374,16 +379,21 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     const pair_material& between = materials_of(x);
     const real pull = waiting_.pull[k];
-    const bool rebounds = between.restitution > 0 && of.approach[k] < -2 * pull * s_.dt;
-    if (rebounds || between.dynamic_friction < between.friction) [[unlikely]] {
+    const bool impact =
+        between.restitution > 0 &&
+        (of.approach[k] < -2 * pull * s_.dt ||
+         may_be_struck(of.approach[k], gap, held_gap<law>(pull, s_.dt), pull, s_.dt));
+    if (impact || between.dynamic_friction < between.friction) [[unlikely]] {
       const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,
           [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius, s_.dt),
-          s_.settings.correction);
-      set_conditions(c, want.target_velocity, want.correction_rate, want.friction);
+          s_.settings.correction, [&] { return motion_.thickness(x.i, x.j); });
+      set_conditions(c, want);
+      s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
     } else {
-      set_conditions(c, waiting_.conditions.target_velocity[k],
-                     waiting_.conditions.correction_rate[k], between.friction);
+      set_conditions(c, {.target_velocity = waiting_.conditions.target_velocity[k],
+                         .correction_rate = waiting_.conditions.correction_rate[k],
+                         .friction = between.friction});
     }
     add_to_list(x, c, {(*waiting_.places)[x.i].id, (*waiting_.places)[x.j].id, 0});
   }

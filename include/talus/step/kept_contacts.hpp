@@ -269,17 +269,24 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   void set_conditions(const std::int32_t* a, const std::int32_t* b, unsigned count,
                       const wide& pull, renewed_contacts& next) {
     next.slides = kept_.slides;
+    next.released = wide{};
     for (unsigned k = 0; k < count; ++k) {
       const std::size_t i = sphere_of(a[k]), j = sphere_of(b[k]);
       const pair_material& between = materials_of(i, j);
-      const bool rebounds = between.restitution > 0 && batch_.approach[k] < -2 * pull[k] * s_.dt;
+      const real gap = batch_.gap[k], approach = batch_.approach[k];
+      const bool impact =
+          between.restitution > 0 &&
+          (approach < -2 * pull[k] * s_.dt ||
+           may_be_struck(approach, gap, held_gap<law>(pull[k], s_.dt), pull[k], s_.dt));
       next.friction[k] = between.friction;
-      if (!rebounds && !(between.dynamic_friction < between.friction)) continue;
+      if (!impact && !(between.dynamic_friction < between.friction)) continue;
       const vec3 normal = lane(batch_.normal, k);
       const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
-          between, normal, lane(batch_.velocity, k), batch_.gap[k], s_.dt, pull[k],
+          between, normal, lane(batch_.velocity, k), gap, s_.dt, pull[k],
           [&] { return motion_.fall(i, j, normal); }, creep(a_.shape[i].radius, s_.dt),
-          s_.settings.correction);
+          s_.settings.correction, [&] { return motion_.thickness(i, j); });
+      s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
+      next.released[k] = want.released;
       next.target_velocity[k] = want.target_velocity;
       next.correction_rate[k] = want.correction_rate;
       next.friction[k] = want.friction;

@@ -64,6 +64,13 @@ class pair_motion {
     return (void)j, -normal.dot(a);
   }
 
+  /// The smaller inner radius of the two.
+  [[nodiscard]] real thickness(std::size_t i, std::size_t j) const {
+    real least = inner_radius(a_.shape[i]);
+    if constexpr (ShapeB::finite) least = std::min(least, inner_radius(b_.shape[j]));
+    return (void)j, least;
+  }
+
   // Where bodies are followed.
 
   /// Separated bodies that were followed and do not meet in this step. (If one of them had an
