@@ -26,7 +26,7 @@ using law = hard_contact<coulomb_friction, newton_restitution, split_correction>
 
 contact_conditions ask(const pair_material& pair, const vec3& u, real gap = 0) {
   return conditions_of<law, false>(
-      pair, up, u, gap, dt, g, [] { return real(g); }, 1e-6, 0.2);
+      pair, up, u, gap, dt, g, [] { return real(g); }, 1e-6, 0.2, [] { return real{0.1}; });
 }
 
 using hertz = soft_contact<hertz_mindlin, coulomb_friction>;
@@ -101,6 +101,17 @@ TEST_CASE("an impact rebounds from more than twice what gravity adds in a step")
   CHECK(ask(bouncy, {0, 0, -3 * g * dt}).target_velocity > 0);
   CHECK(ask({.restitution = 0, .friction = 0, .dynamic_friction = 0}, {0, 0, -3 * g * dt})
             .target_velocity == 0);
+}
+
+TEST_CASE("with restitution, contacts may be released that are apart and do not rebound yet") {
+  const pair_material bouncy{.restitution = 0.5, .friction = 0, .dynamic_friction = 0};
+  const real gap = 3 * g * dt * dt;
+  CHECK(ask(bouncy, {0, 0, 0}, gap).released == doctest::Approx(-(gap + 0.05) / dt));
+  CHECK(ask(bouncy, {0, 0, 3 * g * dt}).released == 0);   // parts, and may bear a load
+  CHECK(ask(bouncy, {0, 0, 0}).released == 0);            // touches, and rests
+  CHECK(ask(bouncy, {0, 0, -3 * g * dt}).released == 0);  // rebounds
+  CHECK(ask({.restitution = 0, .friction = 0, .dynamic_friction = 0}, {0, 0, 0}, gap).released ==
+        0);
 }
 
 TEST_CASE("a rebound has e^2 of the energy of the impact, less that of half a step of fall") {

@@ -1,6 +1,7 @@
 #pragma once
 // Contacts that an impact elsewhere may drive together within the step: they are released.
 #include <algorithm>
+#include <utility>
 
 #include "talus/constraint/contact_work.hpp"
 #include "talus/constraint/solver_state.hpp"
@@ -25,13 +26,21 @@ template <class Contact, class State>
 /// Lets the surfaces of a contact meet that does not rebound yet, has restitution, and is driven
 /// together by other impulses of this step, faster than bodies that rest: the next step finds them
 /// there, approaching, and makes them rebound. (With its limit -gap/dt the contact would stop them
-/// without rebound.) Surfaces enter each other by at most `released * dt` minus the gap.
+/// without rebound.) `c.released` is the target velocity that lets surfaces enter each other; while
+/// a contact is released, it is the limit, which returns if they turn out to approach slowly: what
+/// pressed them together was a load.
 template <class Contact, class State>
 void release_if_struck(Contact& c, const State& s) {
   if (c.released == 0) return;
-  const real own = normal_mobility_at(c, s) * impulse_in_parts(c).normal.dot(vec3(c.axis()));
-  const real approach = vec3(c.axis()).dot(c.relative_velocity(s)) - own;
-  if (approach < std::min(real(c.target_velocity), -2 * s.fall.norm())) c.target_velocity = c.released;
+  const vec3 n = c.axis();
+  const real approach = n.dot(c.relative_velocity(s)), rest = -2 * s.fall.norm();
+  if (c.target_velocity < c.released) {
+    if (approach >= rest) std::swap(c.released, c.target_velocity);
+    return;
+  }
+  const real own = normal_mobility_at(c, s) * impulse_in_parts(c).normal.dot(n);
+  if (approach - own < std::min(real(c.target_velocity), rest))
+    std::swap(c.released, c.target_velocity);
 }
 
 /// Whether struck contacts are released before iteration `k`: a few times, when others have acted.

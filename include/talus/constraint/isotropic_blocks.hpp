@@ -305,7 +305,7 @@ class isotropic_blocks {
         if (released_[at][l] != 0) {
           Contact c = get(at, l);
           release_if_struck(c, s);
-          blocks_[at].target_velocity[l] = c.target_velocity;
+          blocks_[at].target_velocity[l] = c.target_velocity, released_[at][l] = c.released;
         }
     }
     for (Contact& c : overflow_) release_if_struck(c, s);

@@ -41,10 +41,9 @@ template <class Law, class Pack>
     return (void)pull, (void)dt, every_lane<Pack>(0);
 }
 
-/// Whether a contact is not one at rest: the surfaces are apart, or part faster than gravity would
-/// allow.
-[[nodiscard]] inline bool may_be_struck(real un, real gap, real held, real gravity, real dt) {
-  return gap > held || un > 2 * gravity * dt;
+/// Whether a contact is not one at rest: the surfaces are apart, or part where nothing loads them.
+[[nodiscard]] inline bool may_be_struck(real un, real gap, real held, real gravity) {
+  return gap > held || (gravity == 0 && un > 0);
 }
 
 /// The velocity that iterations leave to a sticking body: a millionth of its size in a step. (If
@@ -64,7 +63,7 @@ template <class Law, class Pack>
 ///   time of impact itself, and takes -e u_n.
 /// - Sliding faster than the gain by gravity in a step, and than `creep`, has the dynamic
 ///   coefficient, else the static.
-/// - With restitution, surfaces at a distance, or parting, that an impact elsewhere drives together
+/// - With restitution, surfaces at a distance that an impact elsewhere drives together
 ///   within the step may meet, and enter each other by up to half of `thickness()`, the smaller
 ///   inner radius (see constraint/impact_terms.hpp).
 /// `gravity` is the acceleration of the bodies without contacts; fall() is the part of it by which
@@ -85,7 +84,7 @@ template <class Law, bool Divided, class Fall, class Thickness>
             std::max(c.target_velocity,
                      Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
   if constexpr (Law::restitution && !Divided)
-    if (pair.restitution > 0 && c.target_velocity <= 0 && may_be_struck(un, gap, held, gravity, dt))
+    if (pair.restitution > 0 && c.target_velocity <= 0 && may_be_struck(un, gap, held, gravity))
       c.released = -(std::max(gap, real{0}) + real(0.5) * thickness()) / dt;
   if constexpr (Law::friction) {
     c.friction = pair.friction;

@@ -379,10 +379,9 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     const pair_material& between = materials_of(x);
     const real pull = waiting_.pull[k];
-    const bool impact =
-        between.restitution > 0 &&
-        (of.approach[k] < -2 * pull * s_.dt ||
-         may_be_struck(of.approach[k], gap, held_gap<law>(pull, s_.dt), pull, s_.dt));
+    const bool impact = between.restitution > 0 &&
+                        (of.approach[k] < -2 * pull * s_.dt ||
+                         may_be_struck(of.approach[k], gap, held_gap<law>(pull, s_.dt), pull));
     if (impact || between.dynamic_friction < between.friction) [[unlikely]] {
       const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,

@@ -274,10 +274,9 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       const std::size_t i = sphere_of(a[k]), j = sphere_of(b[k]);
       const pair_material& between = materials_of(i, j);
       const real gap = batch_.gap[k], approach = batch_.approach[k];
-      const bool impact =
-          between.restitution > 0 &&
-          (approach < -2 * pull[k] * s_.dt ||
-           may_be_struck(approach, gap, held_gap<law>(pull[k], s_.dt), pull[k], s_.dt));
+      const bool impact = between.restitution > 0 &&
+                          (approach < -2 * pull[k] * s_.dt ||
+                           may_be_struck(approach, gap, held_gap<law>(pull[k], s_.dt), pull[k]));
       next.friction[k] = between.friction;
       if (!impact && !(between.dynamic_friction < between.friction)) continue;
       const vec3 normal = lane(batch_.normal, k);

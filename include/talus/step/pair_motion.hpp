@@ -64,10 +64,12 @@ class pair_motion {
     return (void)j, -normal.dot(a);
   }
 
-  /// The smaller inner radius of the two.
+  /// The smaller inner radius of the two. (Walls of triangles have none: a body is beyond them
+  /// when its centre is.)
   [[nodiscard]] real thickness(std::size_t i, std::size_t j) const {
     real least = inner_radius(a_.shape[i]);
-    if constexpr (ShapeB::finite) least = std::min(least, inner_radius(b_.shape[j]));
+    constexpr bool triangles = requires { ShapeB::immovable; };
+    if constexpr (ShapeB::finite && !triangles) least = std::min(least, inner_radius(b_.shape[j]));
     return (void)j, least;
   }
 

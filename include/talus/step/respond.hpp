@@ -114,7 +114,14 @@ void gather_velocities(world_state<Scenario>& s) {
 template <class Solver, class Scenario>
 void solve_contacts(world_state<Scenario>& s) {
   constexpr bool coloured = solves_by_colours<Solver>;
-  if constexpr (coloured) colour_contacts(s);
+  if constexpr (coloured) {
+    colour_contacts(s);
+    if constexpr (world_state<Scenario>::law::restitution && !world_state<Scenario>::drives)
+      if (s.solver.impacts) {
+        auto&& lists = solver_lists<true>(s);
+        each_of(lists, [&](auto& list) { list.limit_rebounds(s.solver); });
+      }
+  }
   if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
   constexpr bool alone = world_state<Scenario>::link_type::alone;
   if constexpr (coloured && !alone) foreign_contacts<Scenario>(s).share();
