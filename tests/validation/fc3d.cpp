@@ -282,7 +282,7 @@ TEST_CASE("the sample of third-party problems is solved to 1e-6 and to 1e-10") {
       CHECK(worst_violation(p, r) < std::max(10 * std::sqrt(tolerance), 1e-5));
       solved += result.converged ? 1 : 0;
     }
-    talus::validation::check_absolute("third-party problems", fmt::format("solved to {}", tolerance),
-                               count, solved, 0);
+    talus::validation::check_absolute("third-party problems",
+                                      fmt::format("solved to {}", tolerance), count, solved, 0);
   }
 }
