@@ -11,8 +11,8 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <optional>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <talus/parallel/grid.hpp>

@@ -1,4 +1,5 @@
 // Features that a scenario does not name are not stored: columns, contacts, arrays of the solver.
+// alone
 // (tests/symbols checks that the program does not contain them either.)
 #include <doctest/doctest.h>
 
