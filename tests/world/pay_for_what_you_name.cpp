@@ -1,6 +1,6 @@
 // Features that a scenario does not name are not stored: columns, contacts, arrays of the solver.
-// alone
 // (tests/symbols checks that the program does not contain them either.)
+// alone
 #include <doctest/doctest.h>
 
 #include <talus/observe/memory.hpp>
