@@ -1,4 +1,5 @@
 // Periodic space: bodies that leave on one side enter on the other, on any number of ranks.
+// alone
 #include <doctest/doctest.h>
 
 #include <mutex>
