@@ -22,7 +22,7 @@ bench::scene pour_scene(std::uint64_t bodies, double smallest, double largest, b
   s.density = 2500;
   s.gravity = -9.81;
   s.dt = 1.0 / 240;
-  s.between_balls = s.against_fixed = {.restitution = 0.2, .friction = 0.5};
+  s.between_balls = s.against_fixed = {.friction = 0.5, .restitution = 0.2};
   const double side = 2 * largest * std::cbrt(static_cast<double>(bodies) / 4);
   const double spacing = 2.02 * largest;
   s.walls = {
@@ -39,10 +39,9 @@ bench::scene pour_scene(std::uint64_t bodies, double smallest, double largest, b
       } while (radius < smallest || radius > largest);
     }
     const auto at = [&](std::uint64_t i) { return spacing * (static_cast<double>(i) + 0.5); };
-    s.balls.push_back({radius,
-                       {at(k % row), at(k / row % row), at(k / row / row)},
-                       {random.between(-0.5, 0.5), random.between(-0.5, 0.5), 0},
-                       {0, 0, 0}});
+    s.balls.push_back({.position = {at(k % row), at(k / row % row), at(k / row / row)},
+                       .radius = radius,
+                       .velocity = {random.between(-0.5, 0.5), random.between(-0.5, 0.5), 0}});
   }
   return s;
 }
