@@ -359,7 +359,7 @@ TEST_CASE("an island goes on with the impulses it had, and its ranks agree on th
     });
 }
 
-// Open defect: since heavy bodies are solved by clusters, steps gain up to 7e-4.
+// Open defect: single steps gain up to 7e-4, of which the cause is not known.
 TEST_CASE("a sleeping pile that is struck again and again gains no energy, and its ledger closes" *
           doctest::may_fail()) {
   for (const int ranks : {1, 4})
