@@ -24,9 +24,9 @@ namespace talus::detail {
 template <class Store>
 [[nodiscard]] vec3 angular_impulse(const Store& store, std::size_t i, real mass, const vec3& dw,
                                    const rotated_body* rotated = nullptr) {
-  if (rotated != nullptr) return mass * rotated->momentum(dw);
   const vec3 inertia = mass * store.shape[i].inertia();
   if constexpr (Store::tensor) {
+    if (rotated != nullptr) return mass * rotated->momentum(dw);
     const quat& q = store.orientation_of[i];
     return q * vec3(inertia.cwiseProduct(q.conjugate() * dw));
   } else {
