@@ -106,17 +106,18 @@ class passivity {
         impulse_work of;
         const vec3 mean = real(0.5) * (before + v) + offset_of(store, i, k);
         vec3 mean_w = real(0.5) * (store.angular_velocity[i] + w);
-        const rotated_body* rotated = nullptr;
-        if constexpr (divided && store_type::tensor) rotated = solver_.rotated_at(k);
         vec3 spin = angular_impulse(store, i, mass, dw);
         real angular = spin.dot(mean_w);
-        if (rotated != nullptr) {  // in the course of the step, and changes since
-          const vec3 since = rotated->momentum(w - rotated->spin);
-          spin = mass * (rotated->angular_impulse + since);
-          angular = mass * (rotated->work + since.dot(real(0.5) * (rotated->spin + w)));
-          dw = solver_.tensor(k) * spin;
-          mean_w = w - real(0.5) * (solver_.gain[k].w + dw);
-        }
+        const rotated_body* rotated = nullptr;
+        if constexpr (divided && store_type::tensor)
+          if ((rotated = solver_.rotated_at(k)) != nullptr) {
+            // In the course of the step, and changes since.
+            const vec3 since = rotated->momentum(w - rotated->spin);
+            spin = mass * (rotated->angular_impulse + since);
+            angular = mass * (rotated->work + since.dot(real(0.5) * (rotated->spin + w)));
+            dw = solver_.tensor(k) * spin;
+            mean_w = w - real(0.5) * (solver_.gain[k].w + dw);
+          }
         const real linear = mass * dv.dot(mean);
         of.work = linear + angular;
         const vec3 pull = v - dv - before;  // by gravity and forces
