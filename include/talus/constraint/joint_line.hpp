@@ -72,6 +72,7 @@ struct joint_view {
   joint_line* lines = nullptr;
   real* impulse = nullptr;
   const real* earlier = nullptr;  ///< those of the last step
+  const real* before = nullptr;   ///< velocities of the rows at its end
 };
 
 }  // namespace talus::detail

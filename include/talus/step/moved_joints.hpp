@@ -283,7 +283,7 @@ class moved_joints {
       plain_vector<joint_view> views;
       for (const moved_joint& j : all)
         views.push_back({j.a, j.b, j.solved.rows, lines_.data() + j.first,
-                         impulses_.data() + j.first, nullptr});
+                         impulses_.data() + j.first});
       system_.gather({views.data(), views.size()}, bodies);
     }
     system_.renew();
