@@ -426,7 +426,6 @@ class mechanism_on_rank {
     // gravity, motors and springs may do work against the other impulses of the step.
     const real gain = std::min<real>(-e.step.friction - e.step.impact, added_to_free_motion());
     end_.energy = std::max<real>(end_.energy, e.scale);
-    if (std::getenv("TRACE")) std::fprintf(stderr, "%d: mean %g free %g; scale %g largest %g; work %g scheme %g kin %g\n", k, -e.step.friction - e.step.impact, added_to_free_motion(), e.scale, end_.energy, e.step.work, e.step.scheme, e.kinetic);
     if (gain > end_.gain * end_.energy) end_.gain = gain / end_.energy, end_.step_of_gain = k;
     const joint_errors open = measure_joints(w_);
     if (open.gap > end_.gap) end_.gap = open.gap, end_.step_of_gap = k;

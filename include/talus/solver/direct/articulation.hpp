@@ -150,7 +150,7 @@ class articulation : private articulated_rows {
     constexpr int most = 8;
     real last = unbounded;
     for (int k = 0; k < most; ++k) {
-      real left = 0, scale = 0;
+      real left = 0, scale = 0, speed = 0;
       rest_.assign(system_.size(), 0), contradiction_ = 0;
       each_row([&](std::size_t j, std::size_t i, const joint_line& x, real& r) {
         if (held_[first[j] + i] != bound::none) return;
@@ -159,14 +159,17 @@ class articulation : private articulated_rows {
         const real e = target_of(j, x) - u - compliance_of(j, x) * r;
         rest_[row_of(j, i)] = residuals_[first[j] + i] = e;
         real& worst = depends(j, i) ? contradiction_ : left;
-        worst = std::max(worst, std::abs(e));
-        scale = std::max({scale, std::abs(x.target),
+        worst = larger(worst, std::abs(e));
+        // The target of a spring is far above the velocity that its force gives.
+        const real given = x.compliance > 0 ? 1 - x.compliance / mobility(j, x) : real(1);
+        speed = std::max({speed, given * std::abs(e + u),
                           x.force.norm() * (a.v.norm() + b.v.norm()) +
                               x.moment_a.norm() * a.w.norm() + x.moment_b.norm() * b.w.norm()});
-        if (factorized_) scale = std::max(scale, system_.left_of(row_of(j, i)) * std::abs(r));
+        if (factorized_) speed = std::max(speed, system_.left_of(row_of(j, i)) * std::abs(r));
+        scale = std::max({scale, speed, std::abs(x.target)});
       });
-      scale_ = scale, left_ = left;
-      if (k == 0) first_scale_ = scale;
+      scale_ = scale, speed_ = speed, left_ = left;
+      if (k == 0) first_speed_ = speed;
       const bool slow = k > 0 && !(left < real(0.5) * last);
       if (!(left > real(4e-16) * scale) || (k > 1 && slow && !stale_)) return;
       last = left;
@@ -223,12 +226,12 @@ class articulation : private articulated_rows {
     constexpr real small = 1e-6, bearable = 1e-3, faster = 30, heavier = 1e4;
     const real worst = std::max(left_, contradiction_);
     if (care_ == care::none) {
-      const bool wrong = !(worst <= small * first_scale_ && scale_ <= faster * first_scale_);
-      if (!wrong && !(largest_change() > heavier * first_scale_)) return false;
+      const bool wrong = !(worst <= small * first_speed_ && speed_ <= faster * first_speed_);
+      if (!wrong && !(largest_change() > heavier * first_speed_)) return false;
       care_ = care::more, heavy_ = !wrong;
       return true;
     }
-    if (care_ != care::more || worst <= bearable * first_scale_) return false;
+    if (care_ != care::more || worst <= bearable * first_speed_) return false;
     care_ = heavy_ ? care::in_vain : care::yields;
     return true;
   }
@@ -237,14 +240,14 @@ class articulation : private articulated_rows {
     real most = 0;
     each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
       if (held_[first[j] + k] == bound::none)
-        most = std::max(most, std::abs(r - start_[first[j] + k]) * mobility(j, x));
+        most = larger(most, std::abs(r - start_[first[j] + k]) * mobility(j, x));
     });
     return most;
   }
   /// Where rows contradict each other, impulses that do not move the bodies grow until the first of
   /// them meets a bound: it stays there. Returns whether there is one.
   bool meet_bound() {
-    if (!(contradiction_ > 1e-6 * first_scale_)) return false;
+    if (!(contradiction_ > 1e-6 * first_speed_)) return false;
     rest_.assign(system_.size(), 0);
     each_row([&](std::size_t j, std::size_t k, const joint_line&, real&) {
       if (depends(j, k) && held_[first[j] + k] == bound::none)
@@ -320,7 +323,8 @@ class articulation : private articulated_rows {
   plain_vector<body_motion> before_;
   articulated_system system_;
   plain_vector<real> rest_;
-  real scale_ = 0, first_scale_ = 0;  ///< of velocities, at the end and at the start
+  real scale_ = 0;                    ///< of the terms of the rows, at the end
+  real speed_ = 0, first_speed_ = 0;  ///< of velocities, at the end and at the start
   real left_ = 0;                     ///< the largest residual of other rows
   real contradiction_ = 0;            ///< the largest residual of a row that depends on others
   bool factorized_ = false, stale_ = false, heavy_ = false;
