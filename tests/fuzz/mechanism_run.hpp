@@ -422,9 +422,10 @@ class mechanism_on_rank {
     w_.link().reduce(reduction::max, std::span(&fastest, 1));
     end_.fastest = std::max(end_.fastest, fastest);
     const energy_balance e = measure_energy(w_);
-    // On the mean of the velocities before and after; and what the bodies would have without them:
-    // gravity, motors and springs may do work against the other impulses of the step.
-    const real gain = std::min<real>(-e.step.friction - e.step.impact, added_to_free_motion());
+    // Of the bodies, of these with their weight, and of what they have without the impulses: gravity,
+    // motors and springs may do work against the other impulses of the step.
+    const real taken = e.step.friction + e.step.impact;
+    const real gain = std::min<real>({-taken, e.step.scheme - taken, added_to_free_motion()});
     end_.energy = std::max<real>(end_.energy, e.scale);
     if (gain > end_.gain * end_.energy) end_.gain = gain / end_.energy, end_.step_of_gain = k;
     const joint_errors open = measure_joints(w_);
