@@ -204,9 +204,10 @@ class mechanism_on_rank {
     const auto usable = [&](int k) { return k < 0 || now_.there[index(k)]; };
     const auto still = [&](int k) { return k < 0 || now_.fixed[index(k)]; };
     if (!usable(j.a) || !usable(j.b) || (still(j.a) && still(j.b))) return;
-    const vec3 b = place(j.b);
-    vec3 a = j.a < 0 ? vec3(b + j.off) : place(j.a);
-    if constexpr (around) a = detail::seen_from(detail::state_of(w_), b, a);
+    vec3 b = place(j.b);
+    const vec3 a = j.a < 0 ? vec3(b + j.off) : place(j.a);
+    if constexpr (around)
+      if (j.a >= 0) b = detail::seen_from(detail::state_of(w_), a, b);
     const vec3 at = j.a < 0 ? a : vec3(a + j.fraction * (b - a) + j.off);
     const vec3 from = a, to = j.a < 0 ? b : vec3(b + j.off);
     const auto limits = [](const mechanism_axis& x) {
@@ -422,8 +423,8 @@ class mechanism_on_rank {
     w_.link().reduce(reduction::max, std::span(&fastest, 1));
     end_.fastest = std::max(end_.fastest, fastest);
     const energy_balance e = measure_energy(w_);
-    // Of the bodies, of these with their weight, and of what they have without the impulses: gravity,
-    // motors and springs may do work against the other impulses of the step.
+    // Of the bodies, of these with their weight, and of what they have without the impulses:
+    // gravity, motors and springs may do work against the other impulses of the step.
     const real taken = e.step.friction + e.step.impact;
     const real gain = std::min<real>({-taken, e.step.scheme - taken, added_to_free_motion()});
     end_.energy = std::max<real>(end_.energy, e.scale);

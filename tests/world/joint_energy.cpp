@@ -1,5 +1,5 @@
-// No energy from nothing: rebounds of limits and ropes, alone and with other joints; contacts. Motors
-// that contradict each other, and errors that are no numbers.
+// No energy from nothing: rebounds of limits and ropes, alone and with other joints; contacts.
+// Motors that contradict each other, and errors that are no numbers.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -78,16 +78,15 @@ real left_by_limit(real dt, real restitution) {
 }  // namespace
 
 TEST_CASE("a rope rebounds with its coefficient, and beside a rod that is pulled with less") {
-  const vec3 alone = velocity_after_impact(
-      [](auto&& add) { add(vec3(1, 0, 0), rope{.restitution = 0.8}); });
+  const vec3 alone =
+      velocity_after_impact([](auto&& add) { add(vec3(1, 0, 0), rope{.restitution = 0.8}); });
   CHECK((alone - vec3(0.8, 0, 0)).norm() < 1e-14);
   // With 0.8 the sphere leaves at 0.8 / sin(60 degrees) = 0.92; with 1 it would gain a third of its
   // energy.
   for (const real e : {0.8, 1.0}) {
     CAPTURE(e);
-    const vec3 v = velocity_after_impact([&](auto&& add) {
-      add(vec3(1, 0, 0), rope{.restitution = e}), add(oblique, rod{});
-    });
+    const vec3 v = velocity_after_impact(
+        [&](auto&& add) { add(vec3(1, 0, 0), rope{.restitution = e}), add(oblique, rod{}); });
     CHECK(std::abs(v.dot(oblique)) < 1e-14);
     CHECK(v[0] > 0);
     CHECK(v[0] <= doctest::Approx(e));
@@ -96,7 +95,9 @@ TEST_CASE("a rope rebounds with its coefficient, and beside a rod that is pulled
   }
 }
 
-TEST_CASE("a limit of restitution 1 keeps the energy, but for a part of second order in dt in each step") {
+TEST_CASE(
+    "a limit of restitution 1 keeps the energy, but for a part of second order in dt in each "
+    "step") {
   const real coarse = 1 - left_by_limit(1e-2, 1), fine = 1 - left_by_limit(5e-3, 1);
   MESSAGE("energy lost: ", coarse, " and ", fine, " with half the step");
   CHECK(coarse >= -1e-14);
@@ -105,7 +106,8 @@ TEST_CASE("a limit of restitution 1 keeps the energy, but for a part of second o
   CHECK(left_by_limit(1e-3, 0.5) == doctest::Approx(0.25).epsilon(1e-4));
 }
 
-TEST_CASE("of motors that contradict each other the weaker one yields, with a weak spring far away") {
+TEST_CASE(
+    "of motors that contradict each other the weaker one yields, with a weak spring far away") {
   for (const real rest : {0.0, 1e10}) {
     CAPTURE(rest);
     in_world([&](auto& w, material_id stuff) {
@@ -117,8 +119,7 @@ TEST_CASE("of motors that contradict each other the weaker one yields, with a we
       const auto weak =
           w.join(world_frame, wheel, hinge{.motor = {.velocity = 1, .largest_torque = 1e5}});
       w.join(world_frame, wheel, hinge{.motor = {.velocity = 2, .largest_torque = 5e5}});
-      w.join(wheel, carried,
-             slider{.at = {3, 0, 0}, .spring = {.stiffness = 1e-14, .rest = rest}});
+      w.join(wheel, carried, slider{.at = {3, 0, 0}, .spring = {.stiffness = 1e-14, .rest = rest}});
       for (int k = 0; k < 3; ++k) w.step(1e-3);
       CHECK(w[wheel].angular_velocity()[2] == doctest::Approx(2).epsilon(1e-9));
       CHECK(weak.torque().norm() == doctest::Approx(1e5).epsilon(1e-9));
@@ -145,7 +146,8 @@ TEST_CASE("a scenario that can drive bodies, but drives none, gains no energy fr
       w.step(5e-3);
       const energy_balance e = measure_energy(w);
       gain = std::max(gain, std::min(-e.step.friction - e.step.impact,
-                                     e.step.scheme - e.step.friction - e.step.impact) / e.scale);
+                                     e.step.scheme - e.step.friction - e.step.impact) /
+                                e.scale);
     }
     MESSAGE("largest gain in a step ", gain);
     CHECK(gain < 1e-12);

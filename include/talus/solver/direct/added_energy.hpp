@@ -42,8 +42,9 @@ struct added_energy {
       load(rows.ties[j].a, r, x.moment_a), load(rows.ties[j].b, -r, x.moment_b);
     });
     for (std::size_t i = 0; i < loads.size(); ++i)
-      sum.of_impulses -= real(0.5) * (rows.inverse_mass[i] * loads[i].impulse.squaredNorm() +
-                                      loads[i].moment.dot(rows.inverse_inertia[i] * loads[i].moment));
+      sum.of_impulses -=
+          real(0.5) * (rows.inverse_mass[i] * loads[i].impulse.squaredNorm() +
+                       loads[i].moment.dot(rows.inverse_inertia[i] * loads[i].moment));
     return sum;
   }
 };
