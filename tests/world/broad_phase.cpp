@@ -9,18 +9,21 @@
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/reproduced.hpp"
+
 using namespace talus;
 
 namespace {
 
-template <class Method>
+using swept = scenario<bodies<sphere, box, plane>, solver<reproducible>, transport<threads>,
+                       broad_phase<sweep_and_prune>, decomposition<any_decomposition>>;
+
+template <class Scenario>
 std::string digest_of(int ranks) {
-  using scene = scenario<bodies<sphere, box, plane>, solver<reproducible>, transport<threads>,
-                         broad_phase<Method>, decomposition<grid<dynamic, dynamic>>>;
   std::string digest;
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
-    world<scene> w(link);
-    w.decompose({.lower = {-5, -5}, .upper = {5, 5}}, {.distance = 3});
+    world<Scenario> w(link);
+    w.decompose(grid<dynamic, dynamic>{.lower = {-5, -5}, .upper = {5, 5}}, {.distance = 3});
     const auto stone = w.material({.density = 1, .friction = 0.5});
     w.gravity({0, 0, -9.81});
     w.global([&](auto& scope) {
@@ -45,7 +48,7 @@ std::string digest_of(int ranks) {
 }  // namespace
 
 TEST_CASE("a reproducible run has the same bits with every broad phase, on any ranks") {
-  const std::string wanted = digest_of<linear_hash_grid>(1);
-  CHECK(digest_of<sweep_and_prune>(1) == wanted);
-  CHECK(digest_of<sweep_and_prune>(4) == wanted);
+  const std::string wanted = digest_of<scenes::reproduced>(1);
+  CHECK(digest_of<swept>(1) == wanted);
+  CHECK(digest_of<swept>(4) == wanted);
 }
