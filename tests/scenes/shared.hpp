@@ -24,6 +24,8 @@
       const talus::body<shape>&, talus::system_id)
 #define TALUS_SHARED_SPHERES(name)                                                              \
   TALUS_SHARED_SCENE_LINKAGE template void talus::world<name>::step(talus::real);               \
+  TALUS_SHARED_SCENE_LINKAGE template void talus::detail::detect(                               \
+      talus::detail::world_state<name>&);                                                       \
   TALUS_SHARED_SCENE_LINKAGE template void talus::world<name>::synchronize();                   \
   TALUS_SHARED_SCENE_LINKAGE template void talus::world<name>::check_connections();             \
   TALUS_SHARED_SCENE_LINKAGE template talus::body_count talus::world<name>::audit();            \
