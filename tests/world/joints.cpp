@@ -20,15 +20,14 @@
 #include <talus/world/world.hpp>
 #include <vector>
 
-#include "../scenes/machines.hpp"
-
 using namespace talus;
 
 namespace {
 
 constexpr real g = 9.81;
 
-using lone = scenes::machines;
+using lone = scenario<bodies<sphere, box, plane>, joints<ball_joint>, transport<threads>,
+                      features<energy_ledger>>;
 
 /// Calls f(world, a material of density 1) on one rank.
 template <class Scenario, class F>
