@@ -1,4 +1,5 @@
 // Bodies that arrive on a rank one by one, while little else happens that would hide an error.
+// plain
 #include <doctest/doctest.h>
 
 #include <map>

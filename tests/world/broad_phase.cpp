@@ -1,4 +1,5 @@
 // A world has the same results with every broad phase.
+// plain
 #include <doctest/doctest.h>
 
 #include <string>

@@ -1,4 +1,5 @@
 // The laws of every contact solver. The residual measures the quality of a solution.
+// plain
 #include <doctest/doctest.h>
 
 #include <map>
