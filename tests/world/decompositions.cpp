@@ -14,9 +14,6 @@
 #include <talus/scene/lattice.hpp>
 #include <talus/world/world.hpp>
 
-#include "../scenes/solids.hpp"
-#include "../scenes/spheres.hpp"
-
 using namespace talus;
 
 namespace {
@@ -145,10 +142,11 @@ TEST_CASE("messages depend on the neighbours of a rank, not on the number of ran
 }
 
 TEST_CASE("a body whose bounds reach a closed face ends the run with its place, ranks and face") {
+  using scene = scenario<bodies<sphere, box>, transport<threads>, decomposition<ring<6>>>;
   const ring<6> d{.angle = pi, .closed = true};  // open above, closed in the middle below
   const auto run = [&](const auto& what, vec3 velocity, int steps) {
     threads::launch({.ranks = 6}, [&](threads::link& link) {
-      world<scenes::solids> w(link, d);
+      world<scene> w(link, d);
       const auto stuff = w.material({});
       auto b = what;
       b.material = stuff;
@@ -184,9 +182,10 @@ TEST_CASE("a body whose bounds reach a closed face ends the run with its place, 
 }
 
 TEST_CASE("reach connects the ranks of a world beyond those that touch") {
+  using scene = scenario<bodies<sphere>, transport<threads>, decomposition<slabs<dynamic>>>;
   threads::launch({.ranks = 5}, [&](threads::link& link) {
     const slabs<dynamic> d{.lower = 0, .upper = 10};
-    world<scenes::spheres> w(link, d, reach{2});
+    world<scene> w(link, d, reach{2});
     CHECK(w.connections().size() == (link.rank() == 2 ? 4 : link.rank() % 4 == 0 ? 2 : 3));
     w.decompose(d);
     CHECK(w.connections().size() == (link.rank() % 4 == 0 ? 1 : 2));
@@ -197,10 +196,11 @@ TEST_CASE("reach connects the ranks of a world beyond those that touch") {
 }
 
 TEST_CASE("decompose() gives a world its numbers, and one rank takes all of space") {
-  const auto try_out = [](const any_decomposition& d, int ranks) {
+  const auto try_out = [](const auto& d, int ranks) {
+    using decomposition_type = std::remove_cvref_t<decltype(d)>;
     for (const int n : {1, ranks})
       threads::launch({.ranks = n}, [&](threads::link& link) {
-        world<scenes::spheres> w(link);
+        world<cloud_of<decomposition_type>> w(link);
         w.decompose(d);
         const auto stuff = w.material({});
         w.add_if_local(
@@ -227,8 +227,9 @@ TEST_CASE("decompose() gives a world its numbers, and one rank takes all of spac
 }
 
 TEST_CASE("fill visits the sites near a rank's own region only") {
+  using scene = scenario<bodies<sphere>, transport<threads>, decomposition<hexagonal<2>>>;
   threads::launch({.ranks = 19}, [&](threads::link& link) {
-    world<scenes::spheres> w(link, hexagonal<2>{.spacing = 10});
+    world<scene> w(link, {.spacing = 10});
     const auto stuff = w.material({});
     std::uint64_t made = w.fill(
         simple_cubic{.spacing = 1} & box_region{{-20, -20, 0}, {20, 20, 0}}, [&](const site& s) {
