@@ -105,7 +105,8 @@ struct driven_bodies {
   /// the bodies that contacts with rotating ones use.
   std::size_t first = 0;
   plain_vector<std::int32_t> owners;  ///< index in `all` of each of them, or -1
-  real fastest = 0;                   ///< of driven bodies, in the step under way
+  real fastest = 0;                   ///< of finite driven bodies, in the step under way
+  bool moves = false;                 ///< whether any driven body does in it
   speed_leap leap;                    ///< the largest of bodies of this rank
 };
 

@@ -66,7 +66,7 @@ class passivity {
   void keep() {
     if (s_.settings.tolerance > 0) return;     // the remaining work is within it
     if constexpr (state_type::drives)
-      if (s_.driving.fastest > 0) return;  // driven bodies may add unlimited energy
+      if (s_.driving.moves) return;  // driven bodies may add unlimited energy
     if constexpr (by_colours) {
       if (!presses(s_)) keep_everywhere();  // other steps are not collective
     } else {

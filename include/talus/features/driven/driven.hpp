@@ -110,7 +110,7 @@ void put_driven(Bodies& b, std::size_t i, const driven_state& state) {
 template <class Scenario>
 void aim_driven(world_state<Scenario>& s) {
   find_driven(s);
-  s.driving.fastest = 0;
+  s.driving.fastest = 0, s.driving.moves = false;
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     driven_state& state = one.state;
     one.next = one.plan ? one.plan(state, s.time, s.dt) : driven_step{.end = state.at};
@@ -139,6 +139,7 @@ void aim_driven(world_state<Scenario>& s) {
           s.driving.fastest, next.v.norm() + b.global.shape[i].bounding_radius() * next.w.norm());
     one.dv = state.begun ? vec3(next.v - state.v) : vec3(0, 0, 0);
     one.dw = state.begun ? vec3(next.w - state.w) : vec3(0, 0, 0);
+    s.driving.moves = s.driving.moves || next.v != vec3(0, 0, 0) || next.w != vec3(0, 0, 0);
     state.begun = true;
     state.v = b.global.velocity[i] = next.v;
     state.w = b.global.angular_velocity[i] = next.w;
