@@ -2,6 +2,7 @@
 // Interior contacts that are solved one by one, in a row.
 #include <cstddef>
 
+#include "talus/constraint/impact_terms.hpp"
 #include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
@@ -36,6 +37,19 @@ class contact_row {
   void prepare_again(const state& s) { prepare(s); }
   void apply(state& s) const {
     for (const Contact& c : contacts_) c.apply(s, c.impulse_in_frame());
+  }
+  /// Contacts that an impact drives together; see impact_terms.hpp.
+  void release(state& s) {
+    if constexpr (!is_joint<Contact>)
+      for (Contact& c : contacts_) release_if_struck(c, s);
+  }
+  /// Returns whether any impulse has changed.
+  bool strike(state& s) {
+    bool any = false;
+    if constexpr (!is_joint<Contact>)
+      for (Contact& c : contacts_)
+        if (overlaps_after(c, s)) (void)detail::strike(c, s), any = true;
+    return any;
   }
   void forward(state& s) {
     in_streams([&](Contact& c) { c.apply(s, c.relax(s)); });

@@ -131,6 +131,8 @@ struct general_contact : local_problem<typename Law::cone>, contact_bias<has_bia
       0;              ///< least separating rate of the correction; at rest and under load, the rate
   real friction = 0;  ///< coefficient mu
   real correction_impulse = 0;  ///< normal impulse of the correction
+  real restitution = 0;         ///< with which impacts of this step may strike it, and then
+  real limit = 0;               ///< the least velocity by which surfaces do not overlap
   std::int32_t a = 0;
   std::int32_t b = -1;
 

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "talus/constraint/block_planner.hpp"
+#include "talus/constraint/impact_terms.hpp"
 #include "talus/constraint/isotropic_rows.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
@@ -80,6 +81,12 @@ struct isotropic_block
     velocities.write();
     return d.dot(d) / (this->inverse_wn * this->inverse_wn);
   }
+  /// The normal velocities.
+  [[nodiscard]] wide approach(state& s) const {
+    auto velocities = velocities_of_bodies(s);
+    velocities.read();
+    return detail::dot(this->normal, velocities.relative());
+  }
   void relax_correction(const wide& rate, wide& impulse, state& s) const {
     auto shifts = of_bodies([&s](std::int32_t i) {
       auto& shift = s.shift[static_cast<std::size_t>(i)];
@@ -120,12 +127,20 @@ struct isotropic_correction {
   Wide rate, impulse;
 };
 
+/// Additional data of contacts that an impact may strike; see impact_terms.hpp.
+template <class Wide>
+struct isotropic_impact {
+  Wide restitution, limit;
+};
+
 /// New data of up to eight contacts between the same bodies as before, for
 /// isotropic_blocks::renew().
 struct renewed_contacts {
   using wide = wide_pack<real>;
   pack_vector<wide> normal;
   wide arm_a, arm_b, target_velocity, correction_rate, friction;
+  wide restitution, limit;
+  bool rebounds = false;  ///< whether these two are set
   bool slides = false;  ///< whether `friction` has changed
   static constexpr int lanes = lanes_of<wide>;
 };
@@ -139,6 +154,7 @@ class isotropic_blocks {
   using state = typename Contact::state;
   using wide = wide_pack<number>;
   using correction = isotropic_correction<wide>;
+  using impact = isotropic_impact<wide>;
   static constexpr bool paired = Contact::paired;
   static constexpr int lanes = lanes_of<wide>;
   using block = isotropic_block<Contact>;
@@ -181,6 +197,7 @@ class isotropic_blocks {
       wide arm_a{}, arm_b{};
       correction& c = corrections_[at];
       c = correction{}, x.target_velocity = wide{};
+      impacts_[at] = impact{};
       for (int first = 0; first < filled; first += part) {
         const int count = std::min(filled - first, part);
         if (!renewed(x.a + first, x.b + first, count, next)) return false;
@@ -190,6 +207,8 @@ class isotropic_blocks {
         put(normal.x, next.normal.x), put(normal.y, next.normal.y), put(normal.z, next.normal.z);
         put(arm_a, next.arm_a), put(arm_b, next.arm_b);
         put(x.target_velocity, next.target_velocity), put(c.rate, next.correction_rate);
+        if (next.rebounds)
+          put(impacts_[at].restitution, next.restitution), put(impacts_[at].limit, next.limit);
         if constexpr (requires { x.friction; })
           if (next.slides) put(x.friction, next.friction);
       }
@@ -214,7 +233,7 @@ class isotropic_blocks {
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + corrections_.capacity() * sizeof(correction) +
-           overflow_.capacity() * sizeof(Contact) +
+           impacts_.capacity() * sizeof(impact) + overflow_.capacity() * sizeof(Contact) +
            (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
   }
   [[nodiscard]] Contact operator[](std::size_t i) const {
@@ -293,6 +312,36 @@ class isotropic_blocks {
     for (const block& x : used()) x.apply(s);
     for (const Contact& c : overflow_) c.apply(s, c.impulse_in_frame());
   }
+  /// Contacts that an impact drives together; see impact_terms.hpp.
+  void release(state& s) {
+    for (std::size_t at = 0; at < used_; ++at) {
+      const impact& x = impacts_[at];
+      const auto apart = (x.restitution > wide{}) & (x.limit < wide{});
+      for (unsigned left = bits_of(apart); left != 0; left &= left - 1) {
+        const auto l = static_cast<std::size_t>(std::countr_zero(left));
+        Contact c = get(at, l);
+        release_if_struck(c, s);
+        blocks_[at].target_velocity[l] = c.target_velocity;
+      }
+    }
+    for (Contact& c : overflow_) release_if_struck(c, s);
+  }
+  void strike(state& s) {
+    for (std::size_t at = 0; at < used_; ++at) {
+      block& x = blocks_[at];
+      const wide zero{}, limit = choose(impacts_[at].restitution > zero, impacts_[at].limit,
+                                        choose(x.target_velocity < zero, x.target_velocity, zero));
+      for (unsigned left = bits_of(x.approach(s) < limit); left != 0; left &= left - 1) {
+        const auto l = static_cast<std::size_t>(std::countr_zero(left));
+        Contact c = get(at, l);
+        if (!overlaps_after(c, s)) continue;
+        (void)detail::strike(c, s);
+        put(at, l, c);
+      }
+    }
+    for (Contact& c : overflow_)
+      if (overlaps_after(c, s)) (void)detail::strike(c, s);
+  }
   void forward(state& s) {
     for (block& x : used()) x.relax(s);
     for (Contact& c : overflow_) c.apply(s, c.relax(s));
@@ -346,7 +395,8 @@ class isotropic_blocks {
     slots_.push_back(static_cast<std::uint32_t>(slot));
     const auto at = static_cast<std::size_t>(slot) / lanes;
     for (; used_ <= at; ++used_) {
-      if (used_ == blocks_.size()) blocks_.emplace_back(), corrections_.emplace_back();
+      if (used_ == blocks_.size())
+        blocks_.emplace_back(), corrections_.emplace_back(), impacts_.emplace_back();
       make_empty(used_, c);
     }
     if (slot % lanes == 0) make_empty(at, c);  // blocks do not begin in their order
@@ -368,6 +418,8 @@ class isotropic_blocks {
     c.renew(in_scalar<number>(lane(next.normal, l)), of_lane(next.arm_a), of_lane(next.arm_b));
     c.target_velocity = of_lane(next.target_velocity);
     c.correction_rate = of_lane(next.correction_rate), c.correction_impulse = 0;
+    if (next.rebounds)
+      c.restitution = of_lane(next.restitution), c.limit = of_lane(next.limit);
     if constexpr (requires { c.friction; })
       if (next.slides) c.friction = of_lane(next.friction);
   }
@@ -387,6 +439,7 @@ class isotropic_blocks {
     x = block{};
     x.normal = {zero, zero, zero};
     corrections_[at] = {zero, zero};
+    impacts_[at] = {zero, zero};
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
@@ -396,6 +449,7 @@ class isotropic_blocks {
     if constexpr (Contact::biased) put_lane(x.bias, l, in_scalar<number>(c.bias));
     corrections_[at].rate[l] = c.correction_rate;
     corrections_[at].impulse[l] = c.correction_impulse;
+    impacts_[at].restitution[l] = c.restitution, impacts_[at].limit[l] = c.limit;
     x.a[l] = c.a, x.b[l] = c.b;
   }
   [[nodiscard]] Contact get(std::size_t at, std::size_t l) const {
@@ -405,6 +459,7 @@ class isotropic_blocks {
     if constexpr (Contact::biased) c.bias = in_scalar<real>(lane(x.bias, l));
     c.correction_rate = corrections_[at].rate[l];
     c.correction_impulse = corrections_[at].impulse[l];
+    c.restitution = impacts_[at].restitution[l], c.limit = impacts_[at].limit[l];
     c.a = x.a[l], c.b = x.b[l];
     return c;
   }
@@ -412,6 +467,7 @@ class isotropic_blocks {
   Planner plan_;
   plain_vector<block> blocks_;            ///< of which only the first are in use
   plain_vector<correction> corrections_;  ///< of each block
+  plain_vector<impact> impacts_;          ///< likewise
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
   plain_vector<Contact> overflow_;      ///< contacts that found no slot

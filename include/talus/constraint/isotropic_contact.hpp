@@ -39,6 +39,8 @@ struct isotropic_contact : isotropic_rows<Real, typename Law::cone, Partner == p
   Real correction_rate =
       0;  ///< least separating rate of the correction; at rest and under load, the rate
   Real correction_impulse = 0;  ///< normal impulse of the correction
+  Real restitution = 0;         ///< with which impacts of this step may strike it, and then
+  Real limit = 0;               ///< the least velocity by which surfaces do not overlap
 
   using change = isotropic_impulse<Real, cone>;
 

@@ -21,6 +21,9 @@ class manifold_row : public contact_row<Contact> {
     manifolds_.impulses_change();
     contact_row<Contact>::edit(i, f);
   }
+  void strike(state& s) {
+    if (contact_row<Contact>::strike(s)) manifolds_.impulses_change();
+  }
   void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
   void prepare_again(const state& s) { manifolds_.prepare_again(s); }
   void apply(state& s) const { manifolds_.apply_all(this->contacts_, s); }

@@ -83,6 +83,12 @@ inline constexpr bool solves_by_colours = requires {
   requires Solver::by_colours;
 };
 
+/// A solver that releases contacts which an impact drives together; see strike_contacts.hpp.
+template <class Solver>
+inline constexpr bool strikes_contacts = requires {
+  requires Solver::strikes_contacts;
+};
+
 /// Stands for two solvers, of which each run uses one: the second for the option --reproducible.
 template <class First, class Second>
 struct either_solver {};
@@ -104,8 +110,10 @@ struct solver_state_of {
   std::size_t first_global = ~std::size_t{0};  ///< from there on bodies are global and immovable
   /// Number of bodies on other ranks that a body touches; only with several ranks.
   plain_vector<std::uint32_t> boundary_contacts;
-  real speed = 0;      ///< a relevant change of velocity: the gain by gravity in a step
-  vec3 fall{0, 0, 0};  ///< the gain of velocity by gravity in a step
+  real speed = 0;        ///< a relevant change of velocity: the gain by gravity in a step
+  vec3 fall{0, 0, 0};    ///< the gain of velocity by gravity in a step
+  bool impacts = false;  ///< a contact of this step is an impact that rebounds
+  bool struck = false;   ///< one is released, or rebounds in a pass of strikes
   island_budget islands;
   plain_vector<std::uint32_t> gathered;  ///< bodies whose islands one rank solves for several
   plain_vector<std::uint32_t> jointed;   ///< bodies whose joints are solved all at once

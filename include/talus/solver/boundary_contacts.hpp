@@ -5,6 +5,8 @@
 #include <cstdint>
 
 #include "talus/constraint/boundary_manifold.hpp"
+#include "talus/constraint/impact_terms.hpp"
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/contact/key.hpp"
@@ -71,6 +73,30 @@ class boundary_contacts {
       contacts_[i].apply_to_b(s, d);
   }
 
+  /// Contacts that an impact drives together; see impact_terms.hpp.
+  void release(state& s) {
+    if constexpr (!is_joint<Contact>)
+      for (Contact& c : contacts_) release_if_struck(c, s);
+  }
+  /// Calls f(body owned here) for the contacts that are to be struck.
+  template <class F>
+  void each_overlapping(const state& s, F&& f) const {
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      if (overlaps_after(contacts_[i], s)) f(owns_a_[i] ? contacts_[i].a : contacts_[i].b);
+  }
+  /// Strikes them from one and the same state, with the masses of their bodies divided into as many
+  /// parts as each has of them; the changes are applied later.
+  void strike(state& s) {
+    changes_.resize(contacts_.size());
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      Contact& c = contacts_[i];
+      changes_[i] = c.since(c.impulse_in_frame());
+      if (!overlaps_after(c, s)) continue;
+      const split_pair<typename state::number> alone(s, c.a, c.b, parts_of(s, c.a),
+                                                     parts_of(s, c.b));
+      changes_[i] = detail::strike(c, s);
+    }
+  }
   /// Solves all contacts from one and the same state, those of a pair together; the changes are
   /// applied later.
   void relax(state& s) {

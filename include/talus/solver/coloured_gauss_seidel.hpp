@@ -29,6 +29,7 @@ struct coloured_gauss_seidel final {
   static constexpr const char* name = "coloured_gauss_seidel";
   static constexpr bool by_colours = true;
   static constexpr bool solves_joints = true;
+  static constexpr bool strikes_contacts = true;
 
   /// As nonlinear_gauss_seidel::solve; the contacts in `lists` are coloured. `ranks` has the number
   /// of colours.
@@ -49,12 +50,13 @@ struct coloured_gauss_seidel final {
       if constexpr (!alone)
         if (watch.due(k)) ranks.share_velocities();
       if (watch.reached(k)) break;
+      const bool releases = detail::releases_in(k);
       for (std::uint32_t c = 0; c < colours; ++c) {
         if constexpr (!alone) ranks.start_velocities(c);
-        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });
+        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false, releases); });
         if constexpr (alone) continue;
         ranks.finish_velocities(c);
-        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true); });
+        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true, releases); });
       }
       joints.solve(s);
       watch.poll();

@@ -9,7 +9,9 @@
 #include "talus/constraint/contact_row.hpp"
 #include "talus/constraint/in_sequence.hpp"
 #include "talus/constraint/isotropic_blocks.hpp"
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/manifold_row.hpp"
+#include "talus/constraint/passive_rebound.hpp"
 #include "talus/constraint/residual.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/contact/key.hpp"
@@ -150,6 +152,8 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
       for (std::size_t i = 0; i < p.row.size(); ++i) p.row.edit(i, f);
     });
   }
+  /// Limits the restitution of impacts with friction of pairs that would add energy.
+  void limit_rebounds(state& s);
   void prepare(const state& s);
   /// In the order of the colours, so that the impulses on each body have the same order on any
   /// ranks.
@@ -157,8 +161,15 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   void warm_start(state& s) const {
     for (std::uint32_t k = 0; k < used_; ++k) warm_start(s, k);
   }
-  /// Of one colour, the own contacts or those that wait for velocities from other ranks.
-  void sweep(state& s, std::uint32_t colour, bool waits);
+  /// Of one colour, the own contacts or those that wait for velocities from other ranks. If it
+  /// `releases`, contacts that an impact drives together (see impact_terms.hpp) are found first.
+  void sweep(state& s, std::uint32_t colour, bool waits, bool releases);
+  /// Likewise those that are to be struck.
+  void strike(state& s, std::uint32_t colour, bool waits) {
+    if (colour >= used_) return;
+    for (std::uint32_t k = waits ? 1 : 0; k < (waits ? 3 : 1); ++k)
+      colours_[colour].parts[k].row.strike(s);
+  }
   void correct(state& s, std::uint32_t colour, bool waits);
 
  private:
@@ -258,6 +269,24 @@ void coloured_list<Contact>::store_impulses(contact_history& history) const {
 }
 
 template <class Contact>
+void coloured_list<Contact>::limit_rebounds(state& s) {
+  if constexpr (!is_joint<Contact> && Contact::rows == 3 && comes_in_manifolds<Contact>) {
+    passive_rebound<Contact> impact;
+    plain_vector<Contact> pair;
+    each_part([&](part& p, bool) {
+      for (std::size_t first = 0, last = 0; first < p.row.size(); first = last) {
+        pair.clear();
+        for (; last < p.row.size() && p.keys[last].same_pair(p.keys[first]); ++last)
+          pair.push_back(p.row[last]);
+        if (!impact.limit({pair.data(), pair.size()}, s)) continue;
+        for (std::size_t i = first; i < last; ++i)
+          p.row.edit(i, [&](Contact& c) { c.target_velocity = pair[i - first].target_velocity; });
+      }
+    });
+  }
+}
+
+template <class Contact>
 void coloured_list<Contact>::prepare(const state& s) {
   for (std::size_t k = 0; k < used_; ++k)
     for (part& p : colours_[k].parts) p.row.prepare(s);
@@ -270,11 +299,13 @@ void coloured_list<Contact>::warm_start(state& s, std::uint32_t colour) const {
 }
 
 template <class Contact>
-void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool waits) {
+void coloured_list<Contact>::sweep(state& s, std::uint32_t colour, bool waits, bool releases) {
   if (colour >= used_) return;
-  auto& parts = colours_[colour].parts;
-  if (!waits) return parts[0].row.forward(s);
-  parts[1].row.forward(s), parts[foreign].row.forward(s);
+  for (std::uint32_t k = waits ? 1 : 0; k < (waits ? 3 : 1); ++k) {
+    auto& row = colours_[colour].parts[k].row;
+    if (releases) row.release(s);
+    row.forward(s);
+  }
 }
 
 template <class Contact>

@@ -163,6 +163,19 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void prepare_boundary(const state& s);
   void warm_start(state& s) const;
 
+  /// Contacts that an impact drives together (see impact_terms.hpp): of a boundary contact both
+  /// ranks find the same, from the velocities that both hold.
+  void release(state& s) {
+    inner_.row.release(s), border_.row.release(s);
+    boundary_.release(s);
+  }
+  template <class F>
+  void each_overlapping_boundary(const state& s, F&& f) const {
+    boundary_.each_overlapping(s, f);
+  }
+  void strike_boundary(state& s) { boundary_.strike(s); }
+  void strike_interior(state& s) { border_.row.strike(s), inner_.row.strike(s); }
+
   /// Sweeps over the interior contacts. The border comes first in either direction.
   void sweep_border(state& s, bool forward);
   void sweep_inner(state& s, bool forward);

@@ -1,5 +1,8 @@
 #pragma once
 // Nonlinear block Gauss-Seidel over ranks: the default contact solver.
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 #include <type_traits>
 
@@ -34,6 +37,7 @@ struct nonlinear_gauss_seidel final {
   static constexpr const char* name = "nonlinear_gauss_seidel";
   static constexpr bool solves_shared_islands = true;
   static constexpr bool solves_joints = true;
+  static constexpr bool strikes_contacts = true;
 
   /// Solves the contact problem in `lists` (a tuple of contact lists). `ranks` refreshes the shadow
   /// copies: share_velocities_and_counts(), share_velocities() or its two halves start_velocities()
@@ -61,11 +65,13 @@ struct nonlinear_gauss_seidel final {
     if constexpr (joined) ranks.prepare_joints();
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
-    const bool settled =
-        alone && !detail::has_joints<Lists> && looks && s.islands.settled() && !watch.monitored();
+    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
+                         !s.impacts && !watch.monitored();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
+      if (detail::releases_in(k))
+        detail::each_swept(lists, ranks, [&](auto& list) { list.release(s); });
       if constexpr (!alone) {
         each([&](auto& list) { list.relax_boundary(s); });
         each([&](auto& list) { list.apply_boundary(s); });
@@ -88,6 +94,8 @@ struct nonlinear_gauss_seidel final {
       }
       watch.poll();
     }
+    if constexpr (alone && !detail::has_joints<Lists>)
+      if (s.impacts && s.fall == vec3(0, 0, 0)) finish_impacts(lists, s, ranks);
     joints.share_loads();
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
     if constexpr (!alone)  // on all ranks or on none
@@ -98,6 +106,25 @@ struct nonlinear_gauss_seidel final {
       detail::correct_stacks<State>(detail::access_to<State>(lists), s);
     if (correct) detail::correct_overlaps(lists, s, settings, ranks, joints);
     return done;
+  }
+
+ private:
+  /// Without gravity impulses are impacts, and what sweeps leave over is energy that is lost: more
+  /// of them, until the velocities are exact to round-off.
+  template <class Lists, class State, class Ranks>
+  static void finish_impacts(Lists& lists, State& s, const Ranks& ranks) {
+    constexpr int most_sweeps = 40;
+    real fastest = 0;
+    for (const auto& b : s.bodies) fastest = std::max(fastest, detail::v_of(b).squaredNorm());
+    const real least =
+        4 * std::numeric_limits<typename State::number>::epsilon() * std::sqrt(fastest);
+    bool changes = true;
+    for (int k = 0; changes && k < most_sweeps; ++k) {
+      changes = false;
+      detail::each_swept(lists, ranks, [&](auto& list) {
+        changes = list.sweep_watched(s, least).size() > 0 || changes;
+      });
+    }
   }
 };
 

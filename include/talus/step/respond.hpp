@@ -18,6 +18,7 @@
 #include "talus/step/kept_contacts.hpp"
 #include "talus/step/passivity.hpp"
 #include "talus/step/rotation_queue.hpp"
+#include "talus/step/strike_contacts.hpp"
 
 namespace talus::detail {
 
@@ -114,7 +115,14 @@ void gather_velocities(world_state<Scenario>& s) {
 template <class Solver, class Scenario>
 void solve_contacts(world_state<Scenario>& s) {
   constexpr bool coloured = solves_by_colours<Solver>;
-  if constexpr (coloured) colour_contacts(s);
+  if constexpr (coloured) {
+    colour_contacts(s);
+    if constexpr (world_state<Scenario>::law::restitution && !world_state<Scenario>::drives)
+      if (s.solver.impacts) {
+        auto&& lists = solver_lists<true>(s);
+        each_of(lists, [&](auto& list) { list.limit_rebounds(s.solver); });
+      }
+  }
   if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
   constexpr bool alone = world_state<Scenario>::link_type::alone;
   if constexpr (coloured && !alone) foreign_contacts<Scenario>(s).share();
@@ -131,6 +139,8 @@ void solve_contacts(world_state<Scenario>& s) {
   }
   if constexpr (coloured && !alone) drop_foreign_bodies(s);
   passivity(s, ranks).keep();
+  if constexpr (strikes_contacts<Solver> && world_state<Scenario>::law::restitution)
+    strike_contacts(s, ranks);
 }
 
 /// Stores the impulses for the next step. Those of contacts that were kept have their places.
