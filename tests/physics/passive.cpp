@@ -217,8 +217,9 @@ TEST_CASE_TEMPLATE("elastic spheres that fall on a floor keep their energy", Sol
 // Boxes whose impacts friction would make gain energy, one pair alone (Kane's paradox).
 TEST_CASE_TEMPLATE("elastic boxes with friction add no energy, on one rank and on three", Solver,
                    nonlinear_gauss_seidel, coloured_gauss_seidel) {
-  using boxes = scenario<bodies<box, plane>, hard_contact<coulomb_friction, newton_restitution>,
-                         solver<Solver>, features<energy_ledger>, transport<threads>, decomposition<cuts>>;
+  using boxes =
+      scenario<bodies<box, plane>, hard_contact<coulomb_friction, newton_restitution>,
+               solver<Solver>, features<energy_ledger>, transport<threads>, decomposition<cuts>>;
   for (const int ranks : {1, 3}) {
     CAPTURE(ranks);
     const outcome r = run<boxes>(ranks, 50, 1, 10, 200, [&](auto& w, auto stone) {

@@ -51,8 +51,8 @@ void release_if_struck(Contact& c, State& s) {
   s.struck = true;
 }
 
-/// Whether contacts are released before iteration `k`: a few times, when others have acted.
-[[nodiscard]] inline bool releases_in(int k) { return k > 0 && k <= 8 && (k & (k - 1)) == 0; }
+/// Whether contacts are released before iteration `k`: when others have acted, and once more.
+[[nodiscard]] inline bool releases_in(int k) { return k == 1 || k == 4; }
 
 /// The least normal velocity of a contact with which its surfaces do not overlap after the step.
 template <class Contact>
@@ -93,7 +93,7 @@ template <class Contact, class State>
   c.target_velocity = alone.target_velocity;
   return change;
 }
-/// Whether it is to be struck.
+/// Whether it is to be struck: by more than round-off, and more than sweeps leave over at rest.
 template <class Contact, class State>
 [[nodiscard]] bool overlaps_after(const Contact& c, const State& s) {
   const vec3 n = c.axis();
@@ -101,7 +101,8 @@ template <class Contact, class State>
   if constexpr (Contact::paired)
     size += std::abs(n.dot(v_of(s.bodies[static_cast<std::size_t>(c.b)])));
   const real round_off = 16 * real(std::numeric_limits<typename State::number>::epsilon()) * size;
-  return n.dot(c.relative_velocity(s)) < limit_of(c) - round_off;
+  return n.dot(c.relative_velocity(s)) <
+         limit_of(c) - std::max(round_off, real(-0.125) * resting_approach(s));
 }
 
 }  // namespace talus::detail

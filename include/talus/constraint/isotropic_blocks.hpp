@@ -141,7 +141,7 @@ struct renewed_contacts {
   wide arm_a, arm_b, target_velocity, correction_rate, friction;
   wide restitution, limit;
   bool rebounds = false;  ///< whether these two are set
-  bool slides = false;  ///< whether `friction` has changed
+  bool slides = false;    ///< whether `friction` has changed
   static constexpr int lanes = lanes_of<wide>;
 };
 
@@ -314,9 +314,15 @@ class isotropic_blocks {
   }
   /// Contacts that an impact drives together; see impact_terms.hpp.
   void release(state& s) {
+    const wide rest = every_lane<wide>(static_cast<number>(resting_approach(s)));
     for (std::size_t at = 0; at < used_; ++at) {
       const impact& x = impacts_[at];
-      const auto apart = (x.restitution > wide{}) & (x.limit < wide{});
+      auto apart = (x.restitution > wide{}) & (x.limit < wide{});
+      if (bits_of(apart) == 0) continue;
+      const block& c = blocks_[at];
+      const wide least = choose(x.limit < rest, x.limit, rest);
+      apart =
+          apart & (((c.approach(s) - least) * c.inverse_wn < c.rn) | (c.target_velocity < x.limit));
       for (unsigned left = bits_of(apart); left != 0; left &= left - 1) {
         const auto l = static_cast<std::size_t>(std::countr_zero(left));
         Contact c = get(at, l);
@@ -327,11 +333,12 @@ class isotropic_blocks {
     for (Contact& c : overflow_) release_if_struck(c, s);
   }
   void strike(state& s) {
+    const wide slow = every_lane<wide>(static_cast<number>(0.125 * resting_approach(s)));
     for (std::size_t at = 0; at < used_; ++at) {
       block& x = blocks_[at];
       const wide zero{}, limit = choose(impacts_[at].restitution > zero, impacts_[at].limit,
                                         choose(x.target_velocity < zero, x.target_velocity, zero));
-      for (unsigned left = bits_of(x.approach(s) < limit); left != 0; left &= left - 1) {
+      for (unsigned left = bits_of(x.approach(s) < limit + slow); left != 0; left &= left - 1) {
         const auto l = static_cast<std::size_t>(std::countr_zero(left));
         Contact c = get(at, l);
         if (!overlaps_after(c, s)) continue;
@@ -418,8 +425,7 @@ class isotropic_blocks {
     c.renew(in_scalar<number>(lane(next.normal, l)), of_lane(next.arm_a), of_lane(next.arm_b));
     c.target_velocity = of_lane(next.target_velocity);
     c.correction_rate = of_lane(next.correction_rate), c.correction_impulse = 0;
-    if (next.rebounds)
-      c.restitution = of_lane(next.restitution), c.limit = of_lane(next.limit);
+    if (next.rebounds) c.restitution = of_lane(next.restitution), c.limit = of_lane(next.limit);
     if constexpr (requires { c.friction; })
       if (next.slides) c.friction = of_lane(next.friction);
   }

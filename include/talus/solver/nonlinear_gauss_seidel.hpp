@@ -70,7 +70,7 @@ struct nonlinear_gauss_seidel final {
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) break;
-      if (detail::releases_in(k))
+      if (detail::releases_in(k) && (!alone || s.impacts))
         detail::each_swept(lists, ranks, [&](auto& list) { list.release(s); });
       if constexpr (!alone) {
         each([&](auto& list) { list.relax_boundary(s); });
@@ -122,6 +122,7 @@ struct nonlinear_gauss_seidel final {
     for (int k = 0; changes && k < most_sweeps; ++k) {
       changes = false;
       detail::each_swept(lists, ranks, [&](auto& list) {
+        list.release(s);
         changes = list.sweep_watched(s, least).size() > 0 || changes;
       });
     }

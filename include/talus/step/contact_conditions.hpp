@@ -60,8 +60,8 @@ template <class Law, class Pack>
 /// - Sliding faster than the gain by gravity in a step, and than `creep`, has the dynamic
 ///   coefficient, else the static.
 /// - With restitution, an impact elsewhere may drive surfaces together within the step that do not
-///   rebound yet, or not any more; see constraint/impact_terms.hpp. (Solvers with substeps find such
-///   impacts in one of these.)
+///   rebound yet, or not any more; see constraint/impact_terms.hpp. (Solvers with substeps find
+///   such impacts in one of these.)
 /// `gravity` is the acceleration of the bodies without contacts; fall() is the part of it by which
 /// the surfaces approach.
 template <class Law, bool Divided, class Fall>
