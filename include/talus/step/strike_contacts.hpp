@@ -15,7 +15,7 @@ namespace talus::detail {
 /// the boundary contacts come first in each pass, simultaneously.
 template <class Scenario, class Ranks>
 void strike_contacts(world_state<Scenario>& s, Ranks& ranks) {
-  constexpr int most_passes = 8;
+  constexpr int most_passes = 16;
   constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
   constexpr bool coloured = std::remove_cvref_t<Ranks>::coloured;
   if (!s.materials.rebounds()) return;
