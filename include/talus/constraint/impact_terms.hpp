@@ -26,10 +26,11 @@ template <class Contact, class State>
   return sum;
 }
 
-/// The normal velocity below which surfaces approach faster than bodies that rest.
+/// The normal velocity below which surfaces approach faster than bodies that rest: those that are
+/// no impact gain by gravity in this step besides.
 template <class State>
 [[nodiscard]] real resting_approach(const State& s) {
-  return -2 * s.fall.norm();
+  return -3 * s.fall.norm();
 }
 
 /// Releases a contact with a gap that has restitution, and that other impulses of this step drive
@@ -102,7 +103,7 @@ template <class Contact, class State>
     size += std::abs(n.dot(v_of(s.bodies[static_cast<std::size_t>(c.b)])));
   const real round_off = 16 * real(std::numeric_limits<typename State::number>::epsilon()) * size;
   return n.dot(c.relative_velocity(s)) <
-         limit_of(c) - std::max(round_off, real(-0.125) * resting_approach(s));
+         limit_of(c) - std::max(round_off, real(0.25) * s.fall.norm());
 }
 
 }  // namespace talus::detail

@@ -333,7 +333,7 @@ class isotropic_blocks {
     for (Contact& c : overflow_) release_if_struck(c, s);
   }
   void strike(state& s) {
-    const wide slow = every_lane<wide>(static_cast<number>(0.125 * resting_approach(s)));
+    const wide slow = every_lane<wide>(static_cast<number>(-0.25 * s.fall.norm()));
     for (std::size_t at = 0; at < used_; ++at) {
       block& x = blocks_[at];
       const wide zero{}, limit = choose(impacts_[at].restitution > zero, impacts_[at].limit,
