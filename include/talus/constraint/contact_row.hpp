@@ -1,6 +1,7 @@
 #pragma once
 // Interior contacts that are solved one by one, in a row.
 #include <cstddef>
+#include <utility>
 
 #include "talus/constraint/impact_terms.hpp"
 #include "talus/constraint/joint_in_list.hpp"
@@ -43,13 +44,12 @@ class contact_row {
     if constexpr (!is_joint<Contact>)
       for (Contact& c : contacts_) release_if_struck(c, s);
   }
-  /// Returns whether any impulse has changed.
-  bool strike(state& s) {
-    bool any = false;
-    if constexpr (!is_joint<Contact>)
-      for (Contact& c : contacts_)
-        if (overlaps_after(c, s)) (void)detail::strike(c, s), any = true;
-    return any;
+  /// Calls note(number, contact) before it strikes one.
+  template <class Note>
+  void strike(state& s, Note&& note) {
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      if (overlaps_after(contacts_[i], s))
+        note(i, std::as_const(contacts_[i])), (void)detail::strike(contacts_[i], s);
   }
   void forward(state& s) {
     in_streams([&](Contact& c) { c.apply(s, c.relax(s)); });

@@ -3,6 +3,7 @@
 // limit, and struck one by one when the others are solved.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "talus/constraint/contact_work.hpp"
@@ -97,6 +98,11 @@ template <class Contact, class State>
 /// Whether it is to be struck: by more than round-off, and more than sweeps leave over at rest.
 template <class Contact, class State>
 [[nodiscard]] bool overlaps_after(const Contact& c, const State& s) {
+  if (!s.still.empty()) {
+    if (s.still[static_cast<std::size_t>(c.a)]) return false;
+    if constexpr (Contact::paired)
+      if (s.still[static_cast<std::size_t>(c.b)]) return false;
+  }
   const vec3 n = c.axis();
   real size = std::abs(n.dot(v_of(s.bodies[static_cast<std::size_t>(c.a)])));
   if constexpr (Contact::paired)

@@ -197,7 +197,7 @@ class isotropic_blocks {
       wide arm_a{}, arm_b{};
       correction& c = corrections_[at];
       c = correction{}, x.target_velocity = wide{};
-      impacts_[at] = impact{};
+      if (!impacts_.empty()) impacts_[at] = impact{};
       for (int first = 0; first < filled; first += part) {
         const int count = std::min(filled - first, part);
         if (!renewed(x.a + first, x.b + first, count, next)) return false;
@@ -207,8 +207,10 @@ class isotropic_blocks {
         put(normal.x, next.normal.x), put(normal.y, next.normal.y), put(normal.z, next.normal.z);
         put(arm_a, next.arm_a), put(arm_b, next.arm_b);
         put(x.target_velocity, next.target_velocity), put(c.rate, next.correction_rate);
-        if (next.rebounds)
+        if (next.rebounds) {
+          hold_impacts();
           put(impacts_[at].restitution, next.restitution), put(impacts_[at].limit, next.limit);
+        }
         if constexpr (requires { x.friction; })
           if (next.slides) put(x.friction, next.friction);
       }
@@ -315,7 +317,7 @@ class isotropic_blocks {
   /// Contacts that an impact drives together; see impact_terms.hpp.
   void release(state& s) {
     const wide rest = every_lane<wide>(static_cast<number>(resting_approach(s)));
-    for (std::size_t at = 0; at < used_; ++at) {
+    for (std::size_t at = 0; at < used_ && !impacts_.empty(); ++at) {
       const impact& x = impacts_[at];
       auto apart = (x.restitution > wide{}) & (x.limit < wide{});
       if (bits_of(apart) == 0) continue;
@@ -332,22 +334,33 @@ class isotropic_blocks {
     }
     for (Contact& c : overflow_) release_if_struck(c, s);
   }
-  void strike(state& s) {
+  /// Calls note(number, contact) before it strikes one.
+  template <class Note>
+  void strike(state& s, Note&& note) {
     const wide slow = every_lane<wide>(static_cast<number>(-0.25 * s.fall.norm()));
     for (std::size_t at = 0; at < used_; ++at) {
       block& x = blocks_[at];
-      const wide zero{}, limit = choose(impacts_[at].restitution > zero, impacts_[at].limit,
-                                        choose(x.target_velocity < zero, x.target_velocity, zero));
+      const wide zero{};
+      wide limit = choose(x.target_velocity < zero, x.target_velocity, zero);
+      if (!impacts_.empty())
+        limit = choose(impacts_[at].restitution > zero, impacts_[at].limit, limit);
       for (unsigned left = bits_of(x.approach(s) < limit + slow); left != 0; left &= left - 1) {
         const auto l = static_cast<std::size_t>(std::countr_zero(left));
         Contact c = get(at, l);
         if (!overlaps_after(c, s)) continue;
+        find_numbers();
+        note(std::size_t{number_[at * lanes + l]}, std::as_const(c));
         (void)detail::strike(c, s);
         put(at, l, c);
       }
     }
-    for (Contact& c : overflow_)
-      if (overlaps_after(c, s)) (void)detail::strike(c, s);
+    for (std::size_t k = 0; k < overflow_.size(); ++k) {
+      Contact& c = overflow_[k];
+      if (!overlaps_after(c, s)) continue;
+      find_numbers();
+      note(std::size_t{number_[used_ * lanes + k]}, std::as_const(c));
+      (void)detail::strike(c, s);
+    }
   }
   void forward(state& s) {
     for (block& x : used()) x.relax(s);
@@ -402,8 +415,10 @@ class isotropic_blocks {
     slots_.push_back(static_cast<std::uint32_t>(slot));
     const auto at = static_cast<std::size_t>(slot) / lanes;
     for (; used_ <= at; ++used_) {
-      if (used_ == blocks_.size())
-        blocks_.emplace_back(), corrections_.emplace_back(), impacts_.emplace_back();
+      if (used_ == blocks_.size()) {
+        blocks_.emplace_back(), corrections_.emplace_back();
+        if (!impacts_.empty()) impacts_.emplace_back();
+      }
       make_empty(used_, c);
     }
     if (slot % lanes == 0) make_empty(at, c);  // blocks do not begin in their order
@@ -445,7 +460,7 @@ class isotropic_blocks {
     x = block{};
     x.normal = {zero, zero, zero};
     corrections_[at] = {zero, zero};
-    impacts_[at] = {zero, zero};
+    if (!impacts_.empty()) impacts_[at] = {zero, zero};
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
@@ -455,8 +470,14 @@ class isotropic_blocks {
     if constexpr (Contact::biased) put_lane(x.bias, l, in_scalar<number>(c.bias));
     corrections_[at].rate[l] = c.correction_rate;
     corrections_[at].impulse[l] = c.correction_impulse;
-    impacts_[at].restitution[l] = c.restitution, impacts_[at].limit[l] = c.limit;
+    if (c.restitution > 0) hold_impacts();
+    if (!impacts_.empty())
+      impacts_[at].restitution[l] = c.restitution, impacts_[at].limit[l] = c.limit;
     x.a[l] = c.a, x.b[l] = c.b;
+  }
+  /// From the first contact with restitution on.
+  void hold_impacts() {
+    if (impacts_.empty()) impacts_.resize(blocks_.size(), impact{wide{}, wide{}});
   }
   [[nodiscard]] Contact get(std::size_t at, std::size_t l) const {
     const block& x = blocks_[at];
@@ -465,7 +486,8 @@ class isotropic_blocks {
     if constexpr (Contact::biased) c.bias = in_scalar<real>(lane(x.bias, l));
     c.correction_rate = corrections_[at].rate[l];
     c.correction_impulse = corrections_[at].impulse[l];
-    c.restitution = impacts_[at].restitution[l], c.limit = impacts_[at].limit[l];
+    if (!impacts_.empty())
+      c.restitution = impacts_[at].restitution[l], c.limit = impacts_[at].limit[l];
     c.a = x.a[l], c.b = x.b[l];
     return c;
   }
@@ -473,7 +495,7 @@ class isotropic_blocks {
   Planner plan_;
   plain_vector<block> blocks_;            ///< of which only the first are in use
   plain_vector<correction> corrections_;  ///< of each block
-  plain_vector<impact> impacts_;          ///< likewise
+  plain_vector<impact> impacts_;          ///< likewise, or empty without restitution
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
   plain_vector<Contact> overflow_;      ///< contacts that found no slot

@@ -21,8 +21,12 @@ class manifold_row : public contact_row<Contact> {
     manifolds_.impulses_change();
     contact_row<Contact>::edit(i, f);
   }
-  void strike(state& s) {
-    if (contact_row<Contact>::strike(s)) manifolds_.impulses_change();
+  template <class Note>
+  void strike(state& s, Note&& note) {
+    contact_row<Contact>::strike(s, [&](std::size_t i, const Contact& c) {
+      manifolds_.impulses_change();
+      note(i, c);
+    });
   }
   void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
   void prepare_again(const state& s) { manifolds_.prepare_again(s); }

@@ -44,6 +44,16 @@ template <class Contact>
   }
 }
 
+/// The size of a violation counts from the limit of a contact, also where an impact has released it
+/// from that; see impact_terms.hpp.
+template <class Contact, class Values>
+[[nodiscard]] Values from_limit(const Contact& c, const Values& u) {
+  if constexpr (!is_joint<Contact>)
+    if (c.restitution > 0 && c.target_velocity < c.limit)
+      return u + real(c.target_velocity - c.limit) * c.axis();
+  return u;
+}
+
 /// Of all contacts together, the parts of the residual that no iteration changes. Sums over ranks,
 /// in double or exact.
 template <class Sum>
@@ -54,7 +64,7 @@ struct residual_scale_of {
   void add(const Contact& c, const typename Contact::state& s, const Values& q) {
     sums[0] += c.delassus_trace(s);
     sums[1] += Contact::rows;
-    sums[2] += q.squaredNorm();
+    sums[2] += from_limit(c, q).squaredNorm();
   }
   /// The mass that converts velocities to impulses: 1 / mean diagonal.
   [[nodiscard]] double rho() const {
@@ -84,7 +94,7 @@ struct residual_sums_of {
       square = natural_map(r, u, c.axis(), c.mu(), rho).squaredNorm();
       sums[0] += square;
       sums[1] += r.squaredNorm();
-      sums[2] += u.squaredNorm();
+      sums[2] += from_limit(c, u).squaredNorm();
     }
     sums[3] += 1;
     if (!(square <= largest)) largest = square;  // keeps a NaN
@@ -121,7 +131,7 @@ template <class Sum, class List>
 void add_contacts(residual_sums_of<Sum>& sums, const List& list,
                   const typename List::contact_type::state& s, double rho) {
   if constexpr (has_residual<typename List::contact_type>)
-    list.each([&](const auto& c, bool counts_here) {
+    list.each_unstruck([&](const auto& c, bool counts_here) {
       if (counts_here) sums.add(c, s, rho);
     });
 }

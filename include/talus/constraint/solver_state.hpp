@@ -114,6 +114,8 @@ struct solver_state_of {
   vec3 fall{0, 0, 0};    ///< the gain of velocity by gravity in a step
   bool impacts = false;  ///< a contact of this step is an impact that rebounds
   bool struck = false;   ///< one is released, or rebounds in a pass of strikes
+  plain_vector<char> still;  ///< bodies that strikes leave as they are; empty if there are none
+  plain_vector<solver_body_of<Real>> unstruck;  ///< `bodies` before the first strike of a step
   island_budget islands;
   plain_vector<std::uint32_t> gathered;  ///< bodies whose islands one rank solves for several
   plain_vector<std::uint32_t> jointed;   ///< bodies whose joints are solved all at once

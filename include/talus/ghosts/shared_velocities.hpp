@@ -162,10 +162,58 @@ class shared_velocities {
   /// The same in two halves: in between, sent values must not change, and received values are not
   /// yet available.
   void start_velocities() {
-    start<6, number>([&](std::uint32_t i, number* out) { put_velocity(i, out); });
+    told_ = s_.solver.struck;
+    start<6, number>(s_.velocity_messages, flags(),
+                     [&](std::uint32_t i, number* out) { put_velocity(i, out); });
   }
-  void finish_velocities() {
-    finish<6, number>([&](std::uint32_t i, const number* in) { get_velocity(i, in); });
+  void finish_velocities() { finish<6, number>(s_.velocity_messages, flags(),
+                      [&](std::uint32_t i, const number* in) { get_velocity(i, in); }); }
+
+  // For strike_contacts(). If a material has restitution, each message of velocities also tells
+  // whether its sender has struck anything. An edge between two ranks is open if one of them has.
+  // Both know it.
+
+  /// Begins with the edges that are open after the last message of the solver.
+  void open_edges() {
+    open_.resize(s_.travelling.size(), false);
+    list_open();
+  }
+  [[nodiscard]] bool any_open() const { return !along_.empty(); }
+  /// Exchanges velocities over open edges, and whether this rank has `struck` in the last pass:
+  /// unless it is the `first`, edges of two ranks that have not close.
+  void share_struck(bool struck, bool first) {
+    told_ = struck;
+    const std::vector<char> before = open_;
+    start<6, number>(along_, true,
+                     [&](std::uint32_t i, number* out) { put_velocity(i, out); });
+    finish<6, number>(along_, true,
+                      [&](std::uint32_t i, const number* in) { get_velocity(i, in); });
+    if (first)
+      open_ = before;
+    else
+      list_open();
+  }
+  /// Over open edges, one value of each body.
+  void share_over_edges(plain_vector<real>& values) {
+    start<1, real>(along_, false, [&](std::uint32_t i, real* out) { out[0] = values[i]; });
+    finish<1, real>(along_, false, [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
+  }
+  /// Calls f(copy) for the copies of bodies beyond closed edges.
+  template <class F>
+  void each_beyond(F&& f) const {
+    for (std::size_t n = 0; n < open_.size(); ++n)
+      if (!open_[n])
+        for (const std::uint32_t i : s_.travelling[n].received) f(i);
+  }
+  /// Calls f(body) for the bodies of islands of joints on several ranks.
+  template <class F>
+  void each_in_shared_joints(F&& f) const {
+    if constexpr (solves_joints)
+      for (const joint_partner& p : s_.joints.partners)
+        for (const auto* list : {&p.sent, &p.received})
+          for (const std::uint32_t k : *list)
+            if (k != joint_partner::ignored && s_.joints.ends[k].number >= 0)
+              f(static_cast<std::size_t>(s_.joints.ends[k].number));
   }
   /// Sums over all ranks, to be taken by finish_reduce() later.
   void start_reduce(std::span<const double> sums) { s_.link->start_reduce(reduction::sum, sums); }
@@ -185,17 +233,14 @@ class shared_velocities {
     for (std::size_t k = 0; k < N; ++k)
       sums[k].read(std::span<const double, size>(digits.data() + k * size, size));
   }
-  /// One value of each body.
-  void share_values(plain_vector<real>& values) {
-    exchange<1, real>([&](std::uint32_t i, real* out) { out[0] = values[i]; },
-                      [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
-  }
   void start_corrections() {
     start<of_correction, correction>(
+        s_.velocity_messages, false,
         [&](std::uint32_t i, correction* out) { put_correction(i, out); });
   }
   void finish_corrections() {
     finish<of_correction, correction>(
+        s_.velocity_messages, false,
         [&](std::uint32_t i, const correction* in) { get_correction(i, in); });
   }
 
@@ -244,44 +289,71 @@ class shared_velocities {
   }
   template <int Scalars, class Real, class Put, class Get>
   void exchange(Put&& put, Get&& get) {
-    start<Scalars, Real>(put);
-    finish<Scalars, Real>(get);
+    start<Scalars, Real>(s_.velocity_messages, false, put);
+    finish<Scalars, Real>(s_.velocity_messages, false, get);
   }
+  [[nodiscard]] bool flags() const {
+    if constexpr (state_type::law::restitution && strikes_contacts<typename Scenario::solver>)
+      return s_.materials.rebounds();
+    else
+      return false;
+  }
+  void list_open() {
+    along_.clear();
+    for (std::size_t n = 0; n < open_.size(); ++n)
+      if (open_[n]) along_.push_back({.rank = s_.travelling[n].rank});
+  }
+  /// Calls f(line, message) for the ranks that `messages` go to: all in the order of the lines, or
+  /// some of them.
+  template <class F>
+  void each_line(std::vector<neighbour_message>& messages, F&& f) {
+    std::size_t n = 0;
+    for (neighbour_message& p : messages) {
+      while (s_.travelling[n].rank != p.rank) ++n;
+      f(n, p);
+    }
+  }
+  /// If it `flags`, each message ends with whether this rank has struck.
   template <int Scalars, class Real, class Put>
-  void start(Put&& put) {
+  void start(std::vector<neighbour_message>& messages, bool flags, Put&& put) {
     constexpr std::size_t bytes = Scalars * sizeof(Real);
     const stage_clock clock(s_.seconds.exchange);
     Real values[Scalars];
-    std::size_t count = 0;
-    for (const auto& other : s_.travelling) {
-      neighbour_message& p = s_.velocity_messages[count++];
-      p.out.resize(other.sent.size() * bytes);
-      p.in.resize(other.received.size() * bytes);
+    each_line(messages, [&](std::size_t n, neighbour_message& p) {
+      const auto& other = s_.travelling[n];
+      p.out.resize(other.sent.size() * bytes + flags);
+      p.in.resize(other.received.size() * bytes + flags);
       std::byte* to = p.out.data();
       for (const std::uint32_t i : other.sent) {
         put(i, values);
         std::memcpy(to, values, bytes);
         to += bytes;
       }
-    }
-    s_.link->start_fixed(s_.velocity_messages);
+      if (flags) *to = std::byte{told_};
+    });
+    s_.link->start_fixed(messages);
   }
   template <int Scalars, class Real, class Get>
-  void finish(Get&& get) {
+  void finish(std::vector<neighbour_message>& messages, bool flags, Get&& get) {
     constexpr std::size_t bytes = Scalars * sizeof(Real);
     const stage_clock clock(s_.seconds.exchange);
-    s_.link->finish_fixed(s_.velocity_messages);
+    s_.link->finish_fixed(messages);
+    if (flags) open_.resize(s_.travelling.size());
     Real values[Scalars];
-    std::size_t count = 0;
-    for (const auto& other : s_.travelling) {
-      const std::byte* from = s_.velocity_messages[count++].in.data();
-      for (const std::uint32_t i : other.received) {
+    each_line(messages, [&](std::size_t n, neighbour_message& p) {
+      const std::byte* from = p.in.data();
+      for (const std::uint32_t i : s_.travelling[n].received) {
         std::memcpy(values, from, bytes);
         get(i, values);
         from += bytes;
       }
-    }
+      if (flags) open_[n] = told_ || *from != std::byte{0};
+    });
   }
+
+  bool told_ = false;       ///< whether this rank has struck, as the others know it
+  std::vector<char> open_;  ///< of each line: whether its edge is open
+  std::vector<neighbour_message> along_;  ///< messages along open edges
 };
 
 }  // namespace talus::detail

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "talus/constraint/boundary_manifold.hpp"
 #include "talus/constraint/impact_terms.hpp"
@@ -85,13 +86,15 @@ class boundary_contacts {
       if (overlaps_after(contacts_[i], s)) f(owns_a_[i] ? contacts_[i].a : contacts_[i].b);
   }
   /// Strikes them from one and the same state, with the masses of their bodies divided into as many
-  /// parts as each has of them; the changes are applied later.
-  void strike(state& s) {
+  /// parts as each has of them; the changes are applied later. Calls note(number, contact) before.
+  template <class Note>
+  void strike(state& s, Note&& note) {
     changes_.resize(contacts_.size());
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
       Contact& c = contacts_[i];
       changes_[i] = c.since(c.impulse_in_frame());
       if (!overlaps_after(c, s)) continue;
+      note(i, std::as_const(c));
       const split_pair<typename state::number> alone(s, c.a, c.b, parts_of(s, c.a),
                                                      parts_of(s, c.b));
       changes_[i] = detail::strike(c, s);

@@ -55,6 +55,7 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
       for (part& p : colours_[k].parts) p.clear();
     used_ = 0;
     count_ = 0;
+    this->forget_strikes();
   }
   void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
            history_place* last, bool = false) {
@@ -167,8 +168,15 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   /// Likewise those that are to be struck.
   void strike(state& s, std::uint32_t colour, bool waits) {
     if (colour >= used_) return;
-    for (std::uint32_t k = waits ? 1 : 0; k < (waits ? 3 : 1); ++k)
-      colours_[colour].parts[k].row.strike(s);
+    auto& parts = colours_[colour].parts;
+    std::size_t first = 0;  // the number of a contact in each()
+    for (std::uint32_t c = 0; c < colour; ++c)
+      first += colours_[c].parts[0].row.size() + colours_[c].parts[1].row.size();
+    const auto note = [&](std::size_t i, const Contact& c) { this->note(s, first + i, c); };
+    if (!waits) return parts[0].row.strike(s, note);
+    first += parts[0].row.size();
+    parts[1].row.strike(s, note);
+    parts[foreign].row.strike(s, [](std::size_t, const Contact&) {});
   }
   void correct(state& s, std::uint32_t colour, bool waits);
 

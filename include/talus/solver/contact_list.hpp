@@ -87,6 +87,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void clear() {
     inner_.clear(), border_.clear(), boundary_.clear(), foreign_.clear();
     foreign_keys_.clear();
+    this->forget_strikes();
     renewed_ = held_ = false;
   }
   /// `last` is the position in the history of the contacts of its pair, unknown if null. It is kept
@@ -110,6 +111,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   template <class F>
   [[nodiscard]] bool renew(bool kept, bool loads, F&& renewed) requires(renewable<Contact>) {
     renewed_ = kept, held_ = false;
+    this->forget_strikes();
     return inner_.row.renew(kept && loads, renewed);
   }
   /// Whether contacts were kept in this step.
@@ -173,8 +175,14 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void each_overlapping_boundary(const state& s, F&& f) const {
     boundary_.each_overlapping(s, f);
   }
-  void strike_boundary(state& s) { boundary_.strike(s); }
-  void strike_interior(state& s) { border_.row.strike(s), inner_.row.strike(s); }
+  void strike_boundary(state& s) {
+    boundary_.strike(s, [&](std::size_t i, const Contact& c) { this->note(s, interior() + i, c); });
+  }
+  void strike_interior(state& s) {
+    const std::size_t inner = inner_.row.size();
+    border_.row.strike(s, [&](std::size_t i, const Contact& c) { this->note(s, inner + i, c); });
+    inner_.row.strike(s, [&](std::size_t i, const Contact& c) { this->note(s, i, c); });
+  }
 
   /// Sweeps over the interior contacts. The border comes first in either direction.
   void sweep_border(state& s, bool forward);

@@ -2,8 +2,10 @@
 // What lists of contacts of all solvers sum over their contacts: the terms of the residual, the
 // speeds of approach, and the number of contacts.
 #include <cstddef>
+#include <cstdint>
 
 #include "talus/constraint/approach.hpp"
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/residual.hpp"
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -31,7 +33,51 @@ class contact_sums {
   /// The number of contacts that count on this rank.
   [[nodiscard]] std::size_t counted() const;
 
+  // Strikes follow the solution of a step (see step/strike_contacts.hpp). The residual is that of
+  // the solution.
+
+  /// Called before contact number `i` of each() is struck, and the state with it.
+  void note(state& s, std::size_t i, const Contact& c) {
+    if (s.unstruck.empty()) s.unstruck = s.bodies;
+    if constexpr (is_joint<Contact>)
+      struck_.push_back({i, c.impulse_in_frame(), 0});
+    else
+      struck_.push_back({i, c.impulse_in_frame(), real(c.target_velocity)});
+  }
+  /// The same for all.
+  void note_all(state& s) {
+    if (!struck_.empty()) return;
+    std::size_t i = 0;
+    list().each([&](const Contact& c, bool) { note(s, i++, c); });
+  }
+  void forget_strikes() { struck_.clear(); }
+  /// Calls f(contact, counts_here) for all contacts, as they were before.
+  template <class F>
+  void each_unstruck(F&& f) const {
+    if (struck_.empty()) return list().each(f);
+    plain_vector<std::uint32_t> first(list().size(), 0);
+    for (std::size_t k = struck_.size(); k-- > 0;)
+      first[struck_[k].contact] = static_cast<std::uint32_t>(k + 1);
+    std::size_t i = 0;
+    list().each([&](const Contact& now, bool counts_here) {
+      const std::uint32_t k = first[i++];
+      if (k == 0) return f(now, counts_here);
+      Contact c = now;
+      c.set(struck_[k - 1].impulse);
+      if constexpr (!is_joint<Contact>)
+        c.target_velocity = static_cast<decltype(c.target_velocity)>(struck_[k - 1].target);
+      f(c, counts_here);
+    });
+  }
+
  private:
+  struct before_strike {
+    std::size_t contact;
+    typename Contact::change impulse;
+    real target;
+  };
+  plain_vector<before_strike> struck_;
+
   [[nodiscard]] const List& list() const { return static_cast<const List&>(*this); }
 };
 
@@ -57,7 +103,7 @@ void contact_sums<List, Contact>::add_to(residual_sums_of<exact_sum>& sums, cons
 template <class List, class Contact>
 void contact_sums<List, Contact>::add_to(residual_scale_of<double>& scale, const state& after,
                                          const state& given) const {
-  list().each([&](const auto& c, bool counts_here) {
+  each_unstruck([&](const auto& c, bool counts_here) {
     if (counts_here) scale.add(c, after, violation(c, after) - c.relative_velocity(given));
   });
 }

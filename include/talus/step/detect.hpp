@@ -46,6 +46,7 @@ void wake_ahead(world_state<Scenario>& s) {
 template <class Scenario>
 void detect(world_state<Scenario>& s) {
   s.solver.impacts = s.solver.struck = false;
+  s.solver.still.clear(), s.solver.unstruck.clear();
   s.each_contact_list([]<class List>(List& list) {
     if constexpr (!keeps_contacts_in<Scenario, List>()) list.clear();
   });

@@ -1,5 +1,6 @@
 #pragma once
 // The contact residual of the last step.
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -67,6 +68,12 @@ contact_residual last_hard_residual(world_state<Scenario>& s) {
   s.each_constraint_list([&](const auto& list) {
     if constexpr (requires { list.warm_start(given); }) list.warm_start(given);
   });
+  // Without the strikes that followed the solution.
+  for (std::size_t k = 0; k < s.solver.bodies.size() && !s.solver.unstruck.empty(); ++k) {
+    const auto &now = s.solver.bodies[k], &before = s.solver.unstruck[k];
+    given.bodies[k].v -= now.v - before.v, given.bodies[k].w -= now.w - before.w;
+    after.bodies[k].v = before.v, after.bodies[k].w = before.w;
+  }
   if constexpr (!world_state<Scenario>::link_type::alone) refresh_last_step(s, after, given);
 
   residual_scale scale;

@@ -137,10 +137,10 @@ void solve_contacts(world_state<Scenario>& s) {
         joints(s.solver, ranks);
     joints.solve(s.solver), joints.share_loads();
   }
-  if constexpr (coloured && !alone) drop_foreign_bodies(s);
   passivity(s, ranks).keep();
   if constexpr (strikes_contacts<Solver> && world_state<Scenario>::law::restitution)
-    strike_contacts(s, ranks);
+    contact_strikes<Scenario, decltype(ranks)>(s, ranks).strike();
+  if constexpr (coloured && !alone) drop_foreign_bodies(s);
 }
 
 /// Stores the impulses for the next step. Those of contacts that were kept have their places.

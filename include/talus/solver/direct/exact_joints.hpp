@@ -34,8 +34,9 @@ template <class Lists, class State, class Ranks, bool Coloured = false,
 class exact_joints {
  public:
   static constexpr bool at_once = false;
-  exact_joints(State&, Ranks&) {}
+  exact_joints(State&, Ranks&, bool = false) {}
   void solve(State&) {}
+  void solve_here(State&) {}
   void share_loads() {}
   void sweep(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
     sweep_interior(lists, s, forward, more, ranks);
@@ -45,10 +46,20 @@ template <class Lists, class State, class Ranks, bool Coloured>
 class exact_joints<Lists, State, Ranks, Coloured, true> {
  public:
   static constexpr bool at_once = true;
-  /// After the impulses of the last step have been applied.
-  exact_joints(State& s, Ranks& ranks) : ranks_(ranks) {
-    ranks.share_jointed(true);
-    const plain_vector<joint_view> views = ranks.template joint_views<Coloured>();
+  /// After the impulses of the last step have been applied. If `here`, without a message: of the
+  /// bodies in `s.still` no joint is solved.
+  exact_joints(State& s, Ranks& ranks, bool here = false) : ranks_(ranks) {
+    if (!here) ranks.share_jointed(true);
+    plain_vector<joint_view> views = ranks.template joint_views<Coloured>();
+    if (here && !s.still.empty()) {
+      const auto still = [&s](std::int32_t end) {
+        return end >= 0 && s.still[static_cast<std::size_t>(end)];
+      };
+      plain_vector<joint_view> others;
+      for (const joint_view& joint : views)
+        if (!still(joint.a) && !still(joint.b)) others.push_back(joint);
+      views.swap(others);
+    }
     joints_.gather({views.data(), views.size()}, solver_bodies(s));
     s.jointed.clear();
     for (const joint_view& joint : views)
@@ -62,6 +73,8 @@ class exact_joints<Lists, State, Ranks, Coloured, true> {
     joints_.solve(solver_bodies(s));
     if constexpr (!std::remove_cvref_t<Ranks>::alone && !Coloured) ranks_.share_velocities();
   }
+  /// The same without a message, for joints that are all here.
+  void solve_here(State& s) { joints_.solve(solver_bodies(s)); }
   /// One sweep of the position correction over all joints.
   void correct() const { ranks_.correct_joints(); }
   /// After the last of these in a step.
