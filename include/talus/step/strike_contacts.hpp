@@ -28,7 +28,7 @@ class contact_strikes {
   static constexpr bool coloured = std::remove_cvref_t<Ranks>::coloured;
   static constexpr int most_passes = 16;
   /// By colours their number must not depend on the ranks.
-  static constexpr int passes_by_colours = 3;
+  static constexpr int passes_by_colours = 2;
 
  public:
   contact_strikes(world_state<Scenario>& s, Ranks& ranks)
