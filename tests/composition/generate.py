@@ -6,6 +6,7 @@ Writes DIR/scene_NN.cpp, one for each scenario, and prints the seed and the pair
 can have. The same seed gives the same scenarios. Those of lowest number cover the most pairs.
 """
 import argparse
+import functools
 import itertools
 import pathlib
 import random
@@ -47,28 +48,26 @@ def refused(a, b):
             pair("balancing", ["on"], "decomposition", ["grid", "ring", "hexagonal", "periodic", "cells"]))
 
 
-REFUSED = {}
+# Values by number; a set of values is an integer with their bits.
+VALUES = [(name, value) for name in NAMES for value in FACTORS[name]]
+BIT = {value: 1 << k for k, value in enumerate(VALUES)}
+APART = {a: sum(BIT[b] for b in VALUES if a[0] != b[0] and refused(a, b)) for a in VALUES}
 
 
-def apart(a, b):
-    key = (a, b)
-    if key not in REFUSED:
-        REFUSED[key] = refused(a, b)
-    return REFUSED[key]
+BOUND = [name for name in NAMES if any(APART[name, value] for value in FACTORS[name])]
+OF_BOUND = sum(BIT[name, value] for name in BOUND for value in FACTORS[name])
 
 
-def complete(chosen, order):
-    """A scenario with these values, or none; the first that fits in the given order."""
-    if len(chosen) == len(NAMES):
-        return chosen
-    name = next(n for n, _ in order if n not in chosen)
-    values = next(v for n, v in order if n == name)
-    for value in values:
-        if all(not apart((name, value), other) for other in chosen.items()):
-            found = complete({**chosen, name: value}, order)
-            if found:
-                return found
-    return None
+@functools.cache
+def complete_bound(chosen):
+    name = next((n for n in BOUND if not any(chosen & BIT[n, v] for v in FACTORS[n])), None)
+    return name is None or any(not chosen & APART[name, value] and complete_bound(chosen | BIT[name, value])
+                               for value in FACTORS[name])
+
+
+def complete(chosen):
+    """Whether there is a scenario with these values; those of factors that contradict none always fit."""
+    return complete_bound(chosen & OF_BOUND)
 
 
 def pairs_of(row):
@@ -79,31 +78,34 @@ def covering(rng):
     wanted, impossible = set(), []
     for f, g in itertools.combinations(NAMES, 2):
         for x, y in itertools.product(FACTORS[f], FACTORS[g]):
-            if apart((f, x), (g, y)):
+            if APART[f, x] & BIT[g, y]:
                 continue
-            if complete({f: x, g: y}, [(n, FACTORS[n]) for n in NAMES]):
+            if complete(BIT[f, x] | BIT[g, y]):
                 wanted.add(frozenset({(f, x), (g, y)}))
             else:
                 impossible.append(((f, x), (g, y)))
     rows, open_pairs = [], set(wanted)
     while open_pairs:
         best, gain = None, 0
+        open_with = {value: 0 for value in VALUES}
+        for a, b in open_pairs:
+            open_with[a] |= BIT[b]
+            open_with[b] |= BIT[a]
         choices = sorted(open_pairs, key=sorted)
         for _ in range(60):
             start = dict(sorted(rng.choice(choices)))
             # Each further factor takes the value with which it covers most open pairs.
             row, names = dict(start), [n for n in NAMES if n not in start]
             rng.shuffle(names)
+            chosen = sum(BIT[value] for value in row.items())
             for name in names:
-                def score(value):
-                    return sum(frozenset({(name, value), other}) in open_pairs for other in row.items())
                 values = FACTORS[name][:]
                 rng.shuffle(values)
-                values.sort(key=score, reverse=True)
+                values.sort(key=lambda value: (open_with[name, value] & chosen).bit_count(), reverse=True)
                 for value in values:
-                    if all(not apart((name, value), other) for other in row.items()) and complete(
-                            {**row, name: value}, [(n, FACTORS[n]) for n in NAMES]):
-                        row[name] = value
+                    with_it = chosen | BIT[name, value]
+                    if not chosen & APART[name, value] and complete(with_it):
+                        row[name], chosen = value, with_it
                         break
             if len(row) == len(NAMES) and (now := len(pairs_of(row) & open_pairs)) > gain:
                 best, gain = row, now

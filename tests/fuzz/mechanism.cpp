@@ -43,7 +43,8 @@ struct drawing {
     drives = chance(r, 0.12);
     const bool held = !drives && chance(r, 0.8);
     const bool moves = chance(r, 0.6);
-    const vec3 middle = 0.3 * r.in_ball();
+    vec3 middle = 0.3 * r.in_ball();
+    if (m.around && chance(r, 0.5)) middle[up_to(r, 2)] += m.side;  // across the edge of the box
     for (int k = 0; k < count; ++k) {
       mechanism_body b;
       b.is_box = chance(r, 0.6);
@@ -87,7 +88,7 @@ struct drawing {
     if (m.floor) {
       real lowest = 0;
       for (const auto& b : m.bodies) lowest = std::min(lowest, b.at[2] - radius_of(b));
-      m.side = 1;
+      if (!m.around) m.side = 1;
       floor_below = lowest - r.uniform(0.01, 0.5);
       for (auto& b : m.bodies) b.at[2] -= floor_below;  // onto z = 0
     }
@@ -313,12 +314,12 @@ mechanism draw_mechanism(std::uint64_t seed, bool around) {
   m.balances = m.how == mechanism::domains::bisection && chance(r, 0.6);
   m.dt = r.integer(2) ? 0.005 : r.uniform(0.001, 0.01);
   m.steps = 100 + up_to(r, m.ranks == 2 ? 301 : m.ranks == 4 ? 101 : 51);
-  m.reach = chance(r, 0.2) ? 9 : 1.5;
+  m.reach = chance(r, 0.2) ? (around ? 3 : 9) : 1.5;
   m.iterations = 2 + up_to(r, 5);
   if (chance(r, 0.75)) m.gravity = chance(r, 0.8) ? vec3(0, 0, -9.81) : vec3(9.81 * r.in_ball());
   m.friction = chance(r, 0.5) ? r.uniform() : 0;
   m.restitution = chance(r, 0.5) ? r.uniform() : 0;
-  m.side = around ? 2 : r.uniform(0.3, 1.2);
+  m.side = around ? 6 : r.uniform(0.3, 1.2);
   d.add_bodies();
   d.add_joints();
   d.add_events();

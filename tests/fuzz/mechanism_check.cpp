@@ -34,8 +34,10 @@ bool any_body(const mechanism& m, mechanism_body::role how) {
     if (m.has_body(static_cast<int>(k)) && m.bodies[k].how == how) return true;
   return false;
 }
-/// Whether a limit, a rope or a contact has a restitution.
+/// Whether there are contacts, and these or a limit or rope have a restitution.
 bool rebounds(const mechanism& m, std::uint64_t contacts) {
+  if (contacts == 0) return false;
+  if (m.restitution > 0) return true;
   for (std::size_t k = 0; k < m.joints.size(); ++k) {
     const mechanism_joint& j = m.joints[k];
     if (m.has_joint(static_cast<int>(k)) &&
@@ -43,7 +45,7 @@ bool rebounds(const mechanism& m, std::uint64_t contacts) {
                   j.what == mechanism_joint::kind::rope ? j.restitution : 0}) > 0)
       return true;
   }
-  return contacts > 0 && m.restitution > 0;
+  return false;
 }
 
 /// What is wrong with one run, empty if nothing is.
@@ -55,7 +57,7 @@ std::string what_fails(const mechanism& m, const mechanism_end& end) {
   if (!end.refused.empty() && !m.wild && !of_domains) return "throws: " + end.refused;
   if (end.worst_closure > 1e-10) return "the ledger leaves " + text(end.worst_closure);
   if (m.wild) return "";
-  // Rebounds of limits and ropes add a part of first order in the step. Driven bodies do work.
+  // Contacts of `reproducible` and across ranks may add some, as may driven bodies.
   const real most = rebounds(m, end.contacts) ? 0.05 : 1e-9;
   if (end.gain > most && !any_body(m, mechanism_body::role::driven))
     return "impulses add " + text(end.gain) + " of the energy in step " +

@@ -204,9 +204,10 @@ class mechanism_on_rank {
     const auto usable = [&](int k) { return k < 0 || now_.there[index(k)]; };
     const auto still = [&](int k) { return k < 0 || now_.fixed[index(k)]; };
     if (!usable(j.a) || !usable(j.b) || (still(j.a) && still(j.b))) return;
-    const vec3 b = place(j.b);
-    vec3 a = j.a < 0 ? vec3(b + j.off) : place(j.a);
-    if constexpr (around) a = detail::seen_from(detail::state_of(w_), b, a);
+    vec3 b = place(j.b);
+    const vec3 a = j.a < 0 ? vec3(b + j.off) : place(j.a);
+    if constexpr (around)
+      if (j.a >= 0) b = detail::seen_from(detail::state_of(w_), a, b);
     const vec3 at = j.a < 0 ? a : vec3(a + j.fraction * (b - a) + j.off);
     const vec3 from = a, to = j.a < 0 ? b : vec3(b + j.off);
     const auto limits = [](const mechanism_axis& x) {
@@ -422,16 +423,63 @@ class mechanism_on_rank {
     w_.link().reduce(reduction::max, std::span(&fastest, 1));
     end_.fastest = std::max(end_.fastest, fastest);
     const energy_balance e = measure_energy(w_);
+    // Of the bodies, of these with their weight, and of what they have without the impulses:
+    // gravity, motors and springs may do work against the other impulses of the step.
     const real taken = e.step.friction + e.step.impact;
-    // Gravity, motors and springs may do work against the other impulses of the step.
-    const real gain =
-        std::min({-taken, e.step.scheme - taken, e.step.scheme + e.step.work - taken});
-    if (e.scale > 0 && gain / e.scale > end_.gain)
-      end_.gain = gain / e.scale, end_.step_of_gain = k;
+    const real gain = std::min<real>({-taken, e.step.scheme - taken, added_to_free_motion()});
+    end_.energy = std::max<real>(end_.energy, e.scale);
+    if (gain > end_.gain * end_.energy) end_.gain = gain / end_.energy, end_.step_of_gain = k;
     const joint_errors open = measure_joints(w_);
     if (open.gap > end_.gap) end_.gap = open.gap, end_.step_of_gap = k;
     end_.opened = std::max(end_.opened, talus::detail::state_of(w_).joints.opening.part);
     w_.link().reduce(reduction::max, std::span(&end_.opened, 1));
+  }
+  /// By how much the kinetic energy is larger than without the impulses of contacts, conditions and
+  /// limits.
+  [[nodiscard]] real added_to_free_motion() {
+    const auto& s = talus::detail::state_of(w_);
+    std::vector<wrench> loads(s.solver.bodies.size());
+    const auto add = [&](std::int32_t k, const auto& impulse) {
+      wrench& sum = loads[static_cast<std::size_t>(k)];
+      sum.impulse += impulse.impulse, sum.moment += impulse.moment;
+    };
+    s.each_contact_list([&](const auto& list) {
+      list.each_acting([&](const auto& c, bool on_a, bool on_b) {
+        const auto along = [&](auto&& work) {
+          wrench x;
+          for (int i = 0; i < 3; ++i) {
+            x.impulse[i] = work(vec3(vec3::Unit(i)), vec3(0, 0, 0));
+            x.moment[i] = work(vec3(0, 0, 0), vec3(vec3::Unit(i)));
+          }
+          return x;
+        };
+        if (on_a)
+          add(c.a, along([&](const vec3& v, const vec3& w) { return detail::work_on_a(c, v, w); }));
+        if constexpr (std::remove_cvref_t<decltype(c)>::paired)
+          if (on_b)
+            add(c.b,
+                along([&](const vec3& v, const vec3& w) { return detail::work_on_b(c, v, w); }));
+      });
+    });
+    s.each_joint_list([&](const auto& list) {
+      list.each_acting([&](const auto& c, bool on_a, bool on_b) {
+        const auto holds = c.since(c.driven());
+        if (on_a) add(c.a, c.wrench_on_a(holds));
+        if (on_b) add(c.b, c.wrench_on_b(holds));
+      });
+    });
+    double sum = 0;
+    for (std::size_t k = 0; k < loads.size() && k < s.solver.first_global; ++k) {
+      const auto& body = s.solver.bodies[k];
+      const wrench& x = loads[k];
+      if (body.inverse_mass == 0) continue;
+      const vec3 turn = s.solver.has_tensor(k) ? vec3(s.solver.tensor(k) * x.moment)
+                                               : vec3(real(body.inverse_inertia) * x.moment);
+      sum += x.impulse.dot(detail::v_of(body)) + x.moment.dot(detail::w_of(body)) -
+             real(0.5) * (real(body.inverse_mass) * x.impulse.squaredNorm() + x.moment.dot(turn));
+    }
+    w_.link().reduce(reduction::sum, std::span(&sum, 1));
+    return sum;
   }
   void read_joints() {
     end_.joints.assign(m_.joints.size(), {});

@@ -9,6 +9,9 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/alone.hpp"
+#include "../scenes/solids.hpp"
+
 using namespace talus;
 
 namespace {
@@ -71,19 +74,17 @@ void judge(const outcome& r) {
 }  // namespace
 
 TEST_CASE("ten boxes and ten spheres stand for 5 s under a top of up to 1e6 times the density") {
-  using scene = scenario<bodies<box, sphere, plane>, transport<serial>>;
   for (const bool spheres : {false, true})
     for (const real ratio : {1.0, 1e2, 1e3, 1e4, 1e6}) {
       CAPTURE(spheres);
       CAPTURE(ratio);
       serial::link link;
-      world<scene> w(link);
+      world<scenes::alone> w(link);
       judge(stack(w, ratio, spheres, 5));
     }
 }
 
 TEST_CASE("a thousandfold top is borne where four domains meet in the middle of all bodies, too") {
-  using scene = scenario<bodies<box, sphere, plane>, transport<threads>, decomposition<grid<2, 2>>>;
   for (const bool spheres : {false, true})
     for (const real aside : {0.0, 0.01}) {
       if (spheres && aside > 0) continue;
@@ -91,7 +92,7 @@ TEST_CASE("a thousandfold top is borne where four domains meet in the middle of 
       CAPTURE(spheres);
       CAPTURE(aside);
       threads::launch({.ranks = 4}, [&](threads::link& link) {
-        world<scene> w(link);
+        world<scenes::solids> w(link);
         w.decompose(grid<2, 2>{.lower = {-8, -8}, .upper = {8, 8}});
         const outcome r = stack(w, ratio, spheres, 5, aside);
         if (link.rank() == 0) judge(r);

@@ -1,5 +1,6 @@
 #pragma once
 // Stacks, walls and pyramids of boxes, of any size and at any place.
+#include "../scenes/solids.hpp"
 #include "../validation/record.hpp"
 #include "ranks.hpp"
 
@@ -7,7 +8,7 @@ namespace talus::hard {
 
 using namespace talus::validation;
 
-using blocks = scene<box, plane>;
+using blocks = scenes::solids;
 inline constexpr real g = 9.81;
 
 inline const cuts whole{.cells = {1, 1, 1}};

@@ -10,14 +10,13 @@
 #include <talus/solver/direct/elimination_order.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/alone.hpp"
+
 using namespace talus;
 
 namespace {
 
 constexpr real dt = 0.005;
-
-template <class... Policies>
-using scene = scenario<bodies<box, sphere, plane>, transport<serial>, Policies...>;
 
 struct load {
   int side = 10;       ///< light bodies in a row
@@ -30,12 +29,12 @@ struct load {
   real balance = 1e-5;  ///< of the force on the floor in one step, as part of the weight
 };
 
-template <class... Policies>
+template <class Scenario = scenes::alone>
 summary hold(const load& l) {
   CAPTURE(l.side);
   CAPTURE(l.density);
   serial::link link;
-  world<scene<Policies...>> w(link);
+  world<Scenario> w(link);
   const auto light = w.material({.density = 1, .friction = 0.5});
   const auto heavy = w.material({.density = l.density, .friction = 0.5});
   w.gravity({0, 0, -9.81});
@@ -96,7 +95,8 @@ TEST_CASE("light boxes, layers between plates and spheres apart hold too") {
 }
 
 TEST_CASE("contacts solved in float hold a wide load to the round-off of floats") {
-  hold<precision<mixed_precision>>({.side = 20, .time = 0.5, .lowest = 1e-5, .balance = 1e-2});
+  hold<scenario<bodies<box, sphere, plane>, transport<serial>, precision<mixed_precision>>>(
+      {.side = 20, .time = 0.5, .lowest = 1e-5, .balance = 1e-2});
 }
 
 TEST_CASE("islands that are too dear are in the summary and the JSON, with their contacts") {

@@ -7,11 +7,12 @@
 #include <talus/world/world.hpp>
 #include <vector>
 
+#include "../scenes/alone.hpp"
 #include "../validation/record.hpp"
 
 using namespace talus;
 using namespace talus::validation;
-using blocks = scenario<bodies<box, plane>, transport<serial>>;
+using blocks = scenes::alone;
 
 namespace {
 

@@ -7,8 +7,10 @@
 #include <talus/scene/lattice.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/spheres_alone.hpp"
+
 using namespace talus;
-using heap = scenario<bodies<sphere, plane>, transport<serial>>;
+using heap = scenes::spheres_alone;
 
 namespace {
 

@@ -7,8 +7,10 @@
 #include <talus/parallel/serial.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/spheres_alone.hpp"
+
 using namespace talus;
-using balls = scenario<bodies<sphere, plane>, transport<serial>>;
+using balls = scenes::spheres_alone;
 
 namespace {
 

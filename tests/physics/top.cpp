@@ -7,12 +7,13 @@
 #include <talus/observe/motion.hpp>
 #include <vector>
 
+#include "../scenes/solids.hpp"
 #include "../validation/record.hpp"
 #include "../validation/track.hpp"
 
 using namespace talus;
 using namespace talus::validation;
-using tops = scenario<bodies<box>, transport<threads>, decomposition<grid<dynamic, dynamic>>>;
+using tops = scenes::solids;
 
 namespace {
 

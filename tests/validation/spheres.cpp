@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../scenes/spheres.hpp"
 #include "record.hpp"
 #include "track.hpp"
 
@@ -13,8 +14,7 @@ using namespace talus::validation;
 
 namespace {
 
-using balls =
-    scenario<bodies<sphere, plane>, transport<threads>, decomposition<grid<dynamic, dynamic>>>;
+using balls = scenes::spheres;
 
 constexpr real g = 9.81, dt = 1.0 / 240, degree = pi / 180;
 

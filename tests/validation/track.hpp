@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <mutex>
+#include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/world/world.hpp>
 #include <tuple>
@@ -27,7 +28,7 @@ tracks follow(int ranks, real dt, std::size_t steps, SetUp&& set_up, AfterStep&&
   std::size_t count = 0;
   std::mutex one_by_one;
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
-    world<Scenario> w(link);
+    world<Scenario> w(link, grid<dynamic, dynamic>{});
     set_up(w);
     std::vector<std::tuple<system_id, std::size_t, moment>> seen;
     const auto look = [&](std::size_t step) {

@@ -9,13 +9,14 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/solids.hpp"
+
 using namespace talus;
 
 namespace {
 
-template <class... Features>
-using column_of = scenario<bodies<box, sphere, plane>, features<Features...>, transport<threads>,
-                           decomposition<grid<dynamic, dynamic, dynamic>>>;
+using fast_column = scenario<bodies<box, sphere, plane>, features<continuous_collision>,
+                             transport<threads>, decomposition<grid<dynamic, dynamic, dynamic>>>;
 
 /// The results of a scene on two ranks that meet at z = `cut`.
 struct agreement {
@@ -64,21 +65,21 @@ void check_agreed(const agreement& found) {
 }  // namespace
 
 TEST_CASE("two ranks agree on the impulses of a column that stands across their boundary") {
-  check_agreed(across<column_of<>>(1, 60, [](auto& w) {
+  check_agreed(across<scenes::solids>(1, 60, [](auto& w) {
     for (int k = 0; k < 3; ++k)
       w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {0, 0, k + 0.5}});
   }));
 }
 
 TEST_CASE("two ranks agree on the impulses of a column of fast bodies across their boundary") {
-  check_agreed(across<column_of<continuous_collision>>(1, 60, [](auto& w) {
+  check_agreed(across<fast_column>(1, 60, [](auto& w) {
     w.add_if_local(body{.shape = sphere{0.5}, .position = {0, 0, 0.5}});
     w.add_if_local(body{.shape = sphere{0.5}, .position = {0.3, 0, 1.35}, .velocity = {0, 0, -3}});
   }));
 }
 
 TEST_CASE("two ranks agree on the impulses of a column that stands on a body fixed beyond reach") {
-  check_agreed(across<column_of<>>(4, 60, [](auto& w) {
+  check_agreed(across<scenes::solids>(4, 60, [](auto& w) {
     for (int k = 0; k < 3; ++k)
       w.add_if_local(body{.shape = sphere{0.5},
                           .position = {0.02 * k, 0.01 * k, 2.5 + 0.999 * k},

@@ -1,4 +1,5 @@
 // Bodies that arrive on a rank one by one, while little else happens that would hide an error.
+// plain
 #include <doctest/doctest.h>
 
 #include <map>
@@ -11,14 +12,13 @@
 #include <talus/world/world.hpp>
 #include <tuple>
 
+#include "../scenes/jacobi.hpp"
+#include "../scenes/solids.hpp"
+
 using namespace talus;
 using detail::contact_part;
 
 namespace {
-
-template <class... Policies>
-using lane =
-    scenario<bodies<sphere, box, plane>, decomposition<grid<2>>, transport<threads>, Policies...>;
 
 struct in_order {
   bool operator()(const detail::contact_key& x, const detail::contact_key& y) const {
@@ -40,7 +40,7 @@ void each_contact(World& w, F&& f) {
 
 TEST_CASE_TEMPLATE(
     "bodies that cross a boundary in single file forget nothing and remember it once", Lane,
-    lane<solver<nonlinear_gauss_seidel>>, lane<solver<accelerated_jacobi>>) {
+    scenes::solids, scenes::jacobi) {
   using state = detail::world_state<Lane>;
   for (const bool pile : {false, true}) {
     CAPTURE(pile);
@@ -105,7 +105,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE("two bodies that touch stay in contact while they come to a rank that has none") {
-  using pair = lane<hard_contact<no_correction>>;
+  using pair = scenario<bodies<sphere, box, plane>, decomposition<grid<2>>, transport<threads>,
+                        hard_contact<no_correction>>;
   std::mutex guard;
   std::map<int, int> interior, boundary;  // by step
   constexpr int steps = 200;

@@ -1,4 +1,5 @@
 // A world has the same results with every broad phase.
+// plain
 #include <doctest/doctest.h>
 
 #include <string>
@@ -8,19 +9,25 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
+#include <type_traits>
+
+#include "../scenes/reproduced.hpp"
 
 using namespace talus;
 
 namespace {
 
+using swept = scenario<bodies<sphere, box, plane>, solver<reproducible>, transport<threads>,
+                       broad_phase<sweep_and_prune>, decomposition<any_decomposition>>;
+
 template <class Method>
 std::string digest_of(int ranks) {
-  using scene = scenario<bodies<sphere, box, plane>, solver<reproducible>, transport<threads>,
-                         broad_phase<Method>, decomposition<grid<dynamic, dynamic>>>;
+  constexpr bool usual = std::is_same_v<Method, linear_hash_grid>;
+  using scene = std::conditional_t<usual, scenes::reproduced, swept>;
   std::string digest;
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
     world<scene> w(link);
-    w.decompose({.lower = {-5, -5}, .upper = {5, 5}}, {.distance = 3});
+    w.decompose(grid<dynamic, dynamic>{.lower = {-5, -5}, .upper = {5, 5}}, {.distance = 3});
     const auto stone = w.material({.density = 1, .friction = 0.5});
     w.gravity({0, 0, -9.81});
     w.global([&](auto& scope) {

@@ -6,9 +6,10 @@
 #include <talus/scene/lattice.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/spheres.hpp"
+
 using namespace talus;
-using layer =
-    scenario<bodies<sphere, plane>, transport<threads>, decomposition<grid<dynamic, dynamic>>>;
+using layer = scenes::spheres;
 
 namespace {
 
@@ -22,7 +23,7 @@ sent busiest_rank(int n) {
   sent result;
   threads::launch({.ranks = n * n}, [&](threads::link& link) {
     const double size = 3.0 * n;
-    world<layer> w(link, {.lower = {0, 0}, .upper = {size, size}});
+    world<layer> w(link, grid<dynamic, dynamic>{.lower = {0, 0}, .upper = {size, size}});
     const auto stuff = w.material({.friction = 0.4});
     w.gravity({0, 0, -9.81});
     w.global([&](auto& scope) { scope.add(plane{}, stuff); });

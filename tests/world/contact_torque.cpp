@@ -14,12 +14,14 @@
 #include <talus/world/world.hpp>
 #include <vector>
 
+#include "../scenes/solids.hpp"
+
 using namespace talus;
 
 namespace {
 
 using cells = grid<dynamic, dynamic>;
-using scene = scenario<bodies<sphere, box, plane>, decomposition<cells>>;
+using scene = scenes::solids;
 using soft_scene =
     scenario<bodies<sphere, plane>,
              soft_contact<linear_spring_dashpot, coulomb_friction, rolling_resistance>,

@@ -10,8 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "../scenes/alone.hpp"
+
 using namespace talus;
-using heap = scenario<bodies<sphere, box, plane>, transport<serial>>;
+using heap = scenes::alone;
 
 namespace {
 

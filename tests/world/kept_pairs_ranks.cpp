@@ -15,12 +15,12 @@
 #include <utility>
 #include <vector>
 
+#include "../scenes/jacobi.hpp"
+#include "../scenes/solids.hpp"
+
 using namespace talus;
 using detail::contact_part;
-template <class Solver>
-using heap_with = scenario<bodies<sphere, box, plane>, decomposition<grid<2, 2, 1>>,
-                           transport<threads>, solver<Solver>>;
-using heap = heap_with<nonlinear_gauss_seidel>;
+using heap = scenes::solids;
 
 namespace {
 
@@ -47,7 +47,7 @@ template <class World>
 void fill(World& w, unsigned seed) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<real> some(-0.1, 0.1);
-  w.decompose({.lower = {.x = 0, .y = 0}, .upper = {.x = 6.6, .y = 6.6}});
+  w.decompose(grid<2, 2, 1>{.lower = {.x = 0, .y = 0}, .upper = {.x = 6.6, .y = 6.6}});
   const auto m = w.material({.restitution = 0.3, .friction = 0.4});
   w.gravity({1.5, 1, -9.81});  // oblique, so that bodies continue to cross
   w.global([&](auto& s) {
@@ -97,13 +97,13 @@ void note(const World& w, findings& all, bool places) {
 }  // namespace
 
 TEST_CASE_TEMPLATE("no contact is missed and each is solved once while bodies change their owner",
-                   Solver, nonlinear_gauss_seidel, accelerated_jacobi) {
+                   Heap, scenes::solids, scenes::jacobi) {
   for (const unsigned seed : {1u}) {
     CAPTURE(seed);
     findings all;
     std::size_t missed = 0, compared = 0, twice = 0, lopsided = 0, kept_while_moving = 0;
     threads::launch({.ranks = 4}, [&](threads::link& link) {
-      world<heap_with<Solver>> w(link);
+      world<Heap> w(link);
       fill(w, seed);
       std::set<system_id> mine;
       for (int step = 0; step < 600; ++step) {

@@ -6,8 +6,10 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/spheres.hpp"
+
 using namespace talus;
-using row = scenario<bodies<sphere>, transport<threads>, decomposition<grid<5>>>;
+using row = scenes::spheres;
 
 namespace {
 
@@ -15,7 +17,7 @@ namespace {
 template <class F>
 void on_slabs(F&& f) {
   threads::launch({.ranks = 5}, [&](threads::link& link) {
-    world<row> w(link, {.lower = {0}, .upper = {5}});
+    world<row> w(link, grid<5>{.lower = {0}, .upper = {5}});
     w.material({});
     f(w);
   });

@@ -10,14 +10,16 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/solids.hpp"
+
 using namespace talus;
-using halves = scenario<bodies<sphere, box>, transport<threads>, decomposition<grid<2>>>;
+using halves = scenes::solids;
 
 TEST_CASE("system ids are unique over ranks, and a body is local on exactly one of them") {
   std::mutex mutex;
   std::set<system_id> ids;
   threads::launch({.ranks = 2}, [&](threads::link& link) {
-    world<halves> w(link, {.lower = {-1}, .upper = {1}});
+    world<halves> w(link, grid<2>{.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
     for (int k = 0; k < 10; ++k) {
       const double x = link.rank() == 0 ? -1.0 - 3 * k : 1.0 + 3 * k;
@@ -35,7 +37,7 @@ TEST_CASE("system ids are unique over ranks, and a body is local on exactly one 
 
 TEST_CASE("a body in a foreign domain is refused with the place and the rank that owns it") {
   threads::launch({.ranks = 2}, [&](threads::link& link) {
-    world<halves> w(link, {.lower = {-1}, .upper = {1}});
+    world<halves> w(link, grid<2>{.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
     const double foreign = link.rank() == 0 ? 2 : -2;
     CHECK_THROWS_WITH_AS(
@@ -47,7 +49,7 @@ TEST_CASE("a body in a foreign domain is refused with the place and the rank tha
 
 TEST_CASE("a body near the boundary has one owner and one shadow copy, which refuses changes") {
   threads::launch({.ranks = 2}, [&](threads::link& link) {
-    world<halves> w(link, {.lower = {-1}, .upper = {1}});
+    world<halves> w(link, grid<2>{.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
     handle<sphere> h{detail::id_of_attempt(0)};
     w.add_if_local(body{.shape = sphere{1}, .position = {0.2, 0, 0}, .material = stuff});
@@ -75,7 +77,7 @@ TEST_CASE(
     "destroying and adding shadowed bodies between steps without synchronize keeps the ranks in "
     "step") {
   threads::launch({.ranks = 2}, [&](threads::link& link) {
-    world<halves> w(link, {.lower = {-1}, .upper = {1}});
+    world<halves> w(link, grid<2>{.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
     std::vector<handle<sphere>> mine;
     for (int k = 0; k < 60; ++k) {
@@ -98,9 +100,8 @@ TEST_CASE(
 }
 
 TEST_CASE("a body translated far into a domain that is no neighbour is routed there") {
-  using row = scenario<bodies<sphere>, transport<threads>, decomposition<grid<dynamic, 1, 1>>>;
   threads::launch({.ranks = 6}, [&](threads::link& link) {
-    world<row> w(link, {.lower = {0}, .upper = {6}});
+    world<scenes::solids> w(link, grid<dynamic, 1, 1>{.lower = {0}, .upper = {6}});
     const auto stuff = w.material({});
     w.add_if_local(body{.shape = sphere{0.1}, .position = {0.5, 0, 0}, .material = stuff});
     if (link.rank() == 0) w[handle<sphere>{detail::id_of_attempt(0)}].translate({5, 0, 0});
@@ -116,7 +117,8 @@ TEST_CASE(
     "a body whose motion is no longer finite ends the run with its id, place, step and rank") {
   CHECK_THROWS_WITH_AS(threads::launch({.ranks = 2},
                                        [&](threads::link& link) {
-                                         world<halves> w(link, {.lower = {-1}, .upper = {1}});
+                                         world<halves> w(link,
+                                                         grid<2>{.lower = {-1}, .upper = {1}});
                                          const auto stuff = w.material({});
                                          if (link.rank() == 1)
                                            w.add(body{.shape = sphere{1},
@@ -131,7 +133,7 @@ TEST_CASE(
 TEST_CASE("a body that is released next to a boundary takes as much momentum as it gives") {
   // Contacts with it were solved by the other rank alone, which stores their impulse.
   threads::launch({.ranks = 2}, [&](threads::link& link) {
-    world<halves> w(link, {.lower = {-1}, .upper = {1}});
+    world<halves> w(link, grid<2>{.lower = {-1}, .upper = {1}});
     const auto stuff = w.material({});
     w.solver().iterations = 1;  // more would hide a lost warm start
     for (const double x : {-2.4, -1.4, -0.4})

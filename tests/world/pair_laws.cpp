@@ -14,12 +14,14 @@
 #include <talus/world/world.hpp>
 #include <vector>
 
+#include "../scenes/solids.hpp"
+
 using namespace talus;
 
 namespace {
 
 using cells = grid<dynamic>;
-using scene = scenario<bodies<sphere, box, plane>, transport<threads>, decomposition<cells>>;
+using scene = scenes::solids;
 using world_type = world<scene>;
 
 /// Calls f(world) on each of so many ranks, that of a negative x being the first of two.

@@ -2,21 +2,19 @@
 #include <talus/scene/lattice.hpp>
 #include <talus/scene/ring.hpp>
 
+#include "../scenes/reproduced.hpp"
+#include "../scenes/solids.hpp"
 #include "reproducible.hpp"
 
 namespace {
 
-template <class Solver>
-using well = scenario<bodies<sphere, box, plane>, solver<Solver>, transport<threads>,
-                      decomposition<any_decomposition>>;
-
 /// The most messages that a rank sends in a step, while spheres fall into a round wall of fixed
 /// bricks and come to rest.
-template <class Solver>
+template <class Scenario>
 std::uint64_t messages_of(const any_decomposition& how, int ranks) {
   std::uint64_t most = 0;
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
-    world<well<Solver>> w(link, how, reach{2});
+    world<Scenario> w(link, how, reach{2});
     w.gravity({0, 0, -9.81});
     w.material({.friction = 0.5});
     w.global([&](auto& s) { s.add(plane{.normal = {0, 0, 1}}, {}); });
@@ -55,8 +53,8 @@ TEST_CASE("the same bits on any ranks cost at most twice the messages of the def
                                      {"hexagons, 7", 7, hexagonal<dynamic>{.width = 8}}};
   for (const sharing& how : some) {
     CAPTURE(std::string(how.name));
-    const auto least = messages_of<nonlinear_gauss_seidel>(how.decomposition, how.ranks);
-    const auto found = messages_of<reproducible>(how.decomposition, how.ranks);
+    const auto least = messages_of<scenes::solids>(how.decomposition, how.ranks);
+    const auto found = messages_of<scenes::reproduced>(how.decomposition, how.ranks);
     CHECK(found <= 2 * least);
     CHECK(found > least);
   }

@@ -8,8 +8,10 @@
 #include <talus/scene/site.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/alone.hpp"
+
 using namespace talus;
-using alone = scenario<bodies<sphere, box, plane>, transport<serial>>;
+using scenes::alone;
 
 namespace {
 

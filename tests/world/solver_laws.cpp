@@ -1,4 +1,5 @@
 // The laws of every contact solver. The residual measures the quality of a solution.
+// plain
 #include <doctest/doctest.h>
 
 #include <map>
@@ -16,6 +17,10 @@
 #include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
 
+#include "../scenes/jacobi.hpp"
+#include "../scenes/reproduced.hpp"
+#include "../scenes/solids.hpp"
+
 using namespace talus;
 
 namespace {
@@ -24,13 +29,11 @@ constexpr real g = 9.81, dt = 1.0 / 240;
 
 /// A heap of spheres and boxes in a box of planes, divided into columns; or, without gravity and
 /// walls, a cloud that falls together.
-template <class Solver, class... Monitors>
+template <class Scenario>
 struct heap {
-  using scenario_type = scenario<bodies<sphere, box, plane>, solver<Solver>,
-                                 decomposition<grid<dynamic, dynamic>>, features<Monitors...>>;
-  using world_type = world<scenario_type>;
+  using world_type = world<Scenario>;
   static constexpr real side = 4.5;
-  static constexpr bool divides = detail::uses_substeps<Solver>;
+  static constexpr bool divides = detail::uses_substeps<typename Scenario::solver>;
   enum class kind { heap, cloud };
 
   static void set_up(world_type& w, kind what) {
@@ -65,7 +68,7 @@ struct heap {
   template <class F>
   static void on(int ranks, int steps, F&& f, kind what = kind::heap) {
     threads::launch({.ranks = ranks}, [&](threads::link& link) {
-      world_type w(link, {.lower = {0, 0}, .upper = {side, side}});
+      world_type w(link, grid<dynamic, dynamic>{.lower = {0, 0}, .upper = {side, side}});
       set_up(w, what);
       for (int k = 0; k < steps; ++k) w.step(dt);
       f(w, link.rank() == 0);
@@ -74,7 +77,9 @@ struct heap {
 };
 
 /// With substeps the books include those of the substeps.
-using divided = heap<substepping, energy_ledger, momentum_balance>;
+using divided =
+    heap<scenario<bodies<sphere, box, plane>, solver<substepping>, decomposition<any_decomposition>,
+                  transport<threads>, features<energy_ledger, momentum_balance>>>;
 
 template <class World>
 std::string solver_name(const World&) {
@@ -91,7 +96,7 @@ std::uint64_t iterations_of_step(World& w) {
 }  // namespace
 
 TEST_CASE_TEMPLATE("the residual falls with the iterations, on 1 and 4 ranks", Heap,
-                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>) {
+                   heap<scenes::solids>, heap<scenes::jacobi>, heap<scenes::reproduced>) {
   for (const int ranks : {1, 4})
     Heap::on(ranks, 90, [&](auto& w, bool speaks) {
       real before = 1;
@@ -114,7 +119,7 @@ TEST_CASE_TEMPLATE("the residual falls with the iterations, on 1 and 4 ranks", H
 
 TEST_CASE_TEMPLATE(
     "with a tolerance all ranks stop after the same iteration, where the residual is within it",
-    Heap, heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>, divided) {
+    Heap, heap<scenes::solids>, heap<scenes::jacobi>, heap<scenes::reproduced>, divided) {
   for (const int ranks : {1, 4})
     Heap::on(ranks, 90, [&](auto& w, bool speaks) {
       w.solver().max_iterations = 20000;
@@ -150,7 +155,7 @@ TEST_CASE_TEMPLATE(
 TEST_CASE_TEMPLATE(
     "runs on the same ranks end with the same bits, whether the residual is measured or not, and "
     "steps without a tolerance are not collective",
-    Heap, heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>, divided) {
+    Heap, heap<scenes::solids>, heap<scenes::jacobi>, heap<scenes::reproduced>, divided) {
   for (const int ranks : {1, 4}) {
     std::vector<std::string> digests;
     for (const bool measured : {false, true})
@@ -168,9 +173,8 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("impulses lie in their cones, on 1 and 4 ranks", Heap,
-                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>,
-                   divided) {
+TEST_CASE_TEMPLATE("impulses lie in their cones, on 1 and 4 ranks", Heap, heap<scenes::solids>,
+                   heap<scenes::jacobi>, heap<scenes::reproduced>, divided) {
   for (const int ranks : {1, 4})
     Heap::on(ranks, 40, [&](auto& w, bool) {
       real outside = 0, pull = 0, largest = 0;
@@ -191,8 +195,7 @@ TEST_CASE_TEMPLATE("impulses lie in their cones, on 1 and 4 ranks", Heap,
 }
 
 TEST_CASE_TEMPLATE("momentum is conserved to round-off, on 1 and 4 ranks", Heap,
-                   heap<nonlinear_gauss_seidel>, heap<accelerated_jacobi>, heap<reproducible>,
-                   divided) {
+                   heap<scenes::solids>, heap<scenes::jacobi>, heap<scenes::reproduced>, divided) {
   for (const int ranks : {1, 4})
     Heap::on(
         ranks, 0,
@@ -225,9 +228,9 @@ TEST_CASE("a solver finds what Gauss-Seidel finds, if both iterate long enough")
     return velocities;
   };
   for (const int ranks : {1, 4}) {
-    const auto sought = end_of(heap<nonlinear_gauss_seidel>{}, 1);
+    const auto sought = end_of(heap<scenes::solids>{}, 1);
     for (const auto& found :
-         {end_of(heap<accelerated_jacobi>{}, ranks), end_of(heap<reproducible>{}, ranks)}) {
+         {end_of(heap<scenes::jacobi>{}, ranks), end_of(heap<scenes::reproduced>{}, ranks)}) {
       REQUIRE(found.size() == sought.size());
       real largest = 0;
       for (const auto& [id, v] : sought) largest = std::max(largest, (found.at(id) - v).norm());
@@ -258,7 +261,8 @@ namespace {
 template <class F>
 void drop(int ranks, const vec3& size, const vec3& spin, real restitution, int parts, F&& f) {
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
-    typename divided::world_type w(link, {.lower = {-2, -2}, .upper = {2, 2}});
+    typename divided::world_type w(link,
+                                   grid<dynamic, dynamic>{.lower = {-2, -2}, .upper = {2, 2}});
     const auto stuff = w.material({.restitution = restitution, .friction = 0.5});
     w.solver().iterations = parts;
     w.gravity({0, 0, -g});

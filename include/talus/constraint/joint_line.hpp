@@ -11,6 +11,11 @@ namespace talus::detail {
 
 inline constexpr real unbounded = std::numeric_limits<real>::infinity();
 
+/// The larger of two values of at least 0. What is no number counts as the largest.
+[[nodiscard]] inline real larger(real most, real x) {
+  return x <= most ? most : x > most ? x : unbounded;
+}
+
 /// The role of a row: unused in this step, a condition on positions, or a force law of a free
 /// coordinate. `limits` holds positions while it is reached.
 enum class line_use : std::uint8_t { off, holds, limits, drives };
@@ -72,6 +77,7 @@ struct joint_view {
   joint_line* lines = nullptr;
   real* impulse = nullptr;
   const real* earlier = nullptr;  ///< those of the last step
+  const real* before = nullptr;   ///< velocities of the rows at its end
 };
 
 }  // namespace talus::detail

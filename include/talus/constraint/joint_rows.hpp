@@ -74,7 +74,7 @@ struct joint_rows {
     for (joint_line& x : lines) x.compliance /= part, x.least *= part, x.most *= part;
   }
   [[nodiscard]] joint_view view() {
-    return {a, b, rows, lines.data(), r.at.data(), earlier.at.data()};
+    return {a, b, rows, lines.data(), r.at.data(), earlier.at.data(), before.at.data()};
   }
 
   void prepare(const state& s, real split_a, real split_b) {

@@ -90,7 +90,7 @@ template <class Scenario>
           continue;
         squares[x.force == vec3(0, 0, 0) ? 1 : 0] += x.error * x.error;
       }
-      for (std::size_t k = 0; k < 2; ++k) most[k] = std::max(most[k], std::sqrt(squares[k]));
+      for (std::size_t k = 0; k < 2; ++k) most[k] = detail::larger(most[k], std::sqrt(squares[k]));
     }
   });
   w.link().reduce(reduction::max, most);

@@ -185,7 +185,7 @@ void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_e
     if (line.use == line_use::off || line.use == line_use::drives) continue;
     if (line.use == line_use::limits && line.error >= 0) continue;
     real& worst = line.force == vec3(0, 0, 0) ? angle : x.gap;
-    worst = std::max(worst, std::abs(line.error));
+    worst = larger(worst, std::abs(line.error));
   }
   x.part = std::max(angle, arm > 0 ? x.gap / arm : x.gap);
   return x;

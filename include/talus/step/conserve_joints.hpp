@@ -116,7 +116,7 @@ template <class Scenario>
           for (const moved_joint& j : joints.all) {
             const joint_geometry g = joints.geometry(j, joints.ends);
             joints.write(j, g);
-            worst = std::max(worst, joints.error(j));
+            worst = larger(worst, joints.error(j));
             for (const joint_line& x : joints.lines(j)) errors.push_back(x.error);
             joints.write(j, mean_of(joints.geometry(j, before), g));
           }
@@ -133,7 +133,7 @@ template <class Scenario>
                 joints.bodies.inverse_inertia(k) * (x.momentum - before.momentum)};
             joints.bodies.add(k, rest);
             x.velocity = before.velocity, x.momentum = before.momentum;
-            worst = std::max(worst, (dt / 2) * rest.w.norm());
+            worst = larger(worst, (dt / 2) * rest.w.norm());
           });
           for (const moved_joint& j : joints.all)
             for (std::size_t k = 0; k < joints.lines(j).size(); ++k) {
@@ -193,7 +193,7 @@ void fit_velocities(const world_state<Scenario>& s, moved_joints<Scenario>& join
                               x.moment_b.dot(b.spin);
             if (x.use != line_use::holds) x.use = line_use::off;
             x.target = -rate;
-            if (x.use != line_use::off) worst = std::max(worst, std::abs(rate) * s.dt);
+            if (x.use != line_use::off) worst = larger(worst, std::abs(rate) * s.dt);
           }
         }
         return worst;

@@ -232,9 +232,9 @@ class moved_joints {
       real worst = 0, open = 0, own = 0;
       for (const moved_joint& j : all) {
         write(j);
-        worst = std::max(worst, error(j));
-        open = std::max(open, opening_of(lines(j), arm_).part);
-        own = std::max(own, opening_of(lines(j), j.arm).part);
+        worst = larger(worst, error(j));
+        open = larger(open, opening_of(lines(j), arm_).part);
+        own = larger(own, opening_of(lines(j), j.arm).part);
       }
       if (k == 0) first = open;
       if (open < least) {
@@ -274,7 +274,7 @@ class moved_joints {
   [[nodiscard]] real largest_turn() const {
     real turn = 0;
     for (std::size_t i = 0; i < ends.size(); ++i)
-      turn = std::max(turn, bodies.motion(static_cast<std::int32_t>(i)).w.norm());
+      turn = larger(turn, bodies.motion(static_cast<std::int32_t>(i)).w.norm());
     return turn;
   }
   void solve(bool first) {
@@ -283,7 +283,7 @@ class moved_joints {
       plain_vector<joint_view> views;
       for (const moved_joint& j : all)
         views.push_back({j.a, j.b, j.solved.rows, lines_.data() + j.first,
-                         impulses_.data() + j.first, nullptr});
+                         impulses_.data() + j.first});
       system_.gather({views.data(), views.size()}, bodies);
     }
     system_.renew();

@@ -65,7 +65,8 @@ class passivity {
   /// After the solver, before the impulses are stored for the next step.
   void keep() {
     if (s_.settings.tolerance > 0) return;     // the remaining work is within it
-    if constexpr (state_type::drives) return;  // driven bodies may add unlimited energy
+    if constexpr (state_type::drives)
+      if (s_.driving.fastest > 0) return;  // driven bodies may add unlimited energy
     if constexpr (by_colours) {
       if (!presses(s_)) keep_everywhere();  // other steps are not collective
     } else {

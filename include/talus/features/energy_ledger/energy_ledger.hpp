@@ -30,11 +30,6 @@ struct energy_flows {
   [[nodiscard]] double net() const {
     return work + correction + scheme - friction - impact - damping - sleep;
   }
-  /// The sum of the absolute values.
-  [[nodiscard]] double turnover() const {
-    return std::abs(work) + std::abs(friction) + std::abs(impact) + std::abs(damping) +
-           std::abs(correction) + std::abs(scheme) + std::abs(sleep);
-  }
   energy_flows& operator+=(const energy_flows& x) {
     work += x.work, friction += x.friction, impact += x.impact;
     damping += x.damping, correction += x.correction, scheme += x.scheme;
@@ -72,6 +67,7 @@ struct energy_record {
   double changes = 0;  ///< of energy by the user, between the steps
   double closure = 0;  ///< the difference that the last step's entries leave
   double scale = 0;    ///< sum of the energies of the last step
+  double largest = 0;  ///< scale of all steps
   double worst = 0;    ///< largest |closure| over scale of all steps
   bool started = false;
   plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
@@ -79,7 +75,8 @@ struct energy_record {
   /// Of bodies that have come to rest, round-off alone is left: a small part of the energies
   /// before.
   void note_closure() {
-    const double least = 1e-12 * (std::abs(initial) + total.turnover());
+    largest = std::max(largest, scale);
+    const double least = 1e-12 * largest;
     if (scale > 0) worst = std::max(worst, std::abs(closure) / std::max(scale, least));
   }
 
@@ -89,6 +86,7 @@ struct energy_record {
     for (energy_flows* e : {&step, &total})
       visit.sums(e->work, e->friction, e->impact, e->damping, e->correction, e->scheme, e->sleep);
     visit.sums(initial, changes, closure, scale);
+    visit.largest(largest);
     visit.largest(worst);
     visit.largest(started);
   }

@@ -8,6 +8,7 @@
 #include "talus/constraint/joint_line.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/solver/direct/added_energy.hpp"
 #include "talus/solver/direct/articulated_rows.hpp"
 #include "talus/solver/direct/articulated_system.hpp"
 #include "talus/solver/direct/shared_loads.hpp"
@@ -34,11 +35,11 @@ class articulation : private articulated_rows {
   /// Changes the impulses of the joints, and the motions of the bodies, so that all rows hold.
   template <class Bodies>
   void solve(Bodies& all) {
-    bool bounded = false;
+    bool bounded = false, rebounds = false;
     each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
       start_[first[j] + k] = r;
       if (!x.bounded()) return;
-      bounded = true;
+      bounded = true, rebounds = rebounds || is_rebound(j, x);
       if (factorized_) return;
       const real w = mobility(j, x);
       const real alone =
@@ -47,17 +48,8 @@ class articulation : private articulated_rows {
       if (alone >= x.most) held_[first[j] + k] = bound::most;
     });
     note_motions(all), move_to_bounds(all);
-    constexpr int all_at_once = 8, rounds = 40, adding = 32;
-    for (int round = 0; round < rounds; ++round) {
-      refine(all);
-      const bool more =
-          (bounded && (round < adding ? change_bounds(all, round >= all_at_once) || meet_bound()
-                                      : hold_beyond_bounds())) ||
-          take_care();
-      if (!more) break;
-      start_again(all);
-    }
-    if (bounded) move_within_bounds(all);
+    find(all, bounded);
+    if (rebounds) damp_rebounds(all);
   }
   /// Rows that depend on each other share their loads.
   void share_loads() {
@@ -80,6 +72,14 @@ class articulation : private articulated_rows {
   [[nodiscard]] real compliance_of(std::size_t j, const joint_line& x) const {
     return care_ == care::yields ? x.compliance + softness * mobility(j, x) : x.compliance;
   }
+  /// A limit that is reached and has a coefficient of restitution. Where positions are solved there
+  /// is none.
+  [[nodiscard]] bool is_rebound(std::size_t j, const joint_line& x) const {
+    return x.use == line_use::limits && x.target > 0 && joints[j].before != nullptr;
+  }
+  [[nodiscard]] real target_of(std::size_t j, const joint_line& x) const {
+    return plastic_ && is_rebound(j, x) ? real(0) : x.target;
+  }
   void factorize() {
     system_.clear();
     set_bodies(system_, 1);
@@ -99,6 +99,50 @@ class articulation : private articulated_rows {
     return system_.of_joint(static_cast<std::int32_t>(j)) + k;
   }
 
+  template <class Bodies>
+  void find(Bodies& all, bool bounded) {
+    constexpr int all_at_once = 8, rounds = 40, adding = 32;
+    for (int round = 0; round < rounds; ++round) {
+      refine(all);
+      const bool more =
+          (bounded && (round < adding ? change_bounds(all, round >= all_at_once) || meet_bound()
+                                      : hold_beyond_bounds())) ||
+          take_care();
+      if (!more) break;
+      start_again(all);
+    }
+    if (bounded) move_within_bounds(all);
+  }
+  /// Of the solutions between that without rebounds and the present one, takes the last that adds
+  /// no energy. Rebounds with several coefficients add some, and those of bodies whose joints have
+  /// not held before.
+  template <class Bodies>
+  void damp_rebounds(Bodies& all) {
+    const auto full = added_energy::of(*this, all);
+    if (!full.any()) return;
+    plain_vector<real> impulses;
+    plain_vector<body_motion> motions;
+    each_row([&](std::size_t, std::size_t, const joint_line&, real& r) { impulses.push_back(r); });
+    for (const std::int32_t i : bodies) motions.push_back(all.motion(i));
+    plastic_ = true;
+    start_again(all), find(all, true);
+    plastic_ = false;
+    const auto move = [&](real part) {  // of the way from here to the solution with rebounds
+      std::size_t n = 0;
+      each_row([&](std::size_t, std::size_t, const joint_line&, real& r) {
+        r += part * (impulses[n++] - r);
+      });
+      for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const body_motion now = all.motion(bodies[i]), &to = motions[i];
+        all.set(bodies[i], {now.v + part * (to.v - now.v), now.w + part * (to.w - now.w)});
+      }
+    };
+    const auto none = added_energy::of(*this, all);
+    move(real(0.5));
+    const real part = passive_part(none, added_energy::of(*this, all), full);
+    move(2 * part - 1);
+  }
+
   /// Solves the rows that are at no bound, and repeats that with what is left of them. The
   /// residuals of rows that depend on others follow from these.
   template <class Bodies>
@@ -106,23 +150,26 @@ class articulation : private articulated_rows {
     constexpr int most = 8;
     real last = unbounded;
     for (int k = 0; k < most; ++k) {
-      real left = 0, scale = 0;
+      real left = 0, scale = 0, speed = 0;
       rest_.assign(system_.size(), 0), contradiction_ = 0;
       each_row([&](std::size_t j, std::size_t i, const joint_line& x, real& r) {
         if (held_[first[j] + i] != bound::none) return;
         const body_motion a = all.motion(joints[j].a), b = all.motion(joints[j].b);
         const real u = x.force.dot(a.v - b.v) + (x.moment_a.dot(a.w) - x.moment_b.dot(b.w));
-        const real e = x.target - u - compliance_of(j, x) * r;
+        const real e = target_of(j, x) - u - compliance_of(j, x) * r;
         rest_[row_of(j, i)] = residuals_[first[j] + i] = e;
         real& worst = depends(j, i) ? contradiction_ : left;
-        worst = std::max(worst, std::abs(e));
-        scale = std::max({scale, std::abs(x.target),
+        worst = larger(worst, std::abs(e));
+        // The target of a spring is far above the velocity that its force gives.
+        const real given = x.compliance > 0 ? 1 - x.compliance / mobility(j, x) : real(1);
+        speed = std::max({speed, given * std::abs(e + u),
                           x.force.norm() * (a.v.norm() + b.v.norm()) +
                               x.moment_a.norm() * a.w.norm() + x.moment_b.norm() * b.w.norm()});
-        if (factorized_) scale = std::max(scale, system_.left_of(row_of(j, i)) * std::abs(r));
+        if (factorized_) speed = std::max(speed, system_.left_of(row_of(j, i)) * std::abs(r));
+        scale = std::max({scale, speed, std::abs(x.target)});
       });
-      scale_ = scale, left_ = left;
-      if (k == 0) first_scale_ = scale;
+      scale_ = scale, speed_ = speed, left_ = left;
+      if (k == 0) first_speed_ = speed;
       const bool slow = k > 0 && !(left < real(0.5) * last);
       if (!(left > real(4e-16) * scale) || (k > 1 && slow && !stale_)) return;
       last = left;
@@ -154,7 +201,7 @@ class articulation : private articulated_rows {
         if (r < x.least) held = bound::least;
         if (r > x.most) held = bound::most;
       } else {
-        const real excess = rate(x, all, joints[j]) + compliance_of(j, x) * r - x.target;
+        const real excess = rate(x, all, joints[j]) + compliance_of(j, x) * r - target_of(j, x);
         const real small = 1e-12 * scale_;
         if (held == bound::least ? excess < -small : excess > small) held = bound::none;
       }
@@ -179,12 +226,12 @@ class articulation : private articulated_rows {
     constexpr real small = 1e-6, bearable = 1e-3, faster = 30, heavier = 1e4;
     const real worst = std::max(left_, contradiction_);
     if (care_ == care::none) {
-      const bool wrong = !(worst <= small * first_scale_ && scale_ <= faster * first_scale_);
-      if (!wrong && !(largest_change() > heavier * first_scale_)) return false;
+      const bool wrong = !(worst <= small * first_speed_ && speed_ <= faster * first_speed_);
+      if (!wrong && !(largest_change() > heavier * first_speed_)) return false;
       care_ = care::more, heavy_ = !wrong;
       return true;
     }
-    if (care_ != care::more || worst <= bearable * first_scale_) return false;
+    if (care_ != care::more || worst <= bearable * first_speed_) return false;
     care_ = heavy_ ? care::in_vain : care::yields;
     return true;
   }
@@ -193,14 +240,14 @@ class articulation : private articulated_rows {
     real most = 0;
     each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
       if (held_[first[j] + k] == bound::none)
-        most = std::max(most, std::abs(r - start_[first[j] + k]) * mobility(j, x));
+        most = larger(most, std::abs(r - start_[first[j] + k]) * mobility(j, x));
     });
     return most;
   }
   /// Where rows contradict each other, impulses that do not move the bodies grow until the first of
   /// them meets a bound: it stays there. Returns whether there is one.
   bool meet_bound() {
-    if (!(contradiction_ > 1e-6 * first_scale_)) return false;
+    if (!(contradiction_ > 1e-6 * first_speed_)) return false;
     rest_.assign(system_.size(), 0);
     each_row([&](std::size_t j, std::size_t k, const joint_line&, real&) {
       if (depends(j, k) && held_[first[j] + k] == bound::none)
@@ -276,10 +323,12 @@ class articulation : private articulated_rows {
   plain_vector<body_motion> before_;
   articulated_system system_;
   plain_vector<real> rest_;
-  real scale_ = 0, first_scale_ = 0;  ///< of velocities, at the end and at the start
+  real scale_ = 0;                    ///< of the terms of the rows, at the end
+  real speed_ = 0, first_speed_ = 0;  ///< of velocities, at the end and at the start
   real left_ = 0;                     ///< the largest residual of other rows
   real contradiction_ = 0;            ///< the largest residual of a row that depends on others
   bool factorized_ = false, stale_ = false, heavy_ = false;
+  bool plastic_ = false;  ///< rebounds are left out
   care care_ = care::none;
 };
 

@@ -40,7 +40,7 @@ class shared_loads {
       real sum = 0;
       for (std::size_t i = 0; i < rows_.bodies.size(); ++i)
         for (std::size_t k = from; k < from + 3; ++k)
-          sum = std::max(sum, std::abs(all[springs_.of_body(static_cast<std::int32_t>(i)) + k]));
+          sum = larger(sum, std::abs(all[springs_.of_body(static_cast<std::int32_t>(i)) + k]));
       return sum;
     };
     const real push = size_of(loads, 0), turn = size_of(loads, 3);

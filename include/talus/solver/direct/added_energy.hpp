@@ -1,0 +1,70 @@
+#pragma once
+// What the impulses of joints add to the kinetic energy, and how much of a rebound adds none.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "talus/body/jointed_body.hpp"
+#include "talus/constraint/joint_line.hpp"
+#include "talus/core/math.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/solver/direct/articulated_rows.hpp"
+
+namespace talus::detail {
+
+/// The work of the impulses of conditions and limits. They add energy only if both works are above
+/// 0: that on the mean of the velocities without and with them is at most 0 if no limit rebounds,
+/// but gravity and motors may do work against them; that on the mean of the velocities before and
+/// after the step is at most 0 if one limit rebounds and all other rows have held before.
+struct added_energy {
+  real of_step = 0, of_impulses = 0;
+  real size = 0;  ///< sum of the absolute values of the terms
+
+  [[nodiscard]] real least() const { return std::min(of_step, of_impulses); }
+  [[nodiscard]] bool any() const { return least() > real(4e-15) * size; }
+
+  /// Of rows with their present impulses, on bodies with their present motions.
+  template <class Bodies>
+  [[nodiscard]] static added_energy of(articulated_rows& rows, const Bodies& all) {
+    added_energy sum;
+    plain_vector<wrench> loads(rows.bodies.size());
+    rows.each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      if (x.use == line_use::drives) return;
+      const real before = rows.joints[j].before[k], now = rows.rate(x, all, rows.joints[j]);
+      sum.of_step += real(0.5) * r * (before + now), sum.of_impulses += r * now;
+      sum.size += std::abs(r) * (std::abs(before) + std::abs(now));
+      const auto load = [&](std::int32_t i, real p, const vec3& moment) {
+        if (i < 0) return;
+        wrench& of_body = loads[articulated_rows::at(i)];
+        of_body.impulse += p * x.force, of_body.moment += p * moment;
+      };
+      load(rows.ties[j].a, r, x.moment_a), load(rows.ties[j].b, -r, x.moment_b);
+    });
+    for (std::size_t i = 0; i < loads.size(); ++i)
+      sum.of_impulses -=
+          real(0.5) * (rows.inverse_mass[i] * loads[i].impulse.squaredNorm() +
+                       loads[i].moment.dot(rows.inverse_inertia[i] * loads[i].moment));
+    return sum;
+  }
+};
+
+/// The largest part of the way between two solutions that adds no energy: the first adds none, the
+/// second some. Both works are quadratic functions of the part.
+[[nodiscard]] inline real passive_part(const added_energy& none, const added_energy& half,
+                                       const added_energy& all) {
+  const auto at = [](real from, real middle, real to, real part) {
+    const real square = 2 * (from + to) - 4 * middle;
+    return from + part * (to - from - square + part * square);
+  };
+  real part = 0;
+  for (real step = real(0.5); step > real(1e-16); step *= real(0.5)) {
+    const real next = part + step;
+    if (at(none.of_step, half.of_step, all.of_step, next) <= 0 ||
+        at(none.of_impulses, half.of_impulses, all.of_impulses, next) <= 0)
+      part = next;
+  }
+  return part;
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,13 @@
+#pragma once
+// Spheres and boxes over planes, hard contacts, on ranks that are divided in any way.
+#include <talus/parallel/any_decomposition.hpp>
+#include <talus/parallel/threads.hpp>
+
+#include "shared.hpp"
+
+namespace scenes {
+using solids = talus::scenario<talus::bodies<talus::sphere, talus::box, talus::plane>,
+                               talus::transport<talus::threads>,
+                               talus::decomposition<talus::any_decomposition>>;
+}
+TALUS_SHARED_SOLIDS(scenes::solids);
