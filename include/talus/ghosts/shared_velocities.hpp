@@ -233,6 +233,11 @@ class shared_velocities {
     for (std::size_t k = 0; k < N; ++k)
       sums[k].read(std::span<const double, size>(digits.data() + k * size, size));
   }
+  /// One value of each body.
+  void share_values(plain_vector<real>& values) {
+    exchange<1, real>([&](std::uint32_t i, real* out) { out[0] = values[i]; },
+                      [&](std::uint32_t i, const real* in) { values[i] = in[0]; });
+  }
   void start_corrections() {
     start<of_correction, correction>(
         s_.velocity_messages, false,
