@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
