@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/ghosts/shared_joints.hpp"
