@@ -96,7 +96,7 @@ template <class Scenario>
 [[nodiscard, gnu::cold]] inline std::string output_name(std::string name) {
   for (const std::string_view end : {".series", vtk_extension})
     if (name.size() > end.size() && std::string_view(name).substr(name.size() - end.size()) == end)
-      name.resize(name.size() - end.size());
+      name.erase(name.size() - end.size());
   return name;
 }
 

@@ -69,6 +69,7 @@ template <class Scenario>
                                        : compose("body {}", system_id{id});
   };
   open_joint x{.step = all[0],
+               .kind = {},
                .bodies = compose("{} and {}", name(all[2]), name(all[3])),
                .part = most[0],
                .gap = gap};
