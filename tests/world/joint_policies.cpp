@@ -21,6 +21,7 @@
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
+#include <vector>
 
 using namespace talus;
 
@@ -358,5 +359,44 @@ TEST_CASE_TEMPLATE(
     const hanging carried = hang<scene>(ranks, true, [](auto&, auto&) {});
     hangs(carried);
     CHECK(carried.asleep_after == 0);
+  }
+}
+
+namespace {
+
+/// A row of spheres along x, each on a rank of its own if there are four, at rest. Before step
+/// `push` the first is pushed across the row. Returns the digest after each step.
+template <class Scenario>
+std::vector<std::string> pushed_row(int ranks, int push) {
+  std::vector<std::string> digests;
+  threads::launch({.ranks = ranks}, [&](threads::link& link) {
+    world<Scenario> w(
+        link, cells{.cells = {ranks, 1}, .lower = {.x = -4, .y = -4}, .upper = {.x = 4, .y = 4}});
+    w.sleeping({.speed = 0.02, .time = 0.1});
+    const auto stuff = w.material({.density = 1});
+    std::array<std::optional<handle<sphere>>, 4> row;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const vec3 at(2 * real(k) - 3, 0.4, 0);
+      row[k] = w.add_if_local(body{.shape = sphere{0.3}, .position = at, .material = stuff});
+      if (k > 0) (void)w.join(row[k - 1], row[k], ball_joint{.at = at - vec3(1, 0, 0)});
+    }
+    for (int k = 0; k < 100; ++k) {
+      if (k == push && row[0]) w[*row[0]].set_velocity({0, 0.06, 0});
+      w.step(2e-3);
+      const std::string digest = state_digest(w);
+      if (link.rank() == 0) digests.push_back(digest);
+    }
+  });
+  return digests;
+}
+
+}  // namespace
+
+TEST_CASE("a mechanism on several ranks falls asleep and wakes on all of them in one step") {
+  using scene = scenario<bodies<sphere>, joints<ball_joint, hinge>, transport<threads>,
+                         decomposition<cells>, features<sleeping>>;
+  for (const int push : {48, 49, 50, 51, 53, 60}) {
+    CAPTURE(push);
+    CHECK(pushed_row<scene>(4, push) == pushed_row<scene>(1, push));
   }
 }

@@ -8,7 +8,9 @@
 // one fast body is known everywhere after some steps, without a collective call; and as the value
 // grows alike on all ranks, an island is put to sleep on all of them in the same step. A woken body
 // takes over the value of the body that woke it: all go back to sleep together, and waking ends
-// even if an island is too large to notify in time.
+// even if an island is too large to notify in time. A joint must not hold a body that moves to one
+// that sleeps: the ranks of an island of joints take one minimum over the whole of it, and wake it
+// in one step (see features/sleeping/lowest_over_joints.hpp).
 //
 // With solver<reproducible> nothing may depend on the ranks. There the minimum of each whole
 // island, and the waking bodies, are found by exchanges between neighbours until no value changes
@@ -20,6 +22,7 @@
 
 #include "talus/core/disjoint_sets.hpp"
 #include "talus/features/energy_ledger/energy_ledger.hpp"
+#include "talus/features/sleeping/lowest_over_joints.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
 #include "talus/ghosts/shared_velocities.hpp"
@@ -109,7 +112,7 @@ template <class Scenario>
       wake_everywhere(s);
       return s.sleep.noted;
     }
-  wake_islands(s);
+  wake_islands(s, true);
   if constexpr (!world_state<Scenario>::link_type::alone) {
     const stage_clock clock(s.seconds.exchange);
     share_shadow_copies(s, false);
@@ -180,6 +183,11 @@ void join_islands(world_state<Scenario>& s) {
     float& all = island_timer[islands.root(k)];
     all = std::min(all, island_timer[k]);
   }
+  if constexpr (world_state<Scenario>::has_joints)
+    if (!s.by_colours())
+      take_lowest_over_joints(
+          s, false, [&](std::size_t, const joint_end& end) { return islands.root(end.number); },
+          island_timer);
   if constexpr (world_state<Scenario>::may_use_colours &&
                 !world_state<Scenario>::link_type::alone) {
     if (!s.by_colours()) return;

@@ -25,6 +25,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/features/sleeping/lowest_over_joints.hpp"
 #include "talus/features/sleeping/sleep_state.hpp"
 #include "talus/state/stage_clock.hpp"
 #include "talus/state/state.hpp"
@@ -249,12 +250,13 @@ template <class Scenario>
 
 /// Before shadow copies are shared: wakes the bodies owned here whose island something has
 /// disturbed: an approaching body, a contact partner that is awake, was disturbed or was removed,
-/// or the user.
+/// or the user. `over_joints`: also the rest of islands of joints, on other ranks; these take part.
 template <class Scenario>
-void wake_islands(world_state<Scenario>& s) {
+void wake_islands(world_state<Scenario>& s, bool over_joints = false) {
   auto& sleep = s.sleep;
   const bool everywhere = s.by_colours();  // all ranks take part together
-  if (!everywhere && !wakes_pend(s)) return;
+  over_joints = over_joints && world_state<Scenario>::has_joints && !sleep.asleep.empty();
+  if (!everywhere && !over_joints && !wakes_pend(s)) return;
   const bool all = std::exchange(sleep.all, false);
   sleep.spreads = false;
   constexpr float never_rests = std::numeric_limits<float>::infinity();
@@ -296,6 +298,14 @@ void wake_islands(world_state<Scenario>& s) {
     }
   };
   spread();
+  if constexpr (world_state<Scenario>::has_joints)
+    if (over_joints)
+      take_lowest_over_joints(
+          s, true,
+          [&](std::size_t k, const joint_end&) {
+            return islands.root(known.find(s.joints.ids().members[k].id));
+          },
+          wakes);
   if constexpr (world_state<Scenario>::may_use_colours &&
                 !world_state<Scenario>::link_type::alone) {
     const auto give = [&] {  // to all of each island
