@@ -19,9 +19,9 @@ using namespace talus;
 namespace {
 
 using cuts = grid<dynamic, dynamic, dynamic>;
-template <class Solver, class Number = double>
+template <class Solver, class Number = double, class... Features>
 using scene = scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
-                       solver<Solver>, precision<Number>, features<energy_ledger>,
+                       solver<Solver>, precision<Number>, features<energy_ledger, Features...>,
                        transport<threads>, decomposition<grid<dynamic, dynamic, dynamic>>>;
 
 struct outcome {
@@ -131,6 +131,11 @@ TEST_CASE("contacts add no energy in any step where they are solved in float") {
 
 TEST_CASE("contacts add no energy in any step on three ranks, with the reproducible solver") {
   check_all<scene<reproducible>>(3, 1e-13);
+}
+
+TEST_CASE(
+    "contacts add no energy with the reproducible solver where bodies may be driven, but none is") {
+  check_all<scene<reproducible, double, driven>>(3, 1e-13);
 }
 
 TEST_CASE("a touching row keeps the velocities that an impact has left it with") {

@@ -12,9 +12,9 @@ namespace talus::detail {
 /// only.
 template <class Scenario>
 [[nodiscard]] bool presses(const world_state<Scenario>& s) {
-  constexpr bool forced =
-      world_state<Scenario>::drives || contains_type<typename Scenario::features, forces>;
-  return forced || s.gravity != vec3(0, 0, 0);
+  if constexpr (world_state<Scenario>::drives)
+    if (!s.driving.all.empty()) return true;
+  return contains_type<typename Scenario::features, forces> || s.gravity != vec3(0, 0, 0);
 }
 
 // Always inlined: each is a line or two of the loops that call it.
