@@ -76,6 +76,7 @@ class mechanism_on_rank {
         if (m_.events[n].step == k && m_.has_event(static_cast<int>(n))) act(m_.events[n]);
       w_.step(m_.dt);
       count_contacts();
+      check_ledger();
       if (w_.ranks() == 1 || k % 8 == 7 || k + 1 == m_.steps) look(k);
       if (how_.trace) end_.digests.push_back(state_digest(w_));
     }
@@ -85,7 +86,6 @@ class mechanism_on_rank {
     }
     (void)w_.audit();
     end_.digest = state_digest(w_);
-    end_.worst_closure = std::max(end_.worst_closure, real(measure_energy(w_).worst));
     read_joints();
     read_bodies();
     sum_up();
@@ -411,6 +411,15 @@ class mechanism_on_rank {
       });
     });
   }
+  /// What the ledger of the last step leaves, over the energy of all ranks: motion that is
+  /// round-off alone, of all of them or of the bodies of one, closes to no part of its own energy.
+  void check_ledger() {
+    const energy_balance e = measure_energy(w_);
+    end_.energy = std::max<real>(end_.energy, e.scale);
+    if (const real least = real(1e-12) * end_.energy; e.scale > 0)
+      end_.worst_closure =
+          std::max<real>(end_.worst_closure, std::abs(e.closure) / std::max<real>(e.scale, least));
+  }
   void look(int k) {
     real fastest = 0;
     w_.for_each_local([&](const auto& b) {
@@ -427,7 +436,6 @@ class mechanism_on_rank {
     // gravity, motors and springs may do work against the other impulses of the step.
     const real taken = e.step.friction + e.step.impact;
     const real gain = std::min<real>({-taken, e.step.scheme - taken, added_to_free_motion()});
-    end_.energy = std::max<real>(end_.energy, e.scale);
     if (gain > end_.gain * end_.energy) end_.gain = gain / end_.energy, end_.step_of_gain = k;
     const joint_errors open = measure_joints(w_);
     if (open.gap > end_.gap) end_.gap = open.gap, end_.step_of_gap = k;
