@@ -76,9 +76,10 @@ template <class Scenario>
       const bool own_a = a.own && movable_a, own_b = b.own && movable_b;
       if (!(own_a || own_b) || !a.known || !b.known) continue;
       count += own_a || !movable_a;
-      const detail::joint_geometry g =
-          detail::geometry_of(r.anchors.frames, {a.position, a.orientation},
-                              {detail::seen_from(s, a.position, b.position), b.orientation});
+      const pose at_a{a.position, a.orientation};
+      const detail::joint_geometry g = detail::geometry_of(
+          r.anchors.frames, at_a,
+          {detail::seen_from(s, r.anchors.frames, at_a, b.position), b.orientation});
       std::array<detail::joint_line, static_cast<std::size_t>(kind::rows)> lines{};
       detail::joint_coordinates coordinates = r.coordinates;
       const detail::jointed_body still{};

@@ -157,10 +157,10 @@ struct joint_partner {
   plain_vector<std::uint32_t> received;  ///< or ignored: what never moves and is known here
 };
 
-template <class Kinds, template <class> class ListOf>
+template <class Kinds, template <class> class ListOf, bool Periodic>
 class joint_table;
-template <class... Kinds, template <class> class ListOf>
-class joint_table<type_list<Kinds...>, ListOf> {
+template <class... Kinds, template <class> class ListOf, bool Periodic>
+class joint_table<type_list<Kinds...>, ListOf, Periodic> {
  public:
   std::uint64_t made = 0;      ///< calls of join so far; alike on all ranks
   std::size_t wall = no_wall;  ///< what global bodies are in the solver's arrays, if joints need it
@@ -214,7 +214,11 @@ class joint_table<type_list<Kinds...>, ListOf> {
       using kind = typename std::remove_cvref_t<decltype(of_kind)>::kind;
       for (const auto& r : of_kind.records) {
         // A body reaches its partner alone, whatever is known of the partner's reach.
-        const real reach = slack * distance_of<kind>(r.anchors, r.coordinates);
+        // All ranks know the frame of the world. In periodic space the body must be so near to the
+        // point there that it has one nearest image.
+        real way = distance_of<kind>(r.anchors, r.coordinates);
+        if (r.key.a == id_of_world) way = Periodic ? way - r.anchors.frames.on_a.norm() : 0;
+        const real reach = slack * way;
         ids_.members.push_back({r.key.a, reach}), ids_.members.push_back({r.key.b, reach});
         const bool in_order = value_of(r.key.a) < value_of(r.key.b);
         ids_.pairs.push_back({in_order ? r.key.a : r.key.b, in_order ? r.key.b : r.key.a});

@@ -165,14 +165,23 @@ void find_holders(Record& r, const joint_end& a, const joint_end& b) {
     if (r.acts && x->known && !x->own && !x->global && !x->movable()) r.follower = x->owner;
 }
 
+/// The nearest image of the second body of a joint, seen from the point of the joint on the first:
+/// the origin of the frame of the world may be anywhere in a periodic box.
+template <class State>
+[[nodiscard]] vec3 seen_from(const State& s, const joint_frames& of, const pose& a, const vec3& b) {
+  if constexpr (State::periodic)
+    return seen_from(s, a.position + rotated(a.orientation, of.on_a), b);
+  return (void)s, (void)of, (void)a, b;
+}
+
 /// Writes the rows of a joint of the bodies a and b.
 template <class Scenario, class Row, class Record>
 void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_end& a,
                 const joint_end& b) {
   c.a = a.number, c.b = b.number;
   const joint_moment when{s.dt, world_state<Scenario>::midpoint, world_state<Scenario>::midpoint};
-  c.place(r.anchors, body_of(a), body_of(b, seen_from(s, a.position, b.position)), when,
-          r.coordinates);
+  const vec3 at_b = seen_from(s, r.anchors.frames, {a.position, a.orientation}, b.position);
+  c.place(r.anchors, body_of(a), body_of(b, at_b), when, r.coordinates);
   c.set(r.impulse), c.earlier = r.impulse;
 }
 

@@ -132,17 +132,6 @@ using response_state =
                          solved_scalar<Scenario>,
                          contains_type<typename Scenario::features, driven>>::type;
 
-/// The joints that this rank holds; nothing if the scenario names none.
-template <class Scenario, class Kinds = typename Scenario::joints>
-struct joint_state {
-  template <class Kind>
-  using list_of_kind = typename lists_for<solvers_of<Scenario>>::template list<
-      joint_in_list<joint_rows<Kind, solver_state_of<solved_scalar<Scenario>>>>>;
-  joint_table<Kinds, list_of_kind> joints;
-};
-template <class Scenario>
-struct joint_state<Scenario, type_list<>> {};
-
 /// The link of a transport; of a refused one, a type that causes no further errors.
 struct no_link {
   static constexpr bool alone = true;
@@ -201,6 +190,17 @@ struct state_traits {
   static constexpr bool periodic = domain_type::periodic;
   using copy_code = detail::copy_code<periodic>;
 };
+
+/// The joints that this rank holds; nothing if the scenario names none.
+template <class Scenario, class Kinds = typename Scenario::joints>
+struct joint_state {
+  template <class Kind>
+  using list_of_kind = typename lists_for<solvers_of<Scenario>>::template list<
+      joint_in_list<joint_rows<Kind, solver_state_of<solved_scalar<Scenario>>>>>;
+  joint_table<Kinds, list_of_kind, state_traits<Scenario>::periodic> joints;
+};
+template <class Scenario>
+struct joint_state<Scenario, type_list<>> {};
 
 /// The loads, and the course of time.
 struct step_conditions {

@@ -187,8 +187,9 @@ class moved_joints {
   [[nodiscard]] joint_geometry geometry(const moved_joint& j,
                                         const plain_vector<joint_end>& at) const {
     const joint_end &a = at[index(j.a)], &b = at[index(j.b)];
-    return geometry_of(*j.frames, {a.position, a.orientation},
-                       {seen_from(s_, a.position, b.position), b.orientation});
+    const pose at_a{a.position, a.orientation};
+    return geometry_of(*j.frames, at_a,
+                       {seen_from(s_, *j.frames, at_a, b.position), b.orientation});
   }
   /// Writes the rows of a joint there.
   void write(const moved_joint& j, const joint_geometry& g) {
@@ -282,8 +283,8 @@ class moved_joints {
     if (first) {
       plain_vector<joint_view> views;
       for (const moved_joint& j : all)
-        views.push_back({j.a, j.b, j.solved.rows, lines_.data() + j.first,
-                         impulses_.data() + j.first});
+        views.push_back(
+            {j.a, j.b, j.solved.rows, lines_.data() + j.first, impulses_.data() + j.first});
       system_.gather({views.data(), views.size()}, bodies);
     }
     system_.renew();

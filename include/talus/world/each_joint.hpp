@@ -57,7 +57,7 @@ void for_each_joint(world<Scenario>& w, F&& f) {
         const seen a = look(r.key.a);
         seen b = look(r.key.b);
         if (!a.known || !b.known || !(a.moves ? a.own : b.own)) continue;
-        b.at.position = detail::seen_from(s, a.at.position, b.at.position);
+        b.at.position = detail::seen_from(s, r.anchors.frames, a.at, b.at.position);
         const auto g = detail::geometry_of(r.anchors.frames, a.at, b.at);
         joint_in_world x{.name = kind::name, .kind = kind_number, .number = r.key.number};
         if (r.key.a != detail::id_of_world) x.a = r.key.a;

@@ -142,9 +142,11 @@ joint_handle<Scenario, Kind> world<Scenario>::join(const A& a, const B& b, const
       detail::joint_record<Kind> record{};
       record.key = key;
       record.acts = (owns_a && first.movable) || (owns_b && second.movable);
-      // The second body is seen as the image next to the first one.
+      // The second body is seen as the image next to the first one, but at its own place from the
+      // frame of the world.
       pose at_b = second.at;
-      at_b.position = detail::seen_from(state_, first.at.position, at_b.position);
+      if (first.id != detail::id_of_world)
+        at_b.position = detail::seen_from(state_, first.at.position, at_b.position);
       record.anchors = how.fix(first.at, at_b);
       of_kind.add(record);
       state_.joints.changed();
