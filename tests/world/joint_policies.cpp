@@ -9,6 +9,7 @@
 #include <string>
 #include <talus/body/motion.hpp>
 #include <talus/constraint/ball_joint.hpp>
+#include <talus/constraint/cylindrical_joint.hpp>
 #include <talus/constraint/hinge.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/joints.hpp>
@@ -449,6 +450,10 @@ TEST_CASE("a body has no further copies for a joint with the world") {
     CHECK(joints == 1);
     CHECK(copies == 0);
   });
+}
+
+TEST_CASE("bodies part by the travel of a cylindrical joint, not by its turns") {
+  CHECK(detail::distance_of<cylindrical_joint>({}, {100, 0.5}) == 0.5);
 }
 
 TEST_CASE("a joint with the world holds near the corner of a periodic box and across its faces") {

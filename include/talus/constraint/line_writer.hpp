@@ -20,12 +20,15 @@ using joint_coordinates = std::array<real, 2>;
 
 /// The largest distance of the centres of mass of two joined bodies, without position errors.
 /// `Kind::room(anchors)` is how far the points of a joint may part; if it `roams` they part by its
-/// coordinates.
+/// coordinates, of which the first of two may be an angle.
 template <class Kind>
 [[nodiscard]] real distance_of(const typename Kind::anchors& x, const joint_coordinates& at) {
   real sum = x.frames.on_a.norm() + x.frames.on_b.norm();
   if constexpr (requires { Kind::room(x); }) sum += Kind::room(x);
-  if constexpr (requires { Kind::roams; }) sum += std::abs(at[0]) + std::abs(at[1]);
+  if constexpr (requires { Kind::roams; }) {
+    sum += std::abs(at[1]);
+    if constexpr (!requires { Kind::has_angle; }) sum += std::abs(at[0]);
+  }
   return sum;
 }
 
