@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <type_traits>
 
 #include "talus/constraint/contact_work.hpp"
 #include "talus/constraint/impulse_scale.hpp"
+#include "talus/core/disjoint_sets.hpp"
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/detect/time_of_impact.hpp"
@@ -64,7 +66,7 @@ class passivity {
 
   /// After the solver, before the impulses are stored for the next step.
   void keep() {
-    if (s_.settings.tolerance > 0) return;     // the remaining work is within it
+    if (s_.settings.tolerance > 0) return;  // the remaining work is within it
     if constexpr (state_type::drives)
       if (s_.driving.moves) return;  // driven bodies may add unlimited energy
     if constexpr (by_colours) {
@@ -441,16 +443,60 @@ class passivity {
     return real(solver_.bodies[k].inverse_inertia) * twist;
   }
 
-  /// If nothing may depend on the ranks: one factor for all contacts, from exact sums.
+  /// Whether the island of a body has an acting contact, on however many ranks it lies. (The
+  /// solution of joints is exact: their impulses alone are left as they are.) Ranks propagate this
+  /// through their copies until none changes.
+  void find_touched() {
+    touched_.assign(solver_.bodies.size(), real(!Ranks::solves_joints));
+    if constexpr (Ranks::solves_joints) {
+      disjoint_sets islands(touched_.size());
+      each_list([&](const auto& list) {
+        list.each([&](const auto& c, bool) {
+          using constraint = std::remove_cvref_t<decltype(c)>;
+          if (!acts(c)) return;
+          if (!is_joint<constraint>) touched_[mover_of(c)] = 1;
+          if constexpr (constraint::paired)
+            if (moves(c.a) && moves(c.b)) islands.join(c.a, c.b);
+        });
+      });
+      for (double more = 1; more > 0;) {
+        plain_vector<real> of_island(touched_.size(), 0);
+        for (std::size_t k = 0; k < touched_.size(); ++k)
+          of_island[islands.root(k)] = std::max(of_island[islands.root(k)], touched_[k]);
+        for (std::size_t k = 0; k < touched_.size(); ++k) touched_[k] = of_island[islands.root(k)];
+        more = 0;
+        if constexpr (!alone) {
+          const plain_vector<real> before = touched_;
+          ranks_.share_values(touched_);
+          for (std::size_t k = 0; k < touched_.size(); ++k) {
+            if (touched_[k] > before[k]) more = 1;
+            touched_[k] = std::max(touched_[k], before[k]);
+          }
+          s_.link->reduce(reduction::max, std::span(&more, 1));
+        }
+      }
+    }
+  }
+  template <class Constraint>
+  [[nodiscard]] std::size_t mover_of(const Constraint& c) const {
+    if constexpr (Constraint::paired) return static_cast<std::size_t>(moves(c.a) ? c.a : c.b);
+    return static_cast<std::size_t>(c.a);
+  }
+
+  /// If nothing may depend on the ranks: one factor for all impulses of islands with contacts, from
+  /// exact sums.
   void keep_everywhere() {
+    find_touched();
     std::array<exact_sum, 5> sums;  // of positive and of negative terms
     const auto add = [&](std::size_t at, real x) { sums[x < 0 ? at + 1 : at] += std::abs(x); };
-    each_body([&](const impulse_work& w, std::size_t) {
+    each_body([&](const impulse_work& w, std::size_t k) {
+      if (touched_[k] == 0) return;
       add(0, w.work), add(2, w.slope);
       sums[4] += w.square;
     });
     if (walls_) subtract_walls([&](real power, std::size_t) { add(0, -power), add(2, -power); });
     each_joint([&](const auto& c) {
+      if (touched_[mover_of(c)] == 0) return;
       const real work = c.driven_work(solver_);
       add(0, -work), add(2, -work);
     });
@@ -463,12 +509,14 @@ class passivity {
     const real d = all.excess();
     if (d == 0) return;
     each_list([&](auto& list) {
-      list.edit_all([&](auto& c) { c.set(static_cast<number>(1 - d) * c.impulse_in_frame()); });
+      list.edit_all([&](auto& c) {
+        if (touched_[mover_of(c)] != 0) c.set(static_cast<number>(1 - d) * c.impulse_in_frame());
+      });
     });
     s_.each_finite_shape([&](const auto& b) {
       for (std::size_t i = 0; i < b.movable.locals; ++i) {
         const std::size_t k = b.first + i;
-        if (solver_.bodies[k].inverse_mass == 0) continue;
+        if (solver_.bodies[k].inverse_mass == 0 || touched_[k] == 0) continue;
         const vec3 v = free_velocity(s_, b.movable, i), w = free_spin(s_, b.movable, i, k);
         solver_.bodies[k].v = in_scalar<number>(vec3(v + (1 - d) * (v_of(solver_.bodies[k]) - v)));
         solver_.bodies[k].w = in_scalar<number>(vec3(w + (1 - d) * (w_of(solver_.bodies[k]) - w)));
@@ -479,9 +527,10 @@ class passivity {
   state_type& s_;
   Ranks& ranks_;
   solver_state_of<number>& solver_;
-  bool walls_ = false;     ///< a body that contacts cannot move has a velocity
-  bool boundary_ = false;  ///< there are boundary contacts
-  bool found_ = false;     ///< an island adds energy
+  plain_vector<real> touched_;  ///< 1 or 0, of each body; see find_touched()
+  bool walls_ = false;          ///< a body that contacts cannot move has a velocity
+  bool boundary_ = false;       ///< there are boundary contacts
+  bool found_ = false;          ///< an island adds energy
 };
 
 }  // namespace talus::detail
