@@ -1,5 +1,4 @@
 // The answers of docs/how_do_i.md, compiled and run: each does what the page says.
-// plain
 // timeout: 300
 #include <unistd.h>
 

@@ -1,6 +1,5 @@
 // Bodies whose centres coincide exactly, of all shapes: no direction is better than another, but
 // they separate slowly, and end without overlap.
-// plain
 #include <doctest/doctest.h>
 
 #include <talus/shape/capsule.hpp>

@@ -1,5 +1,4 @@
 // The faces of a shape in pictures enclose it, and point outwards.
-// plain
 #include <doctest/doctest.h>
 
 #include <map>

@@ -1,4 +1,3 @@
-// plain
 // Bodies with continuous collision, with substeps and moving walls: no tunnelling, and impacts with
 // the velocities of the law of impact.
 #include <doctest/doctest.h>

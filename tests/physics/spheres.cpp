@@ -1,5 +1,4 @@
 // Spheres on planes and against each other. The closed forms are in tests/validation/spheres.cpp.
-// plain
 #include <doctest/doctest.h>
 
 #include <cmath>

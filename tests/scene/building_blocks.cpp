@@ -1,5 +1,4 @@
 // Inflow, outflow, sizes, packings from files, and force fields.
-// plain
 #include <doctest/doctest.h>
 #include <unistd.h>
 

@@ -1,6 +1,5 @@
 // Runs that end early: exceptions without text, exit() in a callback, ranks that do not return,
 // more ranks than possible.
-// plain
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,6 +1,5 @@
 // The output of run() for the first runs of a new user: on standard error, and in the summary. The
 // table in docs/messages.md has all messages.
-// plain
 #include <doctest/doctest.h>
 #include <unistd.h>
 

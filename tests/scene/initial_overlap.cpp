@@ -1,6 +1,5 @@
 // Messages of run() about bodies that start inside each other: of thin ones too, once, and by the
 // place where they were put.
-// plain
 #include <doctest/doctest.h>
 
 #include <mutex>

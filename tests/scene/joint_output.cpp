@@ -1,5 +1,4 @@
 // Joints in the output for ParaView and in pictures: each once, with its force, on any ranks.
-// plain
 #include <doctest/doctest.h>
 #include <unistd.h>
 

@@ -1,6 +1,5 @@
 // The output of --output is the state, complete and each body once, on any number of ranks, and a
 // series continues with a restarted run.
-// plain
 #include <doctest/doctest.h>
 #include <fcntl.h>
 #include <sched.h>

@@ -1,6 +1,5 @@
 // Runs that end by themselves: at rest, when an observable is steady, at a time limit; dry runs,
 // logs and configurations. On one, two and four ranks, as threads.
-// plain
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 #include <unistd.h>

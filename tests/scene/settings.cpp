@@ -1,6 +1,5 @@
 // Options from files and from --set: precedence, refusals with file and line, and what a run writes
 // about its options.
-// plain
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 #include <unistd.h>

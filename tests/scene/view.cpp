@@ -1,6 +1,5 @@
 // The page of --view holds the state: positions to the error that it states, the same on any number
 // of ranks; and what cannot be written or shown gets a message.
-// plain
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,5 +1,4 @@
 // Tutorial: small bodies, large bodies and global bodies.
-// plain
 #include <doctest/doctest.h>
 
 #include <atomic>

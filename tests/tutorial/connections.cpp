@@ -1,5 +1,4 @@
 // Tutorial: connections made by hand, and those that decompositions make.
-// plain
 #include <doctest/doctest.h>
 
 #include <cmath>

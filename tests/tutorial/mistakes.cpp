@@ -1,5 +1,4 @@
 // Tutorial: the most common mistakes, and the message for each, to the letter.
-// plain
 #include <doctest/doctest.h>
 
 #include <stdexcept>

@@ -1,5 +1,4 @@
 // Tutorial: code for one rank, and bodies for all.
-// plain
 #include <doctest/doctest.h>
 
 #include <talus/talus.hpp>

@@ -1,5 +1,4 @@
 // Ranks that compute the same contact find the same impulse: otherwise momentum would be lost.
-// plain
 #include <doctest/doctest.h>
 
 #include <array>

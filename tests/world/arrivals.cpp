@@ -1,5 +1,4 @@
 // Bodies that arrive on a rank one by one, while little else happens that would hide an error.
-// plain
 #include <doctest/doctest.h>
 
 #include <map>

@@ -1,5 +1,4 @@
 // Adding, changing, finding and destroying bodies, and the messages for wrong input.
-// plain
 #include <doctest/doctest.h>
 
 #include <limits>

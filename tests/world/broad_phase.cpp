@@ -1,5 +1,4 @@
 // A world has the same results with every broad phase.
-// plain
 #include <doctest/doctest.h>
 
 #include <string>

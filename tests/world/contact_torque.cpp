@@ -1,6 +1,5 @@
 // The torque of contacts on a body: against statics, against the change of angular momentum, and
 // the same on any ranks, across periodic sides too.
-// plain
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,6 +1,5 @@
 // Worlds on every kind of domain: bodies cross its faces and are conserved, and crossing a closed
 // face ends the run.
-// plain
 #include <doctest/doctest.h>
 
 #include <talus/observe/motion.hpp>

@@ -1,5 +1,4 @@
 // features<driven>: global bodies follow their motion exactly, and contacts use their velocity.
-// plain
 #include <doctest/doctest.h>
 
 #include <cmath>

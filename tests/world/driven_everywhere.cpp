@@ -1,6 +1,5 @@
 // Driven bodies on any ranks and over a restart, with sleeping, and of all shapes.
 // long
-// plain
 // timeout: 900
 #include <doctest/doctest.h>
 #include <unistd.h>

@@ -1,7 +1,6 @@
 // Driven bodies with all solvers and both kinds of contacts: nothing passes a wall, and the energy
 // ledger closes.
 // long
-// plain
 // timeout: 900
 #include <doctest/doctest.h>
 

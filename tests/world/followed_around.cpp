@@ -1,4 +1,3 @@
-// plain
 // timeout: 300
 // Periodic space with sleeping islands and continuous collision: a body that strikes across a side
 // wakes the island, nothing passes through anything, and momentum is conserved.

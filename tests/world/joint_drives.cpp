@@ -1,5 +1,4 @@
 // Motors, limits, springs and friction of joints.
-// plain
 // timeout: 300
 #include <doctest/doctest.h>
 

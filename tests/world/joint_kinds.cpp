@@ -1,5 +1,4 @@
 // Joints of all kinds in a world: closed forms of statics and of motion, and what is refused.
-// plain
 // timeout: 300
 #include <doctest/doctest.h>
 

@@ -1,6 +1,5 @@
 // Chains, joints that are redundant or contradict each other, and mechanisms of the IFToMM library
 // of benchmark problems.
-// plain
 // timeout: 300
 #include <doctest/doctest.h>
 

@@ -1,5 +1,4 @@
 // Bodies larger than a domain: gaps in the coverage by connections are reported, nothing is lost.
-// plain
 #include <doctest/doctest.h>
 
 #include <talus/parallel/grid.hpp>

@@ -1,6 +1,5 @@
 // Walls of triangles in a world: bodies slide and roll over them as over a plane, bodies that fall
 // into them stay inside, on one rank and on four.
-// plain
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,6 +1,5 @@
 // Bodies are neither lost nor duplicated: faults of a transport, of ownership and of copies are
 // injected, and each ends the run with the id of the body in the step in which it happened.
-// plain
 #include <doctest/doctest.h>
 
 #include <functional>

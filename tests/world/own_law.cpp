@@ -1,6 +1,5 @@
 // A user-defined law in a scenario: the liquid bridges of examples/own_law act beyond touch, over
 // ranks and sides of a periodic box, on driven bodies, and in the energy ledger.
-// plain
 #include <doctest/doctest.h>
 
 #include <array>

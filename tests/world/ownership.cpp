@@ -1,5 +1,4 @@
 // Ownership over ranks: ids, shadow copies, migration, and changes between steps.
-// plain
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,6 +1,5 @@
 // The laws of contacts of a pair, for any shapes and on any number of ranks: act on both bodies,
 // and be found.
-// plain
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,5 +1,4 @@
 // Rules of a periodic box besides the motion: reports, counts and refusals.
-// plain
 #include <doctest/doctest.h>
 
 #include <algorithm>

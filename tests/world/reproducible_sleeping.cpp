@@ -1,4 +1,3 @@
-// plain
 // timeout: 300
 // Sleeping and waking islands, and continuous collision: the same bits on any number of ranks, for
 // any decomposition.

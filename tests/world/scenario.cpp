@@ -1,4 +1,3 @@
-// plain
 #include "talus/scenario/scenario.hpp"
 
 #include <doctest/doctest.h>

@@ -1,5 +1,4 @@
 // Exclusive and global sections, and calls that are forbidden in them.
-// plain
 #include <doctest/doctest.h>
 
 #include <stdexcept>

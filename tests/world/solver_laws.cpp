@@ -1,5 +1,4 @@
 // The laws of every contact solver. The residual measures the quality of a solution.
-// plain
 #include <doctest/doctest.h>
 
 #include <map>

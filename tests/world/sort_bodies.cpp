@@ -1,5 +1,4 @@
 // Bodies are sorted in memory by their positions in space.
-// plain
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,3 @@
-// plain
 // The residual of soft contacts: the ratio of unbalanced force.
 #include <doctest/doctest.h>
 

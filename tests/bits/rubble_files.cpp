@@ -1,0 +1,2 @@
+#define RUBBLE_FILES
+#include "rubble.hpp"

@@ -1,0 +1,2 @@
+#define RUBBLE_STEPS
+#include "rubble.hpp"
