@@ -20,8 +20,8 @@ namespace talus::detail {
 
 /// Replaces values[root] of each island of this rank by the lowest value of all islands on other
 /// ranks that joints connect with it. Joints connect two movable bodies if both are asleep, or if
-/// both are awake. `root_of(body)` is the island of a body, given as joint_table::ids() numbers
-/// it. The ranks of such islands call this at the same time; no call is collective.
+/// both are awake. `root_of(number, end)` is the island of a body, which joint_table::ids()
+/// numbers. The ranks of such islands call this at the same time; no call is collective.
 template <class Scenario, class RootOf>
 void take_lowest_over_joints(world_state<Scenario>& s, bool asleep, RootOf&& root_of,
                              plain_vector<float>& values) {
