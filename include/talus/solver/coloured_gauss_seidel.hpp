@@ -49,6 +49,7 @@ struct coloured_gauss_seidel final {
       if constexpr (!alone)
         if (watch.due(k)) ranks.share_velocities();
       if (watch.reached(k)) break;
+      s.stage = detail::stage_of(k, settings.iterations);
       for (std::uint32_t c = 0; c < colours; ++c) {
         if constexpr (!alone) ranks.start_velocities(c);
         detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });
@@ -59,6 +60,7 @@ struct coloured_gauss_seidel final {
       joints.solve(s);
       watch.poll();
     }
+    s.stage = detail::impact_stage::none;
     joints.share_loads();
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 

@@ -114,7 +114,14 @@ void gather_velocities(world_state<Scenario>& s) {
 template <class Solver, class Scenario>
 void solve_contacts(world_state<Scenario>& s) {
   constexpr bool coloured = solves_by_colours<Solver>;
-  if constexpr (coloured) colour_contacts(s);
+  if constexpr (coloured) {
+    colour_contacts(s);
+    if constexpr (world_state<Scenario>::law::restitution && !world_state<Scenario>::drives)
+      if (s.solver.impacts) {
+        auto&& lists = solver_lists<true>(s);
+        each_of(lists, [&](auto& list) { list.limit_rebounds(s.solver); });
+      }
+  }
   if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
   constexpr bool alone = world_state<Scenario>::link_type::alone;
   if constexpr (coloured && !alone) foreign_contacts<Scenario>(s).share();
@@ -129,6 +136,7 @@ void solve_contacts(world_state<Scenario>& s) {
         joints(s.solver, ranks);
     joints.solve(s.solver), joints.share_loads();
   }
+  if constexpr (world_state<Scenario>::law::restitution) end_impacts(lists, s.solver);
   if constexpr (coloured && !alone) drop_foreign_bodies(s);
   passivity(s, ranks).keep();
 }
