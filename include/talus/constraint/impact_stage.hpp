@@ -1,5 +1,6 @@
 #pragma once
 // The order in which the sweeps of a step treat impacts.
+#include <limits>
 namespace talus::detail {
 
 /// What a sweep does with impacts before it solves a contact. After the first sweep, contacts with a
@@ -9,15 +10,30 @@ namespace talus::detail {
 /// rebounded add what the limit needs, and take nothing back.
 enum class impact_stage : char { none, release, strike };
 
-/// The first of `count` sweeps that strikes.
-[[nodiscard]] inline int first_strike(int count) {
-  return count < 3 ? count : count - (3 * count + 5) / 10;
-}
+/// Which sweeps of a step release and strike. With a tolerance, strikes begin when the solution
+/// before them is reached.
+class impact_schedule {
+ public:
+  impact_schedule(int sweeps, bool by_tolerance, bool strikes)
+      : strikes_(strikes),
+        first_(strikes && !by_tolerance && sweeps >= 3 ? sweeps - (3 * sweeps + 5) / 10 : never) {}
+  [[nodiscard]] impact_stage stage(int k) const {
+    if (k >= first_) return impact_stage::strike;
+    return strikes_ && k == 1 ? impact_stage::release : impact_stage::none;
+  }
+  /// The first sweep that strikes.
+  [[nodiscard]] int first() const { return first_; }
+  /// The sweeps before `k` have reached the solution. Returns whether strikes are still to come.
+  [[nodiscard]] bool begins(int k) {
+    if (!strikes_ || first_ < never) return false;
+    first_ = k;
+    return true;
+  }
 
-/// The stage of sweep `k` of `count`.
-[[nodiscard]] inline impact_stage stage_of(int k, int count) {
-  if (k >= first_strike(count)) return impact_stage::strike;
-  return k == 1 ? impact_stage::release : impact_stage::none;
-}
+ private:
+  static constexpr int never = std::numeric_limits<int>::max();
+  bool strikes_;
+  int first_;
+};
 
 }  // namespace talus::detail

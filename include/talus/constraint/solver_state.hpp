@@ -108,6 +108,7 @@ struct solver_state_of {
   real speed = 0;        ///< a relevant change of velocity: the gain by gravity in a step
   vec3 fall{0, 0, 0};    ///< the gain of velocity by gravity in a step
   bool impacts = false;  ///< a contact of this step is an impact that rebounds
+  bool rebounds = false;  ///< a material has restitution
   impact_stage stage = impact_stage::none;
   bool impacts_ended = false;  ///< impulses of contacts contain those that are held
   island_budget islands;

@@ -44,12 +44,16 @@ struct coloured_gauss_seidel final {
     for (std::uint32_t c = 0; c < colours; ++c) each([&](auto& list) { list.warm_start(s, c); });
 
     detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>, true> joints(s, ranks);
+    detail::impact_schedule impacts(settings.iterations, watch.monitored(), s.rebounds);
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if constexpr (!alone)
         if (watch.due(k)) ranks.share_velocities();
-      if (watch.reached(k)) break;
-      s.stage = detail::stage_of(k, settings.iterations);
+      if (watch.reached(k)) {
+        if (!impacts.begins(k)) break;
+        watch.look_again();
+      }
+      s.stage = impacts.stage(k);
       for (std::uint32_t c = 0; c < colours; ++c) {
         if constexpr (!alone) ranks.start_velocities(c);
         detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });

@@ -66,17 +66,24 @@ struct nonlinear_gauss_seidel final {
     // A step after one that left nothing to change, on one rank, may need a single sweep.
     const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
                          !s.impacts && !watch.monitored();
-    const int first_strike = detail::first_strike(settings.iterations);
+    detail::impact_schedule impacts(settings.iterations, watch.monitored(),
+                                    s.rebounds && (!alone || s.impacts));
     // Stalled islands are solved after the last sweep that does not strike.
-    const int exact = s.impacts ? first_strike : settings.iterations;
+    const int exact = s.impacts ? std::min(impacts.first(), settings.iterations)
+                                : settings.iterations;
     int k = 0;
     for (; k < watch.limit(); ++k) {
-      if (watch.reached(k)) break;
-      if constexpr (alone && !detail::has_joints<Lists>)
-        if (k == first_strike && s.impacts &&
-            s.fall == vec3(0, 0, 0))
-          finish_impacts(lists, s, ranks);
-      if (!alone || s.impacts) s.stage = detail::stage_of(k, settings.iterations);
+      if (watch.reached(k)) {
+        if (!impacts.begins(k)) break;
+        watch.look_again();
+      }
+      if (k == impacts.first()) {
+        if constexpr (!alone)
+          ranks.before_strikes(), ranks.share_velocities();
+        else if constexpr (!detail::has_joints<Lists>)
+          if (s.fall == vec3(0, 0, 0)) finish_impacts(lists, s, ranks);
+      }
+      s.stage = impacts.stage(k);
       if constexpr (!alone) {
         each([&](auto& list) { list.relax_boundary(s); });
         each([&](auto& list) { list.apply_boundary(s); });

@@ -127,6 +127,10 @@ void solve_contacts(world_state<Scenario>& s) {
   if constexpr (coloured && !alone) foreign_contacts<Scenario>(s).share();
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
   auto&& lists = solver_lists<coloured>(s);
+  // The mean velocities of a step do not tell what work strikes do over ranks: it counts before.
+  bool kept = false;
+  if constexpr (!coloured && !alone)
+    ranks.before_strikes = [&] { passivity(s, ranks).keep(), kept = true; };
   s.convergence.add(
       Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
       s.settings.tolerance);
@@ -138,7 +142,7 @@ void solve_contacts(world_state<Scenario>& s) {
   }
   if constexpr (world_state<Scenario>::law::restitution) end_impacts(lists, s.solver);
   if constexpr (coloured && !alone) drop_foreign_bodies(s);
-  passivity(s, ranks).keep();
+  if (!kept) passivity(s, ranks).keep();
 }
 
 /// Stores the impulses for the next step. Those of contacts that were kept have their places.
