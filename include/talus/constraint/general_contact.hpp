@@ -131,6 +131,9 @@ struct general_contact : local_problem<typename Law::cone>, contact_bias<has_bia
       0;              ///< least separating rate of the correction; at rest and under load, the rate
   real friction = 0;  ///< coefficient mu
   real correction_impulse = 0;  ///< normal impulse of the correction
+  real restitution = 0;         ///< of impacts within the step; then, see impact_terms.hpp,
+  real limit = 0;               ///< the least velocity by which surfaces do not overlap
+  change held = change::Zero();  ///< the impulse of earlier stages
   std::int32_t a = 0;
   std::int32_t b = -1;
 

@@ -42,6 +42,10 @@ struct isotropic_contact : isotropic_rows<Real, typename Law::cone, Partner == p
 
   using change = isotropic_impulse<Real, cone>;
 
+  Real restitution = 0;  ///< of impacts within the step; then, see impact_terms.hpp,
+  Real limit = 0;        ///< the least velocity by which surfaces do not overlap
+  change held;           ///< the impulse of earlier stages
+
   /// Effective masses; `split_a` and `split_b` are the numbers of parts into which the masses of a
   /// and b are divided if several contacts are solved simultaneously (else 1).
   void prepare(const state& s, Real split_a, Real split_b) {

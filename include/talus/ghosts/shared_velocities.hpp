@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
+#include <functional>
 #include <span>
 
 #include "talus/core/exact_sum.hpp"
@@ -34,6 +35,8 @@ class shared_velocities {
   static constexpr bool solves_joints = state_type::has_joints && solves_joints_directly<Scenario>;
 
   explicit shared_velocities(state_type& s) : s_(s) {}
+
+  std::function<void()> before_strikes;  ///< see impact_stage.hpp
 
   /// The joints of this rank, and those of other ranks in the same islands, in an order that does
   /// not depend on the ranks.

@@ -44,11 +44,16 @@ struct coloured_gauss_seidel final {
     for (std::uint32_t c = 0; c < colours; ++c) each([&](auto& list) { list.warm_start(s, c); });
 
     detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>, true> joints(s, ranks);
+    detail::impact_schedule impacts(settings.iterations, watch.monitored(), s.rebounds);
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if constexpr (!alone)
         if (watch.due(k)) ranks.share_velocities();
-      if (watch.reached(k)) break;
+      if (watch.reached(k)) {
+        if (!impacts.begins(k)) break;
+        watch.look_again();
+      }
+      s.stage = impacts.stage(k);
       for (std::uint32_t c = 0; c < colours; ++c) {
         if constexpr (!alone) ranks.start_velocities(c);
         detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });
@@ -59,6 +64,7 @@ struct coloured_gauss_seidel final {
       joints.solve(s);
       watch.poll();
     }
+    s.stage = detail::impact_stage::none;
     joints.share_loads();
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 

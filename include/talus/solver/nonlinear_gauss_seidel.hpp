@@ -1,5 +1,8 @@
 #pragma once
 // Nonlinear block Gauss-Seidel over ranks: the default contact solver.
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 #include <type_traits>
 
@@ -61,18 +64,33 @@ struct nonlinear_gauss_seidel final {
     if constexpr (joined) ranks.prepare_joints();
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
-    const bool settled =
-        alone && !detail::has_joints<Lists> && looks && s.islands.settled() && !watch.monitored();
+    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
+                         !s.impacts && !watch.monitored();
+    detail::impact_schedule impacts(settings.iterations, watch.monitored(),
+                                    s.rebounds && (!alone || s.impacts));
+    // Stalled islands are solved after the last sweep that does not strike.
+    const int exact = s.impacts ? std::min(impacts.first(), settings.iterations)
+                                : settings.iterations;
     int k = 0;
     for (; k < watch.limit(); ++k) {
-      if (watch.reached(k)) break;
+      if (watch.reached(k)) {
+        if (!impacts.begins(k)) break;
+        watch.look_again();
+      }
+      if (k == impacts.first()) {
+        if constexpr (!alone)
+          ranks.before_strikes(), ranks.share_velocities();
+        else if constexpr (!detail::has_joints<Lists>)
+          if (s.fall == vec3(0, 0, 0)) finish_impacts(lists, s, ranks);
+      }
+      s.stage = impacts.stage(k);
       if constexpr (!alone) {
         each([&](auto& list) { list.relax_boundary(s); });
         each([&](auto& list) { list.apply_boundary(s); });
       }
       const bool more = k + 1 < watch.limit();
       const bool first = settled && k == 0;
-      if (first || (looks && k + 1 == settings.iterations)) {
+      if (first || (looks && k + 1 == exact)) {
         const bool done =
             detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s, first);
         s.islands.settle(done);
@@ -88,6 +106,7 @@ struct nonlinear_gauss_seidel final {
       }
       watch.poll();
     }
+    s.stage = detail::impact_stage::none;
     joints.share_loads();
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
     if constexpr (!alone)  // on all ranks or on none
@@ -98,6 +117,26 @@ struct nonlinear_gauss_seidel final {
       detail::correct_stacks<State>(detail::access_to<State>(lists), s);
     if (correct) detail::correct_overlaps(lists, s, settings, ranks, joints);
     return done;
+  }
+
+ private:
+  /// Without gravity impulses are impacts, and what sweeps leave over is energy that is lost: more
+  /// of them, until the velocities are exact to round-off.
+  template <class Lists, class State, class Ranks>
+  static void finish_impacts(Lists& lists, State& s, const Ranks& ranks) {
+    constexpr int most_sweeps = 40;
+    real fastest = 0;
+    for (const auto& b : s.bodies) fastest = std::max(fastest, detail::v_of(b).squaredNorm());
+    const real least =
+        4 * std::numeric_limits<typename State::number>::epsilon() * std::sqrt(fastest);
+    bool changes = true;
+    s.stage = detail::impact_stage::release;
+    for (int k = 0; changes && k < most_sweeps; ++k) {
+      changes = false;
+      detail::each_swept(lists, ranks, [&](auto& list) {
+        changes = list.sweep_watched(s, least).size() > 0 || changes;
+      });
+    }
   }
 };
 
