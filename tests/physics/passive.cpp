@@ -67,6 +67,18 @@ outcome run(int ranks, int iterations, double restitution, double gravity, int s
   return result;
 }
 
+/// Six planes at `distance` from the origin.
+template <class World>
+void add_walls(World& w, material_id stuff, real distance) {
+  w.global([&](auto& scope) {
+    for (int side = 0; side < 6; ++side) {
+      vec3 normal{0, 0, 0};
+      normal[side / 2] = side % 2 == 0 ? 1 : -1;
+      scope.add(plane{.normal = normal, .offset = -distance}, stuff);
+    }
+  });
+}
+
 /// `count` touching spheres in a row; the first comes with speed 1.
 template <class Scene>
 outcome row(int count, int ranks, int iterations, double restitution) {
@@ -179,6 +191,32 @@ TEST_CASE_TEMPLATE("a row with gaps passes an elastic impact on from sphere to s
     }
 }
 
+TEST_CASE_TEMPLATE(
+    "elastic spheres keep their energy where impacts drive them into others within a step", Solver,
+    nonlinear_gauss_seidel, coloured_gauss_seidel) {
+  for (const int ranks : {1, 3}) {
+    CAPTURE(ranks);
+    const outcome r = run<scene<Solver>>(ranks, 10, 1, 0, 120, [&](auto& w, auto) {
+      const auto glass = w.material({.density = 1, .restitution = 1, .friction = 0});
+      random_stream random(4, 1);
+      const auto vector = [&](real most) {
+        return random.uniform(vec3(-most, -most, -most), vec3(most, most, most));
+      };
+      add_walls(w, glass, 4.75);
+      for (int i = 0; i < 512; ++i)
+        w.add_if_local(
+            body{.shape = sphere{0.5},
+                 .position = 1.15 * vec3(i % 8 - 3.5, i / 8 % 8 - 3.5, i / 64 - 3.5) + vector(0.07),
+                 .material = glass,
+                 .velocity = vector(5)});
+    });
+    CHECK(r.highest < 1 + 1e-12);
+    // The default solver strikes several contacts of a body with other ranks too weakly.
+    const bool divides = ranks > 1 && !detail::solves_by_colours<Solver>;
+    CHECK(r.last > 1 - (divides ? 1e-2 : 1e-10));
+  }
+}
+
 TEST_CASE_TEMPLATE("elastic spheres that fall on a floor keep their energy", Solver,
                    nonlinear_gauss_seidel, coloured_gauss_seidel) {
   constexpr double dt = 1e-3, g = 9.81;
@@ -228,13 +266,7 @@ TEST_CASE_TEMPLATE("elastic boxes with friction add no energy, on one rank and o
   for (const int ranks : {1, 3}) {
     CAPTURE(ranks);
     const outcome r = run<boxes>(ranks, 50, 1, 10, 200, [&](auto& w, auto stone) {
-      w.global([&](auto& scope) {
-        for (int side = 0; side < 6; ++side) {
-          vec3 normal{0, 0, 0};
-          normal[side / 2] = side % 2 == 0 ? 1 : -1;
-          scope.add(plane{.normal = normal, .offset = -1.5}, stone);
-        }
-      });
+      add_walls(w, stone, 1.5);
       for (int i = 0; i < 8; ++i)
         w.add_if_local(body{.shape = box{{0.6, 0.5, 0.4}},
                             .position = {i % 2 == 0 ? -0.7 : 0.7, i / 2 % 2 == 0 ? -0.7 : 0.7,

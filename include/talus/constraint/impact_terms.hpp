@@ -87,8 +87,7 @@ void meet_impacts(Contact& c, State& s) {
     const real approach = n.dot(c.relative_velocity(s)), least = slowest_impact(c, s);
     if (s.stage == impact_stage::release) {
       if (c.target_velocity != c.limit || !(c.limit < 0)) return;
-      const real other =
-          approach - normal_mobility_at(c, s) * impulse_in_parts(c).normal.dot(n);
+      const real other = approach - normal_mobility_at(c, s) * impulse_in_parts(c).normal.dot(n);
       if (other < least) c.target_velocity += static_cast<decltype(c.target_velocity)>(8 * other);
       return;
     }

@@ -11,6 +11,7 @@
 #include "talus/solver/coloured_list.hpp"
 #include "talus/solver/convergence.hpp"
 #include "talus/solver/direct/exact_joints.hpp"
+#include "talus/solver/finish_impacts.hpp"
 
 namespace talus {
 
@@ -45,6 +46,15 @@ struct coloured_gauss_seidel final {
 
     detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>, true> joints(s, ranks);
     detail::impact_schedule impacts(settings.iterations, watch.monitored(), s.rebounds);
+    const auto sweep = [&] {
+      for (std::uint32_t c = 0; c < colours; ++c) {
+        if constexpr (!alone) ranks.start_velocities(c);
+        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });
+        if constexpr (alone) continue;
+        ranks.finish_velocities(c);
+        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true); });
+      }
+    };
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if constexpr (!alone)
@@ -53,14 +63,10 @@ struct coloured_gauss_seidel final {
         if (!impacts.begins(k)) break;
         watch.look_again();
       }
+      if (s.finishes && k == impacts.first())
+        detail::finish_impacts(s, ranks, [&](int) { sweep(); });
       s.stage = impacts.stage(k);
-      for (std::uint32_t c = 0; c < colours; ++c) {
-        if constexpr (!alone) ranks.start_velocities(c);
-        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });
-        if constexpr (alone) continue;
-        ranks.finish_velocities(c);
-        detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true); });
-      }
+      sweep();
       joints.solve(s);
       watch.poll();
     }

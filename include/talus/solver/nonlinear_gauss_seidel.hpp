@@ -1,8 +1,6 @@
 #pragma once
 // Nonlinear block Gauss-Seidel over ranks: the default contact solver.
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <tuple>
 #include <type_traits>
 
@@ -16,6 +14,7 @@
 #include "talus/solver/correct_overlaps.hpp"
 #include "talus/solver/direct/direct_islands.hpp"
 #include "talus/solver/direct/exact_joints.hpp"
+#include "talus/solver/finish_impacts.hpp"
 #include "talus/solver/sweep.hpp"
 
 namespace talus {
@@ -69,8 +68,13 @@ struct nonlinear_gauss_seidel final {
     detail::impact_schedule impacts(settings.iterations, watch.monitored(),
                                     s.rebounds && (!alone || s.impacts));
     // Stalled islands are solved after the last sweep that does not strike.
-    const int exact = s.impacts ? std::min(impacts.first(), settings.iterations)
-                                : settings.iterations;
+    const int exact =
+        s.impacts ? std::min(impacts.first(), settings.iterations) : settings.iterations;
+    const auto relax_boundary = [&] {
+      if constexpr (alone) return;
+      each([&](auto& list) { list.relax_boundary(s); });
+      each([&](auto& list) { list.apply_boundary(s); });
+    };
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (watch.reached(k)) {
@@ -78,16 +82,15 @@ struct nonlinear_gauss_seidel final {
         watch.look_again();
       }
       if (k == impacts.first()) {
-        if constexpr (!alone)
-          ranks.before_strikes(), ranks.share_velocities();
-        else if constexpr (!detail::has_joints<Lists>)
-          if (s.fall == vec3(0, 0, 0)) finish_impacts(lists, s, ranks);
+        if (s.finishes)
+          detail::finish_impacts(s, ranks, [&](int j) {
+            relax_boundary();
+            joints.sweep(lists, s, j % 2 == 0, true, ranks);
+          });
+        if constexpr (!alone) ranks.before_strikes(), ranks.share_velocities();
       }
       s.stage = impacts.stage(k);
-      if constexpr (!alone) {
-        each([&](auto& list) { list.relax_boundary(s); });
-        each([&](auto& list) { list.apply_boundary(s); });
-      }
+      relax_boundary();
       const bool more = k + 1 < watch.limit();
       const bool first = settled && k == 0;
       if (first || (looks && k + 1 == exact)) {
@@ -117,26 +120,6 @@ struct nonlinear_gauss_seidel final {
       detail::correct_stacks<State>(detail::access_to<State>(lists), s);
     if (correct) detail::correct_overlaps(lists, s, settings, ranks, joints);
     return done;
-  }
-
- private:
-  /// Without gravity impulses are impacts, and what sweeps leave over is energy that is lost: more
-  /// of them, until the velocities are exact to round-off.
-  template <class Lists, class State, class Ranks>
-  static void finish_impacts(Lists& lists, State& s, const Ranks& ranks) {
-    constexpr int most_sweeps = 40;
-    real fastest = 0;
-    for (const auto& b : s.bodies) fastest = std::max(fastest, detail::v_of(b).squaredNorm());
-    const real least =
-        4 * std::numeric_limits<typename State::number>::epsilon() * std::sqrt(fastest);
-    bool changes = true;
-    s.stage = detail::impact_stage::release;
-    for (int k = 0; changes && k < most_sweeps; ++k) {
-      changes = false;
-      detail::each_swept(lists, ranks, [&](auto& list) {
-        changes = list.sweep_watched(s, least).size() > 0 || changes;
-      });
-    }
   }
 };
 
