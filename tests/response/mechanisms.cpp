@@ -1,6 +1,7 @@
 // The scenes of ./dev bench joints, their reference solutions and their checker. Values are those
 // of IFToMM's library of computational benchmark problems and of the test set for IVP solvers of
 // Bari.
+// alone
 #include <doctest/doctest.h>
 
 #include "../../benchmarks/joints/reference.hpp"
