@@ -1,5 +1,5 @@
 // No energy from nothing: rebounds of limits and ropes, alone and with other joints; contacts.
-// Motors that contradict each other, and errors that are no numbers.
+// Motors that contradict each other, and errors that are no numbers. The ledger of such joints.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -125,6 +125,37 @@ TEST_CASE(
       CHECK(weak.torque().norm() == doctest::Approx(1e5).epsilon(1e-9));
     });
   }
+}
+
+TEST_CASE("the ledger closes where a motor and a spring work against each other") {
+  in_world([](auto& w, material_id stuff) {
+    const auto door = *w.add_if_local(body{.shape = box{{1, 0.2, 0.4}},
+                                           .position = {0.5, 0, 0},
+                                           .material = stuff,
+                                           .velocity = {0, 0.5, 0},
+                                           .angular_velocity = {0, 0, 1}});
+    w.join(world_frame, door,
+           hinge{.motor = {.largest_torque = 1e9, .position = 1, .stiffness = 1e3},
+                 .spring = {.stiffness = 1e3, .damping = 50, .rest = -1}});
+    for (int k = 0; k < 400; ++k) w.step(1e-2);
+    const energy_balance e = measure_energy(w);
+    CHECK(e.kinetic < 1e-6);
+    MESSAGE("the ledger leaves ", e.worst);
+    CHECK(e.worst < 1e-12);
+  });
+}
+
+TEST_CASE("the ledger closes where a rod is torn apart") {
+  in_world([](auto& w, material_id stuff) {
+    const auto ball = *w.add_if_local(body{
+        .shape = sphere{0.1}, .position = {1, 0, 0}, .material = stuff, .velocity = {0, 1, 0}});
+    w.join(world_frame, ball, rod{.from = {0, 0, 0}, .to = {1, 0, 0}});
+    for (int k = 0; k < 5; ++k) w.step(1e-2);
+    w[ball].translate({1e9, 1e9, 0});
+    w.step(1e-2);
+    MESSAGE("the ledger leaves ", measure_energy(w).error());
+    CHECK(measure_energy(w).error() < 1e-12);
+  });
 }
 
 TEST_CASE("a scenario that can drive bodies, but drives none, gains no energy from contacts") {

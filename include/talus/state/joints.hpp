@@ -174,17 +174,6 @@ template <class State>
   return (void)s, (void)of, (void)a, b;
 }
 
-/// Writes the rows of a joint of the bodies a and b.
-template <class Scenario, class Row, class Record>
-void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_end& a,
-                const joint_end& b) {
-  c.a = a.number, c.b = b.number;
-  const joint_moment when{s.dt, world_state<Scenario>::midpoint, world_state<Scenario>::midpoint};
-  const vec3 at_b = seen_from(s, r.anchors.frames, {a.position, a.orientation}, b.position);
-  c.place(r.anchors, body_of(a), body_of(b, at_b), when, r.coordinates);
-  c.set(r.impulse), c.earlier = r.impulse;
-}
-
 /// The errors of rows: the largest gap, and the larger of its part of an arm and the largest error
 /// of an angle. Limits count where they are passed.
 [[nodiscard]] inline joint_opening opening_of(std::span<const joint_line> lines, real arm) {
@@ -198,6 +187,21 @@ void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_e
   }
   x.part = std::max(angle, arm > 0 ? x.gap / arm : x.gap);
   return x;
+}
+
+/// Writes the rows of a joint of the bodies a and b. They begin with the impulses of the last step,
+/// but not where a joint is torn apart by more than its arm: its rows are others then, and larger,
+/// and such impulses would leave the round-off of velocities far above all others.
+template <class Scenario, class Row, class Record>
+void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_end& a,
+                const joint_end& b) {
+  c.a = a.number, c.b = b.number;
+  const joint_moment when{s.dt, world_state<Scenario>::midpoint, world_state<Scenario>::midpoint};
+  const vec3 at_b = seen_from(s, r.anchors.frames, {a.position, a.orientation}, b.position);
+  c.place(r.anchors, body_of(a), body_of(b, at_b), when, r.coordinates);
+  if (opening_of(c.lines, a.lever(r.anchors.frames.on_a) + b.lever(r.anchors.frames.on_b)).part > 1)
+    r.impulse = {};
+  c.set(r.impulse), c.earlier = r.impulse;
 }
 
 /// Fills the lists of joints for the step under way. Those of two movable bodies on two ranks are

@@ -59,8 +59,8 @@ struct energy_record {
     }
   };
 
-  running_flows running;      ///< of the step under way
-  double exchanged = 0;       ///< sum of the absolute values of the works of contacts in this step
+  running_flows running;  ///< of the step under way
+  double exchanged = 0;   ///< sum of the absolute works of contacts and rows of joints in this step
   energy_sums before, after;  ///< of the last step
   energy_flows step, total;
   double initial = 0;  ///< energy at the start of the first step
@@ -241,10 +241,17 @@ void book_joints(world_state<Scenario>& s) {
           r.running.work -= work + drive;
         r.running.impact -= work;
         r.running.work += drive;
-        r.exchanged += std::abs(work) + std::abs(drive);
       };
-      if (on_a) book(c.a, c.wrench_on_a(holds), c.wrench_on_a(driven));
-      if (on_b) book(c.b, c.wrench_on_b(holds), c.wrench_on_b(driven));
+      const auto mean = [&](std::int32_t body) { return r.mean[static_cast<std::size_t>(body)]; };
+      // A motor and a spring may work against each other, with works far above their sum.
+      if (on_a) {
+        book(c.a, c.wrench_on_a(holds), c.wrench_on_a(driven));
+        r.exchanged += c.size_on_a(mean(c.a).v, mean(c.a).w);
+      }
+      if (on_b) {
+        book(c.b, c.wrench_on_b(holds), c.wrench_on_b(driven));
+        r.exchanged += c.size_on_b(mean(c.b).v, mean(c.b).w);
+      }
     });
   });
 }
