@@ -138,21 +138,13 @@ struct joint_rows {
       x.impulse += d[k] * lines[index(k)].force, x.moment += d[k] * lines[index(k)].moment_a;
     return x;
   }
-  /// The sum of the absolute works of the rows on body a, which moves with v and rotates with w.
-  [[nodiscard]] real size_on_a(const vec3& v, const vec3& w) const {
+  /// The sum of the absolute works of the rows on body a or b, whose `moment` counts: it moves with
+  /// v and rotates with w.
+  [[nodiscard]] real size_of_work(vec3 joint_line::*moment, const vec3& v, const vec3& w) const {
     real sum = 0;
     for (int k = 0; k < rows; ++k) {
       const joint_line& x = lines[index(k)];
-      sum += std::abs(r[k] * (x.force.dot(v) + x.moment_a.dot(w)));
-    }
-    return sum;
-  }
-  /// The same for body b.
-  [[nodiscard]] real size_on_b(const vec3& v, const vec3& w) const {
-    real sum = 0;
-    for (int k = 0; k < rows; ++k) {
-      const joint_line& x = lines[index(k)];
-      sum += std::abs(r[k] * (x.force.dot(v) + x.moment_b.dot(w)));
+      sum += std::abs(r[k] * (x.force.dot(v) + (x.*moment).dot(w)));
     }
     return sum;
   }

@@ -246,11 +246,11 @@ void book_joints(world_state<Scenario>& s) {
       // A motor and a spring may work against each other, with works far above their sum.
       if (on_a) {
         book(c.a, c.wrench_on_a(holds), c.wrench_on_a(driven));
-        r.exchanged += c.size_on_a(mean(c.a).v, mean(c.a).w);
+        r.exchanged += c.size_of_work(&joint_line::moment_a, mean(c.a).v, mean(c.a).w);
       }
       if (on_b) {
         book(c.b, c.wrench_on_b(holds), c.wrench_on_b(driven));
-        r.exchanged += c.size_on_b(mean(c.b).v, mean(c.b).w);
+        r.exchanged += c.size_of_work(&joint_line::moment_b, mean(c.b).v, mean(c.b).w);
       }
     });
   });
