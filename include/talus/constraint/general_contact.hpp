@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "talus/constraint/contact_bias.hpp"
+#include "talus/constraint/contact_impact.hpp"
 #include "talus/constraint/contact_manifold.hpp"
 #include "talus/constraint/coulomb_block.hpp"
 #include "talus/constraint/frame_around.hpp"
@@ -105,7 +106,11 @@ struct local_problem<frictionless> {
 /// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a
 /// relative to b, impulses act on a.
 template <class Law, contact_side A, contact_side B, class Real = real>
-struct general_contact : local_problem<typename Law::cone>, contact_bias<has_bias<Law>> {
+struct general_contact
+    : local_problem<typename Law::cone>,
+      contact_bias<has_bias<Law>>,
+      contact_impact<real, typename local_problem<typename Law::cone>::impulse_type,
+                     Law::restitution> {
   using cone = typename Law::cone;
   using state = solver_state_of<Real>;  ///< velocities are Reals, all else is real
   static constexpr bool paired = B != contact_side::immovable;
@@ -131,9 +136,6 @@ struct general_contact : local_problem<typename Law::cone>, contact_bias<has_bia
       0;              ///< least separating rate of the correction; at rest and under load, the rate
   real friction = 0;  ///< coefficient mu
   real correction_impulse = 0;  ///< normal impulse of the correction
-  real restitution = 0;         ///< of impacts within the step; then, see impact_terms.hpp,
-  real limit = 0;               ///< the least velocity by which surfaces do not overlap
-  change held = change::Zero();  ///< the impulse of earlier stages
   std::int32_t a = 0;
   std::int32_t b = -1;
 

@@ -5,20 +5,13 @@
 #include <cmath>
 #include <cstddef>
 
+#include "talus/constraint/contact_impact.hpp"
 #include "talus/constraint/contact_work.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
-
-/// A kind of contact that may rebound.
-template <class Contact>
-concept may_rebound = requires(Contact& c) {
-  c.restitution;
-  c.limit;
-  c.held;
-};
 
 /// The velocity at a contact that a unit impulse along its normal causes, with undivided masses.
 template <class Contact, class State>

@@ -319,7 +319,8 @@ class isotropic_blocks {
   void end_impacts() {
     for (std::size_t at = 0; at < used_ && !impacts_.empty(); ++at)
       blocks_[at].set(blocks_[at].impulse_in_frame() + impacts_[at].held);
-    for (Contact& c : overflow_) c.set(c.impulse_in_frame() + c.held);
+    if constexpr (may_rebound<Contact>)
+      for (Contact& c : overflow_) c.set(c.impulse_in_frame() + c.held);
   }
   void forward(state& s) {
     for (std::size_t k = 0; k < used_; ++k) meet_impacts(k, s), blocks_[k].relax(s);
@@ -364,21 +365,21 @@ class isotropic_blocks {
 
   /// The stage of the sweep for the contacts of a block; see impact_terms.hpp.
   [[gnu::always_inline]] void meet_impacts(std::size_t at, state& s) {
-    if (s.stage != impact_stage::none && !impacts_.empty()) meet_impacts_of(at, s);
+    if constexpr (may_rebound<Contact>)
+      if (s.stage != impact_stage::none && !impacts_.empty()) meet_impacts_of(at, s);
   }
   void meet_impacts_of(std::size_t at, state& s) {
     const impact& x = impacts_[at];
     const block& c = blocks_[at];
     auto meets = x.restitution > wide{};
     if (bits_of(meets) == 0) return;
-    const wide rest =
-        every_lane<wide>(static_cast<number>(-3 * s.fall.norm())) / x.restitution;
+    const wide rest = every_lane<wide>(static_cast<number>(-3 * s.fall.norm())) / x.restitution;
     const wide least = choose(x.limit < rest, x.limit, rest), approach = c.approach(s);
     if (s.stage == impact_stage::release)
       meets = meets & (x.limit < wide{}) & ((approach - least) * c.inverse_wn < c.rn);
     else
-      meets = meets & (((approach < least) & (c.rn == wide{})) |
-                       inverted(c.target_velocity == x.limit));
+      meets = meets &
+              (((approach < least) & (c.rn == wide{})) | inverted(c.target_velocity == x.limit));
     for (unsigned left = bits_of(meets); left != 0; left &= left - 1) {
       const auto l = static_cast<std::size_t>(std::countr_zero(left));
       Contact of_lane = get(at, l);
@@ -427,8 +428,10 @@ class isotropic_blocks {
     c.renew(in_scalar<number>(lane(next.normal, l)), of_lane(next.arm_a), of_lane(next.arm_b));
     c.target_velocity = of_lane(next.target_velocity);
     c.correction_rate = of_lane(next.correction_rate), c.correction_impulse = 0;
-    if (next.rebounds) c.restitution = of_lane(next.restitution), c.limit = of_lane(next.limit);
-    c.held = {};
+    if constexpr (may_rebound<Contact>) {
+      if (next.rebounds) c.restitution = of_lane(next.restitution), c.limit = of_lane(next.limit);
+      c.held = {};
+    }
     if constexpr (requires { c.friction; })
       if (next.slides) c.friction = of_lane(next.friction);
   }
@@ -455,17 +458,19 @@ class isotropic_blocks {
   void put(std::size_t at, std::size_t l, const Contact& c) {
     block& x = blocks_[at];
     x.put(l, c);
+    x.a[l] = c.a, x.b[l] = c.b;
     if constexpr (Contact::biased) put_lane(x.bias, l, in_scalar<number>(c.bias));
     corrections_[at].rate[l] = c.correction_rate;
     corrections_[at].impulse[l] = c.correction_impulse;
-    if (c.restitution > 0) hold_impacts();
-    if (!impacts_.empty()) {
-      impact& y = impacts_[at];
-      y.restitution[l] = c.restitution, y.limit[l] = c.limit;
-      y.held.n[l] = c.held.n;
-      if constexpr (requires { y.held.t; }) put_lane(y.held.t, l, c.held.t);
+    if constexpr (may_rebound<Contact>) {
+      if (c.restitution > 0) hold_impacts();
+      if (!impacts_.empty()) {
+        impact& y = impacts_[at];
+        y.restitution[l] = c.restitution, y.limit[l] = c.limit;
+        y.held.n[l] = c.held.n;
+        if constexpr (requires { y.held.t; }) put_lane(y.held.t, l, c.held.t);
+      }
     }
-    x.a[l] = c.a, x.b[l] = c.b;
   }
   /// From the first contact with restitution on.
   void hold_impacts() {
@@ -475,16 +480,17 @@ class isotropic_blocks {
     const block& x = blocks_[at];
     Contact c;
     x.get(l, c);
+    c.a = x.a[l], c.b = x.b[l];
     if constexpr (Contact::biased) c.bias = in_scalar<real>(lane(x.bias, l));
     c.correction_rate = corrections_[at].rate[l];
     c.correction_impulse = corrections_[at].impulse[l];
-    if (!impacts_.empty()) {
+    if constexpr (may_rebound<Contact>) {
+      if (impacts_.empty()) return c;
       const impact& y = impacts_[at];
       c.restitution = y.restitution[l], c.limit = y.limit[l];
       c.held.n = y.held.n[l];
       if constexpr (requires { y.held.t; }) c.held.t = lane(y.held.t, l);
     }
-    c.a = x.a[l], c.b = x.b[l];
     return c;
   }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "talus/constraint/contact_bias.hpp"
+#include "talus/constraint/contact_impact.hpp"
 #include "talus/constraint/frame_around.hpp"
 #include "talus/constraint/isotropic_blocks.hpp"
 #include "talus/constraint/isotropic_rows.hpp"
@@ -21,8 +22,10 @@ enum class partner { moving, immovable };
 
 /// One contact with its bodies; see isotropic_rows. Results for other code are of type real.
 template <class Law, partner Partner, class Real = real>
-struct isotropic_contact : isotropic_rows<Real, typename Law::cone, Partner == partner::moving>,
-                           contact_bias<has_bias<Law>> {
+struct isotropic_contact
+    : isotropic_rows<Real, typename Law::cone, Partner == partner::moving>,
+      contact_bias<has_bias<Law>>,
+      contact_impact<Real, isotropic_impulse<Real, typename Law::cone>, Law::restitution> {
   using cone = typename Law::cone;
   using number = Real;
   using state = solver_state_of<Real>;
@@ -41,10 +44,6 @@ struct isotropic_contact : isotropic_rows<Real, typename Law::cone, Partner == p
   Real correction_impulse = 0;  ///< normal impulse of the correction
 
   using change = isotropic_impulse<Real, cone>;
-
-  Real restitution = 0;  ///< of impacts within the step; then, see impact_terms.hpp,
-  Real limit = 0;        ///< the least velocity by which surfaces do not overlap
-  change held;           ///< the impulse of earlier stages
 
   /// Effective masses; `split_a` and `split_b` are the numbers of parts into which the masses of a
   /// and b are divided if several contacts are solved simultaneously (else 1).
