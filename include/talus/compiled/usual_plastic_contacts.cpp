@@ -1,4 +1,5 @@
-// The compiled part: functions over lists of contacts with friction, without restitution, in double.
+// The compiled part: functions over lists of contacts with friction, without restitution, in
+// double.
 #include "talus/solver/usual_contacts.hpp"
 
 namespace talus::detail {
