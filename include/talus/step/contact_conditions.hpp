@@ -13,8 +13,6 @@ namespace talus::detail {
 /// at the point before the step, `gap` the distance of the surfaces.
 struct contact_conditions {
   real target_velocity = 0, correction_rate = 0, friction = 0;
-  real restitution = 0;  ///< of an impact that strikes the contact in this step
-  real limit = 0;        ///< the target velocity that follows from the gap
 };
 
 /// The part of the conditions that follows from the gap alone, of one contact or of several. Up to
@@ -59,9 +57,6 @@ template <class Law, class Pack>
 ///   time of impact itself, and takes -e u_n.
 /// - Sliding faster than the gain by gravity in a step, and than `creep`, has the dynamic
 ///   coefficient, else the static.
-/// - With restitution, an impact elsewhere may drive surfaces together within the step that do not
-///   rebound yet, or not any more; see constraint/impact_terms.hpp. (Solvers with substeps find
-///   such impacts in one of these.)
 /// `gravity` is the acceleration of the bodies without contacts; fall() is the part of it by which
 /// the surfaces approach.
 template <class Law, bool Divided, class Fall>
@@ -78,8 +73,6 @@ template <class Law, bool Divided, class Fall>
         c.target_velocity =
             std::max(c.target_velocity,
                      Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
-  if constexpr (Law::restitution && !Divided)
-    c.restitution = pair.restitution, c.limit = by_gap.target_velocity;
   if constexpr (Law::friction) {
     c.friction = pair.friction;
     if (pair.dynamic_friction < pair.friction) {

@@ -1,6 +1,5 @@
 #pragma once
 // The contact residual of the last step.
-#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
