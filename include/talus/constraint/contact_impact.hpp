@@ -8,6 +8,7 @@ template <class Real, class Impulse, bool Restitution>
 struct contact_impact {
   Real restitution{};     ///< of an impact within the step, where it may be one
   Real limit{};           ///< the least velocity by which surfaces do not overlap
+  Real slowest{};         ///< the normal velocity below which the contact is an impact
   Impulse held = none();  ///< the impulse of impacts that are over
 
  private:

@@ -28,13 +28,6 @@ template <class Contact, class State>
   return sum;
 }
 
-/// The normal velocity below which a contact is an impact: surfaces overlap after the step, and the
-/// rebound is faster than bodies that rest. (Those gain by gravity in this step besides.)
-template <class Contact, class State>
-[[nodiscard]] real slowest_impact(const Contact& c, const State& s) {
-  return std::min(real(c.limit), -3 * s.fall.norm() / real(c.restitution));
-}
-
 /// The impulse so far is that of impacts that are over.
 template <class Contact>
 void hold_impulse(Contact& c) {
@@ -77,7 +70,7 @@ void meet_impacts(Contact& c, State& s) {
   if constexpr (may_rebound<Contact>) {
     if (s.stage == impact_stage::none || !(c.restitution > 0)) return;
     const vec3 n = c.axis();
-    const real approach = n.dot(c.relative_velocity(s)), least = slowest_impact(c, s);
+    const real approach = n.dot(c.relative_velocity(s)), least = c.slowest;
     if (s.stage == impact_stage::release) {
       if (c.target_velocity != c.limit || !(c.limit < 0)) return;
       const real other = approach - normal_mobility_at(c, s) * impulse_in_parts(c).normal.dot(n);

@@ -130,7 +130,7 @@ struct isotropic_correction {
 /// Additional data of contacts that may rebound; see impact_terms.hpp.
 template <class Wide, class Cone>
 struct isotropic_impact {
-  Wide restitution{}, limit{};
+  Wide restitution{}, limit{}, slowest{};
   isotropic_impulse<Wide, Cone> held;
 };
 
@@ -140,8 +140,8 @@ struct renewed_contacts {
   using wide = wide_pack<real>;
   pack_vector<wide> normal;
   wide arm_a, arm_b, target_velocity, correction_rate, friction;
-  wide restitution, limit;
-  bool rebounds = false;  ///< whether these two are set
+  wide restitution, limit, slowest;
+  bool rebounds = false;  ///< whether these three are set
   bool slides = false;    ///< whether `friction` has changed
   static constexpr int lanes = lanes_of<wide>;
 };
@@ -211,6 +211,7 @@ class isotropic_blocks {
         if (next.rebounds) {
           hold_impacts();
           put(impacts_[at].restitution, next.restitution), put(impacts_[at].limit, next.limit);
+          put(impacts_[at].slowest, next.slowest);
         }
         if constexpr (requires { x.friction; })
           if (next.slides) put(x.friction, next.friction);
@@ -373,8 +374,7 @@ class isotropic_blocks {
     const block& c = blocks_[at];
     auto meets = x.restitution > wide{};
     if (bits_of(meets) == 0) return;
-    const wide rest = every_lane<wide>(static_cast<number>(-3 * s.fall.norm())) / x.restitution;
-    const wide least = choose(x.limit < rest, x.limit, rest), approach = c.approach(s);
+    const wide least = x.slowest, approach = c.approach(s);
     if (s.stage == impact_stage::release)
       meets = meets & (x.limit < wide{}) & ((approach - least) * c.inverse_wn < c.rn);
     else
@@ -429,7 +429,10 @@ class isotropic_blocks {
     c.target_velocity = of_lane(next.target_velocity);
     c.correction_rate = of_lane(next.correction_rate), c.correction_impulse = 0;
     if constexpr (may_rebound<Contact>) {
-      if (next.rebounds) c.restitution = of_lane(next.restitution), c.limit = of_lane(next.limit);
+      if (next.rebounds) {
+        c.restitution = of_lane(next.restitution), c.limit = of_lane(next.limit);
+        c.slowest = of_lane(next.slowest);
+      }
       c.held = {};
     }
     if constexpr (requires { c.friction; })
@@ -466,7 +469,7 @@ class isotropic_blocks {
       if (c.restitution > 0) hold_impacts();
       if (!impacts_.empty()) {
         impact& y = impacts_[at];
-        y.restitution[l] = c.restitution, y.limit[l] = c.limit;
+        y.restitution[l] = c.restitution, y.limit[l] = c.limit, y.slowest[l] = c.slowest;
         y.held.n[l] = c.held.n;
         if constexpr (requires { y.held.t; }) put_lane(y.held.t, l, c.held.t);
       }
@@ -487,7 +490,7 @@ class isotropic_blocks {
     if constexpr (may_rebound<Contact>) {
       if (impacts_.empty()) return c;
       const impact& y = impacts_[at];
-      c.restitution = y.restitution[l], c.limit = y.limit[l];
+      c.restitution = y.restitution[l], c.limit = y.limit[l], c.slowest = y.slowest[l];
       c.held.n = y.held.n[l];
       if constexpr (requires { y.held.t; }) c.held.t = lane(y.held.t, l);
     }

@@ -354,6 +354,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if constexpr (law::restitution) {
       c.restitution = static_cast<decltype(c.restitution)>(want.restitution);
       c.limit = static_cast<decltype(c.limit)>(want.limit);
+      c.slowest = static_cast<decltype(c.slowest)>(want.slowest);
     }
     if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
   }
@@ -394,11 +395,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       set_conditions(c, want);
       s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
     } else {
-      set_conditions(c, {.target_velocity = waiting_.conditions.target_velocity[k],
+      const real limit = waiting_.conditions.target_velocity[k];
+      set_conditions(c, {.target_velocity = limit,
                          .correction_rate = waiting_.conditions.correction_rate[k],
                          .friction = between.friction,
                          .restitution = strikes ? between.restitution : 0,
-                         .limit = waiting_.conditions.target_velocity[k]});
+                         .limit = limit,
+                         .slowest = slowest_impact(limit, between.restitution, pull, s_.dt)});
     }
     add_to_list(x, c, {(*waiting_.places)[x.i].id, (*waiting_.places)[x.j].id, 0});
   }

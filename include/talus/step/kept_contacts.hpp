@@ -280,6 +280,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       next.friction[k] = between.friction;
       next.restitution[k] = strikes ? between.restitution : 0;
       next.limit[k] = next.target_velocity[k];
+      next.slowest[k] = slowest_impact(next.limit[k], between.restitution, pull[k], s_.dt);
       if (!rebounds && !(between.dynamic_friction < between.friction)) continue;
       const vec3 normal = lane(batch_.normal, k);
       const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
