@@ -138,8 +138,7 @@ def make(factors, design="full", seed=1, repeat=0, whole=()):
         runs = latin_hypercube(factors, int(match[1]), seed, whole)
     else:
         raise Wrong(f"--design is full or latin:N, with N from 1 to {MOST}, not '{design}'")
-    if repeat:
-        runs = [{**run, "seed": str(k + 1)} for run in runs for k in range(repeat)]
-    if len(runs) > MOST:
-        raise Wrong(f"the sweep has {len(runs)} runs, more than {MOST}: use fewer values")
-    return runs
+    count = len(runs) * max(repeat, 1)
+    if count > MOST:
+        raise Wrong(f"the sweep has {count} runs, more than {MOST}: use fewer values")
+    return [{**run, "seed": str(k + 1)} for run in runs for k in range(repeat)] if repeat else runs

@@ -1,10 +1,12 @@
 """Plots of a sweep: a file for each result, with a panel for each varied option."""
 import collections
+import io
 import math
 import re
 import statistics
 
 import table
+from runs import write_whole
 
 # Results of every program that are worth a plot if they vary; all that follow state_digest (monitors, and
 # what the set-up returned) are, too.
@@ -106,7 +108,9 @@ def draw(folder, runs, wanted=()):
         all_axes[0][0].set_ylabel(name)
         figure.tight_layout()
         file = re.sub(r"[^\w.-]", "_", name) + ".svg"
-        figure.savefig(folder / file, metadata={"Date": None, "Creator": None})
+        picture = io.StringIO()
+        figure.savefig(picture, format="svg", metadata={"Date": None, "Creator": None})
+        write_whole(folder / file, picture.getvalue())
         plt.close(figure)
         drawn.append(file)
     return drawn

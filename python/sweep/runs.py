@@ -31,16 +31,35 @@ KEPT = {"lock"}
 
 
 def write_whole(path, text):
-    """The file has its old content or the new one, whenever the process or the machine stops."""
+    """The file has its old content or the new one, whenever the process or the machine stops. Raises OSError, with the path.
+    The new file is locked until it has its name: what a killed process has left is not."""
     new = path.with_name(f"{path.name}.{os.getpid()}.new")
-    with open(new, "w") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(new, path)
-    folder = os.open(path.parent, os.O_RDONLY)
-    os.fsync(folder)
-    os.close(folder)
+    try:
+        with open(new, "w") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+            os.replace(new, path)
+        folder = os.open(path.parent, os.O_RDONLY)
+        os.fsync(folder)
+        os.close(folder)
+    except OSError as e:
+        new.unlink(missing_ok=True)
+        raise OSError(e.errno, e.strerror, str(path)) from None
+
+
+def remove_leftovers(folder, names):
+    """Removes what killed processes have left of writing files of these names."""
+    for new in folder.glob("*.new"):
+        name, _, process = new.name.removesuffix(".new").rpartition(".")
+        if name in names and process.isdigit() and new.is_file():
+            with open(new) as file:
+                try:
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except OSError:
+                    continue  # its process is alive
+                new.unlink(missing_ok=True)
 
 
 def read(path):
@@ -126,7 +145,7 @@ class Run:
         words, environment = launch(self.setup["ranks"])
         command = [*words, self.setup["program"], *self.setup["options"], *arguments(self.values),
                    "--json", "results.json"]
-        (self.folder / "command").write_text(shlex.join(command) + "\n")
+        write_whole(self.folder / "command", shlex.join(command) + "\n")
         parent = os.getpid()
 
         def end_with_parent():

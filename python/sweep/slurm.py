@@ -3,6 +3,8 @@ import pathlib
 import re
 import shlex
 
+from runs import write_whole
+
 TIME = r"\d+|\d+:\d\d(:\d\d)?|\d+-\d+(:\d\d){0,2}"  # as sbatch(1) reads it
 MOST = 1000  # tasks of an array: Slurm's default limit (MaxArraySize 1001)
 
@@ -34,7 +36,7 @@ def write(folder, design, python, sweep, jobs, time, collect):
     tasks = min(count, MOST)
     path = folder / "sweep.sh"
     quoted = shlex.quote(str(folder))
-    path.write_text(SCRIPT.format(
+    write_whole(path, SCRIPT.format(
         name=re.sub(r"\W", "_", pathlib.Path(design["program"]).name), last=tasks - 1,
         at_once=f"%{jobs}" if jobs else "", ranks=design["ranks"] or 1, time=time,
         logs=str(folder).replace(" ", "\\ "), runs="runs.txt", most=MOST, collect=collect, folder=quoted,

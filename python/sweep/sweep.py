@@ -23,7 +23,7 @@ import table
 from design import Wrong
 from program import WHOLE, Program
 from progress import Progress, say
-from runs import Run, name_of, read, write_whole
+from runs import Run, name_of, read, remove_leftovers, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -91,6 +91,7 @@ def prepare(asked, options):
     found = read(folder / "sweep.json")
     if folder.exists() and not folder.is_dir():
         raise Wrong(f"{folder} is no folder: choose another one with --out DIR")
+    remove_leftovers(folder, ("sweep.json", "runs.txt", "table.csv", "sweep.sh"))
     if found is None and folder.exists() and any(folder.iterdir()):
         raise Wrong(f"{folder} is there already and holds no sweep: choose another folder with --out DIR")
     if found is not None:
@@ -255,6 +256,9 @@ if __name__ == "__main__":
     except Wrong as wrong:
         say(wrong)
         sys.exit(2)
+    except OSError as e:
+        say(f"{e.filename or 'the sweep'}: {e.strerror}; when that is mended the same command goes on from here")
+        sys.exit(1)
     except Ended as end:
         say(f"ended by {end}")
         sys.exit(130)

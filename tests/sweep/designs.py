@@ -76,6 +76,7 @@ class Made(unittest.TestCase):
         a = design.parse("a=1,2")
         for make, words in [(lambda: design.make([]), "nothing varies"), (lambda: design.make([a, a]), "twice"),
                             (lambda: design.make([design.parse("seed=1,2")], repeat=2), "--repeat"),
+                            (lambda: design.make([a], repeat=10**15), "more than 100000"),
                             (lambda: design.make([a], "latin"), "--design is full or latin:N"),
                             (lambda: design.make([a], "latin:0"), "--design is full or latin:N"),
                             (lambda: design.make([design.parse("a=0:1")]), "number of values"),

@@ -2,10 +2,12 @@
 """Sweeps of a stand-in for a program, of a real one if it is given, killed and continued.
   sweeps.py ROOT [PROGRAM]"""
 import csv
+import fcntl
 import json
 import os
 import pathlib
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -165,6 +167,43 @@ class Sweeps(unittest.TestCase):
         self.assertIn("holds no sweep", self.sweep("--vary", "friction=1,2", "--out", str(mine), code=2))
         self.assertIn("is no folder", self.sweep("--vary", "friction=1,2", "--out", str(mine / "thesis.txt"), code=2))
         self.assertIn("cannot be made", self.sweep("--vary", "friction=1,2", "--out", "/proc/none", code=2))
+
+    def test_what_killed_sweeps_left_is_removed_and_nothing_else(self):
+        out = self.work / "out"
+        out.mkdir()
+        left = out / "sweep.json.4194304.new"
+        left.write_text("{")
+        self.sweep("--vary", "friction=1,2")
+        self.assertFalse(left.exists())
+        for name, alive in (("thesis.1.new", False), ("sweep.json.new", False), ("sweep.json.7.new", True)):
+            folder = self.work / name
+            folder.mkdir()
+            with open(folder / name, "w") as file:
+                if alive:
+                    fcntl.flock(file, fcntl.LOCK_EX)
+                self.assertIn("holds no sweep", self.sweep("--vary", "friction=1,2", "--out", str(folder), code=2))
+            self.assertTrue((folder / name).exists())
+
+    def test_a_full_disk_is_told_with_the_file_and_the_sweep_goes_on_when_there_is_room(self):
+        words = ["--vary", "seconds=0,1.5", "--jobs", "1"]
+        full = lambda pid, size: resource.prlimit(pid, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+        first = subprocess.run(self.command(*words), env=self.environment, cwd=self.work, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: full(0, 10))
+        self.assertEqual((first.returncode, first.stderr), (
+            1, f"sweep: {self.work}/out/sweep.json: File too large; when that is mended the same command goes on from here\n"))
+        self.assertEqual(list((self.work / "out").iterdir()), [])
+        second = subprocess.Popen(self.command(*words), env=self.environment, cwd=self.work, stderr=subprocess.PIPE, text=True)
+        end = time.monotonic() + 60
+        while len(self.started()) < 2 and time.monotonic() < end:
+            time.sleep(0.01)
+        full(second.pid, 10)
+        said = second.communicate(timeout=60)[1]
+        self.assertEqual(second.returncode, 1)
+        self.assertIn("runs/seconds=1.5/done.json: File too large; when that is mended", said)
+        self.assertNotIn("Traceback", said)
+        self.sweep(*words)
+        self.assertEqual([r["status"] for r in self.rows()], ["done", "done"])
+        self.assertEqual(len(self.started()), 3)
 
     def test_the_script_for_slurm_makes_each_run_once_and_names_the_collection(self):
         said = self.sweep("--vary", "friction=0.2,0.4,0.6", "--slurm", "--time", "00:10:00", "--jobs", "2")
