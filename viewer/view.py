@@ -1,10 +1,11 @@
 """./dev view: a page that shows what --output has written. docs/view.md"""
 import argparse
 import csv
+import os
 import pathlib
+import stat
 import sys
 import tempfile
-import os
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -63,15 +64,26 @@ def add_table(head, table):
 
 
 def require_replaceable(path, force):
-    """Stops unless the file is absent, empty, a page of talus, or --force is given."""
-    if os.path.isdir(path):
+    """Stops unless the file is absent, empty or a page of talus. With --force it may be another file or a symbolic link,
+    but never a folder, a device, a pipe or a socket: as talus::detail::inspect_target of programs."""
+    try:
+        mode = os.lstat(path).st_mode
+    except OSError:
+        return  # absent, or writing it will fail
+    if stat.S_ISDIR(mode):
         sys.exit(f"view: {path} is a folder: name a file in it")
-    if force or not os.path.lexists(path):
+    if not stat.S_ISREG(mode) and not stat.S_ISLNK(mode):
+        sys.exit(f"view: {path} is a device, a pipe or a socket, which a page must not replace: name a file")
+    if force:
         return
-    if os.path.islink(path) or not os.path.isfile(path):
-        sys.exit(f"view: {path} is no regular file: name another file, or add --force to replace it")
-    with open(path, "rb") as f:
-        start = f.read(4096)
+    if stat.S_ISLNK(mode):
+        sys.exit(f"view: {path} is a symbolic link to {os.readlink(path)}: name the file itself, or add --force, which replaces the link "
+                 "and leaves what it leads to")
+    try:
+        with open(path, "rb") as f:
+            start = f.read(4096)
+    except OSError as error:
+        sys.exit(f"view: {path} is there already and cannot be read ({error.strerror}): name another file with --html, or add --force")
     if start and MARK.encode() not in start:
         sys.exit(f"view: {path} is there already and is no page of talus: name another file with --html, or add --force")
 
