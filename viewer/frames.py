@@ -1,21 +1,23 @@
 """Frames of a page from the files that --output has written. docs/view.md describes their blocks."""
 import base64
-import json
 import os
+import pathlib
 import sys
 
-import h5py
 import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+from talus.series import CONTACT_FORMS, FORMS, WHAT, Series, companion, shapes_of  # noqa: E402
+from talus.stored import Error, Stored, blaming  # noqa: E402
 
 WALL, GLOBAL = 1, 2
 SPHERE, POLYHEDRON, MESH = 0, 4, 5
 NONE = 0xFFFFFFFF
 MOST_CONTACTS = 50000
 TYPES = {"u1": "u8", "u2": "u16", "i2": "i16", "u4": "u32", "i4": "i32", "f4": "f32", "u8": "u64"}
-
-
-def fail(text):
-    sys.exit("view: " + text)
+LARGEST = 1e150  # of a number whose square is one, too
+OPTIONAL = {"orientation", "part", "asleep"}
+USED = {"id", "shape", "fixed", "rank", "material", "size", "mass", "velocity", *OPTIONAL}
 
 
 def series_of(output):
@@ -28,14 +30,9 @@ def series_of(output):
 def read_index(base):
     """The files and times that an index lists so far."""
     index = base + ".hdf.series"
-    try:
-        with open(index, encoding="utf-8") as f:
-            files = json.load(f)["files"]
-        return [(os.path.join(os.path.dirname(index), e["name"]), float(e["time"])) for e in files]
-    except FileNotFoundError:
-        fail(f"there is no {index}: name what --output NAME of a run has written, NAME or NAME.hdf.series")
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        fail(f"{index} is not the index of an output of talus ({error})")
+    if not os.path.lexists(index):
+        raise Error(f"there is no {index}: name what --output NAME of a run has written, NAME or NAME.hdf.series")
+    return Series(index).files
 
 
 class Blocks:
@@ -83,18 +80,20 @@ class Converter:
 
     def surfaces(self, path, new, blocks):
         """Reads the faces of bodies that are seen for the first time."""
-        base, step = path.rsplit("_", 1)
         wanted = [b for b in new if b["shape"] in (POLYHEDRON, MESH) and b["part_key"] not in self.forms_of]
         if not wanted:
             return []
-        try:
-            with h5py.File(f"{base}_surfaces_{step}") as f:
-                g = f["VTKHDF"]
-                ids, shapes = g["CellData/id"][:], g["CellData/shape"][:]
-                ends, corners, points = g["Offsets"][:], g["Connectivity"][:], g["Points"][:]
-        except OSError:
+        file = companion(path, "surfaces")
+        if not os.path.lexists(file):
             self.note("polyhedra and surfaces of triangles are drawn as boxes: run with --output-surfaces to see their faces")
             return []
+        with Stored(file, WHAT) as f:
+            ids = f.array("VTKHDF/CellData/id", "u")
+            shapes = f.array("VTKHDF/CellData/shape", "u", len(ids))
+            ends, corners, points = (f.array("VTKHDF/" + k, form) for k, form in (("Offsets", "u"), ("Connectivity", "u"), ("Points", "f3")))
+        if len(ends) != len(ids) + 1 or ends[0] < 0 or (ends[1:] < ends[:-1]).any() or ends[-1] > len(corners) or \
+                not ((0 <= corners) & (corners < len(points))).all():
+            raise Error(f"{file} is damaged: VTKHDF/Offsets and VTKHDF/Connectivity do not belong to {len(ids)} faces of {len(points)} points")
         added = []
         for body in wanted:
             whole = (int(body["id"]), -1)
@@ -118,17 +117,26 @@ class Converter:
         return added
 
     def frame(self, path, time):
-        """Head and bytes of one frame."""
+        """Head and bytes of one frame. Raises Error, and then knows what it knew before."""
+        known = {**vars(self), "rows": self.rows.copy(), "forms_of": self.forms_of.copy()}
         try:
-            with h5py.File(path) as f:
-                points, data = f["VTKHDF/Points"][:], {k: v[:] for k, v in f["VTKHDF/PointData"].items()}
-                step = int(f["VTKHDF/FieldData/step"][0])
-        except (OSError, KeyError) as error:
-            fail(f"{path} cannot be read as an output of talus ({error})")
+            with blaming(path, "it"):
+                return self.converted(path, time)
+        except Error:
+            vars(self).update(known)
+            raise
+
+    def converted(self, path, time):
+        with Stored(path, f"{WHAT} with bodies") as f:
+            step = int(f.array("VTKHDF/FieldData/step", "u", 1)[0])
+            points = f.array("VTKHDF/Points", "f3")
+            there = USED - OPTIONAL | OPTIONAL.intersection(f.names("VTKHDF/PointData"))
+            data = {k: f.array(f"VTKHDF/PointData/{k}", FORMS[k], len(points)) for k in sorted(there)}
+            shapes_of(f, len(points))
         blocks, head, notes = Blocks(), {"step": step, "time": time}, []
-        finite = np.isfinite(points).all(axis=1)
+        finite = (np.abs(points) < LARGEST).all(axis=1)
         for name in ("velocity", "size") + (("orientation",) if "orientation" in data else ()):
-            finite &= np.isfinite(data[name]).all(axis=1)
+            finite &= (np.abs(data[name]) < LARGEST).all(axis=1)
         if not finite.all():
             bad = int(np.flatnonzero(~finite)[0])
             notes.append(f"{int((~finite).sum())} bodies are left out, because their state is not finite; the first is body "
@@ -207,14 +215,14 @@ class Converter:
         return head, bytes(blocks.bytes)
 
     def contacts(self, path, data, points, lower, cell, kind, blocks, head, values):
-        base, step = path.rsplit("_", 1)
-        try:
-            with h5py.File(f"{base}_contacts_{step}") as f:
-                c = {k: f["VTKHDF/CellData"][k][:] for k in ("id_a", "id_b", "point", "force", "normal_force")}
-        except (OSError, KeyError):
+        file = companion(path, "contacts")
+        if not os.path.lexists(file):
             return
+        with Stored(file, WHAT) as f:
+            rows = len(f.array("VTKHDF/CellData/id_a", "u"))
+            c = {k: f.array(f"VTKHDF/CellData/{k}", CONTACT_FORMS[k], rows) for k in ("id_a", "id_b", "point", "force", "normal_force")}
         force = np.linalg.norm(c["force"], axis=1)
-        good = np.flatnonzero(np.isfinite(force) & np.isfinite(c["point"]).all(axis=1))
+        good = np.flatnonzero((force < LARGEST) & (np.abs(c["point"]) < LARGEST).all(axis=1) & np.isfinite(c["normal_force"]))
         head["contacts_of"] = int(len(good))
         values["contacts"] = int(len(good))
         if len(good) == 0 or len(points) == 0:

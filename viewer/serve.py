@@ -4,10 +4,10 @@ import json
 import os
 import pathlib
 import secrets
-import signal
 import sys
 import tempfile
 import threading
+import time
 
 import frames
 import page
@@ -23,11 +23,12 @@ def changed(file):
 
 
 class Source:
-    """The frames of a series so far. Their bytes lie in a temporary folder, not in memory."""
+    """The frames of a series so far. Their bytes lie in a temporary file without a name, not in memory: it is gone with the
+    process, however that ends."""
 
     def __init__(self, base, every, csv_file):
         self.base, self.every, self.csv_file = base, every, csv_file
-        self.folder = tempfile.TemporaryDirectory(prefix="talus-view-")
+        self.store = tempfile.TemporaryFile(buffering=0)
         self.lock = threading.Lock()
         self.series = 0
         self.begin()
@@ -35,30 +36,49 @@ class Source:
     def begin(self):
         self.converter = frames.Converter(self.base)
         self.series += 1
-        self.files, self.heads = [], []
+        self.files, self.heads, self.places = [], [], [0]
+        self.ready = None  # a frame that is converted, but not stored
+        self.store.truncate(0)
 
     def update(self):
         """Takes what the index lists beyond the last time. Another run may have begun the series again."""
         if not os.path.exists(self.base + ".hdf.series"):
             return
         listed = [(file, time, changed(file)) for file, time in frames.read_index(self.base)[::self.every]]
-        if listed[:len(self.files)] != self.files:
+        if listed[:len(self.files)] != self.files or (self.ready and self.ready[0] not in listed[len(self.files):][:1]):
             self.begin()
         table = view.read_table(self.csv_file)[0] if self.csv_file and os.path.exists(self.csv_file) else {}
-        for file, time, when in listed[len(self.files):]:
-            head, data = self.converter.frame(file, time)
+        for one in listed[len(self.files):]:
+            if not self.ready:
+                self.ready = one, *self.converter.frame(*one[:2])
+            _, head, data = self.ready
             view.add_table(head, table)
-            with open(self.path(len(self.heads)), "wb") as f:
-                f.write(data)
-            self.files.append((file, time, when))
+            done = 0
+            try:
+                while done < len(data):
+                    done += os.pwrite(self.store.fileno(), data[done:], self.places[-1] + done)
+            except OSError as error:
+                raise frames.Error(f"{one[0]} cannot be stored in {tempfile.gettempdir()} ({error.strerror}): make room there, or "
+                                   "serve with another folder in TMPDIR") from None
+            self.places.append(self.places[-1] + len(data))
+            self.files.append(one)
             self.heads.append(head)
+            self.ready = None
 
-    def path(self, k):
-        return os.path.join(self.folder.name, str(k))
+    def data(self, k):
+        return os.pread(self.store.fileno(), self.places[k + 1] - self.places[k], self.places[k])
 
 
 class Server(http.server.ThreadingHTTPServer):
     daemon_threads = True
+    request_queue_size = 128  # connections that wait for their turn
+
+    def get_request(self):
+        try:
+            return super().get_request()
+        except OSError:  # without a free descriptor the connection stays, and so does the reason to ask again
+            time.sleep(0.2)
+            raise
 
     def handle_error(self, request, address):
         if not isinstance(sys.exc_info()[1], OSError):  # a browser that closes a connection is no fault
@@ -80,7 +100,8 @@ def handler_of(source, token, whole_page):
             if code == 405:
                 self.send_header("Allow", "GET")
             self.end_headers()
-            self.wfile.write(body)
+            if self.command != "HEAD":
+                self.wfile.write(body)
 
         def do_GET(self):
             way = self.path.split("?")[0].split("/")[1:]
@@ -90,22 +111,21 @@ def handler_of(source, token, whole_page):
                 return self.answer(200, whole_page, "text/html; charset=utf-8")
             if len(way) == 3 and way[2].isascii() and way[2].isdigit() and len(way[2]) < 10:
                 with source.lock:  # not while it answers: a browser may read slowly, or not at all
-                    found = self.found(way[1], int(way[2]))
+                    try:
+                        found = self.found(way[1], int(way[2]))
+                    except (SystemExit, OSError, frames.Error) as error:
+                        found = 500, f"{error}\n".encode(errors="replace")
                 if found:
                     return self.answer(*found)
             self.answer(404, b"There is no such page.\n")
 
         def found(self, what, k):
             if what == "heads":
-                try:
-                    source.update()
-                except SystemExit as error:
-                    return 500, (str(error) + "\n").encode()
+                source.update()
                 more = {"heads": source.heads[k:], "series": source.series}
                 return 200, json.dumps(more, allow_nan=False).encode(), "application/json"
             if what == "frame" and k < len(source.heads):
-                with open(source.path(k), "rb") as f:
-                    return 200, f.read(), "application/octet-stream"
+                return 200, source.data(k), "application/octet-stream"
             return None
 
         def refuse(self):
@@ -126,17 +146,17 @@ def serve(o, base):
     before, between, end = page.parts(pathlib.Path(__file__).resolve().parent)
     whole = (before + page.three() + between + page.script_of("about", view.about(base, names, live=True)) + end).encode()
     token = secrets.token_urlsafe(16)
-    source = Source(base, o.every, o.csv)
+    try:
+        source = Source(base, o.every, o.csv)
+    except OSError as error:
+        sys.exit(f"view: no temporary file can be made ({error.strerror}): name another folder in TMPDIR")
     try:
         server = Server((o.bind, o.serve), handler_of(source, token, whole))
-    except OSError as error:
-        sys.exit(f"view: cannot serve at {o.bind}, port {o.serve}: {error.strerror}; name another port, or 0 for any")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the temporary folder is removed, too
+    except (OSError, UnicodeError) as error:
+        sys.exit(f"view: cannot serve at {o.bind}, port {o.serve}: {getattr(error, 'strerror', error)}; name another port, or 0 for any")
     print(f"http://{o.bind}:{server.server_port}/{token}/", flush=True)
     print("view: open that address; Ctrl-C ends the server", file=sys.stderr)
     try:
         server.serve_forever()
     except KeyboardInterrupt:
         pass
-    finally:
-        source.folder.cleanup()

@@ -26,6 +26,8 @@ def options():
     o = p.parse_args()
     if o.every < 1:
         p.error("--every takes 1 or more")
+    if not o.bind:
+        p.error("--bind takes an address of this machine; 0.0.0.0 stands for all of them")
     if o.serve is not None and o.html:
         p.error("--serve sends the page and writes no file: leave out --html")
     return o
@@ -33,12 +35,10 @@ def options():
 
 def read_table(file):
     """Lines of a time series by step, and their names."""
+    from talus.stored import read_text
     try:
-        with open(file, newline="", encoding="utf-8") as f:
-            text = f.read()
+        text = read_text(file)
         lines = list(csv.reader(text[:text.rfind("\n") + 1].splitlines()))  # the run may be writing the last line
-    except OSError as error:
-        sys.exit(f"view: {file} cannot be read: {error.strerror}")
     except (UnicodeDecodeError, csv.Error):
         lines = []
     if not lines or lines[0][:1] != ["step [1]"]:
@@ -143,11 +143,14 @@ def main():
     except ImportError as error:
         sys.exit(f"view: {error.name} is missing: install Debian's packages python3-h5py and python3-numpy")
     base = frames.series_of(o.output)
-    if o.serve is None:
-        write_page(o, base)
-    else:
-        import serve
-        serve.serve(o, base)
+    try:
+        if o.serve is None:
+            write_page(o, base)
+        else:
+            import serve
+            serve.serve(o, base)
+    except frames.Error as error:
+        sys.exit(f"view: {error}")
 
 
 if __name__ == "__main__":

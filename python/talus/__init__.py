@@ -13,6 +13,7 @@ import os
 from .checkpoint import MARK, Checkpoint
 from .errors import Error
 from .series import Frame, Series
+from .stored import require_regular
 from .tables import Table, results
 
 __all__ = ["Checkpoint", "Error", "Frame", "Series", "Table", "open"]
@@ -22,12 +23,9 @@ def open(path):
     """A file that talus wrote, by its content: a Series, a Frame, a Checkpoint, a dictionary of results, or a Table.
     `NAME` of --output stands for NAME.hdf.series. Raises Error."""
     path = os.fspath(path)
-    if not os.path.exists(path):
-        if os.path.exists(path + ".hdf.series"):
-            return Series(path + ".hdf.series")
-        raise Error(f"{path} does not exist")
-    if os.path.isdir(path):
-        raise Error(f"{path} is a folder: name a file in it")
+    if not os.path.exists(path) and os.path.exists(path + ".hdf.series"):
+        return Series(path + ".hdf.series")
+    require_regular(path)
     try:
         with builtins.open(path, "rb") as file:
             first = file.read(512)

@@ -1,60 +1,34 @@
 """Arrays of HDF5 files that are read when they are asked for."""
-import h5py
 import numpy as np
 
-from .errors import Error
+from .stored import Stored
 
 # Names of this package and of the files. Worlds of compiled scenarios use the same ones.
 BODIES = {"ids": "id", "velocities": "velocity", "angular_velocities": "angular_velocity", "radii": "radius",
           "masses": "mass", "materials": "material"}
 
 
-def open_hdf5(path, what):
-    """The file. Raises Error where it is missing, truncated, or something else."""
-    try:
-        return h5py.File(path, "r")
-    except FileNotFoundError:
-        raise Error(f"{path} does not exist") from None
-    except OSError as e:
-        reason = str(e)
-        if "truncated" in reason:
-            raise Error(f"{path} is truncated: copy it again, or let the run write it again") from None
-        if "signature" in reason:
-            raise Error(f"{path} is no {what}: it is no HDF5 file, or its beginning is damaged") from None
-        raise Error(f"{path} cannot be read: {reason}") from None
-
-
 class Columns:
     """The arrays of a group of a file, with rows in the order `order` (None: as stored). Each is read when it
-    is asked for, and kept."""
+    is asked for, and kept. `forms`: of those that have a certain form (Stored.array); `rows`: of all, if given."""
 
-    def __init__(self, path, what, group, order=None):
+    def __init__(self, path, what, group, order=None, forms={}, rows=None):
         self._path, self._what, self._group, self._order = str(path), what, group, order
+        self._forms, self._rows = forms, rows if order is None else len(order)
         self._read = {}
-        with open_hdf5(path, what) as file:
-            try:
-                if group not in file:
-                    raise Error(f"{path} is no {what}: it has no group {group}")
-                self._names = [name for name, item in file[group].items() if isinstance(item, h5py.Dataset)]
-            except (KeyError, OSError, RuntimeError) as e:
-                if isinstance(e, Error):
-                    raise
-                raise Error(f"{path} is damaged: {group} cannot be read: {e}") from None
+        with Stored(path, what) as file:
+            self._names = file.names(group)
 
-    def raw(self, dataset):
+    def raw(self, dataset, form=None):
         """An array of the file in the stored order."""
-        with open_hdf5(self._path, self._what) as file:
-            try:
-                return file[dataset][()]
-            except (OSError, KeyError) as e:
-                raise Error(f"{self._path} is damaged: {dataset} cannot be read: {e}") from None
+        with Stored(self._path, self._what) as file:
+            return file.array(dataset, form, self._rows)
 
     def __getitem__(self, name):
         if name not in self._names:
             raise KeyError(f"{self._path} has no {name}; there are {', '.join(self._names)}")
         if name not in self._read:
-            values = self.raw(f"{self._group}/{name}")
-            self._read[name] = values if self._order is None else values[self._order]
+            self._read[name] = self.ordered(self.raw(f"{self._group}/{name}", self._forms.get(name)))
         return self._read[name]
 
     def __contains__(self, name):

@@ -2,10 +2,12 @@
 import pathlib
 import struct
 
+import h5py
 import numpy as np
 
-from .arrays import Columns, by_id, open_hdf5
+from .arrays import Columns, by_id
 from .errors import Error
+from .stored import Stored, blaming, require_regular
 
 WHAT = "checkpoint of talus"
 MARK = b"talus checkpoint, HDF5 follows\n\0"
@@ -33,6 +35,7 @@ def checksum(data, place=0):
 def require_whole(path):
     """Raises Error unless the first block of the file is that of a checkpoint, undamaged, and the file has the
     length that the block tells."""
+    require_regular(path)
     try:
         with open(path, "rb") as file:
             head = file.read(56)
@@ -66,11 +69,8 @@ class Bodies(Columns):
              "orientations": "orientation", "ids": "id", "materials": "material"}
 
     def __init__(self, path, table):
-        with open_hdf5(path, WHAT) as file:
-            try:
-                order = by_id(file[f"{table}/id"][:].ravel())
-            except (KeyError, OSError) as e:
-                raise Error(f"{path} is damaged: {table}/id cannot be read: {e}") from None
+        with Stored(path, WHAT) as file:
+            order = by_id(file.array(f"{table}/id", "u"))
         super().__init__(path, WHAT, table, order)
         self._names = [n for n in self._names if n not in ("pieces", "boxes", "extra")]
         self.shape = table.rpartition("/")[2]
@@ -101,17 +101,15 @@ class Checkpoint:
     def __init__(self, path):
         require_whole(path)
         self.path = pathlib.Path(path)
-        with open_hdf5(path, WHAT) as file:
-            try:
-                self.step = int(file["run/steps"][()].ravel()[0])
-                self.time = float(file["run/time"][()].ravel()[0])
-                self.ranks = int(file["run/ranks"][()].ravel()[0])
-                self.policies = bytes(file["scenario/policies"][()]).decode()
-                tables = {kind: list(file.get(kind, ())) for kind in ("bodies", "globals")}
-            except (KeyError, OSError) as e:
-                raise Error(f"{path} is damaged: {e}") from None
-        self.bodies = {shape: Bodies(path, f"bodies/{shape}") for shape in tables["bodies"]}
-        self.globals = {shape: Bodies(path, f"globals/{shape}") for shape in tables["globals"]}
+        with Stored(path, WHAT) as file:
+            self.step = int(file.array("run/steps", "u", 1)[0])
+            self.time = float(file.array("run/time", "f", 1)[0])
+            self.ranks = int(file.array("run/ranks", "u", 1)[0])
+            with blaming(path, "scenario/policies"):
+                self.policies = bytes(file.array("scenario/policies", "u")).decode()
+            tables = {kind: file.names(kind, h5py.h5g.GroupID) for kind in ("bodies", "globals") if file.has(kind)}
+        self.bodies = {shape: Bodies(path, f"bodies/{shape}") for shape in tables.get("bodies", ())}
+        self.globals = {shape: Bodies(path, f"globals/{shape}") for shape in tables.get("globals", ())}
 
     @property
     def contacts(self):

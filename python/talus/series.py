@@ -1,15 +1,36 @@
 """Outputs: the files that --output wrote."""
 import collections.abc
 import json
+import math
 import pathlib
+import re
 
 import numpy as np
 
-from .arrays import BODIES, Columns, by_id, open_hdf5
+from .arrays import BODIES, Columns, by_id
 from .errors import Error
+from .stored import Stored, beside, read_text
 
 WHAT = "output of talus"
 SHAPES = ("sphere", "box", "capsule", "cylinder", "polyhedron", "mesh")
+# The forms of arrays (Stored.array); scenarios may add others of their own.
+FORMS = {**dict.fromkeys(("id", "shape", "fixed", "rank", "material", "part", "asleep"), "u"), "mass": "f", "radius": "f", "size": "f3",
+         "velocity": "f3", "angular_velocity": "f3", "orientation": "f4"}
+CONTACT_FORMS = {**dict.fromkeys(("id_a", "id_b", "rank"), "u"), **dict.fromkeys(("point", "normal", "force"), "f3"),
+                 "normal_force": "f", "tangential_force": "f"}
+
+
+def companion(path, kind):
+    """The path of the contacts or surfaces of the same step. Raises Error."""
+    return beside(path, re.sub(r"(_\d+)?(\.hdf)?$", rf"_{kind}\1\2", pathlib.Path(path).name, count=1))
+
+
+def shapes_of(file, rows):
+    """The numbers of the shapes of bodies. Raises Error."""
+    shapes = file.array("VTKHDF/PointData/shape", "u", rows)
+    if not np.isin(shapes, range(len(SHAPES))).all():
+        raise Error(f"{file.path} is damaged: VTKHDF/PointData/shape has numbers that no shape has")
+    return shapes
 
 
 class Frame:
@@ -21,16 +42,13 @@ class Frame:
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
-        with open_hdf5(path, WHAT) as file:
-            try:
-                self.step = int(file["VTKHDF/FieldData/step"][0])
-                self.time = float(file["VTKHDF/FieldData/time"][0])
-                order = by_id(file["VTKHDF/PointData/id"][:])
-            except KeyError:
-                raise Error(f"{path} is no {WHAT} with bodies: it lacks VTKHDF/PointData/id or its step") from None
-            except OSError as e:
-                raise Error(f"{path} is damaged: {e}") from None
-        self.bodies = Columns(path, WHAT, "VTKHDF/PointData", order)
+        with Stored(path, f"{WHAT} with bodies") as file:
+            self.step = int(file.array("VTKHDF/FieldData/step", "u", 1)[0])
+            self.time = float(file.array("VTKHDF/FieldData/time", "f", 1)[0])
+            order = by_id(file.array("VTKHDF/PointData/id", "u"))
+            shapes_of(file, len(order))
+            file.array("VTKHDF/PointData/fixed", "u", len(order))
+        self.bodies = Columns(path, WHAT, "VTKHDF/PointData", order, FORMS)
         self._contacts = self._positions = None
 
     def __len__(self):
@@ -39,7 +57,7 @@ class Frame:
     @property
     def positions(self):
         if self._positions is None:
-            self._positions = self.bodies.ordered(self.bodies.raw("VTKHDF/Points"))
+            self._positions = self.bodies.ordered(self.bodies.raw("VTKHDF/Points", "f3"))
         return self._positions
 
     @property
@@ -65,9 +83,10 @@ class Frame:
     def contacts(self):
         """id_a, id_b, point, normal, force, normal_force, tangential_force, rank, of each contact."""
         if self._contacts is None:
-            base, _, step = str(self.path).rpartition("_")
-            self._contacts = Columns(f"{base}_contacts_{step}" if base else
-                                     str(self.path).replace(".hdf", "_contacts.hdf"), WHAT, "VTKHDF/CellData")
+            path = companion(self.path, "contacts")
+            with Stored(path, WHAT) as file:
+                rows = len(file.array("VTKHDF/CellData/id_a", "u"))
+            self._contacts = Columns(path, WHAT, "VTKHDF/CellData", forms=CONTACT_FORMS, rows=rows)
         return self._contacts
 
     def __repr__(self):
@@ -80,19 +99,24 @@ class Series(collections.abc.Sequence):
     def __init__(self, path):
         self.path = pathlib.Path(path)
         try:
-            index = json.loads(self.path.read_text())
-        except OSError as e:
-            raise Error(f"{path} cannot be read: {e.strerror}") from None
-        except ValueError:
+            index = json.loads(read_text(path))
+        except (ValueError, RecursionError):
             raise Error(f"{path} is no index of an {WHAT}, or is truncated: it is no JSON") from None
         try:
             self._files = [(str(entry["name"]), float(entry["time"])) for entry in index["files"]]
-        except (TypeError, KeyError, ValueError):
+        except (TypeError, KeyError, ValueError, OverflowError):
             raise Error(f"{path} is no index of an {WHAT}: it lists no files with times") from None
+        if not all(math.isfinite(time) for _, time in self._files):
+            raise Error(f"{path} is damaged: it lists times that are not finite")
 
     @property
     def times(self):
         return np.array([time for _, time in self._files])
+
+    @property
+    def files(self):
+        """Paths and times of the frames. Raises Error."""
+        return [(beside(self.path, name), time) for name, time in self._files]
 
     def __len__(self):
         return len(self._files)
@@ -104,7 +128,7 @@ class Series(collections.abc.Sequence):
             name = self._files[index][0]
         except IndexError:
             raise IndexError(f"{self.path} has {len(self)} frames, and none of number {index}") from None
-        return Frame(self.path.parent / name)
+        return Frame(beside(self.path, name))
 
     def at(self, time):
         """The frame whose time is nearest."""

@@ -5,16 +5,14 @@ import json
 import numpy as np
 
 from .errors import Error
+from .stored import read_text
 
 
 def results(path):
     """The results that --json wrote, as a dictionary."""
     try:
-        with open(path) as file:
-            found = json.load(file)
-    except OSError as e:
-        raise Error(f"{path} cannot be read: {e.strerror}") from None
-    except ValueError:
+        found = json.loads(read_text(path))
+    except (ValueError, RecursionError):
         raise Error(f"{path} holds no results of talus, or is truncated: it is no JSON") from None
     if not isinstance(found, dict):
         raise Error(f"{path} holds no results of talus: it is JSON, but no object")
@@ -30,12 +28,9 @@ class Table:
     def __init__(self, path):
         self.path = str(path)
         try:
-            with open(path, newline="") as file:
-                text = file.read()
+            text = read_text(path)
             # Behind the last end of a line is one that the run is still writing, or that a kill has cut.
             rows = list(csv.reader(text[:text.rfind("\n") + 1].splitlines()))
-        except OSError as e:
-            raise Error(f"{path} cannot be read: {e.strerror}") from None
         except (csv.Error, UnicodeDecodeError):
             raise Error(f"{path} is no time series of talus: it is no CSV") from None
         if not rows or not rows[0] or rows[0][0].partition(" [")[0] != "step":

@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -11,10 +12,12 @@ import unittest
 
 ROOT, MODULES = sys.argv.pop(1), sys.argv.pop(1)
 sys.path[:0] = [str(pathlib.Path(ROOT) / "python"), MODULES]
+import h5py
 import numpy as np
 
 import mechanism
 import talus
+from talus import checkpoint
 
 
 class Read(unittest.TestCase):
@@ -126,6 +129,8 @@ class Read(unittest.TestCase):
         refused(cut(".json", 0.7, "cut.json"), "is truncated: it is no JSON")
         refused(cut(".hdf.series", 0.7, "cut.hdf.series"), "is truncated: it is no JSON")
         refused(cut(".h5", 0, "empty.h5"), "is empty")
+        os.mkfifo(self.work / "pipe.h5")
+        refused(self.work / "pipe.h5", "is a device, a pipe or a socket")
         odd = self.work / "notes.txt"
         odd.write_text("a thesis")
         refused(odd, "is nothing that talus writes")
@@ -133,6 +138,18 @@ class Read(unittest.TestCase):
         wrong[60] ^= 1
         (self.work / "wrong.h5").write_bytes(wrong)
         refused(self.work / "wrong.h5", "the checksum of its first block is wrong")
+        sent = self.work / "sent.h5"
+        shutil.copy(self.file(".h5"), sent)
+        with h5py.File(sent, "r+") as file:
+            del file["bodies/sphere/position"]
+            file["bodies/sphere"].create_dataset("position", (3, 3), "f8", external=[(str(self.file(".csv")), 0, 72)])
+        block = bytearray(sent.read_bytes()[:struct.unpack_from("<I", sent.read_bytes(), 36)[0]])
+        struct.pack_into("<Q", block, 40, sent.stat().st_size)
+        struct.pack_into("<Q", block, len(block) - 8, checkpoint.checksum(bytes(block[:-8])))
+        with open(sent, "r+b") as file:
+            file.write(block)
+        with self.assertRaisesRegex(talus.Error, "sent.h5: bodies/sphere/position is virtual, lies in another file"):
+            talus.open(sent).bodies["sphere"].positions
         (self.work / "list.json").write_text('{"ended_early": "exit(3) on rank 0"}')
         refused(self.work / "list.json", "of a run that ended early: exit(3)")
         shutil.copy(self.file("_contacts_0000000040.hdf"), self.work / "lines_0000000040.hdf")

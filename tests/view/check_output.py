@@ -64,7 +64,7 @@ def refusals(root):
     refused("lists no files", "empty")
     with open("broken.hdf.series", "w") as f:
         f.write("{")
-    refused("is not the index of an output", "broken")
+    refused("is no index of an output", "broken")
     refused("cannot be written", "two", "--html", "no/page.html")
     with open("mine.html", "w") as f:
         f.write("precious")

@@ -1,0 +1,183 @@
+#!/usr/bin/env python3
+"""Outputs that somebody has sent, damaged or made to harm: the package talus, ./dev view and its server refuse them in words.
+
+  foreign.py     ends with 77 without h5py"""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+try:
+    import h5py
+    import numpy as np
+except ImportError:
+    print("skipped: no h5py")
+    sys.exit(77)
+import talus
+from sent_output import BODIES, CONTACTS, COUNT, SURFACES, VIEW, Server, with_array, write_index, write_output
+
+SECRET = b"the diary of the reader, which belongs to nobody else " * 20
+
+
+def read_all(path):
+    for frame in talus.open(path):
+        for columns in (frame.bodies, frame.contacts):
+            for name in columns:
+                columns[name]
+        frame.positions, frame.shapes, frame.fixed, frame.orientations, repr(frame)
+
+
+class Foreign(unittest.TestCase):
+    def setUp(self):
+        made = tempfile.TemporaryDirectory()
+        self.addCleanup(made.cleanup)
+        self.outer = pathlib.Path(made.name)
+        self.folder = self.outer / "sent"
+        self.folder.mkdir()
+        (self.folder / "three.js").write_text("THREE")
+        (self.outer / "secret").write_bytes(SECRET)
+        write_output(self.folder)
+        self.server = Server(self.folder)
+        self.addCleanup(self.server.end)
+
+    def view(self, *words, code=None, **more):
+        told = subprocess.run([*VIEW, str(self.folder / "o"), *words], capture_output=True, text=True, timeout=20,
+                              env={**os.environ, "TALUS_THREE": str(self.folder / "three.js")}, **more)
+        self.assertNotIn("Traceback", told.stderr)
+        if code is not None:
+            self.assertEqual(told.returncode, code, told.stderr)
+        return told
+
+    def refused(self, words, reader=True):
+        """All three of them say so, and go on where they serve."""
+        if reader:
+            with self.assertRaises(talus.Error, msg=words) as told:
+                read_all(self.folder / "o")
+            self.assertIn(words, str(told.exception))
+        self.assertIn(words, self.view(code=1).stderr)
+        self.assertEqual([p.name for p in self.folder.glob("*.html*")], [])
+        code, said = self.server.ask()
+        self.assertEqual((code, words in said), (500, True), said)
+
+    def test_a_whole_output_is_read(self):
+        read_all(self.folder / "o")
+        self.view(code=0)
+        heads = json.loads(self.server.ask()[1])["heads"]
+        self.assertEqual((len(heads), heads[0]["bodies"], heads[0]["contacts_of"], len(heads[0]["forms"])), (1, COUNT, COUNT, COUNT))
+        self.assertEqual(self.server.ask("/frame/0")[0], 200)
+
+    def test_what_leads_to_other_files_is_refused(self):
+        other = self.outer / "other.hdf"
+        with h5py.File(other, "w") as f:
+            f["x"] = np.frombuffer(SECRET[:24 * COUNT], "f8").reshape(-1, 3)
+        layout = h5py.VirtualLayout((COUNT, 3), "f8")
+        layout[:] = h5py.VirtualSource(str(other), "x", (COUNT, 3))
+        ways = [lambda g, n: g.create_dataset(n, (COUNT, 3), "f8", external=[(str(self.outer / "secret"), 0, 24 * COUNT)]),
+                lambda g, n: g.__setitem__(n, h5py.ExternalLink(str(other), "x")),
+                lambda g, n: g.__setitem__(n, h5py.SoftLink("/VTKHDF")),
+                lambda g, n: g.create_virtual_dataset(n, layout)]
+        for file, name, reader in [(BODIES, "VTKHDF/Points", True), (BODIES, "VTKHDF/PointData/velocity", True),
+                                   (CONTACTS, "VTKHDF/CellData/force", True), (SURFACES, "VTKHDF/Points", False)]:
+            for way in ways:
+                write_output(self.folder)
+                with_array(self.folder / file, name, way)
+                self.refused(f"{file}: {name} ", reader)
+
+    def test_names_that_lead_out_of_the_folder_are_refused(self):
+        for name in ("../sent/" + BODIES, str(self.folder / BODIES), "", ".", "..", "a\0b", "a\x1bb", "\ud800"):
+            write_index(self.folder, name)
+            self.refused(f"names {name!r}")
+        for file in (BODIES, CONTACTS, SURFACES):
+            write_output(self.folder)
+            (self.folder / file).rename(self.outer / file)
+            (self.folder / file).symlink_to(self.outer / file)
+            self.refused(f"{file} is a symbolic link", file != SURFACES)
+            (self.folder / file).unlink()
+
+    def test_pipes_and_devices_are_refused(self):
+        for file in (BODIES, CONTACTS, SURFACES, "o.hdf.series"):
+            write_output(self.folder)
+            (self.folder / file).unlink()
+            os.mkfifo(self.folder / file)
+            self.refused(f"{file} is a device, a pipe or a socket", file != SURFACES)
+            (self.folder / file).unlink()
+        write_output(self.folder)
+        self.assertIn("is a device", self.view("--csv", "/dev/zero", code=1).stderr)
+        for path in ("/dev/zero", "/dev/null"):
+            with self.assertRaisesRegex(talus.Error, "is a device"):
+                talus.open(path)
+
+    def test_sizes_are_those_of_the_file(self):
+        huge = lambda g, n: g.create_dataset(n, (1 << 50, 3), "f8", chunks=(1024, 3))
+        late = lambda g, n: g.create_dataset(n, (1 << 26, 3), "f8")
+        for way in (huge, late):
+            write_output(self.folder)
+            with_array(self.folder / BODIES, "VTKHDF/Points", way)
+            self.refused(f"{BODIES}")
+
+    def test_other_types_and_shapes_are_refused(self):
+        text = h5py.string_dtype()
+        for file, name, values in [
+                (BODIES, "VTKHDF/PointData/id", np.arange(1.0 * COUNT)), (BODIES, "VTKHDF/PointData/shape", np.full(COUNT, 77, "u1")),
+                (BODIES, "VTKHDF/PointData/fixed", np.zeros(COUNT - 1, "u1")), (BODIES, "VTKHDF/Points", np.zeros((COUNT, 2))),
+                (BODIES, "VTKHDF/Points", 1.0), (BODIES, "VTKHDF/PointData/velocity", np.zeros((COUNT, 3, 3))),
+                (BODIES, "VTKHDF/FieldData/step", np.zeros(0, int)), (BODIES, "VTKHDF/PointData/size", np.zeros((COUNT, 3), "c16")),
+                (BODIES, "VTKHDF/PointData/mass", np.array(["x"] * COUNT, dtype=text)),
+                (CONTACTS, "VTKHDF/CellData/id_b", np.zeros(COUNT + 1, "u8")), (CONTACTS, "VTKHDF/CellData/force", np.zeros(COUNT)),
+                (SURFACES, "VTKHDF/Connectivity", np.full(3 * COUNT, 99)), (SURFACES, "VTKHDF/Offsets", np.zeros(2, int)),
+                (SURFACES, "VTKHDF/Offsets", np.array([0, 24] * (COUNT // 2) + [24]))]:
+            write_output(self.folder)
+            with_array(self.folder / file, name, lambda g, n: g.__setitem__(n, values))
+            with self.subTest(file=file, name=name):
+                self.refused(name.rpartition("/")[2], file != SURFACES)
+        for index in ("[" * 100000, "1", '{"files": [1]}', '{"files": [{"name": "o", "time": 1e999}]}',
+                      f'{{"files": [{{"name": "o", "time": {"9" * 400}}}]}}', "\xff"):
+            (self.folder / "o.hdf.series").write_text(index, encoding="latin-1")
+            self.refused("o.hdf.series is ")
+
+    def test_numbers_without_a_square_make_a_page(self):
+        for name in ("VTKHDF/Points", "VTKHDF/PointData/velocity", "VTKHDF/PointData/size"):
+            for value in (1e300, np.nan, -np.inf):
+                with_array(self.folder / BODIES, name, lambda g, n: g.__setitem__(n, np.full((COUNT, 3), value)))
+                self.view(code=0)
+            write_output(self.folder)
+        with_array(self.folder / CONTACTS, "VTKHDF/CellData/normal_force", lambda g, n: g.__setitem__(n, np.full(COUNT, np.nan)))
+        self.view(code=0)
+
+    def test_random_damage_ends_in_a_sentence_and_in_time(self):
+        random = np.random.default_rng(7)
+        damaged = 0
+        for k in range(60):
+            write_output(self.folder)
+            file = self.folder / (BODIES, CONTACTS, SURFACES)[k % 3]
+            data = bytearray(file.read_bytes())
+            if k % 5 == 0:
+                data = data[:random.integers(len(data))]
+            else:
+                for place in random.integers(len(data), size=random.integers(1, 30)):
+                    data[place] = random.integers(256)
+            file.write_bytes(data)
+            child = os.fork()
+            if child == 0:  # HDF5 itself may end the process
+                signal.alarm(20)
+                code = 1
+                try:
+                    read_all(self.folder / "o")
+                    code = 0
+                except talus.Error:
+                    code = 0
+                finally:
+                    os._exit(code)
+            self.assertEqual(os.waitpid(child, 0)[1], 0, f"damage {k}")
+            if k % 4 == 0:
+                damaged += self.view("--html", str(self.folder / "page.html")).returncode
+        self.assertGreater(damaged, 5)
+
+
+if __name__ == "__main__":
+    unittest.main()
