@@ -12,7 +12,7 @@ from .errors import Error
 from .stored import Stored, beside, read_text
 
 WHAT = "output of talus"
-SHAPES = ("sphere", "box", "capsule", "cylinder", "polyhedron", "mesh")
+SHAPES = ("sphere", "box", "capsule", "cylinder", "polyhedron", "mesh", "own")
 # The forms of arrays (Stored.array); scenarios may add others of their own.
 FORMS = {**dict.fromkeys(("id", "shape", "fixed", "rank", "material", "part", "asleep"), "u"), "mass": "f", "radius": "f", "size": "f3",
          "velocity": "f3", "angular_velocity": "f3", "orientation": "f4"}

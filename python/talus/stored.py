@@ -123,7 +123,7 @@ class Stored:
             how = found.get_create_plist()
             if how.get_layout() != h5py.h5d.CONTIGUOUS or how.get_external_count():
                 raise Error(f"{self.path}: {name} is virtual, lies in another file, or was packed by another program: "
-                            f"a {self.what} has its arrays unpacked within the file (h5repack -l CONTI -f NONE)")
+                            "talus has its arrays unpacked within the file (h5repack -l CONTI -f NONE)")
             kind, shape, size = found.dtype, found.shape, os.path.getsize(self.path)
             if kind.kind not in KINDS.get(form and form[0], "iuf") or len(shape) not in (1, 2) or \
                     (form and shape[1:] != tuple(map(int, form[1:]))):

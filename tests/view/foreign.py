@@ -71,6 +71,10 @@ class Foreign(unittest.TestCase):
         self.assertEqual((len(heads), heads[0]["bodies"], heads[0]["contacts_of"], len(heads[0]["forms"])), (1, COUNT, COUNT, COUNT))
         self.assertEqual(self.server.ask("/frame/0")[0], 200)
 
+    def test_shapes_of_ones_own_have_a_number_too(self):
+        with_array(self.folder / BODIES, "VTKHDF/PointData/shape", lambda g, n: g.__setitem__(n, np.full(COUNT, 6, "u1")))
+        self.assertEqual(set(talus.open(self.folder / "o")[0].shapes), {"own"})
+
     def test_what_leads_to_other_files_is_refused(self):
         other = self.outer / "other.hdf"
         with h5py.File(other, "w") as f:
