@@ -94,15 +94,17 @@ class Converter:
         if len(ends) != len(ids) + 1 or ends[0] < 0 or (ends[1:] < ends[:-1]).any() or ends[-1] > len(corners) or \
                 not ((0 <= corners) & (corners < len(points))).all():
             raise Error(f"{file} is damaged: VTKHDF/Offsets and VTKHDF/Connectivity do not belong to {len(ids)} faces of {len(points)} points")
-        added = []
+        faces = np.flatnonzero(np.isin(shapes, (POLYHEDRON, MESH)))
+        faces = faces[np.argsort(ids[faces], kind="stable")]
+        owners, added = ids[faces], []
         for body in wanted:
             whole = (int(body["id"]), -1)
             if whole in self.forms_of:  # faces of a union belong to its first part that has some
                 self.forms_of[body["part_key"]] = -2
                 continue
-            cells = np.flatnonzero((ids == body["id"]) & np.isin(shapes, (POLYHEDRON, MESH)))
+            first, last = np.searchsorted(owners, body["id"]), np.searchsorted(owners, body["id"], "right")
             triangles = []
-            for c in cells:
+            for c in faces[first:last]:
                 face = corners[ends[c]:ends[c + 1]]
                 triangles += [(face[0], face[k], face[k + 1]) for k in range(1, len(face) - 1)]
             if not triangles:

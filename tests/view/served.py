@@ -16,7 +16,7 @@ import sys
 import unittest
 
 try:
-    from sent_output import BODIES, VIEW, Server, write_index, write_output
+    from sent_output import BODIES, VIEW, Server, write_output
 except ImportError:
     print("skipped: no h5py")
     sys.exit(77)
