@@ -98,7 +98,7 @@ def draw(folder, runs, wanted=()):
     rows = [row for row in rows if row["status"] == "done"]
     panels = [v for v in varied if v != "seed"] or varied
     folder.mkdir(exist_ok=True)
-    for old in folder.glob("*.svg"):
+    for old in (*folder.glob("*.svg"), *folder.glob("*.svg.*.new")):
         old.unlink()
     drawn = []
     for name in chosen(names, rows, wanted):
