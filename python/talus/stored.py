@@ -111,7 +111,11 @@ class Stored:
             names = []
             # In this order HDF5 makes no table of the names: where it cannot be made, HDF5 1.10 ends the process.
             found.links.iterate(names.append, order=h5py.h5.ITER_NATIVE)
-            return [n for n in sorted(n.decode() for n in names) if isinstance(self._find(f"{group}/{n}"), kind)]
+            names = sorted(name.decode() for name in names)
+            for name in names:
+                if not name.isprintable():  # it would command the terminal that shows it
+                    raise Error(f"{self.path} is damaged: {group} has the name {name!r}")
+            return [name for name in names if isinstance(self._find(f"{group}/{name}"), kind)]
 
     def array(self, name, form=None, rows=None):
         """An array, of a form such as "u" or "f3" (columns of whole numbers, three of floating point) and a number of rows, if

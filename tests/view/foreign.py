@@ -103,6 +103,10 @@ class Foreign(unittest.TestCase):
             self.refused(f"{file} is a symbolic link", file != SURFACES)
             (self.folder / file).unlink()
 
+    def test_names_that_command_a_terminal_are_refused(self):
+        with_array(self.folder / BODIES, "VTKHDF/PointData/a\x1b[2Jb", lambda g, n: g.__setitem__(n, h5py.SoftLink("/VTKHDF")))
+        self.refused("VTKHDF/PointData has the name 'a\\x1b[2Jb'")
+
     def test_pipes_and_devices_are_refused(self):
         for file in (BODIES, CONTACTS, SURFACES, "o.hdf.series"):
             write_output(self.folder)
