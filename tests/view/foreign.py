@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
 try:
@@ -72,8 +73,14 @@ class Foreign(unittest.TestCase):
         self.assertEqual(self.server.ask("/frame/0")[0], 200)
 
     def test_shapes_of_ones_own_have_a_number_too(self):
-        with_array(self.folder / BODIES, "VTKHDF/PointData/shape", lambda g, n: g.__setitem__(n, np.full(COUNT, 6, "u1")))
+        for file, name in (BODIES, "VTKHDF/PointData/shape"), (SURFACES, "VTKHDF/CellData/shape"):
+            with_array(self.folder / file, name, lambda g, n: g.__setitem__(n, np.full(COUNT, 6, "u1")))
         self.assertEqual(set(talus.open(self.folder / "o")[0].shapes), {"own"})
+        head = json.loads(self.server.ask()[1])["heads"][0]
+        self.assertEqual(len(head["forms"]), COUNT)
+        with urllib.request.urlopen(f"http://{self.server.host}/{self.server.token}/frame/0") as answer:
+            begin = head["blocks"]["new_shape"][1]
+            self.assertEqual(set(answer.read()[begin:begin + COUNT]), {4})
 
     def test_what_leads_to_other_files_is_refused(self):
         other = self.outer / "other.hdf"
