@@ -86,7 +86,8 @@ template <class Law, bool Divided, class Fall>
         c.target_velocity =
             std::max(c.target_velocity,
                      Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
-  if constexpr (Law::restitution && !Divided) {
+  // Without correction, an overlap that a strike leaves would stay.
+  if constexpr (Law::restitution && Law::correction && !Divided) {
     c.restitution = pair.restitution, c.limit = by_gap.target_velocity;
     c.slowest = slowest_impact(c.limit, c.restitution, gravity, dt);
   }

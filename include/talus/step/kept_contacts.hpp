@@ -57,8 +57,9 @@ template <class Scenario, class List>
 
 template <class Scenario>
 class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
-  static constexpr bool strikes =
-      world_state<Scenario>::law::restitution && !uses_substeps<typename Scenario::solver>;
+  static constexpr bool strikes = world_state<Scenario>::law::restitution &&
+                                  world_state<Scenario>::law::correction &&
+                                  !uses_substeps<typename Scenario::solver>;
 
   using base = shape_pairs<Scenario, sphere, sphere, partner::moving>;
   using base::s_, base::a_, base::first_a_;
