@@ -190,8 +190,9 @@ template <class State>
 }
 
 /// Writes the rows of a joint of the bodies a and b. They begin with the impulses of the last step,
-/// but not where a joint is torn apart by more than its arm: its rows are others then, and larger,
-/// and such impulses would leave the round-off of velocities far above all others.
+/// but not where a joint is torn apart by more than its arm, or turned by more than a radian: its
+/// rows are others then, those of a rod far larger, and such impulses would leave the round-off of
+/// velocities far above all others.
 template <class Scenario, class Row, class Record>
 void place_rows(const world_state<Scenario>& s, Row& c, Record& r, const joint_end& a,
                 const joint_end& b) {
