@@ -19,9 +19,9 @@ using namespace talus::detail;
 
 namespace {
 
-using rough = rows_of_contact<true, false>;
-using smooth = rows_of_contact<false, false>;
-using biased = rows_of_contact<true, true>;
+using rough = rows_of_contact<true, false, true>;
+using smooth = rows_of_contact<false, false, true>;
+using biased = rows_of_contact<true, true, true>;
 
 constexpr int bodies = 4;
 

@@ -103,6 +103,20 @@ TEST_CASE("an impact rebounds from more than twice what gravity adds in a step")
             .target_velocity == 0);
 }
 
+// What an impact needs that strikes a contact within the step; solvers with substeps need none.
+TEST_CASE("with restitution, contacts know it and the limit by their gap") {
+  const pair_material bouncy{.restitution = 0.5, .friction = 0, .dynamic_friction = 0};
+  const real gap = 3 * g * dt * dt;
+  for (const real un : {0.0, 3 * g * dt, -30 * g * dt}) {
+    CHECK(ask(bouncy, {0, 0, un}, gap).restitution == 0.5);
+    CHECK(ask(bouncy, {0, 0, un}, gap).limit == doctest::Approx(-gap / dt));
+    CHECK(ask(bouncy, {0, 0, un}).limit == 0);
+  }
+  const auto divided = conditions_of<law, true>(
+      bouncy, up, {0, 0, 0}, gap, dt, g, [] { return real(g); }, 1e-6, 0.2);
+  CHECK(divided.restitution == 0);
+}
+
 TEST_CASE("a rebound has e^2 of the energy of the impact, less that of half a step of fall") {
   // Stored velocities are those of half a step before: 3 in the store is 3.05 at the surface.
   const real e = 0.7, stored = 3, at_surface = stored + g * dt / 2;

@@ -19,12 +19,12 @@ struct sent {
 
 /// A settled layer of spheres on a plane, 3 x 3 of them for each of n x n ranks: the messages of
 /// the busiest rank in one step.
-sent busiest_rank(int n) {
+sent busiest_rank(int n, real restitution = 0, real speed = 1) {
   sent result;
   threads::launch({.ranks = n * n}, [&](threads::link& link) {
     const double size = 3.0 * n;
     world<layer> w(link, grid<dynamic, dynamic>{.lower = {0, 0}, .upper = {size, size}});
-    const auto stuff = w.material({.friction = 0.4});
+    const auto stuff = w.material({.restitution = restitution, .friction = 0.4});
     w.gravity({0, 0, -9.81});
     w.global([&](auto& scope) { scope.add(plane{}, stuff); });
     w.fill(simple_cubic{.spacing = 1, .origin = {0.5, 0.5, 0.5}} &
@@ -33,7 +33,7 @@ sent busiest_rank(int n) {
              return body{.shape = sphere{0.5},
                          .position = s.position,
                          .material = stuff,
-                         .velocity = random.uniform(vec3(-1, -1, 0), vec3(1, 1, 0))};
+                         .velocity = speed * random.uniform(vec3(-1, -1, 0), vec3(1, 1, 0))};
            });
     for (int k = 0; k < 20; ++k) w.step(0.005);
     const auto& s = w.step_messages();
@@ -64,4 +64,13 @@ TEST_CASE("a step needs one message per neighbour and iteration, and few besides
   const auto per_neighbour =
       static_cast<std::uint64_t>(s.iterations + s.correction_iterations - 1 + 3);
   CHECK(busiest_rank(3).messages <= 8 * per_neighbour);
+}
+
+TEST_CASE("restitution needs one further message per neighbour, and no global call") {
+  for (const real speed : {0.0, 5.0}) {
+    CAPTURE(speed);
+    const auto plastic = busiest_rank(3, 0, speed), elastic = busiest_rank(3, 0.9, speed);
+    CHECK(elastic.collectives == 0);
+    CHECK(elastic.messages <= plastic.messages + 8);
+  }
 }

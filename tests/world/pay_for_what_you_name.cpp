@@ -91,6 +91,8 @@ using smooth = isotropic_contact<hard_contact<>, partner::moving>;
 static_assert(tangential<rough> && !tangential<smooth>);
 static_assert(sizeof(smooth::change) == sizeof(real));
 static_assert(sizeof(smooth) == sizeof(rough) - sizeof(tangential_rows<real, coulomb_friction>));
+using bouncy = isotropic_contact<hard_contact<newton_restitution>, partner::moving>;
+static_assert(may_rebound<bouncy> && !may_rebound<smooth> && !may_rebound<rough>);
 using rough_box =
     general_contact<hard_contact<coulomb_friction>, contact_side::tensor, contact_side::scalar>;
 using smooth_box = general_contact<hard_contact<>, contact_side::tensor, contact_side::scalar>;

@@ -103,6 +103,8 @@ class material_table {
     return {0.5 * (x.restitution + y.restitution), 0.5 * (x.friction + y.friction),
             0.5 * (x.dynamic_friction + y.dynamic_friction)};
   }
+  /// Whether any two materials may rebound.
+  [[nodiscard]] bool rebounds() const { return rebounds_; }
   /// The pairs that have properties of their own.
   [[nodiscard]] const detail::pair_table<pair_material>& own_pairs() const { return pairs_; }
   /// Number of materials.
@@ -130,6 +132,7 @@ class material_table {
   detail::plain_vector<contribution> means_;  ///< of each material
   detail::pair_table<pair_material> pairs_;   ///< those that were set; no value is missing
   std::uint64_t revision_ = 0;
+  bool rebounds_ = false;
 };
 
 }  // namespace talus

@@ -13,6 +13,7 @@ TALUS_INLINE material_id material_table::add(const material& m) {
     detail::fail<std::invalid_argument>("a world holds at most 65535 materials; reuse them");
   materials_.push_back(m);
   means_.push_back({m.restitution, m.friction, m.sliding_friction(), 0});
+  rebounds_ = rebounds_ || m.restitution > 0;
   ++revision_;
   return material_id{static_cast<std::uint16_t>(materials_.size() - 1)};
 }
@@ -27,6 +28,7 @@ TALUS_INLINE void material_table::set_pair(material_id a, material_id b, const p
   require_known(a);
   require_known(b);
   pairs_.set(number(a), number(b), all);
+  rebounds_ = rebounds_ || p.restitution > 0;
   means_[index(a)].has_pairs = means_[index(b)].has_pairs = 1;
   ++revision_;
 }

@@ -2,6 +2,7 @@
 // Interior contacts that are solved one by one, in a row.
 #include <cstddef>
 
+#include "talus/constraint/impact_terms.hpp"
 #include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
@@ -37,16 +38,22 @@ class contact_row {
   void apply(state& s) const {
     for (const Contact& c : contacts_) c.apply(s, c.impulse_in_frame());
   }
+  /// Adds the impulses that are held to the others.
+  void end_impacts() {
+    if constexpr (may_rebound<Contact>)
+      for (Contact& c : contacts_) c.set(c.impulse_in_frame() + c.held);
+  }
   void forward(state& s) {
-    in_streams([&](Contact& c) { c.apply(s, c.relax(s)); });
+    in_streams([&](Contact& c) { meet_impacts(c, s), c.apply(s, c.relax(s)); });
   }
   void backward(state& s) {
-    in_streams_backward([&](Contact& c) { c.apply(s, c.relax(s)); });
+    in_streams_backward([&](Contact& c) { meet_impacts(c, s), c.apply(s, c.relax(s)); });
   }
   /// As backward; note(number, change of velocity) for those that change by more than `speed`.
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
     in_streams_backward([&](Contact& c) {
+      meet_impacts(c, s);
       const auto d = c.relax(s);
       c.apply(s, d);
       const real change = c.speed_of(d);

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "talus/constraint/contact_bias.hpp"
+#include "talus/constraint/contact_impact.hpp"
 #include "talus/constraint/contact_manifold.hpp"
 #include "talus/constraint/coulomb_block.hpp"
 #include "talus/constraint/frame_around.hpp"
@@ -105,7 +106,11 @@ struct local_problem<frictionless> {
 /// the Coulomb cone; without friction the frame is the normal alone. Velocities are those of a
 /// relative to b, impulses act on a.
 template <class Law, contact_side A, contact_side B, class Real = real>
-struct general_contact : local_problem<typename Law::cone>, contact_bias<has_bias<Law>> {
+struct general_contact
+    : local_problem<typename Law::cone>,
+      contact_bias<has_bias<Law>>,
+      contact_impact<real, typename local_problem<typename Law::cone>::impulse_type,
+                     Law::restitution> {
   using cone = typename Law::cone;
   using state = solver_state_of<Real>;  ///< velocities are Reals, all else is real
   static constexpr bool paired = B != contact_side::immovable;

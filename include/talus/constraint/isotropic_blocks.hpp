@@ -9,6 +9,7 @@
 #include <span>
 
 #include "talus/constraint/block_planner.hpp"
+#include "talus/constraint/impact_terms.hpp"
 #include "talus/constraint/isotropic_rows.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
@@ -80,6 +81,12 @@ struct isotropic_block
     velocities.write();
     return d.dot(d) / (this->inverse_wn * this->inverse_wn);
   }
+  /// The normal velocities.
+  [[nodiscard]] wide approach(state& s) const {
+    auto velocities = velocities_of_bodies(s);
+    velocities.read();
+    return detail::dot(this->normal, velocities.relative());
+  }
   void relax_correction(const wide& rate, wide& impulse, state& s) const {
     auto shifts = of_bodies([&s](std::int32_t i) {
       auto& shift = s.shift[static_cast<std::size_t>(i)];
@@ -120,13 +127,22 @@ struct isotropic_correction {
   Wide rate, impulse;
 };
 
+/// Additional data of contacts that may rebound; see impact_terms.hpp.
+template <class Wide, class Cone>
+struct isotropic_impact {
+  Wide restitution{}, limit{}, slowest{};
+  isotropic_impulse<Wide, Cone> held;
+};
+
 /// New data of up to eight contacts between the same bodies as before, for
 /// isotropic_blocks::renew().
 struct renewed_contacts {
   using wide = wide_pack<real>;
   pack_vector<wide> normal;
   wide arm_a, arm_b, target_velocity, correction_rate, friction;
-  bool slides = false;  ///< whether `friction` has changed
+  wide restitution, limit, slowest;
+  bool rebounds = false;  ///< whether these three are set
+  bool slides = false;    ///< whether `friction` has changed
   static constexpr int lanes = lanes_of<wide>;
 };
 
@@ -139,6 +155,7 @@ class isotropic_blocks {
   using state = typename Contact::state;
   using wide = wide_pack<number>;
   using correction = isotropic_correction<wide>;
+  using impact = isotropic_impact<wide, typename Contact::cone>;
   static constexpr bool paired = Contact::paired;
   static constexpr int lanes = lanes_of<wide>;
   using block = isotropic_block<Contact>;
@@ -181,6 +198,7 @@ class isotropic_blocks {
       wide arm_a{}, arm_b{};
       correction& c = corrections_[at];
       c = correction{}, x.target_velocity = wide{};
+      if (!impacts_.empty()) impacts_[at] = impact{};
       for (int first = 0; first < filled; first += part) {
         const int count = std::min(filled - first, part);
         if (!renewed(x.a + first, x.b + first, count, next)) return false;
@@ -190,6 +208,11 @@ class isotropic_blocks {
         put(normal.x, next.normal.x), put(normal.y, next.normal.y), put(normal.z, next.normal.z);
         put(arm_a, next.arm_a), put(arm_b, next.arm_b);
         put(x.target_velocity, next.target_velocity), put(c.rate, next.correction_rate);
+        if (next.rebounds) {
+          hold_impacts();
+          put(impacts_[at].restitution, next.restitution), put(impacts_[at].limit, next.limit);
+          put(impacts_[at].slowest, next.slowest);
+        }
         if constexpr (requires { x.friction; })
           if (next.slides) put(x.friction, next.friction);
       }
@@ -214,7 +237,7 @@ class isotropic_blocks {
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + corrections_.capacity() * sizeof(correction) +
-           overflow_.capacity() * sizeof(Contact) +
+           impacts_.capacity() * sizeof(impact) + overflow_.capacity() * sizeof(Contact) +
            (slots_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + plan_.bytes();
   }
   [[nodiscard]] Contact operator[](std::size_t i) const {
@@ -293,25 +316,35 @@ class isotropic_blocks {
     for (const block& x : used()) x.apply(s);
     for (const Contact& c : overflow_) c.apply(s, c.impulse_in_frame());
   }
+  /// Adds the impulses that are held to the others.
+  void end_impacts() {
+    for (std::size_t at = 0; at < used_ && !impacts_.empty(); ++at)
+      blocks_[at].set(blocks_[at].impulse_in_frame() + impacts_[at].held);
+    if constexpr (may_rebound<Contact>)
+      for (Contact& c : overflow_) c.set(c.impulse_in_frame() + c.held);
+  }
   void forward(state& s) {
-    for (block& x : used()) x.relax(s);
-    for (Contact& c : overflow_) c.apply(s, c.relax(s));
+    for (std::size_t k = 0; k < used_; ++k) meet_impacts(k, s), blocks_[k].relax(s);
+    for (Contact& c : overflow_) detail::meet_impacts(c, s), c.apply(s, c.relax(s));
   }
   void backward(state& s) {
-    for (std::size_t k = overflow_.size(); k-- > 0;) overflow_[k].apply(s, overflow_[k].relax(s));
-    for (std::size_t k = used_; k-- > 0;) blocks_[k].relax(s);
+    for (std::size_t k = overflow_.size(); k-- > 0;)
+      detail::meet_impacts(overflow_[k], s), overflow_[k].apply(s, overflow_[k].relax(s));
+    for (std::size_t k = used_; k-- > 0;) meet_impacts(k, s), blocks_[k].relax(s);
   }
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
     const std::size_t places = used_ * lanes;
     find_numbers();
     for (std::size_t k = overflow_.size(); k-- > 0;) {
+      detail::meet_impacts(overflow_[k], s);
       const auto d = overflow_[k].relax(s);
       overflow_[k].apply(s, d);
       if (const real change = overflow_[k].speed_of(d); change > speed)
         note(number_[places + k], change);
     }
     for (std::size_t k = used_; k-- > 0;) {
+      meet_impacts(k, s);
       const wide change = blocks_[k].relax(s);
       for (std::size_t l = lanes; l-- > 0;)
         if (change[l] > speed * speed) note(number_[k * lanes + l], std::sqrt(change[l]));
@@ -331,6 +364,30 @@ class isotropic_blocks {
   [[nodiscard]] std::span<block> used() { return {blocks_.data(), used_}; }
   [[nodiscard]] std::span<const block> used() const { return {blocks_.data(), used_}; }
 
+  /// The stage of the sweep for the contacts of a block; see impact_terms.hpp.
+  [[gnu::always_inline]] void meet_impacts(std::size_t at, state& s) {
+    if constexpr (may_rebound<Contact>)
+      if (s.stage != impact_stage::none && !impacts_.empty()) meet_impacts_of(at, s);
+  }
+  void meet_impacts_of(std::size_t at, state& s) {
+    const impact& x = impacts_[at];
+    const block& c = blocks_[at];
+    auto meets = x.restitution > wide{};
+    if (bits_of(meets) == 0) return;
+    const wide least = x.slowest, approach = c.approach(s);
+    if (s.stage == impact_stage::release)
+      meets = meets & (x.limit < wide{}) & ((approach - least) * c.inverse_wn < c.rn);
+    else
+      meets = meets &
+              (((approach < least) & (c.rn == wide{})) | inverted(c.target_velocity == x.limit));
+    for (unsigned left = bits_of(meets); left != 0; left &= left - 1) {
+      const auto l = static_cast<std::size_t>(std::countr_zero(left));
+      Contact of_lane = get(at, l);
+      detail::meet_impacts(of_lane, s);
+      put(at, l, of_lane);
+    }
+  }
+
   /// Slot of a contact that is added, in a block that has begun; or -1 if it is added to the
   /// overflow.
   [[nodiscard]] [[gnu::always_inline]] inline std::int64_t next_slot(const Contact& c, bool a_moves,
@@ -346,7 +403,10 @@ class isotropic_blocks {
     slots_.push_back(static_cast<std::uint32_t>(slot));
     const auto at = static_cast<std::size_t>(slot) / lanes;
     for (; used_ <= at; ++used_) {
-      if (used_ == blocks_.size()) blocks_.emplace_back(), corrections_.emplace_back();
+      if (used_ == blocks_.size()) {
+        blocks_.emplace_back(), corrections_.emplace_back();
+        if (!impacts_.empty()) impacts_.emplace_back(impact{});
+      }
       make_empty(used_, c);
     }
     if (slot % lanes == 0) make_empty(at, c);  // blocks do not begin in their order
@@ -368,6 +428,13 @@ class isotropic_blocks {
     c.renew(in_scalar<number>(lane(next.normal, l)), of_lane(next.arm_a), of_lane(next.arm_b));
     c.target_velocity = of_lane(next.target_velocity);
     c.correction_rate = of_lane(next.correction_rate), c.correction_impulse = 0;
+    if constexpr (may_rebound<Contact>) {
+      if (next.rebounds) {
+        c.restitution = of_lane(next.restitution), c.limit = of_lane(next.limit);
+        c.slowest = of_lane(next.slowest);
+      }
+      c.held = {};
+    }
     if constexpr (requires { c.friction; })
       if (next.slides) c.friction = of_lane(next.friction);
   }
@@ -387,31 +454,53 @@ class isotropic_blocks {
     x = block{};
     x.normal = {zero, zero, zero};
     corrections_[at] = {zero, zero};
+    if (!impacts_.empty()) impacts_[at] = impact{};
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
   void put(std::size_t at, std::size_t l, const Contact& c) {
     block& x = blocks_[at];
     x.put(l, c);
+    x.a[l] = c.a, x.b[l] = c.b;
     if constexpr (Contact::biased) put_lane(x.bias, l, in_scalar<number>(c.bias));
     corrections_[at].rate[l] = c.correction_rate;
     corrections_[at].impulse[l] = c.correction_impulse;
-    x.a[l] = c.a, x.b[l] = c.b;
+    if constexpr (may_rebound<Contact>) {
+      if (c.restitution > 0) hold_impacts();
+      if (!impacts_.empty()) {
+        impact& y = impacts_[at];
+        y.restitution[l] = c.restitution, y.limit[l] = c.limit, y.slowest[l] = c.slowest;
+        y.held.n[l] = c.held.n;
+        if constexpr (requires { y.held.t; }) put_lane(y.held.t, l, c.held.t);
+      }
+    }
+  }
+  /// From the first contact with restitution on.
+  void hold_impacts() {
+    if (impacts_.empty()) impacts_.resize(blocks_.size(), impact{});
   }
   [[nodiscard]] Contact get(std::size_t at, std::size_t l) const {
     const block& x = blocks_[at];
     Contact c;
     x.get(l, c);
+    c.a = x.a[l], c.b = x.b[l];
     if constexpr (Contact::biased) c.bias = in_scalar<real>(lane(x.bias, l));
     c.correction_rate = corrections_[at].rate[l];
     c.correction_impulse = corrections_[at].impulse[l];
-    c.a = x.a[l], c.b = x.b[l];
+    if constexpr (may_rebound<Contact>) {
+      if (impacts_.empty()) return c;
+      const impact& y = impacts_[at];
+      c.restitution = y.restitution[l], c.limit = y.limit[l], c.slowest = y.slowest[l];
+      c.held.n = y.held.n[l];
+      if constexpr (requires { y.held.t; }) c.held.t = lane(y.held.t, l);
+    }
     return c;
   }
 
   Planner plan_;
   plain_vector<block> blocks_;            ///< of which only the first are in use
   plain_vector<correction> corrections_;  ///< of each block
+  plain_vector<impact> impacts_;          ///< likewise, or empty without restitution
   std::size_t used_ = 0;
   plain_vector<std::uint32_t> slots_;   ///< of each contact: block * lanes + lane, or | overflow
   plain_vector<Contact> overflow_;      ///< contacts that found no slot

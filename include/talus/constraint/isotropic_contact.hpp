@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "talus/constraint/contact_bias.hpp"
+#include "talus/constraint/contact_impact.hpp"
 #include "talus/constraint/frame_around.hpp"
 #include "talus/constraint/isotropic_blocks.hpp"
 #include "talus/constraint/isotropic_rows.hpp"
@@ -21,8 +22,10 @@ enum class partner { moving, immovable };
 
 /// One contact with its bodies; see isotropic_rows. Results for other code are of type real.
 template <class Law, partner Partner, class Real = real>
-struct isotropic_contact : isotropic_rows<Real, typename Law::cone, Partner == partner::moving>,
-                           contact_bias<has_bias<Law>> {
+struct isotropic_contact
+    : isotropic_rows<Real, typename Law::cone, Partner == partner::moving>,
+      contact_bias<has_bias<Law>>,
+      contact_impact<Real, isotropic_impulse<Real, typename Law::cone>, Law::restitution> {
   using cone = typename Law::cone;
   using number = Real;
   using state = solver_state_of<Real>;

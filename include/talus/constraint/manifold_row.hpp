@@ -24,10 +24,11 @@ class manifold_row : public contact_row<Contact> {
   void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
   void prepare_again(const state& s) { manifolds_.prepare_again(s); }
   void apply(state& s) const { manifolds_.apply_all(this->contacts_, s); }
-  void forward(state& s) { manifolds_.sweep_forward(s); }
-  void backward(state& s) { manifolds_.sweep_backward(s); }
+  void forward(state& s) { meet_all(s), manifolds_.sweep_forward(s); }
+  void backward(state& s) { meet_all(s), manifolds_.sweep_backward(s); }
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
+    meet_all(s);
     manifolds_.sweep_watched(this->contacts_, s, [&](std::size_t i, real change) {
       if (change > speed) note(i, change);
     });
@@ -35,6 +36,11 @@ class manifold_row : public contact_row<Contact> {
   void correct(state& s) { manifolds_.sweep_correction(s); }
 
  private:
+  void meet_all(state& s) {
+    if (s.stage == impact_stage::none) return;
+    for (Contact& c : this->contacts_) meet_impacts(c, s);
+  }
+
   contact_manifolds<Contact, Planner> manifolds_;
 };
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <tuple>
 
+#include "talus/constraint/impact_terms.hpp"
 #include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/natural_map.hpp"
 #include "talus/constraint/solver_state.hpp"
@@ -44,6 +45,28 @@ template <class Contact>
   }
 }
 
+/// The size of a violation counts from the limit of a contact: impacts change its target in the
+/// course of the step, see impact_terms.hpp.
+template <class Contact, class Values>
+[[nodiscard]] Values from_limit(const Contact& c, const Values& u) {
+  if constexpr (may_rebound<Contact>)
+    if (c.restitution > 0) return u + real(c.target_velocity - c.limit) * c.axis();
+  return u;
+}
+
+/// The impulse of impacts that are over; see impact_terms.hpp.
+template <class Contact>
+[[nodiscard]] vec3 held_impulse(const Contact& c) {
+  if constexpr (may_rebound<Contact>) {
+    if (!(c.restitution > 0)) return {0, 0, 0};
+    Contact held = c;
+    held.set(c.held);
+    return held.impulse();
+  } else {
+    return {0, 0, 0};
+  }
+}
+
 /// Of all contacts together, the parts of the residual that no iteration changes. Sums over ranks,
 /// in double or exact.
 template <class Sum>
@@ -54,7 +77,7 @@ struct residual_scale_of {
   void add(const Contact& c, const typename Contact::state& s, const Values& q) {
     sums[0] += c.delassus_trace(s);
     sums[1] += Contact::rows;
-    sums[2] += q.squaredNorm();
+    sums[2] += from_limit(c, q).squaredNorm();
   }
   /// The mass that converts velocities to impulses: 1 / mean diagonal.
   [[nodiscard]] double rho() const {
@@ -80,11 +103,13 @@ struct residual_sums_of {
       sums[1] += c.impulse_in_frame().squaredNorm();
       sums[2] += u.squaredNorm();
     } else {
-      const vec3 r = c.impulse(), u = violation(c, s);
+      vec3 r = c.impulse();
+      const vec3 u = violation(c, s);
+      if (s.impacts_ended) r -= held_impulse(c);
       square = natural_map(r, u, c.axis(), c.mu(), rho).squaredNorm();
       sums[0] += square;
       sums[1] += r.squaredNorm();
-      sums[2] += u.squaredNorm();
+      sums[2] += from_limit(c, u).squaredNorm();
     }
     sums[3] += 1;
     if (!(square <= largest)) largest = square;  // keeps a NaN

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "talus/constraint/impact_stage.hpp"
 #include "talus/constraint/island_budget.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -104,8 +105,13 @@ struct solver_state_of {
   std::size_t first_global = ~std::size_t{0};  ///< from there on bodies are global and immovable
   /// Number of bodies on other ranks that a body touches; only with several ranks.
   plain_vector<std::uint32_t> boundary_contacts;
-  real speed = 0;      ///< a relevant change of velocity: the gain by gravity in a step
-  vec3 fall{0, 0, 0};  ///< the gain of velocity by gravity in a step
+  real speed = 0;         ///< a relevant change of velocity: the gain by gravity in a step
+  vec3 fall{0, 0, 0};     ///< the gain of velocity by gravity in a step
+  bool impacts = false;   ///< a contact of this step is an impact that rebounds
+  bool rebounds = false;  ///< a material has restitution
+  bool finishes = false;  ///< impacts are solved to round-off
+  impact_stage stage = impact_stage::none;
+  bool impacts_ended = false;  ///< impulses of contacts contain those that are held
   island_budget islands;
   plain_vector<std::uint32_t> gathered;  ///< bodies whose islands one rank solves for several
   plain_vector<std::uint32_t> jointed;   ///< bodies whose joints are solved all at once

@@ -105,13 +105,13 @@ inline constexpr bool has_bias = requires {
 
 /// The properties on which the solution of a contact depends: contacts of all laws that agree in
 /// them have one type.
-template <bool Friction, bool Biased>
+template <bool Friction, bool Biased, bool Restitution>
 struct rows_of_contact {
   using cone = cone_of<Friction>;
-  static constexpr bool friction = Friction, biased = Biased;
+  static constexpr bool friction = Friction, biased = Biased, restitution = Restitution;
 };
 template <class Law>
-using contact_rows = rows_of_contact<Law::friction, has_bias<Law>>;
+using contact_rows = rows_of_contact<Law::friction, has_bias<Law>, Law::restitution>;
 
 /// Parts for soft_contact<...> only: they have parameters of their own.
 template <class Part>

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
+#include <functional>
+#include <limits>
 #include <span>
 
 #include "talus/core/exact_sum.hpp"
@@ -34,6 +36,8 @@ class shared_velocities {
   static constexpr bool solves_joints = state_type::has_joints && solves_joints_directly<Scenario>;
 
   explicit shared_velocities(state_type& s) : s_(s) {}
+
+  std::function<void()> before_strikes;  ///< see impact_stage.hpp
 
   /// The joints of this rank, and those of other ranks in the same islands, in an order that does
   /// not depend on the ranks.
@@ -184,6 +188,20 @@ class shared_velocities {
     s_.link->reduce(reduction::sum, digits);  // while a reduction around the step may be open
     for (std::size_t k = 0; k < N; ++k)
       sums[k].read(std::span<const double, size>(digits.data() + k * size, size));
+  }
+  /// Whether the velocity of a body on any rank differs by more than round-off from `before`.
+  [[nodiscard]] bool changed_since(const plain_vector<solver_body_of<number>>& before) const {
+    std::array<double, 2> largest{0, 0};  // change and velocity, squared
+    s_.each_finite_shape([&](const auto& b) {
+      for (std::size_t i = b.first; i < b.first + b.movable.locals; ++i) {
+        const vec3 v = v_of(s_.solver.bodies[i]);
+        largest[0] = std::max<double>(largest[0], (v - v_of(before[i])).squaredNorm());
+        largest[1] = std::max<double>(largest[1], v.squaredNorm());
+      }
+    });
+    if constexpr (!alone) s_.link->reduce(reduction::max, std::span(largest));
+    constexpr double round_off = 4 * std::numeric_limits<number>::epsilon();
+    return largest[0] > round_off * round_off * largest[1];
   }
   /// One value of each body.
   void share_values(plain_vector<real>& values) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "talus/constraint/boundary_manifold.hpp"
+#include "talus/constraint/impact_terms.hpp"
 #include "talus/constraint/solver_state.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/contact/key.hpp"
@@ -71,9 +72,15 @@ class boundary_contacts {
       contacts_[i].apply_to_b(s, d);
   }
 
+  /// Adds the impulses that are held to the others.
+  void end_impacts() {
+    if constexpr (may_rebound<Contact>)
+      for (Contact& c : contacts_) c.set(c.impulse_in_frame() + c.held);
+  }
   /// Solves all contacts from one and the same state, those of a pair together; the changes are
   /// applied later.
   void relax(state& s) {
+    for (Contact& c : contacts_) meet_impacts<true>(c, s);
     solve_from_snapshot(
         s, changes_, [&](Contact& c) { return c.relax(s); },
         [&](Contact& c, const auto& d) { c.apply(s, d); });

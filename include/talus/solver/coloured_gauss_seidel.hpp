@@ -11,6 +11,7 @@
 #include "talus/solver/coloured_list.hpp"
 #include "talus/solver/convergence.hpp"
 #include "talus/solver/direct/exact_joints.hpp"
+#include "talus/solver/finish_impacts.hpp"
 
 namespace talus {
 
@@ -44,11 +45,8 @@ struct coloured_gauss_seidel final {
     for (std::uint32_t c = 0; c < colours; ++c) each([&](auto& list) { list.warm_start(s, c); });
 
     detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>, true> joints(s, ranks);
-    int k = 0;
-    for (; k < watch.limit(); ++k) {
-      if constexpr (!alone)
-        if (watch.due(k)) ranks.share_velocities();
-      if (watch.reached(k)) break;
+    detail::impact_schedule impacts(settings.iterations, watch.monitored(), s.rebounds);
+    const auto sweep = [&] {
       for (std::uint32_t c = 0; c < colours; ++c) {
         if constexpr (!alone) ranks.start_velocities(c);
         detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, false); });
@@ -56,9 +54,23 @@ struct coloured_gauss_seidel final {
         ranks.finish_velocities(c);
         detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true); });
       }
+    };
+    int k = 0;
+    for (; k < watch.limit(); ++k) {
+      if constexpr (!alone)
+        if (watch.due(k)) ranks.share_velocities();
+      if (watch.reached(k)) {
+        if (!impacts.begins(k)) break;
+        watch.look_again();
+      }
+      if (s.finishes && k == impacts.first())
+        detail::finish_impacts(s, ranks, [&](int) { sweep(); });
+      s.stage = impacts.stage(k);
+      sweep();
       joints.solve(s);
       watch.poll();
     }
+    s.stage = detail::impact_stage::none;
     joints.share_loads();
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 

@@ -9,7 +9,9 @@
 #include "talus/constraint/contact_row.hpp"
 #include "talus/constraint/in_sequence.hpp"
 #include "talus/constraint/isotropic_blocks.hpp"
+#include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/manifold_row.hpp"
+#include "talus/constraint/passive_rebound.hpp"
 #include "talus/constraint/residual.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/contact/key.hpp"
@@ -150,6 +152,8 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
       for (std::size_t i = 0; i < p.row.size(); ++i) p.row.edit(i, f);
     });
   }
+  /// Limits the restitution of impacts with friction of pairs that would add energy.
+  void limit_rebounds(state& s);
   void prepare(const state& s);
   /// In the order of the colours, so that the impulses on each body have the same order on any
   /// ranks.
@@ -159,6 +163,11 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   }
   /// Of one colour, the own contacts or those that wait for velocities from other ranks.
   void sweep(state& s, std::uint32_t colour, bool waits);
+  /// Adds the impulses that are held to the others.
+  void end_impacts() {
+    for (std::uint32_t k = 0; k < used_; ++k)
+      for (part& p : colours_[k].parts) p.row.end_impacts();
+  }
   void correct(state& s, std::uint32_t colour, bool waits);
 
  private:
@@ -255,6 +264,24 @@ void coloured_list<Contact>::load_impulses(const contact_history& history) {
 template <class Contact>
 void coloured_list<Contact>::store_impulses(contact_history& history) const {
   each_part([&](const part& p, bool) { detail::store_impulses(history, p.keys, p.places, p.row); });
+}
+
+template <class Contact>
+void coloured_list<Contact>::limit_rebounds(state& s) {
+  if constexpr (!is_joint<Contact> && Contact::rows == 3 && comes_in_manifolds<Contact>) {
+    passive_rebound<Contact> impact;
+    plain_vector<Contact> pair;
+    each_part([&](part& p, bool) {
+      for (std::size_t first = 0, last = 0; first < p.row.size(); first = last) {
+        pair.clear();
+        for (; last < p.row.size() && p.keys[last].same_pair(p.keys[first]); ++last)
+          pair.push_back(p.row[last]);
+        if (!impact.limit({pair.data(), pair.size()}, s)) continue;
+        for (std::size_t i = first; i < last; ++i)
+          p.row.edit(i, [&](Contact& c) { c.target_velocity = pair[i - first].target_velocity; });
+      }
+    });
+  }
 }
 
 template <class Contact>

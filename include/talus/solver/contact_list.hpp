@@ -163,6 +163,9 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void prepare_boundary(const state& s);
   void warm_start(state& s) const;
 
+  /// Adds the impulses that are held to the others.
+  void end_impacts() { inner_.row.end_impacts(), border_.row.end_impacts(), boundary_.end_impacts(); }
+
   /// Sweeps over the interior contacts. The border comes first in either direction.
   void sweep_border(state& s, bool forward);
   void sweep_inner(state& s, bool forward);

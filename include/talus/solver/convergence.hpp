@@ -78,6 +78,8 @@ class convergence {
     hopeful_ = false;
     return settled_;
   }
+  /// The problem has changed since it was solved.
+  void look_again() { settled_ = false; }
   /// The last one found, by all ranks; NaN before.
   [[nodiscard]] double residual() const { return residual_; }
 

@@ -1,5 +1,6 @@
 #pragma once
 // Nonlinear block Gauss-Seidel over ranks: the default contact solver.
+#include <algorithm>
 #include <tuple>
 #include <type_traits>
 
@@ -13,6 +14,7 @@
 #include "talus/solver/correct_overlaps.hpp"
 #include "talus/solver/direct/direct_islands.hpp"
 #include "talus/solver/direct/exact_joints.hpp"
+#include "talus/solver/finish_impacts.hpp"
 #include "talus/solver/sweep.hpp"
 
 namespace talus {
@@ -61,18 +63,38 @@ struct nonlinear_gauss_seidel final {
     if constexpr (joined) ranks.prepare_joints();
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
-    const bool settled =
-        alone && !detail::has_joints<Lists> && looks && s.islands.settled() && !watch.monitored();
+    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
+                         !s.impacts && !watch.monitored();
+    detail::impact_schedule impacts(settings.iterations, watch.monitored(),
+                                    s.rebounds && (!alone || s.impacts));
+    // Stalled islands are solved after the last sweep that does not strike.
+    const int exact =
+        s.impacts ? std::min(impacts.first(), settings.iterations) : settings.iterations;
+    const auto relax_boundary = [&] {
+      if constexpr (alone) return;
+      each([&](auto& list) { list.relax_boundary(s); });
+      each([&](auto& list) { list.apply_boundary(s); });
+    };
     int k = 0;
     for (; k < watch.limit(); ++k) {
-      if (watch.reached(k)) break;
-      if constexpr (!alone) {
-        each([&](auto& list) { list.relax_boundary(s); });
-        each([&](auto& list) { list.apply_boundary(s); });
+      if (watch.reached(k)) {
+        if (!impacts.begins(k)) break;
+        watch.look_again();
       }
-      const bool more = k + 1 < watch.limit();
+      if (k == impacts.first()) {
+        if (s.finishes)
+          detail::finish_impacts(s, ranks, [&](int j) {
+            relax_boundary();
+            joints.sweep(lists, s, j % 2 == 0, true, ranks);
+          });
+        if constexpr (!alone) ranks.before_strikes(), ranks.share_velocities();
+      }
+      s.stage = impacts.stage(k);
+      relax_boundary();
+      // Velocities are shared once before the first strike, after before_strikes().
+      const bool more = k + 1 < watch.limit() && (s.finishes || k + 1 != impacts.first());
       const bool first = settled && k == 0;
-      if (first || (looks && k + 1 == settings.iterations)) {
+      if (first || (looks && k + 1 == exact)) {
         const bool done =
             detail::solve_stalled_islands<State>(detail::access_to<State>(lists), s, first);
         s.islands.settle(done);
@@ -88,6 +110,7 @@ struct nonlinear_gauss_seidel final {
       }
       watch.poll();
     }
+    s.stage = detail::impact_stage::none;
     joints.share_loads();
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
     if constexpr (!alone)  // on all ranks or on none

@@ -6,10 +6,22 @@
 #ifdef TALUS_COMPILED
 namespace talus::detail {
 
-extern template class general_contact<usual::rows, contact_side::tensor, contact_side::tensor>;
-extern template class general_contact<usual::rows, contact_side::scalar, contact_side::tensor>;
-extern template class general_contact<usual::rows, contact_side::tensor, contact_side::scalar>;
-extern template class general_contact<usual::rows, contact_side::tensor, contact_side::immovable>;
+extern template class general_contact<usual::elastic::rows, contact_side::tensor,
+                                      contact_side::tensor>;
+extern template class general_contact<usual::elastic::rows, contact_side::scalar,
+                                      contact_side::tensor>;
+extern template class general_contact<usual::elastic::rows, contact_side::tensor,
+                                      contact_side::scalar>;
+extern template class general_contact<usual::elastic::rows, contact_side::tensor,
+                                      contact_side::immovable>;
+extern template class general_contact<usual::plastic::rows, contact_side::tensor,
+                                      contact_side::tensor>;
+extern template class general_contact<usual::plastic::rows, contact_side::scalar,
+                                      contact_side::tensor>;
+extern template class general_contact<usual::plastic::rows, contact_side::tensor,
+                                      contact_side::scalar>;
+extern template class general_contact<usual::plastic::rows, contact_side::tensor,
+                                      contact_side::immovable>;
 
 }  // namespace talus::detail
 #endif

@@ -16,6 +16,12 @@ template <class Scenario>
     if (!s.driving.all.empty()) return true;
   return contains_type<typename Scenario::features, forces> || s.gravity != vec3(0, 0, 0);
 }
+/// Whether impacts are solved to round-off, together with all ranks; see solver/finish_impacts.hpp.
+template <class Scenario>
+[[nodiscard]] bool finishes_impacts(const world_state<Scenario>& s) {
+  return !world_state<Scenario>::has_joints && s.materials.rebounds() && !presses(s) &&
+         s.settings.tolerance == 0;
+}
 
 // Always inlined: each is a line or two of the loops that call it.
 

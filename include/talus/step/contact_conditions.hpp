@@ -13,7 +13,17 @@ namespace talus::detail {
 /// at the point before the step, `gap` the distance of the surfaces.
 struct contact_conditions {
   real target_velocity = 0, correction_rate = 0, friction = 0;
+  real restitution = 0;  ///< of an impact that strikes the contact in this step
+  real limit = 0;        ///< the target velocity that follows from the gap
+  real slowest = 0;      ///< see slowest_impact()
 };
+
+/// The normal velocity below which a contact is an impact: surfaces overlap after the step, and the
+/// rebound is faster than bodies at rest. Those gain by the acceleration `pull` in this step
+/// besides.
+[[nodiscard]] inline real slowest_impact(real limit, real restitution, real pull, real dt) {
+  return restitution > 0 ? std::min(limit, -3 * pull * dt / restitution) : limit;
+}
 
 /// The part of the conditions that follows from the gap alone, of one contact or of several. Up to
 /// a gap of `held` surfaces are in resting contact.
@@ -57,6 +67,9 @@ template <class Law, class Pack>
 ///   time of impact itself, and takes -e u_n.
 /// - Sliding faster than the gain by gravity in a step, and than `creep`, has the dynamic
 ///   coefficient, else the static.
+/// - With restitution, an impact elsewhere may drive surfaces together within the step that do not
+///   rebound yet, or not any more; see constraint/impact_terms.hpp. (Solvers with substeps find
+///   such impacts in one of these.)
 /// `gravity` is the acceleration of the bodies without contacts; fall() is the part of it by which
 /// the surfaces approach.
 template <class Law, bool Divided, class Fall>
@@ -73,6 +86,11 @@ template <class Law, bool Divided, class Fall>
         c.target_velocity =
             std::max(c.target_velocity,
                      Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
+  // Without correction, an overlap that a strike leaves would stay.
+  if constexpr (Law::restitution && Law::correction && !Divided) {
+    c.restitution = pair.restitution, c.limit = by_gap.target_velocity;
+    c.slowest = slowest_impact(c.limit, c.restitution, gravity, dt);
+  }
   if constexpr (Law::friction) {
     c.friction = pair.friction;
     if (pair.dynamic_friction < pair.friction) {

@@ -44,6 +44,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   using wide = wide_pack<real>;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
+  static constexpr bool strikes =
+      law::restitution && law::correction && !uses_substeps<typename Scenario::solver>;
   /// Contacts of spheres are computed several at a time, where only their motion counts.
   static constexpr bool packed =
       paired && std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere> && !imaged &&
@@ -323,14 +325,20 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       c.bias = bias_of(x, g, u, pulled);
       u += g.normal.dot(c.bias) * g.normal;  // the rest may be an impact
     }
-    const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
+    auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
         creep(x.radius, s_.dt), s_.settings.correction);
-    real target = want.target_velocity;
-    if constexpr (state_type::continuous) motion_.add_flight_after(target, i, j, g.normal);
-    if constexpr (state_type::midpoint)
-      if (target != 0) c.bias = {0, 0, 0};
-    set_conditions(c, target, want.correction_rate, want.friction);
+    const real rebound = want.target_velocity;
+    if constexpr (state_type::continuous) {
+      motion_.add_flight_after(want.target_velocity, i, j, g.normal);
+      if (want.target_velocity != rebound) want.restitution = 0;  // one at its impact
+    }
+    if constexpr (state_type::midpoint) {
+      if (want.target_velocity != 0) c.bias = {0, 0, 0};
+      want.restitution = 0;
+    }
+    set_conditions(c, want);
+    s_.solver.impacts = s_.solver.impacts || rebound > 0;
     const contact_key key{a_.id[i], b_.id[j], g.feature};
     if constexpr (is_cohesive<law>)
       if (!x.foreign && g.gap <= std::max(x.slack, pulled * s_.dt * s_.dt))
@@ -341,10 +349,15 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         }
     add_to_list(x, c, key);
   }
-  static void set_conditions(contact_type& c, real target, real rate, real friction) {
-    c.target_velocity = static_cast<decltype(c.target_velocity)>(target);
-    c.correction_rate = static_cast<decltype(c.correction_rate)>(rate);
-    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(friction);
+  static void set_conditions(contact_type& c, const contact_conditions& want) {
+    c.target_velocity = static_cast<decltype(c.target_velocity)>(want.target_velocity);
+    c.correction_rate = static_cast<decltype(c.correction_rate)>(want.correction_rate);
+    if constexpr (law::restitution) {
+      c.restitution = static_cast<decltype(c.restitution)>(want.restitution);
+      c.limit = static_cast<decltype(c.limit)>(want.limit);
+      c.slowest = static_cast<decltype(c.slowest)>(want.slowest);
+    }
+    if constexpr (law::friction) c.friction = static_cast<decltype(c.friction)>(want.friction);
   }
   [[gnu::always_inline]] void add_to_list(pair_at_hand& x, const contact_type& c,
                                           const contact_key& key) {
@@ -380,10 +393,16 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,
           [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius, s_.dt),
           s_.settings.correction);
-      set_conditions(c, want.target_velocity, want.correction_rate, want.friction);
+      set_conditions(c, want);
+      s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
     } else {
-      set_conditions(c, waiting_.conditions.target_velocity[k],
-                     waiting_.conditions.correction_rate[k], between.friction);
+      const real limit = waiting_.conditions.target_velocity[k];
+      set_conditions(c, {.target_velocity = limit,
+                         .correction_rate = waiting_.conditions.correction_rate[k],
+                         .friction = between.friction,
+                         .restitution = strikes ? between.restitution : 0,
+                         .limit = limit,
+                         .slowest = slowest_impact(limit, between.restitution, pull, s_.dt)});
     }
     add_to_list(x, c, {(*waiting_.places)[x.i].id, (*waiting_.places)[x.j].id, 0});
   }

@@ -45,6 +45,8 @@ void wake_ahead(world_state<Scenario>& s) {
 /// Finds all contacts that this rank computes: those that touch a body it owns.
 template <class Scenario>
 void detect(world_state<Scenario>& s) {
+  s.solver.rebounds = s.materials.rebounds();
+  s.solver.impacts = s.solver.impacts_ended = false;
   s.each_contact_list([]<class List>(List& list) {
     if constexpr (!keeps_contacts_in<Scenario, List>()) list.clear();
   });

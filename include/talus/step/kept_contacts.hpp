@@ -57,6 +57,10 @@ template <class Scenario, class List>
 
 template <class Scenario>
 class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
+  static constexpr bool strikes = world_state<Scenario>::law::restitution &&
+                                  world_state<Scenario>::law::correction &&
+                                  !uses_substeps<typename Scenario::solver>;
+
   using base = shape_pairs<Scenario, sphere, sphere, partner::moving>;
   using base::s_, base::a_, base::first_a_;
   using typename base::state_type, typename base::store_a;
@@ -269,17 +273,22 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   void set_conditions(const std::int32_t* a, const std::int32_t* b, unsigned count,
                       const wide& pull, renewed_contacts& next) {
     next.slides = kept_.slides;
+    next.rebounds = kept_.rebounds;
     for (unsigned k = 0; k < count; ++k) {
       const std::size_t i = sphere_of(a[k]), j = sphere_of(b[k]);
       const pair_material& between = materials_of(i, j);
       const bool rebounds = between.restitution > 0 && batch_.approach[k] < -2 * pull[k] * s_.dt;
       next.friction[k] = between.friction;
+      next.restitution[k] = strikes ? between.restitution : 0;
+      next.limit[k] = next.target_velocity[k];
+      next.slowest[k] = slowest_impact(next.limit[k], between.restitution, pull[k], s_.dt);
       if (!rebounds && !(between.dynamic_friction < between.friction)) continue;
       const vec3 normal = lane(batch_.normal, k);
       const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(batch_.velocity, k), batch_.gap[k], s_.dt, pull[k],
           [&] { return motion_.fall(i, j, normal); }, creep(a_.shape[i].radius, s_.dt),
           s_.settings.correction);
+      s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
       next.target_velocity[k] = want.target_velocity;
       next.correction_rate[k] = want.correction_rate;
       next.friction[k] = want.friction;

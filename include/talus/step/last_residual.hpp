@@ -1,5 +1,6 @@
 #pragma once
 // The contact residual of the last step.
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>

@@ -114,12 +114,24 @@ void gather_velocities(world_state<Scenario>& s) {
 template <class Solver, class Scenario>
 void solve_contacts(world_state<Scenario>& s) {
   constexpr bool coloured = solves_by_colours<Solver>;
-  if constexpr (coloured) colour_contacts(s);
+  if constexpr (coloured) {
+    colour_contacts(s);
+    if constexpr (world_state<Scenario>::law::restitution && !world_state<Scenario>::drives)
+      if (s.solver.impacts) {
+        auto&& lists = solver_lists<true>(s);
+        each_of(lists, [&](auto& list) { list.limit_rebounds(s.solver); });
+      }
+  }
+  s.solver.finishes = finishes_impacts(s);
   if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
   constexpr bool alone = world_state<Scenario>::link_type::alone;
   if constexpr (coloured && !alone) foreign_contacts<Scenario>(s).share();
   std::conditional_t<coloured, coloured_velocities<Scenario>, shared_velocities<Scenario>> ranks(s);
   auto&& lists = solver_lists<coloured>(s);
+  // The mean velocities of a step do not tell what work strikes do over ranks: it counts before.
+  bool kept = false;
+  if constexpr (!coloured && !alone)
+    ranks.before_strikes = [&] { passivity(s, ranks).keep(), kept = true; };
   s.convergence.add(
       Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
       s.settings.tolerance);
@@ -129,8 +141,9 @@ void solve_contacts(world_state<Scenario>& s) {
         joints(s.solver, ranks);
     joints.solve(s.solver), joints.share_loads();
   }
+  if constexpr (world_state<Scenario>::law::restitution) end_impacts(lists, s.solver);
   if constexpr (coloured && !alone) drop_foreign_bodies(s);
-  passivity(s, ranks).keep();
+  if (!kept) passivity(s, ranks).keep();
 }
 
 /// Stores the impulses for the next step. Those of contacts that were kept have their places.
@@ -158,7 +171,7 @@ void store_impulses(world_state<Scenario>& s) {
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps && !monitored<Scenario, energy_ledger>)
-    if (s.settings.tolerance == 0 && !s.by_colours() && all_rest(s))
+    if (s.settings.tolerance == 0 && !s.by_colours() && !finishes_impacts(s) && all_rest(s))
       return;  // no rank waits for this one
   gather_velocities(s);
   if constexpr (world_state<Scenario>::two_solvers)
