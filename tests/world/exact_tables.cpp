@@ -25,7 +25,8 @@ using falling = scenario<bodies<sphere, box, plane>, solver<reproducible>,
                          decomposition<grid<dynamic, dynamic>>, transport<threads>,
                          features<checkpoints, penetration_monitor, momentum_balance>>;
 
-std::vector<double> values(world<falling>& w, handle<plane> floor, const flow_meter<falling>& meter) {
+std::vector<double> values(world<falling>& w, handle<plane> floor,
+                           const flow_meter<falling>& meter) {
   std::vector<double> all;
   for (const measured& m : measure_run(w)) all.push_back(m.value);
   const vec3 force = contact_force(w, floor), torque = contact_torque(w, floor, {0.1, 0, 0});
@@ -61,8 +62,8 @@ std::vector<double> table(int ranks, int ranks_before = 0) {
             w.add_if_local(
                 body{.shape = sphere{0.15}, .position = at, .material = stuff, .velocity = v});
           else
-            w.add_if_local(body{.shape = box{{0.2, 0.3, 0.25}}, .position = at, .material = stuff,
-                                .velocity = v});
+            w.add_if_local(body{
+                .shape = box{{0.2, 0.3, 0.25}}, .position = at, .material = stuff, .velocity = v});
         }
       }
       w.synchronize();

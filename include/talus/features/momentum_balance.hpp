@@ -27,7 +27,8 @@ struct momentum_record {
   }
 };
 
-/// Adds the impulse that global and fixed bodies exerted in the last step on the bodies of this rank.
+/// Adds the impulse that global and fixed bodies exerted in the last step on the bodies of this
+/// rank.
 template <class Scenario>
 void add_impulse_of_ground(const world_state<Scenario>& s, vector_sum& sum) {
   const auto& solver = s.solver;

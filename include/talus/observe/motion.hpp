@@ -31,9 +31,9 @@ struct motion {
 template <class Scenario>
 [[nodiscard, gnu::cold]] motion measure_motion(world<Scenario>& w) {
   w.require_all_ranks("measure_motion");
-  std::array<std::uint64_t, 3> counts{};                 // bodies, movable, asleep
-  std::array<detail::signed_sum, 3> sums;                // mass, kinetic, potential energy
-  std::array<detail::vector_sum, 2> momenta;             // linear, angular
+  std::array<std::uint64_t, 3> counts{};      // bodies, movable, asleep
+  std::array<detail::signed_sum, 3> sums;     // mass, kinetic, potential energy
+  std::array<detail::vector_sum, 2> momenta;  // linear, angular
   double fastest = 0;
   w.for_each_local([&](const auto& b) {
     ++counts[0];

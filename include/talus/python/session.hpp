@@ -255,7 +255,7 @@ class session {
   std::uint64_t asked_ = 0, made_ = 0;
   std::atomic<bool> interrupted_ = false;
   bool begun_ = false, over_ = false;
-  bool due_ = false;  ///< the caller waits for the end of the present simulate()
+  bool due_ = false;   ///< the caller waits for the end of the present simulate()
   bool busy_ = false;  ///< a thread of Python is in one of the functions
   std::atomic<int> working_ = 0;
   bool ending_ = false;  ///< so is Python
