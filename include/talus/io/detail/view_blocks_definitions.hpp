@@ -7,19 +7,6 @@
 
 namespace talus::detail {
 
-TALUS_INLINE std::string view_json::quoted(std::string_view text) {
-  static constexpr const char* digits = "0123456789abcdef";
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      (out += '\\') += c;
-    else if (static_cast<unsigned char>(c) < 0x20 || c == '<')
-      ((out += "\\u00") += digits[c >> 4 & 15]) += digits[c & 15];
-    else
-      out += c;
-  }
-  return out += '"';
-}
 TALUS_INLINE std::string view_json::number(double value) {
   return std::isfinite(value) ? text(value) : "null";
 }
