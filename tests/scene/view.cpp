@@ -296,7 +296,7 @@ TEST_CASE("what a page cannot be written to is refused before the first step") {
   const scratch file;
   using detail::view_page;
   CHECK_THROWS_WITH_AS(view_page(file("no/page.html"), false),
-                       doctest::Contains("name a file in a folder that exists and is writable"),
+                       doctest::Contains("name a file in a folder that exists, is writable"),
                        std::runtime_error);
   std::ofstream(file("mine.html")) << "<!doctype html><p>precious";
   CHECK_THROWS_WITH_AS(view_page(file("mine.html"), false),

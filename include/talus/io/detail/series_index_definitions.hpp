@@ -49,14 +49,8 @@ TALUS_HDF5_INLINE std::optional<std::uint64_t> series_index::step_of(const std::
 }
 
 TALUS_HDF5_INLINE void series_index::fail_to_write(std::uint64_t bytes) const {
-  const int error = errno;
-  if (bytes > 0 && no_room(error))
-    fail<std::runtime_error>("the output {} cannot be written: {}", file_,
-                             words_of_missing_room(file_, bytes, error));
-  fail<std::runtime_error>(
-      "the output {} cannot be written: {}; name a file in a folder that exists, is writable and "
-      "has room",
-      file_, system_words(error));
+  fail<std::runtime_error>("the output {} cannot be written: {}", file_,
+                           words_of_failed_write(file_, bytes, errno));
 }
 
 TALUS_HDF5_INLINE void series_index::replace(const std::string& lines) {
