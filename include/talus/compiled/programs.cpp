@@ -7,6 +7,8 @@
 #include "talus/io/detail/view_frames_definitions.hpp"
 #include "talus/io/detail/view_part_definitions.hpp"
 #include "talus/io/povray_text_definitions.hpp"
+#include "talus/io/run_lock_definitions.hpp"
+#include "talus/io/run_signals_definitions.hpp"
 #include "talus/io/view_page_definitions.hpp"
 #include "talus/observe/progress_definitions.hpp"
 #include "talus/observe/run_ends_definitions.hpp"
