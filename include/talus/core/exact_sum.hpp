@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <span>
 
+#include "talus/core/math.hpp"
+
 namespace talus::detail {
 
 /// The exact sum of finite numbers >= 0 of any size (a long accumulator: Kulisch 1986). It is the
@@ -72,6 +74,35 @@ class exact_sum {
 
   std::array<std::uint64_t, digits> digits_{};
   std::uint64_t broken_ = 0;
+};
+
+/// A sum of finite numbers of either sign, exact in its two parts.
+struct signed_sum {
+  exact_sum plus, minus;
+
+  signed_sum& operator+=(double x) {
+    if (x < 0)
+      minus += -x;
+    else
+      plus += x;
+    return *this;
+  }
+  signed_sum& operator-=(double x) { return *this += -x; }
+  [[nodiscard]] double value() const { return plus.value() - minus.value(); }
+};
+
+/// The same of vectors.
+struct vector_sum {
+  std::array<signed_sum, 3> parts;
+
+  vector_sum& operator+=(const vec3& v) {
+    for (int k = 0; k < 3; ++k) parts[static_cast<std::size_t>(k)] += v[k];
+    return *this;
+  }
+  vector_sum& operator-=(const vec3& v) { return *this += vec3(-v); }
+  [[nodiscard]] vec3 value() const {
+    return {parts[0].value(), parts[1].value(), parts[2].value()};
+  }
 };
 
 }  // namespace talus::detail

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "talus/constraint/contact_work.hpp"
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/features/energy_ledger/energy_ledger.hpp"
 #include "talus/state/solved_velocity.hpp"
@@ -13,11 +14,11 @@ namespace talus {
 namespace detail {
 
 struct momentum_record {
-  compensated_sum<vec3> before, after;  ///< momentum of the bodies owned here
-  compensated_sum<vec3> gravity, forces, damping;
-  compensated_sum<vec3> ground;  ///< from global and fixed bodies
-  vec3 ground_force{0, 0, 0};    ///< of soft contacts, now
-  double mass = 0, size = 0;     ///< of the bodies that can move; sum of |m v|
+  vector_sum before, after;  ///< momentum of the bodies owned here
+  vector_sum gravity, forces, damping;
+  vector_sum ground;           ///< from global and fixed bodies
+  vec3 ground_force{0, 0, 0};  ///< of soft contacts, now
+  exact_sum mass, size;        ///< of the bodies that can move; sum of |m v|
 
   template <class Visitor>
   void each_number(Visitor& visit) {
@@ -26,11 +27,10 @@ struct momentum_record {
   }
 };
 
-/// The impulse that global and fixed bodies exerted in the last step on the bodies of this rank.
+/// Adds the impulse that global and fixed bodies exerted in the last step on the bodies of this rank.
 template <class Scenario>
-[[nodiscard]] vec3 impulse_of_ground(const world_state<Scenario>& s) {
+void add_impulse_of_ground(const world_state<Scenario>& s, vector_sum& sum) {
   const auto& solver = s.solver;
-  compensated_sum<vec3> sum;
   s.each_constraint_list([&](const auto& list) {
     list.each_acting([&](const auto& c, bool on_a, bool on_b) {
       if (!on_a || !on_b) return;  // both can move
@@ -46,7 +46,6 @@ template <class Scenario>
       }
     });
   });
-  return sum.value();
 }
 
 /// After the response, before positions move. Contacts between movable bodies contribute nothing in
@@ -67,7 +66,7 @@ void book_momentum(world_state<Scenario>& s) {
     if (lost != 0) r.damping += vec3((-lost * mass) * solved_velocity(s, store, i, k));
     r.mass += mass;
   });
-  r.ground += impulse_of_ground(s);
+  add_impulse_of_ground(s, r.ground);
 }
 
 /// After positions have moved, before bodies are migrated.

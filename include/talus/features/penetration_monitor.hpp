@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/math.hpp"
 #include "talus/state/monitors.hpp"
 #include "talus/state/state.hpp"
@@ -11,14 +12,15 @@ namespace talus {
 namespace detail {
 
 struct overlap_record {
-  double sum = 0, deepest = 0;  ///< of the last step
+  exact_sum sum;  ///< of the last step
+  double deepest = 0;
   std::uint64_t count = 0;
   double worst = 0;  ///< of all steps
 
-  void reset() { sum = 0, deepest = 0, count = 0; }
+  void reset() { sum = {}, deepest = 0, count = 0; }
   void add(real gap) {
     if (!(gap < 0)) return;
-    sum -= gap, ++count;
+    sum += -gap, ++count;
     deepest = std::max(deepest, -gap);
     worst = std::max(worst, -gap);
   }

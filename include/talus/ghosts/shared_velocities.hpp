@@ -9,9 +9,9 @@
 #include <limits>
 #include <span>
 
-#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/ghosts/shared_joints.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/state/joints.hpp"
 #include "talus/state/state.hpp"
 
@@ -179,15 +179,9 @@ class shared_velocities {
   }
   /// Replaces sums by those over all ranks, whatever their number.
   template <std::size_t N>
-  void sum_exactly(std::array<exact_sum, N>& sums) {
-    constexpr std::size_t size = exact_sum::digits + 1;
-    std::array<double, N * size> digits;
-    for (std::size_t k = 0; k < N; ++k)
-      sums[k].write(std::span<double, size>(digits.data() + k * size, size));
+  void sum_exactly(std::array<signed_sum, N>& sums) {
     const stage_clock clock(s_.seconds.exchange);
-    s_.link->reduce(reduction::sum, digits);  // while a reduction around the step may be open
-    for (std::size_t k = 0; k < N; ++k)
-      sums[k].read(std::span<const double, size>(digits.data() + k * size, size));
+    detail::sum_exactly(*s_.link, sums);  // while a reduction around the step may be open
   }
   /// Whether the velocity of a body on any rank differs by more than round-off from `before`.
   [[nodiscard]] bool changed_since(const plain_vector<solver_body_of<number>>& before) const {

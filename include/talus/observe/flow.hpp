@@ -6,7 +6,9 @@
 #include <memory>
 #include <span>
 
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/world.hpp"
@@ -53,15 +55,15 @@ class crossing_counter {
         if (last == nullptr || last->ahead == ahead(as_seen_before(*last, store.position[i])))
           continue;
         const double mass = s_.materials[store.material[i]].density * store.shape[i].volume();
-        if (last->ahead)
-          ++sums_.backward, sums_.mass_backward += mass;
-        else
-          ++sums_.forward, sums_.mass_forward += mass;
+        const std::size_t way = last->ahead ? 1 : 0;
+        ++numbers_[way], masses_[way] += mass;
       }
     });
     note();
   }
-  [[nodiscard]] const flow& sums() const { return sums_; }
+  /// Forward and backward.
+  [[nodiscard]] const std::array<exact_sum, 2>& masses() const { return masses_; }
+  [[nodiscard]] const std::array<std::uint64_t, 2>& numbers() const { return numbers_; }
 
  private:
   static constexpr bool periodic = world_state<Scenario>::periodic;
@@ -102,7 +104,8 @@ class crossing_counter {
   plain_vector<side> before_;
   id_table places_;
   bool indexed_ = false;
-  flow sums_;
+  std::array<exact_sum, 2> masses_;
+  std::array<std::uint64_t, 2> numbers_{};
 };
 
 }  // namespace detail
@@ -127,12 +130,11 @@ class flow_meter {
   /// Collective: sums over all ranks, since the meter was made.
   [[nodiscard]] flow total() const {
     w_.require_all_ranks("flow_meter::total");
-    flow all = counter_->sums();
-    std::array<double, 2> masses{all.mass_forward, all.mass_backward};
-    std::array<std::uint64_t, 2> numbers{all.forward, all.backward};
-    w_.link().reduce(reduction::sum, std::span<double>(masses));
+    auto masses = counter_->masses();
+    auto numbers = counter_->numbers();
+    detail::sum_exactly(w_.link(), masses);
     w_.link().reduce(reduction::sum, std::span<std::uint64_t>(numbers));
-    return {masses[0], masses[1], numbers[0], numbers[1]};
+    return {masses[0].value(), masses[1].value(), numbers[0], numbers[1]};
   }
 
  private:

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/world/each_contact.hpp"
 #include "talus/world/world.hpp"
 
@@ -28,7 +30,7 @@ template <class Scenario, class Shape>
   const auto found = w.find(h);
   double fixed = found && found->is_fixed();
   w.link().reduce(reduction::max, std::span(&fixed, 1));
-  vec3 impulse{0, 0, 0};
+  detail::vector_sum impulse;
   const auto add = [&](const detail::stored_contact& c) {
     if (c.key.a != h.id && c.key.b != h.id) return;
     const bool first = c.key.a == h.id;
@@ -38,9 +40,8 @@ template <class Scenario, class Shape>
   };
   for (const detail::stored_contact& c : s.history.entries()) add(c);
   if constexpr (detail::world_state<Scenario>::sleeps) detail::each_frozen_contact(s, add);
-  std::array<double, 3> sum{impulse[0], impulse[1], impulse[2]};
-  w.link().reduce(reduction::sum, sum);
-  return s.dt > 0 ? vec3(vec3(sum[0], sum[1], sum[2]) / s.dt) : vec3(0, 0, 0);
+  sum_exactly(w.link(), impulse);
+  return s.dt > 0 ? vec3(impulse.value() / s.dt) : vec3(0, 0, 0);
 }
 
 /// Force and torque of all contacts on one body, as this rank counts them.
@@ -48,7 +49,7 @@ struct contact_load {
   system_id body;
   bool global;  ///< its torque is about `about`, that of any other body about its centre
   vec3 about;
-  vec3 force{0, 0, 0}, torque{0, 0, 0};
+  vector_sum force{}, torque{};
 
   /// A contact of a and b with a force and a moment on a; centres as seen from a.
   void add(system_id a, system_id b, const vec3& point, const vec3& centre_a, const vec3& centre_b,
@@ -58,7 +59,7 @@ struct contact_load {
     const vec3 f = sign * on_a;
     const vec3 arm = point - (global ? about : a == body ? centre_a : centre_b);
     force += f;
-    torque += arm.cross(f) + sign * moment_on_a;
+    torque += vec3(arm.cross(f) + sign * moment_on_a);
   }
 };
 
@@ -73,14 +74,14 @@ template <class Scenario, class Shape>
   w.require_all_ranks("contact_force");
   auto& s = detail::state_of(w);
   if constexpr (Scenario::contact_law::soft) {
-    std::array<double, 3> sum{};
+    detail::vector_sum sum;
     detail::observe_forces(
         s, [&](const detail::contact_key& key, const vec3& force, bool on_a, bool on_b) {
           const int sign = (on_a && key.a == h.id) - (on_b && key.b == h.id);
-          for (int k = 0; k < 3; ++k) sum[k] += sign * force[k];
+          if (sign != 0) sum += vec3(sign * force);
         });
-    w.link().reduce(reduction::sum, sum);
-    return vec3(sum[0], sum[1], sum[2]);
+    detail::sum_exactly(w.link(), sum);
+    return sum.value();
   } else {
     return detail::force_of_impulses(w, h);
   }
@@ -109,13 +110,10 @@ template <class Scenario, class Shape>
   }
   // The owner has the position of the centre, for any image of it on other ranks.
   const bool owner = found && !load.global && !found->is_remote();
-  const vec3 arm = owner ? vec3(found->position() - about) : vec3(0, 0, 0);
-  std::array<double, 9> sum{load.force[0],  load.force[1],  load.force[2],
-                            load.torque[0], load.torque[1], load.torque[2],
-                            arm[0],         arm[1],         arm[2]};
-  w.link().reduce(reduction::sum, sum);
-  return vec3(sum[3], sum[4], sum[5]) +
-         vec3(sum[6], sum[7], sum[8]).cross(vec3(sum[0], sum[1], sum[2]));
+  detail::vector_sum arm;
+  if (owner) arm += vec3(found->position() - about);
+  detail::sum_exactly(w.link(), load.force, load.torque, arm);
+  return load.torque.value() + arm.value().cross(load.force.value());
 }
 
 }  // namespace talus

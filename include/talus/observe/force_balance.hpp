@@ -7,8 +7,10 @@
 #include <type_traits>
 
 #include "talus/constraint/contact_work.hpp"
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/features/momentum_balance.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/step/last_residual.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/world.hpp"
@@ -30,8 +32,8 @@ namespace detail {
 /// Sums of one rank: mass, impulse of contacts on own bodies, impulse from fixed ones, and the
 /// momentum that they did not stop.
 struct balance_sums {
-  double mass = 0, unstopped = 0;
-  vec3 given{0, 0, 0}, ground{0, 0, 0};
+  exact_sum mass, unstopped;
+  vector_sum given, ground;
 };
 
 /// Collective, as neighbours exchange velocities. The contact lists and the solver's arrays are
@@ -48,7 +50,7 @@ template <class Scenario>
   speeds.assign(after.bodies.size(), 0);
   s.each_contact_list([&](const auto& list) { list.add_approach(after, speeds); });
   balance_sums sums;
-  sums.ground = impulse_of_ground(s);
+  add_impulse_of_ground(s, sums.ground);
   // The solver's arrays show which bodies were owned here in that step: those that no message
   // updated.
   plain_vector<char> foreign;
@@ -108,17 +110,15 @@ template <class Scenario>
     sums = detail::soft_balance(w);
   else
     sums = detail::hard_balance(s);
-  std::array<double, 8> all{sums.mass,     sums.unstopped, sums.given[0],  sums.given[1],
-                            sums.given[2], sums.ground[0], sums.ground[1], sums.ground[2]};
-  w.link().reduce(reduction::sum, all);
-  const double weight = all[0] * g * s.dt;
+  detail::sum_exactly(w.link(), sums.mass, sums.unstopped, sums.given, sums.ground);
+  const double weight = sums.mass.value() * g * s.dt;
   if (!(weight > 0)) return b;
-  const vec3 given(all[2], all[3], all[4]), ground(all[5], all[6], all[7]), up = -s.gravity / g;
+  const vec3 given = sums.given.value(), ground = sums.ground.value(), up = -s.gravity / g;
   b.known = true;
   b.borne = ground.dot(up) / weight;
   b.change = given.dot(up) / weight - 1;
   b.error = (given - ground).norm() / weight;
-  b.unstopped = all[1] / weight;
+  b.unstopped = sums.unstopped.value() / weight;
   return b;
 }
 

@@ -8,6 +8,7 @@
 
 #include "talus/core/exact_sum.hpp"
 #include "talus/features/surface_liquid.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/world/contact_memories.hpp"
 #include "talus/world/state_of.hpp"
@@ -79,14 +80,8 @@ template <class Scenario>
   if constexpr (Scenario::template has_feature<surface_liquid>)
     w.for_each_local([&](const auto& body) { sums[0] += body.template get<liquid>(); });
   for_each_bridge(w, [&](const liquid_bridge_of& b) { sums[1] += b.volume, ++count; });
-  liquid_content all;
-  for (const int k : {0, 1}) {
-    std::array<double, detail::exact_sum::digits + 1> digits{};
-    sums[k].write(digits);
-    w.link().reduce(reduction::sum, std::span<double>(digits));
-    sums[k].read(digits);
-    (k == 0 ? all.films : all.bridges) = sums[k].value();
-  }
+  detail::sum_exactly(w.link(), sums);
+  liquid_content all{.films = sums[0].value(), .bridges = sums[1].value()};
   w.link().reduce(reduction::sum, std::span(&count, 1));
   all.count = count;
   return all;

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "talus/core/exact_sum.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -40,20 +42,12 @@ template <class Scenario>
   momentum_account m;
   if constexpr (detail::require_feature<Scenario, momentum_balance>()) {
     w.require_all_ranks("measure_momentum");
-    const auto& r = detail::view_of(w).monitors.momentum;
-    std::array<double, 20> sums{};
-    const auto parts = std::array{r.before.value(), r.after.value(),  r.gravity.value(),
-                                  r.forces.value(), r.ground.value(), r.damping.value()};
-    for (std::size_t n = 0; n < parts.size(); ++n)
-      for (std::size_t k = 0; k < 3; ++k) sums[3 * n + k] = parts[n][static_cast<int>(k)];
-    sums[18] = r.mass, sums[19] = r.size;
-    w.link().reduce(reduction::sum, sums);
-    const auto part = [&](std::size_t n) {
-      return vec3(sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]);
-    };
-    m.before = part(0), m.after = part(1), m.gravity = part(2);
-    m.forces = part(3), m.ground = part(4), m.damping = part(5);
-    m.mass = sums[18], m.size = sums[19];
+    detail::momentum_record r = detail::view_of(w).monitors.momentum;
+    detail::sum_exactly(w.link(), r.before, r.after, r.gravity, r.forces, r.ground, r.damping,
+                        r.mass, r.size);
+    m.before = r.before.value(), m.after = r.after.value(), m.gravity = r.gravity.value();
+    m.forces = r.forces.value(), m.ground = r.ground.value(), m.damping = r.damping.value();
+    m.mass = r.mass.value(), m.size = r.size.value();
   }
   return m;
 }

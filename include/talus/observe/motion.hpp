@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "talus/core/exact_sum.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -24,15 +26,17 @@ struct motion {
   vec3 angular_momentum{0, 0, 0};  ///< about the origin
 };
 
-/// Collective: sums over all ranks, in the order of the ranks.
+/// Collective: sums over all ranks, exactly: bodies in the same state give the same bits on any
+/// ranks.
 template <class Scenario>
 [[nodiscard, gnu::cold]] motion measure_motion(world<Scenario>& w) {
   w.require_all_ranks("measure_motion");
-  constexpr bool sleeps = Scenario::template has_feature<sleeping>;
-  std::array<double, sleeps ? 12 : 11> sums{};
+  std::array<std::uint64_t, 3> counts{};                 // bodies, movable, asleep
+  std::array<detail::signed_sum, 3> sums;                // mass, kinetic, potential energy
+  std::array<detail::vector_sum, 2> momenta;             // linear, angular
   double fastest = 0;
   w.for_each_local([&](const auto& b) {
-    sums[0] += 1;
+    ++counts[0];
     if (b.is_fixed()) return;
     const vec3 spin = b.angular_velocity(), inertia = b.inertia();
     vec3 spin_momentum = inertia[0] * spin;
@@ -41,27 +45,26 @@ template <class Scenario>
       spin_momentum = q * vec3(inertia.cwiseProduct(q.conjugate() * spin));
     }
     const vec3 p = b.mass() * b.velocity();
-    const vec3 l = b.position().cross(p) + spin_momentum;
-    sums[1] += 1;
-    if constexpr (sleeps) sums[11] += b.is_asleep();
-    sums[2] += b.mass();
-    sums[3] += 0.5 * (p.dot(b.velocity()) + spin_momentum.dot(spin));
-    sums[4] -= b.mass() * w.gravity().dot(b.position());
-    for (int k = 0; k < 3; ++k) sums[5 + k] += p[k], sums[8 + k] += l[k];
+    ++counts[1];
+    if constexpr (Scenario::template has_feature<sleeping>) counts[2] += b.is_asleep();
+    sums[0] += b.mass();
+    sums[1] += 0.5 * (p.dot(b.velocity()) + spin_momentum.dot(spin));
+    sums[2] -= b.mass() * w.gravity().dot(b.position());
+    momenta[0] += p, momenta[1] += vec3(b.position().cross(p) + spin_momentum);
     fastest = std::max(fastest, b.velocity().norm());
   });
-  w.link().reduce(reduction::sum, sums);
+  w.link().reduce(reduction::sum, std::span<std::uint64_t>(counts));
+  detail::sum_exactly(w.link(), sums, momenta);
   w.link().reduce(reduction::max, std::span(&fastest, 1));
   motion m;
-  m.bodies = static_cast<std::uint64_t>(sums[0]);
-  m.movable = static_cast<std::uint64_t>(sums[1]);
-  if constexpr (sleeps) m.asleep = static_cast<std::uint64_t>(sums[11]);
-  m.mass = sums[2];
-  m.kinetic_energy = sums[3];
-  m.potential_energy = sums[4];
+  m.bodies = counts[0], m.movable = counts[1];
+  if constexpr (Scenario::template has_feature<sleeping>) m.asleep = counts[2];
+  m.mass = sums[0].value();
+  m.kinetic_energy = sums[1].value();
+  m.potential_energy = sums[2].value();
   m.max_speed = fastest;
-  m.momentum = {sums[5], sums[6], sums[7]};
-  m.angular_momentum = {sums[8], sums[9], sums[10]};
+  m.momentum = momenta[0].value();
+  m.angular_momentum = momenta[1].value();
   return m;
 }
 

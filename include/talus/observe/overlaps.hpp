@@ -2,6 +2,9 @@
 // Overlaps in every step, as found by detection at its start.
 #include <array>
 
+#include "talus/core/exact_sum.hpp"
+#include "talus/observe/penetration.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -22,15 +25,14 @@ template <class Scenario>
   if constexpr (detail::require_feature<Scenario, penetration_monitor>()) {
     w.require_all_ranks("measure_overlaps");
     const auto& r = detail::view_of(w).monitors.overlaps;
-    std::array<double, 4> sums{r.sum, static_cast<double>(r.count), 0, 0};
-    w.for_each_local([&](const auto& b) {
-      if (!b.is_fixed()) sums[2] += b.shape().bounding_radius(), ++sums[3];
-    });
+    const double radius = detail::mean_radius(w);
+    detail::exact_sum sum = r.sum;
+    std::uint64_t count = r.count;
     std::array<double, 2> most{r.deepest, r.worst};
-    w.link().reduce(reduction::sum, sums);
+    detail::sum_exactly(w.link(), sum);
+    w.link().reduce(reduction::sum, std::span(&count, 1));
     w.link().reduce(reduction::max, most);
-    const double radius = sums[3] > 0 ? sums[2] / sums[3] : 1;
-    o.mean = sums[1] > 0 ? sums[0] / sums[1] / radius : 0;
+    o.mean = count > 0 ? sum.value() / static_cast<double>(count) / radius : 0;
     o.max = most[0] / radius;
     o.worst = most[1] / radius;
   }

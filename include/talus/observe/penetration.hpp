@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -13,6 +14,7 @@
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/detect/thickness.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -44,14 +46,16 @@ struct deepest_pair {
 
 /// Sums over the contact points of one rank; each point is counted on one rank only.
 struct gap_sums {
-  double overlap = 0, overlapping = 0, deepest = 0, loaded_gap = 0, loaded = 0, touching = 0;
+  exact_sum overlap, loaded_gap;
+  double deepest = 0;
+  std::array<std::uint64_t, 3> counts{};  ///< of points: overlapping, loaded, touching
   deepest_pair worst;
 
   void add(real gap, real radius, bool carries) {
-    if (gap < 0) overlap -= gap, ++overlapping;
+    if (gap < 0) overlap += -gap, ++counts[0];
     deepest = std::max(deepest, -gap);
-    if (gap <= 1e-3 * radius) ++touching;
-    if (carries) loaded_gap += std::abs(gap), ++loaded;
+    if (gap <= 1e-3 * radius) ++counts[2];
+    if (carries) loaded_gap += std::abs(gap), ++counts[1];
   }
 };
 
@@ -170,12 +174,14 @@ template <class Scenario>
 /// Collective: the mean bounding radius of the bodies that can move, a length; 1 if there is none.
 template <class Scenario>
 [[nodiscard, gnu::cold]] real mean_radius(world<Scenario>& w) {
-  std::array<double, 2> radii{};
+  exact_sum radii;
+  std::uint64_t count = 0;
   w.for_each_local([&](const auto& b) {
-    if (!b.is_fixed()) radii[0] += b.shape().bounding_radius(), ++radii[1];
+    if (!b.is_fixed()) radii += b.shape().bounding_radius(), ++count;
   });
-  w.link().reduce(reduction::sum, radii);
-  return radii[1] > 0 ? radii[0] / radii[1] : 1;
+  sum_exactly(w.link(), radii);
+  w.link().reduce(reduction::sum, std::span(&count, 1));
+  return count > 0 ? radii.value() / static_cast<real>(count) : 1;
 }
 
 }  // namespace detail
@@ -187,17 +193,19 @@ template <class Scenario>
   w.require_all_ranks("measure_penetration");
   const real radius = detail::mean_radius(w);
   detail::gap_sums sums = detail::measure_gaps(detail::view_of(w), radius);
-  std::array<double, 5> total{sums.overlap, sums.overlapping, sums.loaded_gap, sums.loaded,
-                              sums.touching};
-  w.link().reduce(reduction::sum, total);
+  detail::sum_exactly(w.link(), sums.overlap, sums.loaded_gap);
+  w.link().reduce(reduction::sum, std::span<std::uint64_t>(sums.counts));
   w.link().reduce(reduction::max, std::span(&sums.deepest, 1));
   w.link().reduce(reduction::max, std::span(&sums.worst.part, 1));
 
   penetration p;
-  p.mean = total[1] > 0 ? total[0] / total[1] / radius : 0;
+  const auto mean = [&](const detail::exact_sum& sum, std::uint64_t count) {
+    return count > 0 ? sum.value() / static_cast<real>(count) / radius : 0;
+  };
+  p.mean = mean(sums.overlap, sums.counts[0]);
   p.max = sums.deepest / radius;
-  p.gap_mean_loaded = total[3] > 0 ? total[2] / total[3] / radius : 0;
-  p.touching = static_cast<std::uint64_t>(total[4]);
+  p.gap_mean_loaded = mean(sums.loaded_gap, sums.counts[1]);
+  p.touching = sums.counts[2];
   p.mean_radius = radius;
   p.deepest = sums.worst.part;
   return p;

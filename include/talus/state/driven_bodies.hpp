@@ -59,19 +59,6 @@ struct driven_step {
   bool too_fast = false;  ///< it rotates by half a turn or more
 };
 
-/// A sum of numbers of either sign, exact in its parts.
-struct signed_sum {
-  exact_sum plus, minus;
-
-  signed_sum& operator+=(real x) {
-    if (x < 0)
-      minus += -x;
-    else
-      plus += x;
-    return *this;
-  }
-  [[nodiscard]] real value() const { return plus.value() - minus.value(); }
-};
 /// Of the contact partners of a servo: its parts, and the forces of their contacts.
 struct servo_sums {
   signed_sum force, momentum, shift;

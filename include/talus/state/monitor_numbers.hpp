@@ -1,6 +1,9 @@
 #pragma once
 // The numbers of the monitors and of the states of features on one rank, to store them in a
 // checkpoint.
+#include <array>
+
+#include "talus/core/exact_sum.hpp"
 #include "talus/state/monitors.hpp"
 
 namespace talus::detail {
@@ -22,6 +25,21 @@ class number_visitor {
   template <class Value>
   void sum(compensated_sum<Value>& x) {
     x.each_part([&](Value& part) { sum(part); });
+  }
+  /// The nearest numbers, and what is left of the sums.
+  void sum(vector_sum& x) {
+    vector_sum left = x;
+    const vec3 value = x.value(), rest = (left -= value).value();
+    vec3 high = value, low = rest;
+    sum(high), sum(low);
+    if (high != value || low != rest) x = {}, (x += high) += low;
+  }
+  /// The nearest number.
+  void sum(exact_sum& x) {
+    const double before = x.value();
+    double value = before;
+    sum(value);
+    if (value != before) (x = {}) += value;
   }
   void sum(std::uint64_t& n) {
     auto x = static_cast<double>(n);

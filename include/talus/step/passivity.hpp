@@ -487,25 +487,23 @@ class passivity {
   /// exact sums.
   void keep_everywhere() {
     find_touched();
-    std::array<exact_sum, 5> sums;  // of positive and of negative terms
-    const auto add = [&](std::size_t at, real x) { sums[x < 0 ? at + 1 : at] += std::abs(x); };
+    std::array<signed_sum, 3> sums;  // work, slope, square
+    const auto add = [&](std::size_t at, real x) { sums[at] += x; };
     each_body([&](const impulse_work& w, std::size_t k) {
       if (touched_[k] == 0) return;
-      add(0, w.work), add(2, w.slope);
-      sums[4] += w.square;
+      add(0, w.work), add(1, w.slope), add(2, w.square);
     });
-    if (walls_) subtract_walls([&](real power, std::size_t) { add(0, -power), add(2, -power); });
+    if (walls_) subtract_walls([&](real power, std::size_t) { add(0, -power), add(1, -power); });
     each_joint([&](const auto& c) {
       if (touched_[mover_of(c)] == 0) return;
       const real work = c.driven_work(solver_);
-      add(0, -work), add(2, -work);
+      add(0, -work), add(1, -work);
     });
     if constexpr (!alone) ranks_.sum_exactly(sums);
-    const auto signed_sum = [&](std::size_t at) { return sums[at].value() - sums[at + 1].value(); };
-    const impulse_work all{.work = signed_sum(0),
-                           .slope = signed_sum(2),
-                           .square = sums[4].value(),
-                           .size = sums[0].value() + sums[1].value()};
+    const impulse_work all{.work = sums[0].value(),
+                           .slope = sums[1].value(),
+                           .square = sums[2].value(),
+                           .size = sums[0].plus.value() + sums[0].minus.value()};
     const real d = all.excess();
     if (d == 0) return;
     each_list([&](auto& list) {

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "talus/constraint/contact_work.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
 
@@ -38,20 +39,10 @@ void forget_forces(world_state<Scenario>& s) {
 /// servo. Then calls f(servo, mass of its parts).
 template <class Scenario, class F>
 void agree_on_servos(world_state<Scenario>& s, F&& f) {
-  constexpr std::size_t size = exact_sum::digits + 1;
-  std::array<double, 7 * size> all;
   for (auto& one : s.driving.all) {
     if (!one->is_servo) continue;
     servo_sums& mine = one->sums;
-    const std::array sums{
-        &mine.force.plus, &mine.force.minus, &mine.momentum.plus, &mine.momentum.minus,
-        &mine.shift.plus, &mine.shift.minus, &mine.mass};
-    const auto digits = [&](std::size_t k) {
-      return std::span<double, size>(all.data() + k * size, size);
-    };
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k]->write(digits(k));
-    s.link->reduce(reduction::sum, all);
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k]->read(digits(k));
+    sum_exactly(*s.link, mine.force, mine.momentum, mine.shift, mine.mass);
     const real most = one->holds.max_speed;
     driven_state& state = one->state;
     state.force = mine.force.value();
