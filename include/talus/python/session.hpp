@@ -199,11 +199,12 @@ class session {
         session* of;
         ~leave() { of->world_ = nullptr; }
       } const at_the_end{this};
-      run_log log;
-      log.open(options_, name_, static_cast<int>(arguments_.size()), arguments_.data(),
-               program_build());
+      run_log log(name_);
+      log.open(options_, static_cast<int>(arguments_.size()), arguments_.data(), program_build());
       const int code =
           run_rank<Scenario>(link, std::as_const(options_), name_, driven, log, wall_seconds());
+      if (log.finish(code) != code)
+        throw std::runtime_error("the run has lost a line of its log or of standard output");
       if (code == exit_code_of_time_limit)
         throw std::runtime_error("the run was ended by its time limit (time_limit)");
       if (code > 128)

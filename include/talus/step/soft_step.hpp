@@ -138,7 +138,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       if constexpr (paired)
         curvature += s_.soft.bodies[first_b_ + body_b(x)].curvature;
       else if constexpr (ShapeB::finite)
-        curvature += 1 / sphere_radius(b_.shape[j]);
+        curvature += wall_curvature(b_.shape[j]);
       const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
       return pair.known ? law::range(pair, 1 / curvature) : 0;
     }
@@ -167,7 +167,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       t.mean_spin = 0.5 * g.normal.dot(A.w);
       real curvature = A.curvature;
       const real rolling = A.inverse_mass * curvature * curvature;
-      if constexpr (ShapeB::finite) curvature += 1 / sphere_radius(b_.shape[j]);
+      if constexpr (ShapeB::finite) curvature += wall_curvature(b_.shape[j]);
       if constexpr (state_type::drives) {
         arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
         t.velocity -= surface_velocity_of(j, arm_b);
@@ -271,7 +271,8 @@ void gather_motion(world_state<Scenario>& s) {
                                   .inverse_mass = store.inverse_mass[i],
                                   .w = store.angular_velocity[i],
                                   .radius = radius,
-                                  .curvature = 1 / radius};
+                                  .curvature = store.fixed(i) ? wall_curvature(store.shape[i])
+                                                              : 1 / radius};
       s.soft.places[first + i] = {store.position[i], reach[i]};
     }
   });
