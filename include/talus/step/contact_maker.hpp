@@ -12,6 +12,7 @@
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
 #include "talus/pairs/close_pairs.hpp"
+#include "talus/pairs/flush_pairs.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
@@ -286,6 +287,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   /// One of their contact points.
   [[gnu::always_inline]] void add(pair_at_hand& x, const contact_geometry& g) {
     const std::size_t i = x.i, j = x.j;
+    if (is_hidden<ShapeA, ShapeB, paired>(s_, a_, i, position_a(x), b_, j, position_b(x), g))
+      return;
     vec3 arm_a = g.point - position_a(x);
     // The forces must share a line only if both bodies move; for something immovable the contact
     // point is on its surface.

@@ -59,6 +59,7 @@ void detect(world_state<Scenario>& s) {
       if constexpr (continuous) s.impacts.time.assign(s.solver.bodies.size(), never);
       return;
     }
+  update_flush_bodies(s);
   if constexpr (continuous) {
     // (If some sleep, the reach covers several steps.)
     prepare_detection(

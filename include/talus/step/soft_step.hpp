@@ -16,6 +16,7 @@
 #include "talus/interaction/composed_law.hpp"
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
+#include "talus/pairs/flush_pairs.hpp"
 #include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/state.hpp"
@@ -102,6 +103,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         a_.shape[i], pose_a(x), this->shape_b(i, j), pose_b(x),
         range, [&](const contact_geometry& g) __attribute__((always_inline)) {
           if (!(g.gap < range)) return;
+          if (is_hidden<ShapeA, ShapeB, paired>(s_, a_, i, position_a(x), b_, j, position_b(x), g))
+            return;
           if (boundary && !this->known_to_both(x)) {
             last = history_place::unknown;
             return;
@@ -289,6 +292,7 @@ void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   prepare_detection(s);
   std::size_t k = 0;
   s.each_shape([&](auto& b) { b.globals_changed = changed[k++]; });
+  update_flush_bodies(s);
   gather_motion(s);
   using observer_type = std::remove_reference_t<Observer>;
   each_neighbour_pair(s, [&]<class A, class B, partner P>() {
@@ -309,6 +313,7 @@ template <class Scenario>
 template <class Scenario>
 void measure_forces(world_state<Scenario>& s) {
   using law = typename world_state<Scenario>::law;
+  update_flush_bodies(s);
   gather_motion(s);
   auto& count = std::get<soft_contacts>(s.contacts);
   if constexpr (law::remembers) s.recorded.reset(count.size());

@@ -1,0 +1,419 @@
+#pragma once
+// Finds the fixed bodies that touch each other, and the contacts with them that their common
+// surface does not have; see detect/flush.hpp. What is found depends on the bodies alone, not on
+// their order or owner: a rank that computes a contact holds every body that reaches its point.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/detail/triangle_contact.hpp"
+#include "talus/detect/flush.hpp"
+#include "talus/state/kinematic_bodies.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+/// Calls f(bodies of a shape, their store, whether it is global, index) for the bodies that are
+/// fixed and may be flush with others.
+template <class Scenario, class F>
+void each_flush_body(const world_state<Scenario>& s, F&& f) {
+  s.each_shape([&](const auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    if constexpr (is_solid_beside<shape>) {
+      for (std::size_t i = 0; i < b.global.size(); ++i) f(b, b.global, true, i);
+      if constexpr (shape::finite)
+        for (std::size_t i = 0; i < b.movable.size(); ++i)
+          if (b.movable.inverse_mass[i] == 0) f(b, b.movable, false, i);
+    }
+  });
+}
+/// Of a body that is driven: how far it may move until neighbours are found anew.
+[[nodiscard]] inline real flush_skin(real radius) { return real(0.05) * radius; }
+
+template <class Scenario>
+[[nodiscard]] bool flush_bodies_hold(const world_state<Scenario>& s) {
+  const auto& f = s.flush;
+  bool hold = f.known;
+  s.each_shape([&](const auto& b) { hold = hold && !b.globals_changed; });
+  if (!hold) return false;
+  std::size_t k = 0;
+  s.each_shape([&](const auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    if constexpr (is_solid_beside<shape>) {
+      if constexpr (world_state<Scenario>::drives)
+        for (std::size_t n = k; hold && n < k + b.global.size(); ++n) {
+          const flush_body& one = f.all[n];
+          if (!one.driven) continue;
+          const pose now = b.global.pose(one.index);
+          const quat turn = now.orientation * one.at.orientation.conjugate();
+          hold = (now.position - one.at.position).norm() +
+                     2 * vec3(turn.x(), turn.y(), turn.z()).norm() * one.radius <=
+                 flush_skin(one.radius);
+        }
+      k += b.global.size();
+      if constexpr (shape::finite)
+        for (std::size_t i = 0; hold && i < b.movable.size(); ++i) {
+          if (b.movable.inverse_mass[i] != 0) continue;
+          hold = k < f.all.size() && !f.all[k].global && f.all[k].index == i &&
+                 f.all[k].id == b.movable.id[i] && f.all[k].at.position == b.movable.position[i] &&
+                 f.all[k].at.orientation.coeffs() == b.movable.pose(i).orientation.coeffs();
+          ++k;
+        }
+    }
+  });
+  return hold && k == f.all.size();
+}
+
+template <class Scenario>
+void find_flush_bodies(world_state<Scenario>& s) {
+  constexpr std::size_t shapes = Scenario::shapes::size;
+  auto& f = s.flush;
+  f.all.clear();
+  f.numbers.assign(2 * shapes, {});
+  constexpr real infinity = std::numeric_limits<real>::infinity();
+  each_flush_body(s, [&](const auto& b, const auto& store, bool global, std::size_t i) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    constexpr std::size_t kind = index_of<typename Scenario::shapes, shape>;
+    flush_body one{.shape = kind,
+                   .index = static_cast<std::uint32_t>(i),
+                   .global = global,
+                   .id = store.id[i],
+                   .at = store.pose(i)};
+    if constexpr (world_state<Scenario>::drives)
+      one.driven = global && driven_at<shape>(s, i) != nullptr;
+    if constexpr (shape::finite) {
+      one.radius = store.shape[i].bounding_radius();
+      real more = 2 * flush_part * one.radius;
+      if (one.driven) more += flush_skin(one.radius);
+      const vec3 reach = store.shape[i].half_extents(one.at) + vec3(more, more, more);
+      one.lower = one.at.position - reach, one.upper = one.at.position + reach;
+    } else {
+      one.lower = vec3(-infinity, -infinity, -infinity), one.upper = -one.lower;
+    }
+    auto& numbers = f.numbers[2 * kind + !global];
+    numbers.resize(std::max(numbers.size(), i + 1), -1);
+    numbers[i] = static_cast<std::int32_t>(f.all.size());
+    f.all.push_back(one);
+  });
+  // Of two bodies whose boxes overlap, a sweep along x (planes come first).
+  plain_vector<std::uint32_t> order, active;
+  for (std::uint32_t k = 0; k < f.all.size(); ++k) order.push_back(k);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const real x = f.all[a].lower[0], y = f.all[b].lower[0];
+    return x != y ? x < y : a < b;
+  });
+  plain_vector<plain_pair<std::uint32_t, std::uint32_t>> touching;
+  for (const std::uint32_t k : order) {
+    const flush_body& one = f.all[k];
+    std::size_t kept = 0;
+    for (const std::uint32_t other : active) {
+      const flush_body& x = f.all[other];
+      if (x.upper[0] < one.lower[0]) continue;
+      active[kept++] = other;
+      if (x.upper[1] < one.lower[1] || one.upper[1] < x.lower[1] || x.upper[2] < one.lower[2] ||
+          one.upper[2] < x.lower[2])
+        continue;
+      if (one.radius == 0 && x.radius == 0) continue;
+      touching.push_back({k, other}), touching.push_back({other, k});
+    }
+    active.resize(kept);
+    active.push_back(k);
+  }
+  drop_clear_of_planes(s, touching);
+  std::sort(touching.begin(), touching.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+  });
+  f.first.clear(), f.near.clear();
+  for (std::uint32_t k = 0; k < f.all.size(); ++k) {
+    f.first.push_back(static_cast<std::uint32_t>(f.near.size()));
+    while (f.near.size() < touching.size() && touching[f.near.size()].first == k)
+      f.near.push_back(touching[f.near.size()].second);
+  }
+  f.first.push_back(static_cast<std::uint32_t>(f.near.size()));
+  f.known = true;
+}
+/// Removes the pairs of a body and a plane that it is clear of.
+template <class Scenario, class Pairs>
+void drop_clear_of_planes(const world_state<Scenario>& s, Pairs& pairs) {
+  s.each_shape([&](const auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    if constexpr (is_half_space<shape>) {
+      constexpr std::size_t kind = index_of<typename Scenario::shapes, shape>;
+      std::size_t kept = 0;
+      for (const auto& pair : pairs) {
+        const flush_body &x = s.flush.all[pair.first], &y = s.flush.all[pair.second];
+        const flush_body &half = x.shape == kind ? x : y, &other = x.shape == kind ? y : x;
+        if (half.shape == kind && !half.driven) {
+          const shape& p = b.global.shape[half.index];
+          const vec3 middle = real(0.5) * (other.lower + other.upper),
+                     reach = real(0.5) * (other.upper - other.lower);
+          if (p.distance(middle) > reach.dot(p.unit_normal().cwiseAbs())) continue;
+        }
+        pairs[kept++] = pair;
+      }
+      pairs.resize(kept);
+    }
+  });
+}
+
+/// Before contacts are found.
+template <class Scenario>
+void update_flush_bodies(world_state<Scenario>& s) {
+  if constexpr (world_state<Scenario>::may_be_flush)
+    if (!flush_bodies_hold(s)) find_flush_bodies(s);
+}
+
+/// A contact of a movable body with a fixed one.
+struct contact_with_fixed {
+  vec3 point, normal;  ///< on the surface of the fixed body, and from there to the other one
+  vec3 centre;         ///< of the movable body
+  real radius = 0;
+  system_id id = no_id;
+  bool round = false;  ///< the movable body is a sphere
+};
+
+/// Tells the contacts that the common surface of flush bodies has from those that it has not.
+template <class Scenario>
+class flush_surface {
+  using state_type = world_state<Scenario>;
+  /// Bodies are taken to enter a surface of triangles by at most this part of their radius.
+  static constexpr real depth_part = 0.02;
+  /// The sine of an angle between two faces that counts as zero.
+  static constexpr real level = 1e-3;
+
+ public:
+  flush_surface(state_type& s, const contact_with_fixed& c) : s_(s), c_(c) {}
+
+  /// Whether the body with this number has a contact there that the common surface has not.
+  [[nodiscard]] bool hides(std::uint32_t number) const {
+    const auto& f = s_.flush;
+    for (std::uint32_t k = f.first[number]; k < f.first[number + 1]; ++k) {
+      const std::uint32_t other = f.near[k];
+      const real tolerance = flush_part * (f.all[number].radius + f.all[other].radius);
+      bool hidden = false;
+      each_solid(other, c_.point, tolerance, [&](const auto& solid, const pose& at) {
+        const vec3 p = at.to_body(c_.point), n = to_body(at, c_.normal);
+        const beside how = stands_beside(solid, p, n, tolerance);
+        if (how == beside::covers)
+          hidden = !goes_on(number, solid, at, p, tolerance);
+        else if (how == beside::agrees && c_.round && f.all[other].id < f.all[number].id)
+          hidden = lies_over(solid, p, n);  // it has the same contact
+        return !hidden;
+      });
+      if (hidden && rest_together(number, other)) return true;
+    }
+    return false;
+  }
+
+ private:
+  [[nodiscard]] static vec3 to_body(const pose& at, const vec3& direction) {
+    return rotated(at.orientation.conjugate(), direction);
+  }
+  template <class F>
+  void with_body(std::uint32_t number, F&& f) const {
+    const flush_body& one = s_.flush.all[number];
+    s_.each_shape([&](const auto& b) {
+      using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      if constexpr (is_solid_beside<shape>)
+        if (index_of<typename Scenario::shapes, shape> == one.shape)
+          f(one.global ? b.global : b.movable, one.index);
+    });
+  }
+  /// Calls f(convex solid, its frame) for the parts of a body around a point of the world, until it
+  /// returns false.
+  template <class F>
+  void each_solid(std::uint32_t number, const vec3& p, real tolerance, F&& f) const {
+    with_body(number, [&](const auto& store, std::size_t i) {
+      const auto& shape = store.shape[i];
+      using type = std::remove_cvref_t<decltype(shape)>;
+      if constexpr (is_half_space<type>) {
+        f(flat_half_space{shape.unit_normal(), shape.offset}, pose{});
+      } else if constexpr (is_block<type>) {
+        f(flat_block{shape.half()}, store.pose(i));
+      } else if constexpr (is_hull<type>) {
+        const real reach = shape.bounding_radius() + tolerance;
+        if ((p - store.position[i]).squaredNorm() > reach * reach) return;
+        f(flat_hull<std::remove_cvref_t<decltype(shape.mesh())>>{shape.mesh()}, store.pose(i));
+      } else {
+        const pose at = store.pose(i);
+        const vec3 q = at.to_body(p), centre = at.to_body(c_.centre);
+        const real depth = depth_part * c_.radius, reach = depth + tolerance;
+        const auto& m = shape.tree();
+        bool more = true;
+        m.each_within(q - vec3(reach, reach, reach), q + vec3(reach, reach, reach),
+                      [&](std::uint32_t t) {
+                        if (more)
+                          more = f(flat_prism{{m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)},
+                                              up_at(m, t, centre),
+                                              depth},
+                                   at);
+                      });
+      }
+    });
+  }
+  template <class Tree>
+  [[nodiscard]] static vec3 up_at(const Tree& m, std::uint32_t t, const vec3& centre) {
+    const bool over = m.normals[t].dot(centre - m.corner(t, 0)) >= 0;
+    return over ? m.normals[t] : vec3(-m.normals[t]);
+  }
+  /// Calls f(normal) for the faces of a body at a point, in the world.
+  template <class F>
+  void each_face_at(std::uint32_t number, const vec3& p, real tolerance, F&& f) const {
+    with_body(number, [&](const auto& store, std::size_t i) {
+      const auto& shape = store.shape[i];
+      using type = std::remove_cvref_t<decltype(shape)>;
+      if constexpr (is_triangulated<type>) {
+        const pose at = store.pose(i);
+        const vec3 q = at.to_body(p), centre = at.to_body(c_.centre);
+        const auto& m = shape.tree();
+        each_triangle_at(m, q, tolerance, [&](std::uint32_t t) {
+          f(rotated(at.orientation, up_at(m, t, centre)));
+        });
+      } else {
+        each_solid(number, p, tolerance, [&](const auto& solid, const pose& at) {
+          const vec3 q = at.to_body(p);
+          solid.each_face([&](const vec3& m, real offset) {
+            if (std::abs(m.dot(q) - offset) <= tolerance) f(rotated(at.orientation, m));
+            return true;
+          });
+          return true;
+        });
+      }
+    });
+  }
+  template <class Tree, class F>
+  static void each_triangle_at(const Tree& m, const vec3& q, real tolerance, F&& f) {
+    const vec3 reach(tolerance, tolerance, tolerance);
+    m.each_within(q - reach, q + reach, [&](std::uint32_t t) {
+      const vec3 at = nearest_on_triangle(q, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)).at;
+      if ((at - q).squaredNorm() <= tolerance * tolerance) f(t);
+    });
+  }
+
+  /// Whether the body has a free face with about this normal near its point, which is inside the
+  /// solid: beyond a wall that the other body overlaps, the floor does not end.
+  template <class Solid>
+  [[nodiscard]] bool goes_on(std::uint32_t number, const Solid& solid, const pose& at,
+                             const vec3& p, real tolerance) const {
+    bool any = false, free = false;
+    each_face_at(number, c_.point, tolerance, [&](const vec3& face) {
+      any = true;
+      if (c_.round ? face.cross(c_.normal).norm() > real(1e-6) || face.dot(c_.normal) < 0
+                   : face.dot(c_.normal) < real(0.5))
+        return;
+      const vec3 n = to_body(at, face);
+      if (stands_beside(solid, p, n, tolerance) == beside::agrees) {
+        // The surface is flat there. A face of the other body may be tilted by round-off.
+        free = free || face.cross(c_.normal).norm() <= level;
+        return;
+      }
+      constexpr real infinity = std::numeric_limits<real>::infinity();
+      real nearest = infinity, on_surface = infinity;
+      each_way_out(solid, p, n, tolerance, [&](real way, const vec3& q) {
+        const vec3 there = at.to_world(q);
+        if (way >= on_surface || is_covered(number, there, face)) return;
+        nearest = std::min(nearest, way);
+        if (reaches(number, there, tolerance)) on_surface = way;
+      });
+      free = free || on_surface <= 2 * nearest + 8 * tolerance;
+    });
+    return free || !any;
+  }
+  [[nodiscard]] bool is_covered(std::uint32_t number, const vec3& p, const vec3& n) const {
+    const auto& f = s_.flush;
+    bool covered = false;
+    for (std::uint32_t k = f.first[number]; k < f.first[number + 1] && !covered; ++k) {
+      const std::uint32_t other = f.near[k];
+      const real tolerance = flush_part * (f.all[number].radius + f.all[other].radius);
+      each_solid(other, p, tolerance, [&](const auto& solid, const pose& at) {
+        covered =
+            stands_beside(solid, at.to_body(p), to_body(at, n), tolerance) == beside::covers;
+        return !covered;
+      });
+    }
+    return covered;
+  }
+  /// Whether the body contains a point of the world.
+  [[nodiscard]] bool reaches(std::uint32_t number, const vec3& p, real tolerance) const {
+    bool inside = false;
+    with_body(number, [&](const auto& store, std::size_t i) {
+      const auto& shape = store.shape[i];
+      if constexpr (is_triangulated<std::remove_cvref_t<decltype(shape)>>)
+        each_triangle_at(shape.tree(), store.pose(i).to_body(p), tolerance,
+                         [&](std::uint32_t) { inside = true; });
+      else
+        each_solid(number, p, tolerance, [&](const auto& solid, const pose& at) {
+          const vec3 q = at.to_body(p);
+          inside = solid.each_face(
+              [&](const vec3& m, real offset) { return m.dot(q) - offset <= tolerance; });
+          return true;
+        });
+    });
+    return inside;
+  }
+  /// Whether both bodies move alike at the contact, and the other one is not joined to the movable
+  /// body, with which it then has no contacts.
+  [[nodiscard]] bool rest_together(std::uint32_t a, std::uint32_t b) const {
+    if constexpr (state_type::has_joints)
+      if (s_.joints.joined(c_.id, s_.flush.all[b].id)) return false;
+    if constexpr (state_type::drives) {
+      const auto velocity = [&](std::uint32_t number) {
+        vec3 v(0, 0, 0);
+        with_body(number, [&](const auto& store, std::size_t i) {
+          v = store.velocity[i] + store.angular_velocity[i].cross(c_.point - store.position[i]);
+        });
+        return v;
+      };
+      const real tolerance = flush_part * (s_.flush.all[a].radius + s_.flush.all[b].radius);
+      return (velocity(a) - velocity(b)).norm() * s_.dt <= tolerance;
+    }
+    return true;
+  }
+
+  state_type& s_;
+  const contact_with_fixed& c_;
+};
+
+/// Whether the contact g of movable body i of one store and body j of another, of which one is
+/// fixed, is one that the common surface of the fixed bodies has not. The first body is that which
+/// g.normal points to. `p_b` is where the second one is, for this pair.
+template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
+[[nodiscard]] bool is_hidden(world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                             const vec3& p_a, const StoreB& b, std::size_t j, const vec3& p_b,
+                             const contact_geometry& g) {
+  if constexpr (has_flat_faces<ShapeB> || (Paired && has_flat_faces<ShapeA>)) {
+    if (!s.flush.any()) return false;
+    using shapes = typename Scenario::shapes;
+    const auto hidden = [&]<class Fixed, class Other>(const auto& fixed, std::size_t k,
+                                                      const vec3& at, bool global,
+                                                      const auto& other, std::size_t l,
+                                                      const vec3& centre, const vec3& normal) {
+      if constexpr (has_flat_faces<Fixed>) {
+        const std::int32_t number = s.flush.number_of(index_of<shapes, Fixed>, global, k);
+        if (number < 0) return false;
+        const auto n = static_cast<std::size_t>(number);
+        if (s.flush.first[n] == s.flush.first[n + 1]) return false;
+        const vec3 image = fixed.position[k] - at;  // where it is among the others
+        const contact_with_fixed c{g.point - real(0.5) * g.gap * normal + image,
+                                   normal,
+                                   centre + image,
+                                   other.shape[l].bounding_radius(),
+                                   other.id[l],
+                                   Other::isotropic};
+        return flush_surface<Scenario>(s, c).hides(static_cast<std::uint32_t>(number));
+      }
+      return false;
+    };
+    if (!Paired || b.inverse_mass[j] == 0)
+      return hidden.template operator()<ShapeB, ShapeA>(b, j, p_b, !Paired, a, i, p_a, g.normal);
+    if (a.inverse_mass[i] == 0)
+      return hidden.template operator()<ShapeA, ShapeB>(a, i, p_a, false, b, j, p_b, -g.normal);
+  }
+  return false;
+}
+
+}  // namespace talus::detail
