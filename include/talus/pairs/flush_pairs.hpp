@@ -87,7 +87,7 @@ void find_flush_bodies(world_state<Scenario>& s) {
       one.driven = global && driven_at<shape>(s, i) != nullptr;
     if constexpr (shape::finite) {
       one.radius = store.shape[i].bounding_radius();
-      real more = 2 * flush_part * one.radius;
+      real more = flush_part * one.radius;
       if (one.driven) more += flush_skin(one.radius);
       const vec3 reach = store.shape[i].half_extents(one.at) + vec3(more, more, more);
       one.lower = one.at.position - reach, one.upper = one.at.position + reach;
@@ -194,6 +194,7 @@ class flush_surface {
     for (std::uint32_t k = f.first[number]; k < f.first[number + 1]; ++k) {
       const std::uint32_t other = f.near[k];
       const real tolerance = flush_part * (f.all[number].radius + f.all[other].radius);
+      if (!f.all[other].may_contain(c_.point, tolerance)) continue;
       bool hidden = false;
       each_solid(other, c_.point, tolerance, [&](const auto& solid, const pose& at) {
         const vec3 p = at.to_body(c_.point), n = to_body(at, c_.normal);
@@ -378,40 +379,49 @@ class flush_surface {
   const contact_with_fixed& c_;
 };
 
-/// Whether the contact g of movable body i of one store and body j of another, of which one is
-/// fixed, is one that the common surface of the fixed bodies has not. The first body is that which
-/// g.normal points to. `p_b` is where the second one is, for this pair.
+/// Whether the contact of body l with the fixed body k, which is at `at` for this pair, is hidden.
+template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
+[[nodiscard, gnu::noinline]] bool is_hidden_on(world_state<Scenario>& s, const StoreF& fixed,
+                                               std::size_t k, const vec3& at, bool global,
+                                               const StoreO& other, std::size_t l,
+                                               const vec3& centre, const vec3& point,
+                                               const vec3& normal) {
+  if constexpr (has_flat_faces<Fixed>) {
+    const std::int32_t number =
+        s.flush.number_of(index_of<typename Scenario::shapes, Fixed>, global, k);
+    if (number < 0) return false;
+    const auto n = static_cast<std::uint32_t>(number);
+    if (s.flush.first[n] == s.flush.first[n + 1]) return false;
+    const vec3 image = fixed.position[k] - at;  // where it is among the others
+    const contact_with_fixed c{point + image,
+                               normal,
+                               centre + image,
+                               other.shape[l].bounding_radius(),
+                               other.id[l],
+                               Other::isotropic};
+    return flush_surface<Scenario>(s, c).hides(n);
+  }
+  return false;
+}
+/// Whether the contact g of bodies i and j of two stores, which are at p_a and p_b for this pair,
+/// is one that the common surface of flush bodies has not, if one of them is fixed.
 template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
-[[nodiscard]] bool is_hidden(world_state<Scenario>& s, const StoreA& a, std::size_t i,
-                             const vec3& p_a, const StoreB& b, std::size_t j, const vec3& p_b,
-                             const contact_geometry& g) {
+[[nodiscard, gnu::always_inline]] inline bool is_hidden(world_state<Scenario>& s, const StoreA& a,
+                                                        std::size_t i, const vec3& p_a,
+                                                        const StoreB& b, std::size_t j,
+                                                        const vec3& p_b,
+                                                        const contact_geometry& g) {
   if constexpr (has_flat_faces<ShapeB> || (Paired && has_flat_faces<ShapeA>)) {
-    if (!s.flush.any()) return false;
-    using shapes = typename Scenario::shapes;
-    const auto hidden = [&]<class Fixed, class Other>(const auto& fixed, std::size_t k,
-                                                      const vec3& at, bool global,
-                                                      const auto& other, std::size_t l,
-                                                      const vec3& centre, const vec3& normal) {
-      if constexpr (has_flat_faces<Fixed>) {
-        const std::int32_t number = s.flush.number_of(index_of<shapes, Fixed>, global, k);
-        if (number < 0) return false;
-        const auto n = static_cast<std::size_t>(number);
-        if (s.flush.first[n] == s.flush.first[n + 1]) return false;
-        const vec3 image = fixed.position[k] - at;  // where it is among the others
-        const contact_with_fixed c{g.point - real(0.5) * g.gap * normal + image,
-                                   normal,
-                                   centre + image,
-                                   other.shape[l].bounding_radius(),
-                                   other.id[l],
-                                   Other::isotropic};
-        return flush_surface<Scenario>(s, c).hides(static_cast<std::uint32_t>(number));
-      }
+    if (!s.flush.any()) [[likely]]
       return false;
-    };
+    const vec3 half_gap = real(0.5) * g.gap * g.normal;
     if (!Paired || b.inverse_mass[j] == 0)
-      return hidden.template operator()<ShapeB, ShapeA>(b, j, p_b, !Paired, a, i, p_a, g.normal);
-    if (a.inverse_mass[i] == 0)
-      return hidden.template operator()<ShapeA, ShapeB>(a, i, p_a, false, b, j, p_b, -g.normal);
+      return is_hidden_on<ShapeB, ShapeA>(s, b, j, p_b, !Paired, a, i, p_a, g.point - half_gap,
+                                          g.normal);
+    if constexpr (Paired)
+      if (a.inverse_mass[i] == 0)
+        return is_hidden_on<ShapeA, ShapeB>(s, a, i, p_a, false, b, j, p_b, g.point + half_gap,
+                                            -g.normal);
   }
   return false;
 }

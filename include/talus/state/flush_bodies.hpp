@@ -18,6 +18,13 @@ struct flush_body {
   pose at;
   real radius = 0;                   ///< 0 for a plane
   vec3 lower{0, 0, 0}, upper{0, 0, 0};  ///< of the box around it, with its skin
+
+  [[nodiscard]] bool may_contain(const vec3& p, real tolerance) const {
+    const auto within = [&](int k) {
+      return p[k] >= lower[k] - tolerance && p[k] <= upper[k] + tolerance;
+    };
+    return within(0) && within(1) && within(2);
+  }
 };
 
 struct flush_bodies {
