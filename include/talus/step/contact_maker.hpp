@@ -120,8 +120,10 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         conditions_of_gap<law, wide>(waiting_.batch.gap, held_gap<law, wide>(waiting_.pull, s_.dt),
                                      s_.dt, s_.settings.correction);
     for (unsigned k = 0; k < count; ++k) {
-      if (met >> k & 1u) add_lane(waiting_.pairs[k], k);
-      drop_unless_made(waiting_.pairs[k]);
+      pair_at_hand& x = waiting_.pairs[k];
+      const bool apart = waiting_.batch.apart >> k & 1u;
+      if ((met >> k & 1u) && !(apart && passes(x, lane(waiting_.batch.normal, k)))) add_lane(x, k);
+      drop_unless_made(x);
     }
   }
   void finish() requires(batched) {
@@ -146,6 +148,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     vec3 normal{0, 0, 0};
   };
   struct nothing_met {};
+  /// Whether the bodies of a pair come within the slack on their paths.
+  enum class path : char { unknown, meet, pass };
   struct pair_at_hand : body_pair {
     real margin = 0;
     real radius = 0;  ///< of a
@@ -153,6 +157,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     history_place* last = nullptr;
     bool boundary = false, foreign = false;
     bool made = false;  ///< a contact that may get an impulse
+    path paths = path::unknown;
     [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
   };
   struct waiting_pairs {
@@ -201,7 +206,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (this->order(i, j)) std::swap(margin_a, margin_b);
     [[maybe_unused]] pair_at_hand local;
     pair_at_hand& x = place_of_next(local);
-    x.i = i, x.j = j, x.last = last, x.made = false;
+    x.i = i, x.j = j, x.last = last, x.made = false, x.paths = path::unknown;
     if constexpr (state_type::has_joints)
       if (s_.joints.joined(a_.id[i], b_.id[j])) return drop_unless_made(x);
     if (!this->find(x)) return drop_unless_made(x);
@@ -312,6 +317,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       motion_.add_flight(u, i, j);
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
+    if (g.gap > x.slack && passes(x, g.normal)) return;
     if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -351,6 +357,14 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           s_.attraction.add({key, c.a, b, force, g.normal, arm_a, arm_b});
         }
     add_to_list(x, c, key);
+  }
+  /// Whether the surfaces of a contact with a gap above the slack pass each other in this step.
+  [[nodiscard]] bool passes(pair_at_hand& x, const vec3& normal) const {
+    const vec3 &at_a = position_a(x), &at_b = position_b(x);
+    if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, normal)) return false;
+    if (x.paths == path::unknown)
+      x.paths = motion_.meet_on_paths(x.i, x.j, at_a, at_b, x.slack) ? path::meet : path::pass;
+    return x.paths == path::pass;
   }
   static void set_conditions(contact_type& c, const contact_conditions& want) {
     c.target_velocity = static_cast<decltype(c.target_velocity)>(want.target_velocity);
