@@ -104,7 +104,7 @@ void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real m
 }
 
 /// Calls `sink(contact_geometry)` for the points of each triangle with a gap of at most `margin`,
-/// up to four each. Inner edges over which the surface is flat, or bends towards the body, act as
+/// up to 16 each. Inner edges over which the surface is flat, or bends towards the body, act as
 /// the plane of their triangle.
 template <class A, class B, class Sink>
 requires(detail::is_surface<A> &&
