@@ -1,17 +1,21 @@
 #pragma once
 // How much stiffer a body is on several contact points than on one.
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include "talus/core/math.hpp"
+#include "talus/detect/detail/convex_patch.hpp"
 #include "talus/shape/capsule.hpp"
+#include "talus/shape/cylinder.hpp"
 
 namespace talus::detail {
 
 /// The number of contact points of a shape on a plane.
 template <class Shape>
 [[nodiscard]] int most_contact_points(const Shape& s) {
-  constexpr int of_union = 8;
+  constexpr int of_union = 16;
   if constexpr (Shape::isotropic) {
     return 1;
   } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
@@ -20,6 +24,13 @@ template <class Shape>
     return std::min(sum, of_union);
   } else if constexpr (std::is_same_v<Shape, capsule>) {
     return 2;
+  } else if constexpr (std::is_same_v<Shape, cylinder>) {
+    return most_corners;
+  } else if constexpr (requires { s.mesh().face_begin; }) {
+    std::uint32_t most = 0;  // corners of a face
+    const auto& begin = s.mesh().face_begin;
+    for (std::size_t f = 0; f + 1 < begin.size(); ++f) most = std::max(most, begin[f + 1] - begin[f]);
+    return std::min(static_cast<int>(most), most_corners);
   } else {
     return 4;
   }
