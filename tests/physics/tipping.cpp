@@ -196,7 +196,7 @@ TEST_CASE("on one rank and on two they fall asleep, with the default and the rep
       for (int n = 0; n < 4; ++n) {
         const real y = 3 * n;
         const auto put = [&](real x, real z, const auto& shape) {
-          w.add(body{.shape = shape,
+          w.add_if_local(body{.shape = shape,
                      .position = {x, y, z},
                      .orientation = rotation({0, 0, 1}, 0.2 + 0.3 * n + z)});
         };

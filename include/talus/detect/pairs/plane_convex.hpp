@@ -41,7 +41,7 @@ struct corners_near_plane {
 /// Calls `sink(contact_geometry)` for the corners with a gap of at most `margin`, up to 16, the
 /// lowest among them (within 1e-4 of the thickness); the feature is the number of the corner. A
 /// cylinder that stands on a flat face has 16 fixed points of its edge circle, and carries loads
-/// within 0.98 of its radius in all directions; if it leans by 1e-4 or more, the lowest point is
+/// within 0.98 of its radius in all directions; if it leans by 2e-3 or more, the lowest point is
 /// one of them.
 template <class B, class Sink, class Real = real>
 requires(detail::convex_rank<B> > 1) void collide(const plane& a, const pose&, const B& b,
