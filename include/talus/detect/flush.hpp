@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "talus/core/math.hpp"
+#include "talus/detect/detail/triangle_contact.hpp"
 #include "talus/shape/box.hpp"
 
 namespace talus::detail {

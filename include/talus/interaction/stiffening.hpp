@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "talus/contact/contact_geometry.hpp"
 #include "talus/core/math.hpp"
-#include "talus/detect/detail/convex_patch.hpp"
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/cylinder.hpp"
 

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "talus/contact/contact_geometry.hpp"
-#include "talus/detect/detail/triangle_contact.hpp"
 #include "talus/detect/flush.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "talus/contact/contact_geometry.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/detect/detail/convex_view.hpp"
 
@@ -20,9 +21,6 @@ struct patch_point {
   part_code reference, incident;
   vector3<Real> at;  ///< on the incident core
 };
-
-/// Contacts of a manifold at most: the corners of a circle; see convex_view::outline_along().
-inline constexpr int most_corners = 16;
 
 /// Drops corners of a convex polygon, given in turn, that add nearly nothing to its area, and those
 /// that add least until at most 16 are left, the lowest (within `tolerance`) among them. A load may
