@@ -116,7 +116,7 @@ template <class Solid>
     return beside::apart;
   return solid.support(n) - n.dot(p) <= tolerance ? beside::agrees : beside::covers;
 }
-/// Whether the point is strictly over or under the faces of a solid that have this normal.
+/// Whether the point is over the faces of a solid that have this normal, or under them.
 template <class Solid>
 [[nodiscard]] bool lies_over(const Solid& solid, const vec3& p, const vec3& n) {
   return solid.each_face([&](const vec3& m, real offset) {

@@ -200,8 +200,9 @@ class flush_surface {
         const beside how = stands_beside(solid, p, n, tolerance);
         if (how == beside::covers)
           hidden = !goes_on(number, solid, at, p, tolerance);
-        else if (how == beside::agrees && c_.round && f.all[other].id < f.all[number].id)
-          hidden = lies_over(solid, p, n);  // it has the same contact
+        else if (how == beside::agrees && c_.round && lies_over(solid, at.to_body(c_.centre), n))
+          // Both have the same contact.
+          hidden = f.all[other].id < f.all[number].id || !is_under(number);
         return !hidden;
       });
       if (hidden && rest_together(number, other)) return true;
@@ -294,6 +295,18 @@ class flush_surface {
     });
   }
 
+  /// Whether the body is below the centre of the other one.
+  [[nodiscard]] bool is_under(std::uint32_t number) const {
+    bool under = false;
+    const real tolerance = flush_part * s_.flush.all[number].radius;
+    each_solid(number, c_.point, tolerance, [&](const auto& solid, const pose& at) {
+      const vec3 n = to_body(at, c_.normal);
+      under = stands_beside(solid, at.to_body(c_.point), n, tolerance) == beside::agrees &&
+              lies_over(solid, at.to_body(c_.centre), n);
+      return !under;
+    });
+    return under;
+  }
   /// Whether the body has a free face with about this normal near its point, which is inside the
   /// solid: beyond a wall that the other body overlaps, the floor does not end.
   template <class Solid>
