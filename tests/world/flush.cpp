@@ -53,12 +53,12 @@ std::string slid(int ranks, bool fixed) {
     tile({0.5, 1, 0.2}, {-0.25, 0.5, -0.1}), tile({0.5, 1, 0.2}, {0.25, 0.5, -0.1});
     put_rectangle(w, 0.5, 1.5), put_rectangle(w, -1.5, -0.5);
     for (int k = 0; k < 8; ++k) {
-      const real y = -0.35 + 0.1 * k;
+      const real y = -0.7 + 0.2 * k;
       w.add_if_local(body{.shape = box{{0.06, 0.06, 0.06}},
                           .position = {-0.3 + 0.01 * k, y, 0.03},
                           .velocity = {1, 0.1, 0}});
       w.add_if_local(body{.shape = sphere{0.03},
-                          .position = {0.3 - 0.01 * k, y + 0.05, 0.03},
+                          .position = {0.3 - 0.01 * k, y + 0.1, 0.03},
                           .velocity = {-1, 0.1, 0}});
     }
     for (int k = 0; k < 120; ++k) w.step(1.0 / 240);
