@@ -21,9 +21,8 @@ using namespace talus;
 
 namespace {
 
-using scene =
-    scenario<bodies<sphere, box, convex_polyhedron, triangle_mesh, plane>,
-             hard_contact<coulomb_friction, newton_restitution>, transport<serial>>;
+using scene = scenario<bodies<sphere, box, convex_polyhedron, triangle_mesh, plane>,
+                       hard_contact<coulomb_friction, newton_restitution>, transport<serial>>;
 using triangles = std::vector<triangle_mesh::triangle>;
 
 /// A rectangle of two triangles at the height z.
@@ -70,7 +69,10 @@ void put_block(world<scene>& w, real x0, real x1, real y0, real y1, real z0) {
 
 const std::vector<floor_kind>& floors() {
   static const std::vector<floor_kind> all{
-      {"one box", [](auto& w) { put(w, box{{2, 2, 0.2}}, {0, 0, -0.1}); }},
+      {"one box",
+       [](auto& w) {
+         put(w, box{{2, 2, 0.2}}, {0, 0, -0.1});
+       }},
       {"two boxes",
        [](auto& w) {
          put(w, box{{1, 2, 0.2}}, {-0.5, 0, -0.1});
@@ -216,9 +218,9 @@ TEST_CASE("a sphere slides over any seam of flush surfaces without a bump") {
           for (const vec3& ahead : {vec3(1, 0, 0), vec3(-0.8, 0.6, 0)}) {
             if (speed * dt > 0.1) continue;
             CAPTURE(floor.name);
-          CAPTURE(speed);
-          CAPTURE(dt);
-          CAPTURE(ahead[0]);
+            CAPTURE(speed);
+            CAPTURE(dt);
+            CAPTURE(ahead[0]);
             require_smooth(slide(floor, sphere{0.03}, 0.03, 0.03, speed * ahead, dt,
                                  {.restitution = restitution, .friction = 0}));
           }
@@ -275,8 +277,8 @@ TEST_CASE("a sphere rolls from a floor onto a slope and back as over one mesh") 
       const vec3 c = along + side, d = along - side;
       put(w, joined(rectangle(-1, 0, -1, 1), {{-side, d, c}, {-side, c, side}}));
     }
-    const auto ball = w.add(
-        body{.shape = sphere{0.03}, .position = {-0.1, 0, 0.03}, .velocity = {0.3, 0, 0}});
+    const auto ball =
+        w.add(body{.shape = sphere{0.03}, .position = {-0.1, 0, 0.03}, .velocity = {0.3, 0, 0}});
     std::vector<vec3> path;
     for (int k = 0; k < 400; ++k) {
       w.step(1.0 / 240);
@@ -296,8 +298,8 @@ TEST_CASE("real steps, walls and outer edges act on what slides against them") {
     w.gravity(gravity);
     w.material({.restitution = 0, .friction = 0});
     build(w);
-    const auto cube = w.add(
-        body{.shape = box{{0.06, 0.06, 0.06}}, .position = {-0.1, 0, 0.03}, .velocity = v});
+    const auto cube =
+        w.add(body{.shape = box{{0.06, 0.06, 0.06}}, .position = {-0.1, 0, 0.03}, .velocity = v});
     for (int k = 0; k < steps; ++k) w.step(1.0 / 240);
     return std::pair(w[cube].position(), w[cube].velocity());
   };
@@ -337,8 +339,11 @@ TEST_CASE("real steps, walls and outer edges act on what slides against them") {
     CHECK(v.norm() < 1e-3);
   }
   // Down a step, and over an outer edge.
-  const auto [p, v] = run([](auto& w) { put(w, box{{1, 2, 0.2}}, {-0.5, 0, -0.1}); }, {0, 0, -9.81},
-                          {3, 0, 0}, 30);
+  const auto [p, v] = run(
+      [](auto& w) {
+        put(w, box{{1, 2, 0.2}}, {-0.5, 0, -0.1});
+      },
+      {0, 0, -9.81}, {3, 0, 0}, 30);
   CHECK(p[2] < 0.01);
   CHECK(v[0] == doctest::Approx(3).epsilon(0.05));
 }

@@ -16,9 +16,9 @@ using namespace talus;
 
 namespace {
 
-using soft_scene = scenario<bodies<sphere, box, triangle_mesh>,
-                            soft_contact<linear_spring_dashpot, coulomb_friction>,
-                            transport<serial>>;
+using soft_scene =
+    scenario<bodies<sphere, box, triangle_mesh>,
+             soft_contact<linear_spring_dashpot, coulomb_friction>, transport<serial>>;
 
 template <class World>
 void put_box(World& w, const vec3& size, const vec3& at) {
@@ -37,12 +37,22 @@ void put_rectangle(World& w, real x0, real x1) {
 
 const std::vector<std::function<void(world<soft_scene>&)>>& soft_floors() {
   static const std::vector<std::function<void(world<soft_scene>&)>> all{
-      [](auto& w) { put_box(w, {2, 2, 0.2}, {0, 0, -0.1}); },
-      [](auto& w) { put_box(w, {1, 2, 0.2}, {-0.5, 0, -0.1}), put_box(w, {1, 2, 0.3}, {0.5, 0, -0.15}); },
-      [](auto& w) { put_box(w, {1.2, 2, 0.2}, {-0.5, 0, -0.1}), put_box(w, {1.2, 2, 0.3}, {0.5, 0, -0.15}); },
+      [](auto& w) {
+        put_box(w, {2, 2, 0.2}, {0, 0, -0.1});
+      },
+      [](auto& w) {
+        put_box(w, {1, 2, 0.2}, {-0.5, 0, -0.1}), put_box(w, {1, 2, 0.3}, {0.5, 0, -0.15});
+      },
+      [](auto& w) {
+        put_box(w, {1.2, 2, 0.2}, {-0.5, 0, -0.1}), put_box(w, {1.2, 2, 0.3}, {0.5, 0, -0.15});
+      },
       [](auto& w) { put_rectangle(w, -1, 0), put_rectangle(w, 0, 1); },
-      [](auto& w) { put_box(w, {1, 2, 0.2}, {-0.5, 0, -0.1}), put_rectangle(w, 0, 1); },
-      [](auto& w) { put_rectangle(w, -1, 0), put_box(w, {1, 2, 0.2}, {0.5, 0, -0.1}); },
+      [](auto& w) {
+        put_box(w, {1, 2, 0.2}, {-0.5, 0, -0.1}), put_rectangle(w, 0, 1);
+      },
+      [](auto& w) {
+        put_rectangle(w, -1, 0), put_box(w, {1, 2, 0.2}, {0.5, 0, -0.1});
+      },
   };
   return all;
 }
@@ -61,10 +71,8 @@ soft_course go(const std::function<void(world<soft_scene>&)>& floor, real x, rea
   floor(w);
   const real mass = 1000 * 4 * pi / 3 * R * R * R, height = R - mass * g / stiffness, dt = 1e-4;
   const vec3 v(speed, 0, 0), spin(0, friction > 0 ? speed / R : 0, 0);
-  const auto ball = w.add(body{.shape = sphere{R},
-                               .position = {x, 0.013, height},
-                               .velocity = v,
-                               .angular_velocity = spin});
+  const auto ball = w.add(body{
+      .shape = sphere{R}, .position = {x, 0.013, height}, .velocity = v, .angular_velocity = spin});
   soft_course c;
   for (int k = 1; k <= steps; ++k) {
     w.step(dt);

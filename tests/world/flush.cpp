@@ -98,8 +98,8 @@ TEST_CASE("boxes that are driven together are one surface, and apart from those 
   for (const auto& h : floor) w.drive(h, gliding{{0.3, 0, 0}});
   const auto cube = w.add(
       body{.shape = box{{0.06, 0.06, 0.06}}, .position = {0.2, 0, 0.03}, .velocity = {-0.5, 0, 0}});
-  const auto ball = w.add(
-      body{.shape = sphere{0.03}, .position = {0.2, 0.2, 0.03}, .velocity = {-0.5, 0, 0}});
+  const auto ball =
+      w.add(body{.shape = sphere{0.03}, .position = {0.2, 0.2, 0.03}, .velocity = {-0.5, 0, 0}});
   for (int k = 0; k < 240; ++k) {
     w.step(1.0 / 240);
     CHECK((w[cube].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-5);

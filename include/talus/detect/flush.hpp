@@ -32,7 +32,9 @@ concept is_half_space = requires(const Shape& s) {
   s.offset;
 };
 template <class Shape>
-concept is_triangulated = requires(const Shape& s) { s.tree().triangles; };
+concept is_triangulated = requires(const Shape& s) {
+  s.tree().triangles;
+};
 /// Shapes with flat faces and edges that may lie flush with others.
 template <class Shape>
 inline constexpr bool has_flat_faces = is_block<Shape> || is_hull<Shape> || is_triangulated<Shape>;
@@ -67,9 +69,7 @@ struct flat_hull {
       if (!f(mesh.normals[k], mesh.offsets[k])) return false;
     return true;
   }
-  [[nodiscard]] real support(const vec3& n) const {
-    return n.dot(mesh.vertices[mesh.furthest(n)]);
-  }
+  [[nodiscard]] real support(const vec3& n) const { return n.dot(mesh.vertices[mesh.furthest(n)]); }
 };
 struct flat_half_space {
   vec3 normal;

@@ -175,7 +175,7 @@ struct contact_with_fixed {
   bool round = false;  ///< the movable body is a sphere
 };
 
-/// Tells the contacts that the common surface of flush bodies has from those that it has not.
+/// Finds the contacts with flush bodies that their common surface has not.
 template <class Scenario>
 class flush_surface {
   using state_type = world_state<Scenario>;
@@ -271,9 +271,8 @@ class flush_surface {
         const pose at = store.pose(i);
         const vec3 q = at.to_body(p), centre = at.to_body(c_.centre);
         const auto& m = shape.tree();
-        each_triangle_at(m, q, tolerance, [&](std::uint32_t t) {
-          f(rotated(at.orientation, up_at(m, t, centre)));
-        });
+        each_triangle_at(m, q, tolerance,
+                         [&](std::uint32_t t) { f(rotated(at.orientation, up_at(m, t, centre))); });
       } else {
         each_solid(number, p, tolerance, [&](const auto& solid, const pose& at) {
           const vec3 q = at.to_body(p);
@@ -290,8 +289,10 @@ class flush_surface {
   static void each_triangle_at(const Tree& m, const vec3& q, real tolerance, F&& f) {
     const vec3 reach(tolerance, tolerance, tolerance);
     m.each_within(q - reach, q + reach, [&](std::uint32_t t) {
-      const vec3 at = nearest_on_triangle(q, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)).at;
-      if ((at - q).squaredNorm() <= tolerance * tolerance) f(t);
+      const flat_prism flat{{m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)}, m.normals[t], 0};
+      if (flat.each_face(
+              [&](const vec3& n, real offset) { return n.dot(q) - offset <= tolerance; }))
+        f(t);
     });
   }
 
@@ -343,8 +344,7 @@ class flush_surface {
       const std::uint32_t other = f.near[k];
       const real tolerance = flush_part * (f.all[number].radius + f.all[other].radius);
       each_solid(other, p, tolerance, [&](const auto& solid, const pose& at) {
-        covered =
-            stands_beside(solid, at.to_body(p), to_body(at, n), tolerance) == beside::covers;
+        covered = stands_beside(solid, at.to_body(p), to_body(at, n), tolerance) == beside::covers;
         return !covered;
       });
     }
@@ -405,12 +405,9 @@ template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
     const auto n = static_cast<std::uint32_t>(number);
     if (s.flush.first[n] == s.flush.first[n + 1]) return false;
     const vec3 image = fixed.position[k] - at;  // where it is among the others
-    const contact_with_fixed c{point + image,
-                               normal,
-                               centre + image,
-                               other.shape[l].bounding_radius(),
-                               other.id[l],
-                               Other::isotropic};
+    const contact_with_fixed c{point + image,  normal,
+                               centre + image, other.shape[l].bounding_radius(),
+                               other.id[l],    Other::isotropic};
     return flush_surface<Scenario>(s, c).hides(n);
   }
   return false;

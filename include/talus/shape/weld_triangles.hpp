@@ -26,7 +26,7 @@ struct surface_report {
   std::size_t merged = 0;        ///< corners at some distance from that which they were merged with
   std::size_t without_area = 0;  ///< triangles dropped because corners coincide or lie in a line
   std::size_t doubled = 0;       ///< triangles dropped because others have the same corners
-  std::vector<vec3> joined;      ///< corners on an edge of another triangle, which was divided there
+  std::vector<vec3> joined;  ///< corners on an edge of another triangle, which was divided there
   /// The middle of each edge that one triangle alone has: the rim of the surface, or a hole.
   std::vector<vec3> open_edges;
   std::vector<vec3> shared_edges;  ///< likewise of three triangles or more
@@ -185,9 +185,11 @@ class triangle_welder {
     const std::uint32_t *first = nullptr, *last = nullptr;
     for (int axis = 0; axis < 3; ++axis) {
       const auto& list = along[static_cast<std::size_t>(axis)];
-      const real low = std::min(a[axis], b[axis]) - near_, high = std::max(a[axis], b[axis]) + near_;
-      const auto* const from = std::lower_bound(
-          list.begin(), list.end(), low, [&](std::uint32_t v, real x) { return points[v][axis] < x; });
+      const real low = std::min(a[axis], b[axis]) - near_,
+                 high = std::max(a[axis], b[axis]) + near_;
+      const auto* const from =
+          std::lower_bound(list.begin(), list.end(), low,
+                           [&](std::uint32_t v, real x) { return points[v][axis] < x; });
       const auto* const to = std::upper_bound(
           from, list.end(), high, [&](real x, std::uint32_t v) { return x < points[v][axis]; });
       if (first == nullptr || to - from < last - first) first = from, last = to;

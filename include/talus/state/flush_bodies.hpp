@@ -16,7 +16,7 @@ struct flush_body {
   bool global = false, driven = false;
   system_id id = no_id;
   pose at;
-  real radius = 0;                   ///< 0 for a plane
+  real radius = 0;                      ///< 0 for a plane
   vec3 lower{0, 0, 0}, upper{0, 0, 0};  ///< of the box around it, with its skin
 
   [[nodiscard]] bool may_contain(const vec3& p, real tolerance) const {
