@@ -193,7 +193,7 @@ class flush_surface {
     for (std::uint32_t k = f.first[number]; k < f.first[number + 1]; ++k) {
       const std::uint32_t other = f.near[k];
       const real tolerance = flush_part * (f.all[number].radius + f.all[other].radius);
-      if (!f.all[other].may_contain(c_.point, tolerance)) continue;
+      if (!f.all[other].may_contain(c_.point, tolerance) || !rest_together(number, other)) continue;
       bool hidden = false;
       each_solid(other, c_.point, tolerance, [&](const auto& solid, const pose& at) {
         const vec3 p = at.to_body(c_.point), n = to_body(at, c_.normal);
@@ -205,7 +205,7 @@ class flush_surface {
           hidden = f.all[other].id < f.all[number].id || !is_under(number);
         return !hidden;
       });
-      if (hidden && rest_together(number, other)) return true;
+      if (hidden) return true;
     }
     return false;
   }
