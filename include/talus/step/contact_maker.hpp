@@ -12,7 +12,7 @@
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
 #include "talus/pairs/close_pairs.hpp"
-#include "talus/pairs/flush_pairs.hpp"
+#include "talus/pairs/flush_surface.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"

@@ -3,6 +3,7 @@
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/features/sleeping/sleep.hpp"
 #include "talus/ghosts/shared_joints.hpp"
+#include "talus/pairs/flush_bodies.hpp"
 #include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/search.hpp"
 #include "talus/state/hooks.hpp"
