@@ -66,8 +66,8 @@ void put_ground(World& w, ground what, real slope, real size) {
   });
 }
 
-/// How far bodies move from the second to the tenth second, and how fast they are then at most;
-/// relative to their size.
+/// How far bodies move from the end of the first second to the tenth, and how fast they are at
+/// most; relative to their size.
 struct motion {
   real way = 0, speed = 0;
 };
@@ -108,8 +108,8 @@ void check_rest(const std::string& name, const setting& x, real slope, Put&& put
   const motion m = watch(w, x.size, x.dt);
   INFO(name, " on ground ", static_cast<int>(x.below), ", ", x.part, " of the limit, turned ",
        x.turn, ", size ", x.size, ", dt ", x.dt, ": way ", m.way, ", speed ", m.speed);
-  CHECK(m.way < 1e-7);
-  CHECK(m.speed < 1e-7);
+  CHECK(m.way < 3e-6);
+  CHECK(m.speed < 5e-5);
 }
 
 template <class Scenario>
@@ -197,8 +197,8 @@ TEST_CASE("on one rank and on two they fall asleep, with the default and the rep
         const real y = 3 * n;
         const auto put = [&](real x, real z, const auto& shape) {
           w.add_if_local(body{.shape = shape,
-                     .position = {x, y, z},
-                     .orientation = rotation({0, 0, 1}, 0.2 + 0.3 * n + z)});
+                              .position = {x, y, z},
+                              .orientation = rotation({0, 0, 1}, 0.2 + 0.3 * n + z)});
         };
         put(-0.02, r, cylinder{r, 2 * r});
         if (n % 2 == 0)
