@@ -256,7 +256,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
 
   /// The longest stable step of two bodies of this mass, `stiffer` by this factor than on one
   /// contact.
-  [[nodiscard]] static real longest_step(const parameters& p, real mass, real stiffer) {
+  [[nodiscard]] static real longest_step(const parameters& p, real mass, real stiffer = 1) {
     real least = std::numeric_limits<real>::infinity();
     const auto bound = [&]<class Law>() {
       if constexpr (requires { Law::longest_step(of<Law>(p), mass, stiffer); })

@@ -174,8 +174,10 @@ void advance_sleep_timers(world_state<Scenario>& s) {
 /// Whether a constraint exerts an impulse; joints always count.
 template <class Constraint>
 [[nodiscard]] bool bears(const Constraint& c) {
-  if constexpr (is_joint<Constraint>) return true;
-  return impulse_in_parts(c).normal != vec3(0, 0, 0);
+  if constexpr (is_joint<Constraint>)
+    return true;
+  else
+    return impulse_in_parts(c).normal != vec3(0, 0, 0);
 }
 
 /// Replaces the values of the bodies of each island by the least of them, on all ranks of an island
