@@ -121,8 +121,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
                                      s_.dt, s_.settings.correction);
     for (unsigned k = 0; k < count; ++k) {
       pair_at_hand& x = waiting_.pairs[k];
-      const bool apart = waiting_.batch.apart >> k & 1u;
-      if ((met >> k & 1u) && !(apart && passes(x, lane(waiting_.batch.normal, k)))) add_lane(x, k);
+      if (met >> k & 1u) add_lane(x, k);
       drop_unless_made(x);
     }
   }
@@ -317,7 +316,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       motion_.add_flight(u, i, j);
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
-    if (g.gap > x.slack && passes(x, g.normal)) return;
+    const bool passing = g.gap > x.slack && passes(x, g.normal);
     if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -337,6 +336,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
         creep(x.radius, s_.dt), s_.settings.correction);
+    if (passing) let_pass(want, g.gap, g.normal.dot(u), pulled);
     const real rebound = want.target_velocity;
     if constexpr (state_type::continuous) {
       motion_.add_flight_after(want.target_velocity, i, j, g.normal);
@@ -365,6 +365,10 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (x.paths == path::unknown)
       x.paths = motion_.meet_on_paths(x.i, x.j, at_a, at_b, x.slack) ? path::meet : path::pass;
     return x.paths == path::pass;
+  }
+  void let_pass(contact_conditions& want, real gap, real un, real pull) const {
+    want.target_velocity = want.limit = passing_velocity(gap, un, pull, s_.dt);
+    want.slowest = slowest_impact(want.limit, want.restitution, pull, s_.dt);
   }
   static void set_conditions(contact_type& c, const contact_conditions& want) {
     c.target_velocity = static_cast<decltype(c.target_velocity)>(want.target_velocity);
@@ -405,11 +409,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const pair_material& between = materials_of(x);
     const real pull = waiting_.pull[k];
     const bool rebounds = between.restitution > 0 && of.approach[k] < -2 * pull * s_.dt;
-    if (rebounds || between.dynamic_friction < between.friction) [[unlikely]] {
-      const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
+    const bool passing = (of.apart >> k & 1u) && passes(x, normal);
+    if (rebounds || passing || between.dynamic_friction < between.friction) [[unlikely]] {
+      auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,
           [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius, s_.dt),
           s_.settings.correction);
+      if (passing) let_pass(want, gap, of.approach[k], pull);
       set_conditions(c, want);
       s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
     } else {

@@ -130,22 +130,26 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     batch_.set(k, few_[2 * k], few_[2 * k + 1]);
   }
   [[nodiscard]] [[gnu::always_inline]] inline unsigned collide(unsigned count) {
-    const unsigned met = batch_.collide_in_reach(count, motion_.gravity(), s_.dt, contact_slack);
-    return batch_.apart == 0 ? met : met & ~passing();
+    return batch_.collide_in_reach(count, motion_.gravity(), s_.dt, contact_slack);
   }
-  /// Those of the pairs of a batch that pass each other in this step though their gap closes.
-  [[nodiscard]] unsigned passing() const {
-    unsigned passing = 0;
+  /// Pairs of the batch that pass each other in this step though their gap closes.
+  [[gnu::noinline]] void let_pass(const wide& pull, renewed_contacts& next) const {
     for (unsigned left = batch_.apart; left != 0; left &= left - 1) {
       const auto k = static_cast<unsigned>(std::countr_zero(left));
-      const auto [i, j] = lanes_[k];
-      const vec3 &at_a = a_.position[i], &at_b = a_.position[j];
-      const real slack = slack_of<real>(contact_slack, a_.shape[i].radius, a_.shape[j].radius);
-      if (motion_.may_pass(i, j, at_a, at_b, slack, lane(batch_.normal, k)) &&
-          !motion_.meet_on_paths(i, j, at_a, at_b, slack))
-        passing |= 1u << k;
+      if (!passes(k)) continue;
+      const real limit = passing_velocity(batch_.gap[k], batch_.approach[k], pull[k], s_.dt);
+      next.target_velocity[k] = limit;
+      if (!next.rebounds) continue;
+      next.limit[k] = limit;
+      next.slowest[k] = slowest_impact(limit, next.restitution[k], pull[k], s_.dt);
     }
-    return passing;
+  }
+  [[nodiscard]] bool passes(unsigned k) const {
+    const auto [i, j] = lanes_[k];
+    const vec3 &at_a = a_.position[i], &at_b = a_.position[j];
+    const real slack = slack_of<real>(contact_slack, a_.shape[i].radius, a_.shape[j].radius);
+    return motion_.may_pass(i, j, at_a, at_b, slack, lane(batch_.normal, k)) &&
+           !motion_.meet_on_paths(i, j, at_a, at_b, slack);
   }
   /// The places of bodies, of which the last one fills the empty lanes.
   template <class Body>
@@ -255,6 +259,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
               next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
               const wide pull = set_gap_conditions(a, b, size, batch_.gap, next);
               if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
+              if (batch_.apart != 0) let_pass(pull, next);
               return true;
             });
   }
@@ -304,7 +309,8 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
           between, normal, lane(batch_.velocity, k), batch_.gap[k], s_.dt, pull[k],
           [&] { return motion_.fall(i, j, normal); }, creep(a_.shape[i].radius, s_.dt),
           s_.settings.correction);
-      s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
+      const bool strikes_now = want.target_velocity > 0 && !((batch_.apart >> k & 1u) && passes(k));
+      s_.solver.impacts = s_.solver.impacts || strikes_now;
       next.target_velocity[k] = want.target_velocity;
       next.correction_rate[k] = want.correction_rate;
       next.friction[k] = want.friction;
