@@ -40,6 +40,28 @@ class exact_sum {
     digits_[first + 2] += high;
     return *this;
   }
+  exact_sum& operator+=(const exact_sum& x) {
+    exact_sum other = x;
+    other.carry(), carry();
+    for (std::size_t k = 0; k < digits; ++k) digits_[k] += other.digits_[k];
+    broken_ |= other.broken_;
+    return *this;
+  }
+  /// Takes from both sums what they have in common: one of them is 0 afterwards.
+  static void cancel(exact_sum& a, exact_sum& b) {
+    a.carry(), b.carry();
+    std::size_t k = digits;
+    while (k > 0 && a.digits_[k - 1] == b.digits_[k - 1]) --k;
+    const bool less = k > 0 && a.digits_[k - 1] < b.digits_[k - 1];
+    exact_sum &larger = less ? b : a, &smaller = less ? a : b;
+    std::uint64_t borrowed = 0;
+    for (std::size_t n = 0; n < digits; ++n) {
+      const std::uint64_t taken = smaller.digits_[n] + borrowed;
+      borrowed = larger.digits_[n] < taken ? 1 : 0;
+      larger.digits_[n] += (borrowed << bits) - taken;
+      smaller.digits_[n] = 0;
+    }
+  }
   /// As numbers that may be added up over ranks, up to 2^20 of them.
   void write(std::span<double, digits + 1> out) {
     carry();
@@ -76,7 +98,7 @@ class exact_sum {
   std::uint64_t broken_ = 0;
 };
 
-/// A sum of finite numbers of either sign, exact in its two parts.
+/// An exact sum of finite numbers of either sign.
 struct signed_sum {
   exact_sum plus, minus;
 
@@ -88,7 +110,20 @@ struct signed_sum {
     return *this;
   }
   signed_sum& operator-=(double x) { return *this += -x; }
-  [[nodiscard]] double value() const { return plus.value() - minus.value(); }
+  signed_sum& operator+=(const signed_sum& x) {
+    plus += x.plus, minus += x.minus;
+    return *this;
+  }
+  signed_sum& operator-=(const signed_sum& x) {
+    plus += x.minus, minus += x.plus;
+    return *this;
+  }
+  /// The nearest number, or one of the two nearest.
+  [[nodiscard]] double value() const {
+    signed_sum rest = *this;
+    exact_sum::cancel(rest.plus, rest.minus);
+    return rest.plus.value() - rest.minus.value();
+  }
 };
 
 /// The same of vectors.

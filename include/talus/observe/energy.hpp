@@ -1,8 +1,10 @@
 #pragma once
 // The sources and sinks of the energy of a run.
-#include <array>
 #include <cmath>
+#include <span>
 
+#include "talus/features/energy_ledger/energy_ledger.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -25,45 +27,33 @@ struct energy_balance {
   [[nodiscard]] double error() const { return scale > 0 ? std::abs(closure) / scale : 0; }
 };
 
-/// Collective: sums the ledger over all ranks. Needs features<energy_ledger>.
+/// Collective: sums the ledger exactly over all ranks. Needs features<energy_ledger>.
 template <class Scenario>
 [[nodiscard]] energy_balance measure_energy(world<Scenario>& w) {
   energy_balance b;
   if constexpr (detail::require_feature<Scenario, energy_ledger>()) {
     w.require_all_ranks("measure_energy");
-    const auto& r = detail::view_of(w).monitors.energy;
-    const detail::energy_sums now = detail::energy_of(detail::view_of(w));
-    const double energy = now.kinetic + now.potential, then = r.after.kinetic + r.after.potential;
-    std::array<double, 21> sums{now.kinetic,
-                                now.potential,
-                                r.started ? r.initial : energy,
-                                r.started ? r.changes + (energy - then) : 0,
-                                r.closure,
-                                r.scale,
-                                r.step.work,
-                                r.step.friction,
-                                r.step.impact,
-                                r.step.damping,
-                                r.step.correction,
-                                r.step.scheme,
-                                r.total.work,
-                                r.total.friction,
-                                r.total.impact,
-                                r.total.damping,
-                                r.total.correction,
-                                r.total.scheme,
-                                0,
-                                r.step.sleep,
-                                r.total.sleep};
-    if constexpr (Scenario::contact_law::soft)
-      sums[18] = detail::view_of(w).monitors.springs.stored;
-    w.link().reduce(reduction::sum, sums);
+    detail::energy_entries r = detail::view_of(w).monitors.energy;
+    detail::spring_record springs;
+    detail::energy_sums now = detail::energy_of(detail::view_of(w));
+    if (!r.started)
+      r.initial = now.all();
+    else
+      (r.changes += now.all()) -= r.after.all();
+    if constexpr (Scenario::contact_law::soft) springs = detail::view_of(w).monitors.springs;
+    detail::sum_exactly(w.link(), now.kinetic, now.potential, r.initial, r.changes, r.exchanged);
+    for (detail::energy_sums* x : {&r.before, &r.after})
+      detail::sum_exactly(w.link(), x->kinetic, x->potential, x->scale);
+    for (detail::flow_sums* x : {&r.step, &r.total})
+      x->each([&](auto&... sums) { detail::sum_exactly(w.link(), sums...); });
+    detail::sum_exactly(w.link(), springs.start, springs.stored, springs.moved);
+    b.kinetic = now.kinetic.value(), b.potential = now.potential.value();
+    b.elastic = springs.stored.value();
+    b.initial = r.initial.value(), b.changes = r.changes.value();
+    b.step = r.step.value(), b.total = r.total.value();
+    b.closure = detail::closure_of(r, springs).value(), b.scale = detail::scale_of(r, springs);
     b.worst = r.worst;
     w.link().reduce(reduction::max, std::span(&b.worst, 1));
-    b.kinetic = sums[0], b.potential = sums[1], b.initial = sums[2], b.changes = sums[3];
-    b.closure = sums[4], b.scale = sums[5], b.elastic = sums[18];
-    b.step = {sums[6], sums[7], sums[8], sums[9], sums[10], sums[11], sums[19]};
-    b.total = {sums[12], sums[13], sums[14], sums[15], sums[16], sums[17], sums[20]};
   }
   return b;
 }

@@ -8,8 +8,9 @@
 
 namespace talus::detail {
 
-/// The value over all ranks: the sum of a number over the ranks, or the largest.
-enum class over_ranks { sum, largest };
+/// The value over all ranks: the sum of a number over the ranks, or the largest. A rest belongs to
+/// the sum before it: what the nearest number leaves.
+enum class over_ranks { sum, rest, largest };
 
 /// The argument of `each_number(visit)` of a record: visit.sum(x) and visit.largest(x) name a
 /// number, and its reduction over all ranks.
@@ -22,17 +23,16 @@ class number_visitor {
   void sum(vec3& v) {
     for (int k = 0; k < 3; ++k) sum(v[k]);
   }
-  template <class Value>
-  void sum(compensated_sum<Value>& x) {
-    x.each_part([&](Value& part) { sum(part); });
-  }
-  /// The nearest numbers, and what is left of the sums.
-  void sum(vector_sum& x) {
-    vector_sum left = x;
-    const vec3 value = x.value(), rest = (left -= value).value();
-    vec3 high = value, low = rest;
-    sum(high), sum(low);
+  /// The nearest number, and what is left of the sum.
+  void sum(signed_sum& x) {
+    signed_sum left = x;
+    const double value = x.value(), rest = (left -= value).value();
+    double high = value, low = rest;
+    sum(high), f_(low, over_ranks::rest);
     if (high != value || low != rest) x = {}, (x += high) += low;
+  }
+  void sum(vector_sum& x) {
+    for (signed_sum& part : x.parts) sum(part);
   }
   /// The nearest number.
   void sum(exact_sum& x) {

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "talus/body/features.hpp"
-#include "talus/core/compensated_sum.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"

@@ -347,24 +347,26 @@ void measure_forces(world_state<Scenario>& s) {
 template <class Scenario>
 void open_springs_as_measured(step_records<Scenario>& s) {
   const spring_record& r = s.monitors.springs;
-  open_springs(s, r.normal.value() + r.released.value() + r.across_before.value());
+  signed_sum energy = r.normal;
+  open_springs(s, (energy += r.released) += r.across_before);
 }
 template <class Scenario>
 void survey_at_end(world_state<Scenario>& s) {
   const spring_energies now = survey_springs(s);
-  close_springs(s, now.sum(), s.monitors.springs.across.value() - now.across.value());
+  signed_sum opened = s.monitors.springs.across;
+  close_springs(s, now.sum(), opened -= now.across);
 }
 template <class Scenario>
 void survey_at_start(world_state<Scenario>& s) {
   const spring_energies now = survey_springs(s);
-  s.monitors.springs.across_at_start = now.across.value();
+  s.monitors.springs.across_at_start = now.across;
   open_springs(s, now.sum());
 }
 template <class Scenario>
 void close_springs_as_measured(step_records<Scenario>& s) {
   const spring_record& r = s.monitors.springs;
-  close_springs(s, r.normal.value() + r.across.value(),
-                r.across_at_start - r.across_before.value());
+  signed_sum energy = r.normal, opened = r.across_at_start;
+  close_springs(s, energy += r.across, opened -= r.across_before);
 }
 
 /// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have

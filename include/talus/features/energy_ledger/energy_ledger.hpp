@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "talus/constraint/contact_work.hpp"
-#include "talus/core/compensated_sum.hpp"
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/motion/integrate.hpp"
@@ -30,51 +30,63 @@ struct energy_flows {
   [[nodiscard]] double net() const {
     return work + correction + scheme - friction - impact - damping - sleep;
   }
-  energy_flows& operator+=(const energy_flows& x) {
-    work += x.work, friction += x.friction, impact += x.impact;
-    damping += x.damping, correction += x.correction, scheme += x.scheme;
-    sleep += x.sleep;
-    return *this;
-  }
 };
 
 namespace detail {
 
 /// Kinetic and potential energy, and the sum of their absolute values over the bodies.
 struct energy_sums {
-  double kinetic = 0, potential = 0, scale = 0;
+  exact_sum kinetic, scale;
+  signed_sum potential;
+
+  [[nodiscard]] signed_sum all() const {
+    signed_sum sum = potential;
+    sum.plus += kinetic;
+    return sum;
+  }
 };
 
-struct energy_record {
-  /// Of one body over a step: half the sum of its velocities before and after. With it the work of
-  /// impulses that act together is the sum of their works.
-  struct mean_velocity {
-    vec3 v, w;
-  };
-  struct running_flows {
-    compensated_sum<double> work, friction, impact, damping, correction, scheme, sleep;
-    [[nodiscard]] energy_flows value() const {
-      return {work.value(),       friction.value(), impact.value(), damping.value(),
-              correction.value(), scheme.value(),   sleep.value()};
-    }
-  };
+/// Sums of energy_flows over bodies, contacts and steps.
+struct flow_sums {
+  signed_sum work, friction, impact, damping, correction, scheme, sleep;
 
-  running_flows running;  ///< of the step under way
-  double exchanged = 0;   ///< sum of the absolute works of contacts and rows of joints in this step
+  [[nodiscard]] energy_flows value() const {
+    return {work.value(),       friction.value(), impact.value(), damping.value(),
+            correction.value(), scheme.value(),   sleep.value()};
+  }
+  [[nodiscard]] signed_sum net() const {
+    signed_sum sum;
+    for (const signed_sum* gain : {&work, &correction, &scheme}) sum += *gain;
+    for (const signed_sum* loss : {&friction, &impact, &damping, &sleep}) sum -= *loss;
+    return sum;
+  }
+  template <class F>
+  void each(F&& f) {
+    f(work, friction, impact, damping, correction, scheme, sleep);
+  }
+  flow_sums& operator+=(const flow_sums& x) {
+    work += x.work, friction += x.friction, impact += x.impact, damping += x.damping;
+    correction += x.correction, scheme += x.scheme, sleep += x.sleep;
+    // Large gains and losses alternate; many steps must not exhaust the digits.
+    each([](auto&... sums) { (exact_sum::cancel(sums.plus, sums.minus), ...); });
+    return *this;
+  }
+};
+
+struct energy_entries {
+  flow_sums running;          ///< of the step under way
+  exact_sum exchanged;        ///< absolute works of contacts and rows of joints in the last step
   energy_sums before, after;  ///< of the last step
-  energy_flows step, total;
-  double initial = 0;  ///< energy at the start of the first step
-  double changes = 0;  ///< of energy by the user, between the steps
-  double closure = 0;  ///< the difference that the last step's entries leave
-  double scale = 0;    ///< sum of the energies of the last step
-  double largest = 0;  ///< scale of all steps
-  double worst = 0;    ///< largest |closure| over scale of all steps
+  flow_sums step, total;
+  signed_sum initial;  ///< energy at the start of the first step
+  signed_sum changes;  ///< of energy by the user, between the steps
+  double largest = 0;  ///< scale of all steps, on this rank
+  double worst = 0;    ///< largest |closure| over scale of all steps, on this rank
   bool started = false;
-  plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
 
   /// Of bodies that have come to rest, round-off alone is left: a small part of the energies
   /// before.
-  void note_closure() {
+  void note_closure(double closure, double scale) {
     largest = std::max(largest, scale);
     const double least = 1e-12 * largest;
     if (scale > 0) worst = std::max(worst, std::abs(closure) / std::max(scale, least));
@@ -83,28 +95,35 @@ struct energy_record {
   template <class Visitor>
   void each_number(Visitor& visit) {
     for (energy_sums* s : {&before, &after}) visit.sums(s->kinetic, s->potential, s->scale);
-    for (energy_flows* e : {&step, &total})
-      visit.sums(e->work, e->friction, e->impact, e->damping, e->correction, e->scheme, e->sleep);
-    visit.sums(initial, changes, closure, scale);
+    for (flow_sums* e : {&step, &total}) e->each([&](auto&... sums) { visit.sums(sums...); });
+    visit.sums(initial, changes, exchanged);
     visit.largest(largest);
     visit.largest(worst);
     visit.largest(started);
   }
+};
+struct energy_record : energy_entries {
+  /// Of one body over a step: half the sum of its velocities before and after. With it the work of
+  /// impulses that act together is the sum of their works.
+  struct mean_velocity {
+    vec3 v, w;
+  };
+  plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
 };
 
 /// Of soft contacts, in addition to the energy_record: energy of the springs, of contacts that
 /// count here.
 struct spring_record {
   /// Power of moving fixed bodies on others; for the present forces.
-  compensated_sum<double> spring_power, dashpot_power, friction_power;
+  signed_sum spring_power, dashpot_power, friction_power;
   /// Energies at the last computation of forces: along the normal, and across it (and of rolling)
   /// before and after the springs were advanced; energy lost by slip between.
-  compensated_sum<double> normal, across_before, across, yielded;
-  compensated_sum<double> released;  ///< of `normal`, released when the memory changed
-  double start = 0;                  ///< energy at the start of the step
-  double across_at_start = 0;
-  double stored = 0;  ///< and at its end
-  double moved = 0;   ///< energy of the bodies that migrated to this rank within the step
+  signed_sum normal, across_before, across, yielded;
+  signed_sum released;  ///< of `normal`, released when the memory changed
+  signed_sum start;     ///< energy at the start of the step
+  signed_sum across_at_start;
+  signed_sum stored;  ///< and at its end
+  signed_sum moved;   ///< energy of the bodies that migrated to this rank within the step
   bool started = false;
 
   void measure_anew() {
@@ -145,17 +164,17 @@ template <class Store>
 /// Of the bodies owned here, as they are now.
 template <class Scenario>
 [[nodiscard]] energy_sums energy_of(const world_state<Scenario>& s) {
-  compensated_sum<double> kinetic, potential;
-  double height = 0;
+  energy_sums sums;
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
     const real mass = 1 / store.inverse_mass[i], fall = mass * s.gravity.dot(store.position[i]);
-    kinetic +=
+    const real kinetic =
         0.5 * (mass * store.velocity[i].squaredNorm() +
                twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]));
-    potential += -fall;
-    height += std::abs(fall);
+    sums.kinetic += kinetic;
+    sums.potential -= fall;
+    sums.scale += kinetic + std::abs(fall);
   });
-  return {kinetic.value(), potential.value(), kinetic.value() + height};
+  return sums;
 }
 
 /// Before a step: the user's changes since the last one.
@@ -163,21 +182,20 @@ template <class Scenario>
 void open_energy(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
   r.running = {};
-  r.exchanged = 0;
+  r.exchanged = {};
   r.before = energy_of(s);
-  const double energy = r.before.kinetic + r.before.potential;
   if (r.started)
-    r.changes += energy - (r.after.kinetic + r.after.potential);
+    (r.changes += r.before.all()) -= r.after.all();
   else
-    r.initial = energy;
+    r.initial = r.before.all();
   r.started = true;
 }
 
 /// Works of the contacts. Impulses change the velocities together, and the change of m v^2/2 is
 /// that of m v times the mean of v before and after. So each impulse, including the warm start,
 /// does work on the mean velocity of its point, and these works add up to the change of kinetic
-/// energy exactly. A rank books the work on the bodies it moves; the dissipation of a contact
-/// across ranks is the sum of the entries of both ranks.
+/// energy exactly. The works on both bodies are booked separately: a rank books those on the bodies
+/// it moves, and the sums over the ranks depend on no distribution.
 template <class Scenario>
 void book_contacts(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
@@ -186,27 +204,28 @@ void book_contacts(world_state<Scenario>& s) {
     list.each_acting([&](const auto& c, bool on_a, bool on_b) {
       using contact = std::remove_cvref_t<decltype(c)>;
       const split_impulse p = impulse_in_parts(c);
-      vec3 u{0, 0, 0};
+      const auto lose = [&](const vec3& u, real sign) {
+        const real normal = p.normal.dot(u), tangential = p.tangential.dot(u);
+        r.running.impact -= sign * normal;
+        r.running.friction -= sign * tangential;
+        r.exchanged += std::abs(normal) + std::abs(tangential);
+      };
       const auto a = static_cast<std::size_t>(c.a);
       if (on_a) {
         const auto& m = r.mean[a];
-        const vec3 ua = velocity_on_a(c, m.v, m.w);
-        u += ua;
-        if (solver.bodies[a].inverse_mass == 0) r.running.work -= (p.normal + p.tangential).dot(ua);
+        const vec3 u = velocity_on_a(c, m.v, m.w);
+        lose(u, 1);
+        if (solver.bodies[a].inverse_mass == 0) r.running.work -= (p.normal + p.tangential).dot(u);
       }
       if constexpr (contact::paired)
         if (on_b) {
           const auto b = static_cast<std::size_t>(c.b);
           const auto& m = r.mean[b];
-          const vec3 ub = velocity_on_b(c, m.v, m.w);
-          u -= ub;
+          const vec3 u = velocity_on_b(c, m.v, m.w);
+          lose(u, -1);
           if (solver.bodies[b].inverse_mass == 0 || b >= solver.first_global)
-            r.running.work += (p.normal + p.tangential).dot(ub);
+            r.running.work += (p.normal + p.tangential).dot(u);
         }
-      const real normal = p.normal.dot(u), tangential = p.tangential.dot(u);
-      r.running.impact -= normal;
-      r.running.friction -= tangential;
-      r.exchanged += std::abs(normal) + std::abs(tangential);
     });
   });
   // The solver's impulses do not contain the attraction of normal_cohesion.
@@ -355,17 +374,34 @@ void book_motion(world_state<Scenario>& s) {
   });
 }
 
-/// At the end of a step, before bodies are migrated: the difference that the entries leave.
+/// Of the last step: the difference that its entries leave, and the sum of its energies.
+[[nodiscard]] inline signed_sum closure_of(const energy_entries& r) {
+  signed_sum left = r.after.all();
+  (left -= r.before.all()) -= r.step.net();
+  return left;
+}
+[[nodiscard]] inline double scale_of(const energy_entries& r) {
+  return std::max(r.before.scale.value(), r.after.scale.value()) + r.exchanged.value();
+}
+/// The same with the springs of soft contacts.
+[[nodiscard]] inline signed_sum closure_of(const energy_entries& r, const spring_record& springs) {
+  signed_sum left = closure_of(r);
+  ((left += springs.stored) -= springs.start) -= springs.moved;
+  return left;
+}
+[[nodiscard]] inline double scale_of(const energy_entries& r, const spring_record& springs) {
+  return scale_of(r) + std::abs(springs.moved.value()) +
+         std::max(springs.stored.value(), springs.start.value());
+}
+
+/// At the end of a step, before bodies are migrated.
 template <class Scenario>
 void close_energy(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
   r.after = energy_of(s);
-  r.step = r.running.value();
+  r.step = r.running;
   r.total += r.step;
-  r.closure = (r.after.kinetic - r.before.kinetic) + (r.after.potential - r.before.potential) -
-              r.step.net();
-  r.scale = std::max(r.before.scale, r.after.scale) + r.exchanged;
-  r.note_closure();
+  r.note_closure(closure_of(r).value(), scale_of(r));
 }
 
 }  // namespace detail
@@ -395,7 +431,7 @@ struct energy_ledger::hooks {
   static void at_start(detail::world_state<Scenario>& s) {
     open_energy(s);
     if constexpr (Scenario::contact_law::soft) {
-      s.monitors.springs.moved = 0;
+      s.monitors.springs.moved = {};
       if constexpr (Scenario::integrator::shares_midway) survey_at_start(s);
     }
   }

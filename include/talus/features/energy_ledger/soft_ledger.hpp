@@ -13,8 +13,11 @@ namespace talus::detail {
 
 /// Energies of springs along the normal, and across it and of rolling.
 struct spring_energies {
-  compensated_sum<double> normal, across;
-  [[nodiscard]] double sum() const { return normal.value() + across.value(); }
+  signed_sum normal, across;
+  [[nodiscard]] signed_sum sum() const {
+    signed_sum all = normal;
+    return all += across;
+  }
 };
 
 /// Adds the effect of a contact's springs, dashpots and friction on a body; `sign` is that of the
@@ -100,10 +103,11 @@ void book_drift(world_state<Scenario>& s, const Store& store, std::size_t i, rea
 
 /// At the start of a step: `energy` is that of the springs.
 template <class Scenario>
-void open_springs(step_records<Scenario>& s, double energy) {
+void open_springs(step_records<Scenario>& s, const signed_sum& energy) {
   spring_record& r = s.monitors.springs;
-  (r.started ? s.monitors.energy.changes : s.monitors.energy.initial) +=
-      energy - (r.started ? r.stored : 0);
+  signed_sum& entry = r.started ? s.monitors.energy.changes : s.monitors.energy.initial;
+  entry += energy;
+  if (r.started) entry -= r.stored;
   r.started = true;
   r.start = energy;
 }
@@ -111,28 +115,25 @@ void open_springs(step_records<Scenario>& s, double energy) {
 /// Before and after bodies migrate within a step: their energy goes with them.
 template <class Scenario>
 void book_migration(world_state<Scenario>& s, real sign) {
-  const energy_sums now = energy_of(s);
-  s.monitors.springs.moved += sign * (now.kinetic + now.potential);
+  const signed_sum now = energy_of(s).all();
+  signed_sum& moved = s.monitors.springs.moved;
+  sign > 0 ? moved += now : moved -= now;
 }
 
 /// At the end: `energy` is that of the springs; `opened` that of the tangential springs of contacts
 /// that opened. It is lost, as is the energy of slip: the springs released it, but not to motion.
 template <class Scenario>
-void close_springs(step_records<Scenario>& s, double energy, double opened) {
+void close_springs(step_records<Scenario>& s, const signed_sum& energy, const signed_sum& opened) {
   energy_record& r = s.monitors.energy;
   spring_record& springs = s.monitors.springs;
-  const double lost = springs.yielded.value() + opened, change = energy - springs.start;
+  signed_sum lost = springs.yielded;
+  lost += opened;
   r.running.friction += lost;
-  r.running.scheme += change;
-  r.running.scheme += lost;
+  ((r.running.scheme += energy) -= springs.start) += lost;
   springs.stored = energy;
-  r.step = r.running.value();
+  r.step = r.running;
   r.total += r.step;
-  r.closure = (r.after.kinetic - r.before.kinetic) + (r.after.potential - r.before.potential) -
-              springs.moved + change - r.step.net();
-  r.scale = std::max(r.before.scale, r.after.scale) + std::abs(springs.moved) + r.exchanged +
-            std::max(energy, springs.start);
-  r.note_closure();
+  r.note_closure(closure_of(r, springs).value(), scale_of(r, springs));
 }
 
 }  // namespace talus::detail

@@ -63,15 +63,19 @@ template <class Scenario>
     const auto rank = static_cast<std::size_t>(s.link->rank()),
                ranks = static_cast<std::size_t>(s.link->size());
     std::size_t at = 0;
+    signed_sum left;  // of a sum and its rest
     each_number(record, [&](double& x, over_ranks means) {
       if (rows.size() == ranks * width) {
         x = rows[rank * width + at++];
         return;
       }
-      double all = 0;
+      double largest = 0;
+      if (means != over_ranks::rest) left = {};
       for (std::size_t k = at; k < rows.size(); k += width)
-        all = means == over_ranks::sum ? all + rows[k] : std::max(all, rows[k]);
-      x = means == over_ranks::sum && rank > 0 ? 0 : all;
+        left += rows[k], largest = std::max(largest, rows[k]);
+      const double sum = left.value();
+      left -= sum;
+      x = means == over_ranks::largest ? largest : rank > 0 ? 0 : sum;
       ++at;
     });
   });
