@@ -23,24 +23,10 @@ struct removed {
 
 namespace detail {
 
-/// Of one rank; `all` are the numbers that a checkpoint holds.
-class removed_sum {
- public:
-  removed all;
-
-  void add(real mass) {
-    exact_ = exact();
-    exact_ += mass;
-    ++all.count, all.mass = exact_.value();
-  }
-  [[nodiscard]] exact_sum exact() const {
-    exact_sum sum = exact_;
-    if (sum.value() != all.mass) (sum = {}) += all.mass;  // a restart has set it
-    return sum;
-  }
-
- private:
-  exact_sum exact_;
+/// By one rank.
+struct removed_sum {
+  std::uint64_t count = 0;
+  exact_sum mass;
 };
 
 }  // namespace detail
@@ -50,13 +36,13 @@ class outflow {
  public:
   explicit outflow(std::shared_ptr<const detail::removed_sum> count) : count_(std::move(count)) {}
   /// By this rank. (After a restart the numbers of all ranks are on rank 0.)
-  [[nodiscard]] const removed& here() const { return count_->all; }
+  [[nodiscard]] removed here() const { return {count_->count, count_->mass.value()}; }
   /// Collective: by all ranks. The mass is summed exactly over the ranks.
   template <class World>
   [[nodiscard]] removed total(World& w) const {
     w.require_all_ranks("outflow::total");
-    detail::exact_sum mass = count_->exact();
-    std::uint64_t count = count_->all.count;
+    detail::exact_sum mass = count_->mass;
+    std::uint64_t count = count_->count;
     detail::sum_exactly(w.link(), mass);
     w.link().reduce(reduction::sum, std::span(&count, 1));
     return {count, mass.value()};
@@ -74,13 +60,13 @@ outflow remove_in(World& w, const Region& region, const std::string& name = "out
   w.require_all_ranks("remove_in");
   const auto count = std::make_shared<detail::removed_sum>();
   if constexpr (World::scenario_type::template has_feature<checkpoints>) {
-    w.keep_sum(name + " bodies", count->all.count);
-    w.keep_sum(name + " mass", count->all.mass);
+    w.keep_sum(name + " bodies", count->count);
+    w.keep_sum(name + " mass", count->mass);
   }
   w.after_each_step([&w, region, count] {
     w.destroy_if([&](const auto& b) {
       if (b.is_fixed() || !region.contains(b.position())) return false;
-      count->add(b.mass());
+      ++count->count, count->mass += b.mass();
       return true;
     });
   });

@@ -15,6 +15,7 @@
 
 #include "talus/core/bytes.hpp"
 #include "talus/core/error.hpp"
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/math.hpp"
 #include "talus/state/course.hpp"
 #include "talus/world/run_parameters.hpp"
@@ -62,7 +63,7 @@ struct checkpoint_hooks {
 
 /// User-defined state: the bytes of a value, or a number that is summed over the ranks.
 struct kept_value {
-  enum class kind : std::uint8_t { alike, sum_of_reals, sum_of_integers };
+  enum class kind : std::uint8_t { alike, sum_of_reals, sum_of_integers, exact_sum };
   std::string name;
   kind means;
   std::size_t bytes;
@@ -90,6 +91,10 @@ struct checkpoint_keeper {
                   "random_stream: keep its parts one by one");
     require_new(name);
     values.push_back({name, kept_value::kind::alike, sizeof(T), &value});
+  }
+  void add_sum(const std::string& name, exact_sum& value) {
+    require_new(name);
+    values.push_back({name, kept_value::kind::exact_sum, sizeof(value), &value});
   }
   template <class T>
   void add_sum(const std::string& name, T& value) {

@@ -1,6 +1,7 @@
 #pragma once
 // The definitions of checkpoint_parameters.hpp, in the compiled part or in each program.
 #include <algorithm>
+#include <array>
 #include "talus/io/detail/checkpoint_parameters.hpp"
 
 #include "talus/io/detail/hdf5_linkage.hpp"
@@ -107,6 +108,16 @@ TALUS_HDF5_INLINE void put_kept(checkpoint_team& team, const std::vector<kept_va
       double sum = 0;
       for (const byte_buffer& each : team.gather(mine)) sum += byte_reader(each).get<double>();
       to.put(sum);
+    } else if (v.means == kept_value::kind::exact_sum) {
+      std::array<double, exact_sum::digits + 1> digits, sum{};
+      static_cast<exact_sum*>(v.at)->write(digits);
+      byte_buffer mine;
+      for (const double digit : digits) byte_writer(mine).put(digit);
+      for (const byte_buffer& each : team.gather(mine)) {
+        byte_reader theirs(each);
+        for (double& digit : sum) digit += theirs.get<double>();
+      }
+      for (const double digit : sum) to.put(digit);
     } else {
       std::uint64_t sum = v.integer(v.at);
       team.sum(std::span(&sum, 1));
@@ -146,6 +157,12 @@ TALUS_HDF5_INLINE void get_kept(const checkpoint_reader& in, int rank,
     } else if (v.means == kept_value::kind::sum_of_reals) {
       const auto sum = from.get<double>();
       v.set_real(v.at, rank == 0 ? sum : 0);
+    } else if (v.means == kept_value::kind::exact_sum) {
+      std::array<double, exact_sum::digits + 1> digits;
+      for (double& digit : digits) digit = from.get<double>();
+      auto& sum = *static_cast<exact_sum*>(v.at);
+      sum = {};
+      if (rank == 0) sum.read(digits);
     } else {
       const auto sum = from.get<std::uint64_t>();
       v.set_integer(v.at, rank == 0 ? sum : 0);
