@@ -8,6 +8,7 @@
 #include <vector>
 
 using talus::detail::exact_sum;
+using talus::detail::signed_sum;
 
 namespace {
 
@@ -54,4 +55,26 @@ TEST_CASE("an exact sum is right where a sum in double loses its small terms") {
   CHECK(sum_of({}) == 0);
   CHECK(std::isnan(sum_of({1, std::numeric_limits<double>::infinity()})));
   CHECK(std::isnan(sum_of({std::nan(""), 1})));
+}
+
+TEST_CASE("terms of both signs leave what is small beside them, however often they alternate") {
+  std::mt19937_64 random(20261126);
+  signed_sum all;
+  for (int k = 0; k < 2000; ++k) {
+    signed_sum step;
+    std::vector<double> terms(20);
+    for (double& x : terms)
+      x = std::ldexp(static_cast<double>(random() >> 11), static_cast<int>(random() % 200) - 100);
+    for (const double x : terms) step += x;
+    std::shuffle(terms.begin(), terms.end(), random);
+    for (const double x : terms) step -= x;
+    CHECK(step.value() == 0);
+    step += k % 2 == 0 ? 0x1p-60 : -0x1p-61;
+    CHECK(step.value() == (k % 2 == 0 ? 0x1p-60 : -0x1p-61));
+    all += step;
+    if (k % 3 == 0) exact_sum::cancel(all.plus, all.minus);
+  }
+  CHECK(all.value() == 1000 * 0x1p-61);
+  signed_sum none = all;
+  CHECK((none -= all).value() == 0);
 }
