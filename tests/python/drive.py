@@ -160,6 +160,25 @@ class Worlds(unittest.TestCase):
             world.step()
         self.assertEqual(mechanism.World(steps=30).run(), 30)
 
+    def test_a_loop_over_steps_ends_with_the_set_up(self):
+        world, steps = mechanism.World(steps=30), 0
+        while not world.finished:
+            steps += world.step()
+        self.assertEqual((steps, world.steps), (30, 30))
+        self.assertEqual(world.results()["calls"], 30)
+
+    def test_a_thread_may_make_steps_while_python_ends(self):
+        for loop in ("while True: w.step(20)", "w.run()"):
+            for wait in ("0", "0.01", "0.1"):
+                script = (f"import sys, threading, time; sys.path.insert(0, {MODULES!r})\n"
+                          "import drop\nw = drop.World(steps=1000000)\n"
+                          "w.observe(7, lambda w: w.steps)\n"
+                          f"def work():\n    {loop}\n"
+                          f"threading.Thread(target=work, daemon=True).start()\ntime.sleep({wait})\n")
+                run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertRegex(run.stderr, r"\A(Exception[\s\S]*RuntimeError: Python ends[^\n]*\n)?\Z")
+
     def test_bodies_are_added_changed_and_removed(self):
         world = mechanism.World(steps=60)
         world.step(3)
@@ -241,6 +260,10 @@ class Worlds(unittest.TestCase):
         again.observe(1, lambda w: w.step(1))
         with self.assertRaisesRegex(RuntimeError, "it may only look"):
             again.step(1)
+        more = drop.World()
+        more.observe(1, lambda w: w.observe(1, fail))
+        with self.assertRaisesRegex(RuntimeError, "an observer added an observer"):
+            more.step(1)
 
     def test_worlds_are_independent_and_close(self):
         one, other = drop.World(seed=1), drop.World(seed=2)

@@ -25,6 +25,16 @@ struct split_forces {
   vec3 friction{0, 0, 0}, friction_torque{0, 0, 0};
 };
 
+/// How far a body has moved while it was slow; see features/sleeping/rest.hpp.
+struct drift_while_slow {
+  vec3 travel{0, 0, 0};
+  real since = 0;  ///< the time since then
+  vec3 turn{0, 0, 0};
+  real early = 0, farthest = 0;  ///< largest distance in the first half of the time, and in all
+  real last = 0;                 ///< the farthest of the time before
+  vec3 load{0, 0, 0};            ///< the force of fields in the last step in which it was awake
+};
+
 namespace columns {
 
 struct id {
@@ -195,6 +205,30 @@ struct quiet {
     plain_vector<float> quiet;
   };
   static constexpr auto member = &storage::quiet;
+};
+/// The time since something immovable has borne the island.
+struct unborne {
+  using value_type = float;
+  static constexpr const char *name = "unborne", *unit = "T";
+  static constexpr int place = 8;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<float> unborne;
+  };
+  static constexpr auto member = &storage::unborne;
+};
+struct drift {
+  using value_type = drift_while_slow;
+  static constexpr const char* name = "drift";
+  static constexpr int place = 9;
+  static constexpr travels travel = travels::on_migration;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<drift_while_slow> drift;
+  };
+  static constexpr auto member = &storage::drift;
 };
 
 }  // namespace columns

@@ -1,20 +1,23 @@
 #pragma once
 // A table of the bonds that break during a run.
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/output_file.hpp"
 #include "talus/scenario/scenario.hpp"
 #include "talus/world/bonds.hpp"
 #include "talus/world/world.hpp"
@@ -22,6 +25,11 @@
 namespace talus {
 
 namespace detail {
+
+inline constexpr std::string_view breaks_head =
+    "step,time,x,y,z,normal_x,normal_y,normal_z,mode,a,b\n";
+inline constexpr output_kind breaks_output{
+    "a table of broken bonds", [](std::string_view head) { return head.starts_with(breaks_head); }};
 
 /// A broken bond, as ranks send it.
 struct break_record {
@@ -67,7 +75,7 @@ template <class World>
 /// the look, place midway between the bodies, unit normal of the bond, mode (tension, shear or
 /// range), and the ids of both bodies. Bonds are looked at every so many steps; one whose bodies
 /// part beyond the range of the law between two looks is not found. Collective, as is each look.
-/// Throws runtime_error if the file cannot be written.
+/// Throws runtime_error alike on all ranks if the file cannot be written, or is not such a table.
 template <class Scenario>
 void record_breaks(world<Scenario>& w, const std::string& file, every often) {
   detail::require_bond_law<Scenario>();
@@ -76,21 +84,30 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
   const auto seen = std::make_shared<pairs>();
   (void)detail::new_breaks(w, *seen);
   const bool first = w.rank() == 0;
-  const auto out = std::make_shared<std::ofstream>();
-  if (first) {
-    out->open(file);
-    *out << "step,time,x,y,z,normal_x,normal_y,normal_z,mode,a,b\n" << std::flush;
-  }
-  const auto check = [out, file, first](auto& link) {
-    std::uint64_t failed = first && !*out ? 1 : 0;
+  const std::shared_ptr<int> out(new int(-1), [](const int* id) {
+    if (*id >= 0) ::close(*id);
+    delete id;
+  });
+  const auto on_first = [file, first](auto& link, auto&& write) {
+    std::string why;
+    if (first) try {
+        write();
+      } catch (const std::exception& e) {
+        why = e.what();
+      }
+    std::uint64_t failed = why.empty() ? 0 : 1;
     link.reduce(reduction::sum, std::span(&failed, 1));
     if (failed != 0)
-      detail::fail<std::runtime_error>("the table of broken bonds cannot be written to {}", file);
+      detail::fail<std::runtime_error>("the table of broken bonds {} {}", file,
+                                       why.empty() ? "cannot be written" : why);
   };
-  check(w.link());
-  w.observe(often, [seen, out, first, check](auto& now) {
+  on_first(w.link(), [&] {
+    *out = detail::begin_output(file, detail::breaks_head, detail::breaks_output, false);
+  });
+  w.observe(often, [seen, out, file, on_first](auto& now) {
     const auto found = detail::new_breaks(now, *seen);
-    if (first)
+    on_first(now.link(), [&] {
+      std::string lines;
       for (const detail::break_record& r : found) {
         const char* mode = r.how == bond_break::tension ? "tension"
                            : r.how == bond_break::shear ? "shear"
@@ -100,10 +117,10 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
                       static_cast<unsigned long long>(now.steps()), now.time(), r.place[0],
                       r.place[1], r.place[2], r.place[3], r.place[4], r.place[5], mode,
                       static_cast<unsigned long long>(r.a), static_cast<unsigned long long>(r.b));
-        *out << line;
+        lines += line;
       }
-    if (first) *out << std::flush;
-    check(now.link());
+      detail::add_to_output(*out, file, lines);
+    });
   });
 }
 

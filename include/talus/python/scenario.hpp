@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -191,6 +192,9 @@ void bind_course(Class& world_class) {
           [](driven& d, std::uint64_t every, py::function f) {
             if (every == 0)
               throw std::invalid_argument("observe needs a number of steps of 1 or more, not 0");
+            if (d.observing)
+              throw std::runtime_error(
+                  "an observer added an observer to its own world: add it between the steps");
             d.observers.push_back({every, std::move(f)});
           },
           py::arg("every"), py::arg("f"),
@@ -240,6 +244,9 @@ void scenario(pybind11::module_& module, SetUp set_up) {
   }));
   // At the end of Python no set-up is left suspended.
   py::module_::import("atexit").attr("register")(py::cpp_function([sessions] {
+    constexpr std::chrono::seconds patience(5);
+    for (const auto& one : *sessions)
+      if (const auto alive = one.lock()) alive->end_with_python(patience);
     for (const auto& one : *sessions)
       if (const auto alive = one.lock()) alive->close();
   }));

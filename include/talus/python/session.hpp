@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -59,7 +61,8 @@ class session {
     }
   }
 
-  /// Makes `n` steps, or fewer if the set-up ends before: none if it had no more to simulate.
+  /// Makes `n` steps, or fewer if the set-up ends before: none if it had no more to simulate. After
+  /// the last step of a simulate() the set-up also runs on to the next one, or to its end.
   /// Returns their number. Throws runtime_error if it had ended before, what the steps throw, and
   /// the exception of a signal, such as KeyboardInterrupt, after the present step.
   std::uint64_t step(std::uint64_t n) {
@@ -139,6 +142,24 @@ class session {
     rethrow();
   }
 
+  /// Counts as work with this world, during which Python does not end.
+  struct at_work {
+    explicit at_work(session& s) : of(s) { ++of.working_; }
+    at_work(const at_work&) = delete;
+    at_work& operator=(const at_work&) = delete;
+    ~at_work() { --of.working_; }
+    session& of;
+  };
+  /// At the end of Python: threads that work with this world come back with an exception, before
+  /// the interpreter ends below them. A function of Python that they call has `patience` to return.
+  void end_with_python(std::chrono::milliseconds patience) {
+    ending_ = interrupted_ = true;
+    ends_on_ = std::this_thread::get_id();
+    const pybind11::gil_scoped_release release;  // another thread may need it to come back
+    for (; working_ > 0 && patience.count() > 0; --patience)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
   /// Whether the set-up has come to its end.
   [[nodiscard]] bool over() const { return over_; }
   [[nodiscard]] lent_columns& lent() { return lent_; }
@@ -149,6 +170,8 @@ class session {
 
  private:
   void require_idle() const {
+    if (ending_ && std::this_thread::get_id() != ends_on_)
+      throw std::runtime_error("Python ends, so this world makes no more steps");
     if (busy_)
       throw std::runtime_error(
           "another thread works with this world: wait until it has finished, or give each thread "
@@ -156,11 +179,9 @@ class session {
   }
   /// During its lifetime other threads of Python are refused.
   struct only_one {
-    explicit only_one(session& s) : of(s) { of.require_idle(), of.busy_ = true; }
-    only_one(const only_one&) = delete;
-    only_one& operator=(const only_one&) = delete;
-    ~only_one() { of.busy_ = false; }
-    session& of;
+    explicit only_one(session& s) : work(s) { s.require_idle(), s.busy_ = true; }
+    ~only_one() { work.of.busy_ = false; }
+    at_work work;
   };
 
   /// On the thread of the scene.
@@ -178,11 +199,12 @@ class session {
         session* of;
         ~leave() { of->world_ = nullptr; }
       } const at_the_end{this};
-      run_log log;
-      log.open(options_, name_, static_cast<int>(arguments_.size()), arguments_.data(),
-               program_build());
+      run_log log(name_);
+      log.open(options_, static_cast<int>(arguments_.size()), arguments_.data(), program_build());
       const int code =
           run_rank<Scenario>(link, std::as_const(options_), name_, driven, log, wall_seconds());
+      if (log.finish(code) != code)
+        throw std::runtime_error("the run has lost a line of its log or of standard output");
       if (code == exit_code_of_time_limit)
         throw std::runtime_error("the run was ended by its time limit (time_limit)");
       if (code > 128)
@@ -192,12 +214,14 @@ class session {
   }
   void drive(world_type& w, const Options& o) {
     world_ = &w;
+    // After the last step of a simulate() the set-up goes on to the next one, or to its end.
     w.before_simulating([this] {
-      if (std::exchange(begun_, true)) return;
-      thread_.yield();
+      if (!std::exchange(begun_, true) || std::exchange(due_, false)) thread_.yield();
     });
-    w.after_observers([this] {
-      if (++made_ == asked_ || interrupted_) thread_.yield();
+    w.after_observers([this, &w] {
+      if (++made_ != asked_ && !interrupted_) return;
+      due_ = w.steps() == w.last_step();
+      if (!due_) thread_.yield();
     });
     if constexpr (std::is_void_v<decltype(set_up_(w, o))>)
       set_up_(w, o);
@@ -231,7 +255,11 @@ class session {
   std::uint64_t asked_ = 0, made_ = 0;
   std::atomic<bool> interrupted_ = false;
   bool begun_ = false, over_ = false;
+  bool due_ = false;   ///< the caller waits for the end of the present simulate()
   bool busy_ = false;  ///< a thread of Python is in one of the functions
+  std::atomic<int> working_ = 0;
+  bool ending_ = false;  ///< so is Python
+  std::thread::id ends_on_;
   scene_thread thread_;
 };
 

@@ -39,6 +39,7 @@ TALUS_INLINE void run_configuration::prepare(const options& o, const std::string
 TALUS_INLINE void run_configuration::write() {
   if (options_ == nullptr) return;
   each_file([&](const char* name, const std::string& path) {
+    remove_parts_of(path);  // the locks of the outputs are held
     try {
       write_output(path, text_, configuration_output, options_->force);
     } catch (const std::exception& e) {

@@ -2,6 +2,7 @@
 // The definitions of settings_file.hpp: compiled once, or by <talus/config.hpp>. Without toml++ the
 // reader only says that it is missing.
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,6 +26,10 @@ namespace talus::detail {
 
 /// A configuration is a page of text: what is longer than this is another file.
 inline constexpr std::size_t longest_settings_file = std::size_t{16} << 20;
+/// How long a pipe may be without a writer.
+inline constexpr int seconds_for_writer = 60;
+/// Dots in one line: each may be a table within another, and toml++ calls itself for each.
+inline constexpr std::size_t most_dots = 100;
 
 [[nodiscard, gnu::cold]] inline std::string text_of_settings(const std::string& file) {
   const auto refuse = [&](const std::string& why) {
@@ -38,7 +43,12 @@ inline constexpr std::size_t longest_settings_file = std::size_t{16} << 20;
   struct stat about {};
   if (::fstat(id, &about) != 0) refuse(std::strerror(errno));
   if (S_ISDIR(about.st_mode)) refuse("it is a folder");
-  ::fcntl(id, F_SETFL, 0);  // a pipe may come later
+  pollfd writer{id, POLLIN, 0};  // of a pipe: it may come later
+  int ready = 0;
+  do ready = ::poll(&writer, 1, 1000 * seconds_for_writer);
+  while (ready < 0 && errno == EINTR);
+  if (ready == 0) refuse(compose("nobody has written to it for {} seconds", seconds_for_writer));
+  ::fcntl(id, F_SETFL, 0);
   std::string text;
   char part[4096];
   for (;;) {
@@ -52,6 +62,17 @@ inline constexpr std::size_t longest_settings_file = std::size_t{16} << 20;
 }
 
 #ifdef TALUS_HAS_TOML
+[[gnu::cold]] inline void refuse_deep_names(const std::string& file, std::string_view text) {
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    const auto dots = static_cast<std::size_t>(std::count(line.begin(), line.end(), '.'));
+    if (dots > most_dots && !line.starts_with('#'))
+      fail<usage_error>("{}:{}: has {} dots in a line, and no name of an option has so many parts",
+                        file, number, dots);
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+  }
+}
+
 [[nodiscard, gnu::cold]] inline setting setting_of(const std::string& key,
                                                    const toml::node& value) {
   setting s;
@@ -91,6 +112,7 @@ TALUS_INLINE void read_settings(const std::string& file,
                                 const std::function<void(const setting&)>& take) {
   const std::string text = text_of_settings(file);
 #ifdef TALUS_HAS_TOML
+  refuse_deep_names(file, text);
   std::vector<setting> all;
   try {
     collect_settings(toml::parse(std::string_view(text)), "", all);

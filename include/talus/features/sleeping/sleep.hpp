@@ -20,9 +20,11 @@
 #include <limits>
 #include <utility>
 
+#include "talus/constraint/contact_work.hpp"
 #include "talus/core/disjoint_sets.hpp"
 #include "talus/features/energy_ledger/energy_ledger.hpp"
 #include "talus/features/sleeping/lowest_over_joints.hpp"
+#include "talus/features/sleeping/rest.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
 #include "talus/ghosts/shared_velocities.hpp"
@@ -101,12 +103,33 @@ void meet_disturbed(world_state<Scenario>& s) {
     });
 }
 
+/// Records the sleeping bodies owned here on which fields exert another force than when they fell
+/// asleep, and the forces on the others.
+template <class Scenario>
+void meet_fields(world_state<Scenario>& s) {
+  constexpr real change = 1e-6;
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    if constexpr (std::remove_reference_t<decltype(store)>::forced)
+      for (std::size_t i = 0; i < store.locals; ++i) {
+        vec3& load = store.drift[i].load;
+        if (store.inverse_mass[i] == 0) continue;
+        if (!store.asleep(i))
+          load = store.force[i];
+        else if ((store.force[i] - load).norm() >
+                 change * (load.norm() + s.gravity.norm() / store.inverse_mass[i]))
+          s.sleep.touched.push_back({store.id[i], 0});
+      }
+  });
+}
+
 /// Wakes the islands that something approaches, and notifies the neighbours. Returns whether any
 /// body has woken, so that contacts must be found again.
 template <class Scenario>
 [[nodiscard]] bool wake_islands_in_step(world_state<Scenario>& s) {
   s.sleep.noted = false;
   meet_disturbed(s);
+  meet_fields(s);
   if constexpr (world_state<Scenario>::may_use_colours)
     if (s.by_colours()) {
       wake_everywhere(s);
@@ -127,14 +150,19 @@ template <class Scenario>
 void advance_sleep_timers(world_state<Scenario>& s) {
   const auto dt = static_cast<float>(s.dt);
   const real slow = s.sleep.settings.speed * s.sleep.settings.speed;
+  // Other ranks learn of it before the island may fall asleep.
+  const rest_judge judge(s.sleep.settings.time / 3, s.dt);
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
       const real radius = store.shape[i].bounding_radius();
-      const bool rests = store.velocity[i].squaredNorm() < slow &&
-                         radius * radius * store.angular_velocity[i].squaredNorm() < slow;
+      const vec3 &v = store.velocity[i], &w = store.angular_velocity[i];
+      const bool is_slow = v.squaredNorm() < slow && radius * radius * w.squaredNorm() < slow;
+      const bool rests = is_slow && judge.add(store.drift[i], radius, v, w);
+      if (!is_slow) rest_judge::restart(store.drift[i]);
       store.quiet[i] = rests ? store.quiet[i] + dt : 0;
+      store.unborne[i] += dt;
     }
   });
   const auto forget = [](auto& store) {
@@ -143,66 +171,105 @@ void advance_sleep_timers(world_state<Scenario>& s) {
   s.each_shape([&](auto& b) { forget(b.movable), forget(b.global); });
 }
 
-/// Bodies joined by contacts or joints have the rest time of the least rested of them; for those
-/// that touch a fixed body with a velocity, as on a belt, it is zero.
+/// Whether a constraint exerts an impulse; joints always count.
+template <class Constraint>
+[[nodiscard]] bool bears(const Constraint& c) {
+  if constexpr (is_joint<Constraint>)
+    return true;
+  else
+    return impulse_in_parts(c).normal != vec3(0, 0, 0);
+}
+
+/// Replaces the values of the bodies of each island by the least of them, on all ranks of an island
+/// of joints, and with solvers whose results must not depend on the ranks, on all of any island.
 template <class Scenario>
-void join_islands(world_state<Scenario>& s) {
+void take_least(world_state<Scenario>& s, plain_vector<float>& values) {
   disjoint_sets& islands = s.sleep.islands;
-  auto& island_timer = s.sleep.island_timer;
-  const auto& bodies = s.solver.bodies;
-  islands.reset(bodies.size());
-  island_timer.assign(bodies.size(), std::numeric_limits<float>::infinity());
-  s.each_finite_shape([&](const auto& b) {
-    for (std::size_t i = 0; i < b.movable.size(); ++i)
-      if (!b.movable.moves(i)) {
-        continue;
-      } else if (i < b.movable.locals) {
-        island_timer[b.first + i] = b.movable.quiet[i];
-      } else if (!s.by_colours()) {  // otherwise, owners send it below
-        island_timer[b.first + i] = b.movable.quiet[i] + static_cast<float>(s.dt);
-      }
-  });
-  const auto carried = [&](std::size_t body, std::size_t by) {
-    if (v_of(bodies[by]) != vec3(0, 0, 0) || w_of(bodies[by]) != vec3(0, 0, 0))
-      island_timer[body] = 0;
+  const auto spread = [&] {
+    for (std::uint32_t k = 0; k < islands.size(); ++k) {
+      float& all = values[islands.root(k)];
+      all = std::min(all, values[k]);
+    }
+    for (std::uint32_t k = 0; k < islands.size(); ++k) values[k] = values[islands.root(k)];
   };
-  s.each_constraint_list([&](const auto& list) {
-    list.each([&](const auto& c, bool) {
-      if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
-        const auto a = static_cast<std::uint32_t>(c.a), b = static_cast<std::uint32_t>(c.b);
-        if (bodies[a].inverse_mass == 0)
-          carried(b, a);
-        else if (bodies[b].inverse_mass == 0)
-          carried(a, b);
-        else
-          islands.join(a, b);
-      }
-    });
-  });
-  for (std::uint32_t k = 0; k < islands.size(); ++k) {
-    float& all = island_timer[islands.root(k)];
-    all = std::min(all, island_timer[k]);
-  }
+  spread();
   if constexpr (world_state<Scenario>::has_joints)
-    if (!s.by_colours())
+    if (!s.by_colours()) {
       take_lowest_over_joints(
           s, false, [&](std::size_t, const joint_end& end) { return islands.root(end.number); },
-          island_timer);
+          values);
+      for (std::uint32_t k = 0; k < islands.size(); ++k) values[k] = values[islands.root(k)];
+    }
   if constexpr (world_state<Scenario>::may_use_colours &&
                 !world_state<Scenario>::link_type::alone) {
     if (!s.by_colours()) return;
-    plain_vector<real> values(islands.size());
+    plain_vector<real> there(islands.size());
     for (bool lower = true; lower; lower = anywhere(s, lower)) {
-      for (std::uint32_t k = 0; k < islands.size(); ++k) values[k] = island_timer[islands.root(k)];
-      shared_velocities<Scenario>(s).share_values(values);
+      for (std::uint32_t k = 0; k < islands.size(); ++k) there[k] = values[k];
+      shared_velocities<Scenario>(s).share_values(there);
       lower = false;
-      for (std::uint32_t k = 0; k < islands.size(); ++k) {
-        float& all = island_timer[islands.root(k)];
-        if (const auto there = static_cast<float>(values[k]); there < all)
-          all = there, lower = true;
-      }
+      for (std::uint32_t k = 0; k < islands.size(); ++k)
+        if (const auto value = static_cast<float>(there[k]); value < values[k])
+          values[k] = value, lower = true;
+      spread();
     }
   }
+}
+
+/// Bodies joined by contacts or joints have the rest time of the least rested of them. It is zero
+/// for those that touch a fixed body with a velocity, as on a belt, and for those that nothing
+/// immovable bears, unless they stand still.
+template <class Scenario>
+void join_islands(world_state<Scenario>& s) {
+  disjoint_sets& islands = s.sleep.islands;
+  auto &quiet = s.sleep.island_timer, &unborne = s.sleep.island_unborne;
+  const auto& bodies = s.solver.bodies;
+  constexpr float never = std::numeric_limits<float>::infinity();
+  islands.reset(bodies.size());
+  quiet.assign(bodies.size(), never), unborne.assign(bodies.size(), never);
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.size(); ++i) {
+      if (!b.movable.moves(i)) continue;
+      const bool own = i < b.movable.locals;
+      if (!own && s.by_colours()) continue;  // owners send these values
+      const float since = own ? 0 : static_cast<float>(s.dt);
+      quiet[b.first + i] = b.movable.quiet[i] + since;
+      unborne[b.first + i] = b.movable.unborne[i] + since;
+    }
+  });
+  const auto meet_immovable = [&](std::size_t body, std::size_t by, const auto& c) {
+    if (v_of(bodies[by]) != vec3(0, 0, 0) || w_of(bodies[by]) != vec3(0, 0, 0)) quiet[body] = 0;
+    if (bears(c)) unborne[body] = 0;
+  };
+  s.each_constraint_list([&](const auto& list) {
+    list.each([&](const auto& c, bool) {
+      const auto a = static_cast<std::uint32_t>(c.a);
+      if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
+        const auto b = static_cast<std::uint32_t>(c.b);
+        if (bodies[a].inverse_mass == 0)
+          meet_immovable(b, a, c);
+        else if (bodies[b].inverse_mass == 0)
+          meet_immovable(a, b, c);
+        else
+          islands.join(a, b);
+      } else if (bears(c)) {
+        unborne[a] = 0;
+      }
+    });
+  });
+  take_least(s, unborne);
+  // What bears an island may be known some steps later on other ranks.
+  const auto long_unborne =
+      static_cast<float>(std::max(s.sleep.settings.time, steps_to_tell * s.dt));
+  s.each_finite_shape([&](const auto& b) {
+    for (std::size_t i = 0; i < b.movable.locals; ++i) {
+      const std::size_t k = b.first + i;
+      if (b.movable.moves(i) && unborne[k] > long_unborne &&
+          !rest_judge::stands_still(b.movable.drift[i], b.movable.shape[i].bounding_radius()))
+        quiet[k] = 0;
+    }
+  });
+  take_least(s, quiet);
 }
 
 /// After positions have moved: puts to sleep the islands that have rested long enough.
@@ -216,8 +283,10 @@ void put_to_sleep(world_state<Scenario>& s) {
     auto& store = b.movable;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (!store.moves(i)) continue;
-      store.quiet[i] = s.sleep.island_timer[s.sleep.islands.root(b.first + i)];
+      store.quiet[i] = s.sleep.island_timer[b.first + i];
+      store.unborne[i] = s.sleep.island_unborne[b.first + i];
       if (store.quiet[i] < long_enough) continue;
+      rest_judge::restart(store.drift[i]);
       if constexpr (monitored<Scenario, energy_ledger>)
         s.monitors.energy.running.sleep +=
             0.5 *

@@ -44,9 +44,9 @@ struct lock_holder {
 /// Such a lock during its lifetime. The rank of a run that renames the files holds it.
 class run_lock {
  public:
-  /// Throws runtime_error, the second half of a sentence that begins with the file, if another run
-  /// holds it or no lock can be made.
-  [[gnu::cold]] explicit run_lock(const std::string& file);
+  /// Removes what killed runs have left beside the file. Throws runtime_error, with `output` as the
+  /// subject ("the checkpoint a.h5"), if another run holds the lock or none can be made.
+  [[gnu::cold]] run_lock(const std::string& file, const std::string& output);
   run_lock(const run_lock&) = delete;
   run_lock& operator=(const run_lock&) = delete;
   ~run_lock();
@@ -54,6 +54,7 @@ class run_lock {
   [[nodiscard, gnu::cold]] bool is_of(const std::string& file) const;
 
  private:
+  [[gnu::cold]] void take(const std::string& file);
   [[gnu::cold]] void open();
   void close();
   [[nodiscard, gnu::cold]] bool is_named() const;
@@ -66,6 +67,6 @@ class run_lock {
 
 }  // namespace talus::detail
 
-#ifndef TALUS_COMPILED_HDF5
-#include "talus/io/detail/run_lock_definitions.hpp"
+#ifndef TALUS_COMPILED
+#include "talus/io/run_lock_definitions.hpp"
 #endif
