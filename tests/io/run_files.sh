@@ -173,6 +173,7 @@ early() {
   "$program" --steps 1000000000 --checkpoint c.h5 --csv t.csv >out 2>&1 &
   pid=$!
   wait_for t.csv
+  kill -HUP $pid  # a closing terminal sends two
   kill -HUP $pid
   code=0
   wait $pid || code=$?

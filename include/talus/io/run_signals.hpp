@@ -17,8 +17,9 @@ struct signals_heard {
 [[nodiscard]] signals_heard& heard_signals();
 
 /// In its lifetime SIGUSR1, SIGTERM, SIGINT (Ctrl-C) and SIGHUP are heard and do not end the
-/// process. A second one that asks for the end has its usual effect, for programs that take no
-/// steps. Under nohup SIGHUP stays without effect.
+/// process. A second SIGTERM or SIGINT has its usual effect, for programs that take no steps; a
+/// second SIGHUP has none, because a terminal that closes sends two. Under nohup SIGHUP stays
+/// without effect.
 class listen_to_signals {
  public:
   listen_to_signals();

@@ -21,7 +21,7 @@ TALUS_INLINE listen_to_signals::listen_to_signals() {
       action.sa_handler = [](int) { ++heard_signals().write; };
     } else {
       action.sa_handler = [](int signal) { heard_signals().end = signal; };
-      action.sa_flags |= static_cast<int>(SA_RESETHAND);
+      if (signals[k] != SIGHUP) action.sa_flags |= static_cast<int>(SA_RESETHAND);
     }
     sigaction(signals[k], &action, &before_[k]);
     if (signals[k] == SIGHUP && before_[k].sa_handler == SIG_IGN)
