@@ -23,7 +23,7 @@ using namespace talus;
 using namespace talus::restarts;
 
 TEST_CASE("a restarted pile of all shapes goes on to the bit, asleep and awake") {
-  check_restarts<pile>(240, 0.01);
+  check_restarts<pile>(120, 0.01);
 }
 
 TEST_CASE("where trajectories do not depend on the ranks, a restart on others changes no bit") {

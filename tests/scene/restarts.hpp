@@ -118,7 +118,7 @@ outcome run_course(const course& c, const std::string& file) {
     w.gravity({0, 0, -10});
     if constexpr (std::is_same_v<Scenario, pile>) {
       w.sleeping({.speed = 1, .time = 0.1});
-      w.damping(0.2);
+      w.damping(2);
     }
     const auto stone = w.material({.density = 2,
                                    .restitution = 0.3,

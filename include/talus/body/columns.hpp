@@ -1,6 +1,7 @@
 #pragma once
 // The columns of talus: those of all bodies, and those of its features.
 #include <cstdint>
+#include <limits>
 
 #include "talus/body/column.hpp"
 #include "talus/body/material.hpp"
@@ -28,7 +29,7 @@ struct split_forces {
 /// How far a body has moved while it was slow; see features/sleeping/rest.hpp.
 struct drift_while_slow {
   vec3 travel{0, 0, 0};
-  real since = 0;  ///< the time since then
+  real since = 0;  ///< the time since then; of a body that just fell asleep -1: load is older
   vec3 turn{0, 0, 0};
   real early = 0, farthest = 0;  ///< largest distance in the first half of the time, and in all
   real last = 0;                 ///< the farthest of the time before
@@ -206,9 +207,11 @@ struct quiet {
   };
   static constexpr auto member = &storage::quiet;
 };
-/// The time since something immovable has borne the island.
+/// The time since something immovable has borne the island; `initial` if nothing has since the body
+/// was added, woke, or lost what bore it.
 struct unborne {
   using value_type = float;
+  static constexpr float initial = std::numeric_limits<float>::max();
   static constexpr const char *name = "unborne", *unit = "T";
   static constexpr int place = 8;
   template <class Shape>

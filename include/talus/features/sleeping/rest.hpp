@@ -12,7 +12,7 @@ namespace talus::detail {
 /// than in the first: a body that drifts, rolls or falls goes as far or farther.
 class rest_judge {
  public:
-  static constexpr real most = 1e-3, negligible = 1e-4, round_off = 1e-9;
+  static constexpr real most = 1e-3, negligible = 1e-5, round_off = 1e-9;
 
   rest_judge(real time, real dt) : time_(time), dt_(dt) {}
 

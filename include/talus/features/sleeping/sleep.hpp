@@ -103,22 +103,26 @@ void meet_disturbed(world_state<Scenario>& s) {
     });
 }
 
-/// Records the sleeping bodies owned here on which fields exert another force than when they fell
-/// asleep, and the forces on the others.
+/// Records the sleeping bodies owned here on which fields exert another force than in their first
+/// step at rest, and the forces on the others. At rest a fluid drags less than at the velocity with
+/// which a body fell asleep: the force of the first step may differ by more from the one before.
 template <class Scenario>
 void meet_fields(world_state<Scenario>& s) {
-  constexpr real change = 1e-6;
+  constexpr real change = 1e-6, change_at_first = 1e-2;
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     if constexpr (std::remove_reference_t<decltype(store)>::forced)
       for (std::size_t i = 0; i < store.locals; ++i) {
-        vec3& load = store.drift[i].load;
         if (store.inverse_mass[i] == 0) continue;
-        if (!store.asleep(i))
-          load = store.force[i];
-        else if ((store.force[i] - load).norm() >
-                 change * (load.norm() + s.gravity.norm() / store.inverse_mass[i]))
+        drift_while_slow& m = store.drift[i];
+        const bool first = store.asleep(i) && m.since < 0;
+        const real size = m.load.norm() + s.gravity.norm() / store.inverse_mass[i];
+        if (store.asleep(i) &&
+            (store.force[i] - m.load).norm() > (first ? change_at_first : change) * size)
           s.sleep.touched.push_back({store.id[i], 0});
+        else if (first || !store.asleep(i))
+          m.load = store.force[i];
+        if (first) m.since = 0;
       }
   });
 }
@@ -225,6 +229,7 @@ void join_islands(world_state<Scenario>& s) {
   auto &quiet = s.sleep.island_timer, &unborne = s.sleep.island_unborne;
   const auto& bodies = s.solver.bodies;
   constexpr float never = std::numeric_limits<float>::infinity();
+  constexpr float never_borne = columns::unborne::initial;
   islands.reset(bodies.size());
   quiet.assign(bodies.size(), never), unborne.assign(bodies.size(), never);
   s.each_finite_shape([&](const auto& b) {
@@ -234,7 +239,9 @@ void join_islands(world_state<Scenario>& s) {
       if (!own && s.by_colours()) continue;  // owners send these values
       const float since = own ? 0 : static_cast<float>(s.dt);
       quiet[b.first + i] = b.movable.quiet[i] + since;
-      unborne[b.first + i] = b.movable.unborne[i] + since;
+      // A value of the last time that nothing renews now is of something that is gone.
+      const bool lost = own && b.movable.unborne[i] < (steps_between_rests + 1) * s.dt;
+      unborne[b.first + i] = lost ? never_borne : b.movable.unborne[i] + since;
     }
   });
   const auto meet_immovable = [&](std::size_t body, std::size_t by, const auto& c) {
@@ -287,6 +294,7 @@ void put_to_sleep(world_state<Scenario>& s) {
       store.unborne[i] = s.sleep.island_unborne[b.first + i];
       if (store.quiet[i] < long_enough) continue;
       rest_judge::restart(store.drift[i]);
+      store.drift[i].since = -1;
       if constexpr (monitored<Scenario, energy_ledger>)
         s.monitors.energy.running.sleep +=
             0.5 *
