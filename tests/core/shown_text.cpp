@@ -19,9 +19,11 @@ TEST_CASE("UTF-8 is told from other bytes") {
 TEST_CASE("a text in quotes ends where it ends") {
   CHECK(quoted("a \"b\"\\\n\x01\x7f<\xc3\xa9") ==
         "\"a \\\"b\\\"\\\\\\u000a\\u0001\\u007f\\u003c\xc3\xa9\"");
+  CHECK(quoted("\xff\xc3(\xc3\xa9") == "\"\\ufffd\\ufffd(\xc3\xa9\"");
 }
 
 TEST_CASE("a text controls no terminal") {
   CHECK(printable("a\tb\n\x1b[2J\r\x07\x7f") == "a\tb\n\\x1b[2J\\x0d\\x07\\x7f");
-  CHECK(printable("\xc2\x9b\x33m \xc2\xa0\xc3\xa9\xc2") == "\\x9b3m \xc2\xa0\xc3\xa9\xc2");
+  CHECK(printable("\xc2\x9b\x33m \xc2\xa0\xc3\xa9\xc2") == "\\x9b3m \xc2\xa0\xc3\xa9\\xc2");
+  CHECK(printable("\x9b\x33m\x80 \xff\xe2\x82\xac") == "\\x9b3m\\x80 \\xff\xe2\x82\xac");
 }

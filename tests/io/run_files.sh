@@ -57,6 +57,8 @@ full() {
   "$program" --steps 5 --csv o.csv --json o.json >&- 2>out && fail "a closed standard output is nothing to say"
   grep -q 'standard output cannot be written: Bad file descriptor' out || { cat out; fail "nothing says that it is closed"; }
   [[ $(wc -l <o.csv) == 3 && $(digest o.json) != '' ]] || { cat o.csv; fail "other files with a closed standard output"; }
+  "$program" --quiet --steps 5 --json /dev/stdout >&- 2>out && fail "results for a closed standard output"
+  grep -q '/dev/stdout (--json) cannot be written: ' out || { cat out; fail "nothing says that results are lost"; }
   "$program" --quiet --steps 5 >/dev/full 2>out || { cat out; fail "a quiet run needs standard output"; }
   # Nobody reads: progress stops, and the files come.
   code=0
@@ -112,15 +114,18 @@ names() {
   local esc=$'\e]0;owned\a\r\xc2\x9b31m.h5'
   expect 1 '\x1b]0;owned\x07\x0d\x9b31m.h5 cannot be read' -- "$program" --quiet --restart "$esc"
   expect 2 '\x1b' -- "$program" $'--\e[2J'
+  expect 1 'a\x9b31m.h5 cannot be read' -- "$program" --quiet --restart $'a\x9b31m.h5'
   expect 1 '\x1b' -- "$program" --quiet --steps 5 --json $'none/\e[2J' --log e.log
   ! LC_ALL=C grep -q $'[\e\a\r\x9b]' out e.log || fail "a name controls the terminal"
   # A pipe whose writer comes later, and a key of many parts.
   mkfifo late
-  { sleep 0.5; printf 'steps = 7\n' >late; } &
+  { sleep 0.5; exec 3>late; sleep 1.5; printf 'steps = ' >&3; sleep 1.5; printf '7\n' >&3; } &
   expect 0 -- "$program" --quiet --config late --json late.json
   grep -q '"steps": 7,' late.json || fail "a pipe that is written to later is not read"
   { printf 'a'; for ((n = 0; n < 50000; ++n)); do printf '.a'; done; printf ' = 1\n'; } >deep.toml
-  expect 2 'deep.toml:1: has 50000 dots in a line' -- "$program" --quiet --config deep.toml
+  { printf '# '; printf '.%.0s' {1..200}; printf '\nsteps = 6 # '; printf '.%.0s' {1..200}; } >dots.toml
+  expect 0 -- "$program" --quiet --config dots.toml
+  expect 2 'deep.toml:1: has a key with more than 100 dots' -- "$program" --quiet --config deep.toml
   nothing_left
 }
 
@@ -218,6 +223,13 @@ shared() {
     [[ $option != --log ]] || rm "$file.config.toml.part-abc123"
     nothing_left
   done
+  # What no run has made stays.
+  : >mine.json.lock
+  mkdir mine.json.part-folder
+  ln -s /dev/null mine.json.part-linked
+  expect 0 -- "$program" --quiet --steps 5 --json mine.json
+  [[ -f mine.json.lock && ! -s mine.json.lock && -d mine.json.part-folder && -L mine.json.part-linked ]] ||
+    fail "a file of the user is gone"
 }
 
 # The index of a series is JSON whatever its name, and of this run alone.

@@ -203,8 +203,13 @@ TEST_CASE("a key of very many parts is refused before it is read") {
   std::string key = "a";
   for (int part = 1; part < 50000; ++part) key += ".a";
   CHECK(refusal_of("steps = 3\n" + key + " = 1\n") ==
-        "box.toml:2: has 49999 dots in a line, and no name of an option has so many parts");
-  CHECK(refusal_of("[" + key + "]\n").find("box.toml:1: has 49999 dots") == 0);
+        "box.toml:2: has a key with more than 100 dots, and no option has such a name");
+  CHECK(refusal_of("[" + key + "]\n").find("box.toml:1: has a key with more") == 0);
+  CHECK(refusal_of("steps = {" + key + " = 1}\n").find("box.toml:1: has a key with more") == 0);
+  CHECK(refusal_of("# " + key + "\nsteps = 3 # " + key) == "accepted");
+  CHECK(refusal_of("json = '" + key + "'\n") == "accepted");
+  CHECK(refusal_of("json = \"\\\"" + key + "\"\n") == "accepted");
+  CHECK(refusal_of("json = '''\n" + key + "'''\n") == "accepted");
 }
 
 TEST_CASE("a pipe is read when its writer comes") {
@@ -213,7 +218,11 @@ TEST_CASE("a pipe is read when its writer comes") {
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   std::thread writer([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    std::ofstream(pipe) << "steps = 7\n";
+    std::ofstream to(pipe);
+    for (const char* const part : {"steps", " = ", "7\n"}) {  // it may be slow
+      std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+      to << part << std::flush;
+    }
   });
   CHECK(read({"--config", pipe}).steps == 7);
   writer.join();

@@ -105,8 +105,8 @@ class part_file {
   int id_ = -1;
 };
 
-/// Removes temporary files of killed runs, beside a file or, with an end, beside the files
-/// PATH<digits>END. The caller must hold the lock of the output.
+/// Removes temporary files of this user, beside a file or, with an end, beside the files
+/// PATH<digits>END. No other process may write one: see run_lock::remove_left_over.
 [[gnu::cold]] void remove_parts_of(const std::string& path, std::string_view end = {});
 
 /// Writes a whole text. Returns false, with errno, on failure.

@@ -106,7 +106,8 @@ TALUS_INLINE part_file::~part_file() {
 }
 
 TALUS_INLINE bool part_file::rename_to(const std::string& path) {
-  if (::rename(name_.c_str(), path.c_str()) != 0) return false;
+  const int copy = ::dup(id_);  // closing it tells what writing did not, as on NFS
+  if (copy < 0 || ::close(copy) != 0 || ::rename(name_.c_str(), path.c_str()) != 0) return false;
   ::close(std::exchange(id_, -1));
   return true;
 }
@@ -129,7 +130,10 @@ TALUS_INLINE void remove_parts_of(const std::string& path, std::string_view end)
     name.remove_prefix(begin.size());
     if (!end.empty())
       name.remove_prefix(std::min(name.find_first_not_of("0123456789"), name.size()));
-    if (name.starts_with(behind) && name.size() == behind.size() + part_file::letters)
+    if (!name.starts_with(behind) || name.size() != behind.size() + part_file::letters) continue;
+    struct stat found {};
+    if (::fstatat(::dirfd(all), one->d_name, &found, AT_SYMLINK_NOFOLLOW) == 0 &&
+        S_ISREG(found.st_mode) && found.st_uid == ::geteuid())
       ::unlinkat(::dirfd(all), one->d_name, 0);
   }
   ::closedir(all);

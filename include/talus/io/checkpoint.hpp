@@ -19,7 +19,7 @@
 #include "talus/io/detail/checkpoint_parameters.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
-#include "talus/io/run_lock.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/world.hpp"
 

@@ -16,7 +16,7 @@
 
 #include "talus/core/clock.hpp"
 #include "talus/io/checkpoint.hpp"
-#include "talus/io/run_lock.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/io/run_signals.hpp"
 #include "talus/world/checkpoints.hpp"
 #include "talus/world/world.hpp"

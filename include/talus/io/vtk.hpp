@@ -22,7 +22,7 @@
 #include "talus/io/detail/vtk_surfaces.hpp"
 #include "talus/io/output_kinds.hpp"
 #include "talus/io/output_series.hpp"
-#include "talus/io/run_lock.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/world/each_contact.hpp"
 #include "talus/world/world.hpp"
 
@@ -160,8 +160,8 @@ class vtk_series {
       lock_ = std::make_shared<detail::run_lock>(first, "the output " + first);
       for (const part& p : parts_) {
         const std::string begin = name_ + p.block.end_of_name;
-        detail::remove_parts_of(begin + detail::vtk_extension + ".series");
-        detail::remove_parts_of(begin + "_", detail::vtk_extension);
+        lock_->remove_left_over(begin + detail::vtk_extension + ".series");
+        lock_->remove_left_over(begin + "_", detail::vtk_extension);
       }
       // A series that is not continued would list files of another run, or beyond the present step.
       const std::string surfaces = name_ + "_surfaces" + detail::vtk_extension + ".series";

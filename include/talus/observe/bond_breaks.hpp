@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <stdexcept>
@@ -18,6 +19,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/output_file.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/scenario/scenario.hpp"
 #include "talus/world/bonds.hpp"
 #include "talus/world/world.hpp"
@@ -30,6 +32,19 @@ inline constexpr std::string_view breaks_head =
     "step,time,x,y,z,normal_x,normal_y,normal_z,mode,a,b\n";
 inline constexpr output_kind breaks_output{
     "a table of broken bonds", [](std::string_view head) { return head.starts_with(breaks_head); }};
+
+/// The open table, of one run at a time.
+struct breaks_file {
+  explicit breaks_file(const std::string& file) {
+    if (!is_stream(file)) lock.emplace(file, "the table of broken bonds " + file);
+    id = begin_output(file, breaks_head, breaks_output, false);
+  }
+  breaks_file(const breaks_file&) = delete;
+  breaks_file& operator=(const breaks_file&) = delete;
+  ~breaks_file() { ::close(id); }
+  std::optional<run_lock> lock;
+  int id = -1;
+};
 
 /// A broken bond, as ranks send it.
 struct break_record {
@@ -84,10 +99,7 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
   const auto seen = std::make_shared<pairs>();
   (void)detail::new_breaks(w, *seen);
   const bool first = w.rank() == 0;
-  const std::shared_ptr<int> out(new int(-1), [](const int* id) {
-    if (*id >= 0) ::close(*id);
-    delete id;
-  });
+  const auto out = std::make_shared<std::optional<detail::breaks_file>>();
   const auto on_first = [file, first](auto& link, auto&& write) {
     std::string why;
     if (first) try {
@@ -101,9 +113,7 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
       detail::fail<std::runtime_error>("the table of broken bonds {} {}", file,
                                        why.empty() ? "cannot be written" : why);
   };
-  on_first(w.link(), [&] {
-    *out = detail::begin_output(file, detail::breaks_head, detail::breaks_output, false);
-  });
+  on_first(w.link(), [&] { out->emplace(file); });
   w.observe(often, [seen, out, file, on_first](auto& now) {
     const auto found = detail::new_breaks(now, *seen);
     on_first(now.link(), [&] {
@@ -119,7 +129,7 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
                       static_cast<unsigned long long>(r.a), static_cast<unsigned long long>(r.b));
         lines += line;
       }
-      detail::add_to_output(*out, file, lines);
+      detail::add_to_output((*out)->id, file, lines);
     });
   });
 }

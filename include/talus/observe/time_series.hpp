@@ -79,6 +79,9 @@ class time_series {
     if (speaks_) write(columns, w.records().all());
   }
 
+  /// Closes the file. Throws runtime_error if it then turns out that lines could not be written.
+  [[gnu::cold]] void finish();
+
   /// On all ranks: the table continues after a restart at this step. Lines of later steps, which
   /// the earlier run had still written, are removed, as are those between two of `every` steps.
   [[gnu::cold]] void go_on_from(std::uint64_t step, std::uint64_t every);

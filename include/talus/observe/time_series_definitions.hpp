@@ -20,6 +20,11 @@ TALUS_INLINE time_series::~time_series() {
   if (id_ >= 0) ::close(id_);
 }
 
+TALUS_INLINE void time_series::finish() {
+  if (id_ >= 0 && ::close(std::exchange(id_, -1)) != 0)
+    fail_to_write("cannot be written: " + detail::words_of_failed_write(name_, 0, errno));
+}
+
 TALUS_INLINE void time_series::go_on_from(std::uint64_t step, std::uint64_t every) {
   if (name_.empty()) return;
   sampled_ = true;  // by the earlier run

@@ -82,7 +82,7 @@ struct driven_world {
   std::uint64_t advance(std::uint64_t n, const pybind11::object& self) {
     if (observing)
       throw std::runtime_error("an observer made steps in its own world: it may only look at it");
-    const typename Session::at_work here(*session);
+    const end_of_python::at_work here(session->end());
     std::uint64_t made = 0;
     while (made < n && !session->over()) {
       const std::uint64_t now = session->open().steps();

@@ -5,20 +5,21 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/io/run_signals.hpp"
 #include "talus/observe/summary.hpp"
+#include "talus/python/end_of_python.hpp"
 #include "talus/python/lent_columns.hpp"
 #include "talus/python/scene_thread.hpp"
 #include "talus/scene/run.hpp"
@@ -33,10 +34,10 @@ class session {
  public:
   using world_type = world<Scenario>;
 
-  /// Runs the set-up up to the start of its first simulate(). `words` are the arguments of a
-  /// command line. Throws usage_error, and what the set-up throws.
-  session(const SetUp& set_up, std::string name, const std::vector<std::string>& words)
-      : set_up_(set_up), name_(std::move(name)), words_(words) {
+  /// `words` are the arguments of a command line. Throws usage_error.
+  session(const SetUp& set_up, std::string name, const std::vector<std::string>& words,
+          std::shared_ptr<end_of_python> end)
+      : set_up_(set_up), name_(std::move(name)), words_(words), end_(std::move(end)) {
     arguments_.push_back(name_.c_str());
     for (const std::string& word : words_) arguments_.push_back(word.c_str());
     options_ = parse<Options>(static_cast<int>(arguments_.size()), arguments_.data(), {}, "",
@@ -50,8 +51,14 @@ class session {
       throw std::runtime_error(
           "Python was started by mpirun as several processes, but it drives worlds of one rank: "
           "start it without mpirun");
-    const pybind11::gil_scoped_release release;
-    thread_.start([this] { main(); }, {});
+  }
+  /// Runs the set-up up to the start of its first simulate(). Throws what the set-up throws.
+  void begin() {
+    const only_one busy(*this);
+    {
+      const end_of_python::in_scene there(*end_);
+      thread_.start([this] { main(); }, {});
+    }
     rethrow();
   }
   ~session() {
@@ -74,7 +81,7 @@ class session {
     made_ = 0, asked_ = n, interrupted_ = false;
     std::exception_ptr signal;
     {
-      const pybind11::gil_scoped_release release;
+      const end_of_python::in_scene there(*end_);
       thread_.resume([&] {
         const pybind11::gil_scoped_acquire acquire;
         if (signal || PyErr_CheckSignals() == 0) return;
@@ -102,7 +109,7 @@ class session {
     world_type& w = open();
     const only_one busy(*this);
     using result = std::invoke_result_t<F&, world_type&>;
-    const pybind11::gil_scoped_release release;
+    const end_of_python::in_scene there(*end_);
     if constexpr (std::is_void_v<result>) {
       thread_.run_there([&] { f(w); });
     } else {
@@ -134,7 +141,7 @@ class session {
     const only_one busy(*this);
     lent_.keep();
     {
-      const pybind11::gil_scoped_release release;
+      const end_of_python::in_scene there(*end_);
       if (over_ && thread_.here()) thread_.resume({});  // to the end of the run
       thread_.close();
       world_ = nullptr;
@@ -142,24 +149,7 @@ class session {
     rethrow();
   }
 
-  /// Counts as work with this world, during which Python does not end.
-  struct at_work {
-    explicit at_work(session& s) : of(s) { ++of.working_; }
-    at_work(const at_work&) = delete;
-    at_work& operator=(const at_work&) = delete;
-    ~at_work() { --of.working_; }
-    session& of;
-  };
-  /// At the end of Python: threads that work with this world come back with an exception, before
-  /// the interpreter ends below them. A function of Python that they call has `patience` to return.
-  void end_with_python(std::chrono::milliseconds patience) {
-    ending_ = interrupted_ = true;
-    ends_on_ = std::this_thread::get_id();
-    const pybind11::gil_scoped_release release;  // another thread may need it to come back
-    for (; working_ > 0 && patience.count() > 0; --patience)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-
+  [[nodiscard]] end_of_python& end() { return *end_; }
   /// Whether the set-up has come to its end.
   [[nodiscard]] bool over() const { return over_; }
   [[nodiscard]] lent_columns& lent() { return lent_; }
@@ -170,8 +160,7 @@ class session {
 
  private:
   void require_idle() const {
-    if (ending_ && std::this_thread::get_id() != ends_on_)
-      throw std::runtime_error("Python ends, so this world makes no more steps");
+    end_->require_more();
     if (busy_)
       throw std::runtime_error(
           "another thread works with this world: wait until it has finished, or give each thread "
@@ -179,13 +168,18 @@ class session {
   }
   /// During its lifetime other threads of Python are refused.
   struct only_one {
-    explicit only_one(session& s) : work(s) { s.require_idle(), s.busy_ = true; }
-    ~only_one() { work.of.busy_ = false; }
-    at_work work;
+    explicit only_one(session& s) : of(s) { s.require_idle(), s.busy_ = true; }
+    only_one(const only_one&) = delete;
+    only_one& operator=(const only_one&) = delete;
+    ~only_one() { of.busy_ = false; }
+    session& of;
   };
 
   /// On the thread of the scene.
   void main() {
+    std::optional<listen_to_signals> listening;
+    if constexpr (Scenario::template has_feature<checkpoints>)
+      if (!options_.checkpoint.empty()) listening.emplace();
     launch_settings settings;
     settings.ranks = 1;
     settings.default_ranks = 1;
@@ -219,7 +213,7 @@ class session {
       if (!std::exchange(begun_, true) || std::exchange(due_, false)) thread_.yield();
     });
     w.after_observers([this, &w] {
-      if (++made_ != asked_ && !interrupted_) return;
+      if (++made_ != asked_ && !interrupted_ && !end_->began()) return;
       due_ = w.steps() == w.last_step();
       if (!due_) thread_.yield();
     });
@@ -246,6 +240,7 @@ class session {
   SetUp set_up_;
   std::string name_;
   std::vector<std::string> words_;
+  std::shared_ptr<end_of_python> end_;
   std::vector<const char*> arguments_;
   Options options_;
   results own_;
@@ -257,9 +252,6 @@ class session {
   bool begun_ = false, over_ = false;
   bool due_ = false;   ///< the caller waits for the end of the present simulate()
   bool busy_ = false;  ///< a thread of Python is in one of the functions
-  std::atomic<int> working_ = 0;
-  bool ending_ = false;  ///< so is Python
-  std::thread::id ends_on_;
   scene_thread thread_;
 };
 

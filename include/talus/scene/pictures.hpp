@@ -12,7 +12,7 @@
 #include "talus/core/output_file.hpp"
 #include "talus/io/output_series.hpp"
 #include "talus/io/povray.hpp"
-#include "talus/io/run_lock.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/options.hpp"
 
@@ -60,7 +60,7 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
   if (w.rank() == 0) {
     lock = std::make_shared<detail::run_lock>(options.frames + "/frames",
                                               "--frames " + options.frames);
-    detail::remove_parts_of(options.frames + "/frame_", ".pov");
+    lock->remove_left_over(options.frames + "/frame_", ".pov");
     const std::size_t before = detail::inspect_series("the picture", options.frames + "/frame_",
                                                       ".pov", detail::picture_output, look.force,
                                                       [](const std::string&) { return false; });

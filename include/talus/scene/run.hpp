@@ -273,6 +273,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   if constexpr (!std::is_void_v<decltype(set_up(w, options))>)
     if (!silent) mention_results(log, name, link, own, quiet);
   table.sample(w);
+  table.finish();
   if (view) view->finish();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
@@ -370,7 +371,7 @@ template <class Scenario, class Options, class SetUp>
 int run_checked(int argc, char** argv, SetUp& set_up) {
   // A standard stream that is closed must not become an output: what it takes is lost, and said.
   for (const int id : {0, 1, 2})
-    if (::fcntl(id, F_GETFD) < 0) (void)::open("/dev/null", id == 0 ? O_WRONLY : O_RDONLY);
+    if (::fcntl(id, F_GETFD) < 0) (void)::open("/", O_RDONLY | O_DIRECTORY);
   // What takes no more is said like any other failure, and does not end the process.
   const ignored_signal size(SIGXFSZ), pipe(SIGPIPE);
   const std::string name = program_name(argc > 0 ? argv[0] : nullptr);

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "talus/io/run_lock.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/scene/options.hpp"
 
 namespace talus::detail {
@@ -68,6 +68,8 @@ class run_log {
   [[nodiscard, gnu::cold]] int finish(int code);
 
  private:
+  /// Says, the first time, that the file cannot be written.
+  [[gnu::cold]] void lose_line(int error);
   /// Says, the first time, that standard output cannot be written.
   [[gnu::cold]] void lose_print(int error);
 

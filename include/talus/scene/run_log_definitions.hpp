@@ -86,10 +86,14 @@ TALUS_INLINE void run_log::write(std::string_view text) {
     id_ = ::open(name_.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
     if (id_ < 0) return;
   }
-  if (!write_text(id_, printable(text)) && !std::exchange(line_lost_, true))
+  if (!write_text(id_, printable(text))) lose_line(errno);
+}
+
+TALUS_INLINE void run_log::lose_line(int error) {
+  if (!std::exchange(line_lost_, true))
     std::fputs(printable(compose("{}: the log {} cannot be written: {}; lines of it are lost: make "
                                  "room for it, or name another file\n",
-                                 program_, name_, system_words()))
+                                 program_, name_, system_words(error)))
                    .c_str(),
                stderr);
 }
@@ -111,6 +115,8 @@ TALUS_INLINE void run_log::print(const std::string& text, bool quiet) {
 TALUS_INLINE int run_log::finish(int code) {
   if (std::fflush(stdout) != 0) lose_print(errno);
   if (std::ferror(stdout) != 0) lose_print(EIO);  // of the set-up
+  if (const int copy = id_ >= 0 ? ::dup(id_) : -1; copy >= 0 && ::close(copy) != 0)
+    lose_line(errno);
   return code == 0 && (print_lost_ || line_lost_) ? 1 : code;
 }
 

@@ -50,6 +50,10 @@ class run_lock {
   run_lock(const run_lock&) = delete;
   run_lock& operator=(const run_lock&) = delete;
   ~run_lock();
+  /// Removes temporary files that killed runs have left beside another file of this output, or with
+  /// an end beside the files FILE<digits>END; none where the file system has no locks, because runs
+  /// of other machines may still write them.
+  [[gnu::cold]] void remove_left_over(const std::string& file, std::string_view end = {}) const;
   /// Whether this is the lock of that file, for any form of its path.
   [[nodiscard, gnu::cold]] bool is_of(const std::string& file) const;
 
@@ -63,10 +67,12 @@ class run_lock {
 
   std::string name_;
   int id_ = -1;
+  bool locked_ = false;     ///< by the file system, not by the text of the file alone
+  bool owns_file_ = false;  ///< FILE.lock was made by a run
 };
 
 }  // namespace talus::detail
 
 #ifndef TALUS_COMPILED
-#include "talus/io/run_lock_definitions.hpp"
+#include "talus/core/run_lock_definitions.hpp"
 #endif

@@ -1,7 +1,7 @@
 #pragma once
 // The definitions of run_lock.hpp, in the compiled part or in each program.
 #include "talus/core/linkage.hpp"
-#include "talus/io/run_lock.hpp"
+#include "talus/core/run_lock.hpp"
 
 namespace talus::detail {
 
@@ -86,8 +86,10 @@ TALUS_INLINE void run_lock::take(const std::string& file) {
       continue;
     }
     // (A full disk has no room for the text; the lock holds without it.)
-    if (::ftruncate(id_, 0) == 0) (void)write_text(id_, lock_holder::this_process().text());
-    if (locked) remove_parts_of(file);
+    if (owns_file_ && ::ftruncate(id_, 0) == 0)
+      (void)write_text(id_, lock_holder::this_process().text());
+    locked_ = locked;
+    remove_left_over(file);
     return;
   }
   fail<std::runtime_error>("cannot be locked by {}: other runs take the lock again and again",
@@ -95,8 +97,12 @@ TALUS_INLINE void run_lock::take(const std::string& file) {
 }
 
 TALUS_INLINE run_lock::~run_lock() {
-  if (id_ >= 0 && is_named()) ::unlink(name_.c_str());
+  if (id_ >= 0 && owns_file_ && is_named()) ::unlink(name_.c_str());
   close();
+}
+
+TALUS_INLINE void run_lock::remove_left_over(const std::string& file, std::string_view end) const {
+  if (locked_) remove_parts_of(file, end);
 }
 
 TALUS_INLINE bool run_lock::is_of(const std::string& file) const {
@@ -108,14 +114,18 @@ TALUS_INLINE bool run_lock::is_of(const std::string& file) const {
 
 TALUS_INLINE void run_lock::open() {
   struct stat found {};
-  id_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+  constexpr int how = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  id_ = ::open(name_.c_str(), how | O_EXCL, 0666);
+  owns_file_ = id_ >= 0;
+  if (id_ < 0 && errno == EEXIST) id_ = ::open(name_.c_str(), how, 0666);
   if (id_ < 0)
     fail<std::runtime_error>(
         "cannot be written: {}: {}; name a file in a folder that exists, is writable and has "
         "room",
         name_, system_words());
   const bool regular = ::fstat(id_, &found) == 0 && S_ISREG(found.st_mode);
-  if (regular && (found.st_size == 0 || text().starts_with(lock_holder::mark))) return;
+  owns_file_ = owns_file_ || (regular && text().starts_with(lock_holder::mark));
+  if (owns_file_ || (regular && found.st_size == 0)) return;
   close();
   fail<std::runtime_error>(
       "needs {} for its lock, and something else is there: move that away, or name another file",
