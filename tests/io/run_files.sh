@@ -114,7 +114,7 @@ names() {
   local esc=$'\e]0;owned\a\r\xc2\x9b31m.h5'
   expect 1 '\x1b]0;owned\x07\x0d\x9b31m.h5 cannot be read' -- "$program" --quiet --restart "$esc"
   expect 2 '\x1b' -- "$program" $'--\e[2J'
-  expect 1 'a\x9b31m.h5 cannot be read' -- "$program" --quiet --restart $'a\x9b31m.h5'
+  expect 2 'a\x9b31m.h5' -- "$program" --quiet --restart $'a\x9b31m.h5'
   expect 1 '\x1b' -- "$program" --quiet --steps 5 --json $'none/\e[2J' --log e.log
   ! LC_ALL=C grep -q $'[\e\a\r\x9b]' out e.log || fail "a name controls the terminal"
   # A pipe whose writer comes later, and a key of many parts.

@@ -26,14 +26,16 @@ struct split_forces {
   vec3 friction{0, 0, 0}, friction_torque{0, 0, 0};
 };
 
-/// How far a body has moved while it was slow; see features/sleeping/rest.hpp.
+/// How far a body has moved by its velocity while it was slow, in a third of the time after which
+/// it may sleep; see features/sleeping/rest.hpp.
 struct drift_while_slow {
   vec3 travel{0, 0, 0};
-  real since = 0;  ///< the time since then; of a body that just fell asleep -1: load is older
+  real since =
+      0;  ///< the part of that time that has passed; -1 from falling asleep to the next step
   vec3 turn{0, 0, 0};
-  real early = 0, farthest = 0;  ///< largest distance in the first half of the time, and in all
-  real last = 0;                 ///< the farthest of the time before
-  vec3 load{0, 0, 0};            ///< the force of fields in the last step in which it was awake
+  real early = 0, farthest = 0;  ///< largest distance in the first half of that time, and so far
+  real last = 0;                 ///< the largest distance in the third before
+  vec3 load{0, 0, 0};            ///< the force of fields: awake in this step, asleep in its first
 };
 
 namespace columns {

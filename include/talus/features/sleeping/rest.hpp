@@ -7,12 +7,14 @@
 
 namespace talus::detail {
 
-/// Follows a body that is slow for a given time, and tells at the end whether it rests: it has
-/// moved less than a thousandth of its radius and, on average, less in the second half of the time
-/// than in the first: a body that drifts, rolls or falls goes as far or farther.
+/// Follows a body that is slow for a given time, and tells at the end whether it rests: by its
+/// velocity it has moved less than a thousandth of its radius and, on average, less in the second
+/// half of the time than in the first (a body that drifts, rolls or falls goes as far or farther);
+/// or so little that it is `negligible`, as heaps creep under few sweeps. What the correction of
+/// positions moves does not count.
 class rest_judge {
  public:
-  static constexpr real most = 1e-3, negligible = 1e-5, round_off = 1e-9;
+  static constexpr real most = 1e-3, negligible = 2e-5, round_off = 1e-9;
 
   rest_judge(real time, real dt) : time_(time), dt_(dt) {}
 

@@ -3,14 +3,18 @@
 // that approaches a sleeping island wakes it before they touch.
 //
 // A body carries the time for which its island has rested. In every step its owner adds dt, or
-// resets the time if the body was too fast; every fourth step a rank takes the minimum over each
+// resets the time if the body did not rest (see features/sleeping/rest.hpp); every fourth step a rank takes the minimum over each
 // part of an island that it sees, shadow copies included, whose value is that of the last step. So
-// one fast body is known everywhere after some steps, without a collective call; and as the value
+// one body that moves is known everywhere after some steps, without a collective call; and as the value
 // grows alike on all ranks, an island is put to sleep on all of them in the same step. A woken body
 // takes over the value of the body that woke it: all go back to sleep together, and waking ends
 // even if an island is too large to notify in time. A joint must not hold a body that moves to one
 // that sleeps: the ranks of an island of joints take one minimum over the whole of it, and wake it
 // in one step (see features/sleeping/lowest_over_joints.hpp).
+//
+// An island also needs something immovable that bears it. The time since then spreads as the rest
+// time does. It begins with a very large value, which is also that of an island that has lost what
+// bore it.
 //
 // With solver<reproducible> nothing may depend on the ranks. There the minimum of each whole
 // island, and the waking bodies, are found by exchanges between neighbours until no value changes
@@ -221,7 +225,7 @@ void take_least(world_state<Scenario>& s, plain_vector<float>& values) {
 }
 
 /// Bodies joined by contacts or joints have the rest time of the least rested of them. It is zero
-/// for those that touch a fixed body with a velocity, as on a belt, and for those that nothing
+/// for those that touch an immovable body with a velocity, as on a belt, and for those that nothing
 /// immovable bears, unless they stand still.
 template <class Scenario>
 void join_islands(world_state<Scenario>& s) {
