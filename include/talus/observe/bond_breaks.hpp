@@ -33,17 +33,36 @@ inline constexpr std::string_view breaks_head =
 inline constexpr output_kind breaks_output{
     "a table of broken bonds", [](std::string_view head) { return head.starts_with(breaks_head); }};
 
-/// The open table, of one run at a time.
-struct breaks_file {
-  explicit breaks_file(const std::string& file) {
-    if (!is_stream(file)) lock.emplace(file, "the table of broken bonds " + file);
-    id = begin_output(file, breaks_head, breaks_output, false);
+/// The open table, which one run at a time writes. Exceptions begin with the name of the file.
+class breaks_file {
+ public:
+  explicit breaks_file(std::string file) : file_(std::move(file)) {
+    const bool stream = is_stream(file_);
+    const output_target target =
+        stream ? output_target{} : inspect_target(file_, breaks_output, false);
+    if (!target.objection.empty()) fail<std::runtime_error>("{} {}", file_, target.objection);
+    if (!stream) lock_.emplace(file_, file_);
+    with_name([&] { id_ = begin_output(file_, breaks_head, breaks_output, false); });
   }
   breaks_file(const breaks_file&) = delete;
   breaks_file& operator=(const breaks_file&) = delete;
-  ~breaks_file() { ::close(id); }
-  std::optional<run_lock> lock;
-  int id = -1;
+  ~breaks_file() { ::close(id_); }
+  void add(const std::string& lines) const {
+    with_name([&] { add_to_output(id_, file_, lines); });
+  }
+
+ private:
+  template <class F>
+  void with_name(F&& f) const {
+    try {
+      f();
+    } catch (const std::exception& e) {
+      fail<std::runtime_error>("{} {}", file_, e.what());
+    }
+  }
+  std::string file_;
+  std::optional<run_lock> lock_;
+  int id_ = -1;
 };
 
 /// A broken bond, as ranks send it.
@@ -110,11 +129,11 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
     std::uint64_t failed = why.empty() ? 0 : 1;
     link.reduce(reduction::sum, std::span(&failed, 1));
     if (failed != 0)
-      detail::fail<std::runtime_error>("the table of broken bonds {} {}", file,
-                                       why.empty() ? "cannot be written" : why);
+      detail::fail<std::runtime_error>("the table of broken bonds {}",
+                                       why.empty() ? file + " cannot be written" : why);
   };
   on_first(w.link(), [&] { out->emplace(file); });
-  w.observe(often, [seen, out, file, on_first](auto& now) {
+  w.observe(often, [seen, out, on_first](auto& now) {
     const auto found = detail::new_breaks(now, *seen);
     on_first(now.link(), [&] {
       std::string lines;
@@ -129,7 +148,7 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
                       static_cast<unsigned long long>(r.a), static_cast<unsigned long long>(r.b));
         lines += line;
       }
-      detail::add_to_output((*out)->id, file, lines);
+      (*out)->add(lines);
     });
   });
 }
