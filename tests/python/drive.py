@@ -6,6 +6,7 @@ import gc
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -160,6 +161,38 @@ class Worlds(unittest.TestCase):
             world.step()
         self.assertEqual(mechanism.World(steps=30).run(), 30)
 
+    def test_a_loop_over_steps_ends_with_the_set_up(self):
+        world, steps = mechanism.World(steps=30), 0
+        while not world.finished:
+            steps += world.step()
+        self.assertEqual((steps, world.steps), (30, 30))
+        self.assertEqual(world.results()["calls"], 30)
+
+    def test_threads_may_work_with_worlds_while_python_ends(self):
+        for work in ("while True: w.step(20)", "w.run()", "while True: drop.World(steps=10)"):
+            for wait in ("0", "0.01", "0.1"):
+                script = (f"import sys, threading, time; sys.path.insert(0, {MODULES!r})\n"
+                          "import drop\nw = drop.World(steps=1000000)\nother = drop.World()\n"
+                          "w.observe(7, lambda w: w.steps)\n"
+                          f"def work():\n    {work}\n"
+                          f"threading.Thread(target=work, daemon=True).start()\ntime.sleep({wait})\n")
+                run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                # Python may stop the thread while that prints its exception.
+                for error in re.findall(r"^\w*Error: .*", run.stderr, re.M):
+                    self.assertTrue(error.startswith("RuntimeError: Python ends") or
+                                    "RuntimeError: Python ends".startswith(error), run.stderr)
+
+    def test_a_signal_writes_the_checkpoint_of_a_world(self):
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+            file = self.work / f"{number}.h5"
+            world = drop.World(steps=1000000000, checkpoint=file)
+            threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGUSR1)).start()
+            threading.Timer(0.6, lambda: os.kill(os.getpid(), number)).start()
+            with self.assertRaisesRegex(RuntimeError, f"ended by signal {int(number)}; its checkpoint is"):
+                world.run()
+            self.assertTrue(file.exists())
+
     def test_bodies_are_added_changed_and_removed(self):
         world = mechanism.World(steps=60)
         world.step(3)
@@ -241,6 +274,10 @@ class Worlds(unittest.TestCase):
         again.observe(1, lambda w: w.step(1))
         with self.assertRaisesRegex(RuntimeError, "it may only look"):
             again.step(1)
+        more = drop.World()
+        more.observe(1, lambda w: w.observe(1, fail))
+        with self.assertRaisesRegex(RuntimeError, "an observer added an observer"):
+            more.step(1)
 
     def test_worlds_are_independent_and_close(self):
         one, other = drop.World(seed=1), drop.World(seed=2)

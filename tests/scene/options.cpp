@@ -113,7 +113,9 @@ TEST_CASE("values are read as they are meant") {
   CHECK(parse_words({"--dt", "+2.5e-3"}).dt == 2.5e-3);
   CHECK(parse_words({"--json=--quiet"}).json == "--quiet");
   CHECK(parse_words({"--json", "a b=c"}).json == "a b=c");
-  CHECK(parse_words({"--json="}).json.empty());
+  CHECK_THROWS_WITH_AS(parse_words({"--json="}),
+                       "--json needs a value, but is empty: give it one, or leave it out",
+                       usage_error);
   CHECK(!parse_words<well_options>({"--flat=no"}).flat);
   CHECK(parse_words<well_options>({"--flat=true"}).flat);
 }

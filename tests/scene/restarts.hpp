@@ -126,8 +126,11 @@ outcome run_course(const course& c, const std::string& file) {
                                    .youngs_modulus = 1e5,
                                    .rolling_friction = 0.02});
     w.global([&](auto& scope) { scope.add(plane{}, stone); });
-    w.fill(simple_cubic{.spacing = 1} &
-               box_region{{-2, -2, 0.5}, {2, 2, std::is_same_v<Scenario, balls> ? 1 : 4}},
+    // A part of the low pile is at rest before the first added body falls on it.
+    constexpr real top = std::is_same_v<Scenario, balls>  ? 1
+                         : std::is_same_v<Scenario, pile> ? 2
+                                                          : 4;
+    w.fill(simple_cubic{.spacing = 1} & box_region{{-2, -2, 0.5}, {2, 2, top}},
            [&](const site& s, random_stream& random) {
              return a_body<Scenario>(s.position, random, stone);
            });

@@ -4,12 +4,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <string>
 #include <talus/scene/options.hpp>
 #include <talus/scene/run_configuration.hpp>
+#include <thread>
 #include <vector>
 
 using namespace talus;
@@ -187,6 +189,45 @@ TEST_CASE("a file that is missing, is a folder or has no end is refused") {
   CHECK(refusal({"--config"}) == "--config needs a value; see --help");
 }
 
+TEST_CASE("an empty value is a mistake where it would mean nothing, and so is what is no UTF-8") {
+  const std::string end = " needs a value, but is empty: give it one, or leave it out";
+  CHECK(refusal({"--restart", ""}) == "--restart" + end);
+  CHECK(refusal({"--json="}) == "--json" + end);
+  CHECK(refusal({"--set", "checkpoint="}) == "--checkpoint" + end);
+  CHECK(refusal_of("steps = 3\nrestart = ''\n") == "box.toml:2: restart" + end);
+  CHECK(read({"--decomposition", ""}).shares.empty());  // "grid" is what is not given
+  CHECK(refusal({"--json", "a\xff"}).find("--json needs a text in UTF-8") == 0);
+}
+
+TEST_CASE("a key of very many parts is refused before it is read") {
+  std::string key = "a";
+  for (int part = 1; part < 50000; ++part) key += ".a";
+  CHECK(refusal_of("steps = 3\n" + key + " = 1\n") ==
+        "box.toml:2: has a key with more than 100 dots, and no option has such a name");
+  CHECK(refusal_of("[" + key + "]\n").find("box.toml:1: has a key with more") == 0);
+  CHECK(refusal_of("steps = {" + key + " = 1}\n").find("box.toml:1: has a key with more") == 0);
+  CHECK(refusal_of("# " + key + "\nsteps = 3 # " + key) == "accepted");
+  CHECK(refusal_of("json = '" + key + "'\n") == "accepted");
+  CHECK(refusal_of("json = \"\\\"" + key + "\"\n") == "accepted");
+  CHECK(refusal_of("json = '''\n" + key + "'''\n") == "accepted");
+}
+
+TEST_CASE("a pipe is read when its writer comes") {
+  const folder here;
+  const std::string pipe = here.path + "/pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  std::thread writer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    std::ofstream to(pipe);
+    for (const char* const part : {"steps", " = ", "7\n"}) {  // it may be slow
+      std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+      to << part << std::flush;
+    }
+  });
+  CHECK(read({"--config", pipe}).steps == 7);
+  writer.join();
+}
+
 TEST_CASE("--set is refused without a value, for a name that is not known, and twice") {
   CHECK(refusal({"--set", "steps"}) ==
         "--set needs NAME=VALUE, as in --set steps=200, but is 'steps'; see --help");
@@ -220,6 +261,7 @@ TEST_CASE("the configuration of a run is read back to the same values, each with
   CHECK(has("share = 0.3  # --set"));
   CHECK(has("seed = \"18446744073709551615\"  # command line"));
   CHECK(has("# ranks: not given"));
+  CHECK(has("# restart: not given"));
   CHECK(has("# stone.dynamic_friction: not given"));
   CHECK(o.configuration.find("config =") == std::string::npos);
 

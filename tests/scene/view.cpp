@@ -296,7 +296,7 @@ TEST_CASE("what a page cannot be written to is refused before the first step") {
   const scratch file;
   using detail::view_page;
   CHECK_THROWS_WITH_AS(view_page(file("no/page.html"), false),
-                       doctest::Contains("name a file in a folder that exists and is writable"),
+                       doctest::Contains("name a file in a folder that exists, is writable"),
                        std::runtime_error);
   std::ofstream(file("mine.html")) << "<!doctype html><p>precious";
   CHECK_THROWS_WITH_AS(view_page(file("mine.html"), false),
@@ -408,6 +408,6 @@ TEST_CASE("a message holds a contribution, and base64 and JSON are those of thei
     append_base64(text, std::as_bytes(std::span(plain)));
     CHECK(text == coded);  // RFC 4648
   }
-  CHECK(view_json::quoted("a\"b\\c\n</script>") == R"("a\"b\\c\u000a\u003c/script>")");
+  CHECK(quoted("a\"b\\c\n</script>") == R"("a\"b\\c\u000a\u003c/script>")");
   CHECK(view_json::number(std::numeric_limits<double>::infinity()) == "null");
 }

@@ -1,12 +1,15 @@
 // Bonds: the deflection and first eigenfrequency of a fibre, the load that breaks a bond, and the
 // same bits and momentum on any ranks.
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <mutex>
 #include <string>
+#include <talus/observe/bond_breaks.hpp>
 #include <talus/observe/critical_dt.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/energy.hpp>
@@ -206,6 +209,21 @@ TEST_CASE("the energy of bonds that swing, break and damp is booked") {
   const auto e = measure_energy(w);
   CHECK(e.total.friction + e.total.impact > 0);
   CHECK(std::abs(e.worst) < 1e-9);
+}
+
+TEST_CASE("one run at a time writes a table of broken bonds") {
+  const std::string file = "/tmp/talus_breaks_" + std::to_string(getpid()) + ".csv";
+  serial::link alone;
+  world<fibre> one(alone), other(alone);
+  record_breaks(one, file, every{1});
+  CHECK_THROWS_WITH_AS(
+      record_breaks(other, file, every{1}),
+      doctest::Contains(("the table of broken bonds " + file + " is being written by").c_str()),
+      std::runtime_error);
+  CHECK_THROWS_WITH_AS(record_breaks(other, "/dev/null", every{1}),
+                       doctest::Contains("the table of broken bonds /dev/null "),
+                       std::runtime_error);
+  std::remove(file.c_str());
 }
 
 TEST_CASE("parameters of bonds without meaning are refused, with the field and its value") {

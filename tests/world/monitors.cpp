@@ -422,7 +422,7 @@ TEST_CASE("a time series has a line for each sample, at once, and the same colum
   }
   std::remove(file.c_str());
   CHECK_THROWS_WITH_AS(time_series("no_such_folder/a.csv", true),
-                       doctest::Contains("give --csv a file in a folder that exists"),
+                       doctest::Contains("name a file in a folder that exists"),
                        std::runtime_error);
   CHECK_NOTHROW(time_series("no_such_folder/a.csv", false));
 }

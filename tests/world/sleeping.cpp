@@ -15,6 +15,8 @@
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
+#include <talus/scene/fluid.hpp>
+#include <talus/scene/force_field.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
@@ -88,7 +90,7 @@ TEST_CASE("an island sleeps as of the same step, on any number of ranks") {
       row_at(w, 0, 0.5);
       // A moving one starts in the last slab and keeps all awake.
       if (const auto h = w.add_if_local(
-              body{.shape = sphere{0.5}, .position = {15.5, 1, 0.5}, .velocity = {0, 0, 1}}))
+              body{.shape = box{{1, 1, 1}}, .position = {15.5, 1, 0.5}, .velocity = {0, 0, 1}}))
         w[*h].set_velocity({0, 0, 1});
       int step = 0;
       double some = 0;
@@ -297,6 +299,111 @@ TEST_CASE("a body that spins in place stays awake") {
   });
 }
 
+TEST_CASE("what falls slowly, drifts or rolls on stays awake, alone or with others") {
+  for (const int ranks : {1, 2})
+    on(ranks, [&](scene_world& w) {  // these fall
+      w.gravity({0, 0, -0.01});
+      w.add_if_local(body{.shape = sphere{0.5}, .position = {2, 0, 0}});
+      w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {7.5, 0, 0}});
+      w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {8.5, 0, 0}});
+      run(w, 600);
+      CHECK(asleep(w) == 0);
+      w.for_each_local([&](const auto& b) {
+        CHECK(b.velocity()[2] == doctest::Approx(-0.01 * 600 * dt).epsilon(1e-9));
+      });
+    });
+  for (const int ranks : {1, 2})
+    for (const double speed : {0.04, 1e-3, 1e-6})
+      for (const auto& [step, time] : {std::pair{dt, 0.5}, {1. / 60, 0.5}, {1. / 60, 0.1}})
+        on(ranks, [&](scene_world& w) {  // these drift, two of them in touch over the cut
+          w.sleeping({.speed = 0.05, .time = time});
+          w.add_if_local(
+              body{.shape = sphere{0.5}, .position = {2, 0, 0}, .velocity = {0, speed, 0}});
+          row_at(w, 5, 0);
+          w.for_each_local([&](auto& b) { b.set_velocity({0, speed, 0}); });
+          for (int k = 0; k < 600; ++k) w.step(step);
+          CHECK(asleep(w) == 0);
+          w.for_each_local([&](const auto& b) {
+            CHECK(b.velocity()[1] == doctest::Approx(speed).epsilon(1e-9));
+          });
+        });
+  for (const double speed : {0.02, 1e-3, 1e-4})
+    on(1, [&](scene_world& w) {  // this rolls
+      floor_of(w);
+      const auto ball = w.add(body{.shape = sphere{0.5},
+                                   .position = {2, 0, 0.5},
+                                   .velocity = {speed, 0, 0},
+                                   .angular_velocity = {0, 2 * speed, 0}});
+      run(w, 600);
+      CHECK(asleep(w) == 0);
+      CHECK(w[ball].velocity()[0] == doctest::Approx(speed).epsilon(1e-6));
+    });
+}
+
+TEST_CASE("what loses its support falls, however long it has rested, awake or asleep") {
+  for (const int ranks : {1, 2})
+    for (const int rested : {60, 96, 400})
+      for (const double time : {0.1, 0.5})
+        on(ranks, [&](scene_world& w) {
+          w.gravity({0, 0, -0.01});
+          w.sleeping({.speed = 0.05, .time = time});
+          handle<box> shelf;
+          w.global([&](auto& s) { shelf = s.add(box{{20, 4, 1}}, {}, {8, 0, -0.5}); });
+          w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {4, 0, 0.5}});
+          run(w, rested);
+          w.destroy(shelf);
+          run(w, 400);
+          CHECK(asleep(w) == 0);
+          w.for_each_local([&](const auto& b) {
+            CHECK(b.velocity()[2] == doctest::Approx(-0.01 * 400 * dt).epsilon(1e-3));
+          });
+        });
+}
+
+TEST_CASE("a heap in a fluid stays asleep until the flow changes") {
+  for (const int ranks : {1, 2})
+    on(ranks, [&](scene_world& w) {
+      floor_of(w);
+      w.sleeping({.speed = 0.05, .time = 0.1});
+      for (int k = 0; k < 8; ++k) {
+        w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {1.5 * k + 2, 0, 0.52}});
+        w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {1.5 * k + 2.1, 0, 1.55}});
+      }
+      const auto flow = [](const vec3&, real time) { return vec3(0, time > 7 ? 20 : 0, 0); };
+      add_fluid(w, fluid{.density = 0.5, .viscosity = 0.1, .velocity = flow});
+      w.simulate({.steps = 400, .dt = dt});
+      REQUIRE(asleep(w) == 16);
+      bool stays = true;
+      for (int k = 0; k < 10; ++k) {
+        w.simulate({.steps = 99, .dt = dt});
+        stays = stays && asleep(w) == 16;
+      }
+      CHECK(stays);
+      w.simulate({.steps = 20, .dt = dt});
+      CHECK(asleep(w) == 0);
+    });
+}
+
+TEST_CASE("a field that changes wakes what it would move") {
+  for (const int ranks : {1, 2})
+    on(ranks, [&](scene_world& w) {
+      floor_of(w);
+      w.sleeping({.speed = 0.05, .time = 0.1});
+      for (const double x : {4.0, 12.0})
+        w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {x, 0, 0.5}});
+      add_force_field(
+          w, [](const vec3& x, real time) { return vec3(1, time > 1 && x[0] < 8 ? 20 : 0, 0); });
+      w.simulate({.steps = 199, .dt = dt});
+      CHECK(asleep(w) == 2);
+      w.simulate({.steps = 40, .dt = dt});
+      CHECK(asleep(w) == 1);
+      w.for_each_local([&](const auto& b) {
+        // 15 = 20 less friction, nearly: it acts against 1 and 20 together
+        if (b.position()[0] < 8) CHECK(b.position()[1] > 0.2);
+      });
+    });
+}
+
 TEST_CASE("a belt keeps awake what lies on it") {
   on(1, [&](scene_world& w) {
     w.gravity({0, 0, -10});
@@ -456,7 +563,7 @@ TEST_CASE("ranks agree on who sleeps and on impulses, and what sleeps does not m
             body{.shape = box{{2 * r, random.uniform(0.4, 0.9), random.uniform(0.4, 0.9)}},
                  .position = at});
     }
-    for (int k = 0; k < 700; ++k) {
+    for (int k = 0; k < 1000; ++k) {
       const vec3 at = random.uniform(vec3(-3.4, -3.4, 4), vec3(3.4, 3.4, 4.5));
       if (k % 100 == 50) w.add_if_local(body{.shape = sphere{0.3}, .position = at});
       if (k % 100 == 99)

@@ -1,6 +1,7 @@
 #pragma once
 // The columns of talus: those of all bodies, and those of its features.
 #include <cstdint>
+#include <limits>
 
 #include "talus/body/column.hpp"
 #include "talus/body/material.hpp"
@@ -23,6 +24,18 @@ struct split_forces {
   vec3 spring{0, 0, 0}, spring_torque{0, 0, 0};
   vec3 dashpot{0, 0, 0}, dashpot_torque{0, 0, 0};
   vec3 friction{0, 0, 0}, friction_torque{0, 0, 0};
+};
+
+/// How far a body has moved by its velocity while it was slow, in a third of the time after which
+/// it may sleep; see features/sleeping/rest.hpp.
+struct drift_while_slow {
+  vec3 travel{0, 0, 0};
+  real since =
+      0;  ///< the part of that time that has passed; -1 from falling asleep to the next step
+  vec3 turn{0, 0, 0};
+  real early = 0, farthest = 0;  ///< largest distance in the first half of that time, and so far
+  real last = 0;                 ///< the largest distance in the third before
+  vec3 load{0, 0, 0};            ///< the force of fields: awake in this step, asleep in its first
 };
 
 namespace columns {
@@ -195,6 +208,32 @@ struct quiet {
     plain_vector<float> quiet;
   };
   static constexpr auto member = &storage::quiet;
+};
+/// The time since something immovable has borne the island; `initial` if nothing has since the body
+/// was added, woke, or lost what bore it.
+struct unborne {
+  using value_type = float;
+  static constexpr float initial = std::numeric_limits<float>::max();
+  static constexpr const char *name = "unborne", *unit = "T";
+  static constexpr int place = 8;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<float> unborne;
+  };
+  static constexpr auto member = &storage::unborne;
+};
+struct drift {
+  using value_type = drift_while_slow;
+  static constexpr const char* name = "drift";
+  static constexpr int place = 9;
+  static constexpr travels travel = travels::on_migration;
+  template <class Shape>
+  static constexpr bool carried_by = Shape::finite;
+  struct storage {
+    plain_vector<drift_while_slow> drift;
+  };
+  static constexpr auto member = &storage::drift;
 };
 
 }  // namespace columns

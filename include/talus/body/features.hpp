@@ -75,7 +75,8 @@ struct sleeping final {
   using talus_inside = void;
   using talus_part_of = roles::features;
   static constexpr const char* name = "sleeping";
-  using columns = type_list<detail::columns::quiet>;
+  using columns =
+      type_list<detail::columns::quiet, detail::columns::unborne, detail::columns::drift>;
   using runs_after = type_list<driven, energy_ledger, momentum_balance, continuous_collision>;
   template <class Scenario>
   struct state;

@@ -12,8 +12,6 @@
 #include "talus/io/detail/hdf5_definitions.hpp"
 #include "talus/io/detail/hdf5_image_definitions.hpp"
 #include "talus/io/detail/row_table_definitions.hpp"
-#include "talus/io/detail/run_lock_definitions.hpp"
-#include "talus/io/detail/run_signals_definitions.hpp"
 #include "talus/io/detail/series_index_definitions.hpp"
 #include "talus/io/detail/shape_surface_definitions.hpp"
 #include "talus/io/detail/system_file_definitions.hpp"

@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -50,10 +51,27 @@ struct output_target {
 [[nodiscard, gnu::cold]] output_target inspect_target(const std::string& path,
                                                       const output_kind& kind, bool force);
 
-/// "no room ..." for an output of `needs` more bytes at this path. It gives the number of missing
-/// bytes, or all of them if the disk does not report its free space (quotas).
-[[nodiscard, gnu::cold]] std::string words_of_missing_room(const std::string& path,
+/// Why an output of `needs` more bytes cannot be written at this path, and what to do. For a full
+/// disk it gives the number of missing bytes, or all of them if the disk does not report its free
+/// space (quotas).
+[[nodiscard, gnu::cold]] std::string words_of_failed_write(const std::string& path,
                                                            std::uint64_t needs, int error);
+
+/// In its lifetime a signal does not end the process. A write beyond the limit of file sizes
+/// (SIGXFSZ), or to a pipe that nobody reads (SIGPIPE), then fails like any other.
+class ignored_signal {
+ public:
+  explicit ignored_signal(int signal) : signal_(signal), before_(std::signal(signal, SIG_IGN)) {}
+  ignored_signal(const ignored_signal&) = delete;
+  ignored_signal& operator=(const ignored_signal&) = delete;
+  ~ignored_signal() {
+    if (before_ != SIG_ERR) std::signal(signal_, before_);
+  }
+
+ private:
+  int signal_;
+  void (*before_)(int);
+};
 
 /// A temporary file beside an output, PATH.part- and six letters. It gets the name of the output
 /// when it is complete, and is removed otherwise.
@@ -79,7 +97,7 @@ class part_file {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Renames it to `path`. Returns false, with errno, on failure.
   [[nodiscard, gnu::cold]] bool rename_to(const std::string& path);
-  /// The same, and returns the open file.
+  /// The same, and returns the open file, or -1.
   [[nodiscard, gnu::cold]] int rename_and_keep(const std::string& path);
 
  private:
@@ -87,14 +105,26 @@ class part_file {
   int id_ = -1;
 };
 
-/// Removes temporary files of killed runs. The caller must hold the lock of the output.
-[[gnu::cold]] void remove_parts_of(const std::string& path);
+/// Removes temporary files of this user, beside a file or, with an end, beside the files
+/// PATH<digits>END. No other process may write one: see run_lock::remove_left_over.
+[[gnu::cold]] void remove_parts_of(const std::string& path, std::string_view end = {});
 
 /// Writes a whole text. Returns false, with errno, on failure.
 [[nodiscard, gnu::cold]] bool write_text(int id, std::string_view text);
-/// Replaces a file by a text, or writes it to a stream. Throws runtime_error, with the second half
-/// of a sentence, on failure or if the path must not be replaced; an existing file is then
-/// unchanged.
+
+// The one way of opening, writing and finishing an output. All of these throw runtime_error, with
+// the second half of a sentence.
+
+/// Makes a file that holds a text so far, which replaces an existing one when it does. Returns the
+/// open file, which grows at its end.
+[[nodiscard, gnu::cold]] int make_output(const std::string& path, std::string_view text);
+/// The same if the path may be replaced, or writes the text to a stream. An existing file is
+/// unchanged on failure.
+[[nodiscard, gnu::cold]] int begin_output(const std::string& path, std::string_view text,
+                                          const output_kind& kind, bool force);
+/// Adds a text to such a file by one write.
+[[gnu::cold]] void add_to_output(int id, const std::string& path, std::string_view text);
+/// Writes a whole output.
 [[gnu::cold]] void write_output(const std::string& path, std::string_view text,
                                 const output_kind& kind, bool force);
 

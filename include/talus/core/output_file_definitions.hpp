@@ -1,5 +1,9 @@
 #pragma once
 // The definitions of output_file.hpp, in the compiled part or in each program.
+#include <sys/resource.h>
+
+#include <algorithm>
+
 #include "talus/core/linkage.hpp"
 #include "talus/core/output_file.hpp"
 
@@ -59,8 +63,16 @@ TALUS_INLINE output_target inspect_target(const std::string& path, const output_
               "a file"};
 }
 
-TALUS_INLINE std::string words_of_missing_room(const std::string& path, std::uint64_t needs,
+TALUS_INLINE std::string words_of_failed_write(const std::string& path, std::uint64_t needs,
                                                int error) {
+  rlimit limit{};
+  if (error == EFBIG && ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+    return compose(
+        "{} bytes more do not fit: files may have {} bytes (ulimit -f): raise that limit", needs,
+        static_cast<std::uint64_t>(limit.rlim_cur));
+  if (error != ENOSPC && error != EDQUOT)
+    return compose("{}; name a file in a folder that exists, is writable and has room",
+                   system_words(error));
   std::uint64_t missing = needs;
   struct statvfs disk {};
   if (::statvfs(path.c_str(), &disk) == 0) {
@@ -94,7 +106,8 @@ TALUS_INLINE part_file::~part_file() {
 }
 
 TALUS_INLINE bool part_file::rename_to(const std::string& path) {
-  if (::rename(name_.c_str(), path.c_str()) != 0) return false;
+  const int copy = ::dup(id_);  // closing it tells what writing did not, as on NFS
+  if (copy < 0 || ::close(copy) != 0 || ::rename(name_.c_str(), path.c_str()) != 0) return false;
   ::close(std::exchange(id_, -1));
   return true;
 }
@@ -104,15 +117,23 @@ TALUS_INLINE int part_file::rename_and_keep(const std::string& path) {
   return std::exchange(id_, -1);
 }
 
-TALUS_INLINE void remove_parts_of(const std::string& path) {
+TALUS_INLINE void remove_parts_of(const std::string& path, std::string_view end) {
   const auto slash = path.find_last_of('/');
   const std::string folder = slash == path.npos ? "." : path.substr(0, slash + 1);
-  const std::string begin = path.substr(slash + 1) + std::string(part_file::infix);
+  const std::string begin = path.substr(slash + 1);
+  const std::string behind = std::string(end) + std::string(part_file::infix);
   DIR* const all = ::opendir(folder.c_str());
   if (all == nullptr) return;
   while (const dirent* const one = ::readdir(all)) {
-    const std::string_view name = one->d_name;
-    if (name.starts_with(begin) && name.size() == begin.size() + part_file::letters)
+    std::string_view name = one->d_name;
+    if (!name.starts_with(begin)) continue;
+    name.remove_prefix(begin.size());
+    if (!end.empty())
+      name.remove_prefix(std::min(name.find_first_not_of("0123456789"), name.size()));
+    if (!name.starts_with(behind) || name.size() != behind.size() + part_file::letters) continue;
+    struct stat found {};
+    if (::fstatat(::dirfd(all), one->d_name, &found, AT_SYMLINK_NOFOLLOW) == 0 &&
+        S_ISREG(found.st_mode) && found.st_uid == ::geteuid())
       ::unlinkat(::dirfd(all), one->d_name, 0);
   }
   ::closedir(all);
@@ -131,33 +152,46 @@ TALUS_INLINE bool write_text(int id, std::string_view text) {
   return true;
 }
 
+TALUS_INLINE int make_output(const std::string& path, std::string_view text) {
+  part_file part(path);
+  if (part.good() && write_text(part.id(), text)) {
+    (void)::fcntl(part.id(), F_SETFL, O_APPEND);
+    if (const int id = part.rename_and_keep(path); id >= 0) return id;
+  }
+  const int error = errno;
+  part = {};  // its space is free again
+  fail<std::runtime_error>("cannot be written: {}",
+                           words_of_failed_write(path, text.size(), error));
+}
+
+TALUS_INLINE int begin_output(const std::string& path, std::string_view text,
+                              const output_kind& kind, bool force) {
+  if (!is_stream(path)) {
+    const output_target target = inspect_target(path, kind, force);
+    if (!target.objection.empty()) throw std::runtime_error(target.objection);
+    return make_output(path, text);
+  }
+  const int id = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  try {
+    add_to_output(id, path, text);
+  } catch (...) {
+    if (id >= 0) ::close(id);
+    throw;
+  }
+  return id;
+}
+
+TALUS_INLINE void add_to_output(int id, const std::string& path, std::string_view text) {
+  if (id < 0 || !write_text(id, text))
+    fail<std::runtime_error>("cannot be written: {}",
+                             words_of_failed_write(path, text.size(), errno));
+}
+
 TALUS_INLINE void write_output(const std::string& path, std::string_view text,
                                const output_kind& kind, bool force) {
-  const auto fail_to_write = [&](std::size_t needs) {
-    const int error = errno;
-    if (error == ENOSPC || error == EDQUOT)
-      fail<std::runtime_error>("cannot be written: {}", words_of_missing_room(path, needs, error));
-    fail<std::runtime_error>("cannot be written: {}", system_words(error));
-  };
-  if (is_stream(path)) {
-    const int id = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
-    const bool good = id >= 0 && write_text(id, text);
-    const int error = errno;
-    if (id >= 0) ::close(id);
-    errno = error;
-    if (!good) fail_to_write(text.size());
-    return;
-  }
-  const output_target target = inspect_target(path, kind, force);
-  if (!target.objection.empty()) throw std::runtime_error(target.objection);
-  part_file part(path);
-  if (!part.good() || !write_text(part.id(), text)) {
-    const int error = errno;
-    part = {};  // its space is free again
-    errno = error;
-    fail_to_write(text.size());
-  }
-  if (!part.rename_to(path)) fail_to_write(text.size());
+  if (::close(begin_output(path, text, kind, force)) != 0)
+    fail<std::runtime_error>("cannot be written: {}",
+                             words_of_failed_write(path, text.size(), errno));
 }
 
 }  // namespace talus::detail

@@ -19,7 +19,7 @@
 #include "talus/io/detail/checkpoint_parameters.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
-#include "talus/io/detail/run_lock.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/world.hpp"
 
@@ -160,11 +160,8 @@ template <class Scenario>
   std::optional<run_lock> lock;
   const auto& hooks = checkpoint_access::keeper(w).hooks;
   team.together([&] {
-    if (w.rank() == 0 && !(hooks && hooks->writes(file))) try {
-        lock.emplace(file);
-      } catch (const std::exception& e) {
-        fail<std::runtime_error>("the checkpoint {} {}", file, e.what());
-      }
+    if (w.rank() == 0 && !(hooks && hooks->writes(file)))
+      lock.emplace(file, "the checkpoint " + file);
   });
   const auto wakes = measure_pending_wakes(state_of(w));
   auto tables = tables_of(state_of(w));

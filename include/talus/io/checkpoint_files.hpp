@@ -3,7 +3,6 @@
 // signals), and where simulate() continues from one.
 #include <algorithm>
 #include <array>
-#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -17,8 +16,8 @@
 
 #include "talus/core/clock.hpp"
 #include "talus/io/checkpoint.hpp"
-#include "talus/io/detail/run_lock.hpp"
-#include "talus/io/detail/run_signals.hpp"
+#include "talus/core/run_lock.hpp"
+#include "talus/io/run_signals.hpp"
 #include "talus/world/checkpoints.hpp"
 #include "talus/world/world.hpp"
 
@@ -29,8 +28,9 @@ class checkpoint_files final : public checkpoint_hooks {
   /// How often ranks exchange their received signals, in seconds of wall time.
   static constexpr double between_polls = 0.2;
   static constexpr std::uint64_t most_steps_between_polls = 1000;
-  /// The signals received by a rank, as numbers that are combined by their maximum.
-  enum heard { nothing = 0, write = 1, end = 2, interrupt = 3 };
+  /// What a rank has heard, as numbers that are combined by their maximum: one above `end_by` is
+  /// the signal that asks for the end.
+  enum heard : int { nothing = 0, write = 1, end_by = 2 };
 
  public:
   /// Installs its hooks between the steps of the world. Collective; throws runtime_error if a file
@@ -68,10 +68,6 @@ class checkpoint_files final : public checkpoint_hooks {
     team.together([&] {
       if (w.rank() == 0) take_lock(replaces);
     });
-    if (w.rank() == 0 || team.of_processes()) listening_.emplace();
-    heard_write_ = heard_signals().write;
-    heard_end_ = heard_signals().end;
-    heard_interrupt_ = heard_signals().interrupt;
   }
 
   restart_plan begin(const simulation& s) override {
@@ -137,7 +133,7 @@ class checkpoint_files final : public checkpoint_hooks {
       w_.link().finish_reduce(said_);
     else
       w_.link().reduce(reduction::max, std::span<double>(said_));
-    asked_ = static_cast<heard>(static_cast<int>(said_[0]));
+    asked_ = static_cast<int>(said_[0]);
     // At most twice as far ahead as the last time: steps may become slower.
     const double steps = std::min(between_polls / std::max(said_[1], 1e-9), 2.0 * between_);
     between_ = std::clamp(steps, 1.0, double{most_steps_between_polls});
@@ -145,7 +141,7 @@ class checkpoint_files final : public checkpoint_hooks {
   }
   void after_observers(bool ends, bool stopped) override {
     if (plan_.to.empty()) return;
-    const heard asked = std::exchange(asked_, nothing);
+    const int asked = std::exchange(asked_, nothing);
     const std::uint64_t now = w_.steps();
     const bool late = plan_.out_of_time != nullptr && *plan_.out_of_time;
     const bool due = late || (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last ||
@@ -153,8 +149,7 @@ class checkpoint_files final : public checkpoint_hooks {
     if (!due && asked == nothing) return;
     write_checkpoint_file(w_, plan_.to, plan_.force);
     heard_write_ = heard_signals().write;  // other ranks may have received it a step later
-    if (asked == end) throw ended_early{w_.steps(), SIGTERM};
-    if (asked == interrupt) throw ended_early{w_.steps(), SIGINT};
+    if (asked > end_by) throw ended_early{w_.steps(), asked - end_by};
     if (late) throw ended_early{w_.steps(), 0, ended_early::cause::time_limit};
   }
   [[nodiscard]] bool writes(const std::string& file) const override {
@@ -203,11 +198,7 @@ class checkpoint_files final : public checkpoint_hooks {
           plan_.from, *waiting_);
   }
   [[gnu::cold]] void take_lock(bool replaces) {
-    try {
-      lock_.emplace(plan_.to);
-    } catch (const std::exception& e) {
-      fail<std::runtime_error>("the checkpoint {} {}", plan_.to, e.what());
-    }
+    lock_.emplace(plan_.to, "the checkpoint " + plan_.to);
     if (replaces && plan_.from != plan_.to && plan_.tell && !plan_.quiet)
       plan_.tell(compose("--checkpoint {} replaces a checkpoint of an earlier run", plan_.to));
   }
@@ -219,9 +210,8 @@ class checkpoint_files final : public checkpoint_hooks {
                 "its seed; begin without --restart for another one",
                 plan_.from, stored, given));
   }
-  [[nodiscard]] heard hear() {
-    if (heard_signals().interrupt != heard_interrupt_) return interrupt;
-    if (heard_signals().end != heard_end_) return end;
+  [[nodiscard]] int hear() {
+    if (const int signal = heard_signals().end; signal != 0) return end_by + signal;
     const unsigned writes = heard_signals().write;
     return std::exchange(heard_write_, writes) != writes ? write : nothing;
   }
@@ -241,14 +231,13 @@ class checkpoint_files final : public checkpoint_hooks {
   std::string configuration_;             ///< of that run; empty if it is older than these
   std::uint64_t calls_ = 0;               ///< of simulate(), until the file is read
   std::uint64_t asked_before_ = 0;        ///< steps, by the call before
-  unsigned heard_write_ = 0, heard_end_ = 0, heard_interrupt_ = 0;
+  unsigned heard_write_ = 0;  ///< how often, in the last poll; listening began with the program
   std::array<double, 2> said_{};
   double polled_ = wall_seconds();
   std::uint64_t polled_at_ = 0, next_poll_ = 0;
   bool polling_ = false;
   double between_ = 1;  ///< steps from the last poll to the next
-  heard asked_ = nothing;
-  std::optional<listen_to_signals> listening_;  ///< once in a process
+  int asked_ = nothing;
 };
 
 }  // namespace talus::detail

@@ -32,8 +32,9 @@ inline constexpr output_kind series_output{
     [](std::string_view head) { return head.find("\"file-series-version\"") != head.npos; }};
 inline constexpr output_kind results_output{
     "the results of a run of talus", [](std::string_view head) {
-      return head.starts_with('{') && head.find("\"scenario\":") != head.npos &&
-             head.find("\"policies\":") != head.npos;
+      return head.starts_with("{\n  \"ended_early\":") ||
+             (head.starts_with('{') && head.find("\"scenario\":") != head.npos &&
+              head.find("\"policies\":") != head.npos);
     }};
 inline constexpr output_kind table_output{"a time series of talus", [](std::string_view head) {
                                             return head.starts_with("step [1],time [T],");

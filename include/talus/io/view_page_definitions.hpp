@@ -60,10 +60,8 @@ TALUS_INLINE view_page::view_page(std::string file, bool force)
   const std::string three = read_three();
   part_ = part_file(file_);
   if (!part_.good())
-    fail<std::runtime_error>(
-        "the page {} (--view) cannot be written: {}: name a file in a folder that exists and is "
-        "writable",
-        file_, system_words());
+    fail<std::runtime_error>("the page {} (--view) cannot be written: {}", file_,
+                             words_of_failed_write(file_, 0, errno));
   for (const char* const piece : view_page_before_three) write(piece);
   write(three);
   for (const char* const piece : view_page_before_data) write(piece);
@@ -79,10 +77,7 @@ TALUS_INLINE view_page::~view_page() {
 
 TALUS_INLINE void view_page::write(std::string_view text) {
   if (write_text(part_.id(), text)) return;
-  const int error = errno;
-  const std::string words = error == ENOSPC || error == EDQUOT
-                                ? words_of_missing_room(file_, text.size(), error)
-                                : system_words(error);
+  const std::string words = words_of_failed_write(file_, text.size(), errno);
   part_ = {};
   fail<std::runtime_error>("the page {} (--view) cannot be written: {}", file_, words);
 }
@@ -118,7 +113,7 @@ TALUS_INLINE void view_page::finish(const std::string& end) {
   const output_target target = inspect_target(file_, view_output, force_);
   if (!target.objection.empty()) fail<std::runtime_error>("--view {} {}", file_, target.objection);
   if (!part_.rename_to(file_)) {
-    const std::string words = system_words();
+    const std::string words = words_of_failed_write(file_, 0, errno);
     part_ = {};
     fail<std::runtime_error>("the page {} (--view) cannot be written: {}", file_, words);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -21,6 +22,7 @@
 #include "talus/io/detail/vtk_surfaces.hpp"
 #include "talus/io/output_kinds.hpp"
 #include "talus/io/output_series.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/world/each_contact.hpp"
 #include "talus/world/world.hpp"
 
@@ -144,12 +146,22 @@ class vtk_series {
       if (name_.empty() || name_.back() == '/')
         detail::fail<std::runtime_error>(
             "the output {} has no name: give the beginning of the names of its files", name);
+      if (!detail::is_utf8(name_))
+        detail::fail<std::runtime_error>(
+            "the output {} cannot be listed in its index: its name is not UTF-8", name);
       for (const part& p : parts_) {
         replaces_ |= p.index.require_writable();
         p.index.each_name([&](const std::string& file) { listed_.push_back(file); });
         (void)detail::inspect_series("the output", name_ + p.block.end_of_name + "_",
                                      detail::vtk_extension, detail::vtk_output_file, force_,
                                      [&](const std::string& file) { return lists(file); });
+      }
+      const std::string first = name_ + detail::vtk_extension + ".series";
+      lock_ = std::make_shared<detail::run_lock>(first, "the output " + first);
+      for (const part& p : parts_) {
+        const std::string begin = name_ + p.block.end_of_name;
+        lock_->remove_left_over(begin + detail::vtk_extension + ".series");
+        lock_->remove_left_over(begin + "_", detail::vtk_extension);
       }
       // A series that is not continued would list files of another run, or beyond the present step.
       const std::string surfaces = name_ + "_surfaces" + detail::vtk_extension + ".series";
@@ -211,12 +223,13 @@ class vtk_series {
   [[nodiscard]] bool lists(const std::string& file) const {
     struct stat found {};
     const std::string path = name_.substr(0, name_.find_last_of('/') + 1) + file;
-    return std::find(listed_.begin(), listed_.end(), file) != listed_.end() &&
+    return std::find(listed_.begin(), listed_.end(), detail::quoted(file)) != listed_.end() &&
            ::lstat(path.c_str(), &found) == 0 && S_ISREG(found.st_mode);
   }
   world<Scenario>& w_;
   std::string name_;
-  std::vector<std::string> listed_;  ///< on rank 0
+  std::shared_ptr<detail::run_lock> lock_;  ///< on rank 0
+  std::vector<std::string> listed_;         ///< on rank 0
   std::vector<part> parts_;
   bool goes_on_, force_, replaces_ = false;
   std::optional<std::uint64_t> last_;

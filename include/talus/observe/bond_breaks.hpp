@@ -1,20 +1,25 @@
 #pragma once
 // A table of the bonds that break during a run.
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/output_file.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/scenario/scenario.hpp"
 #include "talus/world/bonds.hpp"
 #include "talus/world/world.hpp"
@@ -22,6 +27,43 @@
 namespace talus {
 
 namespace detail {
+
+inline constexpr std::string_view breaks_head =
+    "step,time,x,y,z,normal_x,normal_y,normal_z,mode,a,b\n";
+inline constexpr output_kind breaks_output{
+    "a table of broken bonds", [](std::string_view head) { return head.starts_with(breaks_head); }};
+
+/// The open table, which one run at a time writes. Exceptions begin with the name of the file.
+class breaks_file {
+ public:
+  explicit breaks_file(std::string file) : file_(std::move(file)) {
+    const bool stream = is_stream(file_);
+    const output_target target =
+        stream ? output_target{} : inspect_target(file_, breaks_output, false);
+    if (!target.objection.empty()) fail<std::runtime_error>("{} {}", file_, target.objection);
+    if (!stream) lock_.emplace(file_, file_);
+    with_name([&] { id_ = begin_output(file_, breaks_head, breaks_output, false); });
+  }
+  breaks_file(const breaks_file&) = delete;
+  breaks_file& operator=(const breaks_file&) = delete;
+  ~breaks_file() { ::close(id_); }
+  void add(const std::string& lines) const {
+    with_name([&] { add_to_output(id_, file_, lines); });
+  }
+
+ private:
+  template <class F>
+  void with_name(F&& f) const {
+    try {
+      f();
+    } catch (const std::exception& e) {
+      fail<std::runtime_error>("{} {}", file_, e.what());
+    }
+  }
+  std::string file_;
+  std::optional<run_lock> lock_;
+  int id_ = -1;
+};
 
 /// A broken bond, as ranks send it.
 struct break_record {
@@ -67,7 +109,7 @@ template <class World>
 /// the look, place midway between the bodies, unit normal of the bond, mode (tension, shear or
 /// range), and the ids of both bodies. Bonds are looked at every so many steps; one whose bodies
 /// part beyond the range of the law between two looks is not found. Collective, as is each look.
-/// Throws runtime_error if the file cannot be written.
+/// Throws runtime_error alike on all ranks if the file cannot be written, or is not such a table.
 template <class Scenario>
 void record_breaks(world<Scenario>& w, const std::string& file, every often) {
   detail::require_bond_law<Scenario>();
@@ -76,21 +118,25 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
   const auto seen = std::make_shared<pairs>();
   (void)detail::new_breaks(w, *seen);
   const bool first = w.rank() == 0;
-  const auto out = std::make_shared<std::ofstream>();
-  if (first) {
-    out->open(file);
-    *out << "step,time,x,y,z,normal_x,normal_y,normal_z,mode,a,b\n" << std::flush;
-  }
-  const auto check = [out, file, first](auto& link) {
-    std::uint64_t failed = first && !*out ? 1 : 0;
+  const auto out = std::make_shared<std::optional<detail::breaks_file>>();
+  const auto on_first = [file, first](auto& link, auto&& write) {
+    std::string why;
+    if (first) try {
+        write();
+      } catch (const std::exception& e) {
+        why = e.what();
+      }
+    std::uint64_t failed = why.empty() ? 0 : 1;
     link.reduce(reduction::sum, std::span(&failed, 1));
     if (failed != 0)
-      detail::fail<std::runtime_error>("the table of broken bonds cannot be written to {}", file);
+      detail::fail<std::runtime_error>("the table of broken bonds {}",
+                                       why.empty() ? file + " cannot be written" : why);
   };
-  check(w.link());
-  w.observe(often, [seen, out, first, check](auto& now) {
+  on_first(w.link(), [&] { out->emplace(file); });
+  w.observe(often, [seen, out, on_first](auto& now) {
     const auto found = detail::new_breaks(now, *seen);
-    if (first)
+    on_first(now.link(), [&] {
+      std::string lines;
       for (const detail::break_record& r : found) {
         const char* mode = r.how == bond_break::tension ? "tension"
                            : r.how == bond_break::shear ? "shear"
@@ -100,10 +146,10 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
                       static_cast<unsigned long long>(now.steps()), now.time(), r.place[0],
                       r.place[1], r.place[2], r.place[3], r.place[4], r.place[5], mode,
                       static_cast<unsigned long long>(r.a), static_cast<unsigned long long>(r.b));
-        *out << line;
+        lines += line;
       }
-    if (first) *out << std::flush;
-    check(now.link());
+      (*out)->add(lines);
+    });
   });
 }
 

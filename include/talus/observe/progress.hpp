@@ -18,7 +18,8 @@ namespace talus {
 
 class progress_line {
  public:
-  /// Writes to `out`, unless that is null, and every 10 s to `log`, unless that is empty.
+  /// Writes to `out`, unless that is null, as long as that takes it, and every 10 s to `log`,
+  /// unless that is empty.
   explicit progress_line(std::FILE* out, std::function<void(const std::string&)> log = {})
       : out_(out), terminal_(out != nullptr && isatty(fileno(out)) != 0), log_(std::move(log)) {}
 

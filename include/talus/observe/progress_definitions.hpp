@@ -27,9 +27,7 @@ TALUS_INLINE void progress_line::finish(std::uint64_t step, const std::string& n
   const std::string words = line(step, step, note);
   if (log_) log_(words + '\n');
   if (out_ == nullptr) return;
-  show(words);
-  if (terminal_) std::fputs("\n", out_);
-  std::fflush(out_);
+  show(words + (terminal_ ? "\n" : ""));
 }
 
 TALUS_INLINE std::string progress_line::line(std::uint64_t step, std::uint64_t last,
@@ -44,8 +42,8 @@ TALUS_INLINE std::string progress_line::line(std::uint64_t step, std::uint64_t l
 }
 
 TALUS_INLINE void progress_line::show(const std::string& line) {
-  std::fputs(((terminal_ ? "\r" : "") + line + (terminal_ ? "\x1b[K" : "\n")).c_str(), out_);
-  std::fflush(out_);
+  const std::string words = (terminal_ ? "\r\x1b[K" : "") + line + (terminal_ ? "" : "\n");
+  if (std::fputs(words.c_str(), out_) < 0 || std::fflush(out_) != 0) out_ = nullptr;
 }
 
 TALUS_INLINE std::string progress_line::duration(double seconds) {

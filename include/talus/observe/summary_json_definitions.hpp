@@ -1,17 +1,13 @@
 #pragma once
 // The definitions of summary_json.hpp, in the compiled part or in each program.
 #include "talus/core/linkage.hpp"
+#include "talus/core/shown_text.hpp"
 #include "talus/observe/summary_json.hpp"
 
 namespace talus::detail {
 
 TALUS_INLINE void json_object::add(std::string_view key, std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  put(key, quoted + '"');
+  put(key, detail::quoted(text));
 }
 
 TALUS_INLINE void json_object::add(std::string_view key, double value) {

@@ -1,8 +1,10 @@
 #pragma once
 // A run as a table: one line of comma-separated values at a fixed interval of steps.
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -51,7 +53,7 @@ template <class Scenario>
 }
 
 /// Writes such a table on rank 0. The first line names the columns and their dimensions (M mass, L
-/// length, T time). Each line is flushed when it is written: a killed run keeps its lines.
+/// length, T time). Each line is one write: a killed run keeps its lines.
 class time_series {
  public:
   /// Opens the file; the first line replaces an existing file. An empty name means no file, and
@@ -77,6 +79,9 @@ class time_series {
     if (speaks_) write(columns, w.records().all());
   }
 
+  /// Closes the file. Throws runtime_error if it then turns out that lines could not be written.
+  [[gnu::cold]] void finish();
+
   /// On all ranks: the table continues after a restart at this step. Lines of later steps, which
   /// the earlier run had still written, are removed, as are those between two of `every` steps.
   [[gnu::cold]] void go_on_from(std::uint64_t step, std::uint64_t every);
@@ -84,16 +89,17 @@ class time_series {
  private:
   using records = std::vector<detail::recorded_value>;
 
-  [[noreturn, gnu::cold]] void fail_to_write() const;
+  [[noreturn, gnu::cold]] void fail_to_write(const std::string& why) const;
+  [[gnu::cold]] void put(const std::string& text) const;
   /// Rewrites the lines for which keep(line, is the first) is true, as changed by it.
   template <class Keep>
   [[gnu::cold]] void rewrite(Keep&& keep) {
     std::string kept, line;
     bool head = true;
-    std::fflush(file_);
     std::FILE* const in = std::fopen(name_.c_str(), "r");
-    if (in == nullptr) fail_to_write();
-    for (int c; (c = std::fgetc(in)) != EOF;) {
+    if (in == nullptr && errno != ENOENT)
+      fail_to_write("cannot be read: " + detail::system_words());
+    for (int c; in != nullptr && (c = std::fgetc(in)) != EOF;) {
       if (c != '\n') {
         line += static_cast<char>(c);
         continue;
@@ -101,10 +107,8 @@ class time_series {
       if (keep(line, std::exchange(head, false))) kept += line + '\n';
       line.clear();
     }
-    std::fclose(in);
-    // Beside it, so that the table is complete at any time.
-    std::fclose(std::exchange(file_, nullptr));
-    replace_by(kept);
+    if (in != nullptr) std::fclose(in);
+    replace_by(kept);  // beside it, so that the table is complete at any time
   }
   /// Of the whole file; it stays open for more.
   [[gnu::cold]] void replace_by(const std::string& text);
@@ -116,7 +120,7 @@ class time_series {
   [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own);
 
   std::string name_;
-  std::FILE* file_ = nullptr;
+  int id_ = -1;
   bool speaks_, begins_;  ///< on rank 0; the first line is still to come
   std::string behind_;    ///< commas of the columns for which this run has no value yet
   std::string head_;      ///< the first line; empty: there is none yet

@@ -10,16 +10,19 @@ TALUS_INLINE time_series::time_series(std::string file, bool speaks, bool goes_o
       speaks_(speaks && !name_.empty()),
       begins_(!goes_on && !detail::is_stream(name_)) {
   if (!speaks_) return;
-  if (!begins_) file_ = std::fopen(name_.c_str(), goes_on ? "a+" : "a");
-  if (begins_ ? !detail::part_file(name_).good() : file_ == nullptr)
-    detail::fail<std::runtime_error>(
-        "the file {} cannot be written: give --csv a file in a folder that exists and is "
-        "writable",
-        name_);
+  const bool stream = detail::is_stream(name_);
+  if (stream) id_ = ::open(name_.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (stream ? id_ < 0 : !detail::part_file(name_).good())
+    fail_to_write("cannot be written: " + detail::words_of_failed_write(name_, 0, errno));
 }
 
 TALUS_INLINE time_series::~time_series() {
-  if (file_ != nullptr) std::fclose(file_);
+  if (id_ >= 0) ::close(id_);
+}
+
+TALUS_INLINE void time_series::finish() {
+  if (id_ >= 0 && ::close(std::exchange(id_, -1)) != 0)
+    fail_to_write("cannot be written: " + detail::words_of_failed_write(name_, 0, errno));
 }
 
 TALUS_INLINE void time_series::go_on_from(std::uint64_t step, std::uint64_t every) {
@@ -35,18 +38,25 @@ TALUS_INLINE void time_series::go_on_from(std::uint64_t step, std::uint64_t ever
   });
 }
 
-TALUS_INLINE void time_series::fail_to_write() const {
-  detail::fail<std::runtime_error>(
-      "the time series could not be written to {}: is the disk "
-      "full?",
-      name_);
+TALUS_INLINE void time_series::fail_to_write(const std::string& why) const {
+  detail::fail<std::runtime_error>("the time series {} (--csv) {}", name_, why);
+}
+
+TALUS_INLINE void time_series::put(const std::string& text) const {
+  try {
+    detail::add_to_output(id_, name_, text);
+  } catch (const std::exception& e) {
+    fail_to_write(e.what());
+  }
 }
 
 TALUS_INLINE void time_series::replace_by(const std::string& text) {
-  detail::part_file beside(name_);
-  if (!beside.good() || !detail::write_text(beside.id(), text)) fail_to_write();
-  const int whole = beside.rename_and_keep(name_);
-  if (whole < 0 || (file_ = ::fdopen(whole, "a")) == nullptr) fail_to_write();
+  if (id_ >= 0) ::close(std::exchange(id_, -1));
+  try {
+    id_ = detail::make_output(name_, text);
+  } catch (const std::exception& e) {
+    fail_to_write(e.what());
+  }
 }
 
 TALUS_INLINE std::string time_series::head_of(std::string_view name, std::string_view dimension) {
@@ -76,7 +86,7 @@ TALUS_INLINE void time_series::write_head(const detail::plain_vector<measured>& 
   behind_.clear();
   if (head == head_) return;
   if (head_.empty()) {
-    if (std::fputs((head + "\n").c_str(), file_) < 0) fail_to_write();
+    put(head + "\n");
   } else if (head_.starts_with(head + ",")) {  // columns of the earlier run that are still missing
     behind_.assign(static_cast<std::size_t>(commas_of(head_) - commas_of(head)), ',');
     return;
@@ -106,7 +116,7 @@ TALUS_INLINE void time_series::write(const detail::plain_vector<measured>& colum
   for (const measured& c : columns) (line += line.empty() ? "" : ",") += detail::text(c.value);
   for (const detail::recorded_value& r : own) (line += ",") += detail::text(r.value);
   line += behind_ + "\n";
-  if (std::fputs(line.c_str(), file_) < 0 || std::fflush(file_) != 0) fail_to_write();
+  put(line);
 }
 
 }  // namespace talus

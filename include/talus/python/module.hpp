@@ -82,6 +82,7 @@ struct driven_world {
   std::uint64_t advance(std::uint64_t n, const pybind11::object& self) {
     if (observing)
       throw std::runtime_error("an observer made steps in its own world: it may only look at it");
+    const end_of_python::at_work here(session->end());
     std::uint64_t made = 0;
     while (made < n && !session->over()) {
       const std::uint64_t now = session->open().steps();
@@ -103,11 +104,8 @@ struct driven_world {
       ~mark() { set = false; }
     } const under_way(observing);
     const std::uint64_t now = session->open().steps();
-    for (std::size_t k = 0; k < observers.size(); ++k)  // one may add another
-      if (now % observers[k].every == 0) {
-        const pybind11::function f = observers[k].f;
-        f(self);
-      }
+    for (const observer& o : observers)
+      if (now % o.every == 0) o.f(self);
   }
 };
 

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -191,6 +192,9 @@ void bind_course(Class& world_class) {
           [](driven& d, std::uint64_t every, py::function f) {
             if (every == 0)
               throw std::invalid_argument("observe needs a number of steps of 1 or more, not 0");
+            if (d.observing)
+              throw std::runtime_error(
+                  "an observer added an observer to its own world: add it between the steps");
             d.observers.push_back({every, std::move(f)});
           },
           py::arg("every"), py::arg("f"),
@@ -232,16 +236,24 @@ void scenario(pybind11::module_& module, SetUp set_up) {
       detail::help_of<Scenario, Options>(name);
   py::class_<driven> world_class(module, "World", words.c_str(), py::module_local());
   const auto sessions = std::make_shared<std::vector<std::weak_ptr<session>>>();
-  world_class.def(py::init([set_up, name, words, sessions](const py::kwargs& given) {
-    auto made = std::make_shared<session>(set_up, name, detail::words_of(given, words));
+  const auto end = std::make_shared<detail::end_of_python>();
+  world_class.def(py::init([set_up, name, words, sessions, end](const py::kwargs& given) {
+    const detail::end_of_python::at_work here(*end);
+    auto made = std::make_shared<session>(set_up, name, detail::words_of(given, words), end);
     std::erase_if(*sessions, [](const auto& s) { return s.expired(); });
     sessions->push_back(made);
+    made->begin();
     return driven{std::move(made)};
   }));
   // At the end of Python no set-up is left suspended.
-  py::module_::import("atexit").attr("register")(py::cpp_function([sessions] {
-    for (const auto& one : *sessions)
-      if (const auto alive = one.lock()) alive->close();
+  py::module_::import("atexit").attr("register")(py::cpp_function([sessions, end] {
+    end->wait(std::chrono::seconds(5));
+    for (const auto& one : std::vector(*sessions))  // close() lets other threads run
+      if (const auto alive = one.lock()) try {
+          alive->close();
+        } catch (const std::exception& e) {  // the others are closed all the same
+          PySys_FormatStderr("%s\n", e.what());
+        }
   }));
   detail::bind_figures<session>(world_class);
   detail::bind_bodies<session>(module, world_class);

@@ -9,6 +9,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -16,7 +17,9 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/io/run_signals.hpp"
 #include "talus/observe/summary.hpp"
+#include "talus/python/end_of_python.hpp"
 #include "talus/python/lent_columns.hpp"
 #include "talus/python/scene_thread.hpp"
 #include "talus/scene/run.hpp"
@@ -31,10 +34,10 @@ class session {
  public:
   using world_type = world<Scenario>;
 
-  /// Runs the set-up up to the start of its first simulate(). `words` are the arguments of a
-  /// command line. Throws usage_error, and what the set-up throws.
-  session(const SetUp& set_up, std::string name, const std::vector<std::string>& words)
-      : set_up_(set_up), name_(std::move(name)), words_(words) {
+  /// `words` are the arguments of a command line. Throws usage_error.
+  session(const SetUp& set_up, std::string name, const std::vector<std::string>& words,
+          std::shared_ptr<end_of_python> end)
+      : set_up_(set_up), name_(std::move(name)), words_(words), end_(std::move(end)) {
     arguments_.push_back(name_.c_str());
     for (const std::string& word : words_) arguments_.push_back(word.c_str());
     options_ = parse<Options>(static_cast<int>(arguments_.size()), arguments_.data(), {}, "",
@@ -48,8 +51,14 @@ class session {
       throw std::runtime_error(
           "Python was started by mpirun as several processes, but it drives worlds of one rank: "
           "start it without mpirun");
-    const pybind11::gil_scoped_release release;
-    thread_.start([this] { main(); }, {});
+  }
+  /// Runs the set-up up to the start of its first simulate(). Throws what the set-up throws.
+  void begin() {
+    const only_one busy(*this);
+    {
+      const end_of_python::in_scene there(*end_);
+      thread_.start([this] { main(); }, {});
+    }
     rethrow();
   }
   ~session() {
@@ -59,7 +68,8 @@ class session {
     }
   }
 
-  /// Makes `n` steps, or fewer if the set-up ends before: none if it had no more to simulate.
+  /// Makes `n` steps, or fewer if the set-up ends before: none if it had no more to simulate. After
+  /// the last step of a simulate() the set-up also runs on to the next one, or to its end.
   /// Returns their number. Throws runtime_error if it had ended before, what the steps throw, and
   /// the exception of a signal, such as KeyboardInterrupt, after the present step.
   std::uint64_t step(std::uint64_t n) {
@@ -71,7 +81,7 @@ class session {
     made_ = 0, asked_ = n, interrupted_ = false;
     std::exception_ptr signal;
     {
-      const pybind11::gil_scoped_release release;
+      const end_of_python::in_scene there(*end_);
       thread_.resume([&] {
         const pybind11::gil_scoped_acquire acquire;
         if (signal || PyErr_CheckSignals() == 0) return;
@@ -99,7 +109,7 @@ class session {
     world_type& w = open();
     const only_one busy(*this);
     using result = std::invoke_result_t<F&, world_type&>;
-    const pybind11::gil_scoped_release release;
+    const end_of_python::in_scene there(*end_);
     if constexpr (std::is_void_v<result>) {
       thread_.run_there([&] { f(w); });
     } else {
@@ -131,7 +141,7 @@ class session {
     const only_one busy(*this);
     lent_.keep();
     {
-      const pybind11::gil_scoped_release release;
+      const end_of_python::in_scene there(*end_);
       if (over_ && thread_.here()) thread_.resume({});  // to the end of the run
       thread_.close();
       world_ = nullptr;
@@ -139,6 +149,7 @@ class session {
     rethrow();
   }
 
+  [[nodiscard]] end_of_python& end() { return *end_; }
   /// Whether the set-up has come to its end.
   [[nodiscard]] bool over() const { return over_; }
   [[nodiscard]] lent_columns& lent() { return lent_; }
@@ -149,6 +160,7 @@ class session {
 
  private:
   void require_idle() const {
+    end_->require_more();
     if (busy_)
       throw std::runtime_error(
           "another thread works with this world: wait until it has finished, or give each thread "
@@ -156,7 +168,7 @@ class session {
   }
   /// During its lifetime other threads of Python are refused.
   struct only_one {
-    explicit only_one(session& s) : of(s) { of.require_idle(), of.busy_ = true; }
+    explicit only_one(session& s) : of(s) { s.require_idle(), s.busy_ = true; }
     only_one(const only_one&) = delete;
     only_one& operator=(const only_one&) = delete;
     ~only_one() { of.busy_ = false; }
@@ -165,6 +177,9 @@ class session {
 
   /// On the thread of the scene.
   void main() {
+    std::optional<listen_to_signals> listening;
+    if constexpr (Scenario::template has_feature<checkpoints>)
+      if (!options_.checkpoint.empty()) listening.emplace();
     launch_settings settings;
     settings.ranks = 1;
     settings.default_ranks = 1;
@@ -178,11 +193,12 @@ class session {
         session* of;
         ~leave() { of->world_ = nullptr; }
       } const at_the_end{this};
-      run_log log;
-      log.open(options_, name_, static_cast<int>(arguments_.size()), arguments_.data(),
-               program_build());
+      run_log log(name_);
+      log.open(options_, static_cast<int>(arguments_.size()), arguments_.data(), program_build());
       const int code =
           run_rank<Scenario>(link, std::as_const(options_), name_, driven, log, wall_seconds());
+      if (log.finish(code) != code)
+        throw std::runtime_error("the run has lost a line of its log or of standard output");
       if (code == exit_code_of_time_limit)
         throw std::runtime_error("the run was ended by its time limit (time_limit)");
       if (code > 128)
@@ -192,12 +208,14 @@ class session {
   }
   void drive(world_type& w, const Options& o) {
     world_ = &w;
+    // After the last step of a simulate() the set-up goes on to the next one, or to its end.
     w.before_simulating([this] {
-      if (std::exchange(begun_, true)) return;
-      thread_.yield();
+      if (!std::exchange(begun_, true) || std::exchange(due_, false)) thread_.yield();
     });
-    w.after_observers([this] {
-      if (++made_ == asked_ || interrupted_) thread_.yield();
+    w.after_observers([this, &w] {
+      if (++made_ != asked_ && !interrupted_ && !end_->began()) return;
+      due_ = w.steps() == w.last_step();
+      if (!due_) thread_.yield();
     });
     if constexpr (std::is_void_v<decltype(set_up_(w, o))>)
       set_up_(w, o);
@@ -222,6 +240,7 @@ class session {
   SetUp set_up_;
   std::string name_;
   std::vector<std::string> words_;
+  std::shared_ptr<end_of_python> end_;
   std::vector<const char*> arguments_;
   Options options_;
   results own_;
@@ -231,6 +250,7 @@ class session {
   std::uint64_t asked_ = 0, made_ = 0;
   std::atomic<bool> interrupted_ = false;
   bool begun_ = false, over_ = false;
+  bool due_ = false;   ///< the caller waits for the end of the present simulate()
   bool busy_ = false;  ///< a thread of Python is in one of the functions
   scene_thread thread_;
 };

@@ -136,10 +136,11 @@ template <class Fluid, class Law, class Store>
 /// step uses the fluid at its start, and the coefficient of the drag at the velocity there; the
 /// relaxation within the step is exact, so that no dt is unstable and the terminal velocity has no
 /// error (contacts and other forces add to the velocity after it). It needs no messages: functions
-/// must return the same bits on all ranks. It wakes no sleeping body. `name` identifies its state
-/// in checkpoints and must be unique. All ranks make the same call. Throws invalid_argument for a
-/// density that is negative or a viscosity that is not positive, and runtime_error in a step for a
-/// velocity, void fraction or drag that is not valid. Needs features<forces>.
+/// must return the same bits on all ranks. Where it changes, sleeping bodies wake. `name`
+/// identifies its state in checkpoints and must be unique. All ranks make the same call. Throws
+/// invalid_argument for a density that is negative or a viscosity that is not positive, and
+/// runtime_error in a step for a velocity, void fraction or drag that is not valid. Needs
+/// features<forces>.
 template <class World, class Velocity, class VoidFraction, class Law = di_felice_drag>
 void add_fluid(World& w, fluid<Velocity, VoidFraction> of, Law law = {},
                const std::string& name = "fluid") {
@@ -174,7 +175,7 @@ void add_fluid(World& w, fluid<Velocity, VoidFraction> of, Law law = {},
       s.each_finite_shape([&](auto& b) {
         auto& store = b.movable;
         for (std::size_t i = 0; i < store.size(); ++i)  // shadow copies too, as their owners do
-          if (store.moves(i))
+          if (store.inverse_mass[i] != 0)
             store.force[i] += sign * detail::fluid_force(of, law, store, i, s.gravity, s.time, dt);
       });
     };

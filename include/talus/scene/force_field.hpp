@@ -15,10 +15,11 @@ namespace talus {
 
 /// Accelerates all movable bodies by f(position of the centre, time), in addition to gravity, in
 /// the steps of simulate(). It acts as a force of the user, in each step with its value at the
-/// start. It needs no messages: f must return the same bits on all ranks. It wakes no sleeping
-/// body. Bodies added after a step by an observer that runs later than this one are accelerated
-/// from the next step but one. `name` identifies its state in checkpoints and must be unique. All
-/// ranks make the same call. Throws runtime_error if f is not finite. Needs features<forces>.
+/// start. It needs no messages: f must return the same bits on all ranks. Where it
+/// changes, sleeping bodies wake. Bodies added after a step by an observer that runs later than
+/// this one are accelerated from the next step but one. `name` identifies its state in checkpoints
+/// and must be unique. All ranks make the same call. Throws runtime_error if f is not finite. Needs
+/// features<forces>.
 template <class World, class F>
 void add_force_field(World& w, F f, const std::string& name = "force field") {
   using scenario = typename World::scenario_type;
@@ -34,7 +35,7 @@ void add_force_field(World& w, F f, const std::string& name = "force field") {
       s.each_finite_shape([&](auto& b) {
         auto& store = b.movable;
         for (std::size_t i = 0; i < store.size(); ++i) {  // shadow copies too, as their owners do
-          if (!store.moves(i)) continue;
+          if (store.inverse_mass[i] == 0) continue;
           const vec3 a = f(store.position[i], s.time);
           if (!detail::finite(a))
             detail::fail<std::runtime_error>(

@@ -4,12 +4,15 @@
 
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <string>
 
 #include "talus/core/error.hpp"
 #include "talus/core/field_names.hpp"
+#include "talus/core/output_file.hpp"
 #include "talus/io/output_series.hpp"
 #include "talus/io/povray.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/options.hpp"
 
@@ -53,7 +56,11 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
   look.domains |= options.domains;
   look.force |= options.force;
   detail::make_folder(options.frames);
+  std::shared_ptr<detail::run_lock> lock;
   if (w.rank() == 0) {
+    lock = std::make_shared<detail::run_lock>(options.frames + "/frames",
+                                              "--frames " + options.frames);
+    lock->remove_left_over(options.frames + "/frame_", ".pov");
     const std::size_t before = detail::inspect_series("the picture", options.frames + "/frame_",
                                                       ".pov", detail::picture_output, look.force,
                                                       [](const std::string&) { return false; });
@@ -69,7 +76,7 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
   };
   w.synchronize();
   take(w.steps() / options.every);
-  w.after_each_step([&w, take, every = options.every] {
+  w.after_each_step([&w, take, lock, every = options.every] {
     if (w.steps() % every == 0) take(w.steps() / every);
   });
 }

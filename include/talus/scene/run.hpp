@@ -1,5 +1,7 @@
 #pragma once
 // run<Scenario>(argc, argv, set_up): a scenario as a program, with options, progress and summary.
+#include <fcntl.h>
+
 #include <algorithm>
 #include <concepts>
 #include <csignal>
@@ -7,12 +9,16 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
 
 #include "talus/core/clock.hpp"
+#include "talus/core/output_file.hpp"
+#include "talus/io/run_signals.hpp"
 #include "talus/observe/critical_dt.hpp"
 #include "talus/observe/initial_overlap.hpp"
 #include "talus/observe/monitors.hpp"
@@ -161,6 +167,7 @@ void attach_output(world<Scenario>& w, const Options& options, run_log& log) {
 template <class Scenario, class Options, class SetUp>
 int run_rank(typename Scenario::transport::link& link, const Options& options,
              const std::string& name, SetUp& set_up, run_log& log, double began) {
+  std::list<run_lock> locks;  // the last thing that the run gives up
   world<Scenario> w(link);
   if constexpr (!std::is_void_v<typename Scenario::solver_on_request>)
     if (options.reproducible) w.use_solver_on_request();
@@ -172,7 +179,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   w.seed(options.seed);
   const bool speaks = link.rank() == 0;
   require_same_options(w, options.configuration);
-  const std::string replaced = speaks ? inspect_outputs(options) : "";
+  const std::string replaced = speaks ? inspect_outputs(options, locks) : "";
   run_configuration configuration;
   if (speaks) configuration.prepare(options, name);
   // Ranks take part in what needs all of them if any speaks or keeps a log.
@@ -189,7 +196,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   w.before_simulating([&] {
     if (options.dry_run) {
       const run_estimate e = estimate_run(w, w.last_step() - w.steps());
-      if (speaks) std::fputs(to_text(e, name).c_str(), stdout);
+      if (speaks) log.print(to_text(e, name));
       throw ended_early{w.steps(), 0, ended_early::cause::dry_run};
     }
     require_pictures(w, options);
@@ -218,7 +225,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   attach_output(w, options, log);
   const auto view = attach_view(w, options, name);
   if (!replaced.empty()) log.say(replaced, quiet);
-  const exit_guard guard(place, name, options.json, log);
+  const exit_guard guard(place, name, options, log);
   w.after_each_step([&] {
     place.step = w.steps();
     if constexpr (requires { link.note_step(place.step); }) link.note_step(place.step);
@@ -240,6 +247,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
       log.say(compose("{}: ended by {} in step {}; {}\n", name,
                       by_limit               ? "--time-limit"
                       : end.signal == SIGINT ? "SIGINT"
+                      : end.signal == SIGHUP ? "SIGHUP"
                                              : "SIGTERM",
                       end.step,
                       options.checkpoint.empty() ? "its state is lost: --checkpoint FILE keeps it"
@@ -265,6 +273,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   if constexpr (!std::is_void_v<decltype(set_up(w, options))>)
     if (!silent) mention_results(log, name, link, own, quiet);
   table.sample(w);
+  table.finish();
   if (view) view->finish();
   talus::summary figures = summarize(w, thread_seconds() - cpu, wall);
   figures.scenario = name;
@@ -278,6 +287,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     } catch (const std::exception& e) {
       fail<std::runtime_error>("the results {} (--json) {}", options.json, e.what());
     }
+  code = log.finish(code);
   log.write(compose("digest {}, {} s of wall time, exit code {}\n", figures.digest,
                     text(wall_seconds() - began, 6), code));
   return code;
@@ -303,17 +313,24 @@ inline constexpr bool linked<Scenario, true> = [] {
 }();
 
 template <class Scenario, class Options, class SetUp>
-int run_checked(int argc, char** argv, SetUp& set_up) {
-  const std::string name = program_name(argc > 0 ? argv[0] : nullptr);
+int run_caught(int argc, char** argv, SetUp& set_up, const std::string& name, run_log& log) {
+  // Before anything takes time: a signal in the first moments must not end the run either.
+  constexpr bool listens = Scenario::template has_feature<checkpoints>;
+  std::optional<ignored_signal> early;
+  if constexpr (listens) early.emplace(SIGUSR1);
+  std::optional<listen_to_signals> listening;
   const bool speaks = find_launcher().rank == 0;
   const double began = wall_seconds();
-  run_log log;
   const auto complain = [&](const std::string& message) { log.say(name + ": " + message + "\n"); };
   try {
     Options chosen = parse<Options>(argc, argv, {}, "", withdraw_options<Scenario>);
     if (chosen.dry_run) write_nothing(chosen);
+    if (chosen.checkpoint.empty())
+      early.reset();
+    else if constexpr (listens)
+      listening.emplace();
     if (speaks)
-      log.open(chosen, name, argc, argv, program_build());
+      log.open(chosen, argc, argv, program_build());
     else
       log.join(chosen.log);
     launch_settings settings;
@@ -331,7 +348,7 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
     });
     return code;
   } catch (const help_requested& help) {
-    if (speaks) std::fputs(help.what(), stdout);
+    if (speaks) log.print(help.what());
     return 0;
   } catch (const unreadable_settings& error) {
     if (first_on_its_machine()) complain(error.what());
@@ -348,6 +365,18 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
     complain("an exception that is no std::exception");
     return 1;
   }
+}
+
+template <class Scenario, class Options, class SetUp>
+int run_checked(int argc, char** argv, SetUp& set_up) {
+  // A standard stream that is closed must not become an output: what it takes is lost, and said.
+  for (const int id : {0, 1, 2})
+    if (::fcntl(id, F_GETFD) < 0) (void)::open("/", O_RDONLY | O_DIRECTORY);
+  // What takes no more is said like any other failure, and does not end the process.
+  const ignored_signal size(SIGXFSZ), pipe(SIGPIPE);
+  const std::string name = program_name(argc > 0 ? argv[0] : nullptr);
+  run_log log(name);
+  return log.finish(run_caught<Scenario, Options>(argc, argv, set_up, name, log));
 }
 
 }  // namespace detail

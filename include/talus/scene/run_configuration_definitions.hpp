@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "talus/core/linkage.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/scene/run_configuration.hpp"
 
 namespace talus::detail {
@@ -39,6 +40,7 @@ TALUS_INLINE void run_configuration::prepare(const options& o, const std::string
 TALUS_INLINE void run_configuration::write() {
   if (options_ == nullptr) return;
   each_file([&](const char* name, const std::string& path) {
+    const run_lock lock(path, compose("the configuration {} (beside {})", path, name));
     try {
       write_output(path, text_, configuration_output, options_->force);
     } catch (const std::exception& e) {

@@ -2,9 +2,12 @@
 // What a run says: on the terminal, and in the file of --log, whose lines survive a crash.
 #include <cstdio>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "talus/core/run_lock.hpp"
 #include "talus/scene/options.hpp"
 
 namespace talus::detail {
@@ -42,28 +45,39 @@ namespace talus::detail {
 
 class run_log {
  public:
-  run_log() = default;
+  explicit run_log(std::string program) : program_(std::move(program)) {}
   run_log(const run_log&) = delete;
   run_log& operator=(const run_log&) = delete;
   ~run_log();
 
   /// Begins the file with what the run is, or goes on with it at a restart. Throws runtime_error if
   /// the file cannot be written, or is not a log of talus.
-  [[gnu::cold]] void open(const options& o, const std::string& program, int argc,
-                          const char* const* argv, const std::string& build);
+  [[gnu::cold]] void open(const options& o, int argc, const char* const* argv,
+                          const std::string& build);
   /// Of other processes than the first: what they have to say is added to a file that is there.
   void join(const std::string& file) { file_ = file; }
   [[nodiscard]] bool is_open() const { return id_ >= 0; }
-  /// Into the file alone. Each call is one write, so that a crash loses no line.
+  /// Into the file alone. Each call is one write, so that a crash loses no line. The run goes on
+  /// without a line that cannot be written, says so, and does not end well: see finish().
   [[gnu::cold]] void write(std::string_view text);
   /// To standard error unless `quiet`, and into the file.
   [[gnu::cold]] void say(const std::string& text, bool quiet = false);
   /// The same to standard output.
   [[gnu::cold]] void print(const std::string& text, bool quiet = false);
+  /// The exit code: 1 instead of 0 if a line of the log, or anything for standard output, is lost.
+  [[nodiscard, gnu::cold]] int finish(int code);
 
  private:
+  /// Says, the first time, that the file cannot be written.
+  [[gnu::cold]] void lose_line(int error);
+  /// Says, the first time, that standard output cannot be written.
+  [[gnu::cold]] void lose_print(int error);
+
+  std::string program_, name_{};
+  std::optional<run_lock> lock_{};
   int id_ = -1;
-  std::string file_{};
+  std::string file_{};  ///< of join(), until it is open
+  bool line_lost_ = false, print_lost_ = false;
   std::mutex mutex_;
 };
 

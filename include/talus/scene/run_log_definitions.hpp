@@ -4,11 +4,13 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <ctime>
 #include <string>
 #include <utility>
 
 #include "talus/core/linkage.hpp"
+#include "talus/core/shown_text.hpp"
 #include "talus/core/version.hpp"
 #include "talus/io/output_kinds.hpp"
 #include "talus/scene/run_log.hpp"
@@ -19,22 +21,14 @@ TALUS_INLINE run_log::~run_log() {
   if (id_ >= 0) ::close(id_);
 }
 
-TALUS_INLINE void run_log::open(const options& o, const std::string& program, int argc,
-                                const char* const* argv, const std::string& build) {
+TALUS_INLINE void run_log::open(const options& o, int argc, const char* const* argv,
+                                const std::string& build) {
   if (o.log.empty()) return;
-  const bool goes_on = !o.restart.empty();
   if (!is_stream(o.log)) {
-    const output_target target = inspect_target(o.log, log_output, o.force);
-    if (!target.objection.empty()) fail<std::runtime_error>("--log {} {}", o.log, target.objection);
+    (void)inspect_output("--log", o.log, log_output, o.force);
+    lock_.emplace(o.log, "--log " + o.log);
   }
-  id_ = ::open(o.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (goes_on ? 0 : O_TRUNC),
-               0666);
-  if (id_ < 0)
-    fail<std::runtime_error>(
-        "the file {} cannot be written: {}: give --log a file in a folder that exists and is "
-        "writable",
-        o.log, system_words());
-  std::string text = std::string(log_mark) + program + '\n';
+  std::string text = std::string(log_mark) + program_ + '\n';
   const auto line = [&](const char* name, const std::string& value) {
     text += std::string(name) + "  " + value + '\n';
   };
@@ -68,28 +62,70 @@ TALUS_INLINE void run_log::open(const options& o, const std::string& program, in
     text += "  " + std::string(rest.substr(0, end)) + '\n';
     rest.remove_prefix(end == rest.npos ? rest.size() : end + 1);
   }
-  write(text);
+  text = printable(text);
+  try {
+    const bool goes_on = !o.restart.empty() && !is_stream(o.log) &&
+                         inspect_target(o.log, log_output, o.force).replaces;
+    if (goes_on) {
+      id_ = ::open(o.log.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
+      add_to_output(id_, o.log, text);
+    } else {
+      id_ = begin_output(o.log, text, log_output, o.force);
+    }
+  } catch (const std::exception& e) {
+    fail<std::runtime_error>("--log {} {}", o.log, e.what());
+  }
+  name_ = o.log;
 }
 
 TALUS_INLINE void run_log::write(std::string_view text) {
   if (id_ < 0 && file_.empty()) return;
   const std::lock_guard lock(mutex_);
-  if (id_ < 0) id_ = ::open(std::exchange(file_, "").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
-  if (id_ < 0) return;
-  (void)write_text(id_, text);
+  if (id_ < 0) {
+    name_ = std::exchange(file_, "");
+    id_ = ::open(name_.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    if (id_ < 0) return;
+  }
+  if (!write_text(id_, printable(text))) lose_line(errno);
+}
+
+TALUS_INLINE void run_log::lose_line(int error) {
+  if (!std::exchange(line_lost_, true))
+    std::fputs(printable(compose("{}: the log {} cannot be written: {}; lines of it are lost: make "
+                                 "room for it, or name another file\n",
+                                 program_, name_, system_words(error)))
+                   .c_str(),
+               stderr);
 }
 
 TALUS_INLINE void run_log::say(const std::string& text, bool quiet) {
   if (!quiet) {
-    std::fputs(text.c_str(), stderr);
+    std::fputs(printable(text).c_str(), stderr);
     std::fflush(stderr);
   }
   write(text);
 }
 
 TALUS_INLINE void run_log::print(const std::string& text, bool quiet) {
-  if (!quiet) std::fputs(text.c_str(), stdout);
+  if (!quiet && (std::fputs(printable(text).c_str(), stdout) < 0 || std::fflush(stdout) != 0))
+    lose_print(errno);
   write(text);
+}
+
+TALUS_INLINE int run_log::finish(int code) {
+  if (std::fflush(stdout) != 0) lose_print(errno);
+  if (std::ferror(stdout) != 0) lose_print(EIO);  // of the set-up
+  if (const int copy = id_ >= 0 ? ::dup(id_) : -1; copy >= 0 && ::close(copy) != 0)
+    lose_line(errno);
+  return code == 0 && (print_lost_ || line_lost_) ? 1 : code;
+}
+
+TALUS_INLINE void run_log::lose_print(int error) {
+  if (std::exchange(print_lost_, true)) return;
+  say(compose(
+      "{}: standard output cannot be written: {}; some of it is lost: let it go where there "
+      "is room and a reader, or add --quiet, with --json FILE for the results\n",
+      program_, system_words(error)));
 }
 
 }  // namespace talus::detail

@@ -1,6 +1,8 @@
 #pragma once
 // Checks of output files before a run writes its results, its time series, and other outputs.
+#include <cerrno>
 #include <initializer_list>
+#include <list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -8,6 +10,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/output_file.hpp"
 #include "talus/io/output_kinds.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/scene/command_line.hpp"
 
 namespace talus::detail {
@@ -41,21 +44,22 @@ namespace talus::detail {
   if (!target.objection.empty())
     fail<std::runtime_error>("{} {} {}", option, file, target.objection);
   if (!part_file(file).good())
-    fail<std::runtime_error>(
-        "the file {} cannot be written: {}: give {} a file in a folder that exists and is writable",
-        file, system_words(), option);
+    fail<std::runtime_error>("{} {} cannot be written: {}", option, file,
+                             words_of_failed_write(file, 0, errno));
   return target.replaces;
 }
 
-/// Checks --json, --view and --csv on rank 0 before anything is written. Returns a text that lists
-/// the files to be replaced.
+/// Checks --json, --view and --csv on rank 0 before anything is written, and takes their locks.
+/// Returns a text that lists the files to be replaced.
 template <class Options>
-[[nodiscard, gnu::cold]] std::string inspect_outputs(const Options& options) {
+[[nodiscard, gnu::cold]] std::string inspect_outputs(const Options& options,
+                                                     std::list<run_lock>& locks) {
   std::string words;
   const auto each = [&](const char* option, const std::string& file, const output_kind& kind,
                         bool goes_on) {
     if (inspect_output(option, file, kind, options.force) && !goes_on)
       words += compose("{} {} replaces {}\n", option, file, kind.name);
+    if (!file.empty() && !is_stream(file)) locks.emplace_back(file, compose("{} {}", option, file));
   };
   each("--json", options.json, results_output, false);
   each("--view", options.view, view_output, false);

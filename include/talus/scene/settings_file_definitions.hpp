@@ -2,6 +2,7 @@
 // The definitions of settings_file.hpp: compiled once, or by <talus/config.hpp>. Without toml++ the
 // reader only says that it is missing.
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,6 +26,10 @@ namespace talus::detail {
 
 /// A configuration is a page of text: what is longer than this is another file.
 inline constexpr std::size_t longest_settings_file = std::size_t{16} << 20;
+/// How long a pipe may be without a writer.
+inline constexpr int seconds_for_writer = 60;
+/// Dots in a key: each may be a table within another, and toml++ calls itself for each.
+inline constexpr std::size_t most_dots = 100;
 
 [[nodiscard, gnu::cold]] inline std::string text_of_settings(const std::string& file) {
   const auto refuse = [&](const std::string& why) {
@@ -38,13 +43,19 @@ inline constexpr std::size_t longest_settings_file = std::size_t{16} << 20;
   struct stat about {};
   if (::fstat(id, &about) != 0) refuse(std::strerror(errno));
   if (S_ISDIR(about.st_mode)) refuse("it is a folder");
-  ::fcntl(id, F_SETFL, 0);  // a pipe may come later
   std::string text;
   char part[4096];
-  for (;;) {
+  for (int waited = 0;;) {
+    pollfd writer{id, POLLIN, 0};  // of a pipe: it may come later
+    const int ready = ::poll(&writer, 1, 1000);
+    if (ready < 0 && errno == EINTR) continue;
     const auto bytes = ::read(id, part, sizeof part);
-    if (bytes < 0 && errno == EINTR) continue;
+    if (bytes < 0 && (errno == EINTR || errno == EAGAIN)) continue;  // a writer is there
     if (bytes < 0) refuse(std::strerror(errno));
+    if (bytes == 0 && ready == 0 && text.empty()) {
+      if (++waited < seconds_for_writer) continue;
+      refuse(compose("nobody has opened it to write for {} seconds", seconds_for_writer));
+    }
     if (bytes == 0) return text;
     text.append(part, static_cast<std::size_t>(bytes));
     if (text.size() > longest_settings_file) refuse("it is larger than any configuration");
@@ -52,6 +63,43 @@ inline constexpr std::size_t longest_settings_file = std::size_t{16} << 20;
 }
 
 #ifdef TALUS_HAS_TOML
+/// The place behind a text in quotes that begins at `k`, which may have several lines between three
+/// quotes.
+[[nodiscard, gnu::cold]] inline std::size_t behind_quotes(std::string_view text, std::size_t k) {
+  const char quote = text[k];
+  const std::string three(3, quote);
+  const bool lines = text.substr(k, 3) == three;
+  for (k += lines ? 3 : 1; k < text.size() && (lines || text[k] != '\n'); ++k) {
+    if (quote == '"' && text[k] == '\\')
+      ++k;
+    else if (!lines && text[k] == quote)
+      return k + 1;
+    else if (lines && text.substr(k, 3) == three)
+      return k + 3;
+  }
+  return std::min(k, text.size());
+}
+
+/// Dots in values and comments do not count.
+[[gnu::cold]] inline void refuse_deep_names(const std::string& file, std::string_view text) {
+  std::size_t dots = 0;
+  for (std::size_t k = 0; k < text.size();) {
+    const char c = text[k];
+    if (c == '"' || c == '\'') {
+      k = behind_quotes(text, k);
+      continue;
+    }
+    if (c == '#') k = std::min(text.find('\n', k), text.size() - 1);
+    if (text[k] == '\n' || c == '=' || c == ',' || c == '{' || c == '[') dots = 0;
+    if (c == '.' && ++dots > most_dots) {
+      const auto lines = std::count(text.begin(), text.begin() + static_cast<long>(k), '\n');
+      fail<usage_error>("{}:{}: has a key with more than {} dots, and no option has such a name",
+                        file, static_cast<std::size_t>(lines) + 1, most_dots);
+    }
+    ++k;
+  }
+}
+
 [[nodiscard, gnu::cold]] inline setting setting_of(const std::string& key,
                                                    const toml::node& value) {
   setting s;
@@ -91,6 +139,7 @@ TALUS_INLINE void read_settings(const std::string& file,
                                 const std::function<void(const setting&)>& take) {
   const std::string text = text_of_settings(file);
 #ifdef TALUS_HAS_TOML
+  refuse_deep_names(file, text);
   std::vector<setting> all;
   try {
     collect_settings(toml::parse(std::string_view(text)), "", all);

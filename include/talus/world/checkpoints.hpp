@@ -148,7 +148,7 @@ struct checkpoint_plan {
 };
 
 /// Thrown, alike on all ranks, to end a run before its last step: after a signal to end (SIGTERM,
-/// or SIGINT by Ctrl-C) or at the time limit, when the state is written, and by a dry run.
+/// SIGHUP, or SIGINT by Ctrl-C) or at the time limit, when the state is written, and by a dry run.
 struct ended_early {
   enum class cause { signal, time_limit, dry_run };
   std::uint64_t step = 0;

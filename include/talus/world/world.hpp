@@ -252,11 +252,12 @@ class world {
       state_.damping = kept;
     }
   }
-  /// When islands are put to sleep: bodies joined by contacts, all of which have been slow for a
-  /// while. They stand still, and are left out of the steps, until an awake body approaches, or the
-  /// user changes one of them, a body that they touch, gravity, or a pair of materials. Alike on
-  /// all ranks; throws invalid_argument for values that are not finite, a speed that is not
-  /// positive, or a negative time. Needs features<sleeping>.
+  /// When islands are put to sleep: bodies joined by contacts or joints, all of which have been at
+  /// rest for a while on something immovable. They stand still, and are left out of the steps,
+  /// until an awake body approaches, a field changes there, or the user changes one of them, a body
+  /// that they touch, gravity, or a pair of materials. Alike on all ranks; throws invalid_argument
+  /// for values that are not finite, a speed that is not positive, or a negative time. Needs
+  /// features<sleeping>.
   void sleeping(const sleep_settings& how) {
     if constexpr (detail::require_feature<Scenario, talus::sleeping>()) {
       if (!(how.speed > 0) || !std::isfinite(how.speed) || !(how.time >= 0) ||

@@ -28,6 +28,8 @@ namespace detail {
 inline constexpr int steps_of_warning = 4;
 /// Islands are put to sleep in every fourth step only, many at once.
 inline constexpr int steps_between_rests = 4;
+/// Within so many steps the ranks of an island agree whether something immovable bears it.
+inline constexpr int steps_to_tell = 40;
 
 template <class History>
 struct sleep_state {
@@ -38,8 +40,9 @@ struct sleep_state {
   plain_vector<system_id> asleep;  ///< all that are known here, sorted
   plain_vector<waker> touched;     ///< own bodies that an awake body approaches
   disjoint_sets islands;           ///< in the solver's indices
-  plain_vector<float> island_timer;  ///< of each island, at its root
-  bool all = false;                  ///< all are to wake
+  /// Of each body, those of its island: rest times, and times since something bore it.
+  plain_vector<float> island_timer, island_unborne;
+  bool all = false;      ///< all are to wake
   bool changed = false;  ///< own bodies fell asleep or woke, neighbours not yet notified
   bool noted = false;    ///< the memory was sorted after wake_disturbed() began
   bool spreads = false;  ///< a body known here woke: others of its island may have to
@@ -47,7 +50,7 @@ struct sleep_state {
   [[nodiscard]] std::size_t bytes() const {
     return contacts.bytes() + asleep.capacity() * sizeof(system_id) +
            touched.capacity() * sizeof(waker) + islands.bytes() +
-           island_timer.capacity() * sizeof(float);
+           (island_timer.capacity() + island_unborne.capacity()) * sizeof(float);
   }
 };
 

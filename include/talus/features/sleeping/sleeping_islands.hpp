@@ -321,6 +321,8 @@ void wake_islands(world_state<Scenario>& s, bool over_joints = false) {
       if (quiet == never_rests) continue;
       b.movable.flags[i] &= static_cast<std::uint8_t>(~flag_asleep);
       b.movable.quiet[i] = quiet;
+      b.movable.unborne[i] = columns::unborne::initial;
+      b.movable.drift[i].since = 0;
       sleep.changed = true;
     }
   });

@@ -2,6 +2,7 @@
 // The index of a series of files: its files and their times, as ParaView reads it (JSON, one file a
 // line).
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -17,6 +18,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/output_file.hpp"
+#include "talus/core/shown_text.hpp"
 #include "talus/io/detail/system_file.hpp"
 #include "talus/io/output_kinds.hpp"
 
@@ -31,13 +33,12 @@ class series_index {
 
   /// Throws runtime_error if no index can be made. True if one exists.
   [[gnu::cold]] bool require_writable() const;
-  /// Calls f(name) for the files of an existing index.
+  /// Calls f(name in quotes) for the files of an existing index.
   template <class F>
   void each_name(F&& f) const {
     each_line_before(~std::uint64_t{0}, [&](const std::string& line, std::uint64_t) {
-      const auto quote = line.find("\", \"time\": ");
       const auto begin = line.find(name_mark) + name_mark.size();
-      f(line.substr(begin, quote - begin));
+      f(line.substr(begin, line.find(time_mark) - begin));
     });
   }
   /// A new index, which replaces an existing one.
@@ -46,13 +47,14 @@ class series_index {
   [[nodiscard, gnu::cold]] std::optional<std::uint64_t> last_before(std::uint64_t end) const;
   /// Continues the existing index, without the lines of step `end` and later ones.
   [[gnu::cold]] void go_on(std::uint64_t end);
-  /// Adds a file, which lies beside the index.
+  /// Adds a file, which lies beside the index. Throws runtime_error if that is not the index that
+  /// this has begun.
   [[gnu::cold]] void add(const std::string& name, double time);
 
  private:
   static constexpr std::string_view head =
       "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n";
-  static constexpr std::string_view name_mark = "{\"name\": \"";
+  static constexpr std::string_view name_mark = "{\"name\": ", time_mark = ", \"time\": ";
   static constexpr std::string_view foot = "\n  ]\n}\n";
 
   /// The number before the last dot of the file name in a line.
@@ -73,7 +75,8 @@ class series_index {
 
   std::string file_;
   bool force_;
-  std::uint64_t at_ = 0;  ///< the position of the end
+  std::uint64_t at_ = 0;    ///< the position of the end
+  struct stat written_ {};  ///< which file it is
   bool empty_ = true;
 };
 

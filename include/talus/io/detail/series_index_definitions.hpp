@@ -29,9 +29,17 @@ TALUS_HDF5_INLINE void series_index::go_on(std::uint64_t end) {
 
 TALUS_HDF5_INLINE void series_index::add(const std::string& name, double time) {
   std::string line = empty_ ? "" : ",\n";
-  line += "    {\"name\": \"" + name + "\", \"time\": " + text(time) + "}";
+  ((((line += "    ") += name_mark) += detail::quoted(name)) += time_mark) += text(time) + "}";
   const system_file file(file_, O_RDWR | O_NOFOLLOW);
   const std::string bytes = line + std::string(foot);
+  struct stat found {};
+  if (file.good() && ::fstat(file.id(), &found) == 0 &&
+      (found.st_dev != written_.st_dev || found.st_ino != written_.st_ino ||
+       static_cast<std::uint64_t>(found.st_size) != at_ + foot.size()))
+    fail<std::runtime_error>(
+        "the output {} is no longer the index that this run has begun: something else has replaced "
+        "or changed it; begin again with another name",
+        file_);
   if (!file.good() || write_at(file.id(), at_, std::as_bytes(std::span(bytes))) != bytes.size())
     fail_to_write(bytes.size());
   at_ += line.size();
@@ -40,7 +48,7 @@ TALUS_HDF5_INLINE void series_index::add(const std::string& name, double time) {
 
 TALUS_HDF5_INLINE std::optional<std::uint64_t> series_index::step_of(const std::string& line) {
   const auto name = line.find(name_mark);
-  const auto quote = line.find("\", \"time\": ");
+  const auto quote = line.find(std::string("\"") + std::string(time_mark));
   const auto dot = line.rfind('.', quote);
   const auto digits = line.rfind('_', dot);
   if (name == line.npos || quote == line.npos || dot == line.npos || digits == line.npos)
@@ -49,14 +57,8 @@ TALUS_HDF5_INLINE std::optional<std::uint64_t> series_index::step_of(const std::
 }
 
 TALUS_HDF5_INLINE void series_index::fail_to_write(std::uint64_t bytes) const {
-  const int error = errno;
-  if (bytes > 0 && no_room(error))
-    fail<std::runtime_error>("the output {} cannot be written: {}", file_,
-                             words_of_missing_room(file_, bytes, error));
-  fail<std::runtime_error>(
-      "the output {} cannot be written: {}; name a file in a folder that exists, is writable and "
-      "has room",
-      file_, system_words(error));
+  fail<std::runtime_error>("the output {} cannot be written: {}", file_,
+                           words_of_failed_write(file_, bytes, errno));
 }
 
 TALUS_HDF5_INLINE void series_index::replace(const std::string& lines) {
@@ -65,6 +67,7 @@ TALUS_HDF5_INLINE void series_index::replace(const std::string& lines) {
   } catch (const std::exception& e) {
     fail<std::runtime_error>("the output {} {}", file_, e.what());
   }
+  if (::lstat(file_.c_str(), &written_) != 0) fail_to_write();
   at_ = head.size() + lines.size();
   empty_ = lines.empty();
 }

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -43,27 +42,8 @@ class system_file {
   int id_;
 };
 
-/// A write beyond the limit of file sizes must fail instead of ending the process.
-class no_size_signal {
- public:
-  no_size_signal() : before_(std::signal(SIGXFSZ, SIG_IGN)) {}
-  no_size_signal(const no_size_signal&) = delete;
-  no_size_signal& operator=(const no_size_signal&) = delete;
-  ~no_size_signal() {
-    if (before_ != SIG_ERR) std::signal(SIGXFSZ, before_);
-  }
-
- private:
-  void (*before_)(int);
-};
-
 /// Throws runtime_error if this process may not write so long a file.
 [[gnu::cold]] void require_size_allowed(std::uint64_t bytes);
-
-/// Whether an error means that there is no room.
-[[nodiscard]] inline bool no_room(int error) {
-  return error == ENOSPC || error == EDQUOT || error == EFBIG;
-}
 
 /// Makes an empty file `bytes` long and reserves room on the disk for all of it, so that a full
 /// disk is detected here, where one rank fails alone. Returns the error, or 0. (If the file system

@@ -7,8 +7,8 @@ namespace talus::detail {
 
 TALUS_HDF5_INLINE void team_writer::write(std::vector<table_part>& tables,
                                           const std::vector<small_dataset>& small) {
-  std::optional<no_size_signal> unharmed;  // a signal is of the process
-  if (team_.rank() == 0 || team_.of_processes()) unharmed.emplace();
+  std::optional<ignored_signal> unharmed;  // a signal is of the process
+  if (team_.rank() == 0 || team_.of_processes()) unharmed.emplace(SIGXFSZ);
   const auto counts = gather_counts(team_, tables);
   together([&] {
     if (team_.rank() == 0) make_file(tables, counts, small);
@@ -56,10 +56,8 @@ TALUS_HDF5_INLINE void team_writer::make_part() {
 }
 
 TALUS_HDF5_INLINE void team_writer::fail_to_write(std::uint64_t needs, int error) const {
-  if (no_room(error))
-    fail<std::runtime_error>("cannot be written: {}",
-                             words_of_missing_room(part_name_, needs, error));
-  fail<std::runtime_error>("cannot be written: {}", system_words(error));
+  fail<std::runtime_error>("cannot be written: {}",
+                           words_of_failed_write(part_name_, needs, error));
 }
 
 TALUS_HDF5_INLINE void team_writer::make_file(const std::vector<table_part>& tables,

@@ -13,6 +13,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/shown_text.hpp"
 #include "talus/io/detail/view_part.hpp"
 
 namespace talus::detail {
@@ -25,8 +26,6 @@ class view_json {
   /// A value that is JSON already.
   [[gnu::cold]] void add_raw(std::string_view key, std::string_view json);
   [[nodiscard]] std::string str() const { return "{" + text_ + "}"; }
-  /// A text in quotation marks, also fit for a script element of a page.
-  [[nodiscard, gnu::cold]] static std::string quoted(std::string_view text);
   [[nodiscard, gnu::cold]] static std::string number(double value);
   /// A list of three numbers.
   [[nodiscard, gnu::cold]] static std::string vector(const vec3& v);

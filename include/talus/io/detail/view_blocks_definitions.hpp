@@ -7,19 +7,6 @@
 
 namespace talus::detail {
 
-TALUS_INLINE std::string view_json::quoted(std::string_view text) {
-  static constexpr const char* digits = "0123456789abcdef";
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      (out += '\\') += c;
-    else if (static_cast<unsigned char>(c) < 0x20 || c == '<')
-      ((out += "\\u00") += digits[c >> 4 & 15]) += digits[c & 15];
-    else
-      out += c;
-  }
-  return out += '"';
-}
 TALUS_INLINE std::string view_json::number(double value) {
   return std::isfinite(value) ? text(value) : "null";
 }
@@ -28,13 +15,13 @@ TALUS_INLINE std::string view_json::vector(const vec3& v) {
 }
 TALUS_INLINE void view_json::add_raw(std::string_view key, std::string_view json) {
   if (!text_.empty()) text_ += ',';
-  ((text_ += quoted(key)) += ':') += json;
+  ((text_ += detail::quoted(key)) += ':') += json;
 }
 TALUS_INLINE void view_json::add(std::string_view key, double value) {
   add_raw(key, number(value));
 }
 TALUS_INLINE void view_json::add_text(std::string_view key, std::string_view text) {
-  add_raw(key, quoted(text));
+  add_raw(key, detail::quoted(text));
 }
 
 TALUS_INLINE view_grid::view_grid(const plain_vector<view_body>& all) {

@@ -223,7 +223,7 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
   out.head.add("position_error", grid.error());
   out.head.add_raw("seconds", "[" + seconds + "]");
   if (domains != domains_) out.head.add_raw("domains", "[" + domains + "]"), domains_ = domains;
-  if (!out.warning.empty()) out.head.add_raw("notes", "[" + view_json::quoted(out.warning) + "]");
+  if (!out.warning.empty()) out.head.add_raw("notes", "[" + detail::quoted(out.warning) + "]");
   out.head.add_raw("blocks", to.where());
   return out;
 }

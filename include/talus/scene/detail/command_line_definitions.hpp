@@ -14,6 +14,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/linkage.hpp"
+#include "talus/core/shown_text.hpp"
 #include "talus/scene/command_line.hpp"
 
 namespace talus {
@@ -167,6 +168,12 @@ TALUS_INLINE std::string command_line::read_value(option& o, origin from, std::s
 TALUS_INLINE std::string command_line::read(option& o, std::string_view value,
                                             const std::string& name) {
   if (o.holds == kind::text) {
+    // Where nothing stands for "not given", an empty text is a variable of the shell without a
+    // value.
+    if (value.empty() && o.initial.empty())
+      return detail::compose("{} needs a value, but is empty: give it one, or leave it out", name);
+    if (!detail::is_utf8(value))
+      return detail::compose("{} needs a text in UTF-8, but is '{}'", name, std::string(value));
     *static_cast<std::string*>(o.target) = value;
     return {};
   }

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <mutex>
 #include <string>
 #include <typeinfo>
@@ -33,6 +32,7 @@ struct run_under_way {
   int ranks = 0;  ///< that are in their set-up or in a step
   pid_t process = 0;
   std::string name, json;
+  bool force = false;
   run_log* log = nullptr;
 };
 [[nodiscard]] run_under_way& current_run();
@@ -47,8 +47,7 @@ struct run_under_way {
 /// During its lifetime on each rank, exit() ends the process with an error.
 class exit_guard {
  public:
-  exit_guard(const run_place& place, const std::string& name, const std::string& json,
-             run_log& log);
+  exit_guard(const run_place& place, const std::string& name, const options& options, run_log& log);
   exit_guard(const exit_guard&) = delete;
   exit_guard& operator=(const exit_guard&) = delete;
   ~exit_guard();

@@ -1,6 +1,9 @@
 #pragma once
 // The definitions of run_guard.hpp, in the compiled part or in each program.
 #include "talus/core/linkage.hpp"
+#include "talus/core/output_file.hpp"
+#include "talus/core/shown_text.hpp"
+#include "talus/io/output_kinds.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 
 namespace talus::detail {
@@ -16,7 +19,7 @@ TALUS_INLINE void say_in_run(const std::string& text, bool quiet) {
   if (run.ranks > 0 && run.log != nullptr)
     run.log->say(text, quiet);
   else if (!quiet)
-    std::fputs(text.c_str(), stderr);
+    std::fputs(printable(text).c_str(), stderr);
 }
 
 TALUS_INLINE void refuse_exit(int code) {
@@ -35,11 +38,14 @@ TALUS_INLINE void refuse_exit(int code) {
   if (run.log != nullptr)
     run.log->say(words);
   else
-    std::fputs(words.c_str(), stderr);
-  if (!run.json.empty()) {
-    std::ofstream file(run.json);
-    file << compose("{0}\n  \"ended_early\": \"exit({2}) {3}\"\n{1}\n", '{', '}', code, where);
-  }
+    std::fputs(printable(words).c_str(), stderr);
+  if (!run.json.empty()) try {
+      write_output(
+          run.json,
+          compose("{0}\n  \"ended_early\": \"exit({2}) {3}\"\n{1}\n", '{', '}', code, where),
+          results_output, run.force);
+    } catch (const std::exception&) {  // the exit is said
+    }
   std::fflush(nullptr);
   const int error = (code & 0xff) != 0 ? code & 0xff : EXIT_FAILURE;
   if (const auto end = end_of_job.load()) end(error);
@@ -47,7 +53,7 @@ TALUS_INLINE void refuse_exit(int code) {
 }
 
 TALUS_INLINE exit_guard::exit_guard(const run_place& place, const std::string& name,
-                                    const std::string& json, run_log& log) {
+                                    const options& options, run_log& log) {
   static std::once_flag once;
   std::call_once(once, [] {
 #ifdef __GLIBC__
@@ -62,7 +68,7 @@ TALUS_INLINE exit_guard::exit_guard(const run_place& place, const std::string& n
   const std::lock_guard lock(run.mutex);
   ++run.ranks;
   run.process = ::getpid();
-  run.name = name, run.json = json, run.log = &log;
+  run.name = name, run.json = options.json, run.force = options.force, run.log = &log;
 }
 
 TALUS_INLINE exit_guard::~exit_guard() {

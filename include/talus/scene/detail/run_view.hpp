@@ -56,7 +56,7 @@ class run_view {
     if (!page_) return;
     std::string names;
     for (const recorded_value& r : w_.records().all())
-      (names += names.empty() ? "" : ",") += view_json::quoted(r.name);
+      (names += names.empty() ? "" : ",") += detail::quoted(r.name);
     view_json end;
     end.add_raw("recorded", "[" + names + "]");
     page_->finish(end.str());

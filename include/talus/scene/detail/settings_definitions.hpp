@@ -8,6 +8,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/linkage.hpp"
+#include "talus/core/shown_text.hpp"
 #include "talus/scene/command_line.hpp"
 
 namespace talus {
@@ -71,18 +72,8 @@ TALUS_INLINE std::string command_line::read_pair(std::string_view pair) {
 TALUS_INLINE std::string command_line::value_text(const option& o) {
   if (o.holds == kind::flag) return *static_cast<const bool*>(o.target) ? "true" : "false";
   if (o.holds == kind::text) {
-    std::string quoted = "\"";
-    for (const char c : *static_cast<const std::string*>(o.target)) {
-      const auto code = static_cast<unsigned char>(c);
-      if (c == '"' || c == '\\') quoted += '\\';
-      if (code < 0x20 || code == 0x7f) {
-        constexpr const char* digits = "0123456789abcdef";
-        ((quoted += "\\u00") += digits[code >> 4]) += digits[code & 15];
-      } else {
-        quoted += c;
-      }
-    }
-    return quoted + '"';
+    const std::string& text = *static_cast<const std::string*>(o.target);
+    return text.empty() && o.initial.empty() ? "" : detail::quoted(text);
   }
   const number value = o.load(o.target);
   if (!(value >= o.lower && value <= o.upper)) return {};

@@ -44,16 +44,21 @@ struct lock_holder {
 /// Such a lock during its lifetime. The rank of a run that renames the files holds it.
 class run_lock {
  public:
-  /// Throws runtime_error, the second half of a sentence that begins with the file, if another run
-  /// holds it or no lock can be made.
-  [[gnu::cold]] explicit run_lock(const std::string& file);
+  /// Removes what killed runs have left beside the file. Throws runtime_error, with `output` as the
+  /// subject ("the checkpoint a.h5"), if another run holds the lock or none can be made.
+  [[gnu::cold]] run_lock(const std::string& file, const std::string& output);
   run_lock(const run_lock&) = delete;
   run_lock& operator=(const run_lock&) = delete;
   ~run_lock();
+  /// Removes temporary files that killed runs have left beside another file of this output, or with
+  /// an end beside the files FILE<digits>END; none where the file system has no locks, because runs
+  /// of other machines may still write them.
+  [[gnu::cold]] void remove_left_over(const std::string& file, std::string_view end = {}) const;
   /// Whether this is the lock of that file, for any form of its path.
   [[nodiscard, gnu::cold]] bool is_of(const std::string& file) const;
 
  private:
+  [[gnu::cold]] void take(const std::string& file);
   [[gnu::cold]] void open();
   void close();
   [[nodiscard, gnu::cold]] bool is_named() const;
@@ -62,10 +67,12 @@ class run_lock {
 
   std::string name_;
   int id_ = -1;
+  bool locked_ = false;     ///< by the file system, not by the text of the file alone
+  bool owns_file_ = false;  ///< FILE.lock was made by a run
 };
 
 }  // namespace talus::detail
 
-#ifndef TALUS_COMPILED_HDF5
-#include "talus/io/detail/run_lock_definitions.hpp"
+#ifndef TALUS_COMPILED
+#include "talus/core/run_lock_definitions.hpp"
 #endif

@@ -1,11 +1,11 @@
 #pragma once
 // The definitions of run_lock.hpp, in the compiled part or in each program.
-#include "talus/io/detail/hdf5_linkage.hpp"
-#include "talus/io/detail/run_lock.hpp"
+#include "talus/core/linkage.hpp"
+#include "talus/core/run_lock.hpp"
 
 namespace talus::detail {
 
-TALUS_HDF5_INLINE lock_holder lock_holder::this_process() {
+TALUS_INLINE lock_holder lock_holder::this_process() {
   char host[256] = "";
   ::gethostname(host, sizeof host - 1);
   char when[64] = "";
@@ -17,36 +17,36 @@ TALUS_HDF5_INLINE lock_holder lock_holder::this_process() {
   return {host, pid, when, start_of(pid)};
 }
 
-TALUS_HDF5_INLINE lock_holder lock_holder::from_text(const std::string& text) {
+TALUS_INLINE lock_holder lock_holder::from_text(const std::string& text) {
   return {line(text, "host "), line(text, "process "), line(text, "since "),
           line(text, "started ")};
 }
 
-TALUS_HDF5_INLINE std::string lock_holder::text() const {
+TALUS_INLINE std::string lock_holder::text() const {
   return std::string(mark) + "host " + host + "\nprocess " + pid + "\nsince " + since +
          "\nstarted " + started + "\n";
 }
 
-TALUS_HDF5_INLINE std::string lock_holder::words() const {
+TALUS_INLINE std::string lock_holder::words() const {
   if (pid.empty()) return "another process";
   return compose("process {} on {}, since {}", pid, host, since);
 }
 
-TALUS_HDF5_INLINE bool lock_holder::lives_here() const {
+TALUS_INLINE bool lock_holder::lives_here() const {
   const auto number = static_cast<pid_t>(std::strtol(pid.c_str(), nullptr, 10));
   if (number <= 0 || host != this_process().host) return false;
   if (::kill(number, 0) != 0 && errno != EPERM) return false;
   return start_of(pid) == started;
 }
 
-TALUS_HDF5_INLINE std::string lock_holder::line(const std::string& text, const char* key) {
+TALUS_INLINE std::string lock_holder::line(const std::string& text, const char* key) {
   const auto at = text.find('\n' + std::string(key));
   if (at == text.npos) return {};
   const auto begin = at + 1 + std::string_view(key).size();
   return text.substr(begin, text.find('\n', begin) - begin);
 }
 
-TALUS_HDF5_INLINE std::string lock_holder::start_of(const std::string& pid) {
+TALUS_INLINE std::string lock_holder::start_of(const std::string& pid) {
   const int id = ::open(("/proc/" + pid + "/stat").c_str(), O_RDONLY | O_CLOEXEC);
   if (id < 0) return {};
   std::string text(1024, '\0');
@@ -59,7 +59,16 @@ TALUS_HDF5_INLINE std::string lock_holder::start_of(const std::string& pid) {
   return text.substr(at + 1, text.find(' ', at + 1) - at - 1);
 }
 
-TALUS_HDF5_INLINE run_lock::run_lock(const std::string& file) : name_(file + ".lock") {
+TALUS_INLINE run_lock::run_lock(const std::string& file, const std::string& output)
+    : name_(file + ".lock") {
+  try {
+    take(file);
+  } catch (const std::exception& e) {
+    fail<std::runtime_error>("{} {}", output, e.what());
+  }
+}
+
+TALUS_INLINE void run_lock::take(const std::string& file) {
   for (int attempt = 0; attempt < 100; ++attempt) {
     open();
     const bool locked = ::flock(id_, LOCK_EX | LOCK_NB) == 0;
@@ -77,62 +86,72 @@ TALUS_HDF5_INLINE run_lock::run_lock(const std::string& file) : name_(file + ".l
       continue;
     }
     // (A full disk has no room for the text; the lock holds without it.)
-    if (::ftruncate(id_, 0) == 0) (void)write_text(id_, lock_holder::this_process().text());
-    if (locked) remove_parts_of(file);
+    if (owns_file_ && ::ftruncate(id_, 0) == 0)
+      (void)write_text(id_, lock_holder::this_process().text());
+    locked_ = locked;
+    remove_left_over(file);
     return;
   }
   fail<std::runtime_error>("cannot be locked by {}: other runs take the lock again and again",
                            name_);
 }
 
-TALUS_HDF5_INLINE run_lock::~run_lock() {
-  if (id_ >= 0 && is_named()) ::unlink(name_.c_str());
+TALUS_INLINE run_lock::~run_lock() {
+  if (id_ >= 0 && owns_file_ && is_named()) ::unlink(name_.c_str());
   close();
 }
 
-TALUS_HDF5_INLINE bool run_lock::is_of(const std::string& file) const {
+TALUS_INLINE void run_lock::remove_left_over(const std::string& file, std::string_view end) const {
+  if (locked_) remove_parts_of(file, end);
+}
+
+TALUS_INLINE bool run_lock::is_of(const std::string& file) const {
   struct stat theirs {
   }, mine{};
   return ::stat((file + ".lock").c_str(), &theirs) == 0 && ::fstat(id_, &mine) == 0 &&
          theirs.st_dev == mine.st_dev && theirs.st_ino == mine.st_ino;
 }
 
-TALUS_HDF5_INLINE void run_lock::open() {
+TALUS_INLINE void run_lock::open() {
   struct stat found {};
-  id_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+  constexpr int how = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  id_ = ::open(name_.c_str(), how | O_EXCL, 0666);
+  owns_file_ = id_ >= 0;
+  if (id_ < 0 && errno == EEXIST) id_ = ::open(name_.c_str(), how, 0666);
   if (id_ < 0)
     fail<std::runtime_error>(
         "cannot be written: {}: {}; name a file in a folder that exists, is writable and has "
         "room",
         name_, system_words());
   const bool regular = ::fstat(id_, &found) == 0 && S_ISREG(found.st_mode);
-  if (regular && (found.st_size == 0 || text().starts_with(lock_holder::mark))) return;
+  owns_file_ = owns_file_ || (regular && text().starts_with(lock_holder::mark));
+  if (owns_file_ || (regular && found.st_size == 0)) return;
   close();
   fail<std::runtime_error>(
       "needs {} for its lock, and something else is there: move that away, or name another file",
       name_);
 }
 
-TALUS_HDF5_INLINE void run_lock::close() {
+TALUS_INLINE void run_lock::close() {
   if (id_ >= 0) ::close(id_);
   id_ = -1;
 }
 
-TALUS_HDF5_INLINE bool run_lock::is_named() const {
+TALUS_INLINE bool run_lock::is_named() const {
   struct stat named {
   }, mine{};
   return ::lstat(name_.c_str(), &named) == 0 && ::fstat(id_, &mine) == 0 &&
          named.st_dev == mine.st_dev && named.st_ino == mine.st_ino;
 }
 
-TALUS_HDF5_INLINE std::string run_lock::text() const {
+TALUS_INLINE std::string run_lock::text() const {
   std::string all(1024, '\0');
   const ssize_t length = ::pread(id_, all.data(), all.size(), 0);
   all.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
   return all;
 }
 
-TALUS_HDF5_INLINE void run_lock::refuse() {
+TALUS_INLINE void run_lock::refuse() {
   std::string who = text();
   for (int wait = 0; wait < 20 && who.empty(); ++wait) {  // the lock was just taken
     ::usleep(10000);

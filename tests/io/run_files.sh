@@ -1,0 +1,261 @@
+#!/usr/bin/env bash
+# The files of runs of a real program where they cannot be written, have odd names, are shared by two
+# runs, or are those of a killed run; and signals in the first moments.
+#   run_files.sh PROGRAM FOLDER WHAT [MPIRUN...]
+# PROGRAM is the example drop, or hopper, which writes --output; MPIRUN... starts it on two ranks.
+set -euo pipefail
+program=$1 folder=$2/$3 what=$3
+shift 3
+launch=("$@")
+rm -rf "$folder"
+mkdir -p "$folder"
+cd "$folder"
+name=$(basename "$program")
+
+trap 'kill $(jobs -p) 2>/dev/null || true' EXIT  # what runs on after a failure
+fail() { echo "FAILED: $*"; exit 1; }
+digest() { sed -n 's/.*"state_digest": "\([0-9a-f]*\)".*/\1/p' "$1"; }
+
+# Runs the program, which must end with the code within a minute, and print all of the words.
+expect() {
+  local code=$1 got=0 word
+  shift
+  local words=()
+  while [[ $1 != -- ]]; do words+=("$1"); shift; done
+  shift
+  timeout -k 5 60 "$@" >out 2>&1 || got=$?
+  [[ $got == "$code" ]] || { cat out; fail "exit code $got instead of $code: $*"; }
+  for word in "${words[@]}"; do
+    grep -qF -- "$word" out || { cat out; fail "nothing says '$word': $*"; }
+  done
+}
+wait_for() {  # a file, for up to 20 s
+  local n
+  for ((n = 0; n < 2000; ++n)); do
+    [[ -e $1 ]] && return
+    sleep 0.01
+  done
+  fail "$1 does not come"
+}
+nothing_left() {
+  local left
+  left=$(find . -name '*.part-*' -o -name '*.lock' | head -n 1)
+  [[ -z $left ]] || fail "$left is left behind"
+}
+
+# What takes no more ends no run without its files or without a word.
+full() {
+  local words code
+  for words in --help --dry-run '--steps 5'; do
+    code=0
+    # shellcheck disable=SC2086  # several words
+    "$program" $words >/dev/full 2>out || code=$?
+    [[ $code == 1 ]] || fail "exit code $code with a full standard output: $words"
+    grep -q "^$name: standard output cannot be written: No space left on device" out ||
+      { cat out; fail "nothing says that standard output is full: $words"; }
+  done
+  "$program" --steps 5 --csv o.csv --json o.json >&- 2>out && fail "a closed standard output is nothing to say"
+  grep -q 'standard output cannot be written: Bad file descriptor' out || { cat out; fail "nothing says that it is closed"; }
+  [[ $(wc -l <o.csv) == 3 && $(digest o.json) != '' ]] || { cat o.csv; fail "other files with a closed standard output"; }
+  "$program" --quiet --steps 5 --json /dev/stdout >&- 2>out && fail "results for a closed standard output"
+  grep -q '/dev/stdout (--json) cannot be written: ' out || { cat out; fail "nothing says that results are lost"; }
+  "$program" --quiet --steps 5 >/dev/full 2>out || { cat out; fail "a quiet run needs standard output"; }
+  # Nobody reads: progress stops, and the files come.
+  code=0
+  { "$program" --steps 300 --json p.json --csv p.csv 2>&1 || echo $? >code; } | true
+  [[ -e p.json && $(tail -n 1 p.csv) == 300,* ]] || fail "no files without a reader"
+  [[ $(cat code) == 1 ]] || fail "exit code $(cat code) with a summary that nobody reads"
+  "$program" --steps 300 --json q.json 2> >(true) >/dev/null || fail "progress that nobody reads ends a run"
+  [[ $(digest q.json) == "$(digest p.json)" ]] || fail "no results without a reader of progress"
+  # Files that may not be so long, and full disks.
+  (
+    ulimit -f 1
+    expect 1 '(ulimit -f): raise that limit' -- "$program" --quiet --steps 5 --json x.json
+    expect 1 '--log x.log cannot be written: ' '(ulimit -f)' -- "$program" --quiet --steps 5 --log x.log
+  )
+  (
+    ulimit -f 8
+    expect 1 'the time series x.csv (--csv) cannot be written: ' '(ulimit -f)' -- \
+      "$program" --quiet --steps 300 --csv x.csv --csv-every 1
+  )
+  [[ ! -e x.json && ! -e x.log && $(tail -n 2 x.csv | head -n 1) == *,* ]] || fail "other files than the lines that fit"
+  nothing_left
+  expect 1 '--log /dev/fd/3 cannot be written: there is no room' -- \
+    "$program" --quiet --steps 5 --log /dev/fd/3 3>/dev/full
+  expect 1 'cannot be written: there is no room' -- "$program" --quiet --steps 5 --json /dev/fd/3 3>/dev/full
+  # A log that ends in the middle: the run goes on, and does not end well.
+  mkfifo pipe
+  head -n 1 pipe >/dev/null &
+  expect 1 'the log pipe cannot be written: Broken pipe' -- \
+    "$program" --quiet --steps 300 --log pipe --json l.json
+  [[ $(digest l.json) == "$(digest p.json)" ]] || fail "no results beside a log that cannot be written"
+}
+
+# What a name says or does not say.
+names() {
+  expect 0 -- "$program" --quiet --steps 5 --checkpoint c.h5
+  local option
+  for option in --restart --checkpoint --json --csv --log --view --frames --until --time-limit; do
+    expect 2 "$option needs a value, but is empty" -- "$program" --quiet --steps 9 $option ''
+    expect 2 "$option needs a value, but is empty" -- "$program" --quiet --steps 9 "$option="
+    expect 2 "$option needs a value, but is empty" -- "$program" --quiet --steps 9 --set "${option#--}="
+  done
+  printf 'restart = ""\n' >empty.toml
+  expect 2 'empty.toml:1: restart needs a value, but is empty' -- "$program" --quiet --steps 9 --config empty.toml
+  expect 2 '--json needs a text in UTF-8' -- "$program" --quiet --steps 5 --json $'a\xff'
+  # The configuration beside an output says what is not given, and makes the run again.
+  expect 0 -- "$program" --quiet --steps 5 --json $'a "b"\\\n<\t.json'
+  grep -qx '# restart: not given' ./a*.config.toml || fail "the configuration names an empty restart"
+  cp ./a*.config.toml again.toml
+  rm ./a*.json
+  expect 0 -- "$program" --config again.toml
+  [[ -e $'a "b"\\\n<\t.json' ]] || fail "the configuration has another name"
+  # Names control no terminal.
+  local esc=$'\e]0;owned\a\r\xc2\x9b31m.h5'
+  expect 1 '\x1b]0;owned\x07\x0d\x9b31m.h5 cannot be read' -- "$program" --quiet --restart "$esc"
+  expect 2 '\x1b' -- "$program" $'--\e[2J'
+  expect 2 'a\x9b31m.h5' -- "$program" --quiet --restart $'a\x9b31m.h5'
+  expect 1 '\x1b' -- "$program" --quiet --steps 5 --json $'none/\e[2J' --log e.log
+  ! LC_ALL=C grep -q $'[\e\a\r\x9b]' out e.log || fail "a name controls the terminal"
+  # A pipe whose writer comes later, and a key of many parts.
+  mkfifo late
+  { sleep 0.5; exec 3>late; sleep 1.5; printf 'steps = ' >&3; sleep 1.5; printf '7\n' >&3; } &
+  expect 0 -- "$program" --quiet --config late --json late.json
+  grep -q '"steps": 7,' late.json || fail "a pipe that is written to later is not read"
+  { printf 'a'; for ((n = 0; n < 50000; ++n)); do printf '.a'; done; printf ' = 1\n'; } >deep.toml
+  { printf '# '; printf '.%.0s' {1..200}; printf '\nsteps = 6 # '; printf '.%.0s' {1..200}; } >dots.toml
+  expect 0 -- "$program" --quiet --config dots.toml
+  expect 2 'deep.toml:1: has a key with more than 100 dots' -- "$program" --quiet --config deep.toml
+  nothing_left
+}
+
+# What a link leads to stays, whatever replaces the link; of a file with two names one is replaced.
+links() {
+  local option
+  for option in --log --json --csv --checkpoint; do
+    echo 'a diary' >text
+    rm -f link hard
+    ln -s text link
+    ln text hard
+    expect 1 'link is a symbolic link to text' -- "$program" --quiet --steps 5 $option link
+    expect 1 'hard is there already' -- "$program" --quiet --steps 5 $option hard
+    expect 0 -- "$program" --quiet --steps 5 $option link --force
+    expect 0 -- "$program" --quiet --steps 5 $option hard --force
+    [[ $(cat text) == 'a diary' && -f link && ! -L link && -s hard ]] || fail "$option --force destroys more than the link"
+    rm -f link
+    ln -s text link
+    [[ $option == --log || $option == --json ]] || continue
+    expect 0 -- "$program" --quiet --steps 5 --checkpoint c.h5
+    expect 0 -- "$program" --quiet --steps 9 --restart c.h5 $option link --force
+    [[ $(cat text) == 'a diary' && ! -L link ]] || fail "$option --force destroys more than the link at a restart"
+  done
+  nothing_left
+}
+
+# A signal in the first moments, and one when the terminal is gone.
+early() {
+  export OMPI_MCA_odls_base_sigkill_timeout=5  # from mpirun's SIGTERM to its SIGKILL; one second else
+  local wait start code pid
+  for start in "$program" "${launch[*]} $program"; do
+    for wait in 0.05 0.2 0.5; do
+      rm -f c.h5
+      $start --quiet --steps 1000000000 --checkpoint c.h5 >out 2>&1 &
+      pid=$!
+      # Until the program itself runs; what its launcher does with the signal is not its own.
+      until pgrep -f "^$program .*--checkpoint c.h5" >/dev/null; do
+        kill -0 $pid || { cat out; fail "$start does not start"; }
+        sleep 0.001
+      done
+      sleep $wait
+      kill -USR1 $pid
+      wait_for c.h5
+      kill -0 $pid || fail "SIGUSR1 after $wait s ended $start"
+      kill -TERM $pid
+      wait $pid || true
+    done
+  done
+  rm -f c.h5
+  "$program" --steps 1000000000 --checkpoint c.h5 --csv t.csv >out 2>&1 &
+  pid=$!
+  wait_for t.csv
+  kill -HUP $pid  # a closing terminal sends two
+  kill -HUP $pid
+  code=0
+  wait $pid || code=$?
+  [[ $code == 129 ]] || { cat out; fail "exit code $code after SIGHUP"; }
+  grep -q 'ended by SIGHUP in step [0-9]*; go on with --restart c.h5' out || { cat out; fail "nobody says SIGHUP"; }
+  [[ -e c.h5 ]] || fail "SIGHUP wrote nothing"
+  nohup "$program" --quiet --steps 1000000000 --checkpoint d.h5 >out 2>&1 &
+  pid=$!
+  wait_for d.h5.lock
+  sleep 0.3
+  kill -HUP $pid
+  sleep 0.5
+  kill -0 $pid || fail "SIGHUP ended a run under nohup"
+  kill -TERM $pid
+  wait $pid || true
+  nothing_left
+}
+
+# Every output is of one run at a time, and the rest of a killed run goes with the next one.
+shared() {
+  local option file
+  for option in --json --csv --log --view --output; do
+    [[ $option != --view || -e ${TALUS_THREE:-/usr/share/javascript/three/three.min.js} ]] || continue
+    file=x$option
+    "$program" --quiet --steps 1000000000 $option $file >out1 2>&1 &
+    local pid=$!
+    local n=0
+    until compgen -G "$file*.lock" >/dev/null; do
+      sleep 0.01
+      ((n += 1))
+      ((n < 2000)) || fail "$option takes no lock"
+    done
+    sleep 0.2
+    expect 1 "$file" "is being written by another run (process $pid on " -- "$program" --quiet --steps 5 $option ./$file
+    kill -KILL $pid
+    wait $pid || true
+    local left=$file.part-abc123
+    [[ $option != --output ]] || left=${file}_contacts_0000000700.hdf.part-abc123
+    : >"$left"
+    : >"$file.config.toml.part-abc123"
+    expect 0 -- "$program" --quiet --steps 5 $option $file
+    [[ $option != --log ]] || rm "$file.config.toml.part-abc123"
+    nothing_left
+  done
+  # What no run has made stays.
+  : >mine.json.lock
+  mkdir mine.json.part-folder
+  ln -s /dev/null mine.json.part-linked
+  expect 0 -- "$program" --quiet --steps 5 --json mine.json
+  [[ -f mine.json.lock && ! -s mine.json.lock && -d mine.json.part-folder && -L mine.json.part-linked ]] ||
+    fail "a file of the user is gone"
+}
+
+# The index of a series is JSON whatever its name, and of this run alone.
+index() {
+  local odd=$'a "b"\\\n<\t'
+  expect 0 -- "$program" --quiet --steps 200 --output "$odd" --output-every 100
+  python3 - "$odd" <<'END'
+import json, os, sys
+for end in ("", "_contacts"):
+    files = json.load(open(sys.argv[1] + end + ".hdf.series"))["files"]
+    assert len(files) == 3 and all(os.path.exists(f["name"]) for f in files), files
+END
+  cp "$odd.hdf.series" before
+  expect 0 "replaces a series" -- "$program" --steps 200 --output "$odd" --output-every 100
+  cmp before "$odd.hdf.series"
+  "$program" --quiet --steps 1000000000 --output r --output-every 10 >out 2>&1 &
+  local pid=$! code=0
+  wait_for r_contacts_0000000050.hdf
+  cp before r.hdf.series.new
+  mv r.hdf.series.new r.hdf.series
+  wait $pid || code=$?
+  [[ $code == 1 ]] || fail "exit code $code"
+  grep -q 'the output r.hdf.series is no longer the index that this run has begun' out || { cat out; fail "nobody says so"; }
+  cmp before r.hdf.series
+  nothing_left
+}
+
+"$what"
+echo "$what: passed"
