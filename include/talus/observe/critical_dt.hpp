@@ -11,6 +11,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/interaction/soft_state.hpp"
+#include "talus/interaction/stiffening.hpp"
 #include "talus/interaction/time_step.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/world/bond_time_step.hpp"
@@ -23,6 +24,7 @@ namespace detail {
 /// The data that determine the time step of soft contacts: the same on all ranks.
 struct soft_scales {
   std::vector<real> lightest;  ///< by material: the least mass of a body that moves; else infinite
+  std::vector<real> stiffest;  ///< by material: the largest stiffening() of a body that moves
   std::vector<char> wall;      ///< by material: whether a body of it is immovable
   real of_bodies = std::numeric_limits<real>::infinity();  ///< longest step stable for all bodies
   real speed = 0;    ///< estimated, of the fastest impact: of present motion, and of a fall
@@ -55,12 +57,14 @@ template <class Scenario>
   const real gravity = w.gravity().norm();
   const vec3 down = gravity > 0 ? vec3(w.gravity() / gravity) : vec3(0, 0, 0);
   // The minimum over all ranks: first of each material, then of the rest, some with a minus.
+  // Of each material: the least mass, whether it is a wall, and minus the largest stiffening.
   enum : std::size_t { of_bodies, minus_speed, minus_driven, minus_fall, minus_top, bottom, rest };
-  std::vector<real> least(2 * n + rest, never);
+  std::vector<real> least(3 * n + rest, never);
   const auto lower = [&](std::size_t which, real value) {
     least[which] = std::min(least[which], value);
   };
-  lower(2 * n + minus_speed, 0), lower(2 * n + minus_driven, 0), lower(2 * n + minus_fall, 0);
+  for (std::size_t m = 0; m < n; ++m) lower(2 * n + m, -1);
+  lower(3 * n + minus_speed, 0), lower(3 * n + minus_driven, 0), lower(3 * n + minus_fall, 0);
   real moving = 0;
   w.for_each_known([&](const auto& b) {
     using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
@@ -71,29 +75,32 @@ template <class Scenario>
       const real height = -down.dot(b.position()), below = std::abs(down[0]) * half[0] +
                                                            std::abs(down[1]) * half[1] +
                                                            std::abs(down[2]) * half[2];
-      lower(2 * n + bottom, height - below);
+      lower(3 * n + bottom, height - below);
       if (!b.is_fixed()) {
         ++moving;
-        lower(m, b.mass());
-        lower(2 * n + minus_speed, -b.velocity().norm());
-        lower(2 * n + minus_top, -(height - below));
-        lower(2 * n + minus_fall, -fall_to_planes(w, b.position() + below * down, down));
+        const real stiffer = stiffening(b.shape());
+        lower(m, b.mass()), lower(2 * n + m, -stiffer);
+        lower(3 * n + minus_speed, -b.velocity().norm());
+        lower(3 * n + minus_top, -(height - below));
+        lower(3 * n + minus_fall, -fall_to_planes(w, b.position() + below * down, down));
         if constexpr (law::bounds_each_body)
-          lower(2 * n + of_bodies,
-                law::longest_step_of_body(materials[b.material()], sphere_radius(b.shape())));
+          lower(3 * n + of_bodies,
+                law::longest_step_of_body(materials[b.material()], sphere_radius(b.shape())) /
+                    std::sqrt(stiffer));
         return;
       }
     }
     lower(n + m, 0);
-    lower(2 * n + minus_driven, -b.velocity().norm());
+    lower(3 * n + minus_driven, -b.velocity().norm());
   });
   w.link().reduce(reduction::min, std::span(least));
   w.link().reduce(reduction::sum, std::span(&moving, 1));
 
   soft_scales s;
   s.lightest.assign(least.begin(), least.begin() + static_cast<std::ptrdiff_t>(n));
-  for (std::size_t m = 0; m < n; ++m) s.wall.push_back(least[n + m] == 0);
-  const auto rest_of = [&](std::size_t which) { return least[2 * n + which]; };
+  for (std::size_t m = 0; m < n; ++m)
+    s.wall.push_back(least[n + m] == 0), s.stiffest.push_back(-least[2 * n + m]);
+  const auto rest_of = [&](std::size_t which) { return least[3 * n + which]; };
   s.of_bodies = rest_of(of_bodies);
   s.gravity = gravity;
   const real closing = -(moving > 1 ? 2 : 1) * rest_of(minus_speed) - rest_of(minus_driven);
@@ -130,8 +137,8 @@ template <class Scenario>
     return portable::cbrt(s.lightest[m] / w.materials()[material_id(m)].density * (3 / (4 * pi)));
   };
   each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto& pair) {
-    real of_mass = 1 / s.lightest[i], curvature = 1 / radius_of(i);
-    if (s.moves(j)) of_mass += 1 / s.lightest[j], curvature += 1 / radius_of(j);
+    real of_mass = s.stiffest[i] / s.lightest[i], curvature = 1 / radius_of(i);
+    if (s.moves(j)) of_mass += s.stiffest[j] / s.lightest[j], curvature += 1 / radius_of(j);
     const real time = law::duration(pair, head_on_impact{1 / of_mass, 1 / curvature, speed});
     if (is_impact(speed, time, s.gravity)) shortest = std::min(shortest, time);
   });
@@ -144,7 +151,8 @@ template <class Scenario>
   using law = typename Scenario::contact_law::law;
   real least = s.of_bodies;
   each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto& pair) {
-    least = std::min(least, law::longest_step(pair, std::min(s.lightest[i], s.lightest[j])));
+    least = std::min(least, law::longest_step(pair, std::min(s.lightest[i], s.lightest[j]),
+                                              std::max(s.stiffest[i], s.stiffest[j])));
   });
   if constexpr (has_bonds<Scenario>) least = std::min(least, longest_step_of_bonds(w));
   return least;
@@ -175,9 +183,11 @@ template <class Scenario>
 /// more, and the motion is stable. It is the smaller of two values. Stability: for linear springs
 /// the step beyond which a contact of two of the lightest bodies of their materials gains energy;
 /// for Hertz the shortest Rayleigh time of all bodies; for bonds a bound for all bonds of a body.
+/// Boxes, hulls, cylinders, capsules and unions count as on the contact points of a face, about
+/// which they also turn (see interaction/stiffening.hpp); a surface of triangles counts as a plane.
 /// Resolution: 5/21 of the shortest contact at that speed, if that is an impact: faster than
 /// gravity times the duration of the contact. So a speed of 0 gives stability alone. Bodies with
-/// many contacts are stiffer. Throws invalid_argument for a speed that is negative or not finite.
+/// many contacts with others are stiffer. Throws invalid_argument for a speed that is negative or not finite.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w,
                                real impact_speed) requires(Scenario::contact_law::soft) {

@@ -3,6 +3,7 @@
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/features/sleeping/sleep.hpp"
 #include "talus/ghosts/shared_joints.hpp"
+#include "talus/pairs/flush_bodies.hpp"
 #include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/search.hpp"
 #include "talus/state/hooks.hpp"
@@ -59,6 +60,7 @@ void detect(world_state<Scenario>& s) {
       if constexpr (continuous) s.impacts.time.assign(s.solver.bodies.size(), never);
       return;
     }
+  update_flush_bodies(s);
   if constexpr (continuous) {
     // (If some sleep, the reach covers several steps.)
     prepare_detection(

@@ -1,0 +1,109 @@
+// Flush fixed bodies are one surface on any ranks, and while they are driven together.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+#include <talus/mesh.hpp>
+#include <talus/observe/digest.hpp>
+#include <talus/parallel/grid.hpp>
+#include <talus/parallel/serial.hpp>
+#include <talus/parallel/threads.hpp>
+#include <talus/shape/box.hpp>
+#include <talus/shape/sphere.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
+#include <talus/world/world.hpp>
+#include <vector>
+
+using namespace talus;
+
+namespace {
+
+template <class World>
+void put_box(World& w, const vec3& size, const vec3& at) {
+  w.global([&](auto& scope) { scope.add(body<box>{.shape = box{size}, .position = at}); });
+}
+template <class World>
+void put_rectangle(World& w, real x0, real x1) {
+  const vec3 a(x0, -1, 0), b(x1, -1, 0), c(x1, 1, 0), d(x0, 1, 0);
+  const triangle_mesh m({{a, b, c}, {a, c, d}});
+  const pose at = placed(m);
+  w.global([&](auto& scope) {
+    scope.add(
+        body<triangle_mesh>{.shape = m, .position = at.position, .orientation = at.orientation});
+  });
+}
+
+using many = scenario<bodies<sphere, box, triangle_mesh>, solver<reproducible>,
+                      decomposition<grid<dynamic, dynamic>>, transport<threads>>;
+
+/// The digest after cubes and spheres have slid over a floor of fixed boxes and a mesh.
+std::string slid(int ranks, bool fixed) {
+  std::string digest;
+  threads::launch({.ranks = ranks}, [&](threads::link& link) {
+    world<many> w(link, {.lower = {-1, -1}, .upper = {1, 1}});
+    w.gravity({0, 0, -9.81});
+    w.material({.restitution = 0, .friction = 0});
+    const auto tile = [&](const vec3& size, const vec3& at) {
+      if (fixed)
+        w.add_if_local(body<box>{.shape = box{size}, .position = at, .fixed = true});
+      else
+        put_box(w, size, at);
+    };
+    tile({0.5, 1, 0.2}, {-0.25, -0.5, -0.1}), tile({0.5, 1, 0.2}, {0.25, -0.5, -0.1});
+    tile({0.5, 1, 0.2}, {-0.25, 0.5, -0.1}), tile({0.5, 1, 0.2}, {0.25, 0.5, -0.1});
+    put_rectangle(w, 0.5, 1.5), put_rectangle(w, -1.5, -0.5);
+    for (int k = 0; k < 8; ++k) {
+      const real y = -0.7 + 0.2 * k;
+      w.add_if_local(body{.shape = box{{0.06, 0.06, 0.06}},
+                          .position = {-0.3 + 0.01 * k, y, 0.03},
+                          .velocity = {1, 0.1, 0}});
+      w.add_if_local(body{.shape = sphere{0.03},
+                          .position = {0.3 - 0.01 * k, y + 0.1, 0.03},
+                          .velocity = {-1, 0.1, 0}});
+    }
+    for (int k = 0; k < 120; ++k) w.step(1.0 / 240);
+    w.for_each_local([&](const auto& b) {
+      if (b.position()[2] < 0) return;  // a tile
+      CHECK(std::abs(b.velocity()[2]) < 1e-5);
+      CHECK(std::abs(std::abs(b.velocity()[0]) - 1) < 1e-5);
+    });
+    const auto all = state_digest(w);
+    if (link.rank() == 0) digest = all;
+  });
+  return digest;
+}
+
+}  // namespace
+
+TEST_CASE("bodies slide over seams with the same bits on 1, 2 and 4 ranks whose cuts lie on them") {
+  for (const bool fixed : {false, true}) {
+    CAPTURE(fixed);
+    const auto one = slid(1, fixed);
+    CHECK(slid(2, fixed) == one);
+    CHECK(slid(4, fixed) == one);
+  }
+}
+
+TEST_CASE("boxes that are driven together are one surface, and apart from those that are not") {
+  using driving = scenario<bodies<sphere, box>, features<driven>, transport<serial>>;
+  serial::link link;
+  world<driving> w(link);
+  w.gravity({0, 0, -9.81});
+  w.material({.restitution = 0, .friction = 0});
+  std::vector<handle<box>> floor;
+  w.global([&](auto& scope) {
+    for (const real x : {-0.5, 0.5})
+      floor.push_back(scope.add(body<box>{.shape = box{{1, 2, 0.2}}, .position = {x, 0, -0.1}}));
+  });
+  for (const auto& h : floor) w.drive(h, gliding{{0.3, 0, 0}});
+  const auto cube = w.add(
+      body{.shape = box{{0.06, 0.06, 0.06}}, .position = {0.2, 0, 0.03}, .velocity = {-0.5, 0, 0}});
+  const auto ball =
+      w.add(body{.shape = sphere{0.03}, .position = {0.2, 0.2, 0.03}, .velocity = {-0.5, 0, 0}});
+  for (int k = 0; k < 240; ++k) {
+    w.step(1.0 / 240);
+    CHECK((w[cube].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-5);
+    CHECK((w[ball].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-6);
+  }
+  CHECK(w[cube].position()[0] < -0.25);
+}
