@@ -167,6 +167,34 @@ TEST_CASE("a pair of balls that pass each other keep their velocities, on one ra
   }
 }
 
+TEST_CASE("a ball whose path past an edge is blocked does not enter the obstacle") {
+  // A floor that ends at x = 0, where a wall begins: the free path leads past the floor's end.
+  for (const bool driven_by_gravity : {false, true})
+    for (const vec3& velocity : {vec3(20, 0, -10), vec3(20, 0, -30), vec3(40, 0, -60)})
+      for (const real x : {-0.06, -0.1, -0.2})
+        for (const real height : {0.06, 0.1, 0.16, 0.3}) {
+          serial::link link;
+          world<scene<>> w{link};
+          w.material({.density = 1, .restitution = 0, .friction = 0});
+          if (driven_by_gravity) w.gravity({0, 0, -9.81});
+          w.global([](auto& s) {
+            s.add(body<box>{.shape = box{{2, 2, 0.2}}, .position = {-1, 0, -0.1}});
+            s.add(body<box>{.shape = box{{2, 2, 4}}, .position = {1, 0, 0}});
+          });
+          const auto ball = w.add(body<sphere>{
+              .shape = sphere{0.05}, .position = {x, 0, height}, .velocity = velocity});
+          CAPTURE(velocity[2]);
+          CAPTURE(x);
+          CAPTURE(height);
+          for (int k = 0; k < 30; ++k) {
+            w.step(1.0 / 60);
+            CHECK(w[ball].position()[2] >= -1e-9);
+            CHECK(w[ball].position()[0] <= 1e-9);
+          }
+          CHECK(w[ball].position()[2] > 0.049);
+        }
+}
+
 TEST_CASE("a passing ball that another one strikes in that step does not enter the obstacle") {
   real deepest = 0;
   for (const obstacle what : {obstacle::box_edge, obstacle::triangle, obstacle::capsule_side})

@@ -3,6 +3,7 @@
 // accelerations, and, if bodies are followed, their flight. A contact whose surfaces do not meet
 // within the step must exert nothing. A gap that closes along its normal may belong to surfaces
 // that pass each other: where the tangential way is larger than the slack, the path decides.
+#include <algorithm>
 #include <cstddef>
 
 #include "talus/core/portable_powers.hpp"
@@ -43,16 +44,21 @@ class pair_motion {
     if constexpr (driven) closing -= b_.angular_velocity[j].norm() * radius * s_.dt;
     return g.gap + closing > slack;
   }
-  /// Whether bodies with such a normal, now at these places, move so far along the surfaces in this
-  /// step that they may pass each other though their gap closes.
+  /// Whether bodies with such a normal and gap, now at these places, move so far along the surfaces
+  /// in this step that they may pass each other though their gap closes at the velocity `un`. They
+  /// may not if something that blocks their way would leave the centre of one in the other.
   [[nodiscard]] bool may_pass(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
-                              real slack, const vec3& normal) const {
+                              real slack, const vec3& normal, real gap, real un) const {
     if constexpr (!ShapeB::finite || state_type::continuous) {
       return false;
     } else {
       const vec3 way = way_past(i, j, at_a, at_b);
       const real turning = way_of_turning(a_, i, s_.dt) + way_of_turning(b_, j, s_.dt);
-      return (way - normal.dot(way) * normal).norm() + turning > slack;
+      if ((way - normal.dot(way) * normal).norm() + turning <= slack) return false;
+      real least = inner_radius(a_.shape[i]);
+      if constexpr (!requires { b_.shape[j].tree(); })
+        least = std::min(least, inner_radius(b_.shape[j]));
+      return gap + (un - gravity_ * s_.dt) * s_.dt >= -least;
     }
   }
   /// Whether they come within the slack on their paths in this step, as the integrator moves them
