@@ -122,6 +122,17 @@ const std::vector<floor_kind<Scenario>>& floors() {
          w.global([](auto& scope) { scope.add(plane{}, {}); });
          put(w, box{{0.5, 0.5, 0.2}}, {0.25, 0.02, -0.1});
        }},
+      {"a plane after a box sunk into it",
+       [](auto& w) {
+         put(w, box{{0.5, 0.5, 0.2}}, {0.25, 0.02, -0.1});
+         w.global([](auto& scope) { scope.add(plane{}, {}); });
+       }},
+      {"one mesh", [](auto& w) { put(w, rectangle(-1, 1, -1, 1)); }},
+      {"a row of narrow boxes over a large one",
+       [](auto& w) {
+         put(w, box{{4, 4, 0.2}}, {0, 0, -0.3});
+         for (int k = -40; k < 40; ++k) put(w, box{{0.025, 2, 0.2}}, {(k + 0.5) * 0.025, 0, -0.1});
+       }},
       {"a box and a mesh",
        [](auto& w) {
          put(w, box{{1, 2, 0.2}}, {-0.5, 0, -0.1});

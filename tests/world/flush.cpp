@@ -1,6 +1,7 @@
 // Flush fixed bodies are one surface on any ranks, and while they are driven together.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <talus/mesh.hpp>
@@ -9,6 +10,7 @@
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/shape/box.hpp>
+#include <talus/shape/plane.hpp>
 #include <talus/shape/sphere.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
@@ -106,4 +108,79 @@ TEST_CASE("boxes that are driven together are one surface, and apart from those 
     CHECK((w[ball].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-6);
   }
   CHECK(w[cube].position()[0] < -0.25);
+}
+
+TEST_CASE("planks that turn together are one surface") {
+  using driving = scenario<bodies<sphere, box>, features<driven>, transport<serial>>;
+  serial::link link;
+  world<driving> w(link);
+  w.gravity({0, 0, -9.81});
+  w.material({.restitution = 0, .friction = 0});
+  std::vector<handle<box>> planks;
+  w.global([&](auto& scope) {
+    for (int k = -4; k <= 4; ++k)
+      planks.push_back(
+          scope.add(body<box>{.shape = box{{0.1, 2, 0.2}}, .position = {0.1 * k, 0, -0.1}}));
+  });
+  for (const auto& h : planks) w.drive(h, turning{.axis = {0, 0, 1}, .speed = 1.5});
+  const auto cube = w.add(
+      body{.shape = box{{0.06, 0.06, 0.06}}, .position = {0.3, 0, 0.03}, .velocity = {-0.5, 0, 0}});
+  const auto ball =
+      w.add(body{.shape = sphere{0.03}, .position = {0.3, 0.2, 0.03}, .velocity = {-0.5, 0, 0}});
+  for (int k = 0; k < 240; ++k) {
+    w.step(1.0 / 240);
+    CHECK((w[cube].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-5);
+    CHECK((w[ball].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-6);
+  }
+}
+
+TEST_CASE("a body that is driven from some step on leaves the common surface") {
+  using driving = scenario<bodies<sphere, box>, features<driven>, transport<serial>>;
+  serial::link link;
+  world<driving> w(link);
+  w.gravity({0, 0, -9.81});
+  w.material({.restitution = 0, .friction = 0});
+  std::vector<handle<box>> floor;
+  w.global([&](auto& scope) {
+    for (const real x : {-0.5, 0.5})
+      floor.push_back(scope.add(body<box>{.shape = box{{1, 2, 0.2}}, .position = {x, 0, -0.1}}));
+  });
+  const auto cube = w.add(
+      body{.shape = box{{0.06, 0.06, 0.06}}, .position = {-0.2, 0, 0.03}, .velocity = {1, 0, 0}});
+  w.step(1.0 / 240);
+  w.drive(floor[1], gliding{{0, 0, 0.4}});  // a step of 0.04 when the cube comes
+  real most = 0;
+  for (int k = 0; k < 120; ++k) {
+    w.step(1.0 / 240);
+    most = std::max(most, w[cube].position()[0]);
+  }
+  CHECK(most < -0.029);
+  CHECK(std::abs(w[cube].velocity()[0]) < 0.1);
+}
+
+using hard_law = hard_contact<coulomb_friction, newton_restitution>;
+using soft_law = soft_contact<linear_spring_dashpot, coulomb_friction>;
+TEST_CASE_TEMPLATE("a belt flush with a plane carries what rests on it", Law, hard_law, soft_law) {
+  using belts = scenario<bodies<sphere, box, plane>, Law, transport<serial>>;
+  for (const bool plane_first : {false, true}) {
+    serial::link link;
+    world<belts> w(link);
+    w.gravity({0, 0, -9.81});
+    w.material({.density = 1000, .restitution = 0.2, .friction = 0.5, .stiffness = 1e5});
+    const auto put_plane = [&] { w.global([](auto& scope) { scope.add(plane{}, {}); }); };
+    if (plane_first) put_plane();
+    w.global([](auto& scope) {
+      scope.add(body<box>{
+          .shape = box{{2, 2, 0.2}}, .position = {0, 0, -0.1}, .velocity = {0.2, 0, 0}});
+    });
+    if (!plane_first) put_plane();
+    const auto ball = w.add(body{.shape = sphere{0.03}, .position = {0, 0, 0.03}});
+    const real dt = 2e-4;
+    for (int k = 0; k < 500; ++k) w.step(dt);
+    // It rolls backwards on the belt while friction drives it: at its lowest point it moves with it.
+    const auto& b = w[ball];
+    const vec3 lowest = b.velocity() + b.angular_velocity().cross(vec3(0, 0, -0.03));
+    CHECK(lowest[0] == doctest::Approx(0.2).epsilon(0.01));
+    CHECK(b.velocity()[0] == doctest::Approx(0.2 * 2 / 7).epsilon(0.02));
+  }
 }

@@ -11,7 +11,6 @@
 #include <limits>
 
 #include "talus/core/math.hpp"
-#include "talus/detect/detail/triangle_contact.hpp"
 #include "talus/shape/box.hpp"
 
 namespace talus::detail {
@@ -124,10 +123,12 @@ template <class Solid>
   });
 }
 /// Calls f(way, q) for the points q beside p, at the distance `way` in the plane with the normal n,
-/// that are just outside the solid.
+/// that are just outside the solid. (A prism has no outside below: it ends there for no reason.)
 template <class Solid, class F>
 void each_way_out(const Solid& solid, const vec3& p, const vec3& n, real tolerance, F&& f) {
   solid.each_face([&](const vec3& m, real offset) {
+    if constexpr (requires { solid.depth; })
+      if (m.dot(solid.normal) < real(-0.5)) return true;
     const vec3 along = m - m.dot(n) * n;
     const real slope = along.norm();
     if (slope < real(0.1)) return true;

@@ -32,38 +32,58 @@ void each_flush_body(const world_state<Scenario>& s, F&& f) {
 /// Of a body that is driven: how far it may move until neighbours are found anew.
 [[nodiscard]] inline real flush_skin(real radius) { return real(0.05) * radius; }
 
+/// The fixed body of a shape with this id and pose among those that were found, or -1.
+template <class Store>
+[[nodiscard]] std::int32_t found_before(const flush_bodies& f, std::size_t kind, const Store& store,
+                                        std::size_t i) {
+  const pose now = store.pose(i);
+  const auto* at = std::lower_bound(f.of_ids.begin(), f.of_ids.end(), store.id[i],
+                                    [](const auto& x, system_id id) { return x.first < id; });
+  for (; at != f.of_ids.end() && at->first == store.id[i]; ++at)
+    if (const flush_body& one = f.all[at->second];
+        one.shape == kind && one.at.position == now.position &&
+        one.at.orientation.coeffs() == now.orientation.coeffs())
+      return static_cast<std::int32_t>(at->second);
+  return -1;
+}
+/// Whether the bodies are still those that were found; fixed ones may have other indices now. (A
+/// change of global bodies is noted in prepare_detection().)
 template <class Scenario>
-[[nodiscard]] bool flush_bodies_hold(const world_state<Scenario>& s) {
-  const auto& f = s.flush;
+[[nodiscard]] bool flush_bodies_hold(world_state<Scenario>& s) {
+  auto& f = s.flush;
   bool hold = f.known;
-  s.each_shape([&](const auto& b) { hold = hold && !b.globals_changed; });
-  if (!hold) return false;
-  std::size_t k = 0;
+  std::size_t fixed = 0;
   s.each_shape([&](const auto& b) {
     using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
     if constexpr (is_solid_beside<shape>) {
+      constexpr std::size_t kind = index_of<typename Scenario::shapes, shape>;
       if constexpr (world_state<Scenario>::drives)
-        for (std::size_t n = k; hold && n < k + b.global.size(); ++n) {
-          const flush_body& one = f.all[n];
-          if (!one.driven) continue;
-          const pose now = b.global.pose(one.index);
+        for (std::size_t i = 0; hold && i < b.global.size(); ++i) {
+          const flush_body& one = f.all[static_cast<std::size_t>(f.number_of(kind, true, i))];
+          hold = one.driven == (driven_at<shape>(s, i) != nullptr);
+          if (!hold || !one.driven || !shape::finite) continue;
+          const pose now = b.global.pose(i);
           const quat turn = now.orientation * one.at.orientation.conjugate();
           hold = (now.position - one.at.position).norm() +
                      2 * vec3(turn.x(), turn.y(), turn.z()).norm() * one.radius <=
                  flush_skin(one.radius);
         }
-      k += b.global.size();
-      if constexpr (shape::finite)
+      if constexpr (shape::finite) {
+        auto& numbers = f.numbers[2 * kind + 1];
         for (std::size_t i = 0; hold && i < b.movable.size(); ++i) {
           if (b.movable.inverse_mass[i] != 0) continue;
-          hold = k < f.all.size() && !f.all[k].global && f.all[k].index == i &&
-                 f.all[k].id == b.movable.id[i] && f.all[k].at.position == b.movable.position[i] &&
-                 f.all[k].at.orientation.coeffs() == b.movable.pose(i).orientation.coeffs();
-          ++k;
+          ++fixed;
+          const std::int32_t k = found_before(f, kind, b.movable, i);
+          hold = k >= 0;
+          if (!hold) continue;
+          numbers.resize(std::max(numbers.size(), i + 1), -1);
+          numbers[i] = k;
+          f.all[static_cast<std::size_t>(k)].index = static_cast<std::uint32_t>(i);
         }
+      }
     }
   });
-  return hold && k == f.all.size();
+  return hold && fixed == f.of_ids.size();
 }
 
 /// Removes the pairs of a body and a plane that it is clear of.
@@ -90,11 +110,35 @@ void drop_clear_of_planes(const world_state<Scenario>& s, Pairs& pairs) {
   });
 }
 
+/// The axis along which bodies that are finite begin furthest apart.
+[[nodiscard]] inline int widest_axis(const flush_bodies& f, const std::uint32_t* from,
+                                     const std::uint32_t* to) {
+  constexpr real infinity = std::numeric_limits<real>::infinity();
+  vec3 least(infinity, infinity, infinity), most = -least;
+  for (; from != to; ++from)
+    if (const flush_body& one = f.all[*from]; one.radius > 0)
+      least = least.cwiseMin(one.lower), most = most.cwiseMax(one.lower);
+  const vec3 spread = most - least;
+  int axis = 0;
+  for (const int k : {1, 2})
+    if (spread[k] > spread[axis]) axis = k;
+  return axis;
+}
+/// Planes come first.
+struct begins_before {
+  const flush_bodies& f;
+  int axis;
+  bool operator()(std::uint32_t a, std::uint32_t b) const {
+    const real x = f.all[a].lower[axis], y = f.all[b].lower[axis];
+    return x != y ? x < y : a < b;
+  }
+};
+
 template <class Scenario>
 void find_flush_bodies(world_state<Scenario>& s) {
   constexpr std::size_t shapes = Scenario::shapes::size;
   auto& f = s.flush;
-  f.all.clear();
+  f.all.clear(), f.of_ids.clear();
   f.numbers.assign(2 * shapes, {});
   constexpr real infinity = std::numeric_limits<real>::infinity();
   each_flush_body(s, [&](const auto& b, const auto& store, bool global, std::size_t i) {
@@ -119,27 +163,28 @@ void find_flush_bodies(world_state<Scenario>& s) {
     auto& numbers = f.numbers[2 * kind + !global];
     numbers.resize(std::max(numbers.size(), i + 1), -1);
     numbers[i] = static_cast<std::int32_t>(f.all.size());
+    if (!global) f.of_ids.push_back({one.id, static_cast<std::uint32_t>(f.all.size())});
     f.all.push_back(one);
   });
-  // Of two bodies whose boxes overlap, a sweep along x (planes come first).
+  std::sort(f.of_ids.begin(), f.of_ids.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+  });
+  // Of two bodies whose boxes overlap, a sweep along an axis (planes come first).
   plain_vector<std::uint32_t> order, active;
   for (std::uint32_t k = 0; k < f.all.size(); ++k) order.push_back(k);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const real x = f.all[a].lower[0], y = f.all[b].lower[0];
-    return x != y ? x < y : a < b;
-  });
+  const int axis = widest_axis(f, order.begin(), order.end());
+  std::sort(order.begin(), order.end(), begins_before{f, axis});
   plain_vector<plain_pair<std::uint32_t, std::uint32_t>> touching;
   for (const std::uint32_t k : order) {
     const flush_body& one = f.all[k];
     std::size_t kept = 0;
     for (const std::uint32_t other : active) {
       const flush_body& x = f.all[other];
-      if (x.upper[0] < one.lower[0]) continue;
+      if (x.upper[axis] < one.lower[axis]) continue;
       active[kept++] = other;
-      if (x.upper[1] < one.lower[1] || one.upper[1] < x.lower[1] || x.upper[2] < one.lower[2] ||
-          one.upper[2] < x.lower[2])
+      if ((x.upper - one.lower).minCoeff() < 0 || (one.upper - x.lower).minCoeff() < 0 ||
+          (one.radius == 0 && x.radius == 0))
         continue;
-      if (one.radius == 0 && x.radius == 0) continue;
       touching.push_back({k, other}), touching.push_back({other, k});
     }
     active.resize(kept);
@@ -149,16 +194,31 @@ void find_flush_bodies(world_state<Scenario>& s) {
   std::sort(touching.begin(), touching.end(), [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first < b.first : a.second < b.second;
   });
-  f.first.clear(), f.near.clear();
+  f.ranges.clear(), f.near.clear();
   for (std::uint32_t k = 0; k < f.all.size(); ++k) {
-    f.first.push_back(static_cast<std::uint32_t>(f.near.size()));
+    const auto first = static_cast<std::uint32_t>(f.near.size());
     while (f.near.size() < touching.size() && touching[f.near.size()].first == k)
       f.near.push_back(touching[f.near.size()].second);
+    std::uint32_t *from = f.near.data() + first, *to = f.near.data() + f.near.size();
+    const int along = widest_axis(f, from, to);
+    std::sort(from, to, begins_before{f, along});
+    std::uint32_t sorted = first;
+    while (sorted < f.near.size() && f.all[f.near[sorted]].radius == 0) ++sorted;
+    f.ranges.push_back({first, sorted, along});
   }
-  f.first.push_back(static_cast<std::uint32_t>(f.near.size()));
+  const auto size = static_cast<std::uint32_t>(f.near.size());
+  f.ranges.push_back({size, size, 0});
+  f.furthest.resize(size);
+  for (std::size_t k = 0; k < f.all.size(); ++k) {
+    const auto [first, sorted, along] = f.ranges[k];
+    for (std::uint32_t n = sorted; n < f.ranges[k + 1].first; ++n) {
+      const real upper = f.all[f.near[n]].upper[along];
+      f.furthest[n] = n > sorted ? std::max(f.furthest[n - 1], upper) : upper;
+    }
+  }
   f.known = true;
 }
-/// Before contacts are found.
+/// Before contacts are found, and after prepare_detection() or kept pairs.
 template <class Scenario>
 void update_flush_bodies(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::may_be_flush)

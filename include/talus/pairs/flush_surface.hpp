@@ -1,5 +1,5 @@
 #pragma once
-// Finds the contacts with fixed bodies that their common surface does not have; see
+// Finds the contacts with fixed bodies that are not on their common surface; see
 // detect/flush.hpp. What is found depends on the bodies alone, not on their order or owner: a rank
 // that computes a contact holds every body that reaches its point.
 #include <algorithm>
@@ -10,6 +10,7 @@
 
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/flush.hpp"
+#include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
@@ -23,7 +24,7 @@ struct contact_with_fixed {
   bool round = false;  ///< the movable body is a sphere
 };
 
-/// Finds the contacts with flush bodies that their common surface has not.
+/// Finds the contacts with flush bodies that are not on their common surface.
 template <class Scenario>
 class flush_surface {
   using state_type = world_state<Scenario>;
@@ -33,29 +34,36 @@ class flush_surface {
   static constexpr real level = 1e-3;
 
  public:
-  flush_surface(state_type& s, const contact_with_fixed& c) : s_(s), c_(c) {}
+  flush_surface(state_type& s, const contact_with_fixed& c)
+      : s_(s), c_(c), depth_(depth_part * c.radius) {
+    // A body that is followed falls freely until its impact.
+    if constexpr (state_type::continuous)
+      depth_ = std::max(depth_, 2 * s.gravity.norm() * s.dt * s.dt);
+  }
 
-  /// Whether the body with this number has a contact there that the common surface has not.
+  /// Whether the contact of the body with this number there is not on the common surface.
   [[nodiscard]] bool hides(std::uint32_t number) const {
     const auto& f = s_.flush;
-    for (std::uint32_t k = f.first[number]; k < f.first[number + 1]; ++k) {
-      const std::uint32_t other = f.near[k];
-      const real tolerance = flush_part * (f.all[number].radius + f.all[other].radius);
-      if (!f.all[other].may_contain(c_.point, tolerance) || !rest_together(number, other)) continue;
-      bool hidden = false;
+    const bool half_space = f.all[number].radius == 0;
+    bool hidden = false;
+    f.each_near(number, c_.point, reach_of(number), [&](std::uint32_t other) {
+      if constexpr (state_type::has_joints)  // it has no contacts with the movable body
+        if (s_.joints.joined(c_.id, f.all[other].id)) return true;
+      const real tolerance = tolerance_of(number, other);
       each_solid(other, c_.point, tolerance, [&](const auto& solid, const pose& at) {
         const vec3 p = at.to_body(c_.point), n = to_body(at, c_.normal);
         const beside how = stands_beside(solid, p, n, tolerance);
         if (how == beside::covers)
-          hidden = !goes_on(number, solid, at, p, tolerance);
+          hidden = !half_space && stay_together(number, other) &&
+                   !goes_on(number, solid, at, p, tolerance);
         else if (how == beside::agrees && c_.round && lies_over(solid, at.to_body(c_.centre), n))
           // Both have the same contact.
-          hidden = f.all[other].id < f.all[number].id || !is_under(number);
+          hidden = comes_first(other, number) || !is_under(number);
         return !hidden;
       });
-      if (hidden) return true;
-    }
-    return false;
+      return !hidden;
+    });
+    return hidden;
   }
 
  private:
@@ -90,7 +98,7 @@ class flush_surface {
       } else {
         const pose at = store.pose(i);
         const vec3 q = at.to_body(p), centre = at.to_body(c_.centre);
-        const real depth = depth_part * c_.radius, reach = depth + tolerance;
+        const real reach = depth_ + tolerance;
         const auto& m = shape.tree();
         bool more = true;
         m.each_within(q - vec3(reach, reach, reach), q + vec3(reach, reach, reach),
@@ -98,7 +106,7 @@ class flush_surface {
                         if (more)
                           more = f(flat_prism{{m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)},
                                               up_at(m, t, centre),
-                                              depth},
+                                              depth_},
                                    at);
                       });
       }
@@ -177,7 +185,7 @@ class flush_surface {
       real nearest = infinity, on_surface = infinity;
       each_way_out(solid, p, n, tolerance, [&](real way, const vec3& q) {
         const vec3 there = at.to_world(q);
-        if (way >= on_surface || is_covered(number, there, face)) return;
+        if (way >= on_surface || way > 2 * c_.radius || is_covered(number, there, face)) return;
         nearest = std::min(nearest, way);
         if (reaches(number, there, tolerance)) on_surface = way;
       });
@@ -188,14 +196,14 @@ class flush_surface {
   [[nodiscard]] bool is_covered(std::uint32_t number, const vec3& p, const vec3& n) const {
     const auto& f = s_.flush;
     bool covered = false;
-    for (std::uint32_t k = f.first[number]; k < f.first[number + 1] && !covered; ++k) {
-      const std::uint32_t other = f.near[k];
-      const real tolerance = flush_part * (f.all[number].radius + f.all[other].radius);
+    f.each_near(number, p, reach_of(number), [&](std::uint32_t other) {
+      const real tolerance = tolerance_of(number, other);
       each_solid(other, p, tolerance, [&](const auto& solid, const pose& at) {
         covered = stands_beside(solid, at.to_body(p), to_body(at, n), tolerance) == beside::covers;
         return !covered;
       });
-    }
+      return !covered;
+    });
     return covered;
   }
   /// Whether the body contains a point of the world.
@@ -216,29 +224,82 @@ class flush_surface {
     });
     return inside;
   }
-  /// Whether both bodies move alike at the contact, and the other one is not joined to the movable
-  /// body, with which it then has no contacts.
-  [[nodiscard]] bool rest_together(std::uint32_t a, std::uint32_t b) const {
-    if constexpr (state_type::has_joints)
-      if (s_.joints.joined(c_.id, s_.flush.all[b].id)) return false;
+  /// How far from a point neighbours of a body may contain it: triangles below them.
+  [[nodiscard]] real reach_of(std::uint32_t number) const {
+    return flush_part * s_.flush.all[number].radius + depth_;
+  }
+  [[nodiscard]] real tolerance_of(std::uint32_t a, std::uint32_t b) const {
+    return flush_part * (s_.flush.all[a].radius + s_.flush.all[b].radius);
+  }
+  /// Whether both bodies move the contact point alike in this step. (A belt stays.)
+  [[nodiscard]] bool stay_together(std::uint32_t a, std::uint32_t b) const {
     if constexpr (state_type::drives) {
-      const auto velocity = [&](std::uint32_t number) {
-        vec3 v(0, 0, 0);
+      const auto carried = [&](std::uint32_t number) {
+        vec3 p = c_.point;
         with_body(number, [&](const auto& store, std::size_t i) {
-          v = store.velocity[i] + store.angular_velocity[i].cross(c_.point - store.position[i]);
+          using shape = typename std::remove_cvref_t<decltype(store)>::shape_type;
+          const driven_body* one =
+              s_.flush.all[number].global ? driven_at<shape>(s_, i) : nullptr;
+          if (one == nullptr) return;
+          const rigid_place &from = one->state.at, &to = one->next.end;
+          if (one->is_servo)
+            p += s_.dt * store.velocity[i];
+          else
+            p = to.point + rotated(quat(to.turn * from.turn.conjugate()), vec3(p - from.point));
         });
-        return v;
+        return p;
       };
-      const real tolerance = flush_part * (s_.flush.all[a].radius + s_.flush.all[b].radius);
-      return (velocity(a) - velocity(b)).norm() * s_.dt <= tolerance;
+      return (carried(a) - carried(b)).norm() <= tolerance_of(a, b);
     }
-    return true;
+    return (void)a, (void)b, true;
+  }
+  /// Of two bodies with the same contact, whether it is that of a: the faster surface at the
+  /// contact carries, then a plane comes first, then the smaller id.
+  [[nodiscard]] bool comes_first(std::uint32_t a, std::uint32_t b) const {
+    const auto speed = [&](std::uint32_t number) {
+      vec3 v(0, 0, 0);
+      with_body(number, [&](const auto& store, std::size_t i) {
+        v = store.velocity[i] + store.angular_velocity[i].cross(c_.point - store.position[i]);
+      });
+      return v.norm();
+    };
+    const flush_body &x = s_.flush.all[a], &y = s_.flush.all[b];
+    const real faster = (speed(a) - speed(b)) * s_.dt;
+    if (std::abs(faster) > tolerance_of(a, b)) return faster > 0;
+    if ((x.radius == 0) != (y.radius == 0)) return x.radius == 0;
+    return x.id < y.id;
   }
 
   state_type& s_;
   const contact_with_fixed& c_;
+  real depth_;
 };
 
+/// Whether contacts of a movable shape with a fixed one may be hidden. On a plane only those that
+/// another surface there has too.
+template <class Fixed, class Other>
+inline constexpr bool has_contacts_hidden =
+    has_flat_faces<Fixed> || (is_half_space<Fixed> && Other::isotropic);
+
+/// Number of the fixed body k of a store among those that may be flush, if it touches others.
+template <class Fixed, class Scenario>
+[[nodiscard]] std::int32_t number_if_flush(const world_state<Scenario>& s, bool global,
+                                           std::size_t k) {
+  const std::int32_t number =
+      s.flush.number_of(index_of<typename Scenario::shapes, Fixed>, global, k);
+  return number >= 0 && s.flush.touches_any(static_cast<std::uint32_t>(number)) ? number : -1;
+}
+/// Whether one of two bodies is fixed and touches others.
+template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
+[[nodiscard]] bool is_beside_flush(const world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                                   const StoreB& b, std::size_t j) {
+  if constexpr (has_contacts_hidden<ShapeB, ShapeA>)
+    if (s.flush.any() && (!Paired || b.inverse_mass[j] == 0))
+      return number_if_flush<ShapeB>(s, !Paired, j) >= 0;
+  if constexpr (Paired && has_contacts_hidden<ShapeA, ShapeB>)
+    if (s.flush.any() && a.inverse_mass[i] == 0) return number_if_flush<ShapeA>(s, false, i) >= 0;
+  return (void)s, (void)a, (void)i, (void)b, (void)j, false;
+}
 /// Whether the contact of body l with the fixed body k, which is at `at` for this pair, is hidden.
 template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
 [[nodiscard, gnu::noinline]] bool is_hidden_on(world_state<Scenario>& s, const StoreF& fixed,
@@ -246,29 +307,27 @@ template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
                                                const StoreO& other, std::size_t l,
                                                const vec3& centre, const vec3& point,
                                                const vec3& normal) {
-  if constexpr (has_flat_faces<Fixed>) {
-    const std::int32_t number =
-        s.flush.number_of(index_of<typename Scenario::shapes, Fixed>, global, k);
+  if constexpr (has_contacts_hidden<Fixed, Other>) {
+    const std::int32_t number = number_if_flush<Fixed>(s, global, k);
     if (number < 0) return false;
-    const auto n = static_cast<std::uint32_t>(number);
-    if (s.flush.first[n] == s.flush.first[n + 1]) return false;
     const vec3 image = fixed.position[k] - at;  // where it is among the others
     const contact_with_fixed c{point + image,  normal,
                                centre + image, other.shape[l].bounding_radius(),
                                other.id[l],    Other::isotropic};
-    return flush_surface<Scenario>(s, c).hides(n);
+    return flush_surface<Scenario>(s, c).hides(static_cast<std::uint32_t>(number));
   }
   return false;
 }
 /// Whether the contact g of bodies i and j of two stores, which are at p_a and p_b for this pair,
-/// is one that the common surface of flush bodies has not, if one of them is fixed.
+/// is not on the common surface of flush bodies, if one of them is fixed.
 template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
 [[nodiscard, gnu::always_inline]] inline bool is_hidden(world_state<Scenario>& s, const StoreA& a,
                                                         std::size_t i, const vec3& p_a,
                                                         const StoreB& b, std::size_t j,
                                                         const vec3& p_b,
                                                         const contact_geometry& g) {
-  if constexpr (has_flat_faces<ShapeB> || (Paired && has_flat_faces<ShapeA>)) {
+  if constexpr (has_contacts_hidden<ShapeB, ShapeA> ||
+                (Paired && has_contacts_hidden<ShapeA, ShapeB>)) {
     if (!s.flush.any()) [[likely]]
       return false;
     const vec3 half_gap = real(0.5) * g.gap * g.normal;

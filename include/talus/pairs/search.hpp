@@ -103,8 +103,8 @@ void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable, bool 
     };
     sort(b.movable, b.reach, b.grid);
     if (b.globals_changed) sort(b.global, b.global_reach, b.global_grid);
-    b.globals_changed = false;
   });
+  s.each_shape([](auto& b) { b.globals_changed = false; });
 }
 
 template <class Scenario>

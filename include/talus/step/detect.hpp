@@ -60,17 +60,18 @@ void detect(world_state<Scenario>& s) {
       if constexpr (continuous) s.impacts.time.assign(s.solver.bodies.size(), never);
       return;
     }
-  update_flush_bodies(s);
   if constexpr (continuous) {
     // (If some sleep, the reach covers several steps.)
     prepare_detection(
         s, [&](const auto& store, std::size_t i, std::size_t) { return reach_of(store, i, s.dt); });
+    update_flush_bodies(s);
     follow_flights(s, [&] { each_neighbour_pair<impact_finder>(s); });
     prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t k) {
       return reach_after_flight(s, store, i, k);
     });
     each_neighbour_pair<contact_maker>(s);
   } else if (keep_close_pairs(s)) {
+    update_flush_bodies(s);
     each_found_pair(s, [&]<class A, class B, partner P>() {
       if constexpr (keeps_contacts_of<Scenario, A, B, P>())
         return contact_keeper<Scenario>(s);
@@ -80,6 +81,7 @@ void detect(world_state<Scenario>& s) {
   } else {
     s.each_contact_list([](auto& list) { list.clear(); });
     prepare_detection(s);
+    update_flush_bodies(s);
     each_neighbour_pair<contact_maker>(s);
   }
 }

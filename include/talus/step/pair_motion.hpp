@@ -55,9 +55,7 @@ class pair_motion {
       const vec3 way = way_past(i, j, at_a, at_b);
       const real turning = way_of_turning(a_, i, s_.dt) + way_of_turning(b_, j, s_.dt);
       if ((way - normal.dot(way) * normal).norm() + turning <= slack) return false;
-      real least = inner_radius(a_.shape[i]);
-      if constexpr (!requires { b_.shape[j].tree(); })
-        least = std::min(least, inner_radius(b_.shape[j]));
+      const real least = std::min(inner_radius(a_.shape[i]), inner_radius(b_.shape[j]));
       return gap + (un - gravity_ * s_.dt) * s_.dt >= -least;
     }
   }

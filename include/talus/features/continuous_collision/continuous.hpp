@@ -75,11 +75,14 @@ template <class Store>
   return s.dt * speed;
 }
 
-/// Radius of the ball about the centre that fits into a convex shape, or an estimate of it.
+/// Radius of the ball about the centre that fits into a convex shape, or an estimate of it. A
+/// surface has no inside: what is beyond it is told by the centre of the other body alone.
 template <class Shape>
 [[nodiscard]] real inner_radius(const Shape& shape) {
   if constexpr (Shape::isotropic) {
     return shape.bounding_radius();
+  } else if constexpr (is_triangulated<Shape>) {
+    return never;
   } else {
     real least = never;
     for (int axis = 0; axis < 3; ++axis)
@@ -141,25 +144,26 @@ template <class Shape, class Scenario, class Store>
   return s.dt * (one->next.v.norm() + arm * one->next.w.norm());
 }
 
-/// Whether two bodies at these poses have contacts, all of which are hidden by flush surfaces.
-template <class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
-[[nodiscard]] bool all_hidden(world_state<Scenario>& s, const StoreA& a, std::size_t i,
-                              const pose& at_a, const StoreB& b, std::size_t j, const pose& at_b) {
+/// Whether two bodies meet at time t on a flush surface only where contacts are hidden, or where
+/// they slide along it.
+template <class ShapeB, bool Paired, class Scenario, class StoreA, class FlightA, class StoreB,
+          class FlightB>
+[[nodiscard]] bool meet_hidden(world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                               const FlightA& fa, const StoreB& b, std::size_t j, const FlightB& fb,
+                               const impact_search& search, real t) {
   using ShapeA = typename StoreA::shape_type;
-  if constexpr (has_flat_faces<ShapeB> || (Paired && has_flat_faces<ShapeA>)) {
-    if (!s.flush.any()) return false;
-    if (Paired && a.inverse_mass[i] != 0 && b.inverse_mass[j] != 0) return false;
-    bool some = false, shown = false;
-    collide_pair(a.shape[i], at_a, b.shape[j], at_b, contact_zone(a.shape[i], b.shape[j]),
-                 [&](const contact_geometry& g) {
-                   some = true;
-                   shown = shown || !is_hidden<ShapeA, ShapeB, Paired>(s, a, i, at_a.position, b, j,
-                                                                       at_b.position, g);
-                 });
-    return some && !shown;
-  } else {
-    return (void)s, (void)a, (void)i, (void)at_a, (void)b, (void)j, (void)at_b, false;
-  }
+  if (!is_beside_flush<ShapeA, ShapeB, Paired>(s, a, i, b, j)) return false;
+  const pose at_a = fa.at(t), at_b = fb.at(t);
+  const vec3 v = fa.speed(t) - fb.speed(t);
+  bool some = false, shown = false;
+  collide_pair(a.shape[i], at_a, b.shape[j], at_b, search.zone, [&](const contact_geometry& g) {
+    some = true;
+    const vec3 u = v + fa.spin.cross(g.point - at_a.position) - fb.spin.cross(g.point - at_b.position);
+    shown = shown || (-g.normal.dot(u) > search.rest &&
+                      !is_hidden<ShapeA, ShapeB, Paired>(s, a, i, at_a.position, b, j,
+                                                         at_b.position, g));
+  });
+  return some && !shown;
 }
 
 /// The time at which two bodies meet, elsewhere than at hidden contacts. The impact with a driven
@@ -178,7 +182,7 @@ template <class ShapeB, bool Paired, class Scenario, class StoreA, class FlightA
           b.shape[j], fb, search);
   while (true) {
     const real t = time_of_impact(shape, fa, b.shape[j], fb, search);
-    if (t == never || !all_hidden<ShapeB, Paired>(s, a, i, fa.at(t), b, j, fb.at(t))) return t;
+    if (t == never || !meet_hidden<ShapeB, Paired>(s, a, i, fa, b, j, fb, search, t)) return t;
     search.from = t + std::max(search.plunge, search.zone) / (fa.speed(t) - fb.speed(t)).norm();
     if (!(search.from < search.to)) return never;
   }
