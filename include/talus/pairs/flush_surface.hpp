@@ -258,6 +258,7 @@ class flush_surface {
   [[nodiscard]] bool comes_first(std::uint32_t a, std::uint32_t b) const {
     const auto speed = [&](std::uint32_t number) {
       vec3 v(0, 0, 0);
+      if (!state_type::drives && s_.flush.all[number].global) return real(0);
       with_body(number, [&](const auto& store, std::size_t i) {
         v = store.velocity[i] + store.angular_velocity[i].cross(c_.point - store.position[i]);
       });
