@@ -36,7 +36,7 @@ class triangle_mesh {
   /// Corners within a millionth of the radius of the surface are merged, triangles without an area
   /// or given twice are dropped, and edges on which other corners lie are divided there. `report`,
   /// unless null, gets what was found. Throws invalid_argument, with its number, for a triangle
-  /// whose corners are not finite, and if no triangle is left.
+  /// whose corners are not finite, and if no triangle is left, or areas would not be numbers.
   explicit triangle_mesh(const std::vector<triangle>& triangles, surface_report* report = nullptr)
       : data_(std::make_shared<const detail::triangle_tree>(build(triangles, report))),
         frame_{centre_of(triangles), {1, 0, 0, 0}} {}
@@ -133,12 +133,20 @@ class triangle_mesh {
     real radius = 0;
     for (const triangle& t : triangles)
       for (const vec3& v : t) radius = std::max(radius, (v - centre).norm());
+    // Squares of areas are numbers up to there.
+    if (!(radius < real(1e70)))
+      detail::fail<std::invalid_argument>(
+          "the corners of a triangle_mesh may be up to 1e70 from the centre, but one is at {}: give "
+          "them in other units",
+          radius);
     surface_report unused;
     surface_report& found = report == nullptr ? unused : *report;
     found = {};
     detail::triangle_welder welder(radius, found);
-    for (const triangle& t : triangles) welder.add({t[0] - centre, t[1] - centre, t[2] - centre});
-    welder.finish();
+    if (radius > real(1e-70)) {
+      for (const triangle& t : triangles) welder.add({t[0] - centre, t[1] - centre, t[2] - centre});
+      welder.finish();
+    }
     for (auto* places : {&found.joined, &found.open_edges, &found.shared_edges})
       for (vec3& p : *places) p += centre;
     auto& faces = welder.faces;

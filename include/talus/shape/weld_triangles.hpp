@@ -55,17 +55,13 @@ class triangle_welder {
   using edge = std::pair<std::uint32_t, std::uint32_t>;
 
  public:
-  /// Of triangles around the origin.
+  /// Of triangles around the origin, within a radius that is positive.
   triangle_welder(real radius, surface_report& report)
       : near_(weld_part * radius), cell_(16 * near_), report_(report) {}
 
   /// A triangle of finite corners.
   void add(const std::array<vec3, 3>& t) {
-    const corners face{number_of(t[0]), number_of(t[1]), number_of(t[2])};
-    if (has_area(face))
-      faces.push_back(face);
-    else
-      ++report_.without_area;
+    keep({number_of(t[0]), number_of(t[1]), number_of(t[2])});
   }
   void finish() {
     drop_doubled();
@@ -124,6 +120,12 @@ class triangle_welder {
     const real longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     return triangle_tree::twice_area(a, b, c).norm() > near_ * longest;
   }
+  void keep(const corners& face) {
+    if (has_area(face))
+      faces.push_back(face);
+    else
+      ++report_.without_area;
+  }
   void drop_doubled() {
     std::map<corners, std::uint32_t> known;
     std::size_t kept = 0;
@@ -176,7 +178,7 @@ class triangle_welder {
     while (!waiting.empty()) {
       const corners f = waiting.back();
       waiting.pop_back();
-      if (!divide(f, on_edge, waiting)) faces.push_back(f);
+      if (!divide(f, on_edge, waiting)) keep(f);
     }
   }
   void find_on_edge(const edge& e, const std::array<plain_vector<std::uint32_t>, 3>& along,
