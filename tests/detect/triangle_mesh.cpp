@@ -195,6 +195,37 @@ TEST_CASE_TEMPLATE("a solid on a flat surface is held as by a plane, without a p
   }
 }
 
+TEST_CASE("a tilted plane of corners in single precision is one face") {
+  const quat tilt = rotation({0.3, 1, 0.2}, 0.37);
+  for (const int n : {4, 40}) {
+    auto all = flat(n, 2);
+    for (triangle& t : all)
+      for (vec3& v : t) {
+        v = rotated(tilt, v);
+        for (int k = 0; k < 3; ++k) v[k] = static_cast<real>(static_cast<float>(v[k]));
+      }
+    const triangle_mesh m(all);
+    const box cube{{0.3, 0.3, 0.3}};
+    for (const vec3& at : {vec3(0, 0, 0), vec3(0.41, -0.23, 0), vec3(-0.6, 0.55, 0)}) {
+      const vec3 where = rotated(tilt, vec3(at + vec3(0, 0, 0.15 - 1e-5)));
+      int points = 0;
+      collide(m, m.frame(), cube, pose{where, tilt}, 1e-4,
+                           [&](const contact_geometry&) { ++points; });
+      CAPTURE(n);
+      CAPTURE(at[0]);
+      CHECK(points == 4);
+    }
+  }
+}
+
+TEST_CASE("a surface whose corners coincide, or are too far away, is refused") {
+  const vec3 p(1, 2, 3);
+  CHECK_THROWS_AS(triangle_mesh({{p, p, p}}), std::invalid_argument);
+  for (const real far : {1e80, 1e200, 1e308})
+    CHECK_THROWS_AS(triangle_mesh({{vec3(far, 0, 0), vec3(0, far, 0), vec3(0, -far, 0)}}),
+                    std::invalid_argument);
+}
+
 TEST_CASE("STL files are read as text and in binary, and what is wrong with them is said") {
   const std::string file = "/tmp/talus_stl_" + std::to_string(getpid()) + ".stl";
   const auto write = [&](const std::string& bytes) {

@@ -34,6 +34,10 @@ template <class A, class FlightA, class B, class FlightB>
   if constexpr (!A::isotropic) turning += fa.spin.norm() * a.bounding_radius();
   if constexpr (!B::isotropic) turning += fb.spin.norm() * b.bounding_radius();
   const real pull = (fa.acceleration - fb.acceleration).norm();
+  bool near = false;  // at the end, as most
+  collide_pair(a, fa.at(to), b, fb.at(to), touch,
+               [&](const contact_geometry& g) { near = near || g.gap <= touch; });
+  if (near) return true;
   real t = 0;
   for (int k = 0; k < most; ++k) {
     const vec3 v = fa.speed(t) - fb.speed(t);

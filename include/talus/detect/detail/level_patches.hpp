@@ -9,6 +9,7 @@
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/core/math.hpp"
 #include "talus/detect/detail/convex_patch.hpp"
+#include "talus/shape/weld_triangles.hpp"
 
 namespace talus::detail {
 
@@ -17,14 +18,20 @@ namespace talus::detail {
 /// it, nor on the stiffness of soft contacts.
 class level_patches {
  public:
-  explicit level_patches(real size) : near_(real(1e-6) * size) {}
+  /// Of a body of this size, on a surface with this radius: its corners may be off a plane by
+  /// round-off of single precision.
+  level_patches(real size, real radius)
+      : near_(real(1e-6) * size),
+        off_(near_ + weld_part * radius),
+        tilted_(std::min(off_ / size, real(0.01))) {}
 
   /// A contact of a triangle: `up` is the normal of its plane on the side of the body, and `level`
-  /// the height of the plane along it. Returns false if there is no room.
+  /// the height of the plane along it over the centre of the body. Returns false if there is no
+  /// room.
   bool add(const contact_geometry& c, const vec3& up, real level) {
     std::size_t k = 0;
-    while (k < size_ && !(std::abs(patches_[k].level - level) <= near_ &&
-                          (patches_[k].up - up).squaredNorm() <= real(1e-12)))
+    while (k < size_ && !(std::abs(patches_[k].level - level) <= off_ &&
+                          (patches_[k].up - up).squaredNorm() <= tilted_ * tilted_))
       ++k;
     if (k == patches_.size()) return false;
     patch& p = patches_[k];
@@ -102,7 +109,8 @@ class level_patches {
     return x * (b.v - a.v) - y * (b.u - a.u) < -near_ * std::sqrt(x * x + y * y);
   }
 
-  real near_;
+  real near_;          ///< of points, which are one
+  real off_, tilted_;  ///< of triangles in one plane: their heights, and the angle between them
   std::size_t size_ = 0;
   std::array<patch, most_planes> patches_;
 };
