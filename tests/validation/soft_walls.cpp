@@ -2,8 +2,11 @@
 // stable at a fifth of the critical time step.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <talus/detect/narrow.hpp>
+#include <talus/interaction/stiffening.hpp>
 #include <talus/mesh.hpp>
 #include <talus/observe/critical_dt.hpp>
 #include <talus/observe/force.hpp>
@@ -27,9 +30,9 @@ using linear = soft_contact<linear_spring_dashpot, coulomb_friction, rolling_res
 using hertz = soft_contact<hertz_mindlin, coulomb_friction, rolling_resistance>;
 using clump = union_of<sphere, box>;
 template <class Law, class Integrator = semi_implicit_euler>
-using walled = scenario<
-    bodies<sphere, box, capsule, cylinder, convex_polyhedron, clump, triangle_mesh, plane>, Law,
-    integrator<Integrator>, transport<serial>>;
+using walled =
+    scenario<bodies<sphere, box, capsule, cylinder, convex_polyhedron, clump, triangle_mesh, plane>,
+             Law, integrator<Integrator>, transport<serial>>;
 
 /// A square in the plane z = 0, of n x n pairs of triangles.
 triangle_mesh square(real side, int n) {
@@ -60,8 +63,8 @@ real force_on_sphere(real radius, real overlap, AddWall&& add_wall) {
   world<walled<hertz>> w(link);
   w.material({.youngs_modulus = 1e7, .poisson_ratio = 0.3});
   add_wall(w);
-  const auto ball = w.add(
-      body{.shape = sphere{radius}, .position = {0.03, -0.11, radius - overlap}});
+  const auto ball =
+      w.add(body{.shape = sphere{radius}, .position = {0.03, -0.11, radius - overlap}});
   w.synchronize();
   return contact_force(w, ball)[2];
 }
@@ -98,9 +101,7 @@ TEST_CASE("a flat wall of any shape repels a Hertzian sphere like a plane") {
   const real modulus = 1e7 / (1 - 0.09) / 2;
   const real right = 4. / 3 * modulus * std::sqrt(radius * overlap) * overlap;
   const auto global = [](const auto& shape, const vec3& at) {
-    return [=](auto& w) {
-      w.global([&](auto& scope) { scope.add(shape, material_id{}, at); });
-    };
+    return [=](auto& w) { w.global([&](auto& scope) { scope.add(shape, material_id{}, at); }); };
   };
   const auto fixed = [](const auto& shape, const vec3& at) {
     return [=](auto& w) { w.add(body{.shape = shape, .position = at, .fixed = true}); };
@@ -121,14 +122,10 @@ TEST_CASE("a flat wall of any shape repels a Hertzian sphere like a plane") {
 TEST_CASE("bodies at rest on soft walls stay there at a fifth of the critical time step") {
   const auto on_plane = [](auto& w) { w.global([](auto& s) { s.add(plane{}, {}); }); };
   const auto on_triangles = [](int n) {
-    return [n](auto& w) {
-      w.global([&](auto& scope) { scope.add(square(4, n), material_id{}); });
-    };
+    return [n](auto& w) { w.global([&](auto& scope) { scope.add(square(4, n), material_id{}); }); };
   };
   const auto on_box = [](auto& w) {
-    w.global([](auto& scope) {
-      scope.add(box{{4, 4, 1}}, material_id{}, vec3(0, 0, -0.5));
-    });
+    w.global([](auto& scope) { scope.add(box{{4, 4, 1}}, material_id{}, vec3(0, 0, -0.5)); });
   };
   const auto check = [&](const std::string& name, const auto& shape, real height) {
     CAPTURE(name);
@@ -148,7 +145,37 @@ TEST_CASE("bodies at rest on soft walls stay there at a fifth of the critical ti
   check("plate", box{{e, 2 * e, 0.1 * e}}, 0.05 * e);
   check("hull", cube_hull(e), e / 2);
   check("cylinder", cylinder{e / 2, e}, e / 2);
-  check("clump", clump({{.shape = sphere{e / 2}, .at = {{-e / 3, 0, 0}, {1, 0, 0, 0}}},
-                        {.shape = sphere{e / 2}, .at = {{e / 3, 0, 0}, {1, 0, 0, 0}}}}),
+  check("clump",
+        clump({{.shape = sphere{e / 2}, .at = {{-e / 3, 0, 0}, {1, 0, 0, 0}}},
+               {.shape = sphere{e / 2}, .at = {{e / 3, 0, 0}, {1, 0, 0, 0}}}}),
         e / 2);
+}
+
+TEST_CASE("the corners of two faces on each other are counted") {
+  std::vector<vec3> corners;
+  for (int k = 0; k < 6; ++k)
+    for (const real z : {-0.2, 0.2})
+      corners.emplace_back(std::cos(k * pi / 3), std::sin(k * pi / 3), z);
+  const convex_polyhedron prism(corners);
+  const auto check = [](const auto& shape, real half, real turn, int expected) {
+    int points = 0;
+    collide_pair(shape, pose{{0, 0, half - 1e-4}, rotation({0, 0, 1}, turn)}, shape,
+                 pose{{0, 0, -half}}, 1e-3, [&](const contact_geometry&) { ++points; });
+    CHECK(points == expected);
+    CHECK(points <= detail::most_contact_points(shape, detail::most_corners_of_face(shape)));
+  };
+  check(cube_hull(1), 0.5, pi / 4, 8);
+  check(prism, 0.2, pi / 6, 12);
+}
+
+TEST_CASE("the critical time step is the least of those of the bodies, not of a mixture of them") {
+  const auto step = [](bool ball, bool cube) {
+    serial::link link;
+    world<walled<linear>> w(link);
+    w.material({.density = 1000, .restitution = 0.3, .friction = 0.5, .stiffness = 1e6});
+    if (ball) w.add(body{.shape = sphere{0.01}});
+    if (cube) w.add(body{.shape = box{{2, 2, 2}}, .position = {5, 0, 0}});
+    return critical_dt(w, 0);
+  };
+  CHECK(step(true, true) == std::min(step(true, false), step(false, true)));
 }

@@ -19,9 +19,8 @@ template <class Shape>
     return 1;
   } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
     int most = 0;
-    s.each_part([&](const auto& part, const pose&) {
-      most = std::max(most, most_corners_of_face(part));
-    });
+    s.each_part(
+        [&](const auto& part, const pose&) { most = std::max(most, most_corners_of_face(part)); });
     return most;
   } else if constexpr (std::is_same_v<Shape, capsule>) {
     return 2;
@@ -54,8 +53,8 @@ template <class Shape>
 
 /// A bound of the square of the highest frequency of a body on that many springs, along and across
 /// the normal, over that of its mass on one spring: n (1 + max (h_j^2 + h_k^2) / I_i), with half
-/// extents h and moments of inertia I of unit mass about the principal axes. It is 16 for any box on
-/// a plane, of which translation alone is 4. A sphere, which one spring bears, has 1.
+/// extents h and moments of inertia I of unit mass about the principal axes. It is 16 for any box
+/// on a plane, of which translation alone is 4. A sphere, which one spring bears, has 1.
 template <class Shape>
 [[nodiscard]] real stiffening(const Shape& s, int of_others) {
   if constexpr (Shape::isotropic) return 1;

@@ -29,7 +29,7 @@ struct soft_scales {
   std::vector<real> lightest, stiffest;
   /// By pair of materials: the longest step that is stable for all bodies of the first.
   std::vector<real> stable;
-  std::vector<char> wall;      ///< by material: whether a body of it is immovable
+  std::vector<char> wall;  ///< by material: whether a body of it is immovable
   real of_bodies = std::numeric_limits<real>::infinity();  ///< longest step stable for all bodies
   real speed = 0;    ///< estimated, of the fastest impact: of present motion, and of a fall
   real gravity = 0;  ///< its size
@@ -153,8 +153,7 @@ template <class Scenario>
     extremes.each(m, [&](real mass, real stiffer) {
       if (mass / stiffer == least[m]) s.lightest[m] = std::min(s.lightest[m], mass);
       for (std::size_t j = 0; j < n; ++j)
-        if (const auto& pair =
-                pairs.pair(static_cast<material_id>(m), static_cast<material_id>(j));
+        if (const auto& pair = pairs.pair(static_cast<material_id>(m), static_cast<material_id>(j));
             pair.known)
           s.stable[m * n + j] =
               std::min(s.stable[m * n + j], real(law::longest_step(pair, mass, stiffer)));
@@ -243,10 +242,10 @@ template <class Scenario>
 /// Collective: the critical time step of a soft scenario for impacts of the given relative speed,
 /// infinite if nothing moves. A fifth of it is common: at that step a contact takes 20 steps or
 /// more, and the motion is stable. It is the smaller of two values. Stability: for linear springs
-/// the step beyond which a contact of a body with one like it gains energy;
-/// for Hertz the shortest Rayleigh time of all bodies; for bonds a bound for all bonds of a body.
-/// Boxes, hulls, cylinders, capsules and unions count as on the contact points of a face, about
-/// which they also turn (see interaction/stiffening.hpp); a surface of triangles counts as a plane.
+/// the step beyond which a contact of a body with one like it gains energy; for Hertz the shortest
+/// Rayleigh time of all bodies; for bonds a bound for all bonds of a body. Boxes, hulls, cylinders,
+/// capsules and unions count as on the contact points of two faces, about which they also turn (see
+/// interaction/stiffening.hpp); a surface of triangles counts as a plane.
 /// Resolution: 5/21 of the shortest contact at that speed, if that is an impact: faster than
 /// gravity times the duration of the contact. So a speed of 0 gives stability alone. Bodies with
 /// many contacts with others are stiffer. Throws invalid_argument for a speed that is negative or
