@@ -210,7 +210,7 @@ TEST_CASE("a tilted plane of corners in single precision is one face") {
       const vec3 where = rotated(tilt, vec3(at + vec3(0, 0, 0.15 - 1e-5)));
       int points = 0;
       collide(m, m.frame(), cube, pose{where, tilt}, 1e-4,
-                           [&](const contact_geometry&) { ++points; });
+              [&](const contact_geometry&) { ++points; });
       CAPTURE(n);
       CAPTURE(at[0]);
       CHECK(points == 4);
@@ -303,7 +303,9 @@ TEST_CASE("corners that nearly coincide are one, and those on an edge are joined
   CHECK(open_rim(welded) == 6);
   // A triangle twice, also the other way around, and one without an area.
   all = rectangle(-1, 0, -1, 1);
-  add(all, {all[0], {all[1][2], all[1][1], all[1][0]}, {vec3(0, 0, 0), vec3(1, 0, 0), vec3(2, 0, 1e-8)}});
+  add(all, {all[0],
+            {all[1][2], all[1][1], all[1][0]},
+            {vec3(0, 0, 0), vec3(1, 0, 0), vec3(2, 0, 1e-8)}});
   CHECK(triangle_mesh(all, &report).triangles() == 2);
   CHECK(report.doubled == 2);
   CHECK(report.without_area == 1);

@@ -23,9 +23,9 @@ using namespace talus;
 namespace {
 
 template <class... More>
-using scene_with = scenario<bodies<sphere, box, convex_polyhedron, triangle_mesh, plane>,
-                            hard_contact<coulomb_friction, newton_restitution>, transport<serial>,
-                            More...>;
+using scene_with =
+    scenario<bodies<sphere, box, convex_polyhedron, triangle_mesh, plane>,
+             hard_contact<coulomb_friction, newton_restitution>, transport<serial>, More...>;
 using scene = scene_with<>;
 using followed = scene_with<features<continuous_collision>>;
 using triangles = std::vector<triangle_mesh::triangle>;
@@ -178,8 +178,8 @@ struct course {
   real way = 0;     ///< the way travelled less that at the speed, over the latter
 };
 template <class Scenario, class Shape>
-course slide(const floor_kind<Scenario>& floor, const Shape& shape, real height, real size, const vec3& v,
-             real dt, const material& stuff, const vec3& spin = {0, 0, 0}) {
+course slide(const floor_kind<Scenario>& floor, const Shape& shape, real height, real size,
+             const vec3& v, real dt, const material& stuff, const vec3& spin = {0, 0, 0}) {
   serial::link link;
   world<Scenario> w(link);
   w.gravity({0, 0, -9.81});
@@ -190,10 +190,8 @@ course slide(const floor_kind<Scenario>& floor, const Shape& shape, real height,
   const real way = std::max(2.5 * size, 6 * v.norm() * dt);
   const vec3 ahead = v.normalized();
   const vec3 start = vec3(0, 0, height) - way / 2 * ahead;
-  const auto mover = w.add(body<Shape>{.shape = shape,
-                                       .position = start,
-                                       .velocity = v,
-                                       .angular_velocity = spin});
+  const auto mover = w.add(
+      body<Shape>{.shape = shape, .position = start, .velocity = v, .angular_velocity = spin});
   course c;
   const int steps = static_cast<int>(std::min(way / v.norm() / dt, real(4000)));
   for (int k = 0; k < steps; ++k) {

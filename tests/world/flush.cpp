@@ -169,14 +169,15 @@ TEST_CASE_TEMPLATE("a belt flush with a plane carries what rests on it", Law, ha
     w.material({.density = 1000, .restitution = 0.2, .friction = 0.5, .stiffness = 1e5});
     const auto put_plane = [&] { w.global([](auto& scope) { scope.add(plane{}, {}); }); };
     if (plane_first) put_plane();
-    const auto belt = w.add(
-        body<box>{.shape = box{{2, 2, 0.2}}, .position = {0, 0, -0.1}, .fixed = true});
+    const auto belt =
+        w.add(body<box>{.shape = box{{2, 2, 0.2}}, .position = {0, 0, -0.1}, .fixed = true});
     w[belt].set_velocity({0.2, 0, 0});
     if (!plane_first) put_plane();
     const auto ball = w.add(body{.shape = sphere{0.03}, .position = {0, 0, 0.03}});
     const real dt = 2e-4;
     for (int k = 0; k < 500; ++k) w.step(dt);
-    // It rolls backwards on the belt while friction drives it: at its lowest point it moves with it.
+    // It rolls backwards on the belt while friction drives it: at its lowest point it moves with
+    // it.
     const auto& b = w[ball];
     const vec3 lowest = b.velocity() + b.angular_velocity().cross(vec3(0, 0, -0.03));
     CHECK(lowest[0] == doctest::Approx(0.2).epsilon(0.01));

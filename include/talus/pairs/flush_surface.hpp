@@ -1,7 +1,8 @@
 #pragma once
 // Finds the contacts with fixed bodies that are not on their common surface; see
 // detect/flush.hpp. What is found depends on the bodies alone, not on their order or owner: a rank
-// that computes a contact holds every body that reaches its point.
+// that computes a contact holds every body that reaches its point. (Those that goes_on() looks at,
+// up to a diameter of the movable body away, it holds if they are global.)
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -238,8 +239,7 @@ class flush_surface {
         vec3 p = c_.point;
         with_body(number, [&](const auto& store, std::size_t i) {
           using shape = typename std::remove_cvref_t<decltype(store)>::shape_type;
-          const driven_body* one =
-              s_.flush.all[number].global ? driven_at<shape>(s_, i) : nullptr;
+          const driven_body* one = s_.flush.all[number].global ? driven_at<shape>(s_, i) : nullptr;
           if (one == nullptr) return;
           const rigid_place &from = one->state.at, &to = one->next.end;
           if (one->is_servo)
@@ -279,8 +279,8 @@ class flush_surface {
 /// Whether contacts of a movable shape with a fixed one may be hidden. On a plane only those that
 /// another surface there has too.
 template <class Fixed, class Other>
-inline constexpr bool has_contacts_hidden =
-    has_flat_faces<Fixed> || (is_half_space<Fixed> && Other::isotropic);
+inline constexpr bool has_contacts_hidden = has_flat_faces<Fixed> ||
+                                            (is_half_space<Fixed> && Other::isotropic);
 
 /// Number of the fixed body k of a store among those that may be flush, if it touches others.
 template <class Fixed, class Scenario>

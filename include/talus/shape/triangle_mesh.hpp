@@ -136,7 +136,8 @@ class triangle_mesh {
     // Squares of areas are numbers up to there.
     if (!(radius < real(1e70)))
       detail::fail<std::invalid_argument>(
-          "the corners of a triangle_mesh may be up to 1e70 from the centre, but one is at {}: give "
+          "the corners of a triangle_mesh may be up to 1e70 from the centre, but one is at {}: "
+          "give "
           "them in other units",
           radius);
     surface_report unused;

@@ -30,8 +30,8 @@ class convex_contact {
         rounding_(a.rounding() + b.rounding()),
         smallest_(std::min(a.smallest(), b.smallest())) {}
 
-  /// The points with a gap of at most the margin, at most 16. (A list, so that this is compiled once
-  /// for all uses of the points.)
+  /// The points with a gap of at most the margin, at most 16. (A list, so that this is compiled
+  /// once for all uses of the points.)
   [[nodiscard]] std::span<const contact_geometry> find() {
     size_ = 0;
     search();

@@ -92,8 +92,7 @@ class level_patches {
     turn(std::make_reverse_iterator(end), std::make_reverse_iterator(sorted.begin()), lower + 1);
     if (size > 1 && same(hull[0], hull[size - 1])) --size;
     if (tolerance > 0)
-      size = static_cast<std::size_t>(
-          keep_outline(hull.data(), static_cast<int>(size), tolerance));
+      size = static_cast<std::size_t>(keep_outline(hull.data(), static_cast<int>(size), tolerance));
     std::array<contact_geometry, capacity> kept;
     for (std::size_t k = 0; k < size; ++k)
       kept[k] = p.contacts[hull[k].reference], p.points[k] = hull[k];

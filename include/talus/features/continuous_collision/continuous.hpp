@@ -158,10 +158,11 @@ template <class ShapeB, bool Paired, class Scenario, class StoreA, class FlightA
   bool some = false, shown = false;
   collide_pair(a.shape[i], at_a, b.shape[j], at_b, search.zone, [&](const contact_geometry& g) {
     some = true;
-    const vec3 u = v + fa.spin.cross(g.point - at_a.position) - fb.spin.cross(g.point - at_b.position);
-    shown = shown || (-g.normal.dot(u) > search.rest &&
-                      !is_hidden<ShapeA, ShapeB, Paired>(s, a, i, at_a.position, b, j,
-                                                         at_b.position, g));
+    const vec3 u =
+        v + fa.spin.cross(g.point - at_a.position) - fb.spin.cross(g.point - at_b.position);
+    shown = shown ||
+            (-g.normal.dot(u) > search.rest &&
+             !is_hidden<ShapeA, ShapeB, Paired>(s, a, i, at_a.position, b, j, at_b.position, g));
   });
   return some && !shown;
 }
