@@ -310,7 +310,9 @@ concept contact_data = detail::part_for<Part, roles::contact_law> && requires {
 /// - `force(c, p, dt, memory)`: force and moment on body a, and the part of them that comes from
 ///   the stored energy; advances the memory by dt
 /// - `stored(c, p, memory)`: the energy that the contact can return
-/// - `longest_step(p, mass)`: the longest stable time step of two bodies of this mass, or infinity
+/// - `longest_step(p, mass)`: the longest stable time step of two bodies of this mass, or infinity;
+///   optionally `longest_step(p, mass, stiffer)` of bodies that several contacts make stiffer by
+///   this factor, without it that of a mass smaller by the factor
 /// - `duration(p, impact)`: the duration of an impact, or infinity and, optionally,
 /// - `range(p, radius)`: the gap up to which it acts, for the effective radius of the two bodies,
 ///   not decreasing with it; without it the law acts where bodies overlap

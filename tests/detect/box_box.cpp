@@ -91,7 +91,7 @@ real smallest_half(const posed& a, const posed& b) {
 
 // Properties of every answer.
 void check_sound(const posed& a, const posed& b, const contacts& found, real margin) {
-  CHECK(found.size() <= 4);
+  CHECK(found.size() <= 8);
   CHECK(features(found).size() == found.size());
   const real largest = std::max(a.shape.half().maxCoeff(), b.shape.half().maxCoeff());
   for (std::size_t k = 0; k < found.size(); ++k) {

@@ -195,6 +195,37 @@ TEST_CASE_TEMPLATE("a solid on a flat surface is held as by a plane, without a p
   }
 }
 
+TEST_CASE("a tilted plane of corners in single precision is one face") {
+  const quat tilt = rotation({0.3, 1, 0.2}, 0.37);
+  for (const int n : {4, 40}) {
+    auto all = flat(n, 2);
+    for (triangle& t : all)
+      for (vec3& v : t) {
+        v = rotated(tilt, v);
+        for (int k = 0; k < 3; ++k) v[k] = static_cast<real>(static_cast<float>(v[k]));
+      }
+    const triangle_mesh m(all);
+    const box cube{{0.3, 0.3, 0.3}};
+    for (const vec3& at : {vec3(0, 0, 0), vec3(0.41, -0.23, 0), vec3(-0.6, 0.55, 0)}) {
+      const vec3 where = rotated(tilt, vec3(at + vec3(0, 0, 0.15 - 1e-5)));
+      int points = 0;
+      collide(m, m.frame(), cube, pose{where, tilt}, 1e-4,
+              [&](const contact_geometry&) { ++points; });
+      CAPTURE(n);
+      CAPTURE(at[0]);
+      CHECK(points == 4);
+    }
+  }
+}
+
+TEST_CASE("a surface whose corners coincide, or are too far away, is refused") {
+  const vec3 p(1, 2, 3);
+  CHECK_THROWS_AS(triangle_mesh({{p, p, p}}), std::invalid_argument);
+  for (const real far : {1e80, 1e200, 1e308})
+    CHECK_THROWS_AS(triangle_mesh({{vec3(far, 0, 0), vec3(0, far, 0), vec3(0, -far, 0)}}),
+                    std::invalid_argument);
+}
+
 TEST_CASE("STL files are read as text and in binary, and what is wrong with them is said") {
   const std::string file = "/tmp/talus_stl_" + std::to_string(getpid()) + ".stl";
   const auto write = [&](const std::string& bytes) {
@@ -238,6 +269,65 @@ TEST_CASE("STL files are read as text and in binary, and what is wrong with them
   CHECK_THROWS_WITH(read_stl(file), doctest::Contains("line 3 of the STL file"));
   std::remove(file.c_str());
   CHECK_THROWS_WITH(read_stl(file), doctest::Contains("cannot be read: is the name right"));
+}
+
+namespace {
+
+/// The number of edges without a neighbour.
+int open_rim(const triangle_mesh& m) {
+  int open = 0;
+  for (const auto& n : m.tree().neighbours)
+    for (const std::uint32_t t : n) open += t == detail::triangle_tree::none;
+  return open;
+}
+
+}  // namespace
+
+TEST_CASE("corners that nearly coincide are one, and those on an edge are joined with it") {
+  const auto rectangle = [](real x0, real x1, real y0, real y1) {
+    const vec3 a(x0, y0, 0), b(x1, y0, 0), c(x1, y1, 0), d(x0, y1, 0);
+    return std::vector<triangle>{{a, b, c}, {a, c, d}};
+  };
+  const auto add = [](std::vector<triangle>& to, const std::vector<triangle>& more) {
+    to.insert(to.end(), more.begin(), more.end());
+  };
+  surface_report report;
+  // Corners that differ by the round-off of single precision.
+  auto all = rectangle(-1, 0, -1, 1);
+  add(all, rectangle(6e-8, 1, -1 - 1e-7, 1));
+  const triangle_mesh welded(all, &report);
+  CHECK(welded.tree().vertices.size() == 6);
+  CHECK(report.merged == 3);
+  CHECK(report.open_edges.size() == 6);
+  CHECK(report.joined.empty());
+  CHECK(open_rim(welded) == 6);
+  // A triangle twice, also the other way around, and one without an area.
+  all = rectangle(-1, 0, -1, 1);
+  add(all, {all[0],
+            {all[1][2], all[1][1], all[1][0]},
+            {vec3(0, 0, 0), vec3(1, 0, 0), vec3(2, 0, 1e-8)}});
+  CHECK(triangle_mesh(all, &report).triangles() == 2);
+  CHECK(report.doubled == 2);
+  CHECK(report.without_area == 1);
+  // Five rectangles beside three, whose corners lie on each other's edges.
+  all.clear();
+  for (int k = 0; k < 5; ++k) add(all, rectangle(-1, 0, -1 + 0.4 * k, -0.6 + 0.4 * k));
+  for (int k = 0; k < 3; ++k) add(all, rectangle(0, 1, -1 + 2 * k / 3.0, -1 + 2 * (k + 1) / 3.0));
+  const triangle_mesh joined(all, &report);
+  CHECK(joined.triangles() == 16 + 6);
+  CHECK(joined.volume() == doctest::Approx(4));
+  REQUIRE(report.joined.size() == 6);
+  for (const vec3& p : report.joined) CHECK(p[0] == 0);
+  CHECK(report.open_edges.size() == 12);
+  CHECK(open_rim(joined) == 12);
+  CHECK(report.text().find("6 corners on an edge joined (the first at (0, -") != std::string::npos);
+  // A third sheet on an edge of two.
+  all = rectangle(-1, 0, -1, 1);
+  add(all, rectangle(0, 1, -1, 1));
+  all.push_back({vec3(0, -1, 0), vec3(0, 1, 0), vec3(0, 0, 1)});
+  (void)triangle_mesh(all, &report);
+  REQUIRE(report.shared_edges.size() == 1);
+  CHECK(report.shared_edges[0].norm() < 1e-15);
 }
 
 namespace {

@@ -6,6 +6,11 @@
 
 namespace talus {
 
+namespace detail {
+/// Contact points of two flat faces, or of a face and the edge of a cylinder, at most.
+inline constexpr int most_corners = 16;
+}  // namespace detail
+
 /// A point at which two bodies touch, or nearly touch.
 struct contact_geometry {
   vec3 normal;   ///< unit, from body b towards body a

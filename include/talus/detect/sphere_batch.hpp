@@ -108,8 +108,9 @@ class sphere_batch {
   pack_vector<wide> normal;    ///< from b to a
   pack_vector<wide> velocity;  ///< of a against b at the contact
   wide gap;
-  wide approach;      ///< the velocity along the normal
-  wide arm_a, arm_b;  ///< distances of the contact from the centres
+  wide approach;       ///< the velocity along the normal
+  wide arm_a, arm_b;   ///< distances of the contact from the centres
+  unsigned apart = 0;  ///< those of them with a gap above the slack, which may pass each other
 
  private:
   /// `find_margins` may set the margins and slacks; the mask that it returns excludes pairs.
@@ -141,7 +142,9 @@ class sphere_batch {
     const wide closing = approach * dt - every_lane<wide>(2 * gravity * dt * dt);
     const auto near = x.squared <= reach * reach;
     const auto left_out = excluded | ((gap > slack_) & (gap + closing > slack_));
-    return bits_of(both(near, inverted(left_out))) & ((1u << count) - 1);
+    const unsigned met = bits_of(both(near, inverted(left_out))) & ((1u << count) - 1);
+    apart = met & bits_of(gap > slack_);
+    return met;
   }
 
   std::array<const moving_sphere*, capacity> a_, b_;

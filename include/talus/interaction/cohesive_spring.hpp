@@ -92,8 +92,9 @@ struct cohesive_spring final {
     return {.normal = real(0.5) * (unload.stiffness * (here * here - there * there) -
                                    p.cohesive * meet * meet)};
   }
-  [[nodiscard]] static real longest_step(const parameters& p, real mass) {
-    return detail::longest_step_of_spring(std::max(p.unloading, p.cohesive), mass, p.damping);
+  [[nodiscard]] static real longest_step(const parameters& p, real mass, real stiffer = 1) {
+    return detail::longest_step_of_spring(std::max(p.unloading, p.cohesive), mass, p.damping,
+                                          stiffer);
   }
   /// Half a period of the steepest line.
   [[nodiscard]] static real duration(const parameters& p, const head_on_impact& hit) {

@@ -254,10 +254,18 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     return sum;
   }
 
-  /// The longest stable step of two bodies of this mass.
-  [[nodiscard]] static real longest_step(const parameters& p, real mass) {
-    return std::min(
-        {std::numeric_limits<real>::infinity(), real(Laws::longest_step(of<Laws>(p), mass))...});
+  /// The longest stable step of two bodies of this mass, `stiffer` by this factor than on one
+  /// contact.
+  [[nodiscard]] static real longest_step(const parameters& p, real mass, real stiffer = 1) {
+    real least = std::numeric_limits<real>::infinity();
+    const auto bound = [&]<class Law>() {
+      if constexpr (requires { Law::longest_step(of<Law>(p), mass, stiffer); })
+        least = std::min(least, real(Law::longest_step(of<Law>(p), mass, stiffer)));
+      else
+        least = std::min(least, real(Law::longest_step(of<Law>(p), mass / stiffer)));
+    };
+    (bound.template operator()<Laws>(), ...);
+    return least;
   }
   /// The longest stable step of a body, for any partner.
   [[nodiscard]] static real longest_step_of_body(const material& m, real radius) {

@@ -71,8 +71,8 @@ struct linear_spring_dashpot final {
                                             const memory&) {
     return {.normal = real(0.5) * p.stiffness * c.gap * c.gap};
   }
-  [[nodiscard]] static real longest_step(const parameters& p, real mass) {
-    return detail::longest_step_of_spring(p.stiffness, mass, p.damping);
+  [[nodiscard]] static real longest_step(const parameters& p, real mass, real stiffer = 1) {
+    return detail::longest_step_of_spring(p.stiffness, mass, p.damping, stiffer);
   }
   /// The time from the first touch until the force is zero.
   [[nodiscard]] static real duration(const parameters& p, const head_on_impact& hit) {

@@ -79,10 +79,12 @@ template <class Number, class Bearing>
 
 /// Longest stable step for two bodies of this mass: 2 (sqrt(1 + z^2) - z) / w with w^2 = 2 k / m
 /// and the damping ratio z, from the amplification of the semi-implicit Euler method with the
-/// dashpot's force at the beginning of the step; without damping also that of Verlet.
-[[nodiscard]] inline real longest_step_of_spring(real stiffness, real mass, real ratio) {
-  const real z = std::min(real{1}, ratio);  // the step itself limits larger values
-  return 2 * (std::sqrt(1 + z * z) - z) / std::sqrt(2 * stiffness / mass);
+/// dashpot's force at the beginning of the step; without damping also that of Verlet. Several such
+/// contacts make bodies `stiffer` by this factor, in which both k and the dashpot grow.
+[[nodiscard]] inline real longest_step_of_spring(real stiffness, real mass, real ratio,
+                                                 real stiffer) {
+  const real z = std::sqrt(stiffer) * std::min(real{1}, ratio);  // a step limits larger values
+  return 2 / ((std::sqrt(1 + z * z) + z) * std::sqrt(2 * stiffer * stiffness / mass));
 }
 
 }  // namespace talus::detail

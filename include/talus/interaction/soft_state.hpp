@@ -59,4 +59,13 @@ template <class Shape>
     return portable::cbrt(s.volume() * (3 / (4 * pi)));
 }
 
+/// The curvature that a wall has in the theory of spheres: faces are flat.
+template <class Shape>
+[[nodiscard]] real wall_curvature(const Shape& s) {
+  if constexpr (Shape::isotropic)
+    return 1 / s.bounding_radius();
+  else
+    return (void)s, 0;
+}
+
 }  // namespace talus::detail

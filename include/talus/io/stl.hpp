@@ -75,8 +75,9 @@ namespace detail {
 
 /// The surface in an STL file, text or binary, all lengths times `scale`. Throws runtime_error for
 /// a file that cannot be read or is cut off, with the line of a text file, and invalid_argument as
-/// triangle_mesh does.
-[[nodiscard]] inline triangle_mesh read_stl(const std::string& file, real scale = 1) {
+/// triangle_mesh does. `report` gets what that finds: open edges, and corners that it joined.
+[[nodiscard]] inline triangle_mesh read_stl(const std::string& file, real scale = 1,
+                                            surface_report* report = nullptr) {
   detail::require_positive(scale, "the scale of an STL file");
   if (detail::is_folder(file))
     detail::fail<std::runtime_error>("the STL file {} is a folder: name the file in it", file);
@@ -102,7 +103,7 @@ namespace detail {
   for (auto& t : triangles)
     for (vec3& v : t) v *= scale;
   try {
-    return triangle_mesh(triangles);
+    return triangle_mesh(triangles, report);
   } catch (const std::invalid_argument& e) {
     detail::fail<std::invalid_argument>("the STL file {}: {}", file, e.what());
   }

@@ -10,7 +10,9 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/portable_powers.hpp"
+#include "talus/detect/flush.hpp"
 #include "talus/interaction/soft_state.hpp"
+#include "talus/interaction/stiffening.hpp"
 #include "talus/interaction/time_step.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/world/bond_time_step.hpp"
@@ -22,8 +24,12 @@ namespace detail {
 
 /// The data that determine the time step of soft contacts: the same on all ranks.
 struct soft_scales {
-  std::vector<real> lightest;  ///< by material: the least mass of a body that moves; else infinite
-  std::vector<char> wall;      ///< by material: whether a body of it is immovable
+  /// By material, of the body that moves with the least mass over stiffening(): its mass, else
+  /// infinite, and its stiffening().
+  std::vector<real> lightest, stiffest;
+  /// By pair of materials: the longest step that is stable for all bodies of the first.
+  std::vector<real> stable;
+  std::vector<char> wall;  ///< by material: whether a body of it is immovable
   real of_bodies = std::numeric_limits<real>::infinity();  ///< longest step stable for all bodies
   real speed = 0;    ///< estimated, of the fastest impact: of present motion, and of a fall
   real gravity = 0;  ///< its size
@@ -45,6 +51,49 @@ template <class Scenario>
   return furthest;
 }
 
+/// Collective: the largest number of corners of a face of a body on which another body with corners
+/// may lie; 0 if there is one such body or less.
+template <class Scenario>
+[[nodiscard]] int corners_of_others(world<Scenario>& w) {
+  real minus_most = 0, bodies = 0;
+  w.for_each_known([&](const auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    if constexpr (shape::finite && !is_triangulated<shape>) {
+      if (b.is_remote()) return;
+      const int corners = most_corners_of_face(b.shape());
+      if (corners <= 2) return;
+      ++bodies, minus_most = std::min(minus_most, real(-corners));
+    }
+  });
+  w.link().reduce(reduction::min, std::span(&minus_most, 1));
+  w.link().reduce(reduction::sum, std::span(&bodies, 1));
+  return bodies > 1 ? static_cast<int>(-minus_most) : 0;
+}
+
+/// Of each material, the bodies of which no other one is both lighter and stiffer.
+class soft_extremes {
+ public:
+  explicit soft_extremes(std::size_t materials) : of_(materials) {}
+  void add(std::size_t material, real mass, real stiffer) {
+    auto& all = of_[material];
+    for (const body& x : all)
+      if (x.mass <= mass && x.stiffer >= stiffer) return;
+    std::erase_if(all, [&](const body& x) { return mass <= x.mass && stiffer >= x.stiffer; });
+    all.push_back({mass, stiffer});
+  }
+  /// Calls f(mass, stiffening) for those of a material.
+  template <class F>
+  void each(std::size_t material, F&& f) const {
+    for (const body& x : of_[material]) f(x.mass, x.stiffer);
+  }
+
+ private:
+  struct body {
+    real mass, stiffer;
+  };
+  std::vector<std::vector<body>> of_;
+};
+
 /// Collective.
 template <class Scenario>
 [[nodiscard, gnu::cold]] soft_scales measure_soft_scales(world<Scenario>& w) {
@@ -55,11 +104,14 @@ template <class Scenario>
   const real gravity = w.gravity().norm();
   const vec3 down = gravity > 0 ? vec3(w.gravity() / gravity) : vec3(0, 0, 0);
   // The minimum over all ranks: first of each material, then of the rest, some with a minus.
+  // Of each material: the least mass over stiffening, and whether it is a wall.
   enum : std::size_t { of_bodies, minus_speed, minus_driven, minus_fall, minus_top, bottom, rest };
   std::vector<real> least(2 * n + rest, never);
   const auto lower = [&](std::size_t which, real value) {
     least[which] = std::min(least[which], value);
   };
+  const int of_others = corners_of_others(w);
+  soft_extremes extremes(n);
   lower(2 * n + minus_speed, 0), lower(2 * n + minus_driven, 0), lower(2 * n + minus_fall, 0);
   real moving = 0;
   w.for_each_known([&](const auto& b) {
@@ -74,13 +126,16 @@ template <class Scenario>
       lower(2 * n + bottom, height - below);
       if (!b.is_fixed()) {
         ++moving;
-        lower(m, b.mass());
+        const real stiffer = stiffening(b.shape(), of_others);
+        extremes.add(m, b.mass(), stiffer);
+        lower(m, b.mass() / stiffer);
         lower(2 * n + minus_speed, -b.velocity().norm());
         lower(2 * n + minus_top, -(height - below));
         lower(2 * n + minus_fall, -fall_to_planes(w, b.position() + below * down, down));
         if constexpr (law::bounds_each_body)
           lower(2 * n + of_bodies,
-                law::longest_step_of_body(materials[b.material()], sphere_radius(b.shape())));
+                law::longest_step_of_body(materials[b.material()], sphere_radius(b.shape())) /
+                    std::sqrt(stiffer));
         return;
       }
     }
@@ -91,8 +146,22 @@ template <class Scenario>
   w.link().reduce(reduction::sum, std::span(&moving, 1));
 
   soft_scales s;
-  s.lightest.assign(least.begin(), least.begin() + static_cast<std::ptrdiff_t>(n));
-  for (std::size_t m = 0; m < n; ++m) s.wall.push_back(least[n + m] == 0);
+  s.lightest.assign(n, never), s.stable.assign(n * n, never);
+  auto& pairs = state_of(w).soft.pairs;
+  pairs.follow(materials);
+  for (std::size_t m = 0; m < n; ++m)
+    extremes.each(m, [&](real mass, real stiffer) {
+      if (mass / stiffer == least[m]) s.lightest[m] = std::min(s.lightest[m], mass);
+      for (std::size_t j = 0; j < n; ++j)
+        if (const auto& pair = pairs.pair(static_cast<material_id>(m), static_cast<material_id>(j));
+            pair.known)
+          s.stable[m * n + j] =
+              std::min(s.stable[m * n + j], real(law::longest_step(pair, mass, stiffer)));
+    });
+  w.link().reduce(reduction::min, std::span(s.lightest));
+  w.link().reduce(reduction::min, std::span(s.stable));
+  for (std::size_t m = 0; m < n; ++m)
+    s.wall.push_back(least[n + m] == 0), s.stiffest.push_back(s.lightest[m] / least[m]);
   const auto rest_of = [&](std::size_t which) { return least[2 * n + which]; };
   s.of_bodies = rest_of(of_bodies);
   s.gravity = gravity;
@@ -130,8 +199,8 @@ template <class Scenario>
     return portable::cbrt(s.lightest[m] / w.materials()[material_id(m)].density * (3 / (4 * pi)));
   };
   each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto& pair) {
-    real of_mass = 1 / s.lightest[i], curvature = 1 / radius_of(i);
-    if (s.moves(j)) of_mass += 1 / s.lightest[j], curvature += 1 / radius_of(j);
+    real of_mass = s.stiffest[i] / s.lightest[i], curvature = 1 / radius_of(i);
+    if (s.moves(j)) of_mass += s.stiffest[j] / s.lightest[j], curvature += 1 / radius_of(j);
     const real time = law::duration(pair, head_on_impact{1 / of_mass, 1 / curvature, speed});
     if (is_impact(speed, time, s.gravity)) shortest = std::min(shortest, time);
   });
@@ -143,8 +212,8 @@ template <class Scenario>
 [[nodiscard]] real longest_stable_step(world<Scenario>& w, const soft_scales& s) {
   using law = typename Scenario::contact_law::law;
   real least = s.of_bodies;
-  each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto& pair) {
-    least = std::min(least, law::longest_step(pair, std::min(s.lightest[i], s.lightest[j])));
+  each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto&) {
+    least = std::min(least, s.stable[i * s.lightest.size() + j]);
   });
   if constexpr (has_bonds<Scenario>) least = std::min(least, longest_step_of_bonds(w));
   return least;
@@ -173,11 +242,14 @@ template <class Scenario>
 /// Collective: the critical time step of a soft scenario for impacts of the given relative speed,
 /// infinite if nothing moves. A fifth of it is common: at that step a contact takes 20 steps or
 /// more, and the motion is stable. It is the smaller of two values. Stability: for linear springs
-/// the step beyond which a contact of two of the lightest bodies of their materials gains energy;
-/// for Hertz the shortest Rayleigh time of all bodies; for bonds a bound for all bonds of a body.
+/// the step beyond which a contact of a body with one like it gains energy; for Hertz the shortest
+/// Rayleigh time of all bodies; for bonds a bound for all bonds of a body. Boxes, hulls, cylinders,
+/// capsules and unions count as on the contact points of two faces, about which they also turn (see
+/// interaction/stiffening.hpp); a surface of triangles counts as a plane.
 /// Resolution: 5/21 of the shortest contact at that speed, if that is an impact: faster than
 /// gravity times the duration of the contact. So a speed of 0 gives stability alone. Bodies with
-/// many contacts are stiffer. Throws invalid_argument for a speed that is negative or not finite.
+/// many contacts with others are stiffer. Throws invalid_argument for a speed that is negative or
+/// not finite.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w,
                                real impact_speed) requires(Scenario::contact_law::soft) {

@@ -243,7 +243,6 @@ void find_pairs_with_skin(world_state<Scenario>& s) {
     }
   });
   if constexpr (world_state<Scenario>::drives) (void)driven_within_skin(s);  // measures them again
-  s.each_shape([](auto& b) { b.globals_changed = false; });
   found.known = true;
 }
 

@@ -78,6 +78,8 @@ template <class Scenario, class Reach>
 void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable, bool with_skin = false) {
   count_bodies(s);
   update_ranges(s);
+  if constexpr (world_state<Scenario>::may_be_flush)
+    s.each_shape([&](const auto& b) { s.flush.known = s.flush.known && !b.globals_changed; });
   if constexpr (world_state<Scenario>::drives)
     each_driven(s, [](auto& b, std::size_t, const driven_body&) { b.globals_changed = true; });
   s.each_finite_shape([&](auto& b) {
@@ -101,8 +103,8 @@ void prepare_detection(world_state<Scenario>& s, Reach&& reach_of_movable, bool 
     };
     sort(b.movable, b.reach, b.grid);
     if (b.globals_changed) sort(b.global, b.global_reach, b.global_grid);
-    b.globals_changed = false;
   });
+  s.each_shape([](auto& b) { b.globals_changed = false; });
 }
 
 template <class Scenario>

@@ -5,9 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -15,6 +13,7 @@
 #include "talus/core/math.hpp"
 #include "talus/shape/near_triangles.hpp"
 #include "talus/shape/triangle_tree.hpp"
+#include "talus/shape/weld_triangles.hpp"
 
 namespace talus {
 
@@ -34,11 +33,12 @@ class triangle_mesh {
 
   /// An empty value, to be assigned to.
   triangle_mesh() = default;
-  /// Corners at the same position are merged, and triangles without an area are dropped. Throws
-  /// invalid_argument, with its number, for a triangle whose corners are not finite, and if no
-  /// triangle is left.
-  explicit triangle_mesh(const std::vector<triangle>& triangles)
-      : data_(std::make_shared<const detail::triangle_tree>(build(triangles))),
+  /// Corners within a millionth of the radius of the surface are merged, triangles without an area
+  /// or given twice are dropped, and edges on which other corners lie are divided there. `report`,
+  /// unless null, gets what was found. Throws invalid_argument, with its number, for a triangle
+  /// whose corners are not finite, and if no triangle is left, or areas would not be numbers.
+  explicit triangle_mesh(const std::vector<triangle>& triangles, surface_report* report = nullptr)
+      : data_(std::make_shared<const detail::triangle_tree>(build(triangles, report))),
         frame_{centre_of(triangles), {1, 0, 0, 0}} {}
 
   /// Throws invalid_argument if there are no triangles.
@@ -121,7 +121,8 @@ class triangle_mesh {
     if (!(lower[0] <= upper[0])) return {0, 0, 0};
     return lower + real(0.5) * (upper - lower);
   }
-  [[nodiscard]] static detail::triangle_tree build(const std::vector<triangle>& triangles) {
+  [[nodiscard]] static detail::triangle_tree build(const std::vector<triangle>& triangles,
+                                                   surface_report* report) {
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (const vec3& v : triangles[t])
         if (!detail::finite(v))
@@ -129,28 +130,32 @@ class triangle_mesh {
               "triangle {} of a triangle_mesh has a corner at {}: all must be finite", t,
               detail::text(v));
     const vec3 centre = centre_of(triangles);
-    detail::plain_vector<vec3> points;
-    detail::plain_vector<detail::triangle_tree::corners> faces;
-    std::map<std::tuple<real, real, real>, std::uint32_t> known;
-    for (const triangle& t : triangles) {
-      const vec3 corners[] = {t[0] - centre, t[1] - centre, t[2] - centre};
-      if (!(detail::triangle_tree::twice_area(corners[0], corners[1], corners[2]).norm() > 0))
-        continue;
-      detail::triangle_tree::corners face{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const vec3& v = corners[k];
-        const auto [at, isnew] = known.try_emplace(std::tuple{v[0], v[1], v[2]},
-                                                   static_cast<std::uint32_t>(points.size()));
-        if (isnew) points.push_back(v);
-        face[k] = at->second;
-      }
-      faces.push_back(face);
+    real radius = 0;
+    for (const triangle& t : triangles)
+      for (const vec3& v : t) radius = std::max(radius, (v - centre).norm());
+    // Squares of areas are numbers up to there.
+    if (!(radius < real(1e70)))
+      detail::fail<std::invalid_argument>(
+          "the corners of a triangle_mesh may be up to 1e70 from the centre, but one is at {}: "
+          "give "
+          "them in other units",
+          radius);
+    surface_report unused;
+    surface_report& found = report == nullptr ? unused : *report;
+    found = {};
+    detail::triangle_welder welder(radius, found);
+    if (radius > real(1e-70)) {
+      for (const triangle& t : triangles) welder.add({t[0] - centre, t[1] - centre, t[2] - centre});
+      welder.finish();
     }
+    for (auto* places : {&found.joined, &found.open_edges, &found.shared_edges})
+      for (vec3& p : *places) p += centre;
+    auto& faces = welder.faces;
     if (faces.empty() || faces.size() > max_triangles)
       detail::fail<std::invalid_argument>(
           "a triangle_mesh has from 1 to {} triangles with an area, but {} of {} have one",
           max_triangles, faces.size(), triangles.size());
-    return detail::triangle_tree::build(std::move(points), std::move(faces));
+    return detail::triangle_tree::build(std::move(welder.points), std::move(faces));
   }
 
   std::shared_ptr<const detail::triangle_tree> data_;

@@ -39,6 +39,7 @@ struct triangle_tree {
   plain_vector<corners> neighbours;  ///< beyond the edge from corner k to the next, or none
   plain_vector<std::uint32_t> around_begin, around;  ///< vertices joined to a vertex by an edge
   plain_vector<std::uint32_t> first_of;              ///< lowest triangle that has the vertex
+  plain_vector<char> frayed;  ///< whether a vertex has edges without a unique neighbour
   plain_vector<std::uint32_t> order;
   plain_vector<node> nodes;
   real bounding_radius = 0, area = 0;
@@ -146,8 +147,10 @@ struct triangle_tree {
         first_of[a] = std::min(first_of[a], t);
       }
     neighbours.resize(triangles.size());
+    frayed.assign(vertices.size(), 0);
     std::vector<plain_vector<std::uint32_t>> joined(vertices.size());
     for (const auto& [e, list] : users) {
+      if (list.size() != 2) frayed[e.first] = frayed[e.second] = 1;
       joined[e.first].push_back(e.second);
       joined[e.second].push_back(e.first);
     }

@@ -15,6 +15,7 @@
 #include "talus/core/neighbour_message.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
+#include "talus/detect/flush.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/reduction.hpp"
 #include "talus/parallel/single_domain.hpp"
@@ -25,6 +26,7 @@
 #include "talus/state/candidate_pairs.hpp"
 #include "talus/state/counted_time.hpp"
 #include "talus/state/feature_states.hpp"
+#include "talus/state/flush_bodies.hpp"
 #include "talus/state/joint_table.hpp"
 #include "talus/state/monitors.hpp"
 #include "talus/state/periodic_ghosts.hpp"
@@ -189,6 +191,10 @@ struct state_traits {
   /// Whether space is periodic: then some shadow copies are images, and are shifted.
   static constexpr bool periodic = domain_type::periodic;
   using copy_code = detail::copy_code<periodic>;
+  /// Whether fixed bodies may lie flush beside each other.
+  static constexpr bool may_be_flush = []<class... Shapes>(type_list<Shapes...>) {
+    return (has_flat_faces<Shapes> || ...);
+  }(typename Scenario::shapes{});
 };
 
 /// The joints that this rank holds; nothing if the scenario names none.
@@ -324,6 +330,8 @@ struct world_state : response_state<Scenario>,
   [[no_unique_address]] std::conditional_t<traits::two_solvers, bool, no_choice>
       solver_on_request{};
   candidate_pairs found;
+  [[no_unique_address]] std::conditional_t<traits::may_be_flush, flush_bodies, no_flush_bodies>
+      flush;
 
   /// Whether the contacts of this run are solved colour by colour.
   [[nodiscard]] constexpr bool by_colours() const {

@@ -54,6 +54,13 @@ template <class Law, class Pack>
 /// other bodies press, the bodies themselves may have neither gravity nor forces.)
 [[nodiscard]] inline real creep(real radius, real dt) { return 1e-6 * radius / dt; }
 
+/// The velocity that a contact leaves to surfaces that pass each other though the gap along the
+/// normal closes: that of their free motion, un before the accelerations of up to `pull`. So the
+/// contact exerts nothing, unless something else in this step drives the bodies together.
+[[nodiscard]] inline real passing_velocity(real gap, real un, real pull, real dt) {
+  return std::min(-gap / dt, un + real(1e-9) * std::min(un, real(0)) - 2 * pull * dt);
+}
+
 /// - Separated surfaces may approach until they touch: u_n >= -gap/dt.
 /// - Gaps that gravity would close within a step count as closed: surfaces hold there, u_n >= 0,
 ///   and the correction draws loaded ones together. (If bodies fell into such gaps, positions would

@@ -12,6 +12,7 @@
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
 #include "talus/pairs/close_pairs.hpp"
+#include "talus/pairs/flush_surface.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
@@ -119,8 +120,9 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         conditions_of_gap<law, wide>(waiting_.batch.gap, held_gap<law, wide>(waiting_.pull, s_.dt),
                                      s_.dt, s_.settings.correction);
     for (unsigned k = 0; k < count; ++k) {
-      if (met >> k & 1u) add_lane(waiting_.pairs[k], k);
-      drop_unless_made(waiting_.pairs[k]);
+      pair_at_hand& x = waiting_.pairs[k];
+      if (met >> k & 1u) add_lane(x, k);
+      drop_unless_made(x);
     }
   }
   void finish() requires(batched) {
@@ -145,6 +147,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     vec3 normal{0, 0, 0};
   };
   struct nothing_met {};
+  /// Whether the bodies of a pair come within the slack on their paths.
+  enum class path : char { unknown, meet, pass };
   struct pair_at_hand : body_pair {
     real margin = 0;
     real radius = 0;  ///< of a
@@ -152,6 +156,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     history_place* last = nullptr;
     bool boundary = false, foreign = false;
     bool made = false;  ///< a contact that may get an impulse
+    path paths = path::unknown;
     [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
   };
   struct waiting_pairs {
@@ -200,7 +205,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (this->order(i, j)) std::swap(margin_a, margin_b);
     [[maybe_unused]] pair_at_hand local;
     pair_at_hand& x = place_of_next(local);
-    x.i = i, x.j = j, x.last = last, x.made = false;
+    x.i = i, x.j = j, x.last = last, x.made = false, x.paths = path::unknown;
     if constexpr (state_type::has_joints)
       if (s_.joints.joined(a_.id[i], b_.id[j])) return drop_unless_made(x);
     if (!this->find(x)) return drop_unless_made(x);
@@ -286,6 +291,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   /// One of their contact points.
   [[gnu::always_inline]] void add(pair_at_hand& x, const contact_geometry& g) {
     const std::size_t i = x.i, j = x.j;
+    if (is_hidden<ShapeA, ShapeB, paired>(s_, a_, i, position_a(x), b_, j, position_b(x), g))
+      return;
     vec3 arm_a = g.point - position_a(x);
     // The forces must share a line only if both bodies move; for something immovable the contact
     // point is on its surface.
@@ -309,6 +316,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       motion_.add_flight(u, i, j);
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
+    const bool passing = g.gap > x.slack && passes(x, g.normal, g.gap, g.normal.dot(u));
     if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -328,6 +336,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
         creep(x.radius, s_.dt), s_.settings.correction);
+    if (passing) let_pass(want, g.gap, g.normal.dot(u), pulled);
     const real rebound = want.target_velocity;
     if constexpr (state_type::continuous) {
       motion_.add_flight_after(want.target_velocity, i, j, g.normal);
@@ -348,6 +357,18 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           s_.attraction.add({key, c.a, b, force, g.normal, arm_a, arm_b});
         }
     add_to_list(x, c, key);
+  }
+  /// Whether the surfaces of a contact with a gap above the slack pass each other in this step.
+  [[nodiscard]] bool passes(pair_at_hand& x, const vec3& normal, real gap, real un) const {
+    const vec3 &at_a = position_a(x), &at_b = position_b(x);
+    if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, normal, gap, un)) return false;
+    if (x.paths == path::unknown)
+      x.paths = motion_.meet_on_paths(x.i, x.j, at_a, at_b, x.slack) ? path::meet : path::pass;
+    return x.paths == path::pass;
+  }
+  void let_pass(contact_conditions& want, real gap, real un, real pull) const {
+    want.target_velocity = want.limit = passing_velocity(gap, un, pull, s_.dt);
+    want.slowest = slowest_impact(want.limit, want.restitution, pull, s_.dt);
   }
   static void set_conditions(contact_type& c, const contact_conditions& want) {
     c.target_velocity = static_cast<decltype(c.target_velocity)>(want.target_velocity);
@@ -388,11 +409,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const pair_material& between = materials_of(x);
     const real pull = waiting_.pull[k];
     const bool rebounds = between.restitution > 0 && of.approach[k] < -2 * pull * s_.dt;
-    if (rebounds || between.dynamic_friction < between.friction) [[unlikely]] {
-      const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
+    const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap, of.approach[k]);
+    if (rebounds || passing || between.dynamic_friction < between.friction) [[unlikely]] {
+      auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,
           [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius, s_.dt),
           s_.settings.correction);
+      if (passing) let_pass(want, gap, of.approach[k], pull);
       set_conditions(c, want);
       s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
     } else {

@@ -3,6 +3,7 @@
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/features/sleeping/sleep.hpp"
 #include "talus/ghosts/shared_joints.hpp"
+#include "talus/pairs/flush_bodies.hpp"
 #include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/search.hpp"
 #include "talus/state/hooks.hpp"
@@ -63,12 +64,14 @@ void detect(world_state<Scenario>& s) {
     // (If some sleep, the reach covers several steps.)
     prepare_detection(
         s, [&](const auto& store, std::size_t i, std::size_t) { return reach_of(store, i, s.dt); });
+    update_flush_bodies(s);
     follow_flights(s, [&] { each_neighbour_pair<impact_finder>(s); });
     prepare_detection(s, [&](const auto& store, std::size_t i, std::size_t k) {
       return reach_after_flight(s, store, i, k);
     });
     each_neighbour_pair<contact_maker>(s);
   } else if (keep_close_pairs(s)) {
+    update_flush_bodies(s);
     each_found_pair(s, [&]<class A, class B, partner P>() {
       if constexpr (keeps_contacts_of<Scenario, A, B, P>())
         return contact_keeper<Scenario>(s);
@@ -78,6 +81,7 @@ void detect(world_state<Scenario>& s) {
   } else {
     s.each_contact_list([](auto& list) { list.clear(); });
     prepare_detection(s);
+    update_flush_bodies(s);
     each_neighbour_pair<contact_maker>(s);
   }
 }

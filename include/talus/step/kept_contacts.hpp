@@ -4,6 +4,7 @@
 // are those of contacts made anew, to the bit.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -123,12 +124,33 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     spheres_ = spheres.data();
   }
   void set_lane(unsigned k, std::size_t i, std::size_t j) {
+    lanes_[k] = {i, j};
     if (spheres_ != nullptr) return batch_.set(k, spheres_[i], spheres_[j]);
     few_[2 * k] = motion_of(i), few_[2 * k + 1] = motion_of(j);
     batch_.set(k, few_[2 * k], few_[2 * k + 1]);
   }
   [[nodiscard]] [[gnu::always_inline]] inline unsigned collide(unsigned count) {
     return batch_.collide_in_reach(count, motion_.gravity(), s_.dt, contact_slack);
+  }
+  /// Pairs of the batch that pass each other in this step though their gap closes.
+  [[gnu::noinline]] void let_pass(const wide& pull, renewed_contacts& next) const {
+    for (unsigned left = batch_.apart; left != 0; left &= left - 1) {
+      const auto k = static_cast<unsigned>(std::countr_zero(left));
+      if (!passes(k)) continue;
+      const real limit = passing_velocity(batch_.gap[k], batch_.approach[k], pull[k], s_.dt);
+      next.target_velocity[k] = limit;
+      if (!next.rebounds) continue;
+      next.limit[k] = limit;
+      next.slowest[k] = slowest_impact(limit, next.restitution[k], pull[k], s_.dt);
+    }
+  }
+  [[nodiscard]] bool passes(unsigned k) const {
+    const auto [i, j] = lanes_[k];
+    const vec3 &at_a = a_.position[i], &at_b = a_.position[j];
+    const real slack = slack_of<real>(contact_slack, a_.shape[i].radius, a_.shape[j].radius);
+    return motion_.may_pass(i, j, at_a, at_b, slack, lane(batch_.normal, k), batch_.gap[k],
+                            batch_.approach[k]) &&
+           !motion_.meet_on_paths(i, j, at_a, at_b, slack);
   }
   /// The places of bodies, of which the last one fills the empty lanes.
   template <class Body>
@@ -180,15 +202,14 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
                                  static_cast<std::uint32_t>(pair.j));
     };
     const auto add_lanes = [&] {
-      plain_pair<std::size_t, std::size_t> bodies[lanes];
       for (unsigned k = 0; k < filled; ++k) {
-        auto& [i, j] = bodies[k] = {in_lane[k]->i, in_lane[k]->j};
+        std::size_t i = in_lane[k]->i, j = in_lane[k]->j;
         this->order(i, j);
-        batch_.set(k, spheres_[i], spheres_[j]);
+        set_lane(k, i, j);
       }
       const unsigned met = filled > 0 ? collide(filled) : 0;
       for (unsigned k = 0; k < filled; ++k) {
-        const auto [i, j] = bodies[k];
+        const auto [i, j] = lanes_[k];
         const bool moves_a = kept_.moves[i], moves_b = kept_.moves[j];
         if ((met >> k & 1u) != 0 && (moves_a || moves_b))
           add(i, j, moves_a, moves_b, in_lane[k]->last);
@@ -239,6 +260,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
               next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
               const wide pull = set_gap_conditions(a, b, size, batch_.gap, next);
               if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
+              if (batch_.apart != 0) let_pass(pull, next);
               return true;
             });
   }
@@ -288,7 +310,8 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
           between, normal, lane(batch_.velocity, k), batch_.gap[k], s_.dt, pull[k],
           [&] { return motion_.fall(i, j, normal); }, creep(a_.shape[i].radius, s_.dt),
           s_.settings.correction);
-      s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
+      const bool strikes_now = want.target_velocity > 0 && !((batch_.apart >> k & 1u) && passes(k));
+      s_.solver.impacts = s_.solver.impacts || strikes_now;
       next.target_velocity[k] = want.target_velocity;
       next.correction_rate[k] = want.correction_rate;
       next.friction[k] = want.friction;
@@ -314,6 +337,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   std::array<moving_sphere, 2 * lanes> few_;
   real margin_ = 0;  ///< the largest of a sphere: its reach without its radius
   sphere_batch batch_;
+  std::array<plain_pair<std::size_t, std::size_t>, lanes> lanes_;  ///< the bodies of its pairs
   bool between_known_ = false;  ///< the properties of the last pair of materials
   material_id material_a_{}, material_b_{};
   pair_material between_{};

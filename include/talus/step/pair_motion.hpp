@@ -1,9 +1,14 @@
 #pragma once
 // The approach of the two bodies of a pair in this step: by their velocities, their rotation, their
-// accelerations, and, if bodies are followed, their flight.
+// accelerations, and, if bodies are followed, their flight. A contact whose surfaces do not meet
+// within the step must exert nothing. A gap that closes along its normal may belong to surfaces
+// that pass each other: where the tangential way is larger than the slack, the path decides.
+#include <algorithm>
 #include <cstddef>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/detect/nearest_approach.hpp"
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/state/state.hpp"
 
@@ -38,6 +43,41 @@ class pair_motion {
     if constexpr (Paired) closing -= way_of_turning(b_, j, s_.dt);
     if constexpr (driven) closing -= b_.angular_velocity[j].norm() * radius * s_.dt;
     return g.gap + closing > slack;
+  }
+  /// Whether bodies with such a normal and gap, now at these places, move so far along the surfaces
+  /// in this step that they may pass each other though their gap closes at the velocity `un`. They
+  /// may not if something that blocks their way would leave the centre of one in the other.
+  [[nodiscard]] bool may_pass(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
+                              real slack, const vec3& normal, real gap, real un) const {
+    if constexpr (!ShapeB::finite || state_type::continuous) {
+      return false;
+    } else {
+      const vec3 way = way_past(i, j, at_a, at_b);
+      const real turning = way_of_turning(a_, i, s_.dt) + way_of_turning(b_, j, s_.dt);
+      if ((way - normal.dot(way) * normal).norm() + turning <= slack) return false;
+      const real least = std::min(inner_radius(a_.shape[i]), inner_radius(b_.shape[j]));
+      return gap + (un - gravity_ * s_.dt) * s_.dt >= -least;
+    }
+  }
+  /// Whether they come within the slack on their paths in this step, as the integrator moves them
+  /// without contacts.
+  [[nodiscard]] bool meet_on_paths(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
+                                   real slack) const {
+    if constexpr (!ShapeB::finite) {
+      return true;
+    } else if constexpr (std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere>) {
+      return points_come_near(at_a - at_b, way_past(i, j, at_a, at_b),
+                              a_.shape[i].radius + b_.shape[j].radius + slack);
+    } else {
+      const auto fa = path_of(a_, i, at_a);
+      const auto fb = path_of(b_, j, at_b);
+      if constexpr (driven)
+        if (const driven_body* one = going_body<ShapeB>(s_, j))
+          return come_near(a_.shape[i],
+                           moving_frame(fa, one->state.at.point, one->next.v, one->next.w, s_.dt),
+                           b_.shape[j], fb, s_.dt, slack);
+      return come_near(a_.shape[i], fa, b_.shape[j], fb, s_.dt, slack);
+    }
   }
   [[nodiscard]] real gravity() const { return gravity_; }
   /// How far both may move in this step, in sum.
@@ -98,6 +138,29 @@ class pair_motion {
   }
 
  private:
+  /// The straight path of a body from `at` in this step. (Rotation by torques in the step is
+  /// neglected.)
+  template <class Store>
+  [[nodiscard]] auto path_of(const Store& store, std::size_t i, const vec3& at) const {
+    auto f = flight_of(s_, store, i);
+    f.position = at;
+    if (store.inverse_mass[i] == 0) return f;
+    constexpr bool divided = uses_substeps<typename Scenario::solver>;
+    const real gained = divided ? real(0.5) * s_.dt + half_part(s_) : s_.dt;  // in the mean
+    f.velocity = store.velocity[i] + gained * f.acceleration;
+    f.acceleration = {0, 0, 0};
+    if (s_.damping != 1) f.velocity *= portable::pow(s_.damping, s_.dt);
+    return f;
+  }
+  /// How far the first body moves in this step relative to the second, at its centre.
+  [[nodiscard]] vec3 way_past(std::size_t i, std::size_t j, const vec3& at_a,
+                              const vec3& at_b) const {
+    vec3 v = path_of(a_, i, at_a).velocity - path_of(b_, j, at_b).velocity;
+    if constexpr (driven)
+      if (const driven_body* one = going_body<ShapeB>(s_, j))
+        v -= one->next.v + one->next.w.cross(at_a - one->state.at.point);
+    return s_.dt * v;
+  }
   [[nodiscard]] real impact_time(std::size_t body) const { return s_.impacts.time[body]; }
   /// The true velocity of a body at its impact minus the stored one.
   template <class Store>

@@ -16,6 +16,8 @@
 #include "talus/interaction/composed_law.hpp"
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
+#include "talus/pairs/flush_bodies.hpp"
+#include "talus/pairs/flush_surface.hpp"
 #include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/state.hpp"
@@ -102,6 +104,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         a_.shape[i], pose_a(x), this->shape_b(i, j), pose_b(x),
         range, [&](const contact_geometry& g) __attribute__((always_inline)) {
           if (!(g.gap < range)) return;
+          if (is_hidden<ShapeA, ShapeB, paired>(s_, a_, i, position_a(x), b_, j, position_b(x), g))
+            return;
           if (boundary && !this->known_to_both(x)) {
             last = history_place::unknown;
             return;
@@ -138,7 +142,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       if constexpr (paired)
         curvature += s_.soft.bodies[first_b_ + body_b(x)].curvature;
       else if constexpr (ShapeB::finite)
-        curvature += 1 / sphere_radius(b_.shape[j]);
+        curvature += wall_curvature(b_.shape[j]);
       const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
       return pair.known ? law::range(pair, 1 / curvature) : 0;
     }
@@ -167,7 +171,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       t.mean_spin = 0.5 * g.normal.dot(A.w);
       real curvature = A.curvature;
       const real rolling = A.inverse_mass * curvature * curvature;
-      if constexpr (ShapeB::finite) curvature += 1 / sphere_radius(b_.shape[j]);
+      if constexpr (ShapeB::finite) curvature += wall_curvature(b_.shape[j]);
       if constexpr (state_type::drives) {
         arm_b = g.point - (0.5 * g.gap) * g.normal - b_.position[j];
         t.velocity -= surface_velocity_of(j, arm_b);
@@ -271,7 +275,8 @@ void gather_motion(world_state<Scenario>& s) {
                                   .inverse_mass = store.inverse_mass[i],
                                   .w = store.angular_velocity[i],
                                   .radius = radius,
-                                  .curvature = 1 / radius};
+                                  .curvature = store.fixed(i) ? wall_curvature(store.shape[i])
+                                                              : 1 / radius};
       s.soft.places[first + i] = {store.position[i], reach[i]};
     }
   });
@@ -288,6 +293,7 @@ void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   prepare_detection(s);
   std::size_t k = 0;
   s.each_shape([&](auto& b) { b.globals_changed = changed[k++]; });
+  update_flush_bodies(s);
   gather_motion(s);
   using observer_type = std::remove_reference_t<Observer>;
   each_neighbour_pair(s, [&]<class A, class B, partner P>() {
@@ -308,6 +314,7 @@ template <class Scenario>
 template <class Scenario>
 void measure_forces(world_state<Scenario>& s) {
   using law = typename world_state<Scenario>::law;
+  update_flush_bodies(s);
   gather_motion(s);
   auto& count = std::get<soft_contacts>(s.contacts);
   if constexpr (law::remembers) s.recorded.reset(count.size());

@@ -1,7 +1,9 @@
 #pragma once
 // The manifold of a face of one box and the other box: the opposite face is clipped to the outline
-// of the reference face (Sutherland, Hodgman 1974), and at most four of its corners are kept.
+// of the reference face (Sutherland, Hodgman 1974). Four of its corners are kept if they carry both
+// boxes, else all.
 #include <array>
+#include <span>
 
 #include "talus/detect/detail/box_axes.hpp"
 
@@ -30,7 +32,9 @@ class box_manifold {
         u_((axis + 1) % 3),
         v_((axis + 2) % 3),
         sign_(positive ? 1 : -1),
-        half_(p.ha[axis]) {
+        half_(p.ha[axis]),
+        other_u_(p.offset[u_]),
+        other_v_(p.offset[v_]) {
     // The face of b that faces the reference face most.
     const Real slope[3] = {p.axes(axis, 0), p.axes(axis, 1), p.axes(axis, 2)};
     int m = 0;
@@ -88,9 +92,10 @@ class box_manifold {
     size_ = 1;
   }
 
-  /// Keeps at most four corners: those that span the largest area, and the deepest, unless a kept
-  /// one is as deep within `tolerance`. Ties are decided by small relative differences rather than
-  /// the last bit, so that the choice is stable while a box rests.
+  /// Keeps four corners: those that span the largest area, and the deepest, unless a kept one is as
+  /// deep within `tolerance`. Ties are decided by small relative differences rather than the last
+  /// bit, so that the choice is stable while a box rests. All corners stay if a box rests on the
+  /// patch so far out that four may not carry it.
   void reduce(Real tolerance) {
     if (size_ <= 4) return;
     std::array<unsigned, 4> best{};
@@ -125,6 +130,7 @@ class box_manifold {
       }
       best = with;
     }
+    if (!carries(best)) return;
     for (unsigned k = 0; k < 4; ++k) corners_[k] = corners_[best[k]];
     size_ = 4;
   }
@@ -186,6 +192,29 @@ class box_manifold {
     size_ = n;
   }
 
+  /// Whether the centre of each box that lies over the patch lies within half of these four
+  /// corners, which leaves as much room for other loads.
+  [[nodiscard]] bool carries(const std::array<unsigned, 4>& four) const {
+    Real u = 0, v = 0;
+    for (const unsigned k : four) u += Real(0.25) * corners_[k].u, v += Real(0.25) * corners_[k].v;
+    constexpr std::array<unsigned, 8> all{0, 1, 2, 3, 4, 5, 6, 7};
+    const auto out = [](Real x, Real middle) { return x + Real(0.5) * (x - middle); };
+    const auto carried = [&](Real x, Real y) {
+      return !contains(all.data(), size_, x, y) || contains(four.data(), 4, out(x, u), out(y, v));
+    };
+    return carried(0, 0) && carried(other_u_, other_v_);
+  }
+  /// Whether a point lies inside the convex polygon of these corners, in turn.
+  [[nodiscard]] bool contains(const unsigned* of, unsigned size, Real u, Real v) const {
+    bool left = true, right = true;
+    for (unsigned k = 0; k < size; ++k) {
+      const corner &a = corners_[of[k]], &b = corners_[of[k + 1 < size ? k + 1 : 0]];
+      const Real side = (b.u - a.u) * (v - a.v) - (b.v - a.v) * (u - a.u);
+      left = left && side >= 0, right = right && side <= 0;
+    }
+    return left || right;
+  }
+
   [[nodiscard]] Real area_of(unsigned i, unsigned j, unsigned k, unsigned l) const {
     const corner &a = corners_[i], &b = corners_[j], &c = corners_[k], &d = corners_[l];
     return std::abs((c.u - a.u) * (d.v - b.v) - (c.v - a.v) * (d.u - b.u));
@@ -194,6 +223,7 @@ class box_manifold {
   int axis_, u_, v_;
   Real sign_;
   Real half_;
+  Real other_u_, other_v_;  ///< where the centre of the other box lies over the face
   unsigned size_ = 0;
   std::array<corner, 8> corners_;
   corner lowest_;
@@ -203,7 +233,7 @@ class box_manifold {
 /// clearly has one, and sorts them. The crossing parts of two boxes change while one slides on the
 /// other, but the quarters do not, so that warm start finds the impulses.
 template <class Real>
-void name_by_quarters(const box_pair<Real>& p, std::array<box_contact<Real>, 4>& c) {
+void name_by_quarters(const box_pair<Real>& p, std::span<box_contact<Real>, 4> c) {
   const vector3<Real>& normal = c[0].normal;
   const vector3<Real> seen_from_b = p.axes.transpose() * normal;
   const auto largest = [](const vector3<Real>& v) {
@@ -233,7 +263,7 @@ void name_by_quarters(const box_pair<Real>& p, std::array<box_contact<Real>, 4>&
     seen |= 1u << (2 * high + low);
   }
   if (seen != 15) return;
-  const std::array<box_contact<Real>, 4> found = c;
+  const std::array<box_contact<Real>, 4> found{c[0], c[1], c[2], c[3]};
   for (std::size_t q = 0; q < 4; ++q) {
     const unsigned k = in_quarter[q];
     c[q] = found[k];

@@ -30,7 +30,7 @@ class convex_contact {
         rounding_(a.rounding() + b.rounding()),
         smallest_(std::min(a.smallest(), b.smallest())) {}
 
-  /// The points with a gap of at most the margin, at most four. (A list, so that this is compiled
+  /// The points with a gap of at most the margin, at most 16. (A list, so that this is compiled
   /// once for all uses of the points.)
   [[nodiscard]] std::span<const contact_geometry> find() {
     size_ = 0;
@@ -111,7 +111,7 @@ class convex_contact {
     const vector up = one.normal(face.face);
     outline<Real> reference, incident;
     one.face_outline(face.face, reference);
-    other.outline_along(-up, 16, incident);
+    other.outline_along(-up, most_corners, incident);
     convex_patch<Real> patch(reference, up, incident, Real(1e-3) * smallest_);
     const bool apart = wanted > Real(1e-6) * smallest_;
     const Real enough =
@@ -177,7 +177,7 @@ class convex_contact {
   const convex_view<Real>&a_, &b_;
   vec3 origin_;
   Real margin_, rounding_, smallest_;
-  std::array<contact_geometry, 4> found_;
+  std::array<contact_geometry, most_corners> found_;
   std::size_t size_ = 0;
 };
 

@@ -1,12 +1,13 @@
 #pragma once
 // The manifold of two convex shapes along their normal: the face or line of one is clipped to the
 // outline of a face of the other (Sutherland, Hodgman 1974), or two parallel lines to their common
-// part. At most four points are kept.
+// part.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "talus/contact/contact_geometry.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/detect/detail/convex_view.hpp"
 
@@ -21,61 +22,48 @@ struct patch_point {
   vector3<Real> at;  ///< on the incident core
 };
 
-/// Of many points, four that span much of their area, the lowest (within `tolerance`) among them.
-/// Ties are decided by small relative differences rather than the last bit, so that the choice is
-/// stable while a body rests. The order stays.
+/// Drops corners of a convex polygon, given in turn, that add nearly nothing to its area, and those
+/// that add least until at most 16 are left, the lowest (within `tolerance`) among them. A load may
+/// act anywhere in the polygon, so that no smaller choice carries every load. Up to four corners
+/// all stay. Of corners that add the same within small relative differences the first is dropped,
+/// so that the choice is stable while a body rests.
 template <class Real>
-[[nodiscard]] int keep_four(patch_point<Real>* p, int size, Real tolerance) {
+[[nodiscard]] int keep_outline(patch_point<Real>* p, int size, Real tolerance) {
   if (size <= 4) return size;
-  constexpr Real more = Real(1.001);
-  const auto pick = [&](auto&& score) {
-    int best = -1;
-    Real most = 0;
-    for (int k = 0; k < size; ++k)
-      if (const Real now = score(p[k]); now > most * more || (best < 0 && now > 0))
-        most = now, best = k;
-    return best;
-  };
-  Real low_u = p[0].u, low_v = p[0].v;
-  for (int k = 1; k < size; ++k) low_u = std::min(low_u, p[k].u), low_v = std::min(low_v, p[k].v);
-  int chosen[4], count = 0;
-  const auto choose = [&](int k) {
-    if (k >= 0) chosen[count++] = k;
-  };
-  choose(pick([&](auto& q) { return 4 * (q.u - low_u) + 3 * (q.v - low_v); }));
-  if (count == 0) chosen[count++] = 0;
-  const patch_point<Real> first = p[chosen[0]];
-  const auto far = [&](auto& q) {
-    return (q.u - first.u) * (q.u - first.u) + (q.v - first.v) * (q.v - first.v);
-  };
-  choose(pick(far));
-  if (count == 2) {
-    const Real u = p[chosen[1]].u - first.u, v = p[chosen[1]].v - first.v;
-    const Real least = Real(1e-6) * (u * u + v * v);
-    const auto area = [&](auto& q) { return u * (q.v - first.v) - v * (q.u - first.u); };
-    choose(pick([&](auto& q) { return area(q) - least; }));
-    choose(pick([&](auto& q) { return -area(q) - least; }));
+  patch_point<Real> lowest = p[0];
+  Real extent = 0;
+  for (int k = 1; k < size; ++k) {
+    if (p[k].height < lowest.height) lowest = p[k];
+    const Real u = p[k].u - p[0].u, v = p[k].v - p[0].v;
+    extent = std::max(extent, u * u + v * v);
   }
-  int lowest = 0;
-  for (int k = 1; k < size; ++k)
-    if (p[k].height < p[lowest].height) lowest = k;
-  Real covered = std::numeric_limits<Real>::infinity();
-  for (int c = 0; c < count; ++c) covered = std::min(covered, p[chosen[c]].height);
-  if (p[lowest].height < covered - tolerance) {
-    if (count < 4) {
-      chosen[count++] = lowest;
-    } else {
-      const auto distance = [&](int k) {
-        return portable::hypot(p[k].u - p[lowest].u, p[k].v - p[lowest].v);
-      };
-      *std::min_element(chosen, chosen + 4,
-                        [&](int k, int m) { return distance(k) < distance(m); }) = lowest;
+  const auto added = [&](int k) {
+    const auto &a = p[k > 0 ? k - 1 : size - 1], &b = p[k + 1 < size ? k + 1 : 0];
+    return std::abs((p[k].u - a.u) * (b.v - a.v) - (p[k].v - a.v) * (b.u - a.u));
+  };
+  while (size > 4) {
+    Real limit = Real(1e-4) * extent;
+    if (size > most_corners) {
+      Real least = added(0);
+      for (int k = 1; k < size; ++k) least = std::min(least, added(k));
+      limit = std::max(limit, Real(1.001) * least);
     }
+    int k = 0;
+    while (k < size && !(added(k) < limit)) ++k;
+    if (k == size && size <= most_corners) break;
+    if (k == size) --k;  // all add nothing that can be compared
+    std::copy(p + k + 1, p + size, p + k);
+    --size;
   }
-  for (int c = 1; c < count; ++c)
-    for (int d = c; d > 0 && chosen[d] < chosen[d - 1]; --d) std::swap(chosen[d], chosen[d - 1]);
-  for (int c = 0; c < count; ++c) p[c] = p[chosen[c]];
-  return count;
+  const auto distance = [&](const patch_point<Real>& q) {
+    return (q.u - lowest.u) * (q.u - lowest.u) + (q.v - lowest.v) * (q.v - lowest.v);
+  };
+  const auto lower = [](const auto& a, const auto& b) { return a.height < b.height; };
+  if (lowest.height < std::min_element(p, p + size, lower)->height - tolerance)
+    *std::min_element(p, p + size, [&](const auto& a, const auto& b) {
+      return distance(a) < distance(b);
+    }) = lowest;
+  return size;
 }
 
 /// The incident outline over a reference face, as far as it lies within the face's sides.
@@ -109,14 +97,14 @@ class convex_patch {
     for (int k = 0; k < size_; ++k) least = std::min(least, points_[at(k)].height);
     return least;
   }
-  /// Calls f(patch_point) for the points kept of those not higher than `limit`.
+  /// Calls f(patch_point) for the points kept of those not higher than `limit`, at most 16.
   template <class F>
   void for_each(Real limit, Real tolerance, F&& f) const {
     std::array<point, capacity> kept;
     int count = 0;
     for (int k = 0; k < size_; ++k)
       if (points_[at(k)].height <= limit) kept[at(count++)] = points_[at(k)];
-    count = keep_four(kept.data(), count, tolerance);
+    count = keep_outline(kept.data(), count, tolerance);
     for (int k = 0; k < count; ++k) f(kept[at(k)]);
   }
 

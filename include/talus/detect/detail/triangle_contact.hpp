@@ -57,6 +57,24 @@ struct triangle_point {
 
 inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as zero
 
+/// Whether no triangle at the point q reaches further in the direction, other than t: for edges and
+/// corners where triangles meet that do not share them.
+[[nodiscard]] inline bool nearest_of_triangles(const triangle_tree& m, std::uint32_t t,
+                                               const vec3& q, const vec3& direction) {
+  const real near = real(1e-7) * m.bounding_radius;
+  const vec3 reach(near, near, near);
+  bool nearest = true;
+  m.each_within(q - reach, q + reach, [&](std::uint32_t other) {
+    if (!nearest || other == t) return;
+    const vec3 &a = m.corner(other, 0), &b = m.corner(other, 1), &c = m.corner(other, 2);
+    if ((nearest_on_triangle(q, a, b, c).at - q).squaredNorm() > near * near) return;
+    for (const vec3* v : {&a, &b, &c})
+      if (const vec3 way = *v - q; direction.dot(way) > level_enough * way.norm() + near)
+        nearest = false;
+  });
+  return nearest;
+}
+
 /// Whether this point is the furthest of the surrounding surface in the direction (unit).
 [[nodiscard]] inline bool nearest_of_surface(const triangle_tree& m, std::uint32_t t,
                                              const triangle_point& q, const vec3& direction) {
@@ -67,8 +85,9 @@ inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as
     const vec3 along = m.vertices[b] - m.vertices[a];
     return std::abs(direction.dot(along)) <= level_enough * along.norm() &&
            direction.dot(inwards(m, t, a, b)) <= level_enough &&
-           (beyond == triangle_tree::none ||
-            direction.dot(inwards(m, beyond, a, b)) <= level_enough);
+           (beyond == triangle_tree::none
+                ? nearest_of_triangles(m, t, q.at, direction)
+                : direction.dot(inwards(m, beyond, a, b)) <= level_enough);
   }
   if (q.corner >= 0) {
     const std::uint32_t v = m.triangles[t][static_cast<std::size_t>(q.corner)];
@@ -76,6 +95,7 @@ inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as
       const vec3 way = m.vertices[m.around[n]] - m.vertices[v];
       if (direction.dot(way) > level_enough * way.norm()) return false;
     }
+    if (m.frayed[v]) return nearest_of_triangles(m, t, q.at, direction);
   }
   return true;
 }

@@ -1,5 +1,8 @@
 #pragma once
-// Two boxes: a manifold of up to four contacts if a face is involved, else a single contact.
+// Two boxes: a manifold of four contacts, or up to eight, if a face is involved, else a single one.
+#include <array>
+#include <span>
+
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/box_batch.hpp"
 #include "talus/detect/box_place.hpp"
@@ -16,19 +19,18 @@ namespace detail {
 /// reference box: of b's face (`face_of_b`), or a's, that looks along its axis `axis` or against.
 template <class Sink, class Real>
 void give_patch(const box_place<Real>& a, const box_place<Real>& b, const box_pair<Real>& pair,
-                int axis, bool positive, bool face_of_b, std::array<box_contact<Real>, 4>& found,
-                std::size_t size, Sink&& sink) {
+                int axis, bool positive, bool face_of_b, std::span<box_contact<Real>> found,
+                Sink&& sink) {
   if (face_of_b)
-    for (std::size_t k = 0; k < size; ++k) {
-      box_contact<Real>& c = found[k];
+    for (box_contact<Real>& c : found) {
       c.normal = -(pair.axes * c.normal), c.point = pair.from_b(c.point);
       std::swap(c.a, c.b);
     }
-  if (size == 4) name_by_quarters(pair, found);
+  if (found.size() == 4) name_by_quarters(pair, found.template first<4>());
   vector3<Real> normal = column_of((face_of_b ? b : a).axes, axis);
   if (positive != face_of_b) normal = -normal;
-  for (std::size_t k = 0; k < size; ++k)
-    sink(contact_geometry{normal, a.to_world(found[k].point), found[k].gap, found[k].feature()});
+  for (const box_contact<Real>& c : found)
+    sink(contact_geometry{normal, a.to_world(c.point), c.gap, c.feature()});
 }
 
 /// Calls `sink(contact_geometry)` for two boxes that no axis separates by more than the margin.
@@ -62,10 +64,10 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
     }
     if (use) {
       patch.reduce(Real(1e-4) * smallest);
-      std::array<box_contact<Real>, 4> found;
+      std::array<box_contact<Real>, 8> found;
       std::size_t size = 0;
       patch.for_each([&](const box_contact<Real>& c) { found[size++] = c; });
-      give_patch(a, b, pair, face.i, positive, face_of_b, found, size, sink);
+      give_patch(a, b, pair, face.i, positive, face_of_b, std::span(found.data(), size), sink);
       return;
     }
   }
@@ -86,7 +88,7 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
   std::array<box_contact<Real>, 4> found;
   const std::size_t size = patches.corners(lane, found);
   give_patch(a, b, batch.pair(lane), patches.axis(lane), patches.positive(lane), patches.of_b(lane),
-             found, size, sink);
+             std::span(found.data(), size), sink);
 }
 
 }  // namespace detail

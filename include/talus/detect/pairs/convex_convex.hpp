@@ -23,7 +23,7 @@ inline constexpr bool convex_in_order = convex_rank<A> > 0 &&
 
 }  // namespace detail
 
-/// Calls `sink(contact_geometry)` for the points with a gap of at most `margin`: up to four where a
+/// Calls `sink(contact_geometry)` for the points with a gap of at most `margin`: up to 16 where a
 /// flat face is involved, two where straight lines lie along each other, else one. The normal is
 /// the direction of least penetration or of the nearest points; a face whose normal is as good
 /// within half a percent of the smaller shape's thickness and five percent of the gap is preferred

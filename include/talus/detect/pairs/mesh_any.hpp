@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/detail/level_patches.hpp"
 #include "talus/detect/detail/triangle_contact.hpp"
 #include "talus/detect/pairs/convex_convex.hpp"
 #include "talus/shape/frame.hpp"
@@ -104,8 +105,8 @@ void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real m
 }
 
 /// Calls `sink(contact_geometry)` for the points of each triangle with a gap of at most `margin`,
-/// up to four each. Inner edges over which the surface is flat, or bends towards the body, act as
-/// the plane of their triangle.
+/// of all triangles in one plane together up to 16. Inner edges over which the surface is flat, or
+/// bends towards the body, act as the plane of their triangle.
 template <class A, class B, class Sink>
 requires(detail::is_surface<A> &&
          (detail::convex_rank<B> > 0)) void collide(const A& a, const pose& pa, const B& b,
@@ -117,6 +118,7 @@ requires(detail::is_surface<A> &&
   const vec3 reach = b.half_extents(there) + vec3(margin, margin, margin);
   detail::flat_polyhedron flat;
   detail::felt_points felt(real(1e-6) * size);
+  detail::level_patches level(size, m.bounding_radius);
   a.each_within(there.position, reach, size + margin, [&](std::uint32_t t) {
     const vec3 middle = pa.to_world(flat.become(m, t));
     const detail::convex_view<real> view_a(flat.mesh(), pose{vec3(0, 0, 0), pa.orientation}),
@@ -129,7 +131,10 @@ requires(detail::is_surface<A> &&
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
       const bool inside = q.edge < 0 && q.corner < 0;
       if (std::abs(straight) > 1 - real(1e-8)) {
-        sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
+        const contact_geometry one{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)};
+        const vec3 side = straight < 0 ? vec3(-m.normals[t]) : m.normals[t];
+        const real height = side.dot(m.corner(t, 0) - there.position);
+        if (!level.add(one, rotated(pa.orientation, side), height)) sink(one);
       } else if (!inside && detail::nearest_of_surface(m, t, q, up)) {
         if (felt.add(q.at))
           sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
@@ -149,6 +154,7 @@ requires(detail::is_surface<A> &&
       }
     }
   });
+  level.each(sink);
 }
 
 /// Immovable bodies make no contacts with each other.

@@ -13,7 +13,7 @@ namespace talus {
 
 namespace detail {
 
-/// The corners near a plane that lies `height` below the origin of the view's frame, at most four.
+/// The corners near a plane that lies `height` below the origin of the view's frame, at most 16.
 template <class Real>
 struct corners_near_plane {
   std::array<patch_point<Real>, outline<Real>::capacity> points;
@@ -22,7 +22,7 @@ struct corners_near_plane {
   corners_near_plane(const convex_view<Real>& view, const vector3<Real>& up, Real height,
                      Real margin) {
     outline<Real> lowest;
-    view.outline_along(-up, 4, lowest);
+    view.outline_along(-up, most_corners, lowest);
     const vector3<Real> any = vector3<Real>::Unit(std::abs(up[0]) < Real(0.6) ? 0 : 1);
     const vector3<Real> u = any.cross(up).normalized(), v = up.cross(u);
     for (int k = 0; k < lowest.size; ++k) {
@@ -32,16 +32,17 @@ struct corners_near_plane {
         points[static_cast<std::size_t>(size++)] = {u.dot(corner.at), v.dot(corner.at), gap, 0,
                                                     corner.code,      corner.at};
     }
-    size = keep_four<Real>(points.data(), size, Real(1e-4) * view.smallest());
+    size = keep_outline<Real>(points.data(), size, Real(1e-4) * view.smallest());
   }
 };
 
 }  // namespace detail
 
-/// Calls `sink(contact_geometry)` for up to four points with a gap of at most `margin`, the lowest
-/// among them (within 1e-4 of the thickness); the feature is the number of the corner. A cylinder
-/// that stands on a flat face has four fixed points of its edge circle; if it leans by 1e-4 or
-/// more, the lowest point is one of the four.
+/// Calls `sink(contact_geometry)` for the corners with a gap of at most `margin`, up to 16, the
+/// lowest among them (within 1e-4 of the thickness); the feature is the number of the corner. A
+/// cylinder that stands on a flat face has 16 fixed points of its edge circle, and carries loads
+/// within 0.98 of its radius in all directions; if it leans by 2e-3 or more, the lowest point is
+/// one of them.
 template <class B, class Sink, class Real = real>
 requires(detail::convex_rank<B> > 1) void collide(const plane& a, const pose&, const B& b,
                                                   const pose& pb, real margin, Sink&& sink) {

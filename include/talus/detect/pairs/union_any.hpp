@@ -25,7 +25,7 @@ void collide_parts(const A& a, const pose& pa, const B& b, const pose& pb, real 
 }  // namespace detail
 
 /// Calls `sink(contact_geometry)` for the points of each part with a gap of at most `margin`: up to
-/// four a part. The feature holds the number of the part in bits 32 to 47. Points of one part that
+/// 16 a part. The feature holds the number of the part in bits 32 to 47. Points of one part that
 /// lie inside another part are found like any others.
 template <class... Parts, class B, class Sink>
 requires(!detail::is_union<B> &&

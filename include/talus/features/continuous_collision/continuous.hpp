@@ -23,6 +23,7 @@
 #include "talus/ghosts/shared_velocities.hpp"
 #include "talus/motion/free_flight.hpp"
 #include "talus/motion/moving_frame.hpp"
+#include "talus/pairs/flush_surface.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/solved_velocity.hpp"
@@ -74,11 +75,14 @@ template <class Store>
   return s.dt * speed;
 }
 
-/// Radius of the ball about the centre that fits into a convex shape, or an estimate of it.
+/// Radius of the ball about the centre that fits into a convex shape, or an estimate of it. A
+/// surface has no inside: what is beyond it is told by the centre of the other body alone.
 template <class Shape>
 [[nodiscard]] real inner_radius(const Shape& shape) {
   if constexpr (Shape::isotropic) {
     return shape.bounding_radius();
+  } else if constexpr (is_triangulated<Shape>) {
+    return never;
   } else {
     real least = never;
     for (int axis = 0; axis < 3; ++axis)
@@ -140,19 +144,49 @@ template <class Shape, class Scenario, class Store>
   return s.dt * (one->next.v.norm() + arm * one->next.w.norm());
 }
 
-/// The time at which two bodies meet. The impact with a driven body is computed in the frame that
-/// moves with it: there it stands still, and the other body flies along a curve.
-template <class ShapeB, bool Paired, class Scenario, class ShapeA, class FlightA, class StoreB,
+/// Whether two bodies meet at time t on a flush surface only where contacts are hidden, or where
+/// they slide along it.
+template <class ShapeB, bool Paired, class Scenario, class StoreA, class FlightA, class StoreB,
           class FlightB>
-[[nodiscard]] real meeting_of(const world_state<Scenario>& s, const ShapeA& shape,
+[[nodiscard]] bool meet_hidden(world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                               const FlightA& fa, const StoreB& b, std::size_t j, const FlightB& fb,
+                               const impact_search& search, real t) {
+  using ShapeA = typename StoreA::shape_type;
+  if (!is_beside_flush<ShapeA, ShapeB, Paired>(s, a, i, b, j)) return false;
+  const pose at_a = fa.at(t), at_b = fb.at(t);
+  const vec3 v = fa.speed(t) - fb.speed(t);
+  bool some = false, shown = false;
+  collide_pair(a.shape[i], at_a, b.shape[j], at_b, search.zone, [&](const contact_geometry& g) {
+    some = true;
+    const vec3 u =
+        v + fa.spin.cross(g.point - at_a.position) - fb.spin.cross(g.point - at_b.position);
+    shown = shown ||
+            (-g.normal.dot(u) > search.rest &&
+             !is_hidden<ShapeA, ShapeB, Paired>(s, a, i, at_a.position, b, j, at_b.position, g));
+  });
+  return some && !shown;
+}
+
+/// The time at which two bodies meet, elsewhere than at hidden contacts. The impact with a driven
+/// body is computed in the frame that moves with it: there it stands still, and the other body
+/// flies along a curve.
+template <class ShapeB, bool Paired, class Scenario, class StoreA, class FlightA, class StoreB,
+          class FlightB>
+[[nodiscard]] real meeting_of(world_state<Scenario>& s, const StoreA& a, std::size_t i,
                               const FlightA& fa, const StoreB& b, std::size_t j, const FlightB& fb,
-                              const impact_search& search) {
+                              impact_search search) {
+  const auto& shape = a.shape[i];
   if constexpr (!Paired && world_state<Scenario>::drives)
     if (const driven_body* one = going_body<ShapeB>(s, j))
       return time_of_impact(
           shape, moving_frame(fa, one->state.at.point, one->next.v, one->next.w, search.to),
           b.shape[j], fb, search);
-  return time_of_impact(shape, fa, b.shape[j], fb, search);
+  while (true) {
+    const real t = time_of_impact(shape, fa, b.shape[j], fb, search);
+    if (t == never || !meet_hidden<ShapeB, Paired>(s, a, i, fa, b, j, fb, search, t)) return t;
+    search.from = t + std::max(search.plunge, search.zone) / (fa.speed(t) - fb.speed(t)).norm();
+    if (!(search.from < search.to)) return never;
+  }
 }
 
 /// Finds the first impacts of two bodies and keeps the earliest of each body in `impacts.found`. In
@@ -202,7 +236,7 @@ class impact_finder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       else
         return;  // global bodies stand there anyway
     }
-    const real t = meeting_of<ShapeB, paired>(s_, a_.shape[i], fa, b_, j, fb, search);
+    const real t = meeting_of<ShapeB, paired>(s_, a_, i, fa, b_, j, fb, search);
     if (t == never) return;
     if (x.moves_a) time_a = std::min(time_a, t);
     if constexpr (paired) {
@@ -386,7 +420,7 @@ class flight_stopper : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     search.from = std::max(from_a, from_b);
     fa.position -= from_a * fa.velocity, fa.turned = from_a;
     fb.position -= from_b * fb.velocity, fb.turned = from_b;
-    const real t = meeting_of<ShapeB, paired>(s_, a_.shape[i], fa, b_, j, fb, search);
+    const real t = meeting_of<ShapeB, paired>(s_, a_, i, fa, b_, j, fb, search);
     if (t == never) return;
     if (stops_a) s_.impacts.found[a] = std::min(s_.impacts.found[a], t);
     if (stops_b) s_.impacts.found[b] = std::min(s_.impacts.found[b], t);
@@ -404,7 +438,7 @@ class flight_stopper : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (!(search.from < s_.dt)) return;
     auto fa = rest_of_flight(s_, a_, i, a);
     fa.position -= s_.impacts.time[a] * fa.velocity, fa.turned = s_.impacts.time[a];
-    const real t = meeting_of<ShapeB, paired>(s_, a_.shape[i], fa.stopped(search.from), b_, j,
+    const real t = meeting_of<ShapeB, paired>(s_, a_, i, fa.stopped(search.from), b_, j,
                                               flight_of(s_, b_, j), search);
     auto& carrier = s_.impacts.carriers[a];
     if (t < carrier.from) carrier = {t, one->state.at.point, one->next.v, one->next.w};

@@ -1,0 +1,61 @@
+#pragma once
+// Whether two bodies touch on their paths, or pass each other. The motion of a body is given as in
+// time_of_impact.hpp.
+#include <algorithm>
+#include <cmath>
+
+#include "talus/detect/collide_pair.hpp"
+#include "talus/detect/time_of_impact.hpp"
+
+namespace talus::detail {
+
+/// Whether two points, `apart` at first, come within a distance of `reach` on the straight way
+/// `way` of the first relative to the second.
+[[nodiscard]] inline bool points_come_near(const vec3& apart, const vec3& way, real reach) {
+  const real square = way.squaredNorm();
+  const real part = square > 0 ? std::clamp(-apart.dot(way) / square, real(0), real(1)) : real(0);
+  return vec3(apart + part * way).squaredNorm() <= reach * reach;
+}
+
+/// Whether two bodies come within a gap of `touch` from time 0 to `to`, by conservative advancement
+/// (Mirtich 1996). If the smallest gap is between half of it and `touch`, the result may be either;
+/// if there is no answer after 100 advances, it is yes.
+template <class A, class FlightA, class B, class FlightB>
+[[nodiscard]] bool come_near(const A& a, const FlightA& fa, const B& b, const FlightB& fb, real to,
+                             real touch) {
+  // Of several pieces, or of a surface, the nearest gives no bound for the others.
+  constexpr bool in_pieces = requires { a.parts(); }
+  || requires { b.parts(); }
+  || requires { a.tree(); }
+  || requires { b.tree(); };
+  constexpr int most = 100;
+
+  real turning = 0;
+  if constexpr (!A::isotropic) turning += fa.spin.norm() * a.bounding_radius();
+  if constexpr (!B::isotropic) turning += fb.spin.norm() * b.bounding_radius();
+  const real pull = (fa.acceleration - fb.acceleration).norm();
+  bool near = false;  // at the end, as most
+  collide_pair(a, fa.at(to), b, fb.at(to), touch,
+               [&](const contact_geometry& g) { near = near || g.gap <= touch; });
+  if (near) return true;
+  real t = 0;
+  for (int k = 0; k < most; ++k) {
+    const vec3 v = fa.speed(t) - fb.speed(t);
+    const real fastest = v.norm() + pull * (to - t) + turning;
+    real gap = never;
+    vec3 normal{0, 0, 0};
+    collide_pair(a, fa.at(t), b, fb.at(t), touch + fastest * (to - t),
+                 [&](const contact_geometry& g) {
+                   if (g.gap < gap) gap = g.gap, normal = g.normal;
+                 });
+    if (gap == never) return false;
+    if (gap <= touch) return true;
+    const real closing = in_pieces ? fastest : -normal.dot(v) + pull * (to - t) + turning;
+    if (closing <= 0) return false;
+    t += (gap - real(0.5) * touch) / closing;
+    if (!(t <= to)) return false;
+  }
+  return true;
+}
+
+}  // namespace talus::detail

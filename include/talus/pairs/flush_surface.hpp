@@ -1,0 +1,346 @@
+#pragma once
+// Finds the contacts with fixed bodies that are not on their common surface; see
+// detect/flush.hpp. What is found depends on the bodies alone, not on their order or owner: a rank
+// that computes a contact holds every body that reaches its point. (Those that goes_on() looks at,
+// up to a diameter of the movable body away, it holds if they are global.)
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/flush.hpp"
+#include "talus/state/kinematic_bodies.hpp"
+#include "talus/state/state.hpp"
+
+namespace talus::detail {
+
+/// A contact of a movable body with a fixed one.
+struct contact_with_fixed {
+  vec3 point, normal;  ///< on the surface of the fixed body, and from there to the other one
+  vec3 centre;         ///< of the movable body
+  real radius = 0;
+  system_id id = no_id;
+  bool round = false;  ///< the movable body is a sphere
+};
+
+/// Finds the contacts with flush bodies that are not on their common surface.
+template <class Scenario>
+class flush_surface {
+  using state_type = world_state<Scenario>;
+  /// Bodies are taken to enter a surface of triangles by at most this part of their radius.
+  static constexpr real depth_part = 0.02;
+  /// The sine of an angle between two faces that counts as zero.
+  static constexpr real level = 1e-3;
+
+ public:
+  flush_surface(state_type& s, const contact_with_fixed& c)
+      : s_(s), c_(c), depth_(depth_part * c.radius) {
+    // A body that is followed falls freely until its impact.
+    if constexpr (state_type::continuous)
+      depth_ = std::max(depth_, 2 * s.gravity.norm() * s.dt * s.dt);
+  }
+
+  /// Whether the contact of the body with this number there is not on the common surface.
+  [[nodiscard]] bool hides(std::uint32_t number) const {
+    const auto& f = s_.flush;
+    const bool half_space = f.all[number].radius == 0;
+    bool hidden = false;
+    f.each_near(number, c_.point, reach_of(number), [&](std::uint32_t other) {
+      if constexpr (state_type::has_joints)  // it has no contacts with the movable body
+        if (s_.joints.joined(c_.id, f.all[other].id)) return true;
+      const real tolerance = tolerance_of(number, other);
+      each_solid(other, c_.point, tolerance, [&](const auto& solid, const pose& at) {
+        const vec3 p = at.to_body(c_.point), n = to_body(at, c_.normal);
+        const beside how = stands_beside(solid, p, n, tolerance);
+        if (how == beside::covers)
+          hidden = !half_space && stay_together(number, other) &&
+                   !goes_on(number, solid, at, p, tolerance);
+        else if (how == beside::agrees && c_.round && lies_over(solid, at.to_body(c_.centre), n))
+          // Both have the same contact.
+          hidden = comes_first(other, number) || !is_under(number);
+        return !hidden;
+      });
+      return !hidden;
+    });
+    return hidden;
+  }
+
+ private:
+  [[nodiscard]] static vec3 to_body(const pose& at, const vec3& direction) {
+    return rotated(at.orientation.conjugate(), direction);
+  }
+  template <class F>
+  void with_body(std::uint32_t number, F&& f) const {
+    const flush_body& one = s_.flush.all[number];
+    s_.each_shape([&](const auto& b) {
+      using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      if constexpr (is_solid_beside<shape>)
+        if (index_of<typename Scenario::shapes, shape> == one.shape)
+          f(one.global ? b.global : b.movable, one.index);
+    });
+  }
+  /// Calls f(convex solid, its frame) for the parts of a body around a point of the world, until it
+  /// returns false.
+  template <class F>
+  void each_solid(std::uint32_t number, const vec3& p, real tolerance, F&& f) const {
+    with_body(number, [&](const auto& store, std::size_t i) {
+      const auto& shape = store.shape[i];
+      using type = std::remove_cvref_t<decltype(shape)>;
+      if constexpr (is_half_space<type>) {
+        f(flat_half_space{shape.unit_normal(), shape.offset}, pose{});
+      } else if constexpr (is_block<type>) {
+        f(flat_block{shape.half()}, store.pose(i));
+      } else if constexpr (is_hull<type>) {
+        const real reach = shape.bounding_radius() + tolerance;
+        if ((p - store.position[i]).squaredNorm() > reach * reach) return;
+        f(flat_hull<std::remove_cvref_t<decltype(shape.mesh())>>{shape.mesh()}, store.pose(i));
+      } else {
+        const pose at = store.pose(i);
+        const vec3 q = at.to_body(p), centre = at.to_body(c_.centre);
+        const real reach = depth_ + tolerance;
+        const auto& m = shape.tree();
+        bool more = true;
+        m.each_within(q - vec3(reach, reach, reach), q + vec3(reach, reach, reach),
+                      [&](std::uint32_t t) {
+                        if (more)
+                          more = f(flat_prism{{m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)},
+                                              up_at(m, t, centre),
+                                              depth_},
+                                   at);
+                      });
+      }
+    });
+  }
+  template <class Tree>
+  [[nodiscard]] static vec3 up_at(const Tree& m, std::uint32_t t, const vec3& centre) {
+    const bool over = m.normals[t].dot(centre - m.corner(t, 0)) >= 0;
+    return over ? m.normals[t] : vec3(-m.normals[t]);
+  }
+  /// Calls f(normal) for the faces of a body at a point, in the world.
+  template <class F>
+  void each_face_at(std::uint32_t number, const vec3& p, real tolerance, F&& f) const {
+    with_body(number, [&](const auto& store, std::size_t i) {
+      const auto& shape = store.shape[i];
+      using type = std::remove_cvref_t<decltype(shape)>;
+      if constexpr (is_triangulated<type>) {
+        const pose at = store.pose(i);
+        const vec3 q = at.to_body(p), centre = at.to_body(c_.centre);
+        const auto& m = shape.tree();
+        each_triangle_at(m, q, tolerance,
+                         [&](std::uint32_t t) { f(rotated(at.orientation, up_at(m, t, centre))); });
+      } else {
+        each_solid(number, p, tolerance, [&](const auto& solid, const pose& at) {
+          const vec3 q = at.to_body(p);
+          solid.each_face([&](const vec3& m, real offset) {
+            if (std::abs(m.dot(q) - offset) <= tolerance) f(rotated(at.orientation, m));
+            return true;
+          });
+          return true;
+        });
+      }
+    });
+  }
+  template <class Tree, class F>
+  static void each_triangle_at(const Tree& m, const vec3& q, real tolerance, F&& f) {
+    const vec3 reach(tolerance, tolerance, tolerance);
+    m.each_within(q - reach, q + reach, [&](std::uint32_t t) {
+      const flat_prism flat{{m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)}, m.normals[t], 0};
+      if (flat.each_face(
+              [&](const vec3& n, real offset) { return n.dot(q) - offset <= tolerance; }))
+        f(t);
+    });
+  }
+
+  /// Whether the body is below the centre of the other one.
+  [[nodiscard]] bool is_under(std::uint32_t number) const {
+    bool under = false;
+    const real tolerance = flush_part * s_.flush.all[number].radius;
+    each_solid(number, c_.point, tolerance, [&](const auto& solid, const pose& at) {
+      const vec3 n = to_body(at, c_.normal);
+      under = stands_beside(solid, at.to_body(c_.point), n, tolerance) == beside::agrees &&
+              lies_over(solid, at.to_body(c_.centre), n);
+      return !under;
+    });
+    return under;
+  }
+  /// Whether the body has a free face with about this normal near its point, which is inside the
+  /// solid: beyond a wall that the other body overlaps, the floor does not end.
+  template <class Solid>
+  [[nodiscard]] bool goes_on(std::uint32_t number, const Solid& solid, const pose& at,
+                             const vec3& p, real tolerance) const {
+    bool any = false, free = false;
+    each_face_at(number, c_.point, tolerance, [&](const vec3& face) {
+      any = true;
+      if (c_.round ? face.cross(c_.normal).norm() > real(1e-6) || face.dot(c_.normal) < 0
+                   : face.dot(c_.normal) < real(0.5))
+        return;
+      const vec3 n = to_body(at, face);
+      if (stands_beside(solid, p, n, tolerance) == beside::agrees) {
+        // The surface is flat there. A face of the other body may be tilted by round-off.
+        free = free || face.cross(c_.normal).norm() <= level;
+        return;
+      }
+      constexpr real infinity = std::numeric_limits<real>::infinity();
+      real nearest = infinity, on_surface = infinity;
+      each_way_out(solid, p, n, tolerance, [&](real way, const vec3& q) {
+        const vec3 there = at.to_world(q);
+        if (way >= on_surface || way > 2 * c_.radius || is_covered(number, there, face)) return;
+        nearest = std::min(nearest, way);
+        if (reaches(number, there, tolerance)) on_surface = way;
+      });
+      free = free || on_surface <= 2 * nearest + 8 * tolerance;
+    });
+    return free || !any;
+  }
+  [[nodiscard]] bool is_covered(std::uint32_t number, const vec3& p, const vec3& n) const {
+    const auto& f = s_.flush;
+    bool covered = false;
+    f.each_near(number, p, reach_of(number), [&](std::uint32_t other) {
+      const real tolerance = tolerance_of(number, other);
+      each_solid(other, p, tolerance, [&](const auto& solid, const pose& at) {
+        covered = stands_beside(solid, at.to_body(p), to_body(at, n), tolerance) == beside::covers;
+        return !covered;
+      });
+      return !covered;
+    });
+    return covered;
+  }
+  /// Whether the body contains a point of the world.
+  [[nodiscard]] bool reaches(std::uint32_t number, const vec3& p, real tolerance) const {
+    bool inside = false;
+    with_body(number, [&](const auto& store, std::size_t i) {
+      const auto& shape = store.shape[i];
+      if constexpr (is_triangulated<std::remove_cvref_t<decltype(shape)>>)
+        each_triangle_at(shape.tree(), store.pose(i).to_body(p), tolerance,
+                         [&](std::uint32_t) { inside = true; });
+      else
+        each_solid(number, p, tolerance, [&](const auto& solid, const pose& at) {
+          const vec3 q = at.to_body(p);
+          inside = solid.each_face(
+              [&](const vec3& m, real offset) { return m.dot(q) - offset <= tolerance; });
+          return true;
+        });
+    });
+    return inside;
+  }
+  /// How far from a point neighbours of a body may contain it: triangles below them.
+  [[nodiscard]] real reach_of(std::uint32_t number) const {
+    return flush_part * s_.flush.all[number].radius + depth_;
+  }
+  [[nodiscard]] real tolerance_of(std::uint32_t a, std::uint32_t b) const {
+    return flush_part * (s_.flush.all[a].radius + s_.flush.all[b].radius);
+  }
+  /// Whether both bodies move the contact point alike in this step. (A belt stays.)
+  [[nodiscard]] bool stay_together(std::uint32_t a, std::uint32_t b) const {
+    if constexpr (state_type::drives) {
+      const auto carried = [&](std::uint32_t number) {
+        vec3 p = c_.point;
+        with_body(number, [&](const auto& store, std::size_t i) {
+          using shape = typename std::remove_cvref_t<decltype(store)>::shape_type;
+          const driven_body* one = s_.flush.all[number].global ? driven_at<shape>(s_, i) : nullptr;
+          if (one == nullptr) return;
+          const rigid_place &from = one->state.at, &to = one->next.end;
+          if (one->is_servo)
+            p += s_.dt * store.velocity[i];
+          else
+            p = to.point + rotated(quat(to.turn * from.turn.conjugate()), vec3(p - from.point));
+        });
+        return p;
+      };
+      return (carried(a) - carried(b)).norm() <= tolerance_of(a, b);
+    }
+    return (void)a, (void)b, true;
+  }
+  /// Of two bodies with the same contact, whether it is that of a: the faster surface at the
+  /// contact carries, then a plane comes first, then the smaller id.
+  [[nodiscard]] bool comes_first(std::uint32_t a, std::uint32_t b) const {
+    const auto speed = [&](std::uint32_t number) {
+      vec3 v(0, 0, 0);
+      if (!state_type::drives && s_.flush.all[number].global) return real(0);
+      with_body(number, [&](const auto& store, std::size_t i) {
+        v = store.velocity[i] + store.angular_velocity[i].cross(c_.point - store.position[i]);
+      });
+      return v.norm();
+    };
+    const flush_body &x = s_.flush.all[a], &y = s_.flush.all[b];
+    const real faster = (speed(a) - speed(b)) * s_.dt;
+    if (std::abs(faster) > tolerance_of(a, b)) return faster > 0;
+    if ((x.radius == 0) != (y.radius == 0)) return x.radius == 0;
+    return x.id < y.id;
+  }
+
+  state_type& s_;
+  const contact_with_fixed& c_;
+  real depth_;
+};
+
+/// Whether contacts of a movable shape with a fixed one may be hidden. On a plane only those that
+/// another surface there has too.
+template <class Fixed, class Other>
+inline constexpr bool has_contacts_hidden = has_flat_faces<Fixed> ||
+                                            (is_half_space<Fixed> && Other::isotropic);
+
+/// Number of the fixed body k of a store among those that may be flush, if it touches others.
+template <class Fixed, class Scenario>
+[[nodiscard]] std::int32_t number_if_flush(const world_state<Scenario>& s, bool global,
+                                           std::size_t k) {
+  const std::int32_t number =
+      s.flush.number_of(index_of<typename Scenario::shapes, Fixed>, global, k);
+  return number >= 0 && s.flush.touches_any(static_cast<std::uint32_t>(number)) ? number : -1;
+}
+/// Whether one of two bodies is fixed and touches others.
+template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
+[[nodiscard]] bool is_beside_flush(const world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                                   const StoreB& b, std::size_t j) {
+  if constexpr (has_contacts_hidden<ShapeB, ShapeA>)
+    if (s.flush.any() && (!Paired || b.inverse_mass[j] == 0))
+      return number_if_flush<ShapeB>(s, !Paired, j) >= 0;
+  if constexpr (Paired && has_contacts_hidden<ShapeA, ShapeB>)
+    if (s.flush.any() && a.inverse_mass[i] == 0) return number_if_flush<ShapeA>(s, false, i) >= 0;
+  return (void)s, (void)a, (void)i, (void)b, (void)j, false;
+}
+/// Whether the contact of body l with the fixed body k, which is at `at` for this pair, is hidden.
+template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
+[[nodiscard, gnu::noinline]] bool is_hidden_on(world_state<Scenario>& s, const StoreF& fixed,
+                                               std::size_t k, const vec3& at, bool global,
+                                               const StoreO& other, std::size_t l,
+                                               const vec3& centre, const vec3& point,
+                                               const vec3& normal) {
+  if constexpr (has_contacts_hidden<Fixed, Other>) {
+    const std::int32_t number = number_if_flush<Fixed>(s, global, k);
+    if (number < 0) return false;
+    const vec3 image = fixed.position[k] - at;  // where it is among the others
+    const contact_with_fixed c{point + image,  normal,
+                               centre + image, other.shape[l].bounding_radius(),
+                               other.id[l],    Other::isotropic};
+    return flush_surface<Scenario>(s, c).hides(static_cast<std::uint32_t>(number));
+  }
+  return false;
+}
+/// Whether the contact g of bodies i and j of two stores, which are at p_a and p_b for this pair,
+/// is not on the common surface of flush bodies, if one of them is fixed.
+template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
+[[nodiscard, gnu::always_inline]] inline bool is_hidden(world_state<Scenario>& s, const StoreA& a,
+                                                        std::size_t i, const vec3& p_a,
+                                                        const StoreB& b, std::size_t j,
+                                                        const vec3& p_b,
+                                                        const contact_geometry& g) {
+  if constexpr (has_contacts_hidden<ShapeB, ShapeA> ||
+                (Paired && has_contacts_hidden<ShapeA, ShapeB>)) {
+    if (!s.flush.any()) [[likely]]
+      return false;
+    const vec3 half_gap = real(0.5) * g.gap * g.normal;
+    if (!Paired || b.inverse_mass[j] == 0)
+      return is_hidden_on<ShapeB, ShapeA>(s, b, j, p_b, !Paired, a, i, p_a, g.point - half_gap,
+                                          g.normal);
+    if constexpr (Paired)
+      if (a.inverse_mass[i] == 0)
+        return is_hidden_on<ShapeA, ShapeB>(s, a, i, p_a, false, b, j, p_b, g.point + half_gap,
+                                            -g.normal);
+  }
+  return false;
+}
+
+}  // namespace talus::detail

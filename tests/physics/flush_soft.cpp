@@ -1,0 +1,115 @@
+// Flush fixed bodies are one surface for soft contacts: spheres rest, slide and roll on them as on
+// one body.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <talus/mesh.hpp>
+#include <talus/parallel/serial.hpp>
+#include <talus/shape/box.hpp>
+#include <talus/shape/sphere.hpp>
+#include <talus/world/world.hpp>
+#include <vector>
+
+using namespace talus;
+
+namespace {
+
+using soft_scene =
+    scenario<bodies<sphere, box, triangle_mesh>,
+             soft_contact<linear_spring_dashpot, coulomb_friction>, transport<serial>>;
+
+template <class World>
+void put_box(World& w, const vec3& size, const vec3& at) {
+  w.global([&](auto& scope) { scope.add(body<box>{.shape = box{size}, .position = at}); });
+}
+template <class World>
+void put_rectangle(World& w, real x0, real x1) {
+  const vec3 a(x0, -1, 0), b(x1, -1, 0), c(x1, 1, 0), d(x0, 1, 0);
+  const triangle_mesh m({{a, b, c}, {a, c, d}});
+  const pose at = placed(m);
+  w.global([&](auto& scope) {
+    scope.add(
+        body<triangle_mesh>{.shape = m, .position = at.position, .orientation = at.orientation});
+  });
+}
+
+const std::vector<std::function<void(world<soft_scene>&)>>& soft_floors() {
+  static const std::vector<std::function<void(world<soft_scene>&)>> all{
+      [](auto& w) {
+        put_box(w, {2, 2, 0.2}, {0, 0, -0.1});
+      },
+      [](auto& w) {
+        put_box(w, {1, 2, 0.2}, {-0.5, 0, -0.1}), put_box(w, {1, 2, 0.3}, {0.5, 0, -0.15});
+      },
+      [](auto& w) {
+        put_box(w, {1.2, 2, 0.2}, {-0.5, 0, -0.1}), put_box(w, {1.2, 2, 0.3}, {0.5, 0, -0.15});
+      },
+      [](auto& w) { put_rectangle(w, -1, 0), put_rectangle(w, 0, 1); },
+      [](auto& w) {
+        put_box(w, {1, 2, 0.2}, {-0.5, 0, -0.1}), put_rectangle(w, 0, 1);
+      },
+      [](auto& w) {
+        put_rectangle(w, -1, 0), put_box(w, {1, 2, 0.2}, {0.5, 0, -0.1});
+      },
+  };
+  return all;
+}
+
+constexpr real R = 0.03, g = 9.81, stiffness = 1e5;
+/// A sphere in equilibrium on its spring that starts at x with a velocity.
+struct soft_course {
+  real x = 0, height = 0, speed = 0, spin = 0;  ///< largest change; of x, less the motion
+};
+soft_course go(const std::function<void(world<soft_scene>&)>& floor, real x, real speed,
+               real friction, int steps) {
+  serial::link link;
+  world<soft_scene> w(link);
+  w.gravity({0, 0, -g});
+  w.material({.density = 1000, .restitution = 0.5, .friction = friction, .stiffness = stiffness});
+  floor(w);
+  const real mass = 1000 * 4 * pi / 3 * R * R * R, height = R - mass * g / stiffness, dt = 1e-4;
+  const vec3 v(speed, 0, 0), spin(0, friction > 0 ? speed / R : 0, 0);
+  const auto ball = w.add(body{
+      .shape = sphere{R}, .position = {x, 0.013, height}, .velocity = v, .angular_velocity = spin});
+  soft_course c;
+  for (int k = 1; k <= steps; ++k) {
+    w.step(dt);
+    const auto& b = w[ball];
+    c.x = std::max(c.x, std::abs(b.position()[0] - x - k * dt * speed));
+    c.height = std::max(c.height, std::abs(b.position()[2] - height));
+    c.speed = std::max(c.speed, (b.velocity() - v).norm());
+    c.spin = std::max(c.spin, (b.angular_velocity() - spin).norm());
+  }
+  return c;
+}
+
+}  // namespace
+
+TEST_CASE("a sphere of soft contacts rests near and on seams as on one body") {
+  for (std::size_t k = 0; k < soft_floors().size(); ++k)
+    for (const real x : {0.0, 0.003, -0.003, 1e-9, 1e-12, 0.02}) {
+      CAPTURE(k);
+      CAPTURE(x);
+      const soft_course c = go(soft_floors()[k], x, 0, 0, 3000);
+      CHECK(c.x < 1e-6 * R);
+      CHECK(c.height < 1e-6 * R);
+    }
+}
+
+TEST_CASE("a sphere of soft contacts slides and rolls over seams at its speed") {
+  for (std::size_t k = 0; k < soft_floors().size(); ++k)
+    for (const real speed : {0.02, -2.0})
+      for (const real friction : {0.0, 0.5}) {
+        CAPTURE(k);
+        CAPTURE(speed);
+        CAPTURE(friction);
+        const int steps = 1000;
+        const soft_course c =
+            go(soft_floors()[k], -speed * steps / 2 * 1e-4 + 1e-5, speed, friction, steps);
+        CHECK(c.speed < 1e-6 * std::abs(speed));
+        CHECK(c.height < 1e-6 * R);
+        CHECK(c.spin * R < 1e-6 * std::abs(speed));
+      }
+}

@@ -1,0 +1,231 @@
+// timeout: 300
+// Passing is not touching: surfaces that do not meet within a step exert nothing on each other,
+// whatever the gap along the normal between them at its start.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <talus/mesh.hpp>
+#include <talus/parallel/grid.hpp>
+#include <talus/parallel/serial.hpp>
+#include <talus/parallel/threads.hpp>
+#include <talus/shape/box.hpp>
+#include <talus/shape/capsule.hpp>
+#include <talus/shape/cylinder.hpp>
+#include <talus/shape/frame.hpp>
+#include <talus/solver/coloured_gauss_seidel.hpp>
+#include <talus/world/world.hpp>
+#include <vector>
+
+using namespace talus;
+
+namespace {
+
+template <class... More>
+using scene = scenario<bodies<sphere, box, capsule, cylinder, triangle_mesh, plane>,
+                       transport<serial>, More...>;
+
+enum class obstacle { box_edge, triangle, capsule_side, cylinder_rim, fixed_sphere, free_sphere };
+constexpr obstacle all_obstacles[] = {obstacle::box_edge,     obstacle::triangle,
+                                      obstacle::capsule_side, obstacle::cylinder_rim,
+                                      obstacle::fixed_sphere, obstacle::free_sphere};
+
+struct fall {
+  real radius = 0.5, dt = 1.0 / 60;
+  real beside = 1.04;  ///< of the centre from the plane that the obstacle touches, in radii
+  real phase = 0;      ///< of the steps, in steps
+  real restitution = 0.5;
+  quat turn{1, 0, 0, 0};
+  real gravity = 9.81;
+};
+
+/// All obstacles touch the plane x = 0 in the origin from below, and their edges run along y.
+template <class World>
+void put_obstacle(World& w, obstacle what, const fall& f) {
+  const real r = f.radius;
+  const quat q = f.turn;
+  const auto at = [&](const vec3& p) { return rotated(q, vec3(r * p)); };
+  const quat along_y = q * rotation({1, 0, 0}, pi / 2);
+  if (what == obstacle::free_sphere)
+    w.add(body<sphere>{.shape = sphere{1.5 * r}, .position = at({-1.5, 0, 0})});
+  w.global([&](auto& s) {
+    if (what == obstacle::box_edge)
+      s.add(body<box>{
+          .shape = box{{4 * r, 6 * r, 4 * r}}, .position = at({-2, 0, -2}), .orientation = q});
+    if (what == obstacle::triangle) {
+      const triangle_mesh m(
+          std::vector<triangle_mesh::triangle>{{at({0, -6, 0}), at({0, 6, 0}), at({-6, 0, 0})}});
+      const pose p = placed(m);
+      s.add(body<triangle_mesh>{.shape = m, .position = p.position, .orientation = p.orientation});
+    }
+    if (what == obstacle::capsule_side)
+      s.add(body<capsule>{
+          .shape = capsule{r, 6 * r}, .position = at({-1, 0, 0}), .orientation = along_y});
+    if (what == obstacle::cylinder_rim)
+      s.add(body<cylinder>{
+          .shape = cylinder{2 * r, 3 * r}, .position = at({-2, 0, -1.5}), .orientation = q});
+    if (what == obstacle::fixed_sphere)
+      s.add(body<sphere>{.shape = sphere{1.5 * r}, .position = at({-1.5, 0, 0})});
+  });
+}
+
+struct end {
+  vec3 velocity{0, 0, 0};  ///< in the frame of the obstacle
+  real expected = 0;       ///< downwards, in free fall
+  real beside = 0;         ///< the smallest x of the centre below the obstacle's level, in radii
+};
+/// A ball falls past an obstacle by 0.74 radii a step.
+template <class Scenario>
+end run(obstacle what, const fall& f, int steps = 12) {
+  serial::link link;
+  world<Scenario> w{link};
+  w.material({.density = 1, .restitution = f.restitution, .friction = 0.3});
+  const vec3 down = rotated(f.turn, vec3(0, 0, -1));
+  w.gravity(f.gravity * down);
+  put_obstacle(w, what, f);
+  const real speed = 0.74 * f.radius / f.dt;
+  const auto ball = w.add(
+      body<sphere>{.shape = sphere{f.radius},
+                   .position = rotated(f.turn, f.radius * vec3(f.beside, 0, 3 + 0.74 * f.phase)),
+                   .velocity = speed * down});
+  for (int k = 0; k < steps; ++k) w.step(f.dt);
+  return {rotated(f.turn.conjugate(), w[ball].velocity()), speed + steps * f.gravity * f.dt, 0};
+}
+
+const quat turns[] = {quat(1, 0, 0, 0), rotation({1, 2, 3}, 1.1), rotation({-2, 1, 0.3}, 2.3)};
+
+template <class... More>
+void check_free_fall() {
+  real most = 0;
+  for (const obstacle what : all_obstacles)
+    for (const real e : {0., 0.5})
+      for (const real dt : {1.0 / 60, 1.0 / 1000})
+        for (const real radius : {0.01, 0.5, 20.})
+          for (int n = 0; n < 8; ++n) {
+            const fall f{.radius = radius,
+                         .dt = dt,
+                         .phase = n / 8.,
+                         .restitution = e,
+                         .turn = turns[n % 3],
+                         // By far less than a radius in these steps.
+                         .gravity = 0.01 * radius / (dt * dt)};
+            const end x = run<scene<More...>>(what, f);
+            const real off = std::max(std::hypot(x.velocity[0], x.velocity[1]),
+                                      std::abs(x.velocity[2] + x.expected)) /
+                             x.expected;
+            INFO("obstacle ", static_cast<int>(what), ", radius ", radius, ", dt ", dt,
+                 ", restitution ", e, ", phase ", n);
+            CHECK(off < 1e-9);
+            most = std::max(most, off);
+          }
+  MESSAGE("velocity off by ", most, " of the speed");
+}
+
+}  // namespace
+
+TEST_CASE("a ball that falls beside an edge falls freely") { check_free_fall<>(); }
+TEST_CASE("so it does with the reproducible solver") { check_free_fall<solver<reproducible>>(); }
+TEST_CASE("so it does with sleeping") { check_free_fall<features<sleeping>>(); }
+
+TEST_CASE("a ball that falls upon an edge is turned aside, and does not enter the obstacle") {
+  for (const obstacle what : all_obstacles)
+    for (const real e : {0., 0.5})
+      for (int n = 0; n < 8; ++n) {
+        const fall f{
+            .beside = 0.9, .phase = n / 8., .restitution = e, .turn = turns[n % 3], .gravity = 0};
+        const end x = run<scene<>>(what, f);
+        INFO("obstacle ", static_cast<int>(what), ", restitution ", e, ", phase ", n);
+        CHECK(x.velocity[0] > 0.01 * x.expected);
+      }
+}
+
+TEST_CASE("a pair of balls that pass each other keep their velocities, on one rank and on two") {
+  using pairs = scenario<bodies<sphere>, decomposition<grid<dynamic>>, transport<threads>>;
+  using exact = scenario<bodies<sphere>, solver<reproducible>, decomposition<grid<dynamic>>,
+                         transport<threads>>;
+  const auto check = []<class Scenario>(std::type_identity<Scenario>, int ranks) {
+    threads::launch({.ranks = ranks}, [&](threads::link& link) {
+      world<Scenario> w(link, grid<dynamic>{.cells = {ranks}, .lower = {-8}, .upper = {8}});
+      w.material({.restitution = 0.5, .friction = 0.3});
+      const real dt = 0.01, speed = 37;
+      for (int n = 0; n < 10; ++n) {
+        const real y = 10 * n, ahead = 0.074 * n;
+        w.add_if_local(body{
+            .shape = sphere{0.5}, .position = {-2 - ahead, y, 0.52}, .velocity = {speed, 0, 0}});
+        w.add_if_local(
+            body{.shape = sphere{0.5}, .position = {2, y, -0.52}, .velocity = {-speed, 0, 0}});
+      }
+      for (int k = 0; k < 12; ++k) w.step(dt);
+      w.for_each_local([&](const auto& b) {
+        const vec3 v = b.velocity();
+        CHECK((vec3(std::abs(v[0]), v[1], v[2]) - vec3(speed, 0, 0)).norm() < 1e-9);
+      });
+    });
+  };
+  for (const int ranks : {1, 2}) {
+    check(std::type_identity<pairs>{}, ranks);
+    check(std::type_identity<exact>{}, ranks);
+  }
+}
+
+TEST_CASE("a ball whose path past an edge is blocked does not enter the obstacle") {
+  // A floor that ends at x = 0, where a wall begins: the free path leads past the floor's end.
+  for (const bool driven_by_gravity : {false, true})
+    for (const vec3& velocity : {vec3(20, 0, -10), vec3(20, 0, -30), vec3(40, 0, -60)})
+      for (const real x : {-0.06, -0.1, -0.2})
+        for (const real height : {0.06, 0.1, 0.16, 0.3}) {
+          serial::link link;
+          world<scene<>> w{link};
+          w.material({.density = 1, .restitution = 0, .friction = 0});
+          if (driven_by_gravity) w.gravity({0, 0, -9.81});
+          w.global([](auto& s) {
+            s.add(body<box>{.shape = box{{2, 2, 0.2}}, .position = {-1, 0, -0.1}});
+            s.add(body<box>{.shape = box{{2, 2, 4}}, .position = {1, 0, 0}});
+          });
+          const auto ball = w.add(body<sphere>{
+              .shape = sphere{0.05}, .position = {x, 0, height}, .velocity = velocity});
+          CAPTURE(velocity[2]);
+          CAPTURE(x);
+          CAPTURE(height);
+          for (int k = 0; k < 30; ++k) {
+            w.step(1.0 / 60);
+            CHECK(w[ball].position()[2] >= -1e-9);
+            CHECK(w[ball].position()[0] <= 1e-9);
+          }
+          CHECK(w[ball].position()[2] > 0.049);
+        }
+}
+
+TEST_CASE("a passing ball that another one strikes in that step does not enter the obstacle") {
+  real deepest = 0;
+  for (const obstacle what : {obstacle::box_edge, obstacle::triangle, obstacle::capsule_side})
+    for (int n = 0; n < 8; ++n)
+      for (int struck = 2; struck < 7; ++struck) {
+        serial::link link;
+        world<scene<>> w{link};
+        w.material({.density = 1, .restitution = 0.5, .friction = 0});
+        const fall f{.phase = n / 8.};
+        put_obstacle(w, what, f);
+        const real r = f.radius, speed = 0.74 * r / f.dt, height = (3 + 0.74 * f.phase) * r;
+        const auto ball = w.add(body<sphere>{
+            .shape = sphere{r}, .position = {1.04 * r, 0, height}, .velocity = {0, 0, -speed}});
+        // It strikes the ball in that step, and drives it by 0.33 radii a step.
+        w.add(body<sphere>{.shape = sphere{r},
+                           .position = {(3.04 + 0.444 * (struck - 0.5)) * r, 0, height},
+                           .velocity = {-0.6 * speed, 0, -speed}});
+        real most = 0;
+        for (int k = 0; k < 12; ++k) {
+          w.step(f.dt);
+          const vec3 p = w[ball].position() / r;
+          const vec3 nearest = what == obstacle::capsule_side ? vec3(-1, 0, 0)
+                               : what == obstacle::triangle
+                                   ? vec3(std::min(p[0], real(0)), 0, 0)
+                                   : vec3(std::min(p[0], real(0)), 0, std::min(p[2], real(0)));
+          const real reach = what == obstacle::capsule_side ? 2 : 1;
+          if (std::abs(p[2]) < 3.5) most = std::max(most, reach - (p - nearest).norm());
+        }
+        INFO("obstacle ", static_cast<int>(what), ", phase ", n, ", struck in step ", struck);
+        CHECK(most < 0.35);
+        deepest = std::max(deepest, most);
+      }
+  MESSAGE("deepest overlap ", deepest, " radii");
+}
