@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/run_lock.hpp"
 #include "talus/ghosts/conservation.hpp"
 #include "talus/io/detail/checkpoint_bodies.hpp"
 #include "talus/io/detail/checkpoint_contacts.hpp"
@@ -19,7 +20,6 @@
 #include "talus/io/detail/checkpoint_parameters.hpp"
 #include "talus/io/detail/checkpoint_reader.hpp"
 #include "talus/io/detail/checkpoint_writer.hpp"
-#include "talus/core/run_lock.hpp"
 #include "talus/world/fresh_start.hpp"
 #include "talus/world/world.hpp"
 

@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "talus/core/clock.hpp"
-#include "talus/io/checkpoint.hpp"
 #include "talus/core/run_lock.hpp"
+#include "talus/io/checkpoint.hpp"
 #include "talus/io/run_signals.hpp"
 #include "talus/world/checkpoints.hpp"
 #include "talus/world/world.hpp"

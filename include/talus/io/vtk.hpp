@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/core/run_lock.hpp"
 #include "talus/io/detail/series_index.hpp"
 #include "talus/io/detail/vtk_bodies.hpp"
 #include "talus/io/detail/vtk_contacts.hpp"
@@ -22,7 +23,6 @@
 #include "talus/io/detail/vtk_surfaces.hpp"
 #include "talus/io/output_kinds.hpp"
 #include "talus/io/output_series.hpp"
-#include "talus/core/run_lock.hpp"
 #include "talus/world/each_contact.hpp"
 #include "talus/world/world.hpp"
 

@@ -10,9 +10,9 @@
 #include "talus/core/error.hpp"
 #include "talus/core/field_names.hpp"
 #include "talus/core/output_file.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/io/output_series.hpp"
 #include "talus/io/povray.hpp"
-#include "talus/core/run_lock.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/options.hpp"
 

@@ -9,8 +9,8 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/output_file.hpp"
-#include "talus/io/output_kinds.hpp"
 #include "talus/core/run_lock.hpp"
+#include "talus/io/output_kinds.hpp"
 #include "talus/scene/command_line.hpp"
 
 namespace talus::detail {

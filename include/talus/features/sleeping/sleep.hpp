@@ -3,14 +3,15 @@
 // that approaches a sleeping island wakes it before they touch.
 //
 // A body carries the time for which its island has rested. In every step its owner adds dt, or
-// resets the time if the body did not rest (see features/sleeping/rest.hpp); every fourth step a rank takes the minimum over each
-// part of an island that it sees, shadow copies included, whose value is that of the last step. So
-// one body that moves is known everywhere after some steps, without a collective call; and as the value
-// grows alike on all ranks, an island is put to sleep on all of them in the same step. A woken body
-// takes over the value of the body that woke it: all go back to sleep together, and waking ends
-// even if an island is too large to notify in time. A joint must not hold a body that moves to one
-// that sleeps: the ranks of an island of joints take one minimum over the whole of it, and wake it
-// in one step (see features/sleeping/lowest_over_joints.hpp).
+// resets the time if the body did not rest (see features/sleeping/rest.hpp); every fourth step a
+// rank takes the minimum over each part of an island that it sees, shadow copies included, whose
+// value is that of the last step. So one body that moves is known everywhere after some steps,
+// without a collective call; and as the value grows alike on all ranks, an island is put to sleep
+// on all of them in the same step. A woken body takes over the value of the body that woke it: all
+// go back to sleep together, and waking ends even if an island is too large to notify in time. A
+// joint must not hold a body that moves to one that sleeps: the ranks of an island of joints take
+// one minimum over the whole of it, and wake it in one step (see
+// features/sleeping/lowest_over_joints.hpp).
 //
 // An island also needs something immovable that bears it. The time since then spreads as the rest
 // time does. It begins with a very large value, which is also that of an island that has lost what
