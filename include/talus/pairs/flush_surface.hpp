@@ -278,9 +278,10 @@ class flush_surface {
 
 /// Whether contacts of a movable shape with a fixed one may be hidden. On a plane only those that
 /// another surface there has too.
-template <class Fixed, class Other>
-inline constexpr bool has_contacts_hidden = has_flat_faces<Fixed> ||
-                                            (is_half_space<Fixed> && Other::isotropic);
+template <class Scenario, class Fixed, class Other>
+inline constexpr bool has_contacts_hidden = world_state<Scenario>::may_be_flush &&
+                                            (has_flat_faces<Fixed> ||
+                                             (is_half_space<Fixed> && Other::isotropic));
 
 /// Number of the fixed body k of a store among those that may be flush, if it touches others.
 template <class Fixed, class Scenario>
@@ -294,10 +295,10 @@ template <class Fixed, class Scenario>
 template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
 [[nodiscard]] bool is_beside_flush(const world_state<Scenario>& s, const StoreA& a, std::size_t i,
                                    const StoreB& b, std::size_t j) {
-  if constexpr (has_contacts_hidden<ShapeB, ShapeA>)
+  if constexpr (has_contacts_hidden<Scenario, ShapeB, ShapeA>)
     if (s.flush.any() && (!Paired || b.inverse_mass[j] == 0))
       return number_if_flush<ShapeB>(s, !Paired, j) >= 0;
-  if constexpr (Paired && has_contacts_hidden<ShapeA, ShapeB>)
+  if constexpr (Paired && has_contacts_hidden<Scenario, ShapeA, ShapeB>)
     if (s.flush.any() && a.inverse_mass[i] == 0) return number_if_flush<ShapeA>(s, false, i) >= 0;
   return (void)s, (void)a, (void)i, (void)b, (void)j, false;
 }
@@ -308,7 +309,7 @@ template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
                                                const StoreO& other, std::size_t l,
                                                const vec3& centre, const vec3& point,
                                                const vec3& normal) {
-  if constexpr (has_contacts_hidden<Fixed, Other>) {
+  if constexpr (has_contacts_hidden<Scenario, Fixed, Other>) {
     const std::int32_t number = number_if_flush<Fixed>(s, global, k);
     if (number < 0) return false;
     const vec3 image = fixed.position[k] - at;  // where it is among the others
@@ -327,8 +328,8 @@ template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA,
                                                         const StoreB& b, std::size_t j,
                                                         const vec3& p_b,
                                                         const contact_geometry& g) {
-  if constexpr (has_contacts_hidden<ShapeB, ShapeA> ||
-                (Paired && has_contacts_hidden<ShapeA, ShapeB>)) {
+  if constexpr (has_contacts_hidden<Scenario, ShapeB, ShapeA> ||
+                (Paired && has_contacts_hidden<Scenario, ShapeA, ShapeB>)) {
     if (!s.flush.any()) [[likely]]
       return false;
     const vec3 half_gap = real(0.5) * g.gap * g.normal;
