@@ -271,12 +271,12 @@ void gather_motion(world_state<Scenario>& s) {
     const auto& [store, first, reach] = std::tie(b.movable, b.first, b.reach);
     for (std::size_t i = 0; i < store.size(); ++i) {
       const real radius = sphere_radius(store.shape[i]);
-      s.soft.bodies[first + i] = {.v = store.velocity[i],
-                                  .inverse_mass = store.inverse_mass[i],
-                                  .w = store.angular_velocity[i],
-                                  .radius = radius,
-                                  .curvature = store.fixed(i) ? wall_curvature(store.shape[i])
-                                                              : 1 / radius};
+      s.soft.bodies[first + i] = {
+          .v = store.velocity[i],
+          .inverse_mass = store.inverse_mass[i],
+          .w = store.angular_velocity[i],
+          .radius = radius,
+          .curvature = store.fixed(i) ? wall_curvature(store.shape[i]) : 1 / radius};
       s.soft.places[first + i] = {store.position[i], reach[i]};
     }
   });
