@@ -210,7 +210,6 @@ template <class Scenario>
 /// Above it contacts gain energy, or waves in the bodies are not resolved (Hertz).
 template <class Scenario>
 [[nodiscard]] real longest_stable_step(world<Scenario>& w, const soft_scales& s) {
-  using law = typename Scenario::contact_law::law;
   real least = s.of_bodies;
   each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto&) {
     least = std::min(least, s.stable[i * s.lightest.size() + j]);
