@@ -35,15 +35,15 @@ int main(int argc, char** argv) {
   const course saved{4, 700, dt, file}, loaded{1, 700, dt, "", file};
   compare("balls, 1 rank", "e50ef0b45658cccd", [&] { return balls({1, 800, dt}); });
   compare("balls, 4 ranks", "e50ef0b45658cccd", [&] { return balls({4, 800, dt}); });
-  compare("crates, 1 rank", "ca116fe530f1b73a", [&] { return crates({1, 700, dt}); });
-  compare("crates, 4 ranks", "ca116fe530f1b73a", [&] { return crates({4, 700, dt}); });
-  compare("shapes, 1 rank", "26693919d646d242", [&] { return shapes({1, 700, dt}); });
-  compare("shapes, 4 ranks", "26693919d646d242", [&] { return shapes(saved); });
-  compare("shapes, restarted on 1 rank", "26693919d646d242", [&] { return shapes(loaded); });
-  compare("shear, 1 rank", "6d4a30697ac99f47", [&] { return shear({1, 600, dt}); });
-  compare("shear, 4 ranks", "6d4a30697ac99f47", [&] { return shear({4, 600, dt}); });
-  compare("sand, 1 rank", "1a04ef36c523b289", [&] { return sand({1, 2000, dt / 8}); });
-  compare("sand, 4 ranks", "1a04ef36c523b289", [&] { return sand({4, 2000, dt / 8}); });
+  compare("crates, 1 rank", "115996448bf1b6e1", [&] { return crates({1, 700, dt}); });
+  compare("crates, 4 ranks", "115996448bf1b6e1", [&] { return crates({4, 700, dt}); });
+  compare("shapes, 1 rank", "22b80dc30aa20953", [&] { return shapes({1, 700, dt}); });
+  compare("shapes, 4 ranks", "22b80dc30aa20953", [&] { return shapes(saved); });
+  compare("shapes, restarted on 1 rank", "22b80dc30aa20953", [&] { return shapes(loaded); });
+  compare("shear, 1 rank", "bf37e9c5bc66458f", [&] { return shear({1, 600, dt}); });
+  compare("shear, 4 ranks", "bf37e9c5bc66458f", [&] { return shear({4, 600, dt}); });
+  compare("sand, 1 rank", "5dd245e4dd0c06be", [&] { return sand({1, 2000, dt / 8}); });
+  compare("sand, 4 ranks", "5dd245e4dd0c06be", [&] { return sand({4, 2000, dt / 8}); });
   unlink(file.c_str());
   if (differences > 0)
     std::printf("%d digests differ from those pinned in scenes.cpp\n", differences);

@@ -14,7 +14,7 @@ namespace {
 // distance is at most the gap; and no smaller gap is possible along that normal.
 void check_sound(const solid& a, const solid& b, const contacts& found, real margin) {
   const real smallest = std::min(a.smallest(), b.smallest());
-  CHECK(found.size() <= 4);
+  CHECK(found.size() <= detail::most_corners);
   CHECK(features(found).size() == found.size());
   if (found.empty()) return;
   for (const contact_geometry& c : found) {

@@ -2,6 +2,7 @@
 // The numbers of the monitors and of the states of features on one rank, to store them in a
 // checkpoint.
 #include <array>
+#include <cstddef>
 
 #include "talus/core/exact_sum.hpp"
 #include "talus/state/monitors.hpp"
@@ -9,7 +10,7 @@
 namespace talus::detail {
 
 /// The value over all ranks: the sum of a number over the ranks, or the largest. A rest belongs to
-/// the sum before it: what the nearest number leaves.
+/// the sum before it: what the numbers before leave.
 enum class over_ranks { sum, rest, largest };
 
 /// The argument of `each_number(visit)` of a record: visit.sum(x) and visit.largest(x) name a
@@ -23,23 +24,26 @@ class number_visitor {
   void sum(vec3& v) {
     for (int k = 0; k < 3; ++k) sum(v[k]);
   }
-  /// The nearest number, and what is left of the sum.
+  /// The nearest number, that of what is left, and so on.
   void sum(signed_sum& x) {
+    std::array<double, parts_of_sum> parts;
     signed_sum left = x;
-    const double value = x.value(), rest = (left -= value).value();
-    double high = value, low = rest;
-    sum(high), f_(low, over_ranks::rest);
-    if (high != value || low != rest) x = {}, (x += high) += low;
+    for (double& part : parts) part = left.value(), left -= part;
+    const auto before = parts;
+    for (double& part : parts) f_(part, &part == parts.data() ? over_ranks::sum : over_ranks::rest);
+    if (parts == before) return;
+    x = {};
+    for (const double part : parts) x += part;
   }
   void sum(vector_sum& x) {
     for (signed_sum& part : x.parts) sum(part);
   }
-  /// The nearest number.
   void sum(exact_sum& x) {
-    const double before = x.value();
-    double value = before;
-    sum(value);
-    if (value != before) (x = {}) += value;
+    signed_sum whole;
+    whole.plus = x;
+    sum(whole);
+    exact_sum::cancel(whole.plus, whole.minus);
+    x = whole.plus;
   }
   void sum(std::uint64_t& n) {
     auto x = static_cast<double>(n);
@@ -58,6 +62,9 @@ class number_visitor {
   }
 
  private:
+  /// Their digits cover the terms of a sum, unless these differ by more than 10^60 in size.
+  static constexpr std::size_t parts_of_sum = 4;
+
   F& f_;
 };
 

@@ -14,7 +14,7 @@ namespace talus::detail {
 /// positions moves does not count.
 class rest_judge {
  public:
-  static constexpr real most = 1e-3, negligible = 2e-5, round_off = 1e-9;
+  static constexpr real most = 1e-3, negligible = 5e-5, round_off = 1e-9;
 
   rest_judge(real time, real dt) : time_(time), dt_(dt) {}
 
