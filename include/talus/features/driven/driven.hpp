@@ -89,7 +89,8 @@ template <class Shape>
                     radius * angular_velocity_between(body.state.at.turn, there.turn, 1).norm();
   if (jump <= real(1e-9) * (radius + here.norm() + first.about.norm())) return;
   fail<std::invalid_argument>(
-      "the motion of {} {} would begin at {} at time {}, and the body is at {}: contacts would meet "
+      "the motion of {} {} would begin at {} at time {}, and the body is at {}: contacts would "
+      "meet "
       "the jump of {} as a velocity; subtract from the displacement its value at that time, or "
       "return a rigid_velocity",
       Shape::name, body.id, there.point, time, here,
@@ -106,9 +107,9 @@ inline constexpr bool is_motion = requires(const Motion& m, real t) {
 /// Whether a motion counts the time from the call of world.drive; a function of the user counts
 /// that of the world.
 template <class Motion>
-inline constexpr bool counts_from_call = std::is_same_v<Motion, oscillation> ||
-                                         std::is_same_v<Motion, turning> ||
-                                         std::is_same_v<Motion, gliding>;
+inline constexpr bool counts_from_call =
+    std::is_same_v<Motion, oscillation> || std::is_same_v<Motion, turning> ||
+    std::is_same_v<Motion, gliding>;
 template <class Motion>
 void motion_of_body() {
   static_assert(is_motion<Motion>,
