@@ -45,6 +45,8 @@ struct coloured_gauss_seidel final {
     for (std::uint32_t c = 0; c < colours; ++c) each([&](auto& list) { list.warm_start(s, c); });
 
     detail::exact_joints<Lists, State, std::remove_reference_t<Ranks>, true> joints(s, ranks);
+    // Contacts must not meet the impulses that joints have had in an impact of the last step.
+    joints.solve(s);
     detail::impact_schedule impacts(settings.iterations, watch.monitored(), s.rebounds);
     const auto sweep = [&] {
       for (std::uint32_t c = 0; c < colours; ++c) {

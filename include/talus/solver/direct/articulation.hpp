@@ -48,7 +48,13 @@ class articulation : private articulated_rows {
       if (alone >= x.most) held_[first[j] + k] = bound::most;
     });
     note_motions(all), move_to_bounds(all);
+    largest_push_ = 0;
     find(all, bounded);
+    if (largest_push_ > far * speed_) {
+      add_up(all), refine(all);
+      if (bounded) move_within_bounds(all);
+      add_up(all);
+    }
     if (rebounds) damp_rebounds(all);
   }
   /// Rows that depend on each other share their loads.
@@ -67,6 +73,8 @@ class articulation : private articulated_rows {
   /// velocities would be far too large, and exactly after all if that is worse; and by least
   /// squares, if rows contradict each other.
   enum class care : char { none, more, in_vain, yields };
+  /// Velocities on the way to a solution, over those of the solution, whose round-off counts.
+  static constexpr real far = 1e3;
   /// The compliance of contradicting rows, over their mobility.
   static constexpr real softness = 1e-6;
   [[nodiscard]] real compliance_of(std::size_t j, const joint_line& x) const {
@@ -185,6 +193,7 @@ class articulation : private articulated_rows {
         const real d = -rest_[row_of(j, i)];
         r += d;
         push(all, j, x, d);
+        largest_push_ = std::max(largest_push_, std::abs(d) * mobility(j, x));
       });
     }
   }
@@ -283,6 +292,15 @@ class articulation : private articulated_rows {
   void restore_motions(Bodies& all) const {
     for (std::size_t k = 0; k < bodies.size(); ++k) all.set(bodies[k], before_[k]);
   }
+  /// Adds the impulses to the motions before once more. Where the search has passed large ones that
+  /// cancel, as where rows contradict each other, their round-off is left in the motions.
+  template <class Bodies>
+  void add_up(Bodies& all) {
+    restore_motions(all);
+    each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+      push(all, j, x, r - start_[first[j] + k]);
+    });
+  }
   template <class Bodies>
   void start_again(Bodies& all) {
     restore_motions(all);
@@ -311,11 +329,10 @@ class articulation : private articulated_rows {
       beyond = beyond || r < x.least || r > x.most;
     });
     if (!beyond) return;
-    restore_motions(all);
-    each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+    each_row([&](std::size_t, std::size_t, const joint_line& x, real& r) {
       r = std::clamp(r, x.least, x.most);
-      push(all, j, x, r - start_[first[j] + k]);
     });
+    add_up(all);
   }
 
   plain_vector<bound> held_;  ///< by rows
@@ -326,6 +343,7 @@ class articulation : private articulated_rows {
   real scale_ = 0;                    ///< of the terms of the rows, at the end
   real speed_ = 0, first_speed_ = 0;  ///< of velocities, at the end and at the start
   real left_ = 0;                     ///< the largest residual of other rows
+  real largest_push_ = 0;             ///< of all changes of impulses, as velocities
   real contradiction_ = 0;            ///< the largest residual of a row that depends on others
   bool factorized_ = false, stale_ = false, heavy_ = false;
   bool plastic_ = false;  ///< rebounds are left out
