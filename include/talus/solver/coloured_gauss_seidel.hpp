@@ -23,8 +23,9 @@ namespace talus {
 /// does not depend on the number of ranks, on the decomposition, or on the position of bodies in
 /// memory, and momentum is conserved as on one rank. Each rank also solves the contacts of other
 /// ranks on which its own depend within a sweep (see solver/dependence_cones.hpp), so that mostly
-/// one message for each iteration suffices. Joints are solved all at once after each sweep, those
-/// of an island on several ranks on each of them alike (see solver/direct/exact_joints.hpp).
+/// one message for each iteration suffices. Joints are solved all at once before the first sweep
+/// and after each, those of an island on several ranks on each of them alike (see
+/// solver/direct/exact_joints.hpp).
 struct coloured_gauss_seidel final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "coloured_gauss_seidel";
