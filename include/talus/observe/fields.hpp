@@ -185,17 +185,23 @@ class coarse_fields {
   /// Replaces the sums of this rank by those of all ranks, alike to the bit on any ranks.
   template <class Link>
   void add_ranks(Link& link) {
+    if (link.size() == 1) return;
+    constexpr std::size_t most = 65536;  // at a time
     detail::plain_vector<std::uint64_t> numbers;
-    for (const auto& x : sums_) numbers.push_back(x.top());
-    link.reduce(reduction::max, std::span<std::uint64_t>(numbers.data(), numbers.size()));
-    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i].raise(numbers[i]);
-    numbers.clear();
-    for (auto& x : sums_)
-      for (const std::uint64_t digit : x.digits()) numbers.push_back(digit);
-    link.reduce(reduction::sum, std::span<std::uint64_t>(numbers.data(), numbers.size()));
-    const std::uint64_t* next = numbers.data();
-    for (auto& x : sums_)
-      for (std::uint64_t& digit : x.digits()) digit = *next++;
+    for (std::size_t first = 0; first < sums_.size(); first += most) {
+      const std::span some(sums_.data() + first, std::min(most, sums_.size() - first));
+      numbers.clear();
+      for (const auto& x : some) numbers.push_back(x.top());
+      link.reduce(reduction::max, std::span<std::uint64_t>(numbers.data(), numbers.size()));
+      for (std::size_t i = 0; i < some.size(); ++i) some[i].raise(numbers[i]);
+      numbers.clear();
+      for (auto& x : some)
+        for (const std::uint64_t digit : x.digits()) numbers.push_back(digit);
+      link.reduce(reduction::sum, std::span<std::uint64_t>(numbers.data(), numbers.size()));
+      const std::uint64_t* next = numbers.data();
+      for (auto& x : some)
+        for (std::uint64_t& digit : x.digits()) digit = *next++;
+    }
   }
 
  private:
