@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <talus/mesh.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/shape/sphere.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
+
+#include "../flush_scene.hpp"
 
 using namespace talus;
 
@@ -19,21 +20,6 @@ namespace {
 using soft_scene =
     scenario<bodies<sphere, box, triangle_mesh>,
              soft_contact<linear_spring_dashpot, coulomb_friction>, transport<serial>>;
-
-template <class World>
-void put_box(World& w, const vec3& size, const vec3& at) {
-  w.global([&](auto& scope) { scope.add(body<box>{.shape = box{size}, .position = at}); });
-}
-template <class World>
-void put_rectangle(World& w, real x0, real x1) {
-  const vec3 a(x0, -1, 0), b(x1, -1, 0), c(x1, 1, 0), d(x0, 1, 0);
-  const triangle_mesh m({{a, b, c}, {a, c, d}});
-  const pose at = placed(m);
-  w.global([&](auto& scope) {
-    scope.add(
-        body<triangle_mesh>{.shape = m, .position = at.position, .orientation = at.orientation});
-  });
-}
 
 const std::vector<std::function<void(world<soft_scene>&)>>& soft_floors() {
   static const std::vector<std::function<void(world<soft_scene>&)>> all{

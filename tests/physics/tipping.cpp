@@ -108,7 +108,7 @@ void check_rest(const std::string& name, const setting& x, real slope, Put&& put
   const motion m = watch(w, x.size, x.dt);
   INFO(name, " on ground ", static_cast<int>(x.below), ", ", x.part, " of the limit, turned ",
        x.turn, ", size ", x.size, ", dt ", x.dt, ": way ", m.way, ", speed ", m.speed);
-  CHECK(m.way < 3e-6);
+  CHECK(m.way < 1e-6);
   CHECK(m.speed < 5e-5);
 }
 

@@ -6,6 +6,7 @@
 #include <random>
 #include <string>
 #include <talus/checkpoint.hpp>
+#include <talus/observe/fields.hpp>
 #include <talus/observe/flow.hpp>
 #include <talus/observe/force.hpp>
 #include <talus/observe/time_series.hpp>
@@ -16,6 +17,7 @@
 #include <talus/shape/box.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
+#include <utility>
 #include <vector>
 
 using namespace talus;
@@ -29,7 +31,7 @@ using falling =
              features<checkpoints, damping, penetration_monitor, momentum_balance, energy_ledger>>;
 
 std::vector<double> values(world<falling>& w, handle<plane> floor, const flow_meter<falling>& meter,
-                           const outflow& landed) {
+                           const outflow& landed, coarse_fields& mean) {
   std::vector<double> all;
   for (const measured& m : measure_run(w))
     if (m.name != "energy_error_worst") all.push_back(m.value);  // of single ranks
@@ -37,6 +39,17 @@ std::vector<double> values(world<falling>& w, handle<plane> floor, const flow_me
   const momentum_account p = measure_momentum(w);
   for (int k = 0; k < 3; ++k)
     all.insert(all.end(), {force[k], torque[k], p.after[k], p.ground[k], p.gravity[k]});
+  const coarse_fields now = measure_fields(w, mean.grid());
+  mean += now;
+  for (const coarse_fields* f : {&std::as_const(now), &std::as_const(mean)})
+    for (std::size_t c = 0; c < f->grid().size(); ++c) {
+      all.insert(all.end(), {f->bodies(c), f->mass(c), f->solid_fraction(c)});
+      for (int i = 0; i < 3; ++i) {
+        all.push_back(f->velocity(c)[i]);
+        for (int j = 0; j < 3; ++j)
+          all.insert(all.end(), {f->kinetic_stress(c)(i, j), f->contact_stress(c)(i, j)});
+      }
+    }
   const flow through = meter.total();
   const removed gone = landed.total(w);
   all.insert(all.end(), {static_cast<double>(gone.count), gone.mass});
@@ -78,9 +91,10 @@ std::vector<double> table(int ranks, int ranks_before = 0) {
       }
       w.synchronize();
       const flow_meter<falling> meter(w, plane{.normal = {0, 0, -1}, .offset = -0.8});
+      coarse_fields mean({.lower = {-4, -4, 0}, .upper = {4, 4, 3}, .cells = {3, 2, 3}});
       for (int k = 0; k < steps; k += 10) {
         w.simulate({.steps = 10, .dt = 1. / 240});
-        const auto line = values(w, floor, meter, landed);
+        const auto line = values(w, floor, meter, landed, mean);
         if (link.rank() == 0) all.insert(all.end(), line.begin(), line.end());
       }
       if (ranks_before > 0 && !restarts) write_checkpoint(w, file);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <talus/mesh.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
@@ -16,24 +15,11 @@
 #include <talus/world/world.hpp>
 #include <vector>
 
+#include "../flush_scene.hpp"
+
 using namespace talus;
 
 namespace {
-
-template <class World>
-void put_box(World& w, const vec3& size, const vec3& at) {
-  w.global([&](auto& scope) { scope.add(body<box>{.shape = box{size}, .position = at}); });
-}
-template <class World>
-void put_rectangle(World& w, real x0, real x1) {
-  const vec3 a(x0, -1, 0), b(x1, -1, 0), c(x1, 1, 0), d(x0, 1, 0);
-  const triangle_mesh m({{a, b, c}, {a, c, d}});
-  const pose at = placed(m);
-  w.global([&](auto& scope) {
-    scope.add(
-        body<triangle_mesh>{.shape = m, .position = at.position, .orientation = at.orientation});
-  });
-}
 
 using many = scenario<bodies<sphere, box, triangle_mesh>, solver<reproducible>,
                       decomposition<grid<dynamic, dynamic>>, transport<threads>>;
@@ -43,36 +29,41 @@ std::string slid(int ranks, bool fixed) {
   std::string digest;
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
     world<many> w(link, {.lower = {-1, -1}, .upper = {1, 1}});
-    w.gravity({0, 0, -9.81});
-    w.material({.restitution = 0, .friction = 0});
-    const auto tile = [&](const vec3& size, const vec3& at) {
-      if (fixed)
-        w.add_if_local(body<box>{.shape = box{size}, .position = at, .fixed = true});
-      else
-        put_box(w, size, at);
-    };
-    tile({0.5, 1, 0.2}, {-0.25, -0.5, -0.1}), tile({0.5, 1, 0.2}, {0.25, -0.5, -0.1});
-    tile({0.5, 1, 0.2}, {-0.25, 0.5, -0.1}), tile({0.5, 1, 0.2}, {0.25, 0.5, -0.1});
-    put_rectangle(w, 0.5, 1.5), put_rectangle(w, -1.5, -0.5);
-    for (int k = 0; k < 8; ++k) {
-      const real y = -0.7 + 0.2 * k;
-      w.add_if_local(body{.shape = box{{0.06, 0.06, 0.06}},
-                          .position = {-0.3 + 0.01 * k, y, 0.03},
-                          .velocity = {1, 0.1, 0}});
-      w.add_if_local(body{.shape = sphere{0.03},
-                          .position = {0.3 - 0.01 * k, y + 0.1, 0.03},
-                          .velocity = {-1, 0.1, 0}});
-    }
+    without_friction(w);
+    put_tiles(w, fixed), put_rims(w), put_sliders(w);
     for (int k = 0; k < 120; ++k) w.step(1.0 / 240);
-    w.for_each_local([&](const auto& b) {
-      if (b.position()[2] < 0) return;  // a tile
-      CHECK(std::abs(b.velocity()[2]) < 1e-5);
-      CHECK(std::abs(std::abs(b.velocity()[0]) - 1) < 1e-5);
-    });
+    check_sliders(w, 1e-6);
     const auto all = state_digest(w);
     if (link.rank() == 0) digest = all;
   });
   return digest;
+}
+
+using driving = scenario<bodies<sphere, box>, features<driven>, transport<serial>>;
+
+/// Global boxes beside each other along x, with the middle at x = 0.
+std::vector<handle<box>> row_of_boxes(world<driving>& w, real width, int count) {
+  std::vector<handle<box>> all;
+  w.global([&](auto& scope) {
+    for (int k = 0; k < count; ++k)
+      all.push_back(scope.add(body<box>{.shape = box{{width, 2, 0.2}},
+                                        .position = {(k - 0.5 * (count - 1)) * width, 0, -0.1}}));
+  });
+  return all;
+}
+/// A cube and a sphere slide from x at 0.5 against the x axis for one unit of time. Returns the
+/// cube.
+handle<box> check_slides(world<driving>& w, real x) {
+  const vec3 v(-0.5, 0, 0);
+  const auto cube =
+      w.add(body{.shape = box{{0.06, 0.06, 0.06}}, .position = {x, 0, 0.03}, .velocity = v});
+  const auto ball = w.add(body{.shape = sphere{0.03}, .position = {x, 0.2, 0.03}, .velocity = v});
+  for (int k = 0; k < 240; ++k) {
+    w.step(1.0 / 240);
+    CHECK((w[cube].velocity() - v).norm() < 1e-5);
+    CHECK((w[ball].velocity() - v).norm() < 1e-6);
+  }
+  return cube;
 }
 
 }  // namespace
@@ -87,64 +78,29 @@ TEST_CASE("bodies slide over seams with the same bits on 1, 2 and 4 ranks whose 
 }
 
 TEST_CASE("boxes that are driven together are one surface, and apart from those that are not") {
-  using driving = scenario<bodies<sphere, box>, features<driven>, transport<serial>>;
   serial::link link;
   world<driving> w(link);
-  w.gravity({0, 0, -9.81});
-  w.material({.restitution = 0, .friction = 0});
-  std::vector<handle<box>> floor;
-  w.global([&](auto& scope) {
-    for (const real x : {-0.5, 0.5})
-      floor.push_back(scope.add(body<box>{.shape = box{{1, 2, 0.2}}, .position = {x, 0, -0.1}}));
-  });
+  without_friction(w);
+  const auto floor = row_of_boxes(w, 1, 2);
   for (const auto& h : floor) w.drive(h, gliding{{0.3, 0, 0}});
-  const auto cube = w.add(
-      body{.shape = box{{0.06, 0.06, 0.06}}, .position = {0.2, 0, 0.03}, .velocity = {-0.5, 0, 0}});
-  const auto ball =
-      w.add(body{.shape = sphere{0.03}, .position = {0.2, 0.2, 0.03}, .velocity = {-0.5, 0, 0}});
-  for (int k = 0; k < 240; ++k) {
-    w.step(1.0 / 240);
-    CHECK((w[cube].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-5);
-    CHECK((w[ball].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-6);
-  }
+  const auto cube = check_slides(w, 0.2);
   CHECK(w[cube].position()[0] < -0.25);
 }
 
 TEST_CASE("planks that turn together are one surface") {
-  using driving = scenario<bodies<sphere, box>, features<driven>, transport<serial>>;
   serial::link link;
   world<driving> w(link);
-  w.gravity({0, 0, -9.81});
-  w.material({.restitution = 0, .friction = 0});
-  std::vector<handle<box>> planks;
-  w.global([&](auto& scope) {
-    for (int k = -4; k <= 4; ++k)
-      planks.push_back(
-          scope.add(body<box>{.shape = box{{0.1, 2, 0.2}}, .position = {0.1 * k, 0, -0.1}}));
-  });
+  without_friction(w);
+  const auto planks = row_of_boxes(w, 0.1, 9);
   for (const auto& h : planks) w.drive(h, turning{.axis = {0, 0, 1}, .speed = 1.5});
-  const auto cube = w.add(
-      body{.shape = box{{0.06, 0.06, 0.06}}, .position = {0.3, 0, 0.03}, .velocity = {-0.5, 0, 0}});
-  const auto ball =
-      w.add(body{.shape = sphere{0.03}, .position = {0.3, 0.2, 0.03}, .velocity = {-0.5, 0, 0}});
-  for (int k = 0; k < 240; ++k) {
-    w.step(1.0 / 240);
-    CHECK((w[cube].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-5);
-    CHECK((w[ball].velocity() - vec3(-0.5, 0, 0)).norm() < 1e-6);
-  }
+  check_slides(w, 0.3);
 }
 
 TEST_CASE("a body that is driven from some step on leaves the common surface") {
-  using driving = scenario<bodies<sphere, box>, features<driven>, transport<serial>>;
   serial::link link;
   world<driving> w(link);
-  w.gravity({0, 0, -9.81});
-  w.material({.restitution = 0, .friction = 0});
-  std::vector<handle<box>> floor;
-  w.global([&](auto& scope) {
-    for (const real x : {-0.5, 0.5})
-      floor.push_back(scope.add(body<box>{.shape = box{{1, 2, 0.2}}, .position = {x, 0, -0.1}}));
-  });
+  without_friction(w);
+  const auto floor = row_of_boxes(w, 1, 2);
   const auto cube = w.add(
       body{.shape = box{{0.06, 0.06, 0.06}}, .position = {-0.2, 0, 0.03}, .velocity = {1, 0, 0}});
   w.step(1.0 / 240);

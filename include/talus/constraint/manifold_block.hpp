@@ -131,7 +131,11 @@ struct manifold_work {
   }
 
   /// Solves all contacts, in the order of the layers or the reverse. note(contact, change of the
-  /// impulse's norm times own mobility) for those that change.
+  /// impulse's norm times own mobility) for those that change. A single manifold, which has many
+  /// contacts, is swept there and back where that is all that bears a body, as on a floor of many
+  /// flush bodies: this converges much faster than two sweeps of the whole list. So is it in a
+  /// `Watched` sweep, which may be the only one of its step: single sweeps in one direction, warm
+  /// started, amplify small errors, by which bodies at rest creep.
   template <bool Forward, bool Watched, class Note>
   static void sweep(const block& p, layer* layers, solver_state& s, Note&& note) {
     const auto v_of = [&](const bodies& of) {
@@ -151,11 +155,17 @@ struct manifold_work {
     v = p.frame.times(v), w = p.frame.times(w);
     const Pack zero = every_lane<Pack>(0);
     vectors impulse{zero, zero, zero}, moment{zero, zero, zero};
-    for (std::uint32_t n = 0; n < p.depth; ++n) {
-      layer& c = layers[Forward ? n : p.depth - 1 - n];
-      const vectors d = solve<Watched>(c, v + crossed(w, c.arm), note), m = crossed(c.arm, d);
+    constexpr bool both_ways = lanes == 1 && (Watched || !paired);
+    const std::uint32_t last = p.depth - 1, visits = both_ways ? 2 * last : last;
+    for (std::uint32_t n = 0; n <= visits; ++n) {
+      const std::uint32_t k = n <= last ? n : visits - n;
+      layer& c = layers[Forward ? k : last - k];
+      const vectors u = v + crossed(w, c.arm);
+      const bool notes = Watched && (!both_ways || n >= last);
+      const vectors d = notes ? solve<Watched>(c, u, note) : solve<false>(c, u, note);
+      const vectors m = crossed(c.arm, d);
       impulse += d, moment += m;
-      if (n + 1 == p.depth) break;
+      if (n == visits) break;
       if constexpr (paired) {
         v += p.vv.times(d) + p.wv.times(m);
         w += p.wv.across(d) + p.ww.times(m);

@@ -11,12 +11,33 @@
 
 namespace talus::detail {
 
+/// A finite number >= 0 as digits of a sum: digits[k] counts multiples of 2^(32 (first + k) -
+/// 1074).
+struct digits_of_number {
+  static constexpr int bits = 32;       ///< of a digit, in words twice as large
+  static constexpr int lowest = -1074;  ///< exponent of the smallest positive number
+
+  std::size_t first;
+  std::array<std::uint64_t, 3> digits;
+
+  explicit digits_of_number(double x) {
+    const auto word = std::bit_cast<std::uint64_t>(x);
+    const auto exponent = static_cast<int>(word >> 52);
+    std::uint64_t mantissa = word & ((std::uint64_t{1} << 52) - 1);
+    if (exponent > 0) mantissa |= std::uint64_t{1} << 52;
+    const int at = exponent > 0 ? exponent - 1 : 0;  // of the last bit, above `lowest`
+    first = static_cast<std::size_t>(at / bits);
+    const int shift = at % bits;
+    const std::uint64_t low = mantissa << shift, high = shift == 0 ? 0 : mantissa >> (64 - shift);
+    digits = {low & ((std::uint64_t{1} << bits) - 1), low >> bits, high};
+  }
+};
+
 /// The exact sum of finite numbers >= 0 of any size (a long accumulator: Kulisch 1986). It is the
 /// same to the bit for any grouping of the terms. Takes up to 2^31 terms. A term that is not finite
 /// makes the sum NaN.
 class exact_sum {
-  static constexpr int bits = 32;       ///< of a digit, in words twice as large
-  static constexpr int lowest = -1074;  ///< exponent of the smallest positive number
+  static constexpr int bits = digits_of_number::bits, lowest = digits_of_number::lowest;
 
  public:
   static constexpr std::size_t digits = 67;
@@ -27,17 +48,8 @@ class exact_sum {
       return *this;
     }
     if (x == 0) return *this;
-    const auto word = std::bit_cast<std::uint64_t>(x);
-    const auto exponent = static_cast<int>(word >> 52);
-    std::uint64_t mantissa = word & ((std::uint64_t{1} << 52) - 1);
-    if (exponent > 0) mantissa |= std::uint64_t{1} << 52;
-    const int at = exponent > 0 ? exponent - 1 : 0;  // of the last bit, above `lowest`
-    const auto first = static_cast<std::size_t>(at / bits);
-    const int shift = at % bits;
-    const std::uint64_t low = mantissa << shift, high = shift == 0 ? 0 : mantissa >> (64 - shift);
-    digits_[first] += low & mask;
-    digits_[first + 1] += low >> bits;
-    digits_[first + 2] += high;
+    const digits_of_number of(x);
+    for (std::size_t k = 0; k < of.digits.size(); ++k) digits_[of.first + k] += of.digits[k];
     return *this;
   }
   exact_sum& operator+=(const exact_sum& x) {

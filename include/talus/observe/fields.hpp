@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "talus/core/binned_sum.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/field_names.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -87,38 +88,37 @@ class coarse_fields {
   // Of cell `c`.
 
   /// Bodies that can move, in the mean over the samples.
-  [[nodiscard]] double bodies(std::size_t c) const { return at(c)[count] / samples(1); }
+  [[nodiscard]] double bodies(std::size_t c) const { return sum(c, count) / samples(1); }
   /// Mean mass in a cell.
-  [[nodiscard]] double mass(std::size_t c) const { return at(c)[masses] / samples(1); }
+  [[nodiscard]] double mass(std::size_t c) const { return sum(c, masses) / samples(1); }
   /// Mean mass in a cell over its volume.
   [[nodiscard]] double density(std::size_t c) const { return mass(c) / volume(); }
   /// The volume fraction of bodies.
   [[nodiscard]] double solid_fraction(std::size_t c) const {
-    return at(c)[volumes] / (samples(1) * volume());
+    return sum(c, volumes) / (samples(1) * volume());
   }
   /// Of the mass; zero without mass.
   [[nodiscard]] vec3 velocity(std::size_t c) const {
-    const double* s = at(c);
-    if (!(s[masses] > 0)) return {0, 0, 0};
-    return {s[momenta] / s[masses], s[momenta + 1] / s[masses], s[momenta + 2] / s[masses]};
+    const double m = sum(c, masses);
+    if (!(m > 0)) return {0, 0, 0};
+    return {sum(c, momenta) / m, sum(c, momenta + 1) / m, sum(c, momenta + 2) / m};
   }
   /// Of motion relative to the mean velocity of the cell (over the samples, too).
   [[nodiscard]] mat3 kinetic_stress(std::size_t c) const {
-    const double* s = at(c);
+    const double m = sum(c, masses);
     const vec3 v = velocity(c);
     mat3 stress;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        stress(i, j) = -(s[flux + 3 * i + j] - s[masses] * v[i] * v[j]) / (samples(1) * volume());
+        stress(i, j) = -(sum(c, flux, i, j) - m * v[i] * v[j]) / (samples(1) * volume());
     return stress;
   }
   /// Of contact forces along the lines from centre to centre, or from a centre to the contact point
   /// with something immovable; each line counts with the part of it that lies in the cell.
   [[nodiscard]] mat3 contact_stress(std::size_t c) const {
-    const double* s = at(c);
     mat3 stress;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) stress(i, j) = -s[virial + 3 * i + j] / (samples(1) * volume());
+      for (int j = 0; j < 3; ++j) stress(i, j) = -sum(c, virial, i, j) / (samples(1) * volume());
     return stress;
   }
   /// Stress, force per area, positive in tension.
@@ -147,7 +147,7 @@ class coarse_fields {
   void add_body(const vec3& centre, const vec3& v, double mass, double volume) {
     const std::size_t c = grid_.cell_of(centre);
     if (c == grid_.size()) return;
-    double* s = &sums_[c * width];
+    detail::binned_sum* s = &sums_[c * width];
     s[count] += 1, s[masses] += mass, s[volumes] += volume;
     for (int i = 0; i < 3; ++i) {
       s[momenta + i] += mass * v[i];
@@ -177,13 +177,32 @@ class coarse_fields {
       const real part = cuts_[n] - cuts_[n - 1];
       const std::size_t c = grid_.cell_of(tail + 0.5 * (cuts_[n] + cuts_[n - 1]) * line);
       if (!(part > 0) || c == grid_.size()) continue;
-      double* s = &sums_[c * width];
+      detail::binned_sum* s = &sums_[c * width];
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) s[virial + 3 * i + j] += force[i] * line[j] * part;
     }
   }
-  /// All sums of this state, cell by cell: those of the ranks add up.
-  [[nodiscard]] std::span<double> sums() { return sums_; }
+  /// Replaces the sums of this rank by those of all ranks, alike to the bit on any ranks.
+  template <class Link>
+  void add_ranks(Link& link) {
+    if (link.size() == 1) return;
+    constexpr std::size_t most = 65536;  // at a time
+    detail::plain_vector<std::uint64_t> numbers;
+    for (std::size_t first = 0; first < sums_.size(); first += most) {
+      const std::span some(sums_.data() + first, std::min(most, sums_.size() - first));
+      numbers.clear();
+      for (const auto& x : some) numbers.push_back(x.top());
+      link.reduce(reduction::max, std::span<std::uint64_t>(numbers.data(), numbers.size()));
+      for (std::size_t i = 0; i < some.size(); ++i) some[i].raise(numbers[i]);
+      numbers.clear();
+      for (auto& x : some)
+        for (const std::uint64_t digit : x.digits()) numbers.push_back(digit);
+      link.reduce(reduction::sum, std::span<std::uint64_t>(numbers.data(), numbers.size()));
+      const std::uint64_t* next = numbers.data();
+      for (auto& x : some)
+        for (std::uint64_t& digit : x.digits()) digit = *next++;
+    }
+  }
 
  private:
   enum column : std::size_t {
@@ -195,7 +214,12 @@ class coarse_fields {
     virial = flux + 9,
     width = virial + 9
   };
-  [[nodiscard]] const double* at(std::size_t c) const { return &sums_[c * width]; }
+  [[nodiscard]] double sum(std::size_t c, std::size_t k) const {
+    return sums_[c * width + k].value();
+  }
+  [[nodiscard]] double sum(std::size_t c, std::size_t matrix, int i, int j) const {
+    return sum(c, matrix + static_cast<std::size_t>(3 * i + j));
+  }
   [[nodiscard]] double samples(std::uint64_t least) const {
     return static_cast<double>(std::max(samples_, least));
   }
@@ -205,14 +229,16 @@ class coarse_fields {
   }
 
   field_grid grid_;
-  detail::plain_vector<double> sums_;
+  detail::plain_vector<detail::binned_sum> sums_;
   detail::plain_vector<real> cuts_;
   std::uint64_t samples_;
 };
 
 /// Collective: the fields of the present state, alike on all ranks. Fixed and global bodies
-/// contribute only by the forces that they exert. Sums 24 numbers for each cell over the ranks.
-/// Throws invalid_argument for an invalid grid.
+/// contribute only by the forces that they exert. The sums over bodies, contacts, ranks and samples
+/// do not depend on their order: bodies in the same state give the same bits on any ranks. Reduces
+/// 24 numbers for each cell over the ranks, and then 96. Throws invalid_argument for an invalid
+/// grid.
 template <class Scenario>
 [[nodiscard]] coarse_fields measure_fields(world<Scenario>& w, const field_grid& grid) {
   w.require_all_ranks("measure_fields");
@@ -228,7 +254,7 @@ template <class Scenario>
     else
       fields.add_force(c.centre_b, c.point, -c.force);
   });
-  w.link().reduce(reduction::sum, fields.sums());
+  fields.add_ranks(w.link());
   return fields;
 }
 
