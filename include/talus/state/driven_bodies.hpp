@@ -42,6 +42,7 @@ struct driven_state {
   quat orientation{1, 0, 0, 0};
   vec3 normal{0, 0, 1};  ///< likewise, of a plane
   real offset = 0;
+  real since = 0;  ///< its motion counts the time from then on
   rigid_place at;
   vec3 v{0, 0, 0}, w{0, 0, 0};  ///< in the last step
   real force = 0;               ///< of a servo: of its contacts in the last step

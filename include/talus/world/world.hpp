@@ -392,17 +392,19 @@ class world {
 
   /// Moves a global body along, from now on: `motion` is a function of the time of the world that
   /// returns a rigid_displacement, a rigid_velocity or a surface_velocity (body/motion.hpp), such
-  /// as oscillation, turning, gliding and belt. Displacements count from the present position of
-  /// the body; a displacement that is not zero now is applied at once. The motion replaces an
+  /// as oscillation, turning, gliding and belt, which count the time from this call. Displacements
+  /// count from the present position of the body, and must be zero now. The motion replaces an
   /// earlier motion or servo of the body; translate() and rotate() are undone by it. All ranks call
   /// it alike, with motions that return the same bits; a restart calls it again. Throws
-  /// invalid_argument for a body that is unknown or not global, and runtime_error in an exclusive
+  /// invalid_argument for a body that is unknown or not global, or if the motion begins elsewhere,
+  /// with the jump in radii of the body; and runtime_error in an exclusive
   /// section; a step throws runtime_error if the motion is not finite. Needs features<driven>.
   template <class Shape, class Motion>
   void drive(handle<Shape> h, Motion motion);
   /// Moves a global body along an axis so that its contacts exert a force against it: a plane
   /// presses on a packing. Without contacts so far it moves at its greatest speed. It costs one
-  /// reduction over all ranks in each step. All ranks call it alike; throws as drive(), and
+  /// reduction over all ranks in each step. Called again for the same axis, it continues with the
+  /// speed that the body has. All ranks call it alike; throws as drive(), and
   /// invalid_argument for a force or a speed that is not positive, or without an axis.
   template <class Shape>
   void hold_force(handle<Shape> h, const servo& how);

@@ -76,6 +76,27 @@ inline constexpr real instant = 1. / 1024;
           .w = u.angular_velocity};
 }
 
+/// Throws invalid_argument if a motion, whose value at the present time is `first`, begins
+/// elsewhere than the body is.
+template <class Shape>
+[[gnu::cold]] void require_no_jump(const Shape& shape, const driven_body& body,
+                                   const rigid_displacement& first, real time) {
+  real radius = 1;
+  if constexpr (Shape::finite) radius = shape.bounding_radius();
+  const vec3& here = body.state.origin;
+  const rigid_place there = place_of(here, first);
+  const real jump = (there.point - here).norm() +
+                    radius * angular_velocity_between(body.state.at.turn, there.turn, 1).norm();
+  if (jump <= real(1e-9) * (radius + here.norm() + first.about.norm())) return;
+  fail<std::invalid_argument>(
+      "the motion of {} {} would begin at {} at time {}, and the body is at {}: contacts would "
+      "meet "
+      "the jump of {} as a velocity; subtract from the displacement its value at that time, or "
+      "return a rigid_velocity",
+      Shape::name, body.id, there.point, time, here,
+      Shape::finite ? text(jump / radius, 3) + " radii" : text(jump, 3));
+}
+
 template <class T>
 concept value_of_motion = std::same_as<T, rigid_displacement> || std::same_as<T, rigid_velocity> ||
     std::same_as<T, surface_velocity>;
@@ -83,6 +104,12 @@ template <class Motion>
 inline constexpr bool is_motion = requires(const Motion& m, real t) {
   requires value_of_motion<decltype(m(t))>;
 };
+/// Whether a motion counts the time from the call of world.drive; a function of the user counts
+/// that of the world.
+template <class Motion>
+inline constexpr bool counts_from_call =
+    std::is_same_v<Motion, oscillation> || std::is_same_v<Motion, turning> ||
+    std::is_same_v<Motion, gliding>;
 template <class Motion>
 void motion_of_body() {
   static_assert(is_motion<Motion>,

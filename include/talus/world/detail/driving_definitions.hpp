@@ -45,18 +45,15 @@ void world<Scenario>::drive(handle<Shape> h, Motion motion) {
     detail::driven_body& body = driven_body_of(h, "drive");
     using value = decltype(motion(real{}));
     if constexpr (std::is_same_v<value, rigid_displacement>) {
-      body.plan = [motion](const detail::driven_state& s, real t, real dt) {
+      if (detail::counts_from_call<Motion>) body.state.since = state_.time;
+      body.plan = [motion](const detail::driven_state& s, real time, real dt) {
+        const real t = time - s.since;
         return detail::step_to(s, motion(t), motion(t + detail::instant * dt), motion(t + dt), dt);
       };
-      auto& bodies = state_.template of<Shape>();
-      const auto now = detail::place_of(body.state.origin, motion(state_.time));
-      if (now == body.state.at) return;
-      body.state.at = now;
-      const auto& ids = bodies.global.id;
-      detail::put_driven(
-          bodies, static_cast<std::size_t>(std::find(ids.begin(), ids.end(), h.id) - ids.begin()),
-          body.state);
-      bodies.globals_changed = true;
+      const auto& store = state_.template of<Shape>().global;
+      const auto at = std::find(store.id.begin(), store.id.end(), h.id);
+      detail::require_no_jump(store.shape[static_cast<std::size_t>(at - store.id.begin())], body,
+                              motion(state_.time - body.state.since), state_.time);
     } else {
       body.plan = [motion](const detail::driven_state& s, real t, real dt) {
         return detail::step_at(s, motion(t + dt / 2), dt);
@@ -72,6 +69,10 @@ void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
     detail::require_positive(how.force, "the force of a servo");
     detail::require_positive(how.max_speed, "the greatest speed of a servo");
     detail::require_finite("the axis of a servo", how.axis);
+    detail::driven_state before;
+    vec3 pressed(0, 0, 0);
+    for (const auto& one : state_.driving.all)
+      if (one->id == h.id && one->is_servo) before = one->state, pressed = one->holds.axis;
     detail::driven_body& body = driven_body_of(h, "hold_force");
     vec3 axis = unit(how.axis);
     if constexpr (!Shape::finite)
@@ -83,6 +84,12 @@ void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
     body.holds = {how.force, how.max_speed, axis};
     body.is_servo = true;
     body.state.speed = body.state.gain = how.max_speed;
+    if (before.mass > 0 && pressed == axis) {  // it goes on pressing, with another force
+      body.state.speed = std::clamp(before.speed, -how.max_speed, how.max_speed);
+      body.state.gain = std::min(before.gain, how.max_speed);
+      body.state.mass = before.mass, body.state.force = before.force;
+      body.state.error = before.error;
+    }
     body.plan = [axis](const detail::driven_state& s, real, real dt) {
       return detail::step_of_servo(s, axis, dt);
     };
