@@ -402,10 +402,15 @@ class world {
   template <class Shape, class Motion>
   void drive(handle<Shape> h, Motion motion);
   /// Moves a global body along an axis so that its contacts exert a force against it: a plane
-  /// presses on a packing. Without contacts so far it moves at its greatest speed. It costs one
-  /// reduction over all ranks in each step. Called again for the same axis, it continues with the
-  /// speed that the body has. All ranks call it alike; throws as drive(), and
-  /// invalid_argument for a force or a speed that is not positive, or without an axis.
+  /// presses on a packing, with `.force` or with `.pressure`, numbers or functions of the time. The
+  /// area of a plane is that of the face that the other planes, and a periodic box, leave of it at
+  /// the start of each step. Without contacts so far the body moves at its greatest speed. It costs
+  /// one reduction over all ranks in each step. Called again for the same axis, it continues with
+  /// the speed that the body has. All ranks call it alike; throws as drive(), and invalid_argument
+  /// for a force, a pressure or a speed that is not positive, for both or neither of force and
+  /// pressure, for the pressure of a body that is not a plane, or without an axis; a step throws
+  /// runtime_error if a function returns no finite number of 0 or more, or if a plane that holds a
+  /// pressure is not bounded.
   template <class Shape>
   void hold_force(handle<Shape> h, const servo& how);
   /// Refuses other fields.

@@ -13,6 +13,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/portable_trigonometry.hpp"
+#include "talus/features/driven/servo.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/state/driven_bodies.hpp"
@@ -140,6 +141,7 @@ void aim_driven(world_state<Scenario>& s) {
   s.driving.fastest = 0, s.driving.moves = false;
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     driven_state& state = one.state;
+    if (one.is_servo) one.force = force_of_servo(s, b, i, one);
     one.next = one.plan ? one.plan(state, s.time, s.dt) : driven_step{.end = state.at};
     const driven_step& next = one.next;
     if (!finite(next.v) || !finite(next.w) || !finite(next.end.point))

@@ -66,7 +66,19 @@ template <class Scenario>
 template <class Shape>
 void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
   if constexpr (detail::require_feature<Scenario, driven>()) {
-    detail::require_positive(how.force, "the force of a servo");
+    if (how.force.given() == how.pressure.given())
+      detail::fail<std::invalid_argument>(
+          "world.hold_force takes a .force or a .pressure, and was given {}",
+          how.force.given() ? "both" : "neither");
+    if (how.pressure.given() && Shape::finite)
+      detail::fail<std::invalid_argument>(
+          "only a plane holds a pressure, as its area follows from the other planes, and this is a "
+          "{}: give .force instead",
+          Shape::name);
+    if (how.force.given() && !how.force.changes())
+      detail::require_positive(how.force(0), "the force of a servo");
+    if (how.pressure.given() && !how.pressure.changes())
+      detail::require_positive(how.pressure(0), "the pressure of a servo");
     detail::require_positive(how.max_speed, "the greatest speed of a servo");
     detail::require_finite("the axis of a servo", how.axis);
     detail::driven_state before;
@@ -81,14 +93,13 @@ void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
       detail::fail<std::invalid_argument>(
           "a servo moves the {} {} along an axis: give the direction in which it presses",
           Shape::name, h.id);
-    body.holds = {how.force, how.max_speed, axis};
+    body.holds = how;
+    body.holds.axis = axis;
     body.is_servo = true;
-    body.state.speed = body.state.gain = how.max_speed;
+    body.state.speed = how.max_speed;
     if (before.mass > 0 && pressed == axis) {  // it goes on pressing, with another force
       body.state.speed = std::clamp(before.speed, -how.max_speed, how.max_speed);
-      body.state.gain = std::min(before.gain, how.max_speed);
       body.state.mass = before.mass, body.state.force = before.force;
-      body.state.error = before.error;
     }
     body.plan = [axis](const detail::driven_state& s, real, real dt) {
       return detail::step_of_servo(s, axis, dt);
