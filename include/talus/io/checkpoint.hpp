@@ -92,6 +92,7 @@ template <class Scenario>
   keeper.given = parameters_of(s);
   const std::string changes =
       merge_parameters(s, get("/parameters/at_first"), get("/parameters/at_last"));
+  keeper.after_call = parameters_of(s);
   get_monitors(in, s);
   get_records(in, w.records());
   get_once(in, keeper.once);
