@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <talus/features/driven/plane_area.hpp>
+#include <talus/observe/critical_dt.hpp>
 #include <talus/observe/force.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/periodic.hpp>
@@ -98,6 +99,20 @@ TEST_CASE("a row bears the force that a lid has at each time") {
 }
 
 TEST_CASE("walls press on areas that follow the other walls") { press_in_cell(1e-3, 1e-3); }
+
+TEST_CASE("critical_dt counts the largest speed of a servo") {
+  threads::launch({.ranks = 1}, [](threads::link& link) {
+    world<scene<soft_contact<hertz_mindlin, coulomb_friction>>> w(link, {.lower = -5, .upper = 5});
+    const auto m = w.material({.density = 2, .youngs_modulus = 1e5});
+    handle<plane> lid;
+    w.global([&](auto& s) { lid = s.add(plane{.normal = {0, 0, -1}, .offset = -2}, m); });
+    w.add(sphere{r}, m, {0, 0, 0});
+    const real at_rest = critical_dt(w);
+    w.hold_force(lid, {.force = 1, .max_speed = 30});
+    CHECK(critical_dt(w) == critical_dt(w, 30));
+    CHECK(critical_dt(w) < at_rest);
+  });
+}
 
 TEST_CASE("the area of a plane is that of the face that other planes leave of it") {
   using detail::area_within;
