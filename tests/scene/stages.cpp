@@ -198,7 +198,7 @@ TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with 
   const auto later = [](auto& w, auto&) { w.once("late", [] { return 1; }); };
   const ended e = two_stages(later, {"--restart", files.file});
   CHECK(e.code == 1);
-  CHECK(has(e.said, "world.once(\"late\", f) looks"));
+  CHECK(has(e.said, "world.once(\"late\", f), of which the file has no value, looks"));
   // A name is given once, and add() has ids that depend on the ranks.
   CHECK(has(two_stages(
                 [](auto& w, auto&) {

@@ -168,12 +168,11 @@ class checkpoint_files final : public checkpoint_hooks {
     fail<std::runtime_error>(
         "the run goes on from the checkpoint {} of step {}, and {} looks at bodies after call {} "
         "of "
-        "simulate(), which the restart leaves out, so they are those of the set-up; and the file "
-        "has "
-        "no value of it: put what needs them into a function f of world.once(\"name\", f), whose "
-        "value "
-        "checkpoints keep; give a condition that ends a loop to world.stop_when(...) or .stop_when "
-        "of simulate(), and measure in world.observe(...)",
+        "simulate(), which the restart leaves out, so they are those of the set-up: put what needs "
+        "them into a function f of world.once(\"name\", f), whose value checkpoints keep; give a "
+        "condition that ends a loop to world.stop_when(...) or .stop_when of simulate(), and "
+        "measure "
+        "in world.observe(...)",
         plan_.from, *waiting_, what, calls_);
   }
   void require_restarted() const override {

@@ -123,7 +123,9 @@ struct checkpoint_keeper {
               name);
         return &v;
       }
-    if (skipped > 0) hooks->refuse_reading(compose("world.once(\"{}\", f)", name));
+    if (skipped > 0)
+      hooks->refuse_reading(
+          compose("world.once(\"{}\", f), of which the file has no value,", name));
     return nullptr;
   }
 
