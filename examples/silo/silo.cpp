@@ -1,6 +1,7 @@
 // A silo runs out through the orifice of its cone (M. Dosta and others 2024, silo). The mass flow
 // rate is compared with Beverloo's law. With --spheres 100000 --softness 1, --dt 1.5e-6 (--m2:
 // 2e-6) and --orifice 0.03 or 0.02 it is the published case, with a filling of its own.
+#include <talus/checkpoint.hpp>
 #include <talus/mesh.hpp>
 #include <talus/mpi.hpp>
 
@@ -10,7 +11,7 @@ using namespace talus;
 using silo =
     scenario<bodies<sphere, triangle_mesh, plane>, soft_contact<hertz_mindlin, coulomb_friction>,
              integrator<velocity_verlet>, decomposition<grid<dynamic, dynamic>>,
-             transport<as_launched>, features<visibility>>;
+             transport<as_launched>, features<visibility, checkpoints>>;
 
 struct silo_options : options {
   int spheres = 700;
@@ -90,7 +91,9 @@ int main(int argc, char** argv) {
     const double settled = std::ceil(options.settling / options.dt);
     world.simulate({.steps = static_cast<std::uint64_t>(settled), .dt = options.dt});
 
-    if (!options.settled.empty() && world.link().rank() == 0) {
+    // What looks at the settled bodies is done once: a restart in the second stage has its values.
+    world.once("settled", [&] {
+      if (options.settled.empty() || world.link().rank() != 0) return;
       std::ofstream out(options.settled);
       out.precision(17);
       world.for_each_local([&](const auto& b) {
@@ -99,7 +102,7 @@ int main(int argc, char** argv) {
           out << " " << x[0] << " " << x[1] << " " << x[2];
         out << "\n";
       });
-    }
+    });
 
     // Spheres above the lip, and those in a slice of the cylinder or of the cone, for their
     // density.
@@ -116,11 +119,13 @@ int main(int argc, char** argv) {
     const double volume = 4.0 / 3 * pi * bead * bead * bead, mass = density * volume;
     const double far = lip + cone + H, low = lip + 0.2 * cone, high = lip + cone;
     const auto cubed = [&](double z) { return std::pow(options.orifice + z - lip, 3); };
-    const double bulk = mass * above(low, high) / (pi / 3 * (cubed(high) - cubed(low)));
-    const double filled = above(lip, far);
+    const double in_cone = world.once("in cone", [&] { return above(low, high); });
+    const double bulk = mass * in_cone / (pi / 3 * (cubed(high) - cubed(low)));
+    const double filled = world.once("filled", [&] { return above(lip, far); });
     std::ofstream curve;
     if (!options.curve.empty() && world.link().rank() == 0) curve.open(options.curve);
     std::array<double, 2> quarters{};  // times at which a fifth and two fifths have run out
+    world.keep("quarters", quarters);
     const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(2e-3 / options.dt)));
     world.destroy(gate);
     world.after_each_step([&] {

@@ -4,3 +4,7 @@ set(flows "filled EQUAL 700" "dt_above_critical EQUAL 0" "mass_flow_rate_over_be
 add_example_test(m1 ARGS --quiet CHECK ${flows} "mass_flow_rate_over_beverloo GREATER 0.9" "left GREATER 350")
 add_example_test(m2 ARGS --quiet --m2 CHECK ${flows} "mass_flow_rate_over_beverloo GREATER 0.75"
                                       "left GREATER 300")
+
+# A restart in the second stage has what was measured between the stages.
+add_same_bits_test(stages RESTART STEPS 1000 ARGS --spheres 200 --settling 0.04
+                   RESULTS filled bulk_density RUNS "--ranks 1" "--ranks 2")

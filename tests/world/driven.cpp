@@ -82,6 +82,34 @@ TEST_CASE("a plane that is driven again turns about where its reference point ha
         1e-9);
 }
 
+TEST_CASE("a motion that begins later begins where the body is") {
+  course c;
+  const auto lid = c.global(plane{.normal = {0, 0, -1}, .offset = -4});
+  const auto paddle = c.global(box{{1, 2, 3}}, {4, 0, 0});
+  const auto wall = c.global(plane{.normal = {1, 0, 0}, .offset = -9});
+  c.run(1, 0.01);
+  c.w.drive(lid, gliding{{0, 0, -0.5}});
+  c.w.drive(paddle, turning{.axis = {0, 0, 1}, .speed = 0.5});
+  c.w.drive(wall, oscillation{.amplitude = {0.1, 0, 0}, .frequency = 2, .phase = 1});
+  c.run(0.5, 0.01);
+  CHECK(std::abs(c.w[lid].position()[2] + 0.25) < 1e-13);
+  CHECK((c.w[paddle].position() - 4 * vec3(std::cos(0.25), std::sin(0.25), 0)).norm() < 1e-12);
+  CHECK(std::abs(c.w[wall].position()[0] - 0.1 * (std::sin(2 * pi + 1) - std::sin(1.0))) < 1e-12);
+  // Again, from there.
+  c.w.drive(lid, gliding{{0, 0, 1}});
+  c.run(0.5, 0.01);
+  CHECK(std::abs(c.w[lid].position()[2] - 0.25) < 1e-13);
+  // A function of the time of the world that would jump is refused.
+  const auto jumps = [](real t) { return rigid_displacement{.shift = {0, 0, t}}; };
+  CHECK_THROWS_WITH_AS(c.w.drive(paddle, jumps), doctest::Contains("radii"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(c.w.drive(lid, jumps), doctest::Contains("at time 2"),
+                       std::invalid_argument);
+  const real begin = c.w.time();
+  c.w.drive(lid, [=](real t) { return rigid_displacement{.shift = {0, 0, t - begin}}; });
+  c.run(0.5, 0.01);
+  CHECK(std::abs(c.w[lid].position()[2] - 0.75) < 1e-12);
+}
+
 TEST_CASE("a velocity is added up, with an error of second order in the step") {
   real error[2];
   for (int k = 0; k < 2; ++k) {

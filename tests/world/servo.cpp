@@ -54,6 +54,8 @@ void confine(int ranks, real force, real g, int steps, real dt) {
     real on_lid = 0, on_floor = 0, worst = 0, looks = 0;
     for (int k = 0; k < steps; ++k) {
       w.step(dt);
+      // Asked again for the same, as in each stage of a run, it goes on pressing.
+      if (k > steps / 2 && k % 50 == 0) w.hold_force(lid, {.force = force, .max_speed = 1});
       if (k < steps * 3 / 4 || k % 10 != 0) continue;
       ++looks;
       const real now = contact_force(w, lid)[2];

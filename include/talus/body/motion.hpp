@@ -10,7 +10,7 @@ namespace talus {
 
 /// Positions of the points of a body at a time: x goes to about + turn (x - about) + shift, where x
 /// is the position when the body was driven. A motion that returns it has no drift at all: the pose
-/// depends on the time alone.
+/// depends on the time alone. At the time of the call it must be zero.
 struct rigid_displacement {
   vec3 shift{0, 0, 0};    ///< length
   quat turn{1, 0, 0, 0};  ///< a unit quaternion
@@ -32,6 +32,8 @@ struct surface_velocity {
   vec3 angular_velocity{0, 0, 0};  ///< radians over time
   vec3 about{0, 0, 0};             ///< a point of the axis
 };
+
+// The motions below count the time from the call of world.drive.
 
 /// Motion of a shaker: to and fro by `amplitude` sin(2 pi frequency t + phase), minus its value at
 /// t = 0, so that it starts at the present position.

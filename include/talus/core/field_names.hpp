@@ -45,9 +45,9 @@ struct sleep_settings_fields {
   static constexpr auto says = sleep_settings;
   template <sentence S> using refused = no_sleep_settings<S>;
 };
-inline constexpr sentence servo = "world.hold_force(body, {...}) takes the fields force, max_speed and axis, in this order";
+inline constexpr sentence servo = "world.hold_force(body, {...}) takes the fields force, pressure, max_speed and axis, in this order";
 template <sentence S> struct no_servo {
-  static_assert(unrefused<S>, "world.hold_force(body, {...}) takes the fields force, max_speed and axis, in this order");
+  static_assert(unrefused<S>, "world.hold_force(body, {...}) takes the fields force, pressure, max_speed and axis, in this order");
 };
 struct servo_fields {
   static constexpr auto says = servo;

@@ -45,7 +45,7 @@ struct soft_state {
   plain_vector<soft_body> bodies;   ///< shape by shape, locals before shadow copies
   plain_vector<soft_place> places;  ///< likewise
   pair_parameters_of<typename Law::law> pairs;
-  real fastest_approach = 0;  ///< along the normal of a contact, in all steps so far
+  real fastest_approach = 0;  ///< along the normal of a contact, in steps of the present dt
   /// Longest stable step for the bonds when some were made, of all such moments.
   real step_of_bonds = std::numeric_limits<real>::infinity();
 };

@@ -89,11 +89,13 @@ template <class Scenario>
     std::copy(values.begin(), values.end(), all.begin());
     return all;
   };
-  keeper.first_parameters = parameters_of(s);
+  keeper.given = parameters_of(s);
   const std::string changes =
       merge_parameters(s, get("/parameters/at_first"), get("/parameters/at_last"));
+  keeper.after_call = parameters_of(s);
   get_monitors(in, s);
   get_records(in, w.records());
+  get_once(in, keeper.once);
   if constexpr (!world_state<Scenario>::law::soft || monitored<Scenario, residual_monitor>) {
     const auto c = in.reals("/run/convergence", 5);
     for (const std::size_t k : {0, 1, 4})
@@ -194,7 +196,7 @@ template <class Scenario>
 [[gnu::cold]] std::string read_checkpoint(world<Scenario>& w, const std::string& file) {
   std::string changes;
   if constexpr (detail::require_feature<Scenario, checkpoints>()) {
-    w.require_all_ranks("read_checkpoint");
+    w.require_all_ranks("read_checkpoint", false);
     detail::checkpoint_access::require_domain(w);
     detail::team_over team(w.link());
     std::array<std::uint64_t, 2> rows{};

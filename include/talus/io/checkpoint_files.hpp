@@ -49,6 +49,7 @@ class checkpoint_files final : public checkpoint_hooks {
         require_same_scenario<Scenario>(in);
         waiting_ = in.integers("/run/steps", 1)[0];
         past_ = get_course(in);
+        get_once(in, checkpoint_access::keeper(w).once);
         if (in.has("/run/configuration")) configuration_ = in.text("/run/configuration");
       } catch (const std::exception& e) {
         const std::string why = e.what();
@@ -78,7 +79,6 @@ class checkpoint_files final : public checkpoint_hooks {
     const course_part* const then = past_.find(call);
     const bool came_to_its_end = then != nullptr && then->calls > 0;
     const bool last_call = call + 1 >= past_.calls();
-    refuse_own_loop(call, s.steps, then);
     if (came_to_its_end && !last_call && s.steps != then->asked)
       fail<std::runtime_error>(
           "the checkpoint {} is of a run whose call {} of simulate() was asked for {} steps, and "
@@ -89,12 +89,14 @@ class checkpoint_files final : public checkpoint_hooks {
     if ((came_to_its_end && !last_call) || state.steps + taken < *waiting_) {
       state.time = state.clock.after(state.time, state.steps, taken, s.dt);
       state.steps += taken;
+      ++checkpoint_access::keeper(w_).skipped;
       return {.skips = true, .stopped = came_to_its_end && then->stopped};
     }
     const std::uint64_t last = state.steps + taken;
     const std::uint64_t seed = checkpoint_access::seed(w_);
     const std::string changes = read_checkpoint(w_, plan_.from);
     waiting_.reset();
+    checkpoint_access::keeper(w_).skipped = 0;
     if (w_.rank() == 0 && plan_.tell) tell_of_seed(seed, checkpoint_access::seed(w_));
     if (w_.rank() == 0 && !changes.empty() && plan_.tell)
       plan_.tell(compose("goes on from {} with other parameters: {}", plan_.from, changes));
@@ -162,6 +164,17 @@ class checkpoint_files final : public checkpoint_hooks {
           "world.simulate(...) knows which steps it leaves out",
           plan_.from);
   }
+  void refuse_reading(const std::string& what) const override {
+    fail<std::runtime_error>(
+        "the run goes on from the checkpoint {} of step {}, and {} looks at bodies after call {} "
+        "of "
+        "simulate(), which the restart leaves out, so they are those of the set-up: put what needs "
+        "them into a function f of world.once(\"name\", f), whose value checkpoints keep; give a "
+        "condition that ends a loop to world.stop_when(...) or .stop_when of simulate(), and "
+        "measure "
+        "in world.observe(...)",
+        plan_.from, *waiting_, what, calls_);
+  }
   void require_restarted() const override {
     if (!waiting_) return;
     if (calls_ < past_.calls())
@@ -180,22 +193,6 @@ class checkpoint_files final : public checkpoint_hooks {
  private:
   [[nodiscard]] static std::string counted_calls(std::uint64_t calls) {
     return compose("{} call{}", calls, calls == 1 ? "" : "s");
-  }
-  /// A program that reads bodies between equal calls of simulate() may decide by them whether to
-  /// continue; while a restart skips steps, they are not the bodies of these steps.
-  void refuse_own_loop(std::uint64_t call, std::uint64_t asked, const course_part* then) {
-    const std::uint64_t before = std::exchange(asked_before_, asked);
-    if (call == 0 || !checkpoint_access::keeper(w_).read) return;
-    const course_part* const previous = past_.find(call - 1);
-    const bool loop = asked == before ||
-                      (then != nullptr && previous != nullptr && then->asked == previous->asked);
-    if (loop)
-      fail<std::runtime_error>(
-          "the run goes on from the checkpoint {} of step {}, and looks at bodies between calls of "
-          "simulate() that the restart leaves out, where they are those of the set-up: give a "
-          "condition that ends a loop to world.stop_when(...) or .stop_when of simulate(), and "
-          "measure in world.observe(...)",
-          plan_.from, *waiting_);
   }
   [[gnu::cold]] void take_lock(bool replaces) {
     lock_.emplace(plan_.to, "the checkpoint " + plan_.to);
@@ -230,7 +227,6 @@ class checkpoint_files final : public checkpoint_hooks {
   past_course past_;                      ///< of the run that wrote that file
   std::string configuration_;             ///< of that run; empty if it is older than these
   std::uint64_t calls_ = 0;               ///< of simulate(), until the file is read
-  std::uint64_t asked_before_ = 0;        ///< steps, by the call before
   unsigned heard_write_ = 0;  ///< how often, in the last poll; listening began with the program
   std::array<double, 2> said_{};
   double polled_ = wall_seconds();

@@ -135,7 +135,7 @@ class vtk_series {
   explicit vtk_series(world<Scenario>& w, const std::string& name, bool goes_on = false,
                       const content& what = {})
       : w_(w), name_(detail::output_name(name)), goes_on_(goes_on), force_(what.force) {
-    w.require_all_ranks("vtk_series");
+    w.require_all_ranks("vtk_series", false);
     for (const auto& block : detail::vtk_blocks<Scenario>(what))
       parts_.push_back(
           {block, detail::series_index(

@@ -113,7 +113,7 @@ template <class World>
 template <class Scenario>
 void record_breaks(world<Scenario>& w, const std::string& file, every often) {
   detail::require_bond_law<Scenario>();
-  w.require_all_ranks("record_breaks");
+  w.require_all_ranks("record_breaks", false);
   using pairs = std::set<std::pair<std::uint64_t, std::uint64_t>>;
   const auto seen = std::make_shared<pairs>();
   (void)detail::new_breaks(w, *seen);

@@ -142,6 +142,9 @@ template <class Scenario>
     lower(n + m, 0);
     lower(2 * n + minus_driven, -b.velocity().norm());
   });
+  if constexpr (world_state<Scenario>::drives)
+    for (const auto& one : state_of(w).driving.all)
+      if (one->is_servo) lower(2 * n + minus_driven, -one->holds.max_speed);
   w.link().reduce(reduction::min, std::span(least));
   w.link().reduce(reduction::sum, std::span(&moving, 1));
 
@@ -261,8 +264,9 @@ template <class Scenario>
   return detail::critical_step(w, detail::measure_soft_scales(w), impact_speed);
 }
 /// The same for the impact speed that present motion and gravity make possible: twice the largest
-/// speed of a body, plus that of a fall from the highest body to the lowest point of any, or onto a
-/// plane. If bodies become faster later, or faster ones are added, pass the speed as an argument.
+/// speed of a body, plus the largest of a servo or a driven body, plus that of a fall from the
+/// highest body to the lowest point of any, or onto a plane. If bodies become faster later, or
+/// faster ones are added, pass the speed as an argument.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w) requires(Scenario::contact_law::soft) {
   w.require_all_ranks("critical_dt");

@@ -1,5 +1,6 @@
 #pragma once
 // The summary of a run in figures: speed beside error.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "talus/observe/critical_dt.hpp"
 #include "talus/observe/digest.hpp"
@@ -85,12 +87,20 @@ template <class Scenario>
 [[gnu::cold]] void report_soft_step(world<Scenario>& w, talus::summary& r) {
   const auto& s = view_of(w);
   const auto scales = measure_soft_scales(w);
-  real fastest = s.soft.fastest_approach;
-  w.link().reduce(reduction::max, std::span(&fastest, 1));
   r.critical_dt = std::min(longest_stable_step(w, scales), s.soft.step_of_bonds);
-  r.impact_speed_max = fastest;
-  const real shortest = shortest_contact(w, scales, fastest);
-  if (std::isfinite(shortest) && s.dt > 0) r.steps_per_contact = shortest / s.dt;
+  step_lengths lengths = s.lengths;
+  lengths.note(s.soft.fastest_approach);
+  std::vector<real> fastest;
+  for (const auto& x : lengths.all()) fastest.push_back(x.fastest);
+  w.link().reduce(reduction::max, std::span(fastest));
+  for (std::size_t k = 0; k < fastest.size(); ++k) {
+    const real dt = lengths.all()[k].dt, steps = shortest_contact(w, scales, fastest[k]) / dt;
+    r.impact_speed_max = std::max(r.impact_speed_max, double{fastest[k]});
+    if (!std::isfinite(steps) || (r.steps_per_contact > 0 && steps >= r.steps_per_contact))
+      continue;
+    r.steps_per_contact = steps;
+    r.shortest_contact_dt = dt, r.shortest_contact_speed = fastest[k];
+  }
 }
 
 }  // namespace detail
@@ -108,7 +118,10 @@ template <class Scenario>
   r.ranks = w.ranks();
   r.steps = w.steps();
   r.restarted_at = w.restarted_at();
-  r.dt = s.dt;
+  r.dt = r.dt_least = r.dt_most = s.dt;
+  if (const auto& lengths = s.lengths.all(); !lengths.empty())
+    r.dt_least = lengths.front().dt, r.dt_most = lengths.back().dt;
+  r.time = w.time();
   if constexpr (Scenario::contact_law::soft) detail::report_soft_step(w, r);
   r.sleeping = Scenario::template has_feature<talus::sleeping>;
   r.followed = Scenario::template has_feature<continuous_collision>;

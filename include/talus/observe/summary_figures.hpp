@@ -32,19 +32,24 @@ struct summary {
   int ranks = 1;
   std::uint64_t steps = 0;  ///< from the beginning
   std::string ended;        ///< what ended the run early, as "rest"; empty: all steps are made
-  std::uint64_t restarted_at = 0;  ///< step of the checkpoint from which this run continued
-  double dt = 0;
+  std::uint64_t restarted_at = 0;    ///< step of the checkpoint from which this run continued
+  double dt = 0;                     ///< of the last step
+  double dt_least = 0, dt_most = 0;  ///< of all steps of this run
+  double time = 0;                   ///< at the end
   /// Of soft contacts, at the end: the step beyond which they are not stable; 0: they are hard.
   double critical_dt = 0;
-  double impact_speed_max = 0;   ///< of soft contacts: the fastest approach in any step
-  double steps_per_contact = 0;  ///< at that speed, of the shortest contact; 0: no impacts
-  std::uint64_t contacts = 0;    ///< considered in the last step
-  bool sleeping = false;         ///< whether islands may be put to sleep
-  bool followed = false;         ///< whether fast bodies are followed: continuous_collision
-  bool may_follow = false;       ///< whether the scenario could name that feature
-  detail::speed_leap leap;       ///< the largest leap of a body's speed by contacts
-  detail::open_joint joint;      ///< the joint that opened farthest
-  double gravity = 0;            ///< its size
+  double impact_speed_max = 0;  ///< of soft contacts: the fastest approach in any step
+  /// Least number of steps in a contact: the shortest one, at the fastest approach in steps of that
+  /// length; 0: no impacts.
+  double steps_per_contact = 0;
+  double shortest_contact_dt = 0, shortest_contact_speed = 0;  ///< that length, and that speed
+  std::uint64_t contacts = 0;                                  ///< considered in the last step
+  bool sleeping = false;     ///< whether islands may be put to sleep
+  bool followed = false;     ///< whether fast bodies are followed: continuous_collision
+  bool may_follow = false;   ///< whether the scenario could name that feature
+  detail::speed_leap leap;   ///< the largest leap of a body's speed by contacts
+  detail::open_joint joint;  ///< the joint that opened farthest
+  double gravity = 0;        ///< its size
   motion moving;
   penetration overlap;
   force_balance balance_of_forces;
@@ -84,10 +89,13 @@ namespace detail {
 /// Whether the contacts are soft: then there is a critical time step, and nothing to solve.
 [[nodiscard]] inline bool soft(const summary& r) { return r.critical_dt > 0; }
 
+/// The longest step of the run.
+[[nodiscard]] inline double longest_step(const summary& r) { return std::max(r.dt, r.dt_most); }
+
 /// Whether the time step of the run was too large for its soft contacts, so that they gained
 /// energy.
 [[nodiscard]] inline bool dt_above_critical(const summary& r) {
-  return soft(r) && r.dt > r.critical_dt;
+  return soft(r) && longest_step(r) > r.critical_dt;
 }
 
 /// Whether the shortest soft contact of the run took fewer steps than needed for accuracy.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "talus/core/error.hpp"
 #include "talus/observe/summary_figures.hpp"
@@ -23,16 +24,19 @@ class json_object {
   void add(std::string_view key, std::uint64_t value) { put(key, std::to_string(value)); }
   void add(std::string_view key, int value) { put(key, std::to_string(value)); }
   void add(std::string_view key, std::same_as<bool> auto value);
+  [[nodiscard, gnu::cold]] bool has(std::string_view key) const;
   [[nodiscard]] std::string str() const { return "{\n" + text_ + "\n}\n"; }
 
  private:
   [[gnu::cold]] void put(std::string_view key, const std::string& value);
   std::string text_;
+  std::vector<std::string> keys_;
 };
 
 }  // namespace detail
 
-/// The figures as one flat JSON object.
+/// The figures as one flat JSON object. A result of the scenario whose name is taken, such as "dt",
+/// is written as "result_dt".
 [[nodiscard, gnu::cold]] std::string to_json(const summary& r);
 
 }  // namespace talus

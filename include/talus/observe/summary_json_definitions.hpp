@@ -1,5 +1,7 @@
 #pragma once
 // The definitions of summary_json.hpp, in the compiled part or in each program.
+#include <algorithm>
+
 #include "talus/core/linkage.hpp"
 #include "talus/core/shown_text.hpp"
 #include "talus/observe/summary_json.hpp"
@@ -21,6 +23,11 @@ TALUS_INLINE void json_object::add(std::string_view key, std::same_as<bool> auto
 TALUS_INLINE void json_object::put(std::string_view key, const std::string& value) {
   if (!text_.empty()) text_ += ",\n";
   ((((text_ += "  \"") += key) += "\": ") += value);
+  keys_.emplace_back(key);
+}
+
+TALUS_INLINE bool json_object::has(std::string_view key) const {
+  return std::find(keys_.begin(), keys_.end(), key) != keys_.end();
 }
 
 }  // namespace talus::detail
@@ -37,6 +44,7 @@ TALUS_INLINE std::string to_json(const summary& r) {
   if (!r.ended.empty()) o.add("ended_by", r.ended);
   if (r.restarted_at > 0) o.add("restarted_at", r.restarted_at);
   o.add("dt", r.dt);
+  if (r.dt_least < r.dt_most) o.add("dt_least", r.dt_least), o.add("dt_most", r.dt_most);
   if (soft(r)) {
     o.add("critical_dt", r.critical_dt);
     o.add("dt_above_critical", int{dt_above_critical(r)});
@@ -105,7 +113,11 @@ TALUS_INLINE std::string to_json(const summary& r) {
   }
   o.add("state_digest", r.digest);
   for (const measured& m : r.monitors) o.add(m.name, m.value);
-  for (const auto& [name, value] : r.own) o.add(name, value);
+  for (const auto& [name, value] : r.own) {
+    std::string key = name;
+    while (o.has(key)) key = "result_" + key;
+    o.add(key, value);
+  }
   return o.str();
 }
 

@@ -88,18 +88,20 @@ TALUS_INLINE std::string to_text(const summary& r) {
     warning += detail::compose(
         "  warning  dt {} is above the critical time step {} of the soft contacts: the results "
         "mean nothing; take a fifth of it or less\n",
-        text(r.dt, 6), text(r.critical_dt, 4));
+        text(longest_step(r), 6), text(r.critical_dt, 4));
   else if (contacts_unresolved(r))
     warning += detail::compose(
         "  warning  the shortest contact, at the impact speed {} that occurred, takes {} steps of "
         "{}, and 20 to 50 are needed: take critical_dt(world, {}) / 5\n",
-        text(r.impact_speed_max, 3), text(r.steps_per_contact, 3), text(r.dt, 6),
-        text(r.impact_speed_max, 3));
+        text(r.shortest_contact_speed, 3), text(r.steps_per_contact, 3),
+        text(r.shortest_contact_dt, 6), text(r.shortest_contact_speed, 3));
   warning += detail::balance_warnings(r);
   warning += detail::warnings_of_scales({.bodies = r.moving.bodies,
                                          .movable = r.moving.movable,
                                          .steps = r.steps,
                                          .dt = r.dt,
+                                         .dt_most = r.dt_most,
+                                         .time = r.time,
                                          .gravity = r.gravity,
                                          .radius = r.overlap.mean_radius,
                                          .fastest = r.moving.max_speed,
@@ -121,9 +123,11 @@ TALUS_INLINE std::string to_text(const summary& r) {
               text(r.balance.after.contacts, 3), text(r.balance.before.time, 3),
               text(r.balance.after.time, 3)) +
           own;
+  const std::string lengths =
+      r.dt_least < r.dt_most ? text(r.dt_least, 6) + " to " + text(r.dt_most, 6) : text(r.dt, 6);
   const std::string solving =
       soft(r) ? detail::compose("           dt is {} of the critical time step {}\n",
-                                text(r.dt / r.critical_dt, 3), text(r.critical_dt, 3))
+                                text(longest_step(r) / r.critical_dt, 3), text(r.critical_dt, 3))
               : detail::compose(
                     "           residual {} at the end, {} for the worst contact, {} for the worst "
                     "step measured{}; iterations per step: {} on average, {} at most\n",
@@ -143,7 +147,7 @@ TALUS_INLINE std::string to_text(const summary& r) {
       "  state    digest {}\n{}{}",
       r.scenario, counted(r.moving.bodies, "body", "bodies"), r.moving.movable, asleep,
       counted(static_cast<std::uint64_t>(r.ranks), "rank", "ranks"), r.transport,
-      counted(r.steps, "step", "steps"), text(r.dt, 6), text(1e3 * r.cpu_seconds / steps, 3),
+      counted(r.steps, "step", "steps"), lengths, text(1e3 * r.cpu_seconds / steps, 3),
       text(r.wall_seconds, 3), percent.detect, percent.respond, percent.exchange,
       text(r.overlap.mean, 2), text(r.overlap.max, 2),
       counted(r.overlap.touching, "contact touches", "contacts touch"),

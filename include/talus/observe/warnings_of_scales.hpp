@@ -21,14 +21,15 @@ struct open_joint {
 /// The scales of a run. Lengths and times in the units of the scene.
 struct run_scales {
   std::uint64_t bodies = 0, movable = 0, steps = 0;
-  double dt = 0;
-  double gravity = 0;       ///< its size
-  double radius = 0;        ///< mean bounding radius of the movable bodies
-  double fastest = 0;       ///< speed at the end
-  bool followed = false;    ///< fast bodies are followed: continuous_collision
-  bool may_follow = false;  ///< or could be, with the other policies of the scenario
-  bool soft = false;        ///< the step follows from stiffness
-  speed_leap leap;          ///< the largest of all ranks; a step of 0: none
+  double dt = 0, dt_most = 0;  ///< of the last step, and of the longest one
+  double time = 0;             ///< at the end; 0: all steps had that dt
+  double gravity = 0;          ///< its size
+  double radius = 0;           ///< mean bounding radius of the movable bodies
+  double fastest = 0;          ///< speed at the end
+  bool followed = false;       ///< fast bodies are followed: continuous_collision
+  bool may_follow = false;     ///< or could be, with the other policies of the scenario
+  bool soft = false;           ///< the step follows from stiffness
+  speed_leap leap;             ///< the largest of all ranks; a step of 0: none
   open_joint joint;
 };
 

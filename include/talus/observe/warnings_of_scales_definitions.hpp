@@ -1,5 +1,7 @@
 #pragma once
 // The definitions of warnings_of_scales.hpp, in the compiled part or in each program.
+#include <algorithm>
+
 #include "talus/core/linkage.hpp"
 #include "talus/observe/warnings_of_scales.hpp"
 
@@ -14,14 +16,15 @@ TALUS_INLINE std::string warnings_of_scales(const run_scales& r) {
     return "  warning  nothing moves, and there is no gravity: call world.gravity({0, 0, -9.81}) "
            "before world.simulate\n";
   std::string all;
-  const double fall = r.gravity * r.dt * r.dt / r.radius, way = r.fastest * r.dt / r.radius;
-  const double time = static_cast<double>(r.steps) * r.dt;
+  const double longest = std::max(r.dt, r.dt_most);
+  const double fall = r.gravity * longest * longest / r.radius, way = r.fastest * r.dt / r.radius;
+  const double time = r.time > 0 ? r.time : static_cast<double>(r.steps) * r.dt;
   const double whole = 0.5 * r.gravity * time * time / r.radius;
   if (fall > longest_fall)
     all += compose(
         "  warning  in one step of {} gravity moves a body by {} of the mean radius {}: take a "
         "smaller dt, or see whether lengths, gravity and dt have units that fit together\n",
-        text(r.dt, 6), text(fall, 2), text(r.radius, 3));
+        text(longest, 6), text(fall, 2), text(r.radius, 3));
   else if (way > longest_way && !r.followed)
     all += compose(
         "  warning  in one step of {} the fastest body moves by {} of the mean radius {}: take a "

@@ -159,7 +159,7 @@ void add_fluid(World& w, fluid<Velocity, VoidFraction> of, Law law = {},
                 "the void fraction of a fluid is a number, or a function of position and time "
                 "(vec3, real) that returns one");
   if constexpr (drag_law<Law> && detail::require_feature<scenario, forces>()) {
-    w.require_all_ranks("add_fluid");
+    w.require_all_ranks("add_fluid", false);
     if (!(of.density >= 0 && std::isfinite(of.density)))
       detail::fail<std::invalid_argument>(
           "the density of a fluid must be finite and not negative, but is {}", of.density);

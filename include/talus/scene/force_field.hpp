@@ -24,7 +24,7 @@ template <class World, class F>
 void add_force_field(World& w, F f, const std::string& name = "force field") {
   using scenario = typename World::scenario_type;
   if constexpr (detail::require_feature<scenario, forces>()) {
-    w.require_all_ranks("add_force_field");
+    w.require_all_ranks("add_force_field", false);
     struct record {
       std::uint64_t next = ~std::uint64_t{0};  ///< the step for which forces have been added
     };

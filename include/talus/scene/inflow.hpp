@@ -261,7 +261,7 @@ std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, cons
       "several shapes, and this one returns something else: write return body{.shape = "
       "sphere{random.uniform(0.3, 0.5)}, .position = place.position};");
   if constexpr (detail::makes_bodies<F>()) {
-    w.require_all_ranks("insert_by_rate");
+    w.require_all_ranks("insert_by_rate", false);
     auto one = std::make_shared<detail::inserter<World, Region, F>>(w, how, region, std::move(f));
     if constexpr (World::scenario_type::template has_feature<checkpoints>)
       w.keep("inflow " + how.name, one->count());

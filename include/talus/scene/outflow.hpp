@@ -57,7 +57,7 @@ class outflow {
 /// counts in checkpoints and must be unique. All ranks make the same call.
 template <class World, class Region>
 outflow remove_in(World& w, const Region& region, const std::string& name = "outflow") {
-  w.require_all_ranks("remove_in");
+  w.require_all_ranks("remove_in", false);
   const auto count = std::make_shared<detail::removed_sum>();
   if constexpr (World::scenario_type::template has_feature<checkpoints>) {
     w.keep_sum(name + " bodies", count->count);

@@ -15,6 +15,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "talus/core/clock.hpp"
 #include "talus/core/output_file.hpp"
@@ -31,6 +32,7 @@
 #include "talus/scene/detail/options_in_use.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/detail/run_view.hpp"
+#include "talus/scene/detail/unused_steps.hpp"
 #include "talus/scene/dry_run.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/scene/run_configuration.hpp"
@@ -193,7 +195,9 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   time_series table(options.csv, speaks, !options.restart.empty());
   run_place place{.rank = link.rank()};
   until_option until(options);
+  std::vector<std::uint64_t> asked;  // of the calls of simulate()
   w.before_simulating([&] {
+    asked.push_back(w.last_step() - w.steps());
     if (options.dry_run) {
       const run_estimate e = estimate_run(w, w.last_step() - w.steps());
       if (speaks) log.print(to_text(e, name));
@@ -268,6 +272,9 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   progress.finish(w.steps(), note);
   const double wall = wall_seconds() - start;
   if (speaks && !silent) mention_forgotten(log, name, w.steps() > 0, options);
+  if (speaks && ended.empty() && options.restart.empty() && options.steps != Options{}.steps)
+    if (const std::string words = unused_steps(asked, options.steps); !words.empty())
+      log.say(compose("{}: warning: {}\n", name, words), quiet);
 
   if (w.steps() == 0) w.synchronize();
   if constexpr (!std::is_void_v<decltype(set_up(w, options))>)

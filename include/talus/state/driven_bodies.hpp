@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "talus/body/motion.hpp"
+#include "talus/body/servo.hpp"
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
@@ -15,14 +16,6 @@
 #include "talus/state/speed_leap.hpp"
 
 namespace talus {
-
-/// Motion of a global body so that contacts press on it with a given force; see world::hold_force.
-struct servo {
-  real force = 0;      ///< that contacts exert against `axis`: mass times length over time^2
-  real max_speed = 0;  ///< upper limit, in both directions: length over time
-  /// Direction in which the body presses; any length. Zero, the default: the normal of a plane.
-  vec3 axis{0, 0, 0};
-};
 
 namespace detail {
 
@@ -42,12 +35,12 @@ struct driven_state {
   quat orientation{1, 0, 0, 0};
   vec3 normal{0, 0, 1};  ///< likewise, of a plane
   real offset = 0;
+  real since = 0;  ///< its motion counts the time from then on
   rigid_place at;
   vec3 v{0, 0, 0}, w{0, 0, 0};  ///< in the last step
   real force = 0;               ///< of a servo: of its contacts in the last step
   real speed = 0;               ///< likewise: along its axis
-  real mass = 0;                ///< likewise: of its last contact partners
-  real gain = 0, error = 1;     ///< likewise, of soft contacts: speed over error, and that error
+  real mass = 0;                ///< likewise: as a piston; 0 before it touches a body
   bool begun = false;           ///< a step has been taken
 };
 
@@ -69,7 +62,8 @@ struct driven_body {
   system_id id = no_id;
   driven_state state;
   std::function<driven_step(const driven_state&, real time, real dt)> plan;  ///< empty: it stays
-  servo holds;  ///< with an axis of length one
+  servo holds;     ///< with an axis of length one
+  real force = 0;  ///< that it holds in the step under way
   bool is_servo = false;
   bool followed = false;          ///< this run has made a step with it
   servo_sums sums;                ///< of the step under way

@@ -95,8 +95,8 @@ void number_driven(world_state<Scenario>& s) {
   return e - normal.dot(e) * normal;
 }
 
-/// The mass of a servo is a multiple of the mass of its contact partners: large enough to move
-/// them, and small enough that sweeps converge.
+/// With hard contacts the mass of a servo is a multiple of that of its contact partners: large
+/// enough to move them, and small enough that sweeps converge.
 inline constexpr real servo_ratio = 10;
 
 /// Index in the solver's arrays of global body j of a shape for one contact, or for those of one
@@ -114,7 +114,7 @@ template <class Shape, class Scenario>
     if (v == one.next.v && w == one.next.w) return static_cast<std::int32_t>(d.first) + 1 + n;
     inverse_mass = 0;
   } else if (one.state.mass > 0) {
-    v += (s.dt * one.holds.force / one.state.mass) * one.holds.axis;
+    v += (s.dt * one.force / one.state.mass) * one.holds.axis;
   }
   using number = solved_scalar<Scenario>;
   s.solver.bodies.push_back({in_scalar<number>(v), static_cast<number>(inverse_mass / servo_ratio),

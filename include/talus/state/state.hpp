@@ -32,6 +32,7 @@
 #include "talus/state/periodic_ghosts.hpp"
 #include "talus/state/response_state.hpp"
 #include "talus/state/stage_clock.hpp"
+#include "talus/state/step_lengths.hpp"
 
 namespace talus {
 
@@ -213,6 +214,7 @@ struct step_conditions {
   vec3 gravity{0, 0, 0};
   real damping = 1;  ///< part of the velocity kept per unit of time
   real dt = 0;       ///< of the last step, or of the one under way
+  step_lengths lengths;
   std::uint64_t steps = 0;
   real time = 0;
   counted_time clock;  ///< from which `time` follows

@@ -1,6 +1,8 @@
 #pragma once
 // One time step: the integrator defines the order of the stages, and the features of the scenario
 // act at each (body/stages.hpp).
+#include <utility>
+
 #include "talus/features/balancing/balancing.hpp"
 #include "talus/features/continuous_collision/continuous_collision.hpp"
 #include "talus/features/driven/driven_hooks.hpp"
@@ -22,6 +24,11 @@ namespace talus::detail {
 template <class Scenario>
 void step(world_state<Scenario>& s, real dt) {
   s.dt = dt;
+  if (dt != s.lengths.now()) {
+    real fastest = 0;
+    if constexpr (Scenario::contact_law::soft) fastest = std::exchange(s.soft.fastest_approach, 0);
+    s.lengths.change(dt, fastest);
+  }
   if (s.steps % steps_between_sorts == 0) sort_bodies(s);
   notify_neighbours(s);
   run_hooks<stages::at_start>(s);

@@ -176,6 +176,7 @@ std::uint64_t bond_pairs(world<Scenario>& w,
 template <class Scenario, class F>
 void for_each_bond(world<Scenario>& w, F&& f) {
   detail::require_bond_law<Scenario>();
+  w.note_reading("for_each_bond");
   using law = typename Scenario::contact_law::law;
   auto& s = detail::state_of(w);
   const detail::body_places<Scenario> places(s);

@@ -9,8 +9,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "talus/core/bytes.hpp"
@@ -59,6 +61,9 @@ struct checkpoint_hooks {
   virtual void require_restarted() const = 0;
   /// Throws if a step is made by hand among those that a restart skips.
   virtual void refuse_step_before_restart() const = 0;
+  /// Throws runtime_error: bodies are read, by the function named `what`, after calls of simulate()
+  /// that a restart skips.
+  virtual void refuse_reading(const std::string& what) const = 0;
 };
 
 /// User-defined state: the bytes of a value, or a number that is summed over the ranks.
@@ -74,15 +79,55 @@ struct kept_value {
   void (*set_integer)(void*, std::uint64_t) = nullptr;
 };
 
+/// What world.once() has computed, or done: the bytes of its value, and the counters of added
+/// bodies after it.
+struct once_value {
+  std::string name;
+  byte_buffer bytes;
+  std::uint64_t fills = 0, attempts = 0;
+  bool named = false;  ///< by this run; else it comes from a file
+};
+
 struct checkpoint_keeper {
   std::vector<kept_value> values;
   std::vector<std::uint64_t> added_elsewhere;  ///< by ranks of an earlier run
-  std::optional<parameters> first_parameters;  ///< of the set-up
-  std::uint64_t restarted_at = 0;              ///< step of the file that was read
-  std::string configuration;                   ///< of the run, alike on all ranks
-  std::unique_ptr<checkpoint_hooks> hooks;     ///< null if no file is requested
-  detail::course course;                       ///< the calls of simulate()
-  mutable bool read = false;  ///< bodies were read since the last call of simulate()
+  std::vector<once_value> once;
+  std::optional<parameters> given;          ///< by the program, so far
+  parameters after_call{};                  ///< at the end of the last call of simulate()
+  std::uint64_t restarted_at = 0;           ///< step of the file that was read
+  std::string configuration;                ///< of the run, alike on all ranks
+  std::unique_ptr<checkpoint_hooks> hooks;  ///< null if no file is requested
+  detail::course course;                    ///< the calls of simulate()
+  /// Calls of simulate() that a restart has skipped so far: the bodies are those of the set-up.
+  std::uint64_t skipped = 0;
+
+  /// At the start of a call of simulate(): what the program has changed since the last one. (What
+  /// an observer changes is not given by the program: a restart takes it from the file.)
+  void note_given(const parameters& now) {
+    if (!given) given = after_call = now;
+    for (std::size_t k = 0; k < now.size(); ++k)
+      if (now[k] != after_call[k]) (*given)[k] = now[k];
+  }
+  /// The value of that name in a file, or null. Throws invalid_argument if this run has named it
+  /// before, and runtime_error if a restart misses it.
+  [[nodiscard, gnu::cold]] const once_value* find_once(const std::string& name) {
+    if (name.empty() || name.find('\n') != name.npos)
+      fail<std::invalid_argument>(
+          "world.once needs a name in one line, by which the value is found again");
+    for (once_value& v : once)
+      if (v.name == name) {
+        if (std::exchange(v.named, true))
+          fail<std::invalid_argument>(
+              "world.once has been given the name '{}' twice: name each value once, in a loop with "
+              "its number",
+              name);
+        return &v;
+      }
+    if (skipped > 0)
+      hooks->refuse_reading(
+          compose("world.once(\"{}\", f), of which the file has no value,", name));
+    return nullptr;
+  }
 
   template <class T>
   void add(const std::string& name, T& value) {

@@ -172,6 +172,7 @@ void each_loaded_contact(world_state<Scenario>& s, F&& f) {
 /// There are none before the first step.
 template <class Scenario, class F>
 void for_each_contact(world<Scenario>& w, F&& f) {
+  w.note_reading("for_each_contact");
   detail::each_loaded_contact(detail::state_of(w), [&](const loaded_contact& c, bool counts) {
     if (counts) f(c);
   });

@@ -34,6 +34,7 @@ struct joint_in_world {
 /// first step.
 template <class Scenario, class F>
 void for_each_joint(world<Scenario>& w, F&& f) {
+  w.note_reading("for_each_joint");
   auto& s = detail::state_of(w);
   if constexpr (detail::world_state<Scenario>::has_joints) {
     if (s.joints.size() == 0) return;

@@ -171,10 +171,16 @@ class world {
   }
 
   /// Throws runtime_error in an exclusive section: for functions, named by `what`, that communicate
-  /// over link() with all ranks.
-  void require_all_ranks(const char* what) const {
-    note_reading();
+  /// over link() with all ranks. If they read bodies, throws as note_reading().
+  void require_all_ranks(const char* what, bool reads = true) const {
+    if (reads) note_reading(what);
     sections_.require_all_ranks(what, rank());
+  }
+  /// For functions, named by `what`, that read bodies: throws runtime_error after calls of
+  /// simulate() that a restart leaves out, where the bodies are those of the set-up.
+  void note_reading(const char* what) const {
+    if constexpr (keeps)
+      if (keeper_.skipped > 0) keeper_.hooks->refuse_reading(what);
   }
 
   // --- Parameters ----------------------------------------------------------------------------
@@ -392,18 +398,25 @@ class world {
 
   /// Moves a global body along, from now on: `motion` is a function of the time of the world that
   /// returns a rigid_displacement, a rigid_velocity or a surface_velocity (body/motion.hpp), such
-  /// as oscillation, turning, gliding and belt. Displacements count from the present position of
-  /// the body; a displacement that is not zero now is applied at once. The motion replaces an
+  /// as oscillation, turning, gliding and belt, which count the time from this call. Displacements
+  /// count from the present position of the body, and must be zero now. The motion replaces an
   /// earlier motion or servo of the body; translate() and rotate() are undone by it. All ranks call
   /// it alike, with motions that return the same bits; a restart calls it again. Throws
-  /// invalid_argument for a body that is unknown or not global, and runtime_error in an exclusive
+  /// invalid_argument for a body that is unknown or not global, or if the motion begins elsewhere,
+  /// with the jump in radii of the body; and runtime_error in an exclusive
   /// section; a step throws runtime_error if the motion is not finite. Needs features<driven>.
   template <class Shape, class Motion>
   void drive(handle<Shape> h, Motion motion);
   /// Moves a global body along an axis so that its contacts exert a force against it: a plane
-  /// presses on a packing. Without contacts so far it moves at its greatest speed. It costs one
-  /// reduction over all ranks in each step. All ranks call it alike; throws as drive(), and
-  /// invalid_argument for a force or a speed that is not positive, or without an axis.
+  /// presses on a packing, with `.force` or with `.pressure`, numbers or functions of the time. The
+  /// area of a plane is that of the face that the other planes, and a periodic box, leave of it at
+  /// the start of each step. Without contacts so far the body moves at its greatest speed. It costs
+  /// one reduction over all ranks in each step. Called again for the same axis, it continues with
+  /// the speed that the body has. All ranks call it alike; throws as drive(), and invalid_argument
+  /// for a force, a pressure or a speed that is not positive, for both or neither of force and
+  /// pressure, for the pressure of a body that is not a plane, or without an axis; a step throws
+  /// runtime_error if a function returns no finite number of 0 or more, or if a plane that holds a
+  /// pressure is not bounded.
   template <class Shape>
   void hold_force(handle<Shape> h, const servo& how);
   /// Refuses other fields.
@@ -434,12 +447,15 @@ class world {
 
   /// The body if this rank knows it: as owner, as shadow copy or as a global body.
   template <class Shape>
-  [[nodiscard]] std::optional<view<Shape>> find(handle<Shape> h);
+  [[nodiscard]] std::optional<view<Shape>> find(handle<Shape> h) {
+    note_reading("world.find");
+    return find_here(h);
+  }
   /// The same; throws invalid_argument if the body is unknown.
   template <class Shape>
   [[nodiscard]] view<Shape> operator[](handle<Shape> h) {
-    note_reading();
-    if (auto found = find(h)) return *found;
+    note_reading("world[...]");
+    if (auto found = find_here(h)) return *found;
     detail::fail<std::invalid_argument>(
         "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)",
         rank(), Shape::name, h.id);
@@ -448,13 +464,13 @@ class world {
   /// Calls f(body) for every body this rank owns.
   template <class F>
   void for_each_local(F&& f) {
-    note_reading();
+    note_reading("world.for_each_local");
     state_.each_finite_shape([&](auto& b) { visit(b, b.movable, 0, b.movable.locals, false, f); });
   }
   /// Calls f(body) for every body this rank knows: its own, shadow copies and global ones.
   template <class F>
   void for_each_known(F&& f) {
-    note_reading();
+    note_reading("world.for_each_known");
     state_.each_shape([&](auto& b) {
       visit(b, b.movable, 0, b.movable.size(), false, f);
       visit(b, b.global, 0, b.global.size(), true, f);
@@ -472,6 +488,7 @@ class world {
 
   /// Number of bodies this rank owns.
   [[nodiscard]] std::size_t local_bodies() const {
+    note_reading("world.local_bodies");
     std::size_t n = 0;
     state_.each_finite_shape([&](const auto& b) { n += b.movable.locals; });
     return n;
@@ -556,6 +573,17 @@ class world {
   void keep_sum(const std::string& name, T& value) {
     if constexpr (detail::require_feature<Scenario, checkpoints>()) keeper_.add_sum(name, value);
   }
+  /// A value that the program computes from the bodies between calls of simulate(), such as the
+  /// height of a packing that has settled: returns f(), and checkpoints hold it. A restart that
+  /// leaves out the calls before returns the value of the file instead, and does not call f, since
+  /// the bodies are those of the set-up then. The value is equal on all ranks: a number, a vec3, a
+  /// handle, or another type without memory of its own. f may return nothing: a change of bodies
+  /// that looks at them, which a restart leaves out (the bodies are replaced by those of the file).
+  /// All ranks call it alike. Throws invalid_argument for a name that is empty or was used before,
+  /// logic_error if f adds a body with add(), whose id depends on the ranks, and runtime_error if a
+  /// restart finds no value of that name in its file. Needs features<checkpoints>.
+  template <class F>
+  auto once(const std::string& name, F&& f);
   /// Calls f() after each step of simulate().
   void after_each_step(std::function<void()> f) { observers_.push_back(std::move(f)); }
   /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
@@ -639,9 +667,6 @@ class world {
         "would undo connections made by hand: give decompose() a reach instead, or remove "
         "balancing");
   }
-  void note_reading() const {
-    if constexpr (keeps) keeper_.read = true;
-  }
   [[nodiscard]] bool ends_now(const simulation& s);
   void require_domain() const {
     if (!undivided_.empty()) throw std::invalid_argument(undivided_);
@@ -694,6 +719,8 @@ class world {
       const joint_handle<Scenario, Kind>& joint);
   template <class Shape>
   detail::driven_body& driven_body_of(handle<Shape> h, const char* what);
+  template <class Shape>
+  [[nodiscard]] std::optional<view<Shape>> find_here(handle<Shape> h);
   template <class Bodies, class Store, class F>
   void visit(Bodies&, Store& store, std::size_t from, std::size_t to, bool global, F&& f) {
     using shape = typename Store::shape_type;
@@ -730,4 +757,5 @@ class world {
 #include "talus/world/detail/connections_definitions.hpp"
 #include "talus/world/detail/driving_definitions.hpp"
 #include "talus/world/detail/joining_definitions.hpp"
+#include "talus/world/detail/once_definitions.hpp"
 #include "talus/world/detail/time_definitions.hpp"

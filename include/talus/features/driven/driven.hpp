@@ -13,6 +13,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/portable_trigonometry.hpp"
+#include "talus/features/driven/servo.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/state/driven_bodies.hpp"
@@ -76,6 +77,27 @@ inline constexpr real instant = 1. / 1024;
           .w = u.angular_velocity};
 }
 
+/// Throws invalid_argument if a motion, whose value at the present time is `first`, begins
+/// elsewhere than the body is.
+template <class Shape>
+[[gnu::cold]] void require_no_jump(const Shape& shape, const driven_body& body,
+                                   const rigid_displacement& first, real time) {
+  real radius = 1;
+  if constexpr (Shape::finite) radius = shape.bounding_radius();
+  const vec3& here = body.state.origin;
+  const rigid_place there = place_of(here, first);
+  const real jump = (there.point - here).norm() +
+                    radius * angular_velocity_between(body.state.at.turn, there.turn, 1).norm();
+  if (jump <= real(1e-9) * (radius + here.norm() + first.about.norm())) return;
+  fail<std::invalid_argument>(
+      "the motion of {} {} would begin at {} at time {}, and the body is at {}: contacts would "
+      "meet "
+      "the jump of {} as a velocity; subtract from the displacement its value at that time, or "
+      "return a rigid_velocity",
+      Shape::name, body.id, there.point, time, here,
+      Shape::finite ? text(jump / radius, 3) + " radii" : text(jump, 3));
+}
+
 template <class T>
 concept value_of_motion = std::same_as<T, rigid_displacement> || std::same_as<T, rigid_velocity> ||
     std::same_as<T, surface_velocity>;
@@ -83,6 +105,12 @@ template <class Motion>
 inline constexpr bool is_motion = requires(const Motion& m, real t) {
   requires value_of_motion<decltype(m(t))>;
 };
+/// Whether a motion counts the time from the call of world.drive; a function of the user counts
+/// that of the world.
+template <class Motion>
+inline constexpr bool counts_from_call =
+    std::is_same_v<Motion, oscillation> || std::is_same_v<Motion, turning> ||
+    std::is_same_v<Motion, gliding>;
 template <class Motion>
 void motion_of_body() {
   static_assert(is_motion<Motion>,
@@ -113,6 +141,7 @@ void aim_driven(world_state<Scenario>& s) {
   s.driving.fastest = 0, s.driving.moves = false;
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     driven_state& state = one.state;
+    if (one.is_servo) one.force = force_of_servo(s, b, i, one);
     one.next = one.plan ? one.plan(state, s.time, s.dt) : driven_step{.end = state.at};
     const driven_step& next = one.next;
     if (!finite(next.v) || !finite(next.w) || !finite(next.end.point))

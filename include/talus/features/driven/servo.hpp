@@ -1,23 +1,51 @@
 #pragma once
 // Bodies that are held at a force. Rigid contacts have no stiffness that could determine the gain
 // of a controller: a wall that moves at any speed into a jammed packing meets an unbounded force.
-// So a servo is a piston. It consists of parts, one for each pair of bodies that touches it, with a
+// So a servo is a piston. At rest the contacts bear its force exactly, and over a time they bear it
+// but for the change of its momentum. With soft contacts it has the mass of the bodies that it
+// touches. With hard ones it consists of parts, one for each pair of bodies that touches it, with a
 // multiple of the mass of the other body; each part presses with its share of the force, and its
 // contacts move it like any body. At the end of the step all parts move at their mean velocity, and
 // by the mean of their position corrections. (Splitting a body into parts that are averaged: Tonge,
-// Benevolenski, Voroshilov 2012.) The distribution of contacts over ranks has no effect, and at
-// rest the contacts bear the force exactly.
+// Benevolenski, Voroshilov 2012.) The distribution of contacts over ranks has no effect.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
 
 #include "talus/constraint/contact_work.hpp"
+#include "talus/core/error.hpp"
+#include "talus/features/driven/plane_area.hpp"
 #include "talus/parallel/exact_reduction.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
+
+/// The force that a servo holds in the step that begins: that of its end. Throws runtime_error if
+/// it makes no sense.
+template <class Bodies, class Scenario>
+[[nodiscard]] real force_of_servo(const world_state<Scenario>& s, const Bodies& b, std::size_t i,
+                                  const driven_body& one) {
+  const bool presses = one.holds.pressure.given();
+  const real time = s.time + s.dt;
+  const real value = presses ? one.holds.pressure(time) : one.holds.force(time);
+  if (!(value >= 0) || !std::isfinite(value))
+    fail<std::runtime_error>(
+        "the {} of servo {} is {} at time {}: let its function return a finite value of 0 or more",
+        presses ? "pressure" : "force", one.id, value, time);
+  if constexpr (!Bodies::shape_type::finite)
+    if (presses) {
+      const real area = area_of_plane(s, i);
+      if (!std::isfinite(area))
+        fail<std::runtime_error>(
+            "servo {} holds a pressure, but other planes do not bound its plane {} on all sides, "
+            "so it has no area: add the missing walls, or give .force instead",
+            one.id, b.global.shape[i].unit_normal());
+      return value * area;
+    }
+  return value;
+}
 
 [[nodiscard]] inline driven_step step_of_servo(const driven_state& s, const vec3& axis, real dt) {
   driven_step step{.end = s.at, .v = s.speed * axis};
@@ -99,7 +127,7 @@ void settle_servos(world_state<Scenario>& s) {
       state.speed = one.sums.momentum.value() / mass;
       shift = one.sums.shift.value() / mass;
     } else {
-      state.speed = state.mass > 0 ? state.speed + s.dt * how.force / state.mass : how.max_speed;
+      state.speed = state.mass > 0 ? state.speed + s.dt * one.force / state.mass : how.max_speed;
     }
     // With the midpoint it has already moved by half of its step.
     const real left = world_state<Scenario>::midpoint ? real(0.5) : real(1);
@@ -116,27 +144,16 @@ void press(world_state<Scenario>& s, std::size_t j, const vec3& force, real inve
   driven_body& one = *s.driving.all[static_cast<std::size_t>(n)];
   if (!one.is_servo) return;
   one.sums.force += force.dot(one.holds.axis);
-  one.sums.mass += servo_ratio / inverse_mass;
+  one.sums.mass += 1 / inverse_mass;
 }
-/// After the forces of soft contacts, for a wall that moves slowly enough that they follow. Its
-/// speed is the error of the force, times a gain that grows while the force is far from its target,
-/// and is halved when the error changes sign, as the step of Rprop (Riedmiller, Braun 1993).
+/// After the forces of soft contacts.
 template <class Scenario>
 void push_servos(world_state<Scenario>& s) {
   if (!any_servo(s)) return;
-  constexpr real growth = 1.1, cut = 0.5, far = 0.5, least = 1e-9;
   agree_on_servos(s, [&](driven_body& one, real mass) {
     driven_state& state = one.state;
-    if (state.mass == 0) {
-      state.mass = mass;
-      return;  // it approaches at its greatest speed
-    }
-    const real most = one.holds.max_speed;
-    const real error = std::clamp(1 - state.force / one.holds.force, real(-1), real(1));
-    state.gain *= error * state.error < 0 ? cut : std::abs(error) > far ? growth : 1;
-    state.gain = std::clamp(state.gain, least * most, most);
-    state.error = error;
-    state.speed = state.gain * error;
+    if (mass > 0) state.mass = mass;
+    if (state.mass > 0) state.speed += s.dt * (one.force - state.force) / state.mass;
   });
 }
 

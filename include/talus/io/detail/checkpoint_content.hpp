@@ -84,7 +84,7 @@ template <class Scenario>
   out.push_back(numbers_dataset<double>(
       "/run/clock", std::array{s.clock.origin, static_cast<double>(s.clock.first), s.clock.dt}));
   const parameters now = parameters_of(s);
-  const parameters first = keeper.first_parameters.value_or(now);
+  const parameters first = keeper.given.value_or(now);
   out.push_back(numbers_dataset<double>("/parameters/at_first", first));
   out.push_back(numbers_dataset<double>("/parameters/at_last", now));
   std::string names;
@@ -110,6 +110,7 @@ template <class Scenario>
   put_monitors(team, s, out);
   put_course(keeper.course.parts(s.steps), out);
   put_records(w.records(), out);
+  put_once(keeper.once, out);
   return out;
 }
 

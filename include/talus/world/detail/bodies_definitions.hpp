@@ -130,8 +130,7 @@ std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
 
 template <class Scenario>
 template <class Shape>
-std::optional<body_view<Scenario, Shape>> world<Scenario>::find(handle<Shape> h) {
-  note_reading();
+std::optional<body_view<Scenario, Shape>> world<Scenario>::find_here(handle<Shape> h) {
   auto& bodies = state_.template of<Shape>();
   const auto in = [&](auto& store, bool global) -> std::optional<view<Shape>> {
     const auto at = std::find(store.id.begin(), store.id.end(), h.id);
@@ -146,6 +145,8 @@ std::optional<body_view<Scenario, Shape>> world<Scenario>::find(handle<Shape> h)
 template <class Scenario>
 template <class Shape>
 void world<Scenario>::destroy(handle<Shape> h) {
+  if constexpr (keeps)
+    if (keeper_.skipped > 0) return;  // the file has the bodies that are left
   const auto found = (*this)[h];
   auto& bodies = state_.template of<Shape>();
   if (found.is_remote())
@@ -178,6 +179,7 @@ void world<Scenario>::destroy(handle<Shape> h) {
 template <class Scenario>
 template <class Predicate>
 std::size_t world<Scenario>::destroy_if(Predicate&& predicate) {
+  note_reading("world.destroy_if");
   std::size_t removed = 0;
   state_.each_finite_shape([&](auto& b) {
     using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
@@ -203,6 +205,7 @@ template <class Scenario>
 template <class Shape>
 bool world<Scenario>::overlaps(const Shape& shape, const vec3& position, const quat& orientation,
                                system_id except) const {
+  note_reading("world.overlaps");
   shape.validate();
   detail::require_finite("the position of an overlap query", position);
   bool found = false;

@@ -45,18 +45,15 @@ void world<Scenario>::drive(handle<Shape> h, Motion motion) {
     detail::driven_body& body = driven_body_of(h, "drive");
     using value = decltype(motion(real{}));
     if constexpr (std::is_same_v<value, rigid_displacement>) {
-      body.plan = [motion](const detail::driven_state& s, real t, real dt) {
+      if (detail::counts_from_call<Motion>) body.state.since = state_.time;
+      body.plan = [motion](const detail::driven_state& s, real time, real dt) {
+        const real t = time - s.since;
         return detail::step_to(s, motion(t), motion(t + detail::instant * dt), motion(t + dt), dt);
       };
-      auto& bodies = state_.template of<Shape>();
-      const auto now = detail::place_of(body.state.origin, motion(state_.time));
-      if (now == body.state.at) return;
-      body.state.at = now;
-      const auto& ids = bodies.global.id;
-      detail::put_driven(
-          bodies, static_cast<std::size_t>(std::find(ids.begin(), ids.end(), h.id) - ids.begin()),
-          body.state);
-      bodies.globals_changed = true;
+      const auto& store = state_.template of<Shape>().global;
+      const auto at = std::find(store.id.begin(), store.id.end(), h.id);
+      detail::require_no_jump(store.shape[static_cast<std::size_t>(at - store.id.begin())], body,
+                              motion(state_.time - body.state.since), state_.time);
     } else {
       body.plan = [motion](const detail::driven_state& s, real t, real dt) {
         return detail::step_at(s, motion(t + dt / 2), dt);
@@ -69,9 +66,25 @@ template <class Scenario>
 template <class Shape>
 void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
   if constexpr (detail::require_feature<Scenario, driven>()) {
-    detail::require_positive(how.force, "the force of a servo");
+    if (how.force.given() == how.pressure.given())
+      detail::fail<std::invalid_argument>(
+          "world.hold_force takes a .force or a .pressure, and was given {}",
+          how.force.given() ? "both" : "neither");
+    if (how.pressure.given() && Shape::finite)
+      detail::fail<std::invalid_argument>(
+          "only a plane holds a pressure, as its area follows from the other planes, and this is a "
+          "{}: give .force instead",
+          Shape::name);
+    if (how.force.given() && !how.force.changes())
+      detail::require_positive(how.force(0), "the force of a servo");
+    if (how.pressure.given() && !how.pressure.changes())
+      detail::require_positive(how.pressure(0), "the pressure of a servo");
     detail::require_positive(how.max_speed, "the greatest speed of a servo");
     detail::require_finite("the axis of a servo", how.axis);
+    detail::driven_state before;
+    vec3 pressed(0, 0, 0);
+    for (const auto& one : state_.driving.all)
+      if (one->id == h.id && one->is_servo) before = one->state, pressed = one->holds.axis;
     detail::driven_body& body = driven_body_of(h, "hold_force");
     vec3 axis = unit(how.axis);
     if constexpr (!Shape::finite)
@@ -80,9 +93,14 @@ void world<Scenario>::hold_force(handle<Shape> h, const servo& how) {
       detail::fail<std::invalid_argument>(
           "a servo moves the {} {} along an axis: give the direction in which it presses",
           Shape::name, h.id);
-    body.holds = {how.force, how.max_speed, axis};
+    body.holds = how;
+    body.holds.axis = axis;
     body.is_servo = true;
-    body.state.speed = body.state.gain = how.max_speed;
+    body.state.speed = how.max_speed;
+    if (before.mass > 0 && pressed == axis) {  // it goes on pressing, with another force
+      body.state.speed = std::clamp(before.speed, -how.max_speed, how.max_speed);
+      body.state.mass = before.mass, body.state.force = before.force;
+    }
     body.plan = [axis](const detail::driven_state& s, real, real dt) {
       return detail::step_of_servo(s, axis, dt);
     };

@@ -198,7 +198,7 @@ template <class Scenario>
 template <class Kind>
 const detail::joint_record<Kind>* world<Scenario>::find_joint(
     const joint_handle<Scenario, Kind>& joint) {
-  note_reading();
+  note_reading("a joint_handle");
   const auto* r = state_.joints.template of<Kind>().find(joint.key());
   return r != nullptr && r->acts ? r : nullptr;
 }

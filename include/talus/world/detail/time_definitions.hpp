@@ -65,7 +65,7 @@ void world<Scenario>::step(real dt) {
   detail::require_positive(dt, "the time step dt");
   if constexpr (keeps) {
     if (keeper_.hooks != nullptr) keeper_.hooks->refuse_step_before_restart();
-    if (!keeper_.first_parameters) keeper_.first_parameters = detail::parameters_of(state_);
+    if (!keeper_.given) keeper_.note_given(detail::parameters_of(state_));
   }
   if constexpr (!Scenario::contact_law::soft) {
     const solver_settings& how = state_.settings;
@@ -146,6 +146,7 @@ void world<Scenario>::simulate(const simulation& s) {
   detail::checkpoint_hooks* hooks = nullptr;
   bool restarted = false;
   if constexpr (keeps) {
+    keeper_.note_given(detail::parameters_of(state_));
     keeper_.course.begin(s.steps, state_.steps);
     if (hooks = keeper_.hooks.get(); hooks != nullptr) {
       const detail::restart_plan plan = hooks->begin(s);
@@ -153,7 +154,7 @@ void world<Scenario>::simulate(const simulation& s) {
       if (stopped_) keeper_.course.stop(), last_step_ = state_.steps;
       if (plan.skips) {
         keeper_.course.end(state_.steps);
-        keeper_.read = false;
+        keeper_.after_call = detail::parameters_of(state_);
         return;
       }
       steps = plan.steps;
@@ -186,7 +187,10 @@ void world<Scenario>::simulate(const simulation& s) {
       if (hooks != nullptr) hooks->after_observers(stopped_ || k + 1 == steps, stopped_);
     if (stopped_) break;
   }
-  if constexpr (keeps) keeper_.course.end(state_.steps);
+  if constexpr (keeps) {
+    keeper_.course.end(state_.steps);
+    keeper_.after_call = detail::parameters_of(state_);
+  }
   (void)audit();
 }
 

@@ -1,0 +1,44 @@
+#pragma once
+// Whether a program uses the number of steps on its command line.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "talus/core/error.hpp"
+
+namespace talus::detail {
+
+/// Whether calls of simulate() that asked for these numbers of steps follow from `steps`: some in a
+/// row ask for as many (but for the remainders of a division), or all together for a multiple, or
+/// the last of several reaches it.
+[[nodiscard, gnu::cold]] inline bool follow_from(const std::vector<std::uint64_t>& asked,
+                                                 std::uint64_t steps) {
+  constexpr std::size_t many = 1000;
+  if (asked.empty() || asked.size() > many || steps == 0) return true;
+  std::uint64_t all = 0;
+  for (std::size_t first = 0; first < asked.size(); ++first) {
+    all += asked[first];
+    std::uint64_t sum = 0;
+    for (std::size_t k = first; k < asked.size() && sum <= steps; ++k) {
+      sum += asked[k];
+      const std::uint64_t rest = k - first;
+      if (sum + rest >= steps && sum <= steps + rest) return true;
+    }
+  }
+  const bool reaches = asked.size() > 1 && all >= steps && all - asked.back() < steps;
+  return reaches || (all > 0 && all % steps == 0);
+}
+
+/// A sentence on standard error if they do not; else empty.
+[[nodiscard, gnu::cold]] inline std::string unused_steps(const std::vector<std::uint64_t>& asked,
+                                                         std::uint64_t steps) {
+  if (follow_from(asked, steps)) return {};
+  std::uint64_t all = 0;
+  for (const std::uint64_t n : asked) all += n;
+  return compose(
+      "--steps {} has no effect in this program, whose calls of world.simulate ask for {} steps in "
+      "all: give it .steps = options.steps",
+      steps, all);
+}
+
+}  // namespace talus::detail

@@ -1,0 +1,218 @@
+// Programs of several stages: compact, measure, change, shear. A restart inside a later stage
+// continues as the run that was not interrupted.
+// timeout: 300
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <talus/checkpoint.hpp>
+#include <talus/observe/digest.hpp>
+#include <talus/observe/force.hpp>
+#include <talus/observe/motion.hpp>
+#include <talus/parallel/grid.hpp>
+#include <talus/parallel/threads.hpp>
+#include <talus/scene/lattice.hpp>
+#include <talus/scene/region.hpp>
+#include <talus/scene/run.hpp>
+#include <talus/world/world.hpp>
+
+using namespace talus;
+
+namespace {
+
+using cell =
+    scenario<bodies<sphere, plane>, soft_contact<linear_spring_dashpot, coulomb_friction>,
+             decomposition<grid<dynamic>>, transport<threads>, features<checkpoints, driven>>;
+
+/// A file of this process, and what a program says, removed at the end.
+struct scratch {
+  std::string base = "/tmp/talus_stages_" + std::to_string(getpid());
+  std::string file = base + ".h5", said = base + "_said";
+  ~scratch() { unlink(file.c_str()), unlink(said.c_str()), unlink((file + ".lock").c_str()); }
+};
+
+struct ended {
+  int code = 0;
+  std::string said;
+};
+bool has(const std::string& text, const char* words) { return text.find(words) != text.npos; }
+
+template <class SetUp>
+ended program(const scratch& files, std::vector<std::string> words, SetUp&& set_up) {
+  words.insert(words.begin(), {"program", "--quiet", "--checkpoint", files.file});
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  std::fflush(stderr);
+  const int before = dup(2);
+  std::FILE* const file = std::fopen(files.said.c_str(), "w");
+  dup2(fileno(file), 2);
+  ended e;
+  e.code = run<cell>(static_cast<int>(words.size()), argv.data(), set_up);
+  std::fflush(stderr);
+  dup2(before, 2);
+  close(before);
+  std::fclose(file);
+  std::stringstream text;
+  text << std::ifstream(files.said).rdbuf();
+  e.said = text.str();
+  return e;
+}
+
+real top_of(world<cell>& w) {
+  real top = 0;
+  w.for_each_local([&](const auto& b) { top = std::max(top, b.position()[2] + b.shape().radius); });
+  w.link().reduce(reduction::max, std::span(&top, 1));
+  return top;
+}
+
+/// Compacts grains under gravity and a lid, removes the highest, adds a few and a wall at the
+/// height, changes friction and gravity, and shears.
+struct three_stages {
+  std::string digest;
+  real height = 0;
+  std::uint64_t fails_in = 0;
+
+  template <class World, class Options>
+  void operator()(World& world, const Options& options) {
+    world.decompose({.lower = -2, .upper = 2});
+    world.gravity({0, 0, -10});
+    const auto stone = world.material({.density = 2, .friction = 0.1, .stiffness = 1e4});
+    const auto wall = world.material({.density = 2, .friction = 0.5, .stiffness = 1e4});
+    handle<plane> floor, lid;
+    world.global([&](auto& scope) {
+      floor = scope.add(plane{}, wall);
+      lid = scope.add(plane{.normal = {0, 0, -1}, .offset = -3.5}, wall);
+      for (const real s : {-1., 1.}) {
+        scope.add(plane{.normal = {s, 0, 0}, .offset = -2}, wall);
+        scope.add(plane{.normal = {0, s, 0}, .offset = -2}, wall);
+      }
+    });
+    world.fill(simple_cubic{.spacing = 1} & box_region{{-2, -2, 0.5}, {2, 2, 3}},
+               [&](const site& s, random_stream& random) {
+                 return body{.shape = sphere{random.uniform(0.3, 0.48)},
+                             .position = s.position,
+                             .material = stone};
+               });
+    world.after_each_step([&] {
+      if (world.steps() == fails_in) throw std::runtime_error("the machine is switched off");
+    });
+    world.hold_force(lid, {.pressure = [](real t) { return 20 * t; }, .max_speed = 0.5});
+    world.simulate({.steps = 200, .dt = options.dt});
+
+    const real top = world.once("top", [&] { return top_of(world); });
+    const vec3 at = world.once("momentum", [&] { return measure_motion(world).momentum; });
+    world.once("cut", [&] {
+      world.destroy_if([&](const auto& b) { return b.position()[2] > 0.8 * top; });
+      world.fill(
+          simple_cubic{.spacing = 2, .origin = {1, 1, 0}} & box_region{{-2, -2, -0.1}, {2, 2, 0.1}},
+          [&](const site& s) {
+            return body{.shape = sphere{0.3},
+                        .position = vec3(s.position + vec3(0, 0, top)),
+                        .material = stone};
+          });
+    });
+    world.destroy(lid);
+    handle<plane> upper;
+    world.global([&](auto& scope) {
+      upper = scope.add(plane{.normal = {0, 0, -1}, .offset = -(top + 0.5)}, wall);
+    });
+    world.gravity({1, 0, -5});
+    world.material_pair(stone, wall, {.friction = 0.8});
+    world.drive(upper, gliding{{0, 0, -0.2 + 1e-9 * at[0]}});
+    world.drive(floor, belt{{1, 0, 0}});
+    world.simulate({.steps = 210, .dt = options.dt});
+    world.drive(upper, gliding{{0, 0, 0.1}});
+    world.simulate({.steps = 100, .dt = options.dt});
+    const std::string now = state_digest(world);
+    if (world.rank() == 0) digest = now, height = top;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a restart in any stage gives the bits of a run without interruption") {
+  for (const char* ranks : {"1", "2"}) {
+    CAPTURE(ranks);
+    const scratch files;
+    for (const auto& [every, fails_in] : {std::pair{70, 100},
+                                          {70, 230},
+                                          {70, 300},
+                                          {70, 450},
+                                          {100, 210},
+                                          {100, 430}}) {  // two at the ends of stages
+      CAPTURE(fails_in);
+      const std::vector<std::string> words{
+          "--ranks", ranks, "--dt", "0.002", "--checkpoint-every", std::to_string(every)};
+      three_stages whole;
+      CHECK(program(files, words, whole).code == 0);
+      CHECK(whole.height > 1);
+      three_stages first, rest;
+      first.fails_in = std::uint64_t(fails_in);
+      CHECK(program(files, words, first).code == 1);
+      auto more = words;
+      more.insert(more.end(), {"--restart", files.file});
+      const ended e = program(files, more, rest);
+      CHECK(e.code == 0);
+      CHECK(e.said.empty());
+      if (!e.said.empty()) MESSAGE(e.said);
+      CHECK(rest.digest == whole.digest);
+      CHECK(rest.height == whole.height);
+    }
+  }
+}
+
+TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with its place") {
+  const scratch files;
+  const auto two_stages = [&](auto&& between, std::vector<std::string> more) {
+    more.insert(more.end(), {"--checkpoint-every", "30"});
+    return program(files, more, [&](auto& world, const auto& options) {
+      world.decompose({.lower = -2, .upper = 2});
+      const auto m = world.material({.density = 2, .stiffness = 1e4});
+      const auto ball =
+          world.add_if_local(body{.shape = sphere{0.5}, .position = {0.5, 0, 1}, .material = m});
+      world.simulate({.steps = 20, .dt = options.dt});
+      between(world, ball);
+      world.simulate({.steps = 20, .dt = options.dt});
+    });
+  };
+  const auto refused = [&](auto&& between, const char* what) {
+    CAPTURE(what);
+    CHECK(two_stages(between, {}).code == 0);
+    const ended e = two_stages(between, {"--restart", files.file});
+    CHECK(e.code == 1);
+    CHECK(has(e.said, what));
+    CHECK(has(e.said, "after call 1 of simulate()"));
+    CHECK(has(e.said, "world.once"));
+  };
+  refused([](auto& w, auto&) { (void)measure_motion(w); }, "measure_motion looks");
+  refused([](auto& w, auto&) { (void)w.local_bodies(); }, "world.local_bodies looks");
+  refused([](auto& w, auto&) { w.for_each_local([](auto&) {}); }, "world.for_each_local looks");
+  refused([](auto& w, auto& ball) { (void)w[*ball].position(); }, "world[...] looks");
+  refused([](auto& w, auto&) { (void)w.overlaps(sphere{1}, {0, 0, 0}); }, "world.overlaps looks");
+  refused([](auto& w, auto&) { (void)critical_dt(w); }, "critical_dt looks");
+  // A program that has named a value since: the file lacks it.
+  CHECK(two_stages([](auto&, auto&) {}, {}).code == 0);
+  const auto later = [](auto& w, auto&) { w.once("late", [] { return 1; }); };
+  const ended e = two_stages(later, {"--restart", files.file});
+  CHECK(e.code == 1);
+  CHECK(has(e.said, "world.once(\"late\", f), of which the file has no value, looks"));
+  // A name is given once, and add() has ids that depend on the ranks.
+  CHECK(has(two_stages(
+                [](auto& w, auto&) {
+                  w.once("x", [] { return 1; });
+                  w.once("x", [] { return 1; });
+                },
+                {})
+                .said,
+            "the name 'x' twice"));
+  CHECK(has(two_stages(
+                [](auto& w, auto&) {
+                  w.once("x", [&] { w.add(sphere{0.1}, material_id{0}, {0, 0, 3}); });
+                },
+                {})
+                .said,
+            "add_if_local or fill"));
+}

@@ -1,0 +1,119 @@
+// What a run says at its end when its calls of simulate() have steps of several lengths.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <talus/observe/summary.hpp>
+#include <talus/parallel/serial.hpp>
+#include <talus/scene/detail/unused_steps.hpp>
+#include <talus/scene/run.hpp>
+#include <talus/world/world.hpp>
+
+using namespace talus;
+
+namespace {
+
+using soft = scenario<bodies<sphere, plane>, soft_contact<hertz_mindlin, coulomb_friction>,
+                      transport<serial>, features<>>;
+
+/// A ball that hits the floor at a speed of 2, in steps of 1e-4; then, at rest, in steps of 1e-6.
+summary two_lengths(int stages) {
+  summary r;
+  serial::launch({}, [&](serial::link& link) {
+    world<soft> w(link);
+    const auto m = w.material({.density = 2000, .restitution = 0.5, .youngs_modulus = 1e7});
+    w.global([&](auto& s) { s.add(plane{}, m); });
+    w.add(body{
+        .shape = sphere{0.01}, .position = {0, 0, 0.02}, .material = m, .velocity = {0, 0, -2}});
+    w.simulate({.steps = 100, .dt = 1e-4});
+    if (stages > 1) w.simulate({.steps = 100, .dt = 1e-6});
+    r = summarize(w, 0, 0);
+  });
+  return r;
+}
+
+/// Runs a program of one call of 50 steps; returns what it says on standard error.
+std::string said_with(std::vector<std::string> words, const std::string& json) {
+  words.insert(words.begin(), {"program", "--force", "--json", json});
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  const std::string said = json + "_said";
+  std::fflush(stderr);
+  const int before = dup(2);
+  std::FILE* const file = std::fopen(said.c_str(), "w");
+  dup2(fileno(file), 2);
+  (void)run<soft>(static_cast<int>(argv.size()), argv.data(), [](auto& world, const auto& options) {
+    const auto m = world.material({.density = 2000, .youngs_modulus = 1e7});
+    world.add(sphere{0.01}, m, {0, 0, 1});
+    world.gravity({0, 0, -1});
+    world.simulate({.steps = 50, .dt = options.dt});
+    return results{{"dt", 7}, {"height", 1}, {"height", 2}};
+  });
+  std::fflush(stderr);
+  dup2(before, 2);
+  close(before);
+  std::fclose(file);
+  std::stringstream text;
+  text << std::ifstream(said).rdbuf();
+  unlink(said.c_str());
+  return text.str();
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (auto at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+}  // namespace
+
+TEST_CASE("the shortest contact is counted in steps of its own length") {
+  const summary one = two_lengths(1), two = two_lengths(2);
+  REQUIRE(one.steps_per_contact > 1);
+  CHECK(two.steps_per_contact == doctest::Approx(one.steps_per_contact));
+  CHECK(two.shortest_contact_dt == real(1e-4));
+  CHECK(two.impact_speed_max == one.impact_speed_max);
+  const std::string text = to_text(two);
+  CHECK(text.find("200 steps of 1e-06 to 0.0001") != text.npos);
+  CHECK(to_json(two).find("\"dt_most\": 0.0001") != std::string::npos);
+}
+
+TEST_CASE("of many lengths of steps those next to each other are one") {
+  detail::step_lengths lengths;
+  for (int k = 0; k < 1000; ++k) lengths.change(1e-4 * (1 + k % 300), 0.5 * k);
+  lengths.note(1e4);
+  CHECK(lengths.all().size() == 64);
+  CHECK(lengths.all().back().dt == doctest::Approx(300e-4));
+  real most = 0;
+  for (const auto& x : lengths.all()) most = std::max(most, x.fastest);
+  CHECK(most == 1e4);
+}
+
+TEST_CASE("a key of the JSON file is there once, and --steps is not ignored in silence") {
+  const std::string json = "/tmp/talus_summary_" + std::to_string(getpid()) + ".json";
+  CHECK(said_with({"--steps", "51"}, json).find("--steps 51 has no effect") != std::string::npos);
+  CHECK(said_with({"--steps", "50"}, json).find("--steps") == std::string::npos);
+  CHECK(said_with({}, json).find("--steps") == std::string::npos);
+  std::stringstream text;
+  text << std::ifstream(json).rdbuf();
+  CHECK(count(text.str(), "\"dt\":") == 1);
+  CHECK(count(text.str(), "\"result_dt\": 7") == 1);
+  CHECK(count(text.str(), "\"height\":") == 1);
+  CHECK(count(text.str(), "\"result_height\": 2") == 1);
+  unlink(json.c_str());
+}
+
+TEST_CASE("calls of simulate() that follow from a number of steps") {
+  using detail::follow_from;
+  CHECK(follow_from({500, 1000, 20}, 1000));  // stages
+  CHECK(follow_from({33, 33, 33}, 100));      // a third of it, three times
+  CHECK(follow_from({30, 70}, 100));
+  CHECK(follow_from({40, 40, 40}, 100));  // a loop until it is reached
+  CHECK(follow_from({200}, 100));
+  CHECK(!follow_from({500}, 100 + 1));
+  CHECK(!follow_from({50}, 100));
+  CHECK(!follow_from({500, 20}, 100));
+}
