@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -261,6 +262,28 @@ TEST_CASE("STL files are read as text and in binary, and what is wrong with them
                                                       "bytes, and says that it holds 12"));
   write("\xef\xbb\xbf" + text);
   CHECK(read_stl(file) == triangle_mesh(list));
+  // As other programs write it: upper case, remarks before it, other ends of lines, one line.
+  const auto with = [&](auto&& change) {
+    std::string changed;
+    for (const char c : text) changed += change(c);
+    return changed;
+  };
+  for (const std::string& other :
+       {with([](char c) { return std::string(1, static_cast<char>(std::toupper(c))); }),
+        "\n; made by a mill\n  " + text,
+        with([](char c) { return c == '\n' ? "\r" : std::string(1, c); }),
+        with([](char c) { return c == '\n' ? "\r\n" : std::string(1, c); }),
+        with([](char c) { return c == '\n' ? " " : std::string(1, c); }),
+        text.substr(text.find(" facet"))}) {
+    write(other);
+    CHECK(read_stl(file) == triangle_mesh(list));
+  }
+  write("solid a\r\nfacet\r\nvertex 1 2 x\r\n");
+  CHECK_THROWS_WITH(read_stl(file), doctest::Contains("line 3 of the STL file"));
+  write(
+      "a picture or a table of figures: 1 2 3, but no surface; it is long enough for a binary "
+      "file");
+  CHECK_THROWS_WITH(read_stl(file), doctest::Contains("is no STL file: it is neither a text with"));
   CHECK_THROWS_WITH(read_stl("/tmp"), "the STL file /tmp is a folder: name the file in it");
 
   write(text.substr(0, 200));

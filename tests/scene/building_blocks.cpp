@@ -118,6 +118,21 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
     });
     CHECK(sum_of(w, static_cast<double>(w.local_bodies())) == 2);
   });
+  // As other programs write them.
+  for (const char* text :
+       {"R;X;Y;Z;VX;Colour\n0.5;1;2;3;-1;red\n0.1;-1;0;0;0;\n",
+        "\"r\",\"x\",\"y\",\"z\",\"vx\"\n\"0.5\",\"1\",\"2\",\"3\",\"-1\"\n0.1,-1,0,0,0\n",
+        "r\tx\ty\tz\tvx\tcolour\n0.5\t1\t2\t3\t-1\tdark red\n0.1\t-1\t0\t0\t0\t\n",
+        "r  x y z   vx\n0.5 1   2 3\t-1\n 0.1 -1 0 0 0 \n"}) {
+    const scratch_file other(text);
+    const packing same = read_packing(other.name);
+    REQUIRE(same.size() == 2);
+    CHECK(same[0].position == vec3(1, 2, 3));
+    CHECK(same[0].velocity == vec3(-1, 0, 0));
+    CHECK(same[1].radius == 0.1);
+  }
+  CHECK(refusal_of("x;y;z;r\n0;1,5;0;1\n") ==
+        ", line 2: y is '1,5', which is no finite number: decimals stand behind a point");
   CHECK(refusal_of("").find("is empty") != std::string::npos);
   CHECK(refusal_of("x,y,z\n") ==
         ", line 1: there is no column r: the first line names the columns, of which x, y, z and r "

@@ -164,6 +164,8 @@ TEST_CASE("a file with a fault is refused with its line, the key, the value and 
         "box.toml:1: decomposition needs a text in quotes, but is 3; see --help");
   CHECK(refusal_of("spheres = [1, 2]") ==
         "box.toml:1: spheres needs a number, at least 0, but is an array; see --help");
+  CHECK(refusal_of("spheres = 3\n[[box]]\nwidth = 1\n[[box]]") ==
+        "box.toml:2: [[box]] begins a list of tables; a program takes one: write [box]");
   CHECK(refusal_of("spheres = 2026-11-25") ==
         "box.toml:1: spheres needs a number, at least 0, but is a date or a time; see --help");
   CHECK(refusal_of("config = 'other.toml'") ==

@@ -1,12 +1,13 @@
 #pragma once
 // Surfaces from STL files, the common export format of CAD programs: text or binary.
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -38,37 +39,81 @@ namespace detail {
   return triangles;
 }
 
-/// Throws runtime_error, with the number of the line, for an invalid number.
+/// The words of a text with the numbers of their lines, for any ends of lines.
+class stl_words {
+ public:
+  explicit stl_words(std::string_view text) : text_(text) {}
+
+  /// The next word, in lower case; empty at the end.
+  std::string next() {
+    for (; at_ < text_.size() && is_blank(text_[at_]); ++at_) {
+      const bool of_both = text_[at_] == '\n' && at_ > 0 && text_[at_ - 1] == '\r';
+      if ((text_[at_] == '\n' || text_[at_] == '\r') && !of_both) ++line_;
+    }
+    std::string word;
+    for (; at_ < text_.size() && !is_blank(text_[at_]); ++at_)
+      word += static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_])));
+    return word;
+  }
+  /// Of the last word.
+  [[nodiscard]] std::size_t line() const { return line_; }
+
+ private:
+  [[nodiscard]] static bool is_blank(char c) {
+    return std::isspace(static_cast<unsigned char>(c)) != 0;
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0, line_ = 1;
+};
+
+/// What stands before the first facet, such as a title or remarks, is left out. Throws
+/// runtime_error, with the number of the line, for an invalid number.
 [[nodiscard]] inline std::vector<triangle_mesh::triangle> triangles_of_text_stl(
     const std::string& text, const std::string& file) {
   std::vector<triangle_mesh::triangle> triangles;
   std::vector<vec3> corners;
-  std::istringstream lines(text);
-  std::string line, word;
-  bool ended = false;
-  for (std::size_t number = 1; std::getline(lines, line); ++number) {
-    std::istringstream words(line);
-    if (!(words >> word)) continue;
-    if (word == "vertex") {
+  bool inside = false, ended = false;
+  stl_words words(text);
+  for (std::string word = words.next(); !word.empty(); word = words.next()) {
+    if (word == "facet") {
+      inside = true;
+    } else if (word == "endsolid") {
+      ended = true;
+    } else if (inside && word == "vertex") {
+      const std::size_t line = words.line();
       vec3 v;
-      if (!(words >> v[0] >> v[1] >> v[2]))
-        fail<std::runtime_error>("line {} of the STL file {} should be 'vertex x y z', but is '{}'",
-                                 number, file, line);
+      for (int k = 0; k < 3; ++k) {
+        const std::string number = words.next();
+        char* end = nullptr;
+        v[k] = std::strtod(number.c_str(), &end);
+        if (number.empty() || *end != 0)
+          fail<std::runtime_error>(
+              "line {} of the STL file {} should be 'vertex x y z', but {} is '{}'", line, file,
+              "xyz"[k], number);
+      }
       corners.push_back(v);
     } else if (word == "endfacet") {
       if (corners.size() != 3)
         fail<std::runtime_error>(
-            "the facet that ends in line {} of the STL file {} has {} corners instead of 3", number,
-            file, corners.size());
+            "the facet that ends in line {} of the STL file {} has {} corners instead of 3",
+            words.line(), file, corners.size());
       triangles.push_back({corners[0], corners[1], corners[2]});
-      corners.clear();
-    } else if (word == "endsolid") {
-      ended = true;
+      corners.clear(), inside = false;
     }
   }
   if (!ended)
     fail<std::runtime_error>("the STL file {} ends without 'endsolid': it was cut off", file);
   return triangles;
+}
+
+/// Whether these are the bytes of a text in whose words a surface begins.
+[[nodiscard]] inline bool is_text_stl(std::string_view bytes) {
+  if (bytes.find('\0') != bytes.npos) return false;
+  stl_words words(bytes);
+  for (std::string word = words.next(); !word.empty(); word = words.next())
+    if (word == "solid" || word == "facet") return true;
+  return false;
 }
 
 }  // namespace detail
@@ -93,11 +138,18 @@ namespace detail {
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
   // (Some binary files begin with the keyword of text files.)
   const bool binary = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::size_t{count};
-  if (!binary && bytes.compare(0, 5, "solid") != 0)
+  if (!binary && !detail::is_text_stl(bytes)) {
+    // (Of what is no text either, such as a picture, that number has no meaning.)
+    if (bytes.size() >= 84 && count < (std::uint32_t{1} << 24))
+      detail::fail<std::runtime_error>(
+          "{} is no STL file, or is cut off: it has {} bytes, and says that it holds {} triangles, "
+          "which take {}",
+          file, bytes.size(), count, 84 + 50 * std::size_t{count});
     detail::fail<std::runtime_error>(
-        "{} is no STL file, or is cut off: it has {} bytes, and says that it holds {} triangles, "
-        "which take {}",
-        file, bytes.size(), count, 84 + 50 * std::size_t{count});
+        "{} is no STL file: it is neither a text with the words 'solid' and 'facet' nor a binary "
+        "file of triangles",
+        file);
+  }
   auto triangles =
       binary ? detail::triangles_of_binary_stl(bytes) : detail::triangles_of_text_stl(bytes, file);
   for (auto& t : triangles)

@@ -1,5 +1,5 @@
 #pragma once
-// Packings of spheres from elsewhere, as comma-separated tables.
+// Packings of spheres from elsewhere, as tables of text.
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -40,12 +40,13 @@ class packing {
   detail::plain_vector<packed_sphere> spheres_;
 };
 
-/// Reads spheres from a table: a first line with the names of the columns, in any order, of which
-/// x, y, z and r are needed and vx, vy and vz are known (others are left out), and then a line for
-/// each sphere. Empty lines, and those that begin with #, are skipped. Each rank reads the file by
-/// itself. Throws runtime_error, with file and line, where the file cannot be read, a column is
-/// missing or there twice, or a line has other fields than the first one, something that is not a
-/// finite number, or a radius that is not positive.
+/// Reads spheres from a table: a first line with the names of the columns, in any order and case,
+/// of which x, y, z and r are needed and vx, vy and vz are known (others are left out), and then a
+/// line for each sphere. Commas, semicolons, tabs or blanks separate the fields, as in the first
+/// line; fields may stand in quotes. Empty lines, and those that begin with #, are skipped. Each
+/// rank reads the file by itself. Throws runtime_error, with file and line, where the file cannot
+/// be read, a column is missing or there twice, or a line has other fields than the first one,
+/// something that is not a finite number, or a radius that is not positive.
 [[nodiscard]] packing read_packing(const std::string& file);
 
 }  // namespace talus

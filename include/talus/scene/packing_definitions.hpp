@@ -1,6 +1,7 @@
 #pragma once
 // The definitions of packing.hpp, in the compiled part or in each program.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -18,18 +19,39 @@ namespace talus {
 
 namespace detail {
 
-/// The fields of a line, without blanks around them.
-[[nodiscard, gnu::cold]] TALUS_INLINE std::vector<std::string> fields_of(const std::string& line) {
+/// The fields of a line, without the blanks and quotes around them. A blank as separator stands for
+/// any number of blanks.
+[[nodiscard, gnu::cold]] TALUS_INLINE std::vector<std::string> fields_of(const std::string& line,
+                                                                         char separator) {
   std::vector<std::string> fields;
-  for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t end = std::min(line.find(',', at), line.size());
-    const std::string field = line.substr(at, end - at);
-    const auto first = field.find_first_not_of(" \t\r"), last = field.find_last_not_of(" \t\r");
-    fields.push_back(first == std::string::npos ? std::string()
-                                                : field.substr(first, last - first + 1));
+  const std::string blanks = separator == '\t' ? " \r" : " \t\r";
+  const auto trim = [&](const std::string& text) {
+    const auto first = text.find_first_not_of(blanks), last = text.find_last_not_of(blanks);
+    return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+  };
+  std::string rest = trim(line);
+  if (separator == ' ') std::replace(rest.begin(), rest.end(), '\t', ' ');
+  for (std::size_t at = 0; at <= rest.size();) {
+    const std::size_t end = std::min(rest.find(separator, at), rest.size());
+    std::string field = trim(rest.substr(at, end - at));
+    if (field.size() > 1 && field.front() == '"' && field.back() == '"')
+      field = trim(field.substr(1, field.size() - 2));
+    if (separator != ' ' || !field.empty()) fields.push_back(std::move(field));
     at = end + 1;
   }
   return fields;
+}
+
+/// The separator of a table by its first line.
+[[nodiscard, gnu::cold]] TALUS_INLINE char separator_of(const std::string& names) {
+  for (const char c : {',', ';', '\t'})
+    if (names.find(c) != std::string::npos) return c;
+  return ' ';
+}
+
+[[nodiscard, gnu::cold]] TALUS_INLINE std::string in_lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
 
 }  // namespace detail
@@ -45,18 +67,20 @@ namespace detail {
   static constexpr const char* names[] = {"x", "y", "z", "r", "vx", "vy", "vz"};
   constexpr std::size_t none = ~std::size_t{0};
   std::size_t column[7] = {none, none, none, none, none, none, none}, columns = 0;
+  char separator = ',';
   detail::plain_vector<packed_sphere> spheres;
   std::string line;
   for (std::size_t number = 1; std::getline(in, line); ++number) {
     if (number == 1 && line.starts_with(detail::byte_order_mark))
       line.erase(0, detail::byte_order_mark.size());
-    const auto fields = detail::fields_of(line);
-    if ((fields.size() == 1 && fields[0].empty()) || line[0] == '#') continue;
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+    if (columns == 0) separator = detail::separator_of(line);
+    const auto fields = detail::fields_of(line, separator);
     if (columns == 0) {
       columns = fields.size();
       for (std::size_t c = 0; c < columns; ++c)
         for (std::size_t k = 0; k < 7; ++k)
-          if (fields[c] == names[k]) {
+          if (detail::in_lower_case(fields[c]) == names[k]) {
             if (column[k] != none)
               refuse(number, detail::compose("the column {} is there twice", names[k]));
             column[k] = c;
@@ -78,7 +102,10 @@ namespace detail {
       char* end = nullptr;
       value[k] = std::strtod(text.c_str(), &end);
       if (text.empty() || *end != 0 || !std::isfinite(value[k]))
-        refuse(number, detail::compose("{} is '{}', which is no finite number", names[k], text));
+        refuse(number,
+               detail::compose(
+                   "{} is '{}', which is no finite number{}", names[k], text,
+                   text.find(',') == std::string::npos ? "" : ": decimals stand behind a point"));
     }
     if (!(value[3] > 0))
       refuse(number, detail::compose("the radius r is {}, and must be positive", value[3]));

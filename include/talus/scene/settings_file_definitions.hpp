@@ -123,12 +123,16 @@ inline constexpr std::size_t most_dots = 100;
   return s;
 }
 
-[[gnu::cold]] inline void collect_settings(const toml::table& table, const std::string& before,
-                                           std::vector<setting>& all) {
+/// Throws usage_error for a list of tables.
+[[gnu::cold]] inline void collect_settings(const std::string& file, const toml::table& table,
+                                           const std::string& before, std::vector<setting>& all) {
   for (const auto& [key, value] : table) {
     std::string name = before + std::string(key.str());
     if (const auto* inner = value.as_table())
-      collect_settings(*inner, name + '.', all);
+      collect_settings(file, *inner, name + '.', all);
+    else if (value.is_array_of_tables())
+      fail<usage_error>("{}:{}: [[{}]] begins a list of tables; a program takes one: write [{}]",
+                        file, static_cast<std::size_t>(value.source().begin.line), name, name);
     else
       all.push_back(setting_of(name, value));
   }
@@ -142,7 +146,7 @@ TALUS_INLINE void read_settings(const std::string& file,
   refuse_deep_names(file, text);
   std::vector<setting> all;
   try {
-    collect_settings(toml::parse(std::string_view(text)), "", all);
+    collect_settings(file, toml::parse(std::string_view(text)), "", all);
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
     fail<usage_error>("{}:{}:{}: is no TOML: {}", file, static_cast<std::size_t>(at.line),
