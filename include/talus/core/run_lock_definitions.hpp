@@ -85,8 +85,8 @@ TALUS_INLINE void run_lock::take(const std::string& file) {
       close();
       continue;
     }
-    // (A full disk has no room for the text; the lock holds without it. The new text replaces that of
-    // a killed run in place: an empty file would count as a file of somebody else from then on.)
+    // (A full disk has no room for the text; the lock holds without it. The new text replaces that
+    // of a killed run in place: an empty file would count as a file of somebody else from then on.)
     const std::string mine = lock_holder::this_process().text();
     if (owns_file_ && write_text(id_, mine)) (void)::ftruncate(id_, std::ssize(mine));
     locked_ = locked;
