@@ -36,23 +36,24 @@ class flush_surface {
 
  public:
   flush_surface(state_type& s, const contact_with_fixed& c)
-      : s_(s), c_(c), depth_(depth_part * c.radius) {
+      : s_(s), c_(c), point_(c.point), depth_(depth_part * c.radius) {
     // A body that is followed falls freely until its impact.
     if constexpr (state_type::continuous)
       depth_ = std::max(depth_, 2 * s.gravity.norm() * s.dt * s.dt);
   }
 
   /// Whether the contact of the body with this number there is not on the common surface.
-  [[nodiscard]] bool hides(std::uint32_t number) const {
+  [[nodiscard]] bool hides(std::uint32_t number) {
+    point_ = on_body(number);
     const auto& f = s_.flush;
     const bool half_space = f.all[number].radius == 0;
     bool hidden = false;
-    f.each_near(number, c_.point, reach_of(number), [&](std::uint32_t other) {
+    f.each_near(number, point_, reach_of(number), [&](std::uint32_t other) {
       if constexpr (state_type::has_joints)  // it has no contacts with the movable body
         if (s_.joints.joined(c_.id, f.all[other].id)) return true;
       const real tolerance = tolerance_of(number, other);
-      each_solid(other, c_.point, tolerance, [&](const auto& solid, const pose& at) {
-        const vec3 p = at.to_body(c_.point), n = to_body(at, c_.normal);
+      each_solid(other, point_, tolerance, [&](const auto& solid, const pose& at) {
+        const vec3 p = at.to_body(point_), n = to_body(at, c_.normal);
         const beside how = stands_beside(solid, p, n, tolerance);
         if (how == beside::covers)
           hidden = !half_space && stay_together(number, other) &&
@@ -153,13 +154,31 @@ class flush_surface {
     });
   }
 
+  /// The point on the body: a side face has contacts with what is just above its upper edge.
+  [[nodiscard]] vec3 on_body(std::uint32_t number) const {
+    vec3 p = c_.point;
+    with_body(number, [&](const auto& store, std::size_t i) {
+      using type = std::remove_cvref_t<decltype(store.shape[i])>;
+      if constexpr (is_block<type> || is_hull<type>)
+        each_solid(number, p, c_.radius, [&](const auto& solid, const pose& at) {
+          vec3 q = at.to_body(p);
+          solid.each_face([&](const vec3& m, real offset) {
+            q -= std::max(real(0), m.dot(q) - offset) * m;
+            return true;
+          });
+          p = at.to_world(q);
+          return true;
+        });
+    });
+    return p;
+  }
   /// Whether the body is below the centre of the other one.
   [[nodiscard]] bool is_under(std::uint32_t number) const {
     bool under = false;
     const real tolerance = flush_part * s_.flush.all[number].radius;
-    each_solid(number, c_.point, tolerance, [&](const auto& solid, const pose& at) {
+    each_solid(number, point_, tolerance, [&](const auto& solid, const pose& at) {
       const vec3 n = to_body(at, c_.normal);
-      under = stands_beside(solid, at.to_body(c_.point), n, tolerance) == beside::agrees &&
+      under = stands_beside(solid, at.to_body(point_), n, tolerance) == beside::agrees &&
               lies_over(solid, at.to_body(c_.centre), n);
       return !under;
     });
@@ -171,7 +190,7 @@ class flush_surface {
   [[nodiscard]] bool goes_on(std::uint32_t number, const Solid& solid, const pose& at,
                              const vec3& p, real tolerance) const {
     bool any = false, free = false;
-    each_face_at(number, c_.point, tolerance, [&](const vec3& face) {
+    each_face_at(number, point_, tolerance, [&](const vec3& face) {
       any = true;
       if (c_.round ? face.cross(c_.normal).norm() > real(1e-6) || face.dot(c_.normal) < 0
                    : face.dot(c_.normal) < real(0.5))
@@ -236,7 +255,7 @@ class flush_surface {
   [[nodiscard]] bool stay_together(std::uint32_t a, std::uint32_t b) const {
     if constexpr (state_type::drives) {
       const auto carried = [&](std::uint32_t number) {
-        vec3 p = c_.point;
+        vec3 p = point_;
         with_body(number, [&](const auto& store, std::size_t i) {
           using shape = typename std::remove_cvref_t<decltype(store)>::shape_type;
           const driven_body* one = s_.flush.all[number].global ? driven_at<shape>(s_, i) : nullptr;
@@ -260,7 +279,7 @@ class flush_surface {
       vec3 v(0, 0, 0);
       if (!state_type::drives && s_.flush.all[number].global) return real(0);
       with_body(number, [&](const auto& store, std::size_t i) {
-        v = store.velocity[i] + store.angular_velocity[i].cross(c_.point - store.position[i]);
+        v = store.velocity[i] + store.angular_velocity[i].cross(point_ - store.position[i]);
       });
       return v.norm();
     };
@@ -273,6 +292,7 @@ class flush_surface {
 
   state_type& s_;
   const contact_with_fixed& c_;
+  vec3 point_;  ///< on the body whose contact it is
   real depth_;
 };
 
