@@ -31,6 +31,7 @@ class random_numbers {
 struct problem {
   solver_state state;
   random_numbers random;
+  std::vector<std::size_t> first;  ///< contact of each patch
 
   explicit problem(std::size_t bodies) {
     state.bodies.resize(bodies), state.shift.resize(bodies);
@@ -53,6 +54,7 @@ struct problem {
     if (level) normal[2] = 0;
     normal.normalize();
     const vec3 offset = random.vector(1);
+    first.push_back(row.size());
     for (int k = 0; k < contacts; ++k) {
       contact c;
       c.a = a, c.b = b, c.normal = normal;
@@ -69,14 +71,45 @@ struct problem {
   }
 };
 
+/// The contacts of patches one by one. Patches of more than four contacts are swept there and back
+/// if they are on what cannot move, and in watched sweeps.
+template <class Contact>
+struct one_by_one {
+  const std::vector<std::size_t>& first;
+  plain_vector<Contact> contacts;
+
+  template <class Note>
+  void sweep(solver_state& s, bool forward, bool watched, Note&& note) {
+    for (std::size_t n = 0; n < first.size(); ++n) {
+      const std::size_t patch = forward ? n : first.size() - 1 - n, from = first[patch];
+      const std::size_t end = patch + 1 < first.size() ? first[patch + 1] : contacts.size();
+      const std::size_t last = end - from - 1;
+      const bool both_ways = last >= 4 && (watched || !Contact::paired);
+      const auto visit = [&](std::size_t k, bool notes) {
+        const std::size_t i = forward ? from + k : end - 1 - k;
+        const auto d = contacts[i].relax(s);
+        contacts[i].apply(s, d);
+        if (notes) note(i, contacts[i].speed_of(d));
+      };
+      for (std::size_t k = 0; k <= last; ++k) visit(k, !both_ways || k == last);
+      for (std::size_t k = last; both_ways && k-- > 0;) visit(k, true);
+    }
+  }
+  void sweep(solver_state& s, bool forward) {
+    sweep(s, forward, false, [](std::size_t, real) {});
+  }
+};
+
 /// Sweeps in both directions and of the correction: in blocks, and one by one.
 template <bool Paired>
 void check(problem& p, manifold_row<contact_of<Paired>>& row) {
-  contact_row<contact_of<Paired>> plain;
-  for (std::size_t i = 0; i < row.size(); ++i) plain.add(row[i], true, true);
+  contact_row<contact_of<Paired>> all;
+  for (std::size_t i = 0; i < row.size(); ++i) all.add(row[i], true, true);
   solver_state one = p.state, other = p.state;
-  row.prepare(one), plain.prepare(other);
-  row.apply(one), plain.apply(other);
+  row.prepare(one), all.prepare(other);
+  row.apply(one), all.apply(other);
+  one_by_one<contact_of<Paired>> plain{p.first, {}};
+  for (std::size_t i = 0; i < all.size(); ++i) plain.contacts.push_back(all[i]);
   std::size_t noted = 0, changed = 0;
   real difference = 0, kinds[3] = {0, 0, 0};
   const auto compare = [&] {
@@ -88,24 +121,26 @@ void check(problem& p, manifold_row<contact_of<Paired>>& row) {
       CHECK(one.bodies[i].inverse_mass == other.bodies[i].inverse_mass);
     }
     for (std::size_t i = 0; i < row.size(); ++i)
-      difference = std::max(difference, (row[i].r - plain[i].r).norm());
+      difference = std::max(difference, (row[i].r - plain.contacts[i].r).norm());
   };
-  row.forward(one), plain.forward(other);
+  row.forward(one), plain.sweep(other, true);
   compare();
-  row.backward(one), plain.backward(other);
+  row.backward(one), plain.sweep(other, false);
   compare();
-  row.forward(one), plain.forward(other);
+  row.forward(one), plain.sweep(other, true);
   std::vector<real> changes(row.size(), 0);
   row.backward_watched(one, 1e-3,
                        [&](std::size_t i, real change) { changes[i] = change, ++noted; });
-  plain.backward_watched(other, 1e-3, [&](std::size_t i, real change) {
+  plain.sweep(other, false, true, [&](std::size_t i, real change) {
+    if (change <= 1e-3) return;
     ++changed;
     CHECK(changes[i] == doctest::Approx(change));
   });
   compare();
   CHECK(noted == changed);
   CHECK(noted > row.size() / 10);
-  for (int k = 0; k < 3; ++k) row.correct(one), plain.correct(other);
+  for (std::size_t i = 0; i < all.size(); ++i) all.edit(i, [&](auto& c) { c = plain.contacts[i]; });
+  for (int k = 0; k < 3; ++k) row.correct(one), all.correct(other);
   compare();
   for (std::size_t i = 0; i < row.size(); ++i) {
     const vec3& r = row[i].r;
