@@ -41,7 +41,7 @@ def main():
         if shared and words[1]:
             words.remove(words[1] if 2 * wanted[shared] > files[shared] else shared)
         for word in words:
-            path = os.path.relpath(re.sub(r"^-D\\w+=", "", word), build)
+            path = os.path.relpath(re.sub(r"^-D\w+=", "", word) or ".", build)
             if path in known:
                 targets.add(path)
     print("\n".join(sorted(targets)))
