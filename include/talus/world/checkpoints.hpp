@@ -83,7 +83,7 @@ struct kept_value {
 /// bodies after it.
 struct once_value {
   std::string name;
-  byte_buffer bytes;
+  byte_buffer bytes{};
   std::uint64_t fills = 0, attempts = 0;
   bool named = false;  ///< by this run; else it comes from a file
 };
