@@ -234,6 +234,41 @@ TEST_CASE("a chain of patches is solved in the order of the list") {
   check<true>(p, row);
 }
 
+TEST_CASE("sweeps by groups of islands give the bits of sweeps over all contacts") {
+  // Islands of three bodies whose contacts lie apart in the list; body 0 cannot move and touches all.
+  constexpr std::size_t islands = 200, bodies = 1 + 3 * islands;
+  using contact = contact_of<true>;
+  problem p(bodies);
+  p.state.bodies[0].inverse_mass = 0, p.state.shift[0].inverse_mass = 0;
+  p.state.tensors[0].setZero();
+  manifold_row<contact> whole;
+  for (std::int32_t level = 0; level < 3; ++level)
+    for (std::int32_t k = 0; k < static_cast<std::int32_t>(islands); ++k) {
+      const std::int32_t lower = level == 0 ? 0 : 3 * k + level;
+      p.add(whole, lower, 3 * k + level + 1, 1 + (k + level) % 6);
+    }
+  manifold_row<contact> by_groups = whole;
+  solver_state other = p.state;
+  other.groups.find(bodies, 50, [&](auto&& f) {
+    by_groups.each_manifold([&](const contact& c) { c.a == 0 ? f(c.b, -1) : f(c.a, c.b); });
+  });
+  REQUIRE(other.groups.size() == 12);
+  whole.prepare(p.state), by_groups.prepare(other);
+  for (int k = 0; k < 6; ++k) k % 2 == 0 ? whole.forward(p.state) : whole.backward(p.state);
+  for (int k = 0; k < 3; ++k) whole.correct(p.state);
+  for (std::size_t g = 0; g < other.groups.size(); ++g) {
+    for (int k = 0; k < 6; ++k) by_groups.sweep_group(g, k % 2 == 0, other);
+    for (int k = 0; k < 3; ++k) by_groups.correct_group(g, k == 0, other);
+  }
+  for (std::size_t i = 0; i < bodies; ++i) {
+    CHECK(p.state.bodies[i].v == other.bodies[i].v);
+    CHECK(p.state.bodies[i].w == other.bodies[i].w);
+    CHECK(p.state.shift[i].v == other.shift[i].v);
+    CHECK(p.state.turn[i].w == other.turn[i].w);
+  }
+  for (std::size_t i = 0; i < whole.size(); ++i) CHECK(whole[i].r == by_groups[i].r);
+}
+
 TEST_CASE("impulses are stored_entry in the world, whatever the sign of a zero in the normal") {
   plain_vector<contact_of<true>> row;
   for (const real zero : {0.0, -0.0, 0.0}) {

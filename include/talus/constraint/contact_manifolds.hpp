@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "talus/constraint/contact_manifold.hpp"
 #include "talus/constraint/manifold_block.hpp"
@@ -46,19 +47,21 @@ class manifold_blocks {
   void prepare_again(const solver_state& s) {
     each([&](block& b) { work::prepare(b, layers_of(b), s); });
   }
-  void sweep_forward(solver_state& s) {
+  /// Sweeps over the blocks [first, last).
+  void sweep_forward(std::size_t first, std::size_t last, solver_state& s) {
     const auto silent = [](auto&&...) {};
-    each([&](block& b) { work::template sweep<true, false>(b, layers_of(b), s, silent); });
+    each(first, last,
+         [&](block& b) { work::template sweep<true, false>(b, layers_of(b), s, silent); });
   }
   template <bool Watched, class Note>
-  void sweep_backward(solver_state& s, Note& note) {
-    for (std::size_t k = used_; k-- > 0;)
+  void sweep_backward(std::size_t first, std::size_t last, solver_state& s, Note& note) {
+    for (std::size_t k = last; k-- > first;)
       if (blocks_[k].filled > 0)
         work::template sweep<false, Watched>(blocks_[k], layers_of(blocks_[k]), s, note);
   }
   template <bool First>
-  void correct(solver_state& s) {
-    each([&](block& b) { work::template correct<First>(b, layers_of(b), s); });
+  void correct(std::size_t first, std::size_t last, solver_state& s) {
+    each(first, last, [&](block& b) { work::template correct<First>(b, layers_of(b), s); });
   }
   [[nodiscard]] std::size_t bytes() const {
     return blocks_.capacity() * sizeof(block) + layers_.capacity() * sizeof(layer) +
@@ -72,7 +75,11 @@ class manifold_blocks {
 
   template <class F>
   void each(F&& f) {
-    for (std::size_t k = 0; k < used_; ++k)
+    each(0, used_, f);
+  }
+  template <class F>
+  void each(std::size_t first, std::size_t last, F&& f) {
+    for (std::size_t k = first; k < last; ++k)
       if (blocks_[k].filled > 0) f(blocks_[k]);
   }
   layer* layers_of(const block& b) { return layers_.data() + b.first; }
@@ -118,28 +125,41 @@ class contact_manifolds {
   static constexpr std::size_t most_layers = 4;  ///< contacts of a manifold in a block
 
  public:
+  /// Whether sweeps over groups of islands are possible.
+  static constexpr bool grouped = requires(Planner p) { p.begin_group(); };
+
   /// Finds the manifolds and prepares their contacts. `contacts` of one pair are adjacent, and stay
-  /// in place until they are prepared again.
+  /// in place until they are prepared again. The blocks of each group of islands are consecutive.
   void prepare(plain_vector<Contact>& contacts, const solver_state& s) {
     large_.clear(), blocks_.clear();
     plan_.clear();
+    groups_.clear();
     impulses_change();
-    const auto moves = [&](std::int32_t i) {
-      return s.bodies[static_cast<std::size_t>(i)].inverse_mass != 0;
-    };
-    for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
-      const Contact& c = contacts[first];
-      while (last < contacts.size() && contacts[last].same_manifold(c)) ++last;
-      if (last - first > most_layers) {
-        large_.add(large_.size(), first, last);
-        continue;
+    const std::size_t groups = grouped ? s.groups.size() : 0;
+    if (groups == 0) {
+      each_manifold(contacts, [&](std::size_t first, std::size_t last) {
+        add(contacts[first], first, last, s);
+      });
+    } else if constexpr (grouped) {
+      sort_by_group(contacts, s);
+      for (std::size_t g = 0, k = 0; g < groups; ++g) {
+        plan_.begin_group();
+        for (const std::size_t end = ends_[g]; k < end; ++k)
+          add(contacts[sorted_[k].first], sorted_[k].first, sorted_[k].last, s);
+        groups_.push_back({blocks_.size(), large_.size()});
       }
-      const bool b_moves = paired && moves(c.b);
-      const auto slot = moves(c.a) ? plan_.place(c.a, b_moves ? c.b : -1) : plan_.place(c.b, -1);
-      blocks_.add(static_cast<std::size_t>(slot), first, last);
     }
     blocks_.prepare(contacts, spare_, s);
     large_.prepare(contacts, spare_, s);
+  }
+  /// Calls f(first, last) for each manifold: the contacts [first, last).
+  template <class F>
+  static void each_manifold(const plain_vector<Contact>& contacts, F&& f) {
+    for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
+      const Contact& c = contacts[first];
+      while (last < contacts.size() && contacts[last].same_manifold(c)) ++last;
+      f(first, last);
+    }
   }
   /// Prepares the same contacts, after tensors of inertia or rates of the correction have changed.
   void prepare_again(const solver_state& s) {
@@ -164,7 +184,31 @@ class contact_manifolds {
   }
   void sweep_forward(solver_state& s) {
     impulses_change();
-    blocks_.sweep_forward(s), large_.sweep_forward(s);
+    blocks_.sweep_forward(0, blocks_.size(), s), large_.sweep_forward(0, large_.size(), s);
+  }
+  /// A sweep over one of the groups of islands.
+  void sweep_group(std::size_t group, bool forward, solver_state& s) requires grouped {
+    impulses_change();
+    const auto [from, to] = range(group);
+    if (forward) {
+      blocks_.sweep_forward(from.blocks, to.blocks, s);
+      large_.sweep_forward(from.large, to.large, s);
+    } else {
+      const auto silent = [](auto&&...) {};
+      large_.template sweep_backward<false>(from.large, to.large, s, silent);
+      blocks_.template sweep_backward<false>(from.blocks, to.blocks, s, silent);
+    }
+  }
+  /// A sweep of the position correction over one of them, the `first` since the impulses changed.
+  void correct_group(std::size_t group, bool first, solver_state& s) requires grouped {
+    const auto [from, to] = range(group);
+    if (first) {
+      blocks_.template correct<true>(from.blocks, to.blocks, s);
+      large_.template correct<true>(from.large, to.large, s);
+    } else {
+      blocks_.template correct<false>(from.blocks, to.blocks, s);
+      large_.template correct<false>(from.large, to.large, s);
+    }
   }
   void sweep_backward(solver_state& s) {
     const auto silent = [](auto&&...) {};
@@ -179,33 +223,76 @@ class contact_manifolds {
     backward<true>(s, note_contact);
   }
   void sweep_correction(solver_state& s) {
+    const std::size_t blocks = blocks_.size(), large = large_.size();
     if (corrects_)
-      blocks_.template correct<false>(s), large_.template correct<false>(s);
+      blocks_.template correct<false>(0, blocks, s), large_.template correct<false>(0, large, s);
     else
-      blocks_.template correct<true>(s), large_.template correct<true>(s);
+      blocks_.template correct<true>(0, blocks, s), large_.template correct<true>(0, large, s);
     corrects_ = true;
   }
   /// To be called with each change of the impulses from outside.
   void impulses_change() { corrects_ = false; }
   [[nodiscard]] std::size_t bytes() const {
-    return blocks_.bytes() + large_.bytes() + plan_.bytes();
+    return blocks_.bytes() + large_.bytes() + plan_.bytes() + groups_.capacity() * sizeof(end) +
+           (found_.capacity() + sorted_.capacity()) * sizeof(manifold) +
+           ends_.capacity() * sizeof(std::size_t);
   }
 
  private:
   using eight = pack<real, 8>;
   static_assert(Planner::lanes == lanes_of<eight>);
+  struct manifold {
+    std::uint32_t first, last, group;
+  };
+  /// The end of a group among the blocks of either kind.
+  struct end {
+    std::size_t blocks = 0, large = 0;
+  };
+
+  static bool moves(std::int32_t i, const solver_state& s) {
+    return s.bodies[static_cast<std::size_t>(i)].inverse_mass != 0;
+  }
+  /// The contacts [first, last) are a manifold, of which c is one.
+  void add(const Contact& c, std::size_t first, std::size_t last, const solver_state& s) {
+    if (last - first > most_layers) return large_.add(large_.size(), first, last);
+    const bool b_moves = paired && moves(c.b, s);
+    const auto slot = moves(c.a, s) ? plan_.place(c.a, b_moves ? c.b : -1) : plan_.place(c.b, -1);
+    blocks_.add(static_cast<std::size_t>(slot), first, last);
+  }
+  /// The manifolds in the order of their groups, and the end of each group.
+  void sort_by_group(const plain_vector<Contact>& contacts, const solver_state& s) {
+    found_.clear();
+    ends_.assign(s.groups.size(), 0);
+    each_manifold(contacts, [&](std::size_t first, std::size_t last) {
+      const Contact& c = contacts[first];
+      const std::uint32_t group = s.groups.of(moves(c.a, s) ? c.a : c.b);
+      found_.push_back(
+          {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), group});
+      ++ends_[group];
+    });
+    std::size_t begin = 0;
+    for (std::size_t& next : ends_) begin += std::exchange(next, begin);
+    sorted_.resize(found_.size());
+    for (const manifold& m : found_) sorted_[ends_[m.group]++] = m;
+  }
+  [[nodiscard]] std::pair<end, end> range(std::size_t group) const {
+    return {group == 0 ? end{} : groups_[group - 1], groups_[group]};
+  }
 
   template <bool Watched, class Note>
   void backward(solver_state& s, Note& note) {
     impulses_change();
-    large_.template sweep_backward<Watched>(s, note);
-    blocks_.template sweep_backward<Watched>(s, note);
+    large_.template sweep_backward<Watched>(0, large_.size(), s, note);
+    blocks_.template sweep_backward<Watched>(0, blocks_.size(), s, note);
   }
 
   Planner plan_;
   manifold_blocks<Contact, eight> blocks_;
   manifold_blocks<Contact, real> large_;  ///< with more contacts than fit a block, one by one
-  bool corrects_ = false;                 ///< the last sweep was one of the position correction
+  plain_vector<end> groups_;              ///< empty without groups
+  plain_vector<manifold> found_, sorted_;
+  plain_vector<std::size_t> ends_;  ///< of the groups in `sorted_`
+  bool corrects_ = false;           ///< the last sweep was one of the position correction
   Contact spare_;                         ///< for empty places; its impulse stays zero
 };
 

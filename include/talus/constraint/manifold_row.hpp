@@ -35,6 +35,21 @@ class manifold_row : public contact_row<Contact> {
   }
   void correct(state& s) { manifolds_.sweep_correction(s); }
 
+  // Sweeps over one group of islands, see island_groups.hpp, in steps without impacts.
+
+  void sweep_group(std::size_t group, bool forward, state& s) {
+    manifolds_.sweep_group(group, forward, s);
+  }
+  void correct_group(std::size_t group, bool first, state& s) {
+    manifolds_.correct_group(group, first, s);
+  }
+  /// Calls f(contact) with one contact of each manifold.
+  template <class F>
+  void each_manifold(F&& f) const {
+    manifolds_.each_manifold(this->contacts_,
+                             [&](std::size_t first, std::size_t) { f(this->contacts_[first]); });
+  }
+
  private:
   void meet_all(state& s) {
     if (s.stage == impact_stage::none) return;

@@ -19,12 +19,15 @@ class ordered_planner {
   void clear() {
     after_.assign(after_.size(), 0);
     filled_.clear(), open_.clear();
+    begin_ = 0;
   }
+  /// The elements that follow begin a new block.
+  void begin_group() { begin_ = static_cast<std::uint32_t>(filled_.size()); }
   /// Slot (block * lanes + lane) for an element on the bodies a and b, -1 if b cannot move.
   [[nodiscard]] std::size_t place(std::int32_t a, std::int32_t b) {
     const auto highest = static_cast<std::size_t>(std::max(a, b));
     if (highest >= after_.size()) after_.resize(highest + highest / 2 + 1, 0);
-    std::uint32_t first = after_[static_cast<std::size_t>(a)];
+    std::uint32_t first = std::max(begin_, after_[static_cast<std::size_t>(a)]);
     if (b >= 0) first = std::max(first, after_[static_cast<std::size_t>(b)]);
     const auto count = static_cast<std::uint32_t>(filled_.size());
     const std::uint32_t block = with_room(std::max(first, count > back ? count - back : 0));
@@ -57,6 +60,7 @@ class ordered_planner {
   plain_vector<std::uint32_t> after_;  ///< the first block after all that hold a body
   plain_vector<std::uint32_t> open_;   ///< a block itself while it has room, else a later one
   plain_vector<std::uint8_t> filled_;
+  std::uint32_t begin_ = 0;  ///< the first block of the group
 };
 
 }  // namespace talus::detail

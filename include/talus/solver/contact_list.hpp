@@ -47,6 +47,10 @@ concept renewable = Contact::paired && requires {
   typename Contact::blocks;
 };
 
+/// Contacts whose sweeps can go through groups of islands one after the other.
+template <class Contact>
+concept grouped = swept_in_manifolds<Contact>;
+
 /// Whether a contact has an impulse; its norm is the same in any frame.
 template <class Contact>
 [[nodiscard]] bool carries_load(const Contact& c) {
@@ -169,6 +173,14 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   /// Sweeps over the interior contacts. The border comes first in either direction.
   void sweep_border(state& s, bool forward);
   void sweep_inner(state& s, bool forward);
+  /// The same over one group of islands, and of the position correction; see island_groups.hpp.
+  void sweep_group(std::size_t group, bool forward, state& s) requires grouped<Contact>;
+  void correct_group(std::size_t group, bool first, state& s) requires grouped<Contact>;
+  /// Calls f(contact) with one contact of each interior manifold of a single rank.
+  template <class F>
+  void each_manifold(F&& f) const requires grouped<Contact> {
+    inner_.row.each_manifold(f);
+  }
   /// A backward sweep that records the interior contacts that still change by more than `speed`:
   /// (index, change).
   const plain_vector<plain_pair<std::size_t, real>>& sweep_watched(state& s, real speed);
@@ -369,6 +381,18 @@ void contact_list<Contact>::sweep_border(state& s, bool forward) {
 template <class Contact>
 void contact_list<Contact>::sweep_inner(state& s, bool forward) {
   sweep(inner_, s, forward);
+}
+
+template <class Contact>
+void contact_list<Contact>::sweep_group(std::size_t group, bool forward,
+                                        state& s) requires grouped<Contact> {
+  inner_.row.sweep_group(group, forward, s);
+}
+
+template <class Contact>
+void contact_list<Contact>::correct_group(std::size_t group, bool first,
+                                          state& s) requires grouped<Contact> {
+  inner_.row.correct_group(group, first, s);
 }
 
 template <class Contact>

@@ -7,6 +7,7 @@
 #include "talus/constraint/solver_state.hpp"
 #include "talus/core/each.hpp"
 #include "talus/solver/direct/exact_joints.hpp"
+#include "talus/solver/island_groups.hpp"
 
 namespace talus::detail {
 
@@ -28,6 +29,7 @@ void correct_overlaps(Lists& lists, State& s, const solver_settings& settings, R
     else
       each_of(lists, f);
   };
+  if (island_groups<Lists, State, alone>::correct(lists, s, settings.correction_iterations)) return;
   for (int k = 0; k < settings.correction_iterations; ++k) {
     const bool shares = !alone && k + 1 < settings.correction_iterations;
     if constexpr (!alone) {

@@ -15,6 +15,7 @@
 #include "talus/solver/direct/direct_islands.hpp"
 #include "talus/solver/direct/exact_joints.hpp"
 #include "talus/solver/finish_impacts.hpp"
+#include "talus/solver/island_groups.hpp"
 #include "talus/solver/sweep.hpp"
 
 namespace talus {
@@ -47,7 +48,10 @@ struct nonlinear_gauss_seidel final {
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
     constexpr bool joined = detail::solves_joints_at_once<Lists, Ranks>;
 
+    using groups = detail::island_groups<Lists, State, alone>;
+
     detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
+    groups::find(lists, s);
     each([&](auto& list) { list.prepare_interior(s); });
     if constexpr (!alone) ranks.look_for_shared_islands(lists);
     each([&](auto& list) { list.warm_start(s); });
@@ -75,8 +79,15 @@ struct nonlinear_gauss_seidel final {
       each([&](auto& list) { list.relax_boundary(s); });
       each([&](auto& list) { list.apply_boundary(s); });
     };
+    // Sweeps before this one follow each other without anything between them.
+    const int plain =
+        watch.monitored() || s.impacts ? 0 : looks ? exact - 1 : settings.iterations;
     int k = 0;
     for (; k < watch.limit(); ++k) {
+      if (k < plain && (k > 0 || !settled) && groups::sweep(lists, s, k, plain)) {
+        k = plain;
+        if (k == watch.limit()) break;
+      }
       if (watch.reached(k)) {
         if (!impacts.begins(k)) break;
         watch.look_again();
