@@ -235,7 +235,8 @@ TEST_CASE("a chain of patches is solved in the order of the list") {
 }
 
 TEST_CASE("sweeps by groups of islands give the bits of sweeps over all contacts") {
-  // Islands of three bodies whose contacts lie apart in the list; body 0 cannot move and touches all.
+  // Islands of three bodies whose contacts lie apart in the list; body 0 cannot move and touches
+  // all.
   constexpr std::size_t islands = 200, bodies = 1 + 3 * islands;
   using contact = contact_of<true>;
   problem p(bodies);

@@ -18,9 +18,9 @@ class body_groups {
     return group_[static_cast<std::size_t>(body)];
   }
 
-  /// Finds the groups of `bodies` bodies. each_manifold(f) calls f(a, b) for each manifold, with the
-  /// movable bodies that it connects; b is -1 if there is only one. Islands that follow each other
-  /// in the order of the bodies share a group until it has `least` manifolds.
+  /// Finds the groups of `bodies` bodies. each_manifold(f) calls f(a, b) for each manifold, with
+  /// the movable bodies that it connects; b is -1 if there is only one. Islands that follow each
+  /// other in the order of the bodies share a group until it has `least` manifolds.
   template <class Each>
   void find(std::size_t bodies, std::uint32_t least, Each&& each_manifold) {
     islands_.reset(bodies);

@@ -293,7 +293,7 @@ class contact_manifolds {
   plain_vector<manifold> found_, sorted_;
   plain_vector<std::size_t> ends_;  ///< of the groups in `sorted_`
   bool corrects_ = false;           ///< the last sweep was one of the position correction
-  Contact spare_;                         ///< for empty places; its impulse stays zero
+  Contact spare_;                   ///< for empty places; its impulse stays zero
 };
 
 }  // namespace talus::detail

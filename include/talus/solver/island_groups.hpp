@@ -22,8 +22,8 @@ inline constexpr bool has_grouped<std::tuple<List...>> = (grouped_list<List> || 
 
 /// Islands do not act on each other, so that the order in which they are swept changes no bit. The
 /// data of a group stay in the cache during its sweeps; those of all contacts of a large scene are
-/// read from memory once in each sweep. Only on a single rank without joints, and while all contacts
-/// are of kinds that are swept in manifolds.
+/// read from memory once in each sweep. Only on a single rank without joints, and while all
+/// contacts are of kinds that are swept in manifolds.
 template <class Lists, class State, bool Alone>
 class island_groups {
   static constexpr bool possible = Alone && !has_joints<Lists> && has_grouped<Lists>;
