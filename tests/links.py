@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
-"""Checks that targets of links in the documentation exist, and the commands and symbols that it names.
+"""Checks that targets of links in the documentation exist, and the commands and symbols that it names;
+and the files and symbols that comments in headers name.
 
 Of every *.md that is part of the project: each relative link is a file or a folder, and its anchor, if
 it has one, a heading there; each file in back quotes exists, and contains the symbol that a page
 places in it; each `./dev VERB` is a verb that ./dev knows, and each `./dev run NAME` an example.
-  links.py ROOT [FILE.md ...]
+In comments of every header: each file exists, by its path or by its name alone; each `symbol`,
+function() and qualified::name occurs in the code of headers or examples, or in a CMakeLists.txt.
+  links.py ROOT [FILE.md | FILE.hpp ...]
 """
 import pathlib
 import re
@@ -13,9 +16,12 @@ import sys
 
 root = pathlib.Path(sys.argv[1]).resolve()
 if len(sys.argv) > 2:
-    pages = [pathlib.Path(p).resolve() for p in sys.argv[2:]]
+    given = [pathlib.Path(p).resolve() for p in sys.argv[2:]]
+    pages = [p for p in given if p.suffix == ".md"]
+    headers = [p for p in given if p.suffix == ".hpp"]
 else:
     pages = sorted(root.glob("*.md")) + sorted((root / "docs").rglob("*.md"))
+    headers = sorted((root / "include").rglob("*.hpp"))
 
 dev = (root / "dev").read_text()
 verbs = set(re.findall(r"[a-z][a-z-]*", " ".join(re.findall(r"^  ([a-z -|]+)\)", dev.split("case $verb in")[1], re.M))))
@@ -79,6 +85,56 @@ for page in pages:
                 faults.append(f"{where}: there is no {target}")
             elif anchor and to.suffix == ".md" and anchor not in headings(to):
                 faults.append(f"{where}: there is no heading #{anchor} in {to.name}")
+
+
+COMMENT = re.compile(r'R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"|(//[^\n]*|/\*.*?\*/)', re.S)
+NAMES = re.compile(
+    r"`([A-Za-z_]\w*(?:::\w+)*)(?:\(\))?`|\b([A-Za-z_]\w*(?:::\w+)+)|\b([A-Za-z_]\w*)\(\)")
+FILES = re.compile(r"(?<![\w*/])((?:[\w.]+/)*\w+\.(?:hpp|cpp|py|sh|md))\b")
+
+
+def split_comments(path):
+    """The code of a file, and its comments as (line, text)."""
+    text, comments = path.read_text(), []
+
+    def take(m):
+        if not m[2]:
+            return m[0]
+        comments.append((text.count("\n", 0, m.start()) + 1, m[2]))
+        return ""
+
+    return COMMENT.sub(take, text), comments
+
+
+def words_of(code):
+    return set(re.findall(r"\w+", code))
+
+
+names = 0
+if headers:
+    tree = sorted((root / "include").rglob("*.hpp"))
+    code_of, comments_of = {}, {}
+    for header in sorted(set(tree + headers)):
+        code_of[header], comments_of[header] = split_comments(header)
+    together = [words_of(code_of[h]) for h in tree]
+    together += [words_of(split_comments(p)[0]) for p in sorted((root / "examples").glob("*/*.cpp"))]
+    together += [words_of(p.read_text()) for p in (root / "CMakeLists.txt", root / "tests/CMakeLists.txt")]
+    alone = {h.name for h in tree}
+    for header in headers:
+        own = words_of(code_of[header])
+        for number, text in comments_of[header]:
+            where = f"{header.relative_to(root) if header.is_relative_to(root) else header}:{number}"
+            for name in FILES.findall(text):
+                names += 1
+                included = re.search(rf'#include [<"](\S*/)?{re.escape(name)}[>"]', code_of[header])
+                if not (included or name in alone or any((f / name).is_file() for f in homes(header))):
+                    faults.append(f"{where}: there is no file '{name}'")
+            for match in NAMES.finditer(text):
+                names += 1
+                name = next(filter(None, match.groups()))
+                parts = set(name.split("::"))
+                if not (parts <= own or any(parts <= w for w in together)):
+                    faults.append(f"{where}: no header has '{name}'")
 print("\n".join(faults))
-print(f"{len(pages)} pages, {links} links, {len(faults)} faults")
-sys.exit(1 if faults or links == 0 else 0)
+print(f"{len(pages)} pages, {links} links, {len(headers)} headers, {names} names, {len(faults)} faults")
+sys.exit(1 if faults or links + names == 0 else 0)

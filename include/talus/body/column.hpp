@@ -65,7 +65,8 @@ template <class Column>
   else
     return !named_column<Column>;
 }
-/// Of the columns of talus, state_digest() takes pose and velocities.
+/// Whether state_digest() includes a column. Of the built-in columns it includes the pose and the
+/// velocities.
 template <class Column>
 [[nodiscard]] consteval bool in_digest() {
   if constexpr (requires { Column::in_digest; })

@@ -124,7 +124,7 @@ struct orientation {
   static constexpr auto member = &storage::orientation_of;
 };
 
-// Of features. `place` orders them in messages and checkpoints.
+// Columns that features add. `place` orders them in messages and checkpoints.
 
 /// By the user, world frame; cleared after each step.
 struct force {
@@ -150,7 +150,7 @@ struct torque {
   };
   static constexpr auto member = &storage::torque;
 };
-/// Of the present contacts, world frame.
+/// The sum of the present contact forces on a body, world frame.
 struct contact_force {
   using value_type = vec3;
   static constexpr const char *name = "contact_force", *unit = "M L/T^2";

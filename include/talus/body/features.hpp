@@ -179,7 +179,8 @@ struct contact_forces final {
   using talus_part_of = roles::features;
   using columns = type_list<columns::contact_force, columns::contact_torque>;
 };
-/// The same by parts: the energy ledger of soft contacts requires it.
+/// Bodies keep the force and torque of their contacts, split into springs, dashpots and friction.
+/// Not for users: the energy ledger of soft contacts requires it.
 struct split_contact_forces final {
   using talus_inside = void;
   using talus_part_of = roles::features;

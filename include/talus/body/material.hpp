@@ -29,7 +29,7 @@ struct material {
   real friction = 0;     ///< Coulomb's coefficient of friction, static, and dynamic unless given
   /// Coefficient of dynamic friction; NaN means the same as `friction`.
   real dynamic_friction = std::numeric_limits<real>::quiet_NaN();
-  // Of soft contacts only; hard ones use none of these.
+  // Only soft contacts use the following parameters; hard contacts ignore them.
   /// Force per overlap of two such bodies, or `rigid`; linear_spring_dashpot.
   real stiffness = 0;
   /// Force per area, or `rigid`; glass 7e10 Pa, often softened; hertz_mindlin.

@@ -26,7 +26,8 @@ struct rigid_velocity {
   vec3 about{0, 0, 0};             ///< a point of the axis
 };
 
-/// The same of a surface that moves within itself while the body stays, as a conveyor belt does.
+/// Velocities of the points of a surface that moves within itself while its body stays, as a
+/// conveyor belt does: velocity + angular_velocity x (x - about).
 struct surface_velocity {
   vec3 velocity{0, 0, 0};          ///< length over time
   vec3 angular_velocity{0, 0, 0};  ///< radians over time

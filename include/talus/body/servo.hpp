@@ -12,7 +12,7 @@ namespace talus {
 class number_in_time {
  public:
   number_in_time() = default;
-  /// The same number at all times.
+  /// A number that does not depend on the time.
   number_in_time(real always) : always_(always), given_(true) {}
   /// A function of the time, which returns the same bits on all ranks.
   template <class F>

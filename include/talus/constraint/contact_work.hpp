@@ -37,7 +37,8 @@ template <class Contact>
   else
     return v;
 }
-/// The same for body b.
+/// Velocity of the contact point on body b, which moves with v and rotates with w. Its product with
+/// the impulse on b is the work on that body, to round-off.
 template <class Contact>
 [[nodiscard]] vec3 velocity_on_b(const Contact& c, const vec3& v, const vec3& w) {
   if constexpr (requires { c.r; })
@@ -58,7 +59,7 @@ template <class Constraint>
     return (p.normal + p.tangential).dot(velocity_on_a(c, v, w));
   }
 }
-/// The same for body b.
+/// The work of the impulse of a constraint on its body b, which moves with v and rotates with w.
 template <class Constraint>
 [[nodiscard]] real work_on_b(const Constraint& c, const vec3& v, const vec3& w) {
   if constexpr (is_joint<Constraint>) {

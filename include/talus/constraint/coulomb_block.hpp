@@ -66,7 +66,7 @@ struct coulomb_blocks {
   }
 
  private:
-  /// Of one lane, what slide() uses.
+  /// Copies the coefficients that slide() uses from lane `l`.
   [[nodiscard]] [[gnu::always_inline]] auto sliding_lane(std::size_t l) const;
 };
 

@@ -152,7 +152,8 @@ struct general_contact
     r = this->seen(normal, impulse);
     this->project(r, friction);
   }
-  /// The same with the frame around the normal, which those of one manifold share.
+  /// Sets the impulse from a vector in the world, for a contact whose frame is known: all contacts
+  /// of a manifold share the frame around the normal.
   void load_impulse(const vec3& impulse, const mat3& frame) requires(rows == 3) {
     r = seen_in(frame, impulse);
     this->project(r, friction);
@@ -176,7 +177,8 @@ struct general_contact
   // Terms of the residual; see residual.hpp.
   [[nodiscard]] const vec3& axis() const { return normal; }
   [[nodiscard]] real mu() const { return rows == 3 ? friction : 0; }
-  /// Of a against b at the point of contact; without friction its normal part alone.
+  /// The velocity of a relative to b at the point of contact; without friction, only its normal
+  /// component.
   [[nodiscard]] vec3 relative_velocity(const state& s) const {
     vec3 u = v_of(s.bodies[a]) + w_of(s.bodies[a]).cross(arm_a);
     if constexpr (paired) u -= v_of(s.bodies[b]) + w_of(s.bodies[b]).cross(arm_b);

@@ -62,7 +62,8 @@ struct isotropic_contact
   // Terms of the residual; see residual.hpp.
   [[nodiscard]] decltype(auto) axis() const { return in_scalar<real>(this->normal); }
   [[nodiscard]] real mu() const { return this->coefficient(); }
-  /// Of a against b at the point of contact; without friction its normal part alone.
+  /// The velocity of a relative to b at the point of contact; without friction, only its normal
+  /// component.
   [[nodiscard]] vec3 relative_velocity(const state& s) const {
     vec3 u = v_of(s.bodies[a]);
     if constexpr (paired) u -= v_of(s.bodies[b]);
@@ -131,7 +132,7 @@ struct isotropic_contact
  private:
   using body = solver_body_of<Real>;
 
-  /// Of both bodies, what `row` finds of one.
+  /// Accessors for both bodies of the contact, where `row` returns the stored values of one body.
   template <class Row>
   [[nodiscard]] auto of_bodies(const state& s, Row row) const {
     const auto at_a = [&s, row, i = a](int) { return row(s.bodies[i]); };

@@ -33,7 +33,7 @@ struct ends_of_contact {
     scatter(a, at_a);
     if constexpr (Paired) scatter(b, at_b);
   }
-  /// Of a against b.
+  /// The velocity of a relative to b.
   [[nodiscard]] [[gnu::always_inline]] vectors_of<Pack> relative() const {
     vectors_of<Pack> u = vectors_in(a);
     if constexpr (Paired) u -= vectors_in(b);
@@ -44,13 +44,14 @@ struct ends_of_contact {
     a += a.w * impulse;
     if constexpr (Paired) b -= b.w * impulse;
   }
-  /// The same along `direction`, for numbers that are the product of impulse and inverse mass.
+  /// Changes the velocities by an impulse of this magnitude along `direction` on a, and by its
+  /// opposite on b. It multiplies impulse and inverse mass first.
   [[gnu::always_inline]] void push(const Pack& impulse, const vectors_of<Pack>& direction) {
     a += (impulse * a.w) * direction;
     if constexpr (Paired) b -= (impulse * b.w) * direction;
   }
-  /// Of angular velocities: the sum at arms of these lengths, and the change by the moment of an
-  /// impulse at arms of length 1.
+  /// For angular velocities: at() sums them, weighted by the lengths of the arms; turn() changes
+  /// them by the moment of an impulse at arms of length 1, times these lengths.
   [[nodiscard]] [[gnu::always_inline]] vectors_of<Pack> at(const Pack& arm_a,
                                                            const Pack& arm_b) const {
     vectors_of<Pack> w = arm_a * vectors_in(a);

@@ -34,7 +34,8 @@ struct joint_frames {
   const mat3 rows = frame_around<real>(unit(axis));
   return rotation_of_axes(rows.row(1), rows.row(0).cross(rows.row(1)), rows.row(0));
 }
-/// The same with the first axis in the plane of the two.
+/// A rotation whose third axis has the direction of `axis`, and whose first axis lies in the plane
+/// of `axis` and `first`.
 [[nodiscard]] inline quat rotation_to(const vec3& axis, const vec3& first) {
   const vec3 z = unit(axis), y = unit(z.cross(first));
   return rotation_of_axes(y.cross(z), y, z);
@@ -47,7 +48,8 @@ struct joint_frames {
           b.orientation.conjugate() * turn};
 }
 
-/// The same in the world, in some configuration of the bodies, or in the mean of two.
+/// The frames of a joint in the world for one configuration of the bodies, or the mean of two
+/// configurations.
 struct joint_geometry {
   vec3 arm_a{0, 0, 0}, arm_b{0, 0, 0};  ///< from the centres of mass to the points
   vec3 gap{0, 0, 0};                    ///< from the point of b to that of a

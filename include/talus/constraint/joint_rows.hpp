@@ -1,5 +1,5 @@
 #pragma once
-// The rows of a joint in a solver, for all kinds: a model of concepts::joint_row.
+// The rows of a joint in a solver, for all kinds of joints. joint_in_list makes a constraint of it.
 #include <algorithm>
 #include <array>
 #include <cmath>

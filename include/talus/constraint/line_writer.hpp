@@ -101,7 +101,7 @@ class line_writer {
   /// A coordinate without rows.
   void note(real value) { coordinates_[axis_++] = value; }
 
-  /// Of a row, with the velocities of the bodies before the step.
+  /// The rate of a row at the velocities of the bodies before the step.
   [[nodiscard]] real rate(const joint_line& x) const {
     return x.force.dot(a_.velocity - b_.velocity) + x.moment_a.dot(a_.spin) -
            x.moment_b.dot(b_.spin);
@@ -117,7 +117,7 @@ class line_writer {
   [[nodiscard]] real continued(real angle) const {
     return angle + 2 * pi * std::nearbyint((coordinates_[axis_] - angle) / (2 * pi));
   }
-  /// The same, noted.
+  /// Returns an angle of the next coordinate with all its turns, and stores it as that coordinate.
   real whole_turns(real angle) {
     const real value = continued(angle);
     note(value);

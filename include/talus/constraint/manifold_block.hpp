@@ -237,7 +237,7 @@ struct manifold_work {
   struct ends_of_pairs {
     pack_rows<Pack> va, wa, vb, wb;
 
-    /// Of a against b, at the centre of a.
+    /// Reads the velocities of both bodies. Returns those of a relative to b, at the centre of a.
     template <class V, class W>
     [[gnu::always_inline]] relative_motion read(const block& p, V& v_of, W& w_of) {
       va = gather<Pack>(v_of(p.a)), wa = gather<Pack>(w_of(p.a));

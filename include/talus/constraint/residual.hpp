@@ -67,8 +67,8 @@ template <class Contact>
   }
 }
 
-/// Of all contacts together, the parts of the residual that no iteration changes. Sums over ranks,
-/// in double or exact.
+/// The parts of the residual that no iteration changes, summed over all contacts and over the
+/// ranks, in double or exactly.
 template <class Sum>
 struct residual_scale_of {
   std::array<Sum, 3> sums{};  ///< the diagonal of the Delassus operator, its rows, |q|^2
@@ -150,7 +150,7 @@ void add_contacts(residual_sums_of<Sum>& sums, const List& list,
       if (counts_here) sums.add(c, s, rho);
     });
 }
-/// The same for a tuple of lists.
+/// The residual scale of all contacts of a tuple of lists.
 template <class Sum = double, class... Lists, class State>
 [[nodiscard]] residual_scale_of<Sum> scale_of(const std::tuple<Lists...>& lists, const State& s) {
   residual_scale_of<Sum> scale;

@@ -32,7 +32,8 @@ struct alignas(4 * sizeof(Real)) body_shift_of {
 };
 using body_shift = body_shift_of<real>;
 
-/// The same of its orientation; as large as four numbers, so that it can be read as such.
+/// Rotation of a body per unit of time by the position correction. It is as large as four numbers,
+/// so that packs can read it as such.
 struct alignas(32) body_turn {
   vec3 w{0, 0, 0};
   real none = 0;
@@ -123,7 +124,7 @@ struct solver_state_of {
   plain_vector<body_motion> drift;     ///< mean velocity of the step, minus the one at its end
   plain_vector<rotated_body> rotated;  ///< bodies from first_tensor, as the last substep begins
 
-  /// Of a body that the solver rotates; null for others.
+  /// The orientation of a body that the solver rotates; null for other bodies.
   [[nodiscard]] const rotated_body* rotated_at(std::size_t body) const {
     const std::size_t k = body - first_tensor;
     return body >= first_tensor && k < rotated.size() && rotated[k].time > 0 ? &rotated[k]

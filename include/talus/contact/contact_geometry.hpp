@@ -20,7 +20,7 @@ struct contact_geometry {
   /// parts, and 16 above for each body that is a union, its part.
   std::uint64_t feature = 0;
 
-  /// The same contact with the two bodies exchanged.
+  /// The contact with the roles of the two bodies exchanged.
   [[nodiscard]] contact_geometry swapped() const { return {-normal, point, gap, feature}; }
 };
 

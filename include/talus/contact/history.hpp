@@ -56,7 +56,8 @@ class history_of {
     return entries_.extend(n);
   }
   [[gnu::always_inline]] inline void drop_last(std::size_t n) { entries_.shorten(n); }
-  /// The same for a contact of a body that has arrived; several ranks may send it.
+  /// Adds the memory of a contact of a body that has arrived from another rank, unless another rank
+  /// has sent it already.
   void add_arrived(const contact_key& key, const Memory& memory) {
     arrived_ = std::min(arrived_, entries_.size());
     if (entries_.size() - arrived_ > few) {
@@ -116,7 +117,7 @@ class history_of {
   [[nodiscard]] const Memory* former(history_place place, const contact_key& key) const {
     return memory_of(former_entry(place, key));
   }
-  /// The same with its key.
+  /// The key and the memory of a contact from the last step, or null if the contact is new.
   [[nodiscard]] const entry* former_entry(history_place place, const contact_key& key) const {
     if (place == history_place::none) return nullptr;
     const auto of_pair = row(place, key);

@@ -18,7 +18,7 @@ struct contact_key {
   [[nodiscard]] bool same_pair(const contact_key& other) const {
     return a == other.a && b == other.b;
   }
-  /// Of the pair alone, so that its contacts are found together.
+  /// A hash of the two ids without the feature, so that all contacts of a pair are found together.
   [[nodiscard]] std::uint64_t hash() const {
     return mix(value_of(a) ^ (value_of(b) * 0x9e3779b97f4a7c15ull));
   }

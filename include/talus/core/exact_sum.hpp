@@ -138,7 +138,7 @@ struct signed_sum {
   }
 };
 
-/// The same of vectors.
+/// An exact sum of vectors: each component is a signed_sum.
 struct vector_sum {
   std::array<signed_sum, 3> parts;
 

@@ -15,7 +15,7 @@ class id_table {
   static constexpr std::uint32_t unknown = ~std::uint32_t{0};
 
   id_table() { reset(0); }
-  /// Of the ids of these things, `id_of(thing)`, in their order.
+  /// A table of the ids `id_of(thing)` of all `things`, in the order of the things.
   template <class Things, class IdOf>
   id_table(const Things& things, IdOf&& id_of) {
     reset(things.size());

@@ -6,7 +6,8 @@
 #else
 #define TALUS_INLINE inline
 #endif
-// The same for what needs MPI: the target talus::compiled_mpi defines TALUS_COMPILED_MPI.
+// Definitions that need MPI are compiled in each program, or once in the target
+// talus::compiled_mpi, which defines TALUS_COMPILED_MPI.
 #ifdef TALUS_COMPILED_MPI
 #define TALUS_MPI_INLINE
 #else

@@ -97,7 +97,7 @@ class part_file {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Renames it to `path`. Returns false, with errno, on failure.
   [[nodiscard, gnu::cold]] bool rename_to(const std::string& path);
-  /// The same, and returns the open file, or -1.
+  /// Renames it to `path` and returns the open file. Returns -1, with errno, on failure.
   [[nodiscard, gnu::cold]] int rename_and_keep(const std::string& path);
 
  private:
@@ -118,8 +118,8 @@ class part_file {
 /// Makes a file that holds a text so far, which replaces an existing one when it does. Returns the
 /// open file, which grows at its end.
 [[nodiscard, gnu::cold]] int make_output(const std::string& path, std::string_view text);
-/// The same if the path may be replaced, or writes the text to a stream. An existing file is
-/// unchanged on failure.
+/// Makes a file that holds a text so far, or writes the text to a stream. Replaces an existing file
+/// only if that is allowed, and leaves it unchanged on failure.
 [[nodiscard, gnu::cold]] int begin_output(const std::string& path, std::string_view text,
                                           const output_kind& kind, bool force);
 /// Adds a text to such a file by one write.

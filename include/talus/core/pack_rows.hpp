@@ -54,7 +54,7 @@ template <class Row>
 [[nodiscard]] inline Row without_fourth(const Row& q) {
   return __builtin_shufflevector(q, Row{0, 0, 0, 0}, 0, 1, 2, 4);
 }
-/// Of the four products.
+/// The sum of the four products of corresponding elements.
 template <class Row>
 [[nodiscard]] inline lane_of<Row> sum_of_products(const Row& a, const Row& b) {
   const Row p = a * b;

@@ -43,7 +43,8 @@ template <class Type, class Role>
 concept part_for = requires {
   requires std::same_as<typename Type::talus_part_of, Role>;
 };
-/// The same as a plain constant, for which compilers print less when it is false.
+/// Whether a type names this role as that of its policy. It is a plain constant, for which
+/// compilers print less than for the concept part_for when it is false.
 template <class Type, class Role>
 inline constexpr bool is_part = part_for<Type, Role>;
 

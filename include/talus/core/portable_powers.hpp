@@ -15,7 +15,8 @@ namespace detail {
 struct double_double {
   double high = 0, low = 0;
 
-  /// Of numbers of which the first is not the smaller one in magnitude.
+  /// The exact sum of two numbers, the first of which is at least as large as the second in
+  /// magnitude.
   static double_double sum(double a, double b) {
     const double s = a + b;
     return {s, b - (s - a)};

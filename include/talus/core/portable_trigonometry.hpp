@@ -39,9 +39,9 @@ inline constexpr std::array<std::uint64_t, 21> two_over_pi{0,
                                                            0x56033046fc7b6bab,
                                                            0xf0cfbc209af4361d};
 
-/// Of a finite angle of at least pi/4 in magnitude, by whole numbers (Payne, Hanek, "Radian
-/// reduction for trigonometric functions", 1983): only those 192 bits of 2/pi are multiplied that
-/// decide on the product modulo 4 and on 128 bits behind its point.
+/// Reduces a finite angle of at least pi/4 in magnitude in integer arithmetic (Payne, Hanek,
+/// "Radian reduction for trigonometric functions", 1983). It multiplies only those 192 bits of 2/pi
+/// that determine the product modulo 4 and 128 bits behind its point.
 [[nodiscard, gnu::noinline]] inline reduced_angle reduce_far_angle(double x) {
   __extension__ using whole = unsigned __int128;
   const auto bits = std::bit_cast<std::uint64_t>(x);
@@ -107,7 +107,7 @@ inline constexpr std::array<std::uint64_t, 21> two_over_pi{0,
   return rough + (((1 - rough) - half) + (z * p - x * r.low));
 }
 
-/// Of x >= 0 (fdlibm).
+/// The arc tangent of x >= 0 (fdlibm).
 [[nodiscard]] inline double arc_tangent_of(double x) {
   struct place {
     double high, low;

@@ -20,7 +20,7 @@ class quaternion {
 
   quaternion() = default;
   constexpr quaternion(Real w, Real x, Real y, Real z) : at_{x, y, z, w} {}
-  /// Of a rotation matrix (Shepperd 1978).
+  /// The quaternion of a rotation matrix (Shepperd 1978).
   explicit quaternion(const matrix3<Real>& m) {
     Real t = m(0, 0) + (m(1, 1) + m(2, 2));
     if (t > 0) {

@@ -20,7 +20,8 @@ concept foreign_vector = requires(const V& v) {
   requires V::SizeAtCompileTime == Size;
   { v(0) } -> std::convertible_to<double>;
 };
-/// The same of a matrix.
+/// A matrix of another library: its size is known at compile time, and m(i, j) returns its
+/// elements, as for Eigen's matrices and expressions.
 template <class M, int Rows, int Columns>
 concept foreign_matrix = requires(const M& m) {
   requires M::RowsAtCompileTime == Rows&& M::ColsAtCompileTime == Columns;

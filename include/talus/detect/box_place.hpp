@@ -22,7 +22,7 @@ template <class Real>
 [[nodiscard]] box_place<Real> place_of(const box& b, const pose& at) {
   return {at.position, 0, b.half(), 0, at.orientation.toRotationMatrix()};
 }
-/// The same for a search of its neighbours within `reach`.
+/// The place of a box for a search of its neighbours within `reach`.
 template <class Real>
 [[nodiscard]] box_place<Real> place_of(const box& b, const pose& at, Real reach) {
   return {at.position, reach, b.half(), b.bounding_radius(), at.orientation.toRotationMatrix()};

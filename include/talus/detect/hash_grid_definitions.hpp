@@ -104,7 +104,7 @@ TALUS_INLINE void hash_grid::pairs_within(const level& l, detail::pair_batch& fo
   }
 }
 
-// The same for one bucket with too many candidates to collect.
+// Finds the pairs of one bucket with too many candidates to collect.
 TALUS_INLINE void hash_grid::pairs_of_crowd(const level& l, std::uint32_t bucket,
                                             detail::pair_batch& found) const {
   const std::uint32_t* start = starts_.data() + l.bucket;

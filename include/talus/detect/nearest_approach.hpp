@@ -23,7 +23,7 @@ namespace talus::detail {
 template <class A, class FlightA, class B, class FlightB>
 [[nodiscard]] bool come_near(const A& a, const FlightA& fa, const B& b, const FlightB& fb, real to,
                              real touch) {
-  // Of several pieces, or of a surface, the nearest gives no bound for the others.
+  // The nearest of several pieces, or of a surface, gives no bound for the others.
   constexpr bool in_pieces = requires { a.parts(); }
   || requires { b.parts(); }
   || requires { a.tree(); }

@@ -78,7 +78,7 @@ class sphere_batch {
     set(lane, a, b);
     margin_[lane] = margin, slack_[lane] = slack;
   }
-  /// The same for collide_in_reach().
+  /// Sets the spheres of a lane for collide_in_reach(), which computes margin and slack itself.
   void set(unsigned lane, const moving_sphere& a, const moving_sphere& b) {
     a_[lane] = &a, b_[lane] = &b;
   }
@@ -88,8 +88,9 @@ class sphere_batch {
         count, gravity, dt,
         [](auto&&...) __attribute__((always_inline)) { return mask_of<wide>{}; });
   }
-  /// The same with margins that are the reaches of the two spheres without their radii, and slacks
-  /// of this part of the smaller radius for each.
+  /// Computes the contacts of the first `count` pairs. The margin of a pair is the sum of the
+  /// reaches of both spheres beyond their radii, and its slack is the part `slack_part` of the
+  /// smaller radius for each sphere. Bit k is set if pair k has a contact.
   [[nodiscard]] unsigned collide_in_reach(unsigned count, real gravity, real dt, real slack_part) {
     const wide part = every_lane<wide>(slack_part);
     return collide(

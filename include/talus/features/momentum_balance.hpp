@@ -81,7 +81,7 @@ void close_momentum(world_state<Scenario>& s) {
   });
 }
 
-/// Of soft contacts, before a step.
+/// Begins the momentum balance of a step of soft contacts.
 template <class Scenario>
 void open_momentum(world_state<Scenario>& s) {
   momentum_record& r = s.monitors.momentum;

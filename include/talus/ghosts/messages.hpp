@@ -72,7 +72,7 @@ void open_message(rank_state<Scenario>& s, std::size_t n) {
   s.neighbour_messages[n].out.assign(sizeof(message_header), std::byte{});
 }
 
-/// Writes the header of a complete message; `migration`: with a checksum.
+/// Writes the header of a complete message; `handover`: with a checksum.
 template <class Scenario>
 void seal_message(rank_state<Scenario>& s, std::size_t n, bool handover) {
   auto& channel = s.neighbours[n].channel;

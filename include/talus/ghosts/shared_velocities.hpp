@@ -163,8 +163,8 @@ class shared_velocities {
     }
   }
   void share_velocities() { start_velocities(), finish_velocities(); }
-  /// The same in two halves: in between, sent values must not change, and received values are not
-  /// yet available.
+  /// Starts the exchange of velocities that finish_velocities() ends. Until then the caller must
+  /// not change the values that are sent, and those to be received are not available.
   void start_velocities() {
     start<6, number>([&](std::uint32_t i, number* out) { put_velocity(i, out); });
   }

@@ -38,7 +38,7 @@ struct central_attraction {
 struct dmt_adhesion final : detail::central_attraction {
   static constexpr const char* name = "dmt_adhesion";
 
-  /// Of a pair of materials.
+  /// The parameters of a pair of materials.
   struct parameters {
     /// Work of adhesion w per area, an energy over an area: twice the surface energy of equal
     /// materials.
@@ -79,7 +79,7 @@ struct dmt_adhesion final : detail::central_attraction {
 struct linear_cohesion final : detail::central_attraction {
   static constexpr const char* name = "linear_cohesion";
 
-  /// Of a pair of materials.
+  /// The parameters of a pair of materials.
   struct parameters {
     real energy_density = 0;  ///< k, energy over volume, a pressure
     friend bool operator==(const parameters&, const parameters&) = default;
@@ -120,7 +120,7 @@ struct linear_cohesion final : detail::central_attraction {
 struct van_der_waals final : detail::central_attraction {
   static constexpr const char* name = "van_der_waals";
 
-  /// Of a pair of materials.
+  /// The parameters of a pair of materials.
   struct parameters {
     real hamaker = 0;  ///< A, an energy; of quartz in air 6.5e-20 J
     /// Distance of the surfaces below which the force no longer grows, a length: 1.65e-10 m for

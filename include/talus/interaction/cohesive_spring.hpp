@@ -25,7 +25,7 @@ struct cohesive_spring final {
   static constexpr const char* name = "cohesive_spring";
   static constexpr bool central = true;
 
-  /// Of a pair of materials.
+  /// The parameters of a pair of materials.
   struct parameters {
     real loading = 0;    ///< k_1, force per overlap
     real unloading = 0;  ///< k_2, that of the steepest line, at least k_1
@@ -35,7 +35,7 @@ struct cohesive_spring final {
     real damping = 0;  ///< damping ratio of a dashpot beside k_1, in [0, 1]
     friend bool operator==(const parameters&, const parameters&) = default;
   };
-  /// Of a contact from step to step.
+  /// What a contact remembers from step to step.
   struct memory {
     real deepest = 0;  ///< the largest overlap that counts
 

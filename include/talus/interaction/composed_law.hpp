@@ -30,7 +30,7 @@ template <>
 struct bearing_of_law<void> {
   using type = bearing;
 };
-/// The same for several contacts at once.
+/// The bearing of a law for friction, for several contacts at once if `Number` is a pack.
 template <class Law, class Number>
 struct bearing_in {
   using type = typename bearing_of_law<Law>::type::template with<Number>;

@@ -62,7 +62,8 @@ struct bearing_of {
   Number damping{};     ///< damping ratio across the normal
 };
 using bearing = bearing_of<real>;
-/// The same if the stiffness across the normal grows with the circle of contact (Mindlin 1949).
+/// Inputs of friction and rolling resistance for a law whose stiffness across the normal grows with
+/// the circle of contact (Mindlin 1949).
 template <class Number>
 struct growing_bearing_of : bearing_of<Number> {
   template <class Other>

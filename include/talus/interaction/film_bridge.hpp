@@ -42,7 +42,8 @@ inline constexpr bool takes_liquid = requires {
   requires Part::takes_liquid;
 };
 
-/// The same of soft_contact<...>.
+/// Whether one of the laws of soft_contact<...> takes the liquid of its bridges from the films of
+/// bodies.
 template <class ContactLaw>
 inline constexpr bool law_takes_liquid = false;
 template <class ContactLaw>
@@ -66,7 +67,7 @@ struct from_films final {
   static constexpr bool takes_liquid = true;
   using parameters = typename Bridge::parameters;
 
-  /// Of a contact from step to step.
+  /// What a contact remembers from step to step.
   struct memory {
     real volume = 0;  ///< of the bridge, or offered by the films
     detail::bridge_phase phase = detail::bridge_phase::none;

@@ -26,8 +26,8 @@ struct hertz_mindlin final {
   static constexpr const char* name = "hertz_mindlin";
   static constexpr bool central = true;
 
-  /// Of a pair of materials. Stiffnesses are these times the radius sqrt(R d) of the circle of
-  /// contact, of effective radius R and overlap d.
+  /// The parameters of a pair of materials. Multiplied by the radius sqrt(R d) of the circle of
+  /// contact, with effective radius R and overlap d, they are stiffnesses.
   template <class Number>
   struct parameters_of {
     Number modulus{};     ///< 4/3 E*

@@ -34,7 +34,8 @@ struct jkr_adhesion final {
     real work_of_adhesion = 0;
     friend bool operator==(const given&, const given&) = default;
   };
-  /// Of a pair of materials, from these and from what is given.
+  /// The parameters of a pair of materials, computed from the elastic constants and from what the
+  /// user gives.
   struct parameters {
     real modulus = 0;           ///< 4/3 E*
     real tangential = 0;        ///< 8 G*
@@ -42,7 +43,7 @@ struct jkr_adhesion final {
     real work_of_adhesion = 0;  ///< energy over area
     friend bool operator==(const parameters&, const parameters&) = default;
   };
-  /// Of a contact from step to step.
+  /// What a contact remembers from step to step.
   struct memory {
     bool touching = false;  ///< since the last touch the neck has not torn
 
@@ -126,7 +127,7 @@ struct jkr_adhesion final {
   [[nodiscard]] static real duration(const parameters& p, const head_on_impact& hit) {
     const real impact = hertz_mindlin::duration({p.modulus, p.tangential, p.damping}, hit);
     if (!(p.work_of_adhesion > 0)) return impact;
-    // Of s^3 = 6: dF/dd = 0.9 s^2 (pi w R / 6) R / a^2.
+    // The stiffness follows from s^3 = 6: dF/dd = 0.9 s^2 (pi w R / 6) R / a^2.
     const real a = neck(p, hit.radius);
     const real stiffness = real(0.9 * 3.3019272488946263) * pi / 6 * p.work_of_adhesion *
                            hit.radius * hit.radius / (a * a);

@@ -24,7 +24,7 @@ struct linear_spring_dashpot final {
   static constexpr const char* name = "linear_spring_dashpot";
   static constexpr bool central = true;
 
-  /// Of a pair of materials.
+  /// The parameters of a pair of materials.
   template <class Number>
   struct parameters_of {
     Number stiffness{};   ///< force per overlap, along the normal

@@ -27,7 +27,7 @@ struct bridge_law {
   using talus_part_of = roles::contact_law;
   static constexpr bool exerts_moment = false;
 
-  /// Of a pair of materials.
+  /// The parameters of a pair of materials.
   struct parameters {
     real tension = 0;    ///< surface tension gamma, force over length; of water 0.072 N/m
     real angle = 0;      ///< of contact theta, radians, below pi/2
@@ -38,7 +38,7 @@ struct bridge_law {
     real roughness = 0;
     friend bool operator==(const parameters&, const parameters&) = default;
   };
-  /// Of a contact from step to step.
+  /// What a contact remembers from step to step.
   struct memory {
     real volume = 0;  ///< of its bridge; 0: there is none
 
@@ -90,7 +90,8 @@ struct bridge_law {
     return pi * hit.mass * closest(c, p) / (6 * pi * p.viscosity * hit.radius * hit.radius);
   }
 
-  // The same for a bridge of any volume; also the closed forms, for programs.
+  // The following functions take the volume of the bridge as an argument. Programs may use these
+  // closed forms, too.
 
   /// The distance of the surfaces at which a bridge of this volume ruptures.
   [[nodiscard]] static real rupture_distance(const parameters& p, real volume) {
@@ -183,11 +184,12 @@ struct rabinovich_curve {
 struct willett_bridge final : detail::bridge_law<detail::willett_curve> {
   static constexpr const char* name = "willett_bridge";
 };
-/// The same with the force of Rabinovich, Esayanur, Moudgil 2005 (Langmuir 21, 10992): 2 pi r gamma
-/// cos(theta) / (1 + S / (2 d)), d = S/2 (sqrt(1 + 2 V / (pi r S^2)) - 1), which is the derivative
-/// of the energy of a cylinder of liquid. Their further term, of the surface tension at the edge of
-/// the bridge, is part of that derivative already (Lambert, Chau, Delchambre, Regnier 2008,
-/// Langmuir 24, 3157), and is left out.
+/// Interaction law: liquid bridges with the force of Rabinovich, Esayanur, Moudgil 2005 (Langmuir
+/// 21, 10992): 2 pi r gamma cos(theta) / (1 + S / (2 d)), d = S/2 (sqrt(1 + 2 V / (pi r S^2)) - 1),
+/// which is the derivative of the energy of a cylinder of liquid. Their further term, of the
+/// surface tension at the edge of the bridge, is part of that derivative already (Lambert, Chau,
+/// Delchambre, Regnier 2008, Langmuir 24, 3157), and is left out. A bridge of fixed volume forms
+/// where bodies touch and ruptures at (1 + theta/2) V^(1/3).
 struct rabinovich_bridge final : detail::bridge_law<detail::rabinovich_curve> {
   static constexpr const char* name = "rabinovich_bridge";
 };

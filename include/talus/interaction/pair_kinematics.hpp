@@ -18,7 +18,7 @@ struct body_at_contact {
   vectors_of<Number> arm;                  ///< from its centre to the point of contact
 };
 
-/// Of two bodies that move.
+/// The kinematics of the contact of two bodies that both move.
 template <class Number>
 [[nodiscard, gnu::always_inline]] inline contact_kinematics_of<Number> kinematics_of_pair(
     const vectors_of<Number>& normal, const Number& gap, const body_at_contact<Number>& a,

@@ -33,7 +33,8 @@ struct parallel_bond final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "parallel_bond";
 
-  /// Of a pair of materials. Without Young's modulus its bodies are never bonded.
+  /// The parameters of a pair of materials. Bodies of a pair without Young's modulus are never
+  /// bonded.
   struct parameters {
     real youngs_modulus = 0;     ///< of the bond, force over area; cement 1e10 Pa
     real poisson_ratio = 0;      ///< defines the shear modulus, for torsion and shear
@@ -47,7 +48,7 @@ struct parallel_bond final {
     real damping_ratio = 0;    ///< of each mode of the pair; 1 is critical
     friend bool operator==(const parameters&, const parameters&) = default;
   };
-  /// Of a pair: the beam, and its deformation.
+  /// What a pair remembers from step to step: the beam, and its deformation.
   struct memory {
     real radius = 0;     ///< of the beam; 0 without a bond
     real length = 0;     ///< between the centres, without force
@@ -93,12 +94,12 @@ struct parallel_bond final {
   }
   [[nodiscard]] static real range(const parameters& p, real /*radius*/) { return p.range; }
 
-  /// Of a beam that holds.
+  /// The stiffnesses of an intact beam.
   [[nodiscard]] static stiffnesses stiffness(const parameters& p, const memory& m) {
     const real square = m.radius * m.radius, area = pi * square, second = area * square / 4;
     const real l = m.length, bend = p.youngs_modulus * second / l;
     const real shear_modulus = p.youngs_modulus / (2 * (1 + p.poisson_ratio));
-    // Of a round section (Cowper 1966).
+    // The shear coefficient of a circular section (Cowper 1966).
     const real k = 6 * (1 + p.poisson_ratio) / (7 + 6 * p.poisson_ratio);
     const real softer = 1 + 12 * bend / (k * shear_modulus * area * l);
     return {.stretch = p.youngs_modulus * area / l,

@@ -27,7 +27,7 @@ struct rolling_resistance final {
   /// The damping of the spring as a fraction of critical damping (Ai et al. 2011 use 0.3).
   static constexpr real rolling_damping = 0.3;
 
-  /// Of a pair of materials.
+  /// The parameters of a pair of materials.
   template <class Number>
   struct parameters_of {
     Number rolling_friction{};  ///< lever arm of the moment over the effective radius

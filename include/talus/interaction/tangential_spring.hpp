@@ -47,7 +47,7 @@ struct tangential_memory_of {
   }
 };
 using tangential_memory = tangential_memory_of<real>;
-/// The same where the stiffness grows with the circle of contact.
+/// The memory of a contact with friction whose stiffness grows with the circle of contact.
 template <class Number>
 struct growing_tangential_memory_of : tangential_memory_of<Number> {
   Number contact_radius{};

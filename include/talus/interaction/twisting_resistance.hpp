@@ -25,7 +25,7 @@ struct twisting_resistance final {
   /// The damping of the spring as a fraction of critical damping, as of rolling_resistance.
   static constexpr real twisting_damping = 0.3;
 
-  /// Of a pair of materials.
+  /// The parameters of a pair of materials.
   template <class Number>
   struct parameters_of {
     /// Lever arm of the moment over the effective radius; 0.001 to 0.1.
@@ -68,7 +68,7 @@ struct twisting_resistance final {
     const Number rate = dot(c.normal, c.spin), limit = arm * b.pressing;
     Number turn = memory.turn + dt * rate;
     const Number trial = turn;
-    // Of solid spheres the moment of inertia about the normal is 2/7 of that of rolling.
+    // For solid spheres the moment of inertia about the normal is 2/7 of that of rolling.
     const Number damping =
         2 * twisting_damping * square_root(Number(real(2.0 / 7) * c.rolling_inertia * k));
     const Number moment =

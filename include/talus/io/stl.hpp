@@ -55,7 +55,7 @@ class stl_words {
       word += static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_])));
     return word;
   }
-  /// Of the last word.
+  /// The line of the last word.
   [[nodiscard]] std::size_t line() const { return line_; }
 
  private:

@@ -11,8 +11,8 @@
 
 namespace talus {
 
-/// Of the bodies that can move. Two bodies are neighbours if a contact between them carries a
-/// force, with any number of points.
+/// The coordination number of the bodies that can move. Two bodies are neighbours if a contact
+/// between them carries a force, with any number of points.
 struct coordination {
   double mean = 0;              ///< neighbours of a body, fixed and global ones among them
   double mean_of_touching = 0;  ///< the same without the bodies without contacts

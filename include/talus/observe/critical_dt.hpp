@@ -70,7 +70,7 @@ template <class Scenario>
   return bodies > 1 ? static_cast<int>(-minus_most) : 0;
 }
 
-/// Of each material, the bodies of which no other one is both lighter and stiffer.
+/// For each material, the bodies for which no other body is both lighter and stiffer.
 class soft_extremes {
  public:
   explicit soft_extremes(std::size_t materials) : of_(materials) {}
@@ -103,8 +103,8 @@ template <class Scenario>
   const std::size_t n = materials.size();
   const real gravity = w.gravity().norm();
   const vec3 down = gravity > 0 ? vec3(w.gravity() / gravity) : vec3(0, 0, 0);
-  // The minimum over all ranks: first of each material, then of the rest, some with a minus.
-  // Of each material: the least mass over stiffening, and whether it is a wall.
+  // Minima over all ranks: first two for each material, the least mass over stiffening and whether
+  // it is a wall, then the rest, some with a minus.
   enum : std::size_t { of_bodies, minus_speed, minus_driven, minus_fall, minus_top, bottom, rest };
   std::vector<real> least(2 * n + rest, never);
   const auto lower = [&](std::size_t which, real value) {
@@ -233,7 +233,8 @@ template <class Scenario>
       text(dt, 6), text(longest, 4));
 }
 
-/// Of critical_dt(), from measured data.
+/// The critical time step for impacts of this speed, from data that measure_soft_scales() has
+/// measured.
 template <class Scenario>
 [[nodiscard]] real critical_step(world<Scenario>& w, const soft_scales& s, real speed) {
   return std::min(longest_stable_step(w, s), shortest_contact(w, s, speed) / steps_in_critical);
@@ -263,10 +264,10 @@ template <class Scenario>
         impact_speed);
   return detail::critical_step(w, detail::measure_soft_scales(w), impact_speed);
 }
-/// The same for the impact speed that present motion and gravity make possible: twice the largest
-/// speed of a body, plus the largest of a servo or a driven body, plus that of a fall from the
-/// highest body to the lowest point of any, or onto a plane. If bodies become faster later, or
-/// faster ones are added, pass the speed as an argument.
+/// Collective: the critical time step of a soft scenario for the impact speed that present motion
+/// and gravity make possible: twice the largest speed of a body, plus the largest of a servo or a
+/// driven body, plus that of a fall from the highest body to the lowest point of any, or onto a
+/// plane. If bodies become faster later, or faster ones are added, pass the speed as an argument.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w) requires(Scenario::contact_law::soft) {
   w.require_all_ranks("critical_dt");

@@ -85,7 +85,7 @@ class coarse_fields {
   /// The number of states in the means.
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
 
-  // Of cell `c`.
+  // The following functions return the values of cell `c`.
 
   /// Bodies that can move, in the mean over the samples.
   [[nodiscard]] double bodies(std::size_t c) const { return sum(c, count) / samples(1); }
@@ -97,13 +97,14 @@ class coarse_fields {
   [[nodiscard]] double solid_fraction(std::size_t c) const {
     return sum(c, volumes) / (samples(1) * volume());
   }
-  /// Of the mass; zero without mass.
+  /// Mean velocity of the mass in a cell; zero without mass.
   [[nodiscard]] vec3 velocity(std::size_t c) const {
     const double m = sum(c, masses);
     if (!(m > 0)) return {0, 0, 0};
     return {sum(c, momenta) / m, sum(c, momenta + 1) / m, sum(c, momenta + 2) / m};
   }
-  /// Of motion relative to the mean velocity of the cell (over the samples, too).
+  /// Stress by motion relative to the mean velocity of the cell (over the samples, too), force per
+  /// area.
   [[nodiscard]] mat3 kinetic_stress(std::size_t c) const {
     const double m = sum(c, masses);
     const vec3 v = velocity(c);
@@ -113,8 +114,9 @@ class coarse_fields {
         stress(i, j) = -(sum(c, flux, i, j) - m * v[i] * v[j]) / (samples(1) * volume());
     return stress;
   }
-  /// Of contact forces along the lines from centre to centre, or from a centre to the contact point
-  /// with something immovable; each line counts with the part of it that lies in the cell.
+  /// Stress by contact forces, force per area. The forces act along the lines from centre to
+  /// centre, or from a centre to the contact point with something immovable; each line counts with
+  /// the part of it that lies in the cell.
   [[nodiscard]] mat3 contact_stress(std::size_t c) const {
     mat3 stress;
     for (int i = 0; i < 3; ++i)

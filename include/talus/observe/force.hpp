@@ -14,7 +14,7 @@ namespace talus {
 
 namespace detail {
 
-/// Of hard contacts: their impulses over the length of the step.
+/// The force of hard contacts on a body: their impulses over the length of the step.
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 force_of_impulses(world<Scenario>& w, handle<Shape> h) {
   auto& s = state_of(w);

@@ -62,7 +62,7 @@ struct gap_sums {
 /// Pairs of bodies with joints, which have no contacts: the lower id first; sorted.
 using jointed_pairs = plain_vector<plain_pair<system_id, system_id>>;
 
-/// Of the joints that a rank holds.
+/// The pairs of bodies of all joints that this rank holds.
 template <class Scenario>
 [[nodiscard, gnu::cold]] jointed_pairs pairs_with_joints(const world_state<Scenario>& s) {
   jointed_pairs pairs;
@@ -150,7 +150,8 @@ template <class Store, class Others, class History>
   }
 }
 
-/// Of the bodies that this rank knows; `radius` is a length, the mean bounding radius.
+/// Sums over the gaps of the bodies that this rank knows; `radius` is a length, the mean bounding
+/// radius.
 template <class Scenario>
 [[nodiscard, gnu::cold]] gap_sums measure_gaps(const world_state<Scenario>& s, real radius) {
   gap_sums sums;

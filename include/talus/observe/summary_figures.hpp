@@ -36,7 +36,8 @@ struct summary {
   double dt = 0;                     ///< of the last step
   double dt_least = 0, dt_most = 0;  ///< of all steps of this run
   double time = 0;                   ///< at the end
-  /// Of soft contacts, at the end: the step beyond which they are not stable; 0: they are hard.
+  /// The step beyond which soft contacts are not stable, at the end of the run; 0 for hard
+  /// contacts.
   double critical_dt = 0;
   double impact_speed_max = 0;  ///< of soft contacts: the fastest approach in any step
   /// Least number of steps in a contact: the shortest one, at the fastest approach in steps of that

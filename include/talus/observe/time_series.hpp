@@ -110,7 +110,7 @@ class time_series {
     if (in != nullptr) std::fclose(in);
     replace_by(kept);  // beside it, so that the table is complete at any time
   }
-  /// Of the whole file; it stays open for more.
+  /// Replaces the content of the file by a text, and keeps the file open for more lines.
   [[gnu::cold]] void replace_by(const std::string& text);
   [[nodiscard, gnu::cold]] static std::string head_of(std::string_view name,
                                                       std::string_view dimension);

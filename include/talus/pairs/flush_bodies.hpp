@@ -29,7 +29,8 @@ void each_flush_body(const world_state<Scenario>& s, F&& f) {
     }
   });
 }
-/// Of a body that is driven: how far it may move until neighbours are found anew.
+/// How far a driven body with this bounding radius may move before its neighbours are searched
+/// again.
 [[nodiscard]] inline real flush_skin(real radius) { return real(0.05) * radius; }
 
 /// The fixed body of a shape with this id and pose among those that were found, or -1.
@@ -169,7 +170,8 @@ void find_flush_bodies(world_state<Scenario>& s) {
   std::sort(f.of_ids.begin(), f.of_ids.end(), [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first < b.first : a.second < b.second;
   });
-  // Of two bodies whose boxes overlap, a sweep along an axis (planes come first).
+  // Sweep and prune along an axis finds the pairs of bodies whose boxes overlap (planes come
+  // first).
   plain_vector<std::uint32_t> order, active;
   for (std::uint32_t k = 0; k < f.all.size(); ++k) order.push_back(k);
   const int axis = widest_axis(f, order.begin(), order.end());

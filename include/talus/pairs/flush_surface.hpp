@@ -272,8 +272,8 @@ class flush_surface {
     }
     return (void)a, (void)b, true;
   }
-  /// Of two bodies with the same contact, whether it is that of a: the faster surface at the
-  /// contact carries, then a plane comes first, then the smaller id.
+  /// Whether the contact of a counts, if a and b have the same contact: that of the faster surface
+  /// at the contact counts, else that of a plane, else that of the body with the smaller id.
   [[nodiscard]] bool comes_first(std::uint32_t a, std::uint32_t b) const {
     const auto speed = [&](std::uint32_t number) {
       vec3 v(0, 0, 0);

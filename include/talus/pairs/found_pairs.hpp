@@ -20,7 +20,8 @@ template <class Shape, class Scenario>
   return s.soft.places.data() + s.template of<Shape>().first;
 }
 
-/// Like each_close_pair(), for the pairs found.
+/// Calls the maker of each kind of pair, make<A, B, partner>(), for those pairs of the neighbour
+/// list that are within reach in this step.
 template <class Scenario, class Make>
 void each_found_pair(world_state<Scenario>& s, Make&& make) {
   each_kind_of_pair(s, [&]<class A, class B, partner P>(std::size_t kind) {

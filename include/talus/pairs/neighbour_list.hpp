@@ -255,7 +255,8 @@ void find_close_pairs(world_state<Scenario>& s) {
     find_pairs_with_skin(s);
 }
 
-/// The same, unless bodies move so fast that a search is not valid for long: then false.
+/// Searches for all pairs within reach of each other, unless the last search is still valid.
+/// Returns false without a search while bodies move so fast that a search is not valid for long.
 template <class Scenario>
 [[nodiscard]] bool keep_close_pairs(world_state<Scenario>& s) {
   candidate_pairs& found = s.found;

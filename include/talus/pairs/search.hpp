@@ -155,7 +155,8 @@ void each_neighbour_pair(held_bodies<Scenario>& s, Make&& make) {
   });
 }
 
-/// The same with a Maker<Scenario, A, B, partner>(s) for the pairs of A and B.
+/// Calls an adder of pairs for all pairs within reach of each other: a Maker<Scenario, A, B,
+/// partner>(s) takes the pairs of the shapes A and B.
 template <template <class, class, class, partner> class Maker, class Scenario>
 void each_neighbour_pair(world_state<Scenario>& s) {
   each_neighbour_pair(s,

@@ -96,7 +96,7 @@ class shape_pairs {
     x.moves_a = a_.moves(x.i), x.moves_b = paired && b_.moves(x.j);
     return true;
   }
-  /// Of a boundary pair: whether both ranks compute it.
+  /// Whether both ranks compute a boundary pair.
   [[nodiscard]] bool known_to_both(const body_pair& x) const {
     if constexpr (paired)
       return x.own_a ? copied_to_owner<ShapeA, ShapeB>(s_, x.i, x.j)

@@ -61,7 +61,7 @@ struct as_launched {
     }
     void finish_reduce(std::span<double> values) { any_->finish_reduce(values); }
 
-    /// Of the MPI processes; null where ranks are threads or there is one rank.
+    /// The communicator of the MPI processes; null where ranks are threads or there is one rank.
     [[nodiscard]] const boost::mpi::communicator* communicator() const {
       return any_->communicator();
     }

@@ -54,7 +54,7 @@ struct bisection {
     return bisection_cells(equal, ranks);
   }
 
-  /// The same with the cuts moved, so that each rank gets its share of a load. This rank
+  /// A bisection with its cuts moved so that each rank gets its share of a load. This rank
   /// contributes `places`, each with the weight `weight`. Collective over `link`; all ranks get the
   /// same cuts, which for equal weights do not depend on the rank of each place. The axis of a part
   /// stays until another one is longer by half. Throws invalid_argument without bounds.
@@ -82,7 +82,8 @@ struct bisection {
     }
     return numbers;
   }
-  /// The same with cuts at such positions. Throws runtime_error for invalid numbers.
+  /// A bisection with its cuts at the given positions, as positions() returns them. Throws
+  /// runtime_error for invalid numbers.
   [[nodiscard, gnu::cold]] bisection placed(std::span<const real> positions) const {
     bisection moved = *this;
     moved.cuts.clear();

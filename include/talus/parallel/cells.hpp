@@ -132,8 +132,8 @@ class cells {
   explicit cells(std::vector<any_geometry> regions) requires(sizeof...(Regions) == 0)
       : regions_(std::move(regions)) {}
 
-  /// The same with faces closed: ranks that touch inside one of these convex regions only are not
-  /// connected, because no body ever crosses there.
+  /// These cells with closed faces: ranks that touch only inside one of the given convex regions
+  /// are not connected, because no body ever crosses there.
   template <concepts::polyhedral... Faces>
   [[nodiscard]] cells closed(const Faces&... faces) const {
     cells result = *this;

@@ -62,15 +62,18 @@ class domain {
   void connect(int rank, real a, real b, real c, real d, real dx = 0) {
     connect(rank, any_geometry(half_space(a, b, c, d)), dx);
   }
-  /// The same, normal and displacement.
+  /// Connects this rank to a remote `rank` whose region lies beyond a plane with a normal and a
+  /// displacement.
   void connect(int rank, const vec3& normal, real d, real dx = 0) {
     connect(rank, any_geometry(half_space(normal, d)), dx);
   }
-  /// The same, normal (a, b, c) and a point (x, y, z) of the plane.
+  /// Connects this rank to a remote `rank` whose region lies beyond a plane with the normal (a, b,
+  /// c) through the point (x, y, z).
   void connect(int rank, real a, real b, real c, real x, real y, real z, real dx = 0) {
     connect(rank, any_geometry(half_space(a, b, c, x, y, z)), dx);
   }
-  /// The same, normal and a point of the plane.
+  /// Connects this rank to a remote `rank` whose region lies beyond a plane with a normal through a
+  /// point.
   void connect(int rank, const vec3& normal, const vec3& point, real dx = 0) {
     connect(rank, any_geometry(half_space(normal, point)), dx);
   }
@@ -188,8 +191,9 @@ class domain {
     for (std::size_t i = 0; i < connections_.size(); ++i)
       if (connections_[i].distance(p) <= radius) f(i);
   }
-  /// The same for all images of the point: f(index into connections(), number of the image, place
-  /// of the image).
+  /// Calls f(index into connections(), number of the image, place of the image) for every
+  /// connection and every image of the point for which the widened region may come within `radius`
+  /// of the image.
   template <class F>
   void for_each_image_within(const vec3& p, real radius, F&& f) const requires(periodic) {
     if (interior_distance(p) > radius) return;

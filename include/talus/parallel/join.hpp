@@ -153,8 +153,8 @@ class join {
       : regions_{any_geometry(), std::move(rest.region)...},
         decompositions_(std::move(first), std::move(rest.parts)...) {}
 
-  /// The same with faces closed: ranks that touch inside one of these convex regions only are not
-  /// connected, because no body ever crosses there.
+  /// This join with closed faces: ranks that touch only inside one of the given convex regions are
+  /// not connected, because no body ever crosses there.
   template <concepts::polyhedral... Faces>
   [[nodiscard]] join closed(const Faces&... faces) const {
     join result = *this;

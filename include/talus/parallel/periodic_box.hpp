@@ -87,7 +87,7 @@ class periodic_box {
     }
     return p;
   }
-  /// Of all images of `p`, the one that is nearest to `to`.
+  /// The image of `p` that is nearest to `to`.
   [[nodiscard]] vec3 nearest(vec3 p, const vec3& to) const {
     for (int k = 0; k < 3; ++k)
       if (period_[k] > 0) p[k] -= period_[k] * std::round((p[k] - to[k]) / period_[k]);

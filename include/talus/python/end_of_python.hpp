@@ -24,8 +24,8 @@ class end_of_python {
    private:
     end_of_python& end_;
   };
-  /// The same without a limit, and without the lock of the interpreter: a scene comes back after
-  /// its present step, or at the end of its set-up.
+  /// During its lifetime Python does not end, for any time, and the thread does not hold the lock
+  /// of the interpreter: a scene returns after its present step, or at the end of its set-up.
   class in_scene {
    public:
     explicit in_scene(end_of_python& end) : count_{end} {}

@@ -340,7 +340,8 @@ consteval bool require_shape() {
   if (false) body_of_scenario<Shape, Scenario>();  // compiled, not called
   return Scenario::template has_shape<Shape>;
 }
-/// The same for an argument that is added as a body, and may be a bare shape.
+/// Refuses an argument that is added as a body, if its shape is absent from the scenario, in one
+/// sentence. The argument may be a bare shape. False after a refusal.
 template <class Scenario, class Body>
 consteval bool require_body() {
   if (false) body_that_is_added<Body>();
@@ -349,13 +350,15 @@ consteval bool require_body() {
   else
     return false;
 }
-/// The same for a kind of joint.
+/// Refuses a kind of joint that is absent from the scenario, in one sentence. False after a
+/// refusal.
 template <class Scenario, class Kind>
 consteval bool require_joint() {
   if (false) joint_of_scenario<Kind, Scenario>();
   return contains_type<typename Scenario::joints, Kind>;
 }
-/// The same for a feature, such as user_ids.
+/// Refuses the use of a feature, such as user_ids, that is absent from the scenario, in one
+/// sentence. False after a refusal.
 template <class Scenario, class Feature>
 consteval bool require_feature() {
   if (false) feature_of_scenario<Feature, Scenario>();

@@ -47,7 +47,7 @@ inline constexpr double bytes_per_contact = 400;
   return std::max(static_cast<double>(e.contacts),
                   contacts_per_body_at_rest * static_cast<double>(e.movable));
 }
-/// Of bodies and contacts, when the bodies rest on each other.
+/// Estimated bytes of bodies and contacts after the bodies have come to rest on each other.
 [[nodiscard]] inline double bytes_at_rest(const run_estimate& e) {
   return e.bytes + (contacts_at_rest(e) - static_cast<double>(e.contacts)) * bytes_per_contact;
 }

@@ -54,7 +54,7 @@ class run_log {
   /// the file cannot be written, or is not a log of talus.
   [[gnu::cold]] void open(const options& o, int argc, const char* const* argv,
                           const std::string& build);
-  /// Of other processes than the first: what they have to say is added to a file that is there.
+  /// Makes this process add its messages to an existing file: for all processes but the first.
   void join(const std::string& file) { file_ = file; }
   [[nodiscard]] bool is_open() const { return id_ >= 0; }
   /// Into the file alone. Each call is one write, so that a crash loses no line. The run goes on
@@ -62,7 +62,7 @@ class run_log {
   [[gnu::cold]] void write(std::string_view text);
   /// To standard error unless `quiet`, and into the file.
   [[gnu::cold]] void say(const std::string& text, bool quiet = false);
-  /// The same to standard output.
+  /// Writes a text to standard output unless `quiet`, and into the file.
   [[gnu::cold]] void print(const std::string& text, bool quiet = false);
   /// The exit code: 1 instead of 0 if a line of the log, or anything for standard output, is lost.
   [[nodiscard, gnu::cold]] int finish(int code);

@@ -65,7 +65,8 @@ class convex_polyhedron {
     }
     return std::sqrt(square);
   }
-  /// Of the smallest such box about the centre of mass.
+  /// Half edges of the smallest box about the centre of mass, parallel to the axes of the world,
+  /// that contains the body at a pose.
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     vec3 half(0, 0, 0);
     for (const vec3& v : mesh_->vertices) {

@@ -56,8 +56,8 @@ class triangle_mesh {
     data_->each_within(centre - reach, centre + reach, f);
   }
   using near_lists = detail::near_triangle_lists;
-  /// The same surface beside body i: it searches among the triangles that `lists` keep. It is
-  /// number j of `surfaces`.
+  /// The surface as seen from body i: it searches only among the triangles that `lists` keep near
+  /// that body. It is number j of `surfaces`.
   [[nodiscard]] detail::surface_near_body near(near_lists& lists, std::size_t i, std::size_t j,
                                                std::size_t surfaces) const {
     return lists.of(i, j, surfaces, data_);

@@ -115,7 +115,8 @@ class union_of {
     });
     return furthest;
   }
-  /// Of the smallest such box about the centre of mass.
+  /// Half edges of the smallest box about the centre of mass, parallel to the axes of the world,
+  /// that contains the body at a pose.
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     vec3 half(0, 0, 0);
     const pose back = detail::inverse({{0, 0, 0}, at.orientation});

@@ -55,7 +55,7 @@ class triangle_welder {
   using edge = std::pair<std::uint32_t, std::uint32_t>;
 
  public:
-  /// Of triangles around the origin, within a radius that is positive.
+  /// A welder of triangles around the origin, within a positive radius.
   triangle_welder(real radius, surface_report& report)
       : near_(weld_part * radius), cell_(16 * near_), report_(report) {}
 

@@ -161,7 +161,8 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   void warm_start(state& s) const {
     for (std::uint32_t k = 0; k < used_; ++k) warm_start(s, k);
   }
-  /// Of one colour, the own contacts or those that wait for velocities from other ranks.
+  /// Sweeps over the contacts of one colour: either those that wait for velocities from other
+  /// ranks, or the others.
   void sweep(state& s, std::uint32_t colour, bool waits);
   /// Adds the impulses that are held to the others.
   void end_impacts() {

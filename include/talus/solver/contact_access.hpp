@@ -61,11 +61,13 @@ class contact_access {
   void set(contact_part p, std::size_t i, const vec3& impulse) const {
     calls_->set(list_, p, i, impulse);
   }
-  /// The same for an interior contact, with the change applied to the bodies.
+  /// Sets the impulse of an interior contact on a, in the world, and applies the change to the
+  /// bodies.
   void set(std::size_t i, const vec3& impulse, State& s) const {
     calls_->set_and_apply(list_, i, impulse, s);
   }
-  /// The same for a boundary contact, with the change applied to the body owned here.
+  /// Sets the impulse of a boundary contact on a, in the world, and applies the change to the body
+  /// owned by this rank.
   void set_at_boundary(std::size_t i, const vec3& impulse, State& s) const {
     calls_->set_at_boundary(list_, i, impulse, s);
   }

@@ -69,7 +69,7 @@ struct contact_course {
   }
 };
 
-/// The same of a joint, whose conditions do not change.
+/// The course of a joint in a step with substeps; its conditions do not change.
 template <class Contact>
 requires is_joint<Contact>
 struct contact_course<Contact> {

@@ -102,7 +102,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
     p.keys.push_back(key);
     p.places.push_back(last);
   }
-  /// The same for a contact that is kept for more than one step; renew() sets its data.
+  /// Adds a contact that is kept for more than one step; renew() sets its data.
   void add_pair(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
                 history_place* last) requires(renewable<Contact>) {
     inner_.row.add_pair(contact, a_moves, b_moves);

@@ -23,8 +23,8 @@ class contact_sums {
   void add_to(residual_scale_of<exact_sum>& scale, const state& s) const;
   void add_to(residual_sums_of<double>& sums, const state& s, double rho) const;
   void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
-  /// The same as the first for velocities `after` the step, of which `given` is the part from
-  /// impulses.
+  /// Adds the terms of the contacts to the residual scale for velocities `after` the step; `given`
+  /// is the part of these velocities that impulses have added.
   void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
   /// Raises the speeds at which bodies penetrate their contact partners; see approach.hpp.
   void add_approach(const state& after, plain_vector<real>& speeds) const;

@@ -11,7 +11,7 @@
 
 namespace talus::detail {
 
-/// Of solvers that sweep joints as they sweep contacts.
+/// The joints of a solver that sweeps joints together with contacts.
 struct swept_joints {
   static constexpr bool at_once = false;
 };

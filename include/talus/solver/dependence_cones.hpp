@@ -98,7 +98,7 @@ class dependence_cones {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// Of a body, for one line.
+  /// The levels of a body for one line: `need` is wanted by this rank, and `told` has been sent.
   struct cell {
     std::uint32_t need = 0, told = 0, index = none;
   };

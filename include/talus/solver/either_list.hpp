@@ -90,7 +90,7 @@ template <bool Coloured, class... Contacts>
   return std::tie(std::get<either_list<Contacts>>(lists).template of<Coloured>()...);
 }
 
-/// The same of one list.
+/// The list that the solver in use works on: a list itself, or a part of either_list.
 template <bool Coloured, class List>
 [[nodiscard]] auto& list_in_use(List& list) {
   if constexpr (requires { list.template of<Coloured>(); })

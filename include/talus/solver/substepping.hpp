@@ -139,7 +139,8 @@ struct substepping final {
     return all;
   }
 
-  /// Of a substep in which contacts and joints have changed an angular velocity by `given`.
+  /// Adds up the angular impulse and the work of a substep in which contacts and joints have
+  /// changed an angular velocity by `given`, from `before` to `after`.
   static void book(detail::rotated_body& body, const vec3& given, const vec3& before,
                    const vec3& after) {
     const vec3 p = body.momentum(given);

@@ -38,7 +38,7 @@ template <class A, class B>
 concept keeps_near = requires {
   requires collides_in_order<typename B::near_lists::view, A>;
 };
-/// Of a surface: its parts near the bodies of each shape.
+/// The parts of a surface that are near the bodies of each shape; empty for other shapes.
 template <class Shape>
 struct parts_near {};
 template <class Shape>

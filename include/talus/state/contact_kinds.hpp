@@ -28,8 +28,8 @@ using anchored_contact = std::conditional_t<
     A::isotropic, isotropic_contact<contact_rows<Law>, partner::immovable, Real>,
     general_contact<contact_rows<Law>, side_of<A>, contact_side::immovable, Real>>;
 
-/// The same if global bodies may have velocities; the solver's arrays then contain these. It is one
-/// of the kinds of contacts between movable bodies.
+/// Contact of a body that can move with a global one that may have a velocity; the solver's arrays
+/// then contain global bodies. It is one of the kinds of contacts between movable bodies.
 template <class Law, class A, class Real = real>
 using driven_contact = moving_contact<Law, A, A, Real>;
 

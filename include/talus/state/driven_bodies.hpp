@@ -52,7 +52,7 @@ struct driven_step {
   bool too_fast = false;  ///< it rotates by half a turn or more
 };
 
-/// Of the contact partners of a servo: its parts, and the forces of their contacts.
+/// Sums over the contact partners of a servo, from which its force and its mass as a piston follow.
 struct servo_sums {
   signed_sum force, momentum, shift;
   exact_sum mass;

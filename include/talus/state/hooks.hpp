@@ -137,7 +137,7 @@ template <class Stage, class Scenario, class... More>
 void run_hooks(world_state<Scenario>& s, More&... more) {
   run_all_hooks<Stage, Scenario>(s, more...);
 }
-/// The same where hooks only read the state.
+/// Calls those hooks of the features of the scenario at a stage that only read the state.
 template <class Stage, class Scenario, class... More>
 void run_hooks(const world_state<Scenario>& s, More&... more) {
   run_all_hooks<Stage, Scenario>(s, more...);

@@ -45,8 +45,9 @@ struct joint_record {
   joint_coordinates coordinates;  ///< at the start of the last step, or in its middle
   wrench load;        ///< its impulse on the first body in the last step, about the joint's point
   bool acts = false;  ///< on a body owned here, which is not fixed
-  /// Of a joint of a fixed body that acts on a body of another rank: a record here that repeats the
-  /// one there (`follows`), or the rank that owns the fixed body and has such a record.
+  /// A joint of a fixed body that acts on a body of another rank has two records: the owner of the
+  /// fixed body repeats the record of the other rank (`follows`), and the other rank stores in
+  /// `follower` which rank that is.
   bool follows = false;
   std::int32_t follower = -1;
 };
@@ -236,7 +237,7 @@ class joint_table<type_list<Kinds...>, ListOf, Periodic> {
     sort_values(ids_.pairs);
     known_ = true;
   }
-  /// Of the distance of two jointed bodies: for the position error.
+  /// A factor on the distance of two jointed bodies that allows for the position error.
   static constexpr real slack = 1.25;
 
   std::tuple<joints_of_kind<Kinds, ListOf<Kinds>>...> kinds_;

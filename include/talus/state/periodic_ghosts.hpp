@@ -34,7 +34,7 @@ struct image_copy {
 
   static constexpr std::uint32_t not_own = 0xffffffffu;
 };
-/// Of all shadow copies, by shape, in their order.
+/// The data of all shadow copies, by shape, in the order of the copies.
 template <std::size_t Shapes>
 struct periodic_ghosts {
   std::array<plain_vector<image_copy>, Shapes> of;

@@ -99,8 +99,8 @@ struct shared_colours {
   plain_vector<std::size_t> ends;  ///< of the lists, among the units of `all`
   dependence_cones cones;
   std::vector<velocities_by_colour> lines;  ///< one for each neighbour
-  /// Of a colour: a message to each neighbour whose velocities travel before it, and the index of
-  /// its line.
+  /// The messages of a colour: one to each neighbour whose velocities travel before that colour,
+  /// and the index of its line.
   struct messages {
     std::vector<neighbour_message> neighbour_messages;
     plain_vector<std::uint32_t> lines;

@@ -43,7 +43,8 @@ struct stage_seconds {
 
 namespace detail {
 
-/// The same if ranks balance their work, which is measured between exchanges.
+/// Seconds that the stages of the steps took on a rank that balances its work: wall time and, for
+/// exchanges, the time of the processor as well.
 struct balanced_seconds {
   double detect = 0, respond = 0, integrate = 0;
   both_times exchange;
@@ -158,7 +159,7 @@ struct state_traits {
   using domain_type =
       std::conditional_t<link_type::alone, single_domain, domain<typename Scenario::decomposition>>;
   using law = law_of<Scenario>;
-  /// Of the contacts of this step, if touching bodies stick.
+  /// The attractions of the contacts of this step, if the contact law lets touching bodies stick.
   [[no_unique_address]] std::conditional_t<is_cohesive<law>, attractions, no_attractions>
       attraction;
   using finite_shapes = filter_types<typename Scenario::shapes, is_finite>;
@@ -240,7 +241,7 @@ struct held_bodies {
   void each_shape(F&& f) const {
     detail::each_of(bodies, f);
   }
-  /// The same for the shapes that can move.
+  /// Calls f(bodies of a shape) for every shape of the scenario that can move.
   template <class F>
   void each_finite_shape(F&& f) {
     each_shape([&](auto& b) {

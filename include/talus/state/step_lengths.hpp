@@ -9,7 +9,7 @@
 
 namespace talus::detail {
 
-/// The same lengths on all ranks, in ascending order.
+/// The lengths of all steps, equal on all ranks and in ascending order.
 class step_lengths {
  public:
   struct entry {

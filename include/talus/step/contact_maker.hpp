@@ -88,11 +88,12 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b) {
     make(i, j, margin_a, margin_b, nullptr);
   }
-  /// The same for a kept candidate pair.
+  /// Adds the contacts of a candidate pair that is kept from step to step; `last` is its place in
+  /// the history.
   void operator()(std::size_t i, std::size_t j, real margin_a, real margin_b, history_place& last) {
     make(i, j, margin_a, margin_b, &last);
   }
-  /// The same with the reach of the places of the bodies.
+  /// Adds the contacts of a kept candidate pair, with the reach that the places of the bodies hold.
   void operator()(std::size_t i, std::size_t j, history_place& last) requires(batched) {
     const auto margin = [&](std::size_t k) {
       const box_place<real>& at = (*waiting_.places)[k];
@@ -141,7 +142,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   }
 
  private:
-  /// Of a global body: the index in the solver's arrays for contacts of this normal.
+  /// A global body in the solver's arrays, for contacts with this normal.
   struct met_body {
     std::int32_t number = -1;
     vec3 normal{0, 0, 0};

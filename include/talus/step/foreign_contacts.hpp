@@ -221,9 +221,9 @@ class foreign_contacts {
     if (b >= 0) cones_.note_received(b, colour);
   }
 
-  /// Of bodies that a neighbour has sent for a third rank, this rank asks their owner for the
-  /// velocities. If it is not connected to the owner, the neighbour instead sends the velocities of
-  /// its own bodies before each colour.
+  /// Asks the owners for the velocities of bodies that a neighbour has sent for a third rank. If
+  /// this rank is not connected to the owner, the neighbour instead sends the velocities of its own
+  /// bodies before each colour.
   void exchange_wishes() {
     plain_vector<char> comes(s_.solver.bodies.size(), 0);
     for (const line& l : cones_.lines)

@@ -47,7 +47,7 @@ template <class Scenario, class ShapeA, class ShapeB, partner Partner>
     return false;
   }
 }
-/// The same of a list of contacts.
+/// Whether the contacts of a list are kept from step to step.
 template <class Scenario, class List>
 [[nodiscard]] constexpr bool keeps_contacts_in() {
   if constexpr (contains_type<typename Scenario::shapes, sphere>)
@@ -116,7 +116,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
             a_.velocity[i],         a_.shape[i].radius,
             a_.angular_velocity[i], a_.id[i]};
   }
-  /// The same of their motion, if it is needed of more than a few.
+  /// Writes the motion of all spheres, for steps in which more than a few contacts need it.
   void note_motion() {
     auto& spheres = s_.template of<sphere>().places;
     spheres.resize(a_.size());
@@ -264,7 +264,8 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
               return true;
             });
   }
-  /// The same where all gaps are so small that velocities do not matter; else returns false.
+  /// Sets the data of contacts whose gaps are so small that velocities do not matter. Returns false
+  /// if one gap is larger.
   [[nodiscard]] [[gnu::always_inline]] inline bool renew_resting(const std::int32_t* a,
                                                                  const std::int32_t* b,
                                                                  unsigned count,

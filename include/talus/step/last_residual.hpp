@@ -23,8 +23,8 @@ namespace talus {
 /// the order of 1 where they collide.
 struct contact_residual {
   double value = 0;  ///< of all contacts; 0 without contacts
-  /// Of the worst contact, over the root mean square of the scale: `value` is the root mean square
-  /// of such values. Of soft contacts: of the worst body.
+  /// The residual of the worst contact over the root mean square of the scale; `value` is the root
+  /// mean square of such residuals. For soft contacts, that of the worst body.
   double max = 0;
   std::uint64_t contacts = 0;
 };

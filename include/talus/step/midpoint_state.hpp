@@ -15,8 +15,8 @@ struct earlier_turn {
   vec3 spin{0, 0, 0};
   bool known = false;  ///< computed when a contact needs it
 };
-/// Of the bodies of each finite shape, in the order of their store; empty for isotropic shapes.
-/// Valid for one search of contacts.
+/// Earlier rotations of the bodies of each finite shape, in the order of their store; empty for
+/// isotropic shapes. Valid for one search of contacts.
 template <std::size_t Shapes>
 struct midpoint_state {
   std::array<plain_vector<earlier_turn>, Shapes> earlier;

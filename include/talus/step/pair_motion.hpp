@@ -14,8 +14,8 @@
 
 namespace talus::detail {
 
-/// Of pairs of two shapes. The second bodies are movable too (`Paired`), or are global and may be
-/// driven.
+/// The motion of the pairs of two shapes within a step. The second bodies are movable too
+/// (`Paired`), or are global and may be driven.
 template <class Scenario, class ShapeA, class ShapeB, bool Paired>
 class pair_motion {
   using state_type = world_state<Scenario>;
@@ -169,8 +169,8 @@ class pair_motion {
     if (t == never) return {0, 0, 0};
     return (half_part(s_) + t) * acceleration_of(s_, store, i);
   }
-  /// The same at the end of the step minus the velocity after the impact: of a body that rebounds
-  /// and flies on, or else of one that stays.
+  /// The true velocity of a body at the end of the step minus the velocity after its impact. A body
+  /// that rebounds flies on; another one stays.
   template <class Store>
   [[nodiscard]] vec3 to_fly(const Store& store, std::size_t i, std::size_t first,
                             bool rebounds) const {

@@ -64,7 +64,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     history_place last = history_place::unknown;
     meet(i, j, last);
   }
-  /// The same for a kept candidate pair.
+  /// Adds the forces of a candidate pair that is kept from step to step; `last` is its place in the
+  /// history.
   void operator()(std::size_t i, std::size_t j, real, real, history_place& last) {
     if constexpr (observed)
       (*this)(i, j, 0, 0);

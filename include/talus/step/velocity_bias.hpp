@@ -24,7 +24,8 @@
 
 namespace talus::detail {
 
-/// Of one pair: its contact points in the middle of the last step, and the velocities after it.
+/// The contact points of one pair in the middle of the last step, and the velocities of its bodies
+/// after that step.
 class earlier_contacts {
  public:
   struct side {

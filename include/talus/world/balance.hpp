@@ -23,7 +23,7 @@ struct rank_load {
   double bodies = 0, contacts = 0, seconds = 0;
   real reach = 0;
 };
-/// The same of all ranks.
+/// The load of all ranks: its sum, and the largest values of a rank.
 struct whole_load {
   rank_load sum, max;
   int ranks = 1;

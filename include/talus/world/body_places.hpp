@@ -48,7 +48,7 @@ class body_places {
     visit_number(at, f);
     return true;
   }
-  /// The same for a body by its index.
+  /// Calls f(store, index, is global) for the body with this index among all bodies known here.
   template <class F>
   void visit_number(std::size_t number, F&& f) const {
     const place p = places_[number];

@@ -33,7 +33,7 @@ namespace detail {
 template <class Entry>
 void sort_by_key(std::vector<Entry*>& entries) {
   const auto order = [](const Entry* e) { return std::tie(e->key.a, e->key.b, e->key.feature); };
-  // Of an entry that came from another rank too, the first one holds: history_of::find.
+  // If an entry came from another rank too, the first one counts, as in history_of::find.
   std::sort(entries.begin(), entries.end(), [&](const Entry* x, const Entry* y) {
     return order(x) < order(y) || (x->key == y->key && x < y);
   });

@@ -45,9 +45,9 @@ class stage_body {
   [[nodiscard]] bool is_fixed() const { return global_ || store_.fixed(i_); }
   /// Form and size.
   [[nodiscard]] const shape_type& shape() const { return store_.shape[i_]; }
-  /// Of the centre of mass, length.
+  /// Position of the centre of mass, length.
   [[nodiscard]] const vec3& position() const { return store_.position[i_]; }
-  /// Of the centre of mass, length over time.
+  /// Velocity of the centre of mass, length over time.
   [[nodiscard]] const vec3& velocity() const { return store_.velocity[i_]; }
   /// World frame, radians over time.
   [[nodiscard]] const vec3& angular_velocity() const { return store_.angular_velocity[i_]; }
@@ -106,7 +106,7 @@ class stage_view {
 
   /// Length of the step.
   [[nodiscard]] real dt() const { return s_.dt; }
-  /// Of the world: at the start of the step until the step is counted, then at its end.
+  /// Time of the world: until the step is counted, its start, and then its end.
   [[nodiscard]] real time() const { return s_.time; }
   /// Steps counted so far.
   [[nodiscard]] std::uint64_t steps() const { return s_.steps; }

@@ -60,9 +60,9 @@ class world {
     if constexpr (by_colours) detail::require_rounding_as_written();
     if constexpr (balances) state_.balance.divide(d, within.distance);
   }
-  /// The same with the decomposition's default values. If it has none for this number of ranks,
-  /// decompose() must set them first: functions that need the domain throw invalid_argument until
-  /// then. A decomposition for another number of ranks is refused at once.
+  /// A world on this rank, with the decomposition's default values. If it has none for this number
+  /// of ranks, decompose() must set them first: functions that need the domain throw
+  /// invalid_argument until then. A decomposition for another number of ranks is refused at once.
   explicit world(link_type& link) : state_(link, domain_type::undivided(link.rank(), link.size())) {
     if constexpr (by_colours) detail::require_rounding_as_written();
     try {
@@ -349,7 +349,7 @@ class world {
     }
     return {};
   }
-  /// The same for a body at rest.
+  /// Adds a body at rest with this shape, material, position and orientation, as add(body) does.
   template <class Shape>
   handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
                     const quat& orientation = {1, 0, 0, 0}) {
@@ -451,7 +451,7 @@ class world {
     note_reading("world.find");
     return find_here(h);
   }
-  /// The same; throws invalid_argument if the body is unknown.
+  /// The body if this rank knows it; throws invalid_argument if the body is unknown.
   template <class Shape>
   [[nodiscard]] view<Shape> operator[](handle<Shape> h) {
     note_reading("world[...]");
@@ -539,7 +539,8 @@ class world {
         }
       });
   }
-  /// The same after each step.
+  /// Ends each call of simulate() if `condition(world)`, or `condition()`, is true on any rank
+  /// after a step. It is evaluated after each step.
   template <class F>
   void stop_when(F condition) {
     stop_when(every{1}, std::move(condition));
@@ -556,7 +557,7 @@ class world {
   }
   /// The numbers passed to record().
   [[nodiscard]] const detail::recorded_values& records() const { return records_; }
-  /// The same, for checkpoints to fill in.
+  /// The numbers passed to record(), for checkpoints to fill in.
   [[nodiscard]] detail::recorded_values& records() { return records_; }
   /// User-defined state that checkpoints hold: a value that is equal on all ranks, or that rank 0
   /// alone uses, such as a number or a random_stream; rank 0's value is stored, and at a restart
@@ -567,8 +568,9 @@ class world {
   void keep(const std::string& name, T& value) {
     if constexpr (detail::require_feature<Scenario, checkpoints>()) keeper_.add(name, value);
   }
-  /// The same for a number that each rank counts on its own and that is summed over ranks: the sum
-  /// is stored, and at a restart rank 0 gets it, the others 0.
+  /// User-defined state that checkpoints hold: a number that each rank counts on its own and that
+  /// is summed over ranks. The sum is stored, and at a restart rank 0 gets it, the others 0. Throws
+  /// like keep(). Needs features<checkpoints>.
   template <class T>
   void keep_sum(const std::string& name, T& value) {
     if constexpr (detail::require_feature<Scenario, checkpoints>()) keeper_.add_sum(name, value);

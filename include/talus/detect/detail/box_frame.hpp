@@ -49,7 +49,7 @@ struct box_pair {
   matrix3<Real> axes;
   vector3<Real> offset;
 
-  /// The same two with the roles exchanged.
+  /// The pair with the roles of the two boxes exchanged.
   [[nodiscard]] box_pair swapped() const {
     return {hb, ha, axes.transpose(), -(axes.transpose() * offset)};
   }

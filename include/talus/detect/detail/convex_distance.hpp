@@ -59,7 +59,7 @@ class simplex {
     else
       reduce_tetrahedron(outside);
   }
-  /// The same corners with a moved.
+  /// The simplex after body a has moved by a vector.
   [[nodiscard]] simplex moved(const vector& by) const {
     simplex s;
     for (int i = 0; i < size_; ++i)

@@ -39,7 +39,7 @@ inline std::uint32_t not_above(ball_register a, ball_register b) { return a <= b
 #endif
 
 /// Bit q is set if the ball touches the q-th of eight balls given as arrays of their coordinates.
-/// The same arithmetic, to the bit, for any width.
+/// The result is the same, to the bit, for any width of registers.
 inline std::uint32_t touching(const ball& a, const real* x, const real* y, const real* z,
                               const real* reach) {
   constexpr std::uint32_t width = sizeof(ball_register) / sizeof(real);

@@ -18,8 +18,8 @@ namespace talus::detail {
 /// it, nor on the stiffness of soft contacts.
 class level_patches {
  public:
-  /// Of a body of this size, on a surface with this radius: its corners may be off a plane by
-  /// round-off of single precision.
+  /// Patches for a body of this size on a surface with this radius. Corners may deviate from a
+  /// plane by the round-off of single precision.
   level_patches(real size, real radius)
       : near_(real(1e-6) * size),
         off_(near_ + weld_part * radius),

@@ -78,7 +78,8 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
                           single.feature()});
 }
 
-/// The same for one of the pairs of a batch with computed manifolds.
+/// Calls `sink(contact_geometry)` for two boxes of a batch whose manifolds have been computed;
+/// `lane` is their place in the batch.
 template <class Sink, class Real>
 void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box_batch<Real>& batch,
                    unsigned lane, Real margin, Sink&& sink) {

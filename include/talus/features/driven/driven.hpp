@@ -55,7 +55,7 @@ inline constexpr real instant = 1. / 1024;
   const real turns = angular_velocity_between(from.turn, step.end.turn, 1).norm();
   step.goes_on = off <= real(0.01) * way + real(1e-6) * far + real(1e-9) * s.origin.norm() &&
                  turned <= real(0.01) * turns + real(1e-6);
-  // Of more than half a turn the end shows only the remainder.
+  // The end of a rotation by more than half a turn shows only the remainder, so the rate decides.
   const vec3 rate =
       angular_velocity_between(from.turn, place_of(s.origin, next).turn, instant * dt);
   step.too_fast = rate.norm() * dt > pi;

@@ -84,8 +84,8 @@ struct energy_entries {
   double worst = 0;    ///< largest |closure| over scale of all steps, on this rank
   bool started = false;
 
-  /// Of bodies that have come to rest, round-off alone is left: a small part of the energies
-  /// before.
+  /// Records the closure of a step relative to the scale of its energies. Once all bodies are at
+  /// rest only round-off is left, so the scale is at least a small part of the largest one so far.
   void note_closure(double closure, double scale) {
     largest = std::max(largest, scale);
     const double least = 1e-12 * largest;
@@ -103,16 +103,16 @@ struct energy_entries {
   }
 };
 struct energy_record : energy_entries {
-  /// Of one body over a step: half the sum of its velocities before and after. With it the work of
-  /// impulses that act together is the sum of their works.
+  /// The mean of the velocities of a body before and after a step. With it the work of impulses
+  /// that act together is the sum of their works.
   struct mean_velocity {
     vec3 v, w;
   };
   plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
 };
 
-/// Of soft contacts, in addition to the energy_record: energy of the springs, of contacts that
-/// count here.
+/// Further entries for soft contacts: the energy of the springs of those contacts that count on
+/// this rank.
 struct spring_record {
   /// Power of moving fixed bodies on others; for the present forces.
   signed_sum spring_power, dashpot_power, friction_power;
@@ -161,7 +161,7 @@ template <class Store>
   }
 }
 
-/// Of the bodies owned here, as they are now.
+/// The present energies of the bodies owned by this rank.
 template <class Scenario>
 [[nodiscard]] energy_sums energy_of(const world_state<Scenario>& s) {
   energy_sums sums;
@@ -242,9 +242,9 @@ void book_contacts(world_state<Scenario>& s) {
     });
 }
 
-/// The same of joints. The impulses of their conditions do no work at the exact velocities; what
-/// they take is booked as impact: the part of the velocities that the rotation of a step has
-/// brought across the joint. Motors, springs and friction do work.
+/// Books the work of the impulses of joints. The impulses of the conditions do no work at the exact
+/// velocities; the work that they do is booked as impact: it belongs to the part of the velocities
+/// that the rotation of a step has brought across the joint. Motors, springs and friction do work.
 template <class Scenario>
 void book_joints(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
@@ -333,8 +333,8 @@ void book_response(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::has_joints) book_joints(s);
 }
 
-/// Of continuous collision: a body was moved to its impact, before the response. `from`, `turned`
-/// and `w` are its pose and angular velocity before.
+/// Books the motion of a body that continuous collision has moved to its impact before the
+/// response. `from` and `w` are its pose and angular velocity before that.
 template <class Scenario, class Store>
 void book_flight(world_state<Scenario>& s, const Store& store, std::size_t i, const pose& from,
                  const vec3& w) {
@@ -374,7 +374,7 @@ void book_motion(world_state<Scenario>& s) {
   });
 }
 
-/// Of the last step: the difference that its entries leave, and the sum of its energies.
+/// The difference that the entries of the last step leave.
 [[nodiscard]] inline signed_sum closure_of(const energy_entries& r) {
   signed_sum left = r.after.all();
   (left -= r.before.all()) -= r.step.net();
@@ -383,7 +383,8 @@ void book_motion(world_state<Scenario>& s) {
 [[nodiscard]] inline double scale_of(const energy_entries& r) {
   return std::max(r.before.scale.value(), r.after.scale.value()) + r.exchanged.value();
 }
-/// The same with the springs of soft contacts.
+/// The difference that the entries of the last step leave, with the energy of the springs of soft
+/// contacts.
 [[nodiscard]] inline signed_sum closure_of(const energy_entries& r, const spring_record& springs) {
   signed_sum left = closure_of(r);
   ((left += springs.stored) -= springs.start) -= springs.moved;

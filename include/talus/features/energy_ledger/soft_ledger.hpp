@@ -72,7 +72,7 @@ void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real
     r.damping += vec3(-(1 - kept) * mass * v);
   }
 }
-/// The same of moving fixed bodies, and of the forces of fixed and global bodies.
+/// Books the work and impulse of soft contacts on fixed and global bodies over the time h.
 template <class Scenario>
 void book_kick_of_fixed(step_records<Scenario>& s, real h) {
   if constexpr (monitored<Scenario, energy_ledger>) {

@@ -40,11 +40,12 @@ struct sleep_state {
   plain_vector<system_id> asleep;  ///< all that are known here, sorted
   plain_vector<waker> touched;     ///< own bodies that an awake body approaches
   disjoint_sets islands;           ///< in the solver's indices
-  /// Of each body, those of its island: rest times, and times since something bore it.
+  /// Two times for each body, which all bodies of an island share: how long it has rested, and how
+  /// long nothing immovable has supported it.
   plain_vector<float> island_timer, island_unborne;
   bool all = false;      ///< all are to wake
   bool changed = false;  ///< own bodies fell asleep or woke, neighbours not yet notified
-  bool noted = false;    ///< the memory was sorted after wake_disturbed() began
+  bool noted = false;    ///< the memory was sorted after wake_islands_in_step() began
   bool spreads = false;  ///< a body known here woke: others of its island may have to
 
   [[nodiscard]] std::size_t bytes() const {

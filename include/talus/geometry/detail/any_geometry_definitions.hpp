@@ -15,7 +15,8 @@ TALUS_INLINE bool geometry_group::less(const geometry_group& other) const {
   return groups.size() < other.groups.size();
 }
 
-/// Of parallel planes only the tightest counts in an intersection, the widest in a merge.
+/// Adds a half-space. If another one is parallel to it, an intersection keeps the tighter one, and
+/// a merge the wider one.
 TALUS_INLINE void geometry_group::add(const half_space& h) {
   auto at = planes.begin();
   for (; at != planes.end(); ++at) {

@@ -59,7 +59,7 @@ template <class Store>
   return table_columns(saved_columns<Store>{});
 }
 
-/// Of the shape at `number` of these names.
+/// The path of the table of the shape at `number` of these names.
 [[nodiscard, gnu::cold]] std::string path_of_table(const char* group,
                                                    std::span<const std::string_view> names,
                                                    std::size_t number);

@@ -52,7 +52,8 @@ struct table_part {
 void enlarge(std::array<double, 6>& box, const vec3& p);
 [[nodiscard]] bool overlap(const std::array<double, 6>& box, const vec3& lower, const vec3& upper);
 
-/// Of a piece: its rows in each column, and their extras. `column(k)` returns the bytes.
+/// The checksum of a piece: of its rows in each column, and of their extras. `column(k)` returns
+/// the bytes of a column.
 template <class Column>
 [[nodiscard]] std::uint64_t checksum_of_piece(std::size_t columns, Column&& column,
                                               std::span<const std::byte> extra) {

@@ -95,7 +95,7 @@ struct dataset_shape {
 /// An attribute of an existing group: numbers.
 [[gnu::cold]] void write_attribute(hid_t file, const std::string& group, const char* name,
                                    std::span<const std::int64_t> values);
-/// The same: a word, in as many bytes as it has letters.
+/// An attribute of an existing group: a word, in as many bytes as it has letters.
 [[gnu::cold]] void write_attribute(hid_t file, const std::string& group, const char* name,
                                    const std::string& word);
 

@@ -63,7 +63,7 @@ class hdf5_image {
 
   /// Makes files with this access list in this image.
   [[gnu::cold]] void use_in(hid_t access_list);
-  /// Of the whole file, when it is closed.
+  /// The length of the whole file, after it is closed.
   [[nodiscard]] std::uint64_t length() const { return length_; }
   [[nodiscard]] sparse_bytes take_bytes() { return std::move(bytes_); }
 

@@ -69,7 +69,7 @@ class team_writer {
 
   bool require_replaceable() const;
   void make_part();
-  /// Of `needs` bytes, for the last error.
+  /// Throws runtime_error for a failed write that still needs `needs` bytes; `error` is its errno.
   [[noreturn]] void fail_to_write(std::uint64_t needs, int error) const;
 
   /// On rank 0: a file in which every dataset has its position, and all but rows is written.

@@ -10,7 +10,7 @@
 
 namespace talus::detail {
 
-/// Of each frame the strongest contacts are stored, at most so many.
+/// The number of contacts stored for each frame, at most: the strongest ones.
 inline constexpr std::size_t most_view_contacts = 50000;
 
 /// The order of ids and parts.

@@ -74,7 +74,7 @@ class vtk_surfaces {
   row_table points{"/VTKHDF"}, data{"/VTKHDF/CellData"};
 
  private:
-  /// Of a body, or of a part of a union: the position of its faces among those added.
+  /// The faces of a body, or of a part of a union, among those added.
   struct piece {
     row_table::key key;
     std::size_t first_corner, first_face;

@@ -49,8 +49,8 @@ template <class Link>
       name, text(value, 5), text(smallest[0], 5), text(largest[0], 5));
 }
 
-/// The same as a warning of a program, in its log and, unless `quiet`, on standard error.
-/// Collective.
+/// Warns if the ranks return different results: in the log of the program and, unless `quiet`, on
+/// standard error. Collective.
 template <class Link, class Log>
 [[gnu::cold]] void mention_results(Log& log, const std::string& program, Link& link,
                                    const results& own, bool quiet) {

@@ -23,7 +23,7 @@ struct run_place {
   int rank = -1;
   std::uint64_t step = 0;  ///< the last that is complete
 };
-/// Of the rank on this thread; null elsewhere.
+/// The progress of the rank that runs on this thread; null on other threads.
 inline thread_local const run_place* place_of_this_thread = nullptr;
 
 /// The run that this process is in.

@@ -24,7 +24,8 @@ struct added_energy {
   [[nodiscard]] real least() const { return std::min(of_step, of_impulses); }
   [[nodiscard]] bool any() const { return least() > real(4e-15) * size; }
 
-  /// Of rows with their present impulses, on bodies with their present motions.
+  /// The energy that the rows add with their present impulses, on bodies with their present
+  /// motions.
   template <class Bodies>
   [[nodiscard]] static added_energy of(articulated_rows& rows, const Bodies& all) {
     added_energy sum;

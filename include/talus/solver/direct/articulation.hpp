@@ -121,9 +121,9 @@ class articulation : private articulated_rows {
     }
     if (bounded) move_within_bounds(all);
   }
-  /// Of the solutions between that without rebounds and the present one, takes the last that adds
-  /// no energy. Rebounds with several coefficients add some, and those of bodies whose joints have
-  /// not held before.
+  /// Takes a solution between the one without rebounds and the present one: the last that adds no
+  /// energy. Rebounds with several coefficients add some, and so do those of bodies whose joints
+  /// have not held before.
   template <class Bodies>
   void damp_rebounds(Bodies& all) {
     const auto full = added_energy::of(*this, all);
@@ -244,7 +244,7 @@ class articulation : private articulated_rows {
     care_ = heavy_ ? care::in_vain : care::yields;
     return true;
   }
-  /// Of the impulses, as velocities.
+  /// The largest change of an impulse, as a velocity.
   [[nodiscard]] real largest_change() {
     real most = 0;
     each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {

@@ -1,6 +1,6 @@
 #pragma once
 // A contact problem with its Delassus operator assembled: u = W r + q, Coulomb's law at each
-// contact. The time step never needs it; external problems and direct solvers do.
+// contact. Direct solvers of stalled islands use it, and so do external problems.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

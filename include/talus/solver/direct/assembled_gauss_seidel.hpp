@@ -36,7 +36,7 @@ class assembled_sweeps {
       return solve_coulomb(w, rest - alpha * centre(i), p_->mu[i]);
     });
   }
-  /// The same without the proximal term.
+  /// One sweep, up or down the contacts, for u = W r + q; |change of r|².
   real operator()(contact_vector& r, bool down = false) const {
     return sweep(r, down,
                  [&](int i, const vec3& rest) { return solve_coulomb(own_[i], rest, p_->mu[i]); });

@@ -12,7 +12,7 @@ namespace talus::detail {
 using block_product = void (*)(real* to, const real* x, const real* turned, std::size_t rows,
                                std::size_t inner, std::size_t columns, real sign);
 
-/// Of any sizes.
+/// Subtracts sign X Y' from a block, for matrices of any sizes.
 inline void subtract_product(real* to, const real* x, const real* turned, std::size_t rows,
                              std::size_t inner, std::size_t columns, real sign) {
   for (std::size_t i = 0; i < rows; ++i)
@@ -22,7 +22,8 @@ inline void subtract_product(real* to, const real* x, const real* turned, std::s
       to[i * columns + j] -= sign * sum;
     }
 }
-/// Of these sizes, side by side in registers.
+/// Subtracts sign X Y' from a block, for sizes known at compile time: a row of sums stays in
+/// registers.
 template <std::size_t Inner, std::size_t Columns>
 void subtract_product_of(real* to, const real* x, const real* turned, std::size_t rows, std::size_t,
                          std::size_t, real sign) {

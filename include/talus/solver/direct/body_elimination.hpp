@@ -15,7 +15,7 @@
 
 namespace talus::detail {
 
-/// Of a body: velocity and angular velocity, or impulse and angular impulse.
+/// The unknowns of a body: velocity and angular velocity, or impulse and angular impulse.
 using body_vector = std::array<real, 6>;
 
 /// By rows.

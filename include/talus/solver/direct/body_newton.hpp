@@ -61,8 +61,8 @@ class body_newton {
   [[nodiscard]] int steps() const { return steps_; }
 
  private:
-  /// Of one contact, f = open: r; sticks: rho u; slides: (rho u_n, r_t - mu y_n y_t / |y_t|), with
-  /// y = r - rho u.
+  /// The value of Coulomb's law at one contact. Open: f = r; sticking: f = rho u; sliding: f = (rho
+  /// u_n, r_t - mu y_n y_t / |y_t|), with y = r - rho u.
   struct law {
     bool open = false, sticks = false;
     vec3 f{0, 0, 0};

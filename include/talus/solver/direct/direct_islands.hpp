@@ -43,7 +43,7 @@ class direct_islands {
   /// several ranks solve alike, and sends that with the ties of its bodies.
   void look(std::span<const access> lists, State& s, int own,
             std::span<const travelling_bodies> travelling, bool shares = true);
-  /// Of a body, for sending and receiving.
+  /// The ties of a body, for sending and receiving.
   [[nodiscard]] body_ties& ties(std::size_t body);
   [[nodiscard]] bool is_hub(std::uint32_t body) const;
   void add_hub(std::uint32_t body);

@@ -71,7 +71,8 @@ class shared_islands {
       if (t.owner == own) t.of_owner = -1;
     });
   }
-  /// Of a body, for sending and receiving. A solver that never searches takes no part.
+  /// The ties of a body, for sending and receiving. Other ranks see no ties of a solver that never
+  /// searches.
   [[nodiscard]] body_ties& ties(std::size_t body) {
     if (ties_.size() <= body) ties_.resize(body + 1);
     return ties_[body];

@@ -13,9 +13,10 @@
 
 namespace talus::detail {
 
-/// Of all impulses of conditions on positions that give the bodies the same momenta, the solution
-/// of least norm, where the square of an impulse counts by the mobility of its row. It is that of
-/// springs with the mobilities as compliances, which bear the momenta.
+/// Distributes the loads of joints whose rows depend on each other. Among all impulses of
+/// conditions on positions that give the bodies the same momenta, it finds those of least norm,
+/// where the square of an impulse counts by the mobility of its row. They are the forces of springs
+/// that have the mobilities as compliances and bear the momenta.
 class shared_loads {
  public:
   /// `structure` has been arranged for these rows.

@@ -94,10 +94,10 @@ class stalled_islands {
   }
 
  private:
-  /// Of a contact in a sweep, in operations; twice, because a solution is exact.
+  /// Operations for each contact of a sweep; doubled, because a solution is exact.
   static constexpr real sweep_cost = 600;
-  /// Of an attempt, in operations for each contact, besides linear systems. A balance that succeeds
-  /// is not counted: it is always worth it.
+  /// Operations for each contact of an attempt, besides linear systems. A balance that succeeds is
+  /// not counted: it is always worth its cost.
   static constexpr real overhead = 2000;
   /// The fraction of an error that a solution may leave where Newton's method can find a better
   /// one.
@@ -110,7 +110,7 @@ class stalled_islands {
   static constexpr real few = 4e6;
   /// The fraction of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
-  /// The same that needs no more sweeps, and no balance.
+  /// The fraction of solver_state::speed up to which an error needs no more sweeps, and no balance.
   static constexpr real negligible = 1e-4;
 
   enum class outcome : char { not_stalled, failed, done };
@@ -131,7 +131,7 @@ class stalled_islands {
       if (balance.changes(k)) found.set(members[k], balance.impulse(k), s);
     return outcome::done;
   }
-  /// The same for a large island. Further attempts are postponed unless it succeeds.
+  /// Balances a large island, as balance() does. Further attempts are postponed unless it succeeds.
   static bool balance_large(island& one, search& found, State& s) {
     const outcome result = balance(one, found.isolate(one, s), 0.5, found, s);
     if (result == outcome::done) s.islands.balanced();

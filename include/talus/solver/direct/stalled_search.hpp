@@ -58,7 +58,7 @@ class stalled_search {
   using island = stalled_island;
 
  public:
-  /// Of each list, the contacts that still change, with their changes.
+  /// The contacts of each list that still change, with their changes.
   using changed = std::span<const std::span<const plain_pair<std::size_t, real>>>;
 
   stalled_search(std::span<const access> lists, changed changes, const State& s) : lists_(lists) {

@@ -27,7 +27,8 @@ class support_graph {
   };
   /// Contacts whose normal is closer to the horizontal support neither body.
   static constexpr real least_slope = 0.05;
-  /// Of the trace of a matrix, added to its diagonal, because supports may leave directions free.
+  /// The fraction of the trace of a matrix that is added to its diagonal, because supports may
+  /// leave directions free.
   static constexpr real shift = 1e-9;
 
   support_graph(const plain_vector<island_contact>& contacts, const solver_state& s)

@@ -33,7 +33,7 @@ void step_with_contacts(world_state<Scenario>& s) {
   run_hooks<stages::after_share>(s);
 }
 
-/// The same of soft contacts.
+/// The stages of a step of soft contacts.
 template <class Scenario>
 void step_with_forces(world_state<Scenario>& s) {
   run_hooks<stages::before_detect>(s);
