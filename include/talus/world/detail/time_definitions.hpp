@@ -90,6 +90,7 @@ void world<Scenario>::step(real dt) {
         "rank {} changed its connections and then called step: call synchronize() on all ranks "
         "first",
         rank());
+  const detail::function_clock clock(state_, 0);  // other work of steps
   if constexpr (balances) look_at_balance_if_due();
   const traffic before = state_.link->counters();
   if constexpr (balances)
@@ -116,6 +117,8 @@ void world<Scenario>::stop() {
 template <class Scenario>
 bool world<Scenario>::ends_now(const simulation& s) {
   if (s.stop_when && state_.steps % s.check_every == 0) {
+    const detail::function_clock clock(state_,
+                                       state_.functions.number(detail::name_of_conditions));
     stop_asked_ = s.stop_when() || stop_asked_;
     agree_ = true;
   }
@@ -145,7 +148,9 @@ void world<Scenario>::simulate(const simulation& s) {
   std::size_t steps = s.steps;
   detail::checkpoint_hooks* hooks = nullptr;
   bool restarted = false;
+  [[maybe_unused]] std::size_t number_of_checkpoints = 0;
   if constexpr (keeps) {
+    if (keeper_.hooks) number_of_checkpoints = state_.functions.number("checkpoints");
     keeper_.note_given(detail::parameters_of(state_));
     keeper_.course.begin(s.steps, state_.steps);
     if (hooks = keeper_.hooks.get(); hooks != nullptr) {
@@ -169,22 +174,31 @@ void world<Scenario>::simulate(const simulation& s) {
     ~mark() { set = false; }
   } const under_way(simulating_);
   stop_asked_ = agree_ = false;
-  for (const auto& start : starters_) start();
+  call(starters_);
   for (std::size_t k = 0; k < steps; ++k) {
     if constexpr (keeps)
-      if (hooks != nullptr) hooks->before_step();
+      if (hooks != nullptr) {
+        const detail::function_clock clock(state_, number_of_checkpoints);
+        hooks->before_step();
+      }
     step(s.dt);
     if constexpr (keeps)
-      if (hooks != nullptr) hooks->after_step();
-    for (const auto& observe : observers_) observe();
+      if (hooks != nullptr) {
+        const detail::function_clock clock(state_, number_of_checkpoints);
+        hooks->after_step();
+      }
+    call(observers_);
     if (ends_now(s)) {
       stopped_ = true;
       last_step_ = state_.steps;
       if constexpr (keeps) keeper_.course.stop();
     }
-    for (const auto& write : writers_) write();
+    call(writers_);
     if constexpr (keeps)
-      if (hooks != nullptr) hooks->after_observers(stopped_ || k + 1 == steps, stopped_);
+      if (hooks != nullptr) {
+        const detail::function_clock clock(state_, number_of_checkpoints);
+        hooks->after_observers(stopped_ || k + 1 == steps, stopped_);
+      }
     if (stopped_) break;
   }
   if constexpr (keeps) {
