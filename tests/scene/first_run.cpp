@@ -226,10 +226,11 @@ TEST_CASE("the summary counts consistently, and its percentages are 100 together
   MESSAGE(text);
   CHECK(has(text, "pile: 1 body (1 movable) on 2 ranks, threads, 1000 steps of 0.00416667\n"));
   CHECK(has(text, "  time     1 s of wall time, 1 ms per step; 0 s of CPU time of all ranks, "));
-  CHECK(has(text,
-            "wall time of a rank: search for contacts 2 %, contact solver 47 %,\n"
-            "           messages between ranks 49 %, other work of steps 1 %, set-up and the rest 1 "
-            "%\n           (less than 1 % each: height of it)\n"));
+  CHECK(
+      has(text,
+          "wall time of a rank: search for contacts 2 %, contact solver 47 %,\n"
+          "           messages between ranks 49 %, other work of steps 1 %, set-up and the rest 1 "
+          "%\n           (less than 1 % each: height of it)\n"));
   CHECK(has(text, "; 116 contacts touch\n"));
   CHECK(has(text, "a rank sends at most 1 message and 0 bytes in a step"));
   CHECK(has(text, "\n  state    digest 0123456789abcdef: "));
@@ -399,10 +400,9 @@ TEST_CASE("the summary and its JSON file have the momentum balance and the overl
   r.balance_of_forces = {
       .known = true, .borne = 1.44, .change = 0.44, .error = 1e-15, .unstopped = 0.9};
   CHECK(!has(to_text(r), "warning"));
-  CHECK(
-      has(to_text(r),
-          "fixed bodies bear 1.44 of the weight of the others (1 at rest); touching bodies still "
-          "approach with 0.9 of the momentum that gravity gives in a step\n"));
+  CHECK(has(to_text(r),
+            "fixed bodies bear 1.44 of the weight of the others (1 at rest); touching bodies still "
+            "approach with 0.9 of the momentum that gravity gives in a step\n"));
   CHECK(has(to_text(r), "largest overlap at the end 0.049 of the radius of the smaller body; "));
   CHECK(has(to_json(r), "\"balance_borne_weight\": 1.44"));
   CHECK(has(to_json(r), "\"balance_beyond_bound\": false"));

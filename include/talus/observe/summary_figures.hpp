@@ -61,8 +61,8 @@ struct summary {
   islands_solved islands;     ///< of this run
   double cpu_seconds = 0;     ///< of all ranks together
   double wall_seconds = 0;
-  stage_seconds seconds;                    ///< of each stage, on the slowest rank
-  stage_seconds seconds_mean;               ///< of each stage, the mean over the ranks
+  stage_seconds seconds;       ///< of each stage, on the slowest rank
+  stage_seconds seconds_mean;  ///< of each stage, the mean over the ranks
   results functions;       ///< wall time of functions, outputs and monitors, on the slowest rank
   results functions_mean;  ///< the same, the mean over the ranks
   std::uint64_t messages_per_step_max = 0;  ///< sent by one rank in one step

@@ -13,7 +13,8 @@ TALUS_INLINE std::string error_text(const talus::summary& r) {
   const force_balance& b = r.balance_of_forces;
   const char* const more = "           ";
   std::string lines = compose(
-      "  error    largest overlap at the end {} of the radius of the smaller body; on average {} of "
+      "  error    largest overlap at the end {} of the radius of the smaller body; on average {} "
+      "of "
       "the mean radius; {}\n",
       text(r.overlap.deepest, 2), text(r.overlap.mean, 2),
       counted(r.overlap.touching, "contact touches", "contacts touch"));
@@ -56,9 +57,9 @@ TALUS_INLINE std::string monitors_text(const talus::summary& r) {
   };
   std::string lines;
   if (there("overlap_worst"))
-    lines += compose("  overlap  deepest in any step: {}{}\n",
-                     text(value("overlap_worst") * r.overlap.mean_radius, 3),
-                     unit_behind("L", r.units));
+    lines +=
+        compose("  overlap  deepest in any step: {}{}\n",
+                text(value("overlap_worst") * r.overlap.mean_radius, 3), unit_behind("L", r.units));
   if (soft(r) && there("contact_residual"))
     lines += compose(
         "  forces   on a body leave {} of the contact forces unbalanced at the end (0 at rest), {} "
@@ -182,10 +183,11 @@ TALUS_INLINE std::string to_text(const summary& r) {
                          ranks, counted(r.steps, "step", "steps"), lengths,
                          unit_behind("T", r.units)) +
          detail::time_text(r) + detail::error_text(r) + detail::islands_line(r.islands) +
-         detail::compose("  motion   kinetic energy {}{}, fastest body {}{}, momentum of all {}{}\n",
-                         text(r.moving.kinetic_energy, 3), unit_behind("M L^2/T^2", r.units),
-                         text(r.moving.max_speed, 3), unit_behind("L/T", r.units),
-                         r.moving.momentum, unit_behind("M L/T", r.units)) +
+         detail::compose(
+             "  motion   kinetic energy {}{}, fastest body {}{}, momentum of all {}{}\n",
+             text(r.moving.kinetic_energy, 3), unit_behind("M L^2/T^2", r.units),
+             text(r.moving.max_speed, 3), unit_behind("L/T", r.units), r.moving.momentum,
+             unit_behind("M L/T", r.units)) +
          detail::monitors_text(r) + detail::ranks_text(r) +
          detail::compose(
              "  memory   {} per body\n"

@@ -53,7 +53,8 @@ template <class Scenario>
 }
 
 /// Writes such a table on rank 0. The first line names the columns and their units: those of
-/// world::units(), or M (mass), L (length) and T (time) where it gave none. Each line is one write: a killed run keeps its lines.
+/// world::units(), or M (mass), L (length) and T (time) where it gave none. Each line is one write:
+/// a killed run keeps its lines.
 class time_series {
  public:
   /// Opens the file; the first line replaces an existing file. An empty name means no file, and

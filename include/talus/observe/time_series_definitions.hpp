@@ -59,8 +59,7 @@ TALUS_INLINE void time_series::replace_by(const std::string& text) {
   }
 }
 
-TALUS_INLINE std::string time_series::head_of(std::string_view name,
-                                              std::string_view dimension,
+TALUS_INLINE std::string time_series::head_of(std::string_view name, std::string_view dimension,
                                               const unit_names& units) {
   std::string head(name);
   if (!dimension.empty()) ((head += " [") += detail::in_units(dimension, units)) += "]";

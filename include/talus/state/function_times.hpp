@@ -10,8 +10,7 @@
 
 namespace talus::detail {
 
-/// The name of the first entry: the part of steps that is no stage, such as the exchange of bodies
-/// with itself of a single rank.
+/// The name of the first entry: the part of steps of simulate() that is no stage.
 inline constexpr const char* name_of_other_work = "other work of steps";
 /// The name of functions that the program gave without a name.
 inline constexpr const char* name_of_program = "functions of the program";
@@ -36,15 +35,16 @@ class function_times {
   double sum_ = 0;
 };
 
-/// Adds the wall time of its life to a name, without that of stages and of other names in it.
+/// Divides the time from its beginning on among names.
 template <class State>
-class function_clock {
+class lap_clock {
  public:
-  function_clock(State& s, std::size_t number) : s_(s), number_(number) {}
-  function_clock(const function_clock&) = delete;
-  function_clock& operator=(const function_clock&) = delete;
-  ~function_clock() {
-    s_.functions.add(number_, wall_seconds() - began_ - (counted() - before_));
+  explicit lap_clock(State& s) : s_(s) {}
+  /// Adds to a name the wall time since the last call, without that of stages and of other names.
+  void lap(std::size_t number) {
+    const double now = wall_seconds(), here = now - began_ - (counted() - before_);
+    s_.functions.add(number, here);
+    began_ = now, before_ = counted();
   }
 
  private:
@@ -54,8 +54,21 @@ class function_clock {
   }
 
   State& s_;
-  std::size_t number_;
   double before_ = counted(), began_ = wall_seconds();
+};
+
+/// Adds the wall time of its life to a name.
+template <class State>
+class function_clock {
+ public:
+  function_clock(State& s, std::size_t number) : clock_(s), number_(number) {}
+  function_clock(const function_clock&) = delete;
+  function_clock& operator=(const function_clock&) = delete;
+  ~function_clock() { clock_.lap(number_); }
+
+ private:
+  lap_clock<State> clock_;
+  std::size_t number_;
 };
 
 /// A function that a world calls, and the number of the name of its time.

@@ -534,12 +534,12 @@ class world {
     if constexpr (well)
       observe(detail::name_of_conditions, when,
               [condition = std::move(condition)](world& w) mutable {
-        if constexpr (of_world) {
-          if (condition(w)) w.stop();
-        } else if (condition()) {
-          w.stop();
-        }
-      });
+                if constexpr (of_world) {
+                  if (condition(w)) w.stop();
+                } else if (condition()) {
+                  w.stop();
+                }
+              });
   }
   /// The same after each step.
   template <class F>
@@ -658,11 +658,11 @@ class world {
   /// Elapsed time, in units of time.
   [[nodiscard]] real time() const { return state_.time; }
 
-  /// Names of the units in which the program gives its numbers: `world.units({.length = "m", .mass =
-  /// "kg", .time = "s"})`. The summary, the heads of the columns of --csv and the JSON file show
+  /// Names of the units in which the program gives its numbers: `world.units({.length = "m", .mass
+  /// = "kg", .time = "s"})`. The summary, the heads of the columns of --csv and the JSON file show
   /// them, and forms such as kg m^2/s^2; no value depends on them. A unit without a name is M, L or
-  /// T. All ranks call it alike. Throws invalid_argument for a name with a comma, a quote, a bracket
-  /// or a line feed.
+  /// T. All ranks call it alike. Throws invalid_argument for a name with a comma, a quote, a
+  /// bracket or a line feed.
   void units(const unit_names& names) {
     detail::require_sane(names);
     units_ = names;
@@ -780,11 +780,9 @@ class world {
   bool stop_asked_ = false;  ///< by this rank, in the present step
   bool agree_ = false;       ///< a function of observe() was called in the present step
   using called = std::vector<detail::named_function<std::function<void()>>>;
-  void call(const called& all) {
-    for (const auto& one : all) {
-      const detail::function_clock clock(state_, one.number);
-      one.f();
-    }
+  using laps = detail::lap_clock<detail::world_state<Scenario>>;
+  static void call(const called& all, laps& clock) {
+    for (const auto& one : all) one.f(), clock.lap(one.number);
   }
   called observers_, writers_, starters_;
   unit_names units_;

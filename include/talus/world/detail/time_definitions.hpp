@@ -90,7 +90,6 @@ void world<Scenario>::step(real dt) {
         "rank {} changed its connections and then called step: call synchronize() on all ranks "
         "first",
         rank());
-  const detail::function_clock clock(state_, 0);  // other work of steps
   if constexpr (balances) look_at_balance_if_due();
   const traffic before = state_.link->counters();
   if constexpr (balances)
@@ -117,8 +116,6 @@ void world<Scenario>::stop() {
 template <class Scenario>
 bool world<Scenario>::ends_now(const simulation& s) {
   if (s.stop_when && state_.steps % s.check_every == 0) {
-    const detail::function_clock clock(state_,
-                                       state_.functions.number(detail::name_of_conditions));
     stop_asked_ = s.stop_when() || stop_asked_;
     agree_ = true;
   }
@@ -174,30 +171,28 @@ void world<Scenario>::simulate(const simulation& s) {
     ~mark() { set = false; }
   } const under_way(simulating_);
   stop_asked_ = agree_ = false;
-  call(starters_);
+  laps clock(state_);
+  call(starters_, clock);
   for (std::size_t k = 0; k < steps; ++k) {
     if constexpr (keeps)
-      if (hooks != nullptr) {
-        const detail::function_clock clock(state_, number_of_checkpoints);
-        hooks->before_step();
-      }
+      if (hooks != nullptr) hooks->before_step(), clock.lap(number_of_checkpoints);
     step(s.dt);
+    clock.lap(0);  // other work of steps
     if constexpr (keeps)
-      if (hooks != nullptr) {
-        const detail::function_clock clock(state_, number_of_checkpoints);
-        hooks->after_step();
-      }
-    call(observers_);
+      if (hooks != nullptr) hooks->after_step(), clock.lap(number_of_checkpoints);
+    call(observers_, clock);
+    const bool asks = agree_ || s.stop_when;
     if (ends_now(s)) {
       stopped_ = true;
       last_step_ = state_.steps;
       if constexpr (keeps) keeper_.course.stop();
     }
-    call(writers_);
+    if (asks) clock.lap(state_.functions.number(detail::name_of_conditions));
+    call(writers_, clock);
     if constexpr (keeps)
       if (hooks != nullptr) {
-        const detail::function_clock clock(state_, number_of_checkpoints);
         hooks->after_observers(stopped_ || k + 1 == steps, stopped_);
+        clock.lap(number_of_checkpoints);
       }
     if (stopped_) break;
   }
