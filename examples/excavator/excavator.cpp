@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
         const double R = L, from = -1.2,
                      to = 1.2;  // of the bucket: radius, angles from the vertical
         world.decompose({.lower = {-L}, .upper = {L}}, reach{1.5 * R});
+        world.units({.length = "m", .mass = "t", .time = "s"});
         world.gravity({0, 0, -g});
         const auto sand = world.material({.density = 2.5, .friction = 0.5});
         const auto steel = world.material({.density = 7.8, .friction = 0.3});
@@ -90,7 +91,7 @@ int main(int argc, char** argv) {
         double torque = 0, work = 0, most = 0, sum = 0, speed = 0;
         world.keep("angles", angles), world.keep("speed", speed), world.keep("work", work);
         world.keep("most", most), world.keep("sum", sum);
-        world.after_each_step([&] {
+        world.after_each_step("torque of the bucket", [&] {
           const joint_reading now = measure_joint(world, pin);
           angles = {now.angle, angles[0]};
           torque = -now.torque.dot(axis);

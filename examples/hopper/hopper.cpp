@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
 
     flow_meter outflow(world, plane{.normal = {0, 0, -1}, .offset = -low});
     coarse_fields mean({.lower = {-W, 0, low}, .upper = {W, depth, high}, .cells = {8, 1, 7}});
-    world.observe(every{20}, [&](auto& w) {
+    world.observe("mean fields", every{20}, [&](auto& w) {
       if (w.time() > 2) mean += measure_fields(w, mean.grid());
     });
     world.simulate({.steps = options.steps, .dt = options.dt});

@@ -341,7 +341,18 @@ TEST_CASE(
       CAPTURE(name);
       CHECK(json.find("\"" + std::string(name) + "\": " + detail::text(value)) !=
             std::string::npos);
-      CHECK(text.find(name) != std::string::npos);
+    }
+    // Once, and in words.
+    for (const std::string& words :
+         {"\n  overlap  deepest in any step: " +
+              detail::text(measure_overlaps(w).worst * r.overlap.mean_radius, 3) + "\n",
+          "impacts " + detail::text(b.total.impact, 3) + ", damping ",
+          "but for " + detail::text(b.worst, 2) + " of what a step exchanges\n",
+          "in the last step is accounted for, but for " +
+              detail::text(measure_momentum(w).error(), 2) + " of it\n"}) {
+      CAPTURE(words);
+      CAPTURE(text);
+      CHECK(text.find(words) != std::string::npos);
     }
     const std::string note = measure_monitors(w).text;
     CHECK(note.find(", energy ") != std::string::npos);

@@ -29,6 +29,14 @@ struct simulation_fields {
   static constexpr auto says = simulation;
   template <sentence S> using refused = no_simulation<S>;
 };
+inline constexpr sentence unit_names = "world.units({...}) takes the fields length, mass and time, in this order";
+template <sentence S> struct no_unit_names {
+  static_assert(unrefused<S>, "world.units({...}) takes the fields length, mass and time, in this order");
+};
+struct unit_names_fields {
+  static constexpr auto says = unit_names;
+  template <sentence S> using refused = no_unit_names<S>;
+};
 inline constexpr sentence balance_settings = "world.balance({...}) takes the fields every, above and by, in this order";
 template <sentence S> struct no_balance_settings {
   static_assert(unrefused<S>, "world.balance({...}) takes the fields every, above and by, in this order");

@@ -133,7 +133,7 @@ void record_breaks(world<Scenario>& w, const std::string& file, every often) {
                                        why.empty() ? file + " cannot be written" : why);
   };
   on_first(w.link(), [&] { out->emplace(file); });
-  w.observe(often, [seen, out, on_first](auto& now) {
+  w.observe("table of broken bonds", often, [seen, out, on_first](auto& now) {
     const auto found = detail::new_breaks(now, *seen);
     on_first(now.link(), [&] {
       std::string lines;

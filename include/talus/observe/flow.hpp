@@ -124,8 +124,8 @@ class flow_meter {
   flow_meter(world<Scenario>& w, const plane& where) : w_(w) {
     where.validate();
     counter_ = std::make_shared<detail::crossing_counter<Scenario>>(detail::view_of(w), where);
-    w.before_simulating([counter = counter_] { counter->note(); });
-    w.after_each_step([counter = counter_] { counter->count(); });
+    w.before_simulating("flow meters", [counter = counter_] { counter->note(); });
+    w.after_each_step("flow meters", [counter = counter_] { counter->count(); });
   }
   /// Collective: sums over all ranks, since the meter was made.
   [[nodiscard]] flow total() const {

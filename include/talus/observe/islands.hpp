@@ -34,12 +34,10 @@ namespace detail {
 /// A line of the summary; empty if there was nothing to solve.
 [[nodiscard, gnu::cold]] inline std::string islands_line(const islands_solved& r) {
   if (r.solved == 0 && r.skipped == 0) return {};
-  using budget = island_budget;
   return compose(
-      "  islands  {} solved as one, {} skipped; in a step a rank spends at most {} operations on "
-      "them, or {} for each contact, and on average {}, or {} for each contact\n",
-      r.solved, r.skipped, text(budget::least_kept, 2), text(budget::kept_per_contact, 6),
-      text(budget::least, 2), text(budget::per_contact, 6));
+      "  islands  {} {} of contacts on which the iterations stalled, each solved as one{}\n",
+      r.solved, r.solved == 1 ? "group" : "groups",
+      r.skipped > 0 ? compose("; {} left to the iterations", r.skipped) : std::string());
 }
 [[nodiscard, gnu::cold]] inline std::string islands_warning(const islands_solved& r) {
   if (r.skipped == 0) return {};

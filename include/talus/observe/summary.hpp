@@ -103,6 +103,33 @@ template <class Scenario>
   }
 }
 
+/// Collective: the times of functions of the program, of outputs and of monitors. Where ranks have
+/// different functions, all are functions of the program.
+template <class Scenario>
+[[gnu::cold]] void report_functions(world<Scenario>& w, talus::summary& r) {
+  r.functions = view_of(w).functions.all();
+  // A hash of the names, and its complement.
+  std::array<std::uint64_t, 2> most{1469598103934665603U, 0};
+  for (const auto& one : r.functions)
+    for (const char c : one.first + "\n")
+      most[0] = (most[0] ^ static_cast<unsigned char>(c)) * 1099511628211U;
+  most[1] = ~most[0];
+  w.link().reduce(reduction::max, most);
+  if (most[0] != ~most[1]) {
+    double all = 0;
+    for (std::size_t k = 1; k < r.functions.size(); ++k) all += r.functions[k].second;
+    r.functions = {r.functions.front(), {name_of_program, all}};
+  }
+  std::vector<double> seconds;
+  for (const auto& one : r.functions) seconds.push_back(one.second);
+  std::vector<double> sums = seconds;
+  w.link().reduce(reduction::max, std::span(seconds));
+  w.link().reduce(reduction::sum, std::span(sums));
+  r.functions_mean = r.functions;
+  for (std::size_t k = 0; k < seconds.size(); ++k)
+    r.functions[k].second = seconds[k], r.functions_mean[k].second = sums[k] / r.ranks;
+}
+
 }  // namespace detail
 
 /// Collective: the figures of the present world. `cpu_seconds` are those of this rank.
@@ -115,6 +142,7 @@ template <class Scenario>
   summary r;
   r.policies = detail::policies_in_use(s);
   r.transport = detail::transport_in_use(w);
+  r.units = w.units();
   r.ranks = w.ranks();
   r.steps = w.steps();
   r.restarted_at = w.restarted_at();
@@ -168,6 +196,7 @@ template <class Scenario>
   r.wall_seconds = slowest[4];
   link.reduce(reduction::sum, std::span(&cpu_seconds, 1));
   r.cpu_seconds = cpu_seconds;
+  detail::report_functions(w, r);
   return r;
 }
 

@@ -24,9 +24,10 @@ namespace talus {
 /// Values that a scenario measured itself, by name; the same on all ranks.
 using results = std::vector<std::pair<std::string, double>>;
 
-/// The figures of the last line of a run and its JSON file. Lengths in radii where stated.
+/// The figures of the last lines of a run and its JSON file. Lengths in radii where stated.
 struct summary {
   std::string scenario;
+  unit_names units;  ///< of the program
   std::string policies;
   std::string transport;
   int ranks = 1;
@@ -61,8 +62,10 @@ struct summary {
   islands_solved islands;     ///< of this run
   double cpu_seconds = 0;     ///< of all ranks together
   double wall_seconds = 0;
-  stage_seconds seconds;                    ///< of each stage, on the slowest rank
-  stage_seconds seconds_mean;               ///< of each stage, the mean over the ranks
+  stage_seconds seconds;       ///< of each stage, on the slowest rank
+  stage_seconds seconds_mean;  ///< of each stage, the mean over the ranks
+  results functions;       ///< wall time of functions, outputs and monitors, on the slowest rank
+  results functions_mean;  ///< the same, the mean over the ranks
   std::uint64_t messages_per_step_max = 0;  ///< sent by one rank in one step
   std::uint64_t bytes_per_step_max = 0;
   double collectives_per_step = 0;

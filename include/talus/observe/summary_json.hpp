@@ -35,7 +35,8 @@ class json_object {
 
 }  // namespace detail
 
-/// The figures as one flat JSON object. A result of the scenario whose name is taken, such as "dt",
+/// The figures as one flat JSON object. The time of a function named "height of the heap" is
+/// "seconds_height_of_the_heap". A result of the scenario whose name is taken, such as "dt",
 /// is written as "result_dt".
 [[nodiscard, gnu::cold]] std::string to_json(const summary& r);
 

@@ -41,6 +41,9 @@ TALUS_INLINE std::string to_json(const summary& r) {
   o.add("transport", r.transport);
   o.add("ranks", r.ranks);
   o.add("steps", r.steps);
+  if (!r.units.length.empty()) o.add("unit_length", r.units.length);
+  if (!r.units.mass.empty()) o.add("unit_mass", r.units.mass);
+  if (!r.units.time.empty()) o.add("unit_time", r.units.time);
   if (!r.ended.empty()) o.add("ended_by", r.ended);
   if (r.restarted_at > 0) o.add("restarted_at", r.restarted_at);
   o.add("dt", r.dt);
@@ -98,6 +101,18 @@ TALUS_INLINE std::string to_json(const summary& r) {
   o.add("seconds_respond", r.seconds.respond);
   o.add("seconds_integrate", r.seconds.integrate);
   o.add("seconds_exchange", r.seconds.exchange);
+  for (const auto& [name, seconds] : r.functions) {
+    std::string key = "seconds";
+    bool joint = true;
+    for (const char c : name) {
+      const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+      if (plain && joint) key += '_';
+      joint = !plain;
+      if (plain) key += c;
+    }
+    while (o.has(key)) key += '_';
+    o.add(key, seconds);
+  }
   o.add("messages_per_step_max", r.messages_per_step_max);
   o.add("bytes_per_step_max", r.bytes_per_step_max);
   o.add("collectives_per_step", r.collectives_per_step);

@@ -7,6 +7,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/observe/summary_figures.hpp"
+#include "talus/observe/time_shares.hpp"
 #include "talus/observe/warnings_of_scales.hpp"
 
 namespace talus {
@@ -16,15 +17,14 @@ namespace detail {
 /// "1 body", "2 bodies".
 [[nodiscard, gnu::cold]] std::string counted(std::uint64_t n, const char* one, const char* many);
 
-/// Integer percentages of the time of a run whose sum is at most 100.
-struct time_shares {
-  long detect, respond, exchange;
+/// The lines on overlaps and on how well the contact law and the balance of momentum hold.
+[[nodiscard, gnu::cold]] std::string error_text(const talus::summary& r);
 
-  time_shares(const stage_seconds& s, double wall);
-};
+/// The values of the monitors, in words.
+[[nodiscard, gnu::cold]] std::string monitors_text(const talus::summary& r);
 
-/// The line on the balance of momentum and the largest overlap.
-[[nodiscard, gnu::cold]] std::string balance_text(const talus::summary& r);
+/// What several ranks sent each other, and how evenly they shared the work; empty for one rank.
+[[nodiscard, gnu::cold]] std::string ranks_text(const talus::summary& r);
 
 /// Warnings for errors that the residual alone hides.
 [[nodiscard, gnu::cold]] std::string balance_warnings(const talus::summary& r);

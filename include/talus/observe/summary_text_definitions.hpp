@@ -9,26 +9,97 @@ TALUS_INLINE std::string counted(std::uint64_t n, const char* one, const char* m
   return compose("{} {}", n, n == 1 ? one : many);
 }
 
-TALUS_INLINE time_shares::time_shares(const stage_seconds& s, double wall) {
-  const double unit = 100 / std::max({wall, s.detect + s.respond + s.exchange, 1e-9});
-  detect = std::lround(unit * s.detect);
-  respond = std::lround(unit * (s.detect + s.respond)) - detect;
-  exchange = std::lround(unit * (s.detect + s.respond + s.exchange)) - detect - respond;
+TALUS_INLINE std::string error_text(const talus::summary& r) {
+  const force_balance& b = r.balance_of_forces;
+  const char* const more = "           ";
+  std::string lines = compose(
+      "  error    largest overlap at the end {} of the radius of the smaller body; on average {} "
+      "of "
+      "the mean radius; {}\n",
+      text(r.overlap.deepest, 2), text(r.overlap.mean, 2),
+      counted(r.overlap.touching, "contact touches", "contacts touch"));
+  if (soft(r)) {
+    lines += compose("{}dt is {} of the step beyond which soft contacts gain energy\n", more,
+                     text(longest_step(r) / r.critical_dt, 3));
+  } else {
+    std::string worst;
+    if (r.solved.residual_worst > r.residual.value)
+      worst = compose(", by {} in the worst step measured", text(r.solved.residual_worst, 2));
+    const double most = static_cast<double>(r.solved.iterations_max);
+    lines += compose(
+        "{}contact law missed by {} of the impulses in the last step (0: it holds), by {} at the "
+        "worst contact{}; {} iterations per step{}\n",
+        more, text(r.residual.value, 2), text(r.residual.max, 2), worst,
+        text(mean_iterations(r), 3),
+        mean_iterations(r) == most ? std::string()
+                                   : compose(" on average, {} at most", r.solved.iterations_max));
+  }
+  if (!b.known) return lines;
+  lines += compose("{}fixed bodies bear {} of the weight of the others (1 at rest)", more,
+                   text(b.borne, 3));
+  if (!soft(r))
+    lines += compose(
+        "; touching bodies still approach with {} of the momentum that gravity gives in a step",
+        text(b.unstopped, 2));
+  return lines + "\n";
 }
 
-TALUS_INLINE std::string balance_text(const talus::summary& r) {
-  const force_balance& b = r.balance_of_forces;
-  std::string line = "           ";
-  if (b.known) {
-    line += compose("what is fixed bears {} of the weight", text(b.borne, 3));
-    if (!soft(r))
-      line += compose(
-          ", momentum changes by {} of it, contacts leave {} of it unstopped (balance to {})",
-          text(b.change, 3), text(b.unstopped, 2), text(b.error, 1));
-    line += "; ";
-  }
-  return line +
-         compose("largest overlap {} of the radius of its body\n", text(r.overlap.deepest, 2));
+TALUS_INLINE std::string monitors_text(const talus::summary& r) {
+  const auto value = [&](std::string_view name) {
+    for (const measured& m : r.monitors)
+      if (m.name == name) return m.value;
+    return std::nan("");
+  };
+  const auto there = [&](std::string_view name) {
+    for (const measured& m : r.monitors)
+      if (m.name == name) return true;
+    return false;
+  };
+  std::string lines;
+  if (there("overlap_worst"))
+    lines +=
+        compose("  overlap  deepest in any step: {}{}\n",
+                text(value("overlap_worst") * r.overlap.mean_radius, 3), unit_behind("L", r.units));
+  if (soft(r) && there("contact_residual"))
+    lines += compose(
+        "  forces   on a body leave {} of the contact forces unbalanced at the end (0 at rest), {} "
+        "in the worst step\n",
+        text(value("contact_residual"), 2), text(value("contact_residual_worst"), 2));
+  if (there("momentum_error"))
+    lines += compose(
+        "  momentum all that bodies gained in the last step is accounted for, but for {} of it\n",
+        text(value("momentum_error"), 2));
+  if (!there("energy_error")) return lines;
+  const auto part = [&](std::string_view name) { return text(value(name), 3); };
+  return lines +
+         compose(
+             "  energy   {}{} at the start; since then work on bodies {}, changes by the program "
+             "{}, added by the correction of overlaps {}, by the time stepping {}\n"
+             "           lost by friction {}, impacts {}, damping {}{}; all is accounted for, but "
+             "for {} of what a step exchanges\n",
+             part("energy_initial"), unit_behind("M L^2/T^2", r.units), part("energy_work"),
+             part("energy_changes"), part("energy_correction"), part("energy_scheme"),
+             part("energy_friction"), part("energy_impact"), part("energy_damping"),
+             there("energy_sleep") ? compose(", sleep {}", part("energy_sleep")) : std::string(),
+             text(value("energy_error_worst"), 2));
+}
+
+TALUS_INLINE std::string ranks_text(const talus::summary& r) {
+  if (r.ranks == 1) return {};
+  std::string lines = compose(
+      "  traffic  a rank sends at most {} and {} in a step; all ranks together make {} reductions "
+      "per step\n",
+      counted(r.messages_per_step_max, "message", "messages"),
+      counted(r.bytes_per_step_max, "byte", "bytes"), text(r.collectives_per_step, 6));
+  if (r.balancing)
+    lines += compose(
+        "  balance  cuts moved {}; largest share of a rank over the mean one before and after: "
+        "bodies {} and {}, contacts {} and {}, time {} and {}\n",
+        counted(r.balance.moved, "time", "times"), text(r.balance.before.bodies, 3),
+        text(r.balance.after.bodies, 3), text(r.balance.before.contacts, 3),
+        text(r.balance.after.contacts, 3), text(r.balance.before.time, 3),
+        text(r.balance.after.time, 3));
+  return lines;
 }
 
 TALUS_INLINE std::string balance_warnings(const talus::summary& r) {
@@ -62,21 +133,11 @@ TALUS_INLINE std::string balance_warnings(const talus::summary& r) {
 namespace talus {
 
 TALUS_INLINE std::string to_text(const summary& r) {
-  const double steps = detail::steps_taken(r.steps, r.restarted_at);
-  const detail::time_shares percent(r.seconds_mean, r.wall_seconds);
-  using detail::counted, detail::text;
+  using detail::counted, detail::text, detail::unit_behind;
   std::string own;
   for (const auto& [name, value] : r.own)
     ((((own += own.empty() ? "  results  " : ", ") += name) += " ") += text(value, 5));
   if (!own.empty()) own += "\n";
-  std::string monitors;
-  for (const measured& m : r.monitors)
-    ((((monitors += monitors.empty() ? "  monitors " : ", ") += m.name) += " ") +=
-     text(m.value, 3));
-  if (!monitors.empty()) own = monitors + "\n" + own;
-  std::string tolerance;
-  if (r.solver.tolerance > 0)
-    tolerance = detail::compose(" (asked for {})", text(r.solver.tolerance, 2));
   std::string warning;
   if (above_tolerance(r) || r.solved.steps_above > 0)
     warning = detail::compose(
@@ -111,52 +172,29 @@ TALUS_INLINE std::string to_text(const summary& r) {
                                          .leap = r.leap,
                                          .joint = r.joint});
   warning += detail::islands_warning(r.islands);
-  own = detail::islands_line(r.islands) + own;
   const std::string asleep =
       r.sleeping ? detail::compose(", {} of them asleep", r.moving.asleep) : std::string();
-  if (r.balancing)
-    own = detail::compose(
-              "  balance  cuts moved {}; largest share over the mean one before and after: "
-              "bodies {} and {}, contacts {} and {}, time {} and {}\n",
-              counted(r.balance.moved, "time", "times"), text(r.balance.before.bodies, 3),
-              text(r.balance.after.bodies, 3), text(r.balance.before.contacts, 3),
-              text(r.balance.after.contacts, 3), text(r.balance.before.time, 3),
-              text(r.balance.after.time, 3)) +
-          own;
+  const std::string ranks =
+      r.ranks > 1 ? detail::compose(" on {} ranks, {}", r.ranks, r.transport) : std::string();
   const std::string lengths =
       r.dt_least < r.dt_most ? text(r.dt_least, 6) + " to " + text(r.dt_most, 6) : text(r.dt, 6);
-  const std::string solving =
-      soft(r) ? detail::compose("           dt is {} of the critical time step {}\n",
-                                text(longest_step(r) / r.critical_dt, 3), text(r.critical_dt, 3))
-              : detail::compose(
-                    "           residual {} at the end, {} for the worst contact, {} for the worst "
-                    "step measured{}; iterations per step: {} on average, {} at most\n",
-                    text(r.residual.value, 2), text(r.residual.max, 2),
-                    text(r.solved.residual_worst, 2), tolerance, text(mean_iterations(r), 3),
-                    r.solved.iterations_max);
-  return detail::compose(
-      "{}: {} ({} movable{}) on {}, {}, {} of {}\n"
-      "  speed    {} ms of processor per step, {} s in all; of the time of a rank: detect {} %, "
-      "respond {} %, exchange {} %\n"
-      "  error    overlap {} of the radius on average, {} at most; {} at the end, {} in the last "
-      "step\n"
-      "{}{}"
-      "  motion   kinetic energy {}, fastest {}, momentum {}\n"
-      "  traffic  {} and {} per step and rank at most, {} collectives per step\n"
-      "  memory   {} per body\n"
-      "  state    digest {}\n{}{}",
-      r.scenario, counted(r.moving.bodies, "body", "bodies"), r.moving.movable, asleep,
-      counted(static_cast<std::uint64_t>(r.ranks), "rank", "ranks"), r.transport,
-      counted(r.steps, "step", "steps"), lengths, text(1e3 * r.cpu_seconds / steps, 3),
-      text(r.wall_seconds, 3), percent.detect, percent.respond, percent.exchange,
-      text(r.overlap.mean, 2), text(r.overlap.max, 2),
-      counted(r.overlap.touching, "contact touches", "contacts touch"),
-      counted(r.contacts, "contact was considered", "contacts were considered"), solving,
-      detail::balance_text(r), text(r.moving.kinetic_energy, 3), text(r.moving.max_speed, 3),
-      r.moving.momentum, counted(r.messages_per_step_max, "message", "messages"),
-      counted(r.bytes_per_step_max, "byte", "bytes"), text(r.collectives_per_step, 6),
-      counted(static_cast<std::uint64_t>(std::lround(r.bytes_per_body)), "byte", "bytes"), r.digest,
-      own, warning);
+  return detail::compose("{}: {} ({} movable{}){}, {} of {}{}\n", r.scenario,
+                         counted(r.moving.bodies, "body", "bodies"), r.moving.movable, asleep,
+                         ranks, counted(r.steps, "step", "steps"), lengths,
+                         unit_behind("T", r.units)) +
+         detail::time_text(r) + detail::error_text(r) + detail::islands_line(r.islands) +
+         detail::compose(
+             "  motion   kinetic energy {}{}, fastest body {}{}, momentum of all {}{}\n",
+             text(r.moving.kinetic_energy, 3), unit_behind("M L^2/T^2", r.units),
+             text(r.moving.max_speed, 3), unit_behind("L/T", r.units), r.moving.momentum,
+             unit_behind("M L/T", r.units)) +
+         detail::monitors_text(r) + detail::ranks_text(r) +
+         detail::compose(
+             "  memory   {} per body\n"
+             "  state    digest {}: runs that end alike to the last bit have the same\n",
+             counted(static_cast<std::uint64_t>(std::lround(r.bytes_per_body)), "byte", "bytes"),
+             r.digest) +
+         own + warning;
 }
 
 }  // namespace talus

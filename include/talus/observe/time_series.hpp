@@ -52,8 +52,9 @@ template <class Scenario>
   return columns;
 }
 
-/// Writes such a table on rank 0. The first line names the columns and their dimensions (M mass, L
-/// length, T time). Each line is one write: a killed run keeps its lines.
+/// Writes such a table on rank 0. The first line names the columns and their units: those of
+/// world::units(), or M (mass), L (length) and T (time) where it gave none. Each line is one write:
+/// a killed run keeps its lines.
 class time_series {
  public:
   /// Opens the file; the first line replaces an existing file. An empty name means no file, and
@@ -76,7 +77,7 @@ class time_series {
     sampled_ = true;
     last_ = w.steps();
     const detail::plain_vector<measured> columns = measure_run(w);
-    if (speaks_) write(columns, w.records().all());
+    if (speaks_) write(columns, w.records().all(), w.units());
   }
 
   /// Closes the file. Throws runtime_error if it then turns out that lines could not be written.
@@ -113,11 +114,14 @@ class time_series {
   /// Replaces the content of the file by a text, and keeps the file open for more lines.
   [[gnu::cold]] void replace_by(const std::string& text);
   [[nodiscard, gnu::cold]] static std::string head_of(std::string_view name,
-                                                      std::string_view dimension);
+                                                      std::string_view dimension,
+                                                      const unit_names& units);
   /// The head of the table, with the user-defined columns behind the others. The lines before the
   /// first value of such a column are empty there.
-  [[gnu::cold]] void write_head(const detail::plain_vector<measured>& columns, const records& own);
-  [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own);
+  [[gnu::cold]] void write_head(const detail::plain_vector<measured>& columns, const records& own,
+                                const unit_names& units);
+  [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own,
+                           const unit_names& units);
 
   std::string name_;
   int id_ = -1;

@@ -59,17 +59,18 @@ TALUS_INLINE void time_series::replace_by(const std::string& text) {
   }
 }
 
-TALUS_INLINE std::string time_series::head_of(std::string_view name, std::string_view dimension) {
+TALUS_INLINE std::string time_series::head_of(std::string_view name, std::string_view dimension,
+                                              const unit_names& units) {
   std::string head(name);
-  if (!dimension.empty()) ((head += " [") += dimension) += "]";
+  if (!dimension.empty()) ((head += " [") += detail::in_units(dimension, units)) += "]";
   return head;
 }
 
 TALUS_INLINE void time_series::write_head(const detail::plain_vector<measured>& columns,
-                                          const records& own) {
+                                          const records& own, const unit_names& units) {
   std::string head;
   for (const measured& c : columns)
-    (head += head.empty() ? "" : ",") += head_of(c.name, c.dimension);
+    (head += head.empty() ? "" : ",") += head_of(c.name, c.dimension, units);
   const auto standard = std::count(head.begin(), head.end(), ',');
   for (const detail::recorded_value& r : own) {
     for (const measured& c : columns)
@@ -78,7 +79,7 @@ TALUS_INLINE void time_series::write_head(const detail::plain_vector<measured>& 
             "world.record was given the name '{}', which is that of another column of the table "
             "{}: take another name",
             r.name, name_);
-    head += "," + head_of(r.name, r.dimension);
+    head += "," + head_of(r.name, r.dimension, units);
   }
   const auto commas_of = [](std::string_view text) {
     return std::count(text.begin(), text.end(), ',');
@@ -109,9 +110,9 @@ TALUS_INLINE void time_series::write_head(const detail::plain_vector<measured>& 
 }
 
 TALUS_INLINE void time_series::write(const detail::plain_vector<measured>& columns,
-                                     const records& own) {
+                                     const records& own, const unit_names& units) {
   if (std::exchange(begins_, false)) replace_by("");
-  write_head(columns, own);
+  write_head(columns, own, units);
   std::string line;
   for (const measured& c : columns) (line += line.empty() ? "" : ",") += detail::text(c.value);
   for (const detail::recorded_value& r : own) (line += ",") += detail::text(r.value);

@@ -209,10 +209,10 @@ class session {
   void drive(world_type& w, const Options& o) {
     world_ = &w;
     // After the last step of a simulate() the set-up goes on to the next one, or to its end.
-    w.before_simulating([this] {
+    w.before_simulating("Python", [this] {
       if (!std::exchange(begun_, true) || std::exchange(due_, false)) thread_.yield();
     });
-    w.after_observers([this, &w] {
+    w.after_observers("Python", [this, &w] {
       if (++made_ != asked_ && !interrupted_ && !end_->began()) return;
       due_ = w.steps() == w.last_step();
       if (!due_) thread_.yield();

@@ -189,8 +189,8 @@ void add_fluid(World& w, fluid<Velocity, VoidFraction> of, Law law = {},
       done->dt = dt;
     };
     if constexpr (scenario::template has_feature<checkpoints>) w.keep(name, done->next);
-    w.before_simulating(act);
-    w.after_each_step(act);
+    w.before_simulating(name, act);
+    w.after_each_step(name, act);
   }
 }
 

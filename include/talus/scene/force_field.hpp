@@ -46,8 +46,8 @@ void add_force_field(World& w, F f, const std::string& name = "force field") {
       });
     };
     if constexpr (scenario::template has_feature<checkpoints>) w.keep(name, done->next);
-    w.before_simulating(act);
-    w.after_each_step(act);
+    w.before_simulating(name, act);
+    w.after_each_step(name, act);
   }
 }
 

@@ -265,7 +265,7 @@ std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, cons
     auto one = std::make_shared<detail::inserter<World, Region, F>>(w, how, region, std::move(f));
     if constexpr (World::scenario_type::template has_feature<checkpoints>)
       w.keep("inflow " + how.name, one->count());
-    w.after_each_step([one] { one->insert(); });
+    w.after_each_step(how.name, [one] { one->insert(); });
     return {one, &one->count()};
   } else {
     return nullptr;

@@ -63,7 +63,7 @@ outflow remove_in(World& w, const Region& region, const std::string& name = "out
     w.keep_sum(name + " bodies", count->count);
     w.keep_sum(name + " mass", count->mass);
   }
-  w.after_each_step([&w, region, count] {
+  w.after_each_step(name, [&w, region, count] {
     w.destroy_if([&](const auto& b) {
       if (b.is_fixed() || !region.contains(b.position())) return false;
       ++count->count, count->mass += b.mass();

@@ -75,8 +75,12 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
     write_povray(w, folder + "/frame_" + zeros + digits + ".pov", look);
   };
   w.synchronize();
-  take(w.steps() / options.every);
-  w.after_each_step([&w, take, lock, every = options.every] {
+  auto& s = detail::state_of(w);
+  {
+    const detail::function_clock clock(s, s.functions.number("pictures of --frames"));
+    take(w.steps() / options.every);
+  }
+  w.after_each_step("pictures of --frames", [&w, take, lock, every = options.every] {
     if (w.steps() % every == 0) take(w.steps() / every);
   });
 }

@@ -158,8 +158,8 @@ void attach_output(world<Scenario>& w, const Options& options, run_log& log) {
       const auto write = [&w, series, every = options.output_every] {
         if (w.steps() % every == 0) series->write();
       };
-      w.before_simulating([series, write] { series->go_on(), write(); });
-      w.after_each_step(write);
+      w.before_simulating("files of --output", [series, write] { series->go_on(), write(); });
+      w.after_each_step("files of --output", write);
     }
   }
 }
@@ -196,7 +196,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   run_place place{.rank = link.rank()};
   until_option until(options);
   std::vector<std::uint64_t> asked;  // of the calls of simulate()
-  w.before_simulating([&] {
+  w.before_simulating("checks at the start", [&] {
     asked.push_back(w.last_step() - w.steps());
     if (options.dry_run) {
       const run_estimate e = estimate_run(w, w.last_step() - w.steps());
@@ -215,12 +215,17 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   bool out_of_time = false;
   time_limit limit(options.time_limit.empty() ? 0 : seconds_in(options.time_limit), began,
                    !options.checkpoint.empty());
-  w.after_observers([&] {
+  if (!options.csv.empty())
+    w.after_observers("table of --csv", [&] {
+      if (w.steps() % options.csv_every == 0) table.sample(w);
+    });
+  w.after_observers("progress line", [&] {
     if constexpr (has_monitors<Scenario>)
-      if (!silent && (w.steps() % note_every == 0 || w.steps() == w.last_step()))
+      if (!silent && (w.steps() % note_every == 0 || w.steps() == w.last_step())) {
+        const function_clock clock(state_of(w), state_of(w).functions.number(name_of_monitors));
         note = measure_monitors(w).text;
+      }
     progress.update(w.steps(), planned_steps(w, options), note);
-    if (w.steps() % options.csv_every == 0) table.sample(w);
     if (!limit.over(w, link) || w.stopped() || w.steps() >= planned_steps(w, options)) return;
     out_of_time = true;  // checkpoints end the run when they have written the state
     if (options.checkpoint.empty()) throw ended_early{w.steps(), 0, ended_early::cause::time_limit};
@@ -230,7 +235,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   const auto view = attach_view(w, options, name);
   if (!replaced.empty()) log.say(replaced, quiet);
   const exit_guard guard(place, name, options, log);
-  w.after_each_step([&] {
+  w.after_each_step("progress line", [&] {
     place.step = w.steps();
     if constexpr (requires { link.note_step(place.step); }) link.note_step(place.step);
   });

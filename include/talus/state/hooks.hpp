@@ -103,17 +103,30 @@ struct view_of_hooks {
                 "#include <talus/feature.hpp>");
 };
 
+/// Whether a feature measures errors of the steps.
+template <class Feature>
+inline constexpr bool is_monitor =
+    contains_type<type_list<energy_ledger, momentum_balance, penetration_monitor, residual_monitor>,
+                  Feature>;
+
 template <class Stage, class Feature, class Scenario, class State, class... More>
 void run_hook(State& s, More&... more) {
   using hooks = typename Feature::hooks;
   static_assert(complete<hooks>, "the hooks of this feature are declared and not defined");
   if constexpr (built_in<Feature>) {
-    if constexpr (requires { Stage::template call<hooks>(s, more...); })
-      Stage::template call<hooks>(s, more...);
+    if constexpr (requires { Stage::template call<hooks>(s, more...); }) {
+      if constexpr (is_monitor<Feature> && contains_type<stages::all, Stage>) {
+        const function_clock clock(s, s.functions.number(name_of_monitors));
+        Stage::template call<hooks>(s, more...);
+      } else {
+        Stage::template call<hooks>(s, more...);
+      }
+    }
   } else if constexpr (contains_type<stages::all, Stage>) {
     using view = stage_view<Scenario, Feature>;
     if constexpr (view_of_hooks<Scenario, Feature>::complete)
       if constexpr (requires(view & v) { Stage::template call<hooks>(v); }) {
+        const function_clock clock(s, s.functions.number(Feature::name));
         view v(s);
         Stage::template call<hooks>(v);
       }

@@ -42,15 +42,16 @@ class stage_clock {
   Total start_ = now();
 };
 
-/// Runs a stage and adds its wall time to `total`, without the time spent in exchanges.
+/// Runs a stage and adds its wall time to `total`, without that of exchanges and of functions with
+/// a time of their own (function_times.hpp).
 template <class State, class Stage>
 void timed(State& s, double& total, Stage&& stage) {
-  const double exchanged = s.seconds.exchange;
+  const double before = s.seconds.exchange + s.functions.sum();
   {
     const stage_clock clock(total);
     stage();
   }
-  total -= s.seconds.exchange - exchanged;
+  total -= s.seconds.exchange + s.functions.sum() - before;
 }
 
 }  // namespace talus::detail

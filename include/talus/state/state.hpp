@@ -27,6 +27,7 @@
 #include "talus/state/counted_time.hpp"
 #include "talus/state/feature_states.hpp"
 #include "talus/state/flush_bodies.hpp"
+#include "talus/state/function_times.hpp"
 #include "talus/state/joint_table.hpp"
 #include "talus/state/monitors.hpp"
 #include "talus/state/periodic_ghosts.hpp"
@@ -306,6 +307,7 @@ struct population : held_bodies<Scenario>, rank_state<Scenario> {
 template <class Scenario>
 struct step_records {
   std::conditional_t<state_traits<Scenario>::balances, balanced_seconds, stage_seconds> seconds;
+  function_times functions;
   [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
 };
 

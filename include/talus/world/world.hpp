@@ -25,6 +25,7 @@
 #include "talus/world/joint_handle.hpp"
 #include "talus/world/sections.hpp"
 #include "talus/world/state_of.hpp"
+#include "talus/world/unit_names.hpp"
 #include "talus/world/view.hpp"
 
 namespace talus {
@@ -522,7 +523,7 @@ class world {
   /// `world.stop_when(every{100}, [](auto& world) { return measure_motion(world).max_speed < 1e-3;
   /// })`. It is evaluated on all ranks after the steps whose number is a multiple of `when.steps`,
   /// so it may call collective functions of the world; several ranks agree by one reduction. Throws
-  /// invalid_argument for a multiple of 0.
+  /// invalid_argument for a multiple of 0. The summary tells the time of all conditions together.
   template <class F>
   void stop_when(every when, F condition) {
     constexpr bool of_world = std::is_invocable_r_v<bool, F&, world&>;
@@ -531,13 +532,14 @@ class world {
                   "world.stop_when takes how often, and a condition of the world: write "
                   "world.stop_when(every{100}, [&](auto& world) { return ...; })");
     if constexpr (well)
-      observe(when, [condition = std::move(condition)](world& w) mutable {
-        if constexpr (of_world) {
-          if (condition(w)) w.stop();
-        } else if (condition()) {
-          w.stop();
-        }
-      });
+      observe(detail::name_of_conditions, when,
+              [condition = std::move(condition)](world& w) mutable {
+                if constexpr (of_world) {
+                  if (condition(w)) w.stop();
+                } else if (condition()) {
+                  w.stop();
+                }
+              });
   }
   /// Ends each call of simulate() if `condition(world)`, or `condition()`, is true on any rank
   /// after a step. It is evaluated after each step.
@@ -587,12 +589,22 @@ class world {
   template <class F>
   auto once(const std::string& name, F&& f);
   /// Calls f() after each step of simulate().
-  void after_each_step(std::function<void()> f) { observers_.push_back(std::move(f)); }
+  void after_each_step(std::function<void()> f) { after_each_step({}, std::move(f)); }
+  /// The same; the summary of the run tells the time of f under this name.
+  void after_each_step(std::string_view name, std::function<void()> f) {
+    observers_.push_back({std::move(f), state_.functions.number(name)});
+  }
   /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
   /// all ranks: `world.observe(every{100}, [](auto& world) { ... })`. f may call collective
   /// functions of the world. Throws invalid_argument for a multiple of 0.
   template <class When = every, class F>
   void observe(When when, F f) {
+    observe({}, when, std::move(f));
+  }
+  /// The same; the summary of the run tells the time of f under this name:
+  /// `world.observe("height of the heap", every{100}, [](auto& world) { ... })`.
+  template <class When = every, class F>
+  void observe(std::string_view name, When when, F f) {
     constexpr bool well = std::is_same_v<When, every> && std::is_invocable_v<F&, world&>;
     static_assert(well,
                   "world.observe takes how often, and a function of the world: write "
@@ -601,7 +613,7 @@ class world {
       if (when.steps == 0)
         detail::fail<std::invalid_argument>(
             "world.observe was told to do something every 0 steps: give 1 or more");
-      after_each_step([this, when, f = std::move(f)]() mutable {
+      after_each_step(name, [this, when, f = std::move(f)]() mutable {
         if (state_.steps % when.steps != 0) return;
         f(*this);
         agree_ = true;
@@ -610,9 +622,17 @@ class world {
   }
   /// Calls f() after each step of simulate(), after all functions of after_each_step() and
   /// observe(): for output of their results.
-  void after_observers(std::function<void()> f) { writers_.push_back(std::move(f)); }
+  void after_observers(std::function<void()> f) { after_observers({}, std::move(f)); }
+  /// The same; the summary of the run tells the time of f under this name.
+  void after_observers(std::string_view name, std::function<void()> f) {
+    writers_.push_back({std::move(f), state_.functions.number(name)});
+  }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
-  void before_simulating(std::function<void()> f) { starters_.push_back(std::move(f)); }
+  void before_simulating(std::function<void()> f) { before_simulating({}, std::move(f)); }
+  /// The same; the summary of the run tells the time of f under this name.
+  void before_simulating(std::string_view name, std::function<void()> f) {
+    starters_.push_back({std::move(f), state_.functions.number(name)});
+  }
 
   /// Number of time steps made so far, including those before a restart.
   [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
@@ -639,6 +659,21 @@ class world {
   }
   /// Elapsed time, in units of time.
   [[nodiscard]] real time() const { return state_.time; }
+
+  /// Names of the units in which the program gives its numbers: `world.units({.length = "m", .mass
+  /// = "kg", .time = "s"})`. The summary, the heads of the columns of --csv and the JSON file show
+  /// them, and forms such as kg m^2/s^2; no value depends on them. A unit without a name is M, L or
+  /// T. All ranks call it alike. Throws invalid_argument for a name with a comma, a quote, a
+  /// bracket or a line feed.
+  void units(const unit_names& names) {
+    detail::require_sane(names);
+    units_ = names;
+  }
+  /// Refuses other fields.
+  template <detail::sentence Fields = detail::fields::unit_names>
+  detail::fields::no_unit_names<Fields> units(...) const TALUS_REFUSED;
+  /// The names that were given.
+  [[nodiscard]] const unit_names& units() const { return units_; }
 
   /// Seconds of wall time that the stages of the steps so far took on this rank.
   [[nodiscard]] stage_seconds stage_times() const {
@@ -746,7 +781,13 @@ class world {
   bool simulating_ = false, stopped_ = false;
   bool stop_asked_ = false;  ///< by this rank, in the present step
   bool agree_ = false;       ///< a function of observe() was called in the present step
-  std::vector<std::function<void()>> observers_, writers_, starters_;
+  using called = std::vector<detail::named_function<std::function<void()>>>;
+  using laps = detail::lap_clock<detail::world_state<Scenario>>;
+  static void call(const called& all, laps& clock) {
+    for (const auto& one : all) one.f(), clock.lap(one.number);
+  }
+  called observers_, writers_, starters_;
+  unit_names units_;
   detail::recorded_values records_;
   [[no_unique_address]] std::conditional_t<keeps, detail::checkpoint_keeper, detail::keeps_nothing>
       keeper_;

@@ -118,10 +118,10 @@ template <class Scenario>
                                                               const std::string& name) {
   if (o.view.empty()) return nullptr;
   const auto view = std::make_shared<run_view<Scenario>>(w, o, name);
-  w.before_simulating([&w, view, steps = o.steps] {
+  w.before_simulating("page of --view", [&w, view, steps = o.steps] {
     view->begin(w.last_step() > w.steps() ? w.last_step() - w.steps() : steps);
   });
-  w.after_each_step([view] { view->step(); });
+  w.after_each_step("page of --view", [view] { view->step(); });
   return view;
 }
 

@@ -145,7 +145,9 @@ void world<Scenario>::simulate(const simulation& s) {
   std::size_t steps = s.steps;
   detail::checkpoint_hooks* hooks = nullptr;
   bool restarted = false;
+  [[maybe_unused]] std::size_t number_of_checkpoints = 0;
   if constexpr (keeps) {
+    if (keeper_.hooks) number_of_checkpoints = state_.functions.number("checkpoints");
     keeper_.note_given(detail::parameters_of(state_));
     keeper_.course.begin(s.steps, state_.steps);
     if (hooks = keeper_.hooks.get(); hooks != nullptr) {
@@ -169,22 +171,29 @@ void world<Scenario>::simulate(const simulation& s) {
     ~mark() { set = false; }
   } const under_way(simulating_);
   stop_asked_ = agree_ = false;
-  for (const auto& start : starters_) start();
+  laps clock(state_);
+  call(starters_, clock);
   for (std::size_t k = 0; k < steps; ++k) {
     if constexpr (keeps)
-      if (hooks != nullptr) hooks->before_step();
+      if (hooks != nullptr) hooks->before_step(), clock.lap(number_of_checkpoints);
     step(s.dt);
+    clock.lap(0);  // other work of steps
     if constexpr (keeps)
-      if (hooks != nullptr) hooks->after_step();
-    for (const auto& observe : observers_) observe();
+      if (hooks != nullptr) hooks->after_step(), clock.lap(number_of_checkpoints);
+    call(observers_, clock);
+    const bool asks = agree_ || s.stop_when;
     if (ends_now(s)) {
       stopped_ = true;
       last_step_ = state_.steps;
       if constexpr (keeps) keeper_.course.stop();
     }
-    for (const auto& write : writers_) write();
+    if (asks) clock.lap(state_.functions.number(detail::name_of_conditions));
+    call(writers_, clock);
     if constexpr (keeps)
-      if (hooks != nullptr) hooks->after_observers(stopped_ || k + 1 == steps, stopped_);
+      if (hooks != nullptr) {
+        hooks->after_observers(stopped_ || k + 1 == steps, stopped_);
+        clock.lap(number_of_checkpoints);
+      }
     if (stopped_) break;
   }
   if constexpr (keeps) {
