@@ -125,12 +125,27 @@ struct joint_rows {
   [[nodiscard]] change driven() const {
     change d;
     for (int k = 0; k < rows; ++k)
-      if (lines[index(k)].use == line_use::drives) d[k] = r[k];
+      if (drives(lines[index(k)].use)) d[k] = r[k];
     return d;
   }
   /// Their work, on both bodies.
   [[nodiscard]] real driven_work(const state& s) const {
     return real(0.5) * driven().dot(before + velocities(s));
+  }
+  /// The impulses of the force laws of each coordinate, and the mean rate of the coordinate.
+  [[nodiscard]] axis_drives drives_of_axes(const state& s) const {
+    axis_drives all{};
+    const change after = velocities(s);
+    for (int k = 0; k < rows; ++k) {
+      const joint_line& x = lines[index(k)];
+      if (!drives(x.use)) continue;
+      axis_drive& to = all[x.axis];
+      (x.use == line_use::motor    ? to.motor
+       : x.use == line_use::spring ? to.spring
+                                   : to.friction) = r[k];
+      to.rate = real(0.5) * (before[k] + after[k]);
+    }
+    return all;
   }
   [[nodiscard]] wrench wrench_on_a(const change& d) const {
     wrench x;
