@@ -13,17 +13,25 @@
 
 namespace talus::detail {
 
-/// Of all impulses of conditions on positions that give the bodies the same momenta, the solution
-/// of least norm, where the square of an impulse counts by the mobility of its row. It is that of
-/// springs with the mobilities as compliances, which bear the momenta.
+/// Whether a row shares loads with those that it depends on: a condition on positions, or a motor
+/// or friction below its largest load. Only the motion determines its impulse.
+[[nodiscard]] inline bool shares_load(const joint_line& x, real impulse) {
+  return x.use == line_use::holds ||
+         (drives(x.use) && x.compliance == 0 && impulse > x.least && impulse < x.most);
+}
+
+/// Of all impulses of such rows that give the bodies the same momenta, the solution of least norm,
+/// where the square of an impulse counts by the mobility of its row. It is that of springs with the
+/// mobilities as compliances, which bear the momenta.
 class shared_loads {
  public:
   /// `structure` has been arranged for these rows.
   shared_loads(articulated_rows& rows, const articulated_system& structure)
       : rows_(rows), springs_(structure) {}
 
-  /// Replaces the impulses, if the solution is as exact as they are.
-  void find() {
+  /// Replaces the impulses, if the solution is as exact as they are, or moves them towards it until
+  /// the first of them is at a bound. Returns the part of the way.
+  real find() {
     constexpr real weak = 1e-8, enough = 1e-15, useful = 1e-12;
     constexpr int most = 20;
     // Rows as springs with their mobilities as compliances, which bear the momenta; bodies as weak
@@ -60,10 +68,20 @@ class shared_loads {
       springs_.solve(left);
       for (std::size_t i = 0; i < x.size(); ++i) x[i] += left[i];
     }
-    if (last <= useful)
-      each_shared([&](std::size_t j, std::size_t k, const joint_line&, real& r, real) {
-        r = x[springs_.of_joint(static_cast<std::int32_t>(j)) + k];
-      });
+    if (!(last <= useful)) return 1;
+    const auto change = [&](std::size_t j, std::size_t k, real r) {
+      return x[springs_.of_joint(static_cast<std::int32_t>(j)) + k] - r;
+    };
+    real part = 1;
+    each_shared([&](std::size_t j, std::size_t k, const joint_line& line, real& r, real) {
+      const real d = change(j, k, r), room = (d > 0 ? line.most : line.least) - r;
+      if (d > 0 ? d > room : d < room) part = std::min(part, room / d);
+    });
+    each_shared([&](std::size_t j, std::size_t k, const joint_line& line, real& r, real) {
+      const real d = change(j, k, r);
+      r = std::clamp(part == 1 ? r + d : r + part * d, line.least, line.most);
+    });
+    return part;
   }
 
  private:
@@ -71,7 +89,7 @@ class shared_loads {
   template <class F>
   void each_shared(F&& f) {
     rows_.each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
-      if (x.use != line_use::holds) return;
+      if (!shares_load(x, r)) return;
       if (const real w = rows_.mobility(j, x); w > 0) f(j, k, x, r, w);
     });
   }
