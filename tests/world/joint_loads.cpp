@@ -174,8 +174,13 @@ TEST_CASE("the loads and powers of a hinge, alike on any ranks and after a resta
           CHECK(x.friction.power < 0);
           CHECK(x.spring.power < 0);
           CHECK(x.second.motor.load == 0);
-          CHECK(1e-3 * (x.motor.power + x.spring.power + x.friction.power) ==
-                doctest::Approx(e.step.work).epsilon(1e-10));
+          CHECK(1e-3 * x.motor.power == doctest::Approx(e.step.motors).epsilon(1e-10));
+          CHECK(1e-3 * x.spring.power == doctest::Approx(e.step.springs).epsilon(1e-10));
+          CHECK(1e-3 * x.friction.power == doctest::Approx(-e.step.joint_friction).epsilon(1e-10));
+          CHECK(e.step.work == 0);
+          CHECK(e.kinetic + e.potential ==
+                doctest::Approx(e.initial + e.changes + e.total.net()).epsilon(1e-12));
+          CHECK(e.worst < 1e-12);
         }
         if (ranks == 2) write_checkpoint(w, file);
       }
