@@ -87,14 +87,21 @@ int main(int argc, char** argv) {
         const double way = to - from, weight = 7.8 * shape.volume() * g;
         const vec3 arm = at.position - pivot;
         std::array<double, 2> angles{};  // of the last steps
-        double torque = 0, work = 0, most = 0, sum = 0;
-        world.keep("angles", angles), world.keep("work", work);
+        double torque = 0, work = 0, most = 0, sum = 0, speed = 0;
+        world.keep("angles", angles), world.keep("speed", speed), world.keep("work", work);
         world.keep("most", most), world.keep("sum", sum);
         world.after_each_step([&] {
           const joint_reading now = measure_joint(world, pin);
           angles = {now.angle, angles[0]};
-          torque = now.motor.load;
-          work += now.motor.power * options.dt;
+          torque = -now.torque.dot(axis);
+          const double before = speed;
+          speed = 0;
+          world.for_each_local([&](const auto& b) {
+            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(b.shape())>, bucket_shape>)
+              speed = b.angular_velocity().dot(axis);
+          });
+          world.link().reduce(reduction::sum, std::span(&speed, 1));
+          work += 0.5 * torque * (before + speed) * options.dt;  // at the mean speed of the step
           const vec3 pull = rotated(rotation(axis, now.angle), arm).cross(vec3(0, 0, -weight));
           const double digging = torque + pull.dot(axis);
           if (world.steps() > settled + 2 && now.angle > 0 && now.angle < way) {

@@ -1,6 +1,7 @@
 #pragma once
 // The contacts of jointed bodies with what cannot move, on all ranks of an island of joints.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -38,6 +39,10 @@ class joint_supports {
         joint_support x;
         x.body = mover, x.place = own_++, x.key = key, x.friction = c.mu();
         x.axes = c.axes(), x.arm = c.lever_a(), x.impulse = c.impulse();
+        const auto& body = s_.solver.bodies[static_cast<std::size_t>(mover)];
+        const vec3 u = c.relative_velocity(s_.solver);
+        x.slides = std::hypot(u[1], u[2]) >
+                   small * (v_of(body).norm() + s_.solver.speed + x.arm.norm() * w_of(body).norm());
         if (mover != c.a) x.arm = c.lever_b(), x.axes = -x.axes, x.impulse = -x.impulse;
         all.push_back(x);
       });
@@ -63,6 +68,8 @@ class joint_supports {
   }
 
  private:
+  static constexpr real small = 1e-6;  ///< part of a speed, above which a contact slides
+
   template <class Lists, class F>
   static void each_contact_list(Lists& lists, F&& f) {
     each_of(lists, [&](auto& list) {

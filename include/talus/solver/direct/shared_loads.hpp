@@ -1,6 +1,7 @@
 #pragma once
 // Loads of joints whose rows depend on each other: the impulses of least norm.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,8 +22,10 @@ namespace talus::detail {
 }
 
 /// Of all impulses of such rows that give the bodies the same momenta, the solution of least norm,
-/// where the square of an impulse counts by the mobility of its row. It is that of springs with the
-/// mobilities as compliances, which bear the momenta.
+/// where the square of an impulse counts by the mobility of its row. The loads of motors and
+/// friction count ten thousand times as much as those of their largest mobility, all torques alike
+/// and all forces alike: they are as equal as the others allow. It is that of springs with these
+/// compliances, which bear the momenta.
 class shared_loads {
  public:
   /// `structure` has been arranged for these rows.
@@ -34,14 +37,22 @@ class shared_loads {
   real find() {
     constexpr real weak = 1e-8, enough = 1e-15, useful = 1e-12;
     constexpr int most = 20;
-    // Rows as springs with their mobilities as compliances, which bear the momenta; bodies as weak
-    // springs keep the matrix regular.
+    // Rows as springs, which bear the momenta; bodies as weak springs keep the matrix regular.
+    real push = 0, turn = 0;
+    rows_.each_row([&](std::size_t j, std::size_t, const joint_line& x, real& r) {
+      if (!shares_load(x, r) || !drives(x.use)) return;
+      real& most_of = drives_[is_torque(x)];
+      most_of = std::max(most_of, rows_.mobility(j, x));
+    });
     springs_.clear();
     rows_.set_bodies(springs_, weak);
     plain_vector<real> loads(springs_.size(), 0), left, x(springs_.size(), 0);
     each_shared([&](std::size_t j, std::size_t k, const joint_line& line, real& r, real w) {
       articulated_rows::set_row(springs_, j, k, line, w, w);
       add_momenta(j, line, r, loads);
+      // At rest the momenta of the rows cancel, and their round-off is that of each row.
+      push = larger(push, std::abs(r) * line.force.norm());
+      turn = larger(turn, std::abs(r) * std::max(line.moment_a.norm(), line.moment_b.norm()));
     });
     springs_.factorize();
     const auto size_of = [&](const plain_vector<real>& all, std::size_t from) {
@@ -51,7 +62,6 @@ class shared_loads {
           sum = larger(sum, std::abs(all[springs_.of_body(static_cast<std::int32_t>(i)) + k]));
       return sum;
     };
-    const real push = size_of(loads, 0), turn = size_of(loads, 3);
     real last = unbounded;
     for (int pass = 0; pass < most; ++pass) {
       left = loads;
@@ -90,9 +100,15 @@ class shared_loads {
   void each_shared(F&& f) {
     rows_.each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
       if (!shares_load(x, r)) return;
-      if (const real w = rows_.mobility(j, x); w > 0) f(j, k, x, r, w);
+      if (const real w = rows_.mobility(j, x); w > 0)
+        f(j, k, x, r, drives(x.use) ? soft * drives_[is_torque(x)] : w);
     });
   }
+  static constexpr real soft = 1e4;
+  [[nodiscard]] static std::size_t is_torque(const joint_line& x) {
+    return x.force == vec3(0, 0, 0) ? 1 : 0;
+  }
+
   /// Adds the momenta that an impulse gives to the bodies.
   void add_momenta(std::size_t j, const joint_line& x, real r, plain_vector<real>& to) const {
     const auto add = [&](std::int32_t i, real p, const vec3& moment) {
@@ -118,6 +134,7 @@ class shared_loads {
 
   articulated_rows& rows_;
   articulated_system springs_;
+  std::array<real, 2> drives_{};  ///< the largest mobility of their forces, and of their torques
 };
 
 }  // namespace talus::detail

@@ -27,6 +27,7 @@ struct joint_support {
   mat3 axes;  ///< rows: the normal towards the body, two tangents
   vec3 arm{0, 0, 0};
   real friction = 0;
+  bool slides = false;    ///< faster than by round-off and what sweeps leave
   vec3 impulse{0, 0, 0};  ///< on the body, in the world
 
   friend bool operator<(const joint_support& x, const joint_support& y) {
@@ -56,7 +57,7 @@ class supported_loads : private articulated_rows {
   }
 
  private:
-  static constexpr real slack = 1e-9;  ///< of a cone, where a contact counts as sliding
+  static constexpr real slack = 1e-9;  ///< of a cone, at whose surface a contact slides
 
   bool add(const articulated_rows& island, std::span<joint_support> supports) {
     joints = island.joints;
@@ -90,7 +91,7 @@ class supported_loads : private articulated_rows {
     if (!(impulses_[3 * i] > 0)) return hold(i);
     if (!(s.friction > 0))
       lines_[3 * i + 1].use = lines_[3 * i + 2].use = line_use::off;
-    else if (!(sliding(i) < s.friction * impulses_[3 * i] * (1 - slack)))
+    else if (s.slides && !(sliding(i) < s.friction * impulses_[3 * i] * (1 - slack)))
       hold(i);
   }
   /// Its impulse stays as it is.
@@ -102,10 +103,10 @@ class supported_loads : private articulated_rows {
   }
 
   void share() {
-    constexpr int most = 4;
+    constexpr int most = 8;
     articulated_system structure;
     structure.arrange(static_cast<std::int32_t>(bodies.size()), {ties.data(), ties.size()});
-    plain_vector<real> before;
+    plain_vector<real> before, parts(supports_.size(), 1);
     for (int pass = 0; pass < most; ++pass) {
       before.clear();
       each_row([&](std::size_t, std::size_t, const joint_line&, real& r) { before.push_back(r); });
@@ -113,16 +114,14 @@ class supported_loads : private articulated_rows {
       const real part = shared_loads(*this, structure).find();
       real within = 1;
       for (std::size_t i = 0; i < supports_.size(); ++i)
-        within = std::min(within, part_of(i, start));
+        within = std::min(within, parts[i] = part_of(i, start));
       if (within < 1) {
         std::size_t n = 0;
         each_row([&](std::size_t, std::size_t, const joint_line&, real& r) {
           r = before[n] + within * (r - before[n]), ++n;
         });
         for (std::size_t i = 0; i < supports_.size(); ++i)
-          if (lines_[3 * i].use == line_use::holds &&
-              !(sliding(i) < supports_[i]->friction * impulses_[3 * i] * (1 - slack)))
-            hold(i);
+          if (parts[i] == within) hold(i);
       }
       for (std::size_t i = 0; i < supports_.size(); ++i)
         if (!(impulses_[3 * i] > 0)) hold(i);
