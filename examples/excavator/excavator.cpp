@@ -123,7 +123,7 @@ int main(int argc, char** argv) {
             {"digging_torque", sum / scale},  // mean, over the largest of the weight
             {"largest_torque", most / scale},
             {"work", work},
-            {"work_error", std::abs(energy.total.work / work - 1)},  // against the ledger
+            {"work_error", std::abs(energy.total.motors / work - 1)},  // against the ledger
             {"ledger", energy.worst}};
       });
 }

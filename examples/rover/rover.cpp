@@ -1,5 +1,7 @@
 // A rover with six wheels on rockers and bogies drives over loose ground, or with smooth wheels
 // over a floor. A force pulls it back: drawbar pull against slip.
+#include <algorithm>
+#include <array>
 #include <numeric>
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
@@ -41,6 +43,9 @@ tyre_shape make_tyre(bool lugs) {
 
 enum : std::uint32_t { grain, hull_of_rover };  // user ids; the other parts have 2 to 12
 constexpr std::size_t parts_of_rover = 12;
+constexpr std::array names_of_wheels{"torque_right_front", "torque_right_middle",
+                                     "torque_right_rear",  "torque_left_front",
+                                     "torque_left_middle", "torque_left_rear"};
 
 /// Adds a rover whose middle wheels are at x on ground of height z. Returns the hinges of its
 /// wheels.
@@ -145,21 +150,36 @@ int main(int argc, char** argv) {
           if (b.user_id() == hull_of_rover) b.add_force({-options.pull * weight, 0, 0});
         });
       if (world.steps() % options.csv_every != 0) return;
-      double torque = 0;
-      for (const auto& m : motors) torque -= measure_joint(world, m).torque[1];
+      double torque = 0, power = 0;
+      for (std::size_t k = 0; k < motors.size(); ++k) {
+        const joint_load wheel = measure_joint(world, motors[k]).motor;
+        torque += wheel.load, power += wheel.power;
+        world.record(names_of_wheels[k], wheel.load, "M L^2/T^2");
+      }
       world.record("wheel_torque", torque, "M L^2/T^2");
+      world.record("wheel_power", power, "M L^2/T^3");
     };
     act();
     world.after_each_step(act);
     world.simulate({.steps = options.steps, .dt = options.dt});
 
+    // What motors bear at the end: together the pull, and as nearly alike as statics allows.
+    double least = no_limit, most = -no_limit, sum = 0, power = 0;
+    for (const auto& m : motors) {
+      const joint_load wheel = measure_joint(world, m).motor;
+      least = std::min(least, wheel.load), most = std::max(most, wheel.load);
+      sum += wheel.load, power += wheel.power;
+    }
     const double time = static_cast<double>(options.steps - measured) * options.dt;
     const double v = (centre() - start) / time, rolling = speed * wheel_radius;
     return results{{"speed", v},
                    {"slip", 1 - v / rolling},
                    {"pull", options.pull},
                    {"joint_gap", measure_joints(world).gap},
-                   {"work", measure_energy(world).total.work},
+                   {"torque", sum / (weight * wheel_radius)},  // of all wheels
+                   {"torque_differs", (most - least) / (weight * wheel_radius)},
+                   {"power", power / (weight * rolling)},
+                   {"work", measure_energy(world).total.motors},
                    {"ledger", measure_energy(world).worst}};
   });
 }

@@ -187,6 +187,14 @@ struct split_contact_forces final {
   using columns = type_list<columns::split>;
   struct record;
 };
+/// What motors, springs and friction of joints do: the energy ledger requires it in scenarios with
+/// joints.
+struct joint_flows final {
+  using talus_inside = void;
+  using talus_part_of = roles::features;
+  using columns = type_list<>;
+  struct record;
+};
 
 template <class Feature>
 struct is_feature : std::bool_constant<concepts::feature<Feature>> {};

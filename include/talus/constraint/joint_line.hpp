@@ -17,8 +17,9 @@ inline constexpr real unbounded = std::numeric_limits<real>::infinity();
 }
 
 /// The role of a row: unused in this step, a condition on positions, or a force law of a free
-/// coordinate. `limits` holds positions while it is reached.
-enum class line_use : std::uint8_t { off, holds, limits, drives };
+/// coordinate: of a spring, a motor or friction. `limits` holds positions while it is reached.
+enum class line_use : std::uint8_t { off, holds, limits, spring, motor, friction };
+[[nodiscard]] constexpr bool drives(line_use use) { return use >= line_use::spring; }
 
 /// One row: u = force . (v_a - v_b) + moment_a . w_a - moment_b . w_b is the velocity of the row,
 /// and its impulse r acts with `force` and `moment_a` on a, and with the opposite of `force` and
@@ -32,6 +33,7 @@ struct joint_line {
   real compliance = 0;  ///< velocity per impulse
   real least = -unbounded, most = unbounded;
   line_use use = line_use::off;
+  std::uint8_t axis = 0;  ///< of a force law: the number of its coordinate
 
   [[nodiscard]] bool bounded() const { return least > -unbounded || most < unbounded; }
 };
@@ -69,6 +71,13 @@ struct row_values {
   friend row_values operator*(const row_values& a, real x) { return x * a; }
   friend bool operator==(const row_values&, const row_values&) = default;
 };
+
+/// What drove a coordinate in the last step: impulses along it, and its mean rate.
+struct axis_drive {
+  real motor = 0, spring = 0, friction = 0, rate = 0;
+};
+/// Of both coordinates that a joint may have.
+using axis_drives = std::array<axis_drive, 2>;
 
 /// A joint for a solver of many: its rows, and the impulses of these.
 struct joint_view {

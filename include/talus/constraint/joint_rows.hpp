@@ -125,12 +125,27 @@ struct joint_rows {
   [[nodiscard]] change driven() const {
     change d;
     for (int k = 0; k < rows; ++k)
-      if (lines[index(k)].use == line_use::drives) d[k] = r[k];
+      if (drives(lines[index(k)].use)) d[k] = r[k];
     return d;
   }
   /// Their work, on both bodies.
   [[nodiscard]] real driven_work(const state& s) const {
     return real(0.5) * driven().dot(before + velocities(s));
+  }
+  /// The impulses of the force laws of each coordinate, and the mean rate of the coordinate.
+  [[nodiscard]] axis_drives drives_of_axes(const state& s) const {
+    axis_drives all{};
+    const change after = velocities(s);
+    for (int k = 0; k < rows; ++k) {
+      const joint_line& x = lines[index(k)];
+      if (!drives(x.use)) continue;
+      axis_drive& to = all[x.axis];
+      (x.use == line_use::motor    ? to.motor
+       : x.use == line_use::spring ? to.spring
+                                   : to.friction) = r[k];
+      to.rate = real(0.5) * (before[k] + after[k]);
+    }
+    return all;
   }
   [[nodiscard]] wrench wrench_on_a(const change& d) const {
     wrench x;
@@ -138,15 +153,16 @@ struct joint_rows {
       x.impulse += d[k] * lines[index(k)].force, x.moment += d[k] * lines[index(k)].moment_a;
     return x;
   }
-  /// The sum of the absolute works of the rows on body a or b, whose `moment` counts: it moves with
-  /// v and rotates with w.
-  [[nodiscard]] real size_of_work(vec3 joint_line::*moment, const vec3& v, const vec3& w) const {
-    real sum = 0;
+  /// Calls f(line, work) for the rows in use, with the works of their impulses on body a or b,
+  /// which moves with v and rotates with w.
+  template <class F>
+  void each_work(bool on_a, const vec3& v, const vec3& w, F&& f) const {
     for (int k = 0; k < rows; ++k) {
       const joint_line& x = lines[index(k)];
-      sum += std::abs(r[k] * (x.force.dot(v) + (x.*moment).dot(w)));
+      if (x.use == line_use::off) continue;
+      const real rate = x.force.dot(v) + (on_a ? x.moment_a : x.moment_b).dot(w);
+      f(x, on_a ? r[k] * rate : -r[k] * rate);
     }
-    return sum;
   }
   [[nodiscard]] wrench wrench_on_b(const change& d) const {
     wrench x;

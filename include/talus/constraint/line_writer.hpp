@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "talus/body/jointed_body.hpp"
@@ -157,6 +158,7 @@ class line_writer {
   }
   /// A coordinate with its value, and `x` as the row of its rate.
   void free(joint_line x, real value, const axis_rules& rules) {
+    x.axis = static_cast<std::uint8_t>(axis_);
     note(value);
     x.error = 0;
     const joint_limits& l = rules.limits;
@@ -172,15 +174,15 @@ class line_writer {
     }
     const joint_spring& k = rules.spring;
     if (k.stiffness > 0 || k.damping > 0)
-      put(drive(x, value, k.stiffness, k.damping, k.rest, 0));
+      put(drive(x, line_use::spring, value, k.stiffness, k.damping, k.rest, 0));
     else
       ++next_;
     const force_motor& m = rules.motor;
     if (m.largest_force > 0) {
       joint_line by = x;
-      by.use = line_use::drives, by.target = m.velocity;
+      by.use = line_use::motor, by.target = m.velocity;
       if (m.stiffness > 0 || m.damping > 0)
-        by = drive(x, value, m.stiffness, m.damping, m.position, m.velocity);
+        by = drive(x, line_use::motor, value, m.stiffness, m.damping, m.position, m.velocity);
       bound(by, m.largest_force);
       put(by);
     } else {
@@ -188,7 +190,7 @@ class line_writer {
     }
     if (rules.friction > 0) {
       joint_line by = x;
-      by.use = line_use::drives;
+      by.use = line_use::friction;
       bound(by, rules.friction);
       put(by);
     } else {
@@ -200,9 +202,9 @@ class line_writer {
     x.most = when_.dt * force, x.least = -x.most;
   }
   /// A spring and a damper, implicit: of the end of the step, or of the mean of its two ends.
-  [[nodiscard]] joint_line drive(joint_line x, real value, real stiffness, real damping, real rest,
-                                 real velocity) const {
-    x.use = line_use::drives;
+  [[nodiscard]] joint_line drive(joint_line x, line_use use, real value, real stiffness,
+                                 real damping, real rest, real velocity) const {
+    x.use = use;
     const real k = when_.midway ? stiffness * when_.dt / 4 : stiffness * when_.dt;
     const real c = when_.midway ? damping / 2 : damping;
     real force = stiffness * (rest - value) + damping * velocity;

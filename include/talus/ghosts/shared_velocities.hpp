@@ -8,8 +8,10 @@
 #include <functional>
 #include <limits>
 #include <span>
+#include <type_traits>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/ghosts/joint_supports.hpp"
 #include "talus/ghosts/shared_joints.hpp"
 #include "talus/parallel/exact_reduction.hpp"
 #include "talus/state/joints.hpp"
@@ -54,6 +56,22 @@ class shared_velocities {
   /// their masses.
   void share_jointed(bool first) {
     if constexpr (solves_joints && !alone) share_jointed_velocities(s_, first);
+  }
+
+  /// Calls f(supports) with the contacts of jointed bodies with what cannot move, and stores their
+  /// impulses, if that is `needed` or another rank may need them. Returns whether.
+  template <class Lists, class F>
+  bool with_supports(Lists& lists, bool needed, F&& f) {
+    if constexpr (solves_joints && std::is_same_v<number, real>) {
+      if (!needed && s_.joints.partners.empty()) return false;
+      joint_supports<Scenario> supports(s_);
+      supports.gather(lists);
+      f(supports.all);
+      supports.put(lists);
+      return true;
+    } else {
+      return (void)lists, (void)needed, (void)f, false;
+    }
   }
 
   /// Calls f(rows) for the same joints, in the same order.

@@ -51,7 +51,15 @@ template <class Scenario>
     b.elastic = springs.stored.value();
     b.initial = r.initial.value(), b.changes = r.changes.value();
     b.step = r.step.value(), b.total = r.total.value();
-    b.closure = detail::closure_of(r, springs).value(), b.scale = detail::scale_of(r, springs);
+    detail::signed_sum left = detail::closure_of(r, springs);
+    if constexpr (detail::world_state<Scenario>::has_joints) {
+      detail::drive_record drives = detail::view_of(w).monitors.drives;
+      for (detail::drive_sums* x : {&drives.step, &drives.total})
+        x->each([&](auto&... sums) { detail::sum_exactly(w.link(), sums...); });
+      drives.step.add_to(b.step), drives.total.add_to(b.total);
+      left -= drives.step.net();
+    }
+    b.closure = left.value(), b.scale = detail::scale_of(r, springs);
     b.worst = r.worst;
     w.link().reduce(reduction::max, std::span(&b.worst, 1));
   }

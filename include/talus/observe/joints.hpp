@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <type_traits>
 
 #include "talus/constraint/line_writer.hpp"
@@ -20,6 +21,11 @@ struct joint_reading {
   vec3 torque{0, 0, 0};  ///< likewise, about the point of the joint
   double angle = 0;      ///< radians; 0 if this kind has none
   double travel = 0;     ///< length; 0 if this kind has none
+  joint_load motor;      ///< on its angle or travel; 0 without one, likewise:
+  joint_load spring;     ///< with its damper
+  joint_load friction;   ///< of its angle or travel
+  joint_loads second;    ///< of the second coordinate, of kinds with two: the travel of a
+                         ///< cylindrical_joint, the second angle of a universal_joint
 };
 
 /// Collective: what the ranks that hold the joint know of it. All is 0 if no rank holds it.
@@ -27,17 +33,45 @@ template <class Scenario, class Kind>
 [[nodiscard]] joint_reading measure_joint(world<Scenario>& w,
                                           const joint_handle<Scenario, Kind>& joint) {
   w.require_all_ranks("measure_joint");
-  std::array<double, 9> sums{};  // ranks, force, torque, angle, travel
+  joint_reading x;
+  const auto fields = std::to_array<double*>({&x.force[0],
+                                              &x.force[1],
+                                              &x.force[2],
+                                              &x.torque[0],
+                                              &x.torque[1],
+                                              &x.torque[2],
+                                              &x.angle,
+                                              &x.travel,
+                                              &x.motor.load,
+                                              &x.motor.power,
+                                              &x.spring.load,
+                                              &x.spring.power,
+                                              &x.friction.load,
+                                              &x.friction.power,
+                                              &x.second.motor.load,
+                                              &x.second.motor.power,
+                                              &x.second.spring.load,
+                                              &x.second.spring.power,
+                                              &x.second.friction.load,
+                                              &x.second.friction.power});
+  std::array<double, std::tuple_size_v<decltype(fields)> + 1> sums{};  // the last counts ranks
   if (joint.known()) {
-    const vec3 force = joint.force(), torque = joint.torque();
-    sums = {1, force[0], force[1], force[2], torque[0], torque[1], torque[2], 0, 0};
-    if constexpr (requires { Kind::has_angle; }) sums[7] = joint.angle();
-    if constexpr (requires { Kind::has_travel; }) sums[8] = joint.travel();
+    x.force = joint.force(), x.torque = joint.torque();
+    if constexpr (requires { Kind::has_angle; }) x.angle = joint.angle();
+    if constexpr (requires { Kind::has_travel; }) x.travel = joint.travel();
+    if constexpr (detail::has_axes<Kind>) {
+      const joint_loads first = joint.loads();
+      x.motor = first.motor, x.spring = first.spring, x.friction = first.friction;
+      x.second = joint.loads(1);
+    }
+    for (std::size_t k = 0; k < fields.size(); ++k) sums[k] = *fields[k];
+    sums.back() = 1;
   }
   w.link().reduce(reduction::sum, sums);
-  if (sums[0] == 0) return {};
-  for (std::size_t k = 1; k < sums.size(); ++k) sums[k] /= sums[0];  // one value, of one or two
-  return {true, {sums[1], sums[2], sums[3]}, {sums[4], sums[5], sums[6]}, sums[7], sums[8]};
+  x.exists = sums.back() > 0;
+  for (std::size_t k = 0; k < fields.size(); ++k)  // one value, of one or two ranks
+    *fields[k] = x.exists ? sums[k] / sums.back() : 0;
+  return x;
 }
 
 /// By how much joints are violated.

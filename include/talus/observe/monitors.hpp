@@ -75,6 +75,11 @@ template <class Scenario>
     add("energy_scheme", energy, e.total.scheme);
     if constexpr (Scenario::template has_feature<sleeping>)
       add("energy_sleep", energy, e.total.sleep);
+    if constexpr (Scenario::joints::size > 0) {
+      add("energy_motors", energy, e.total.motors);
+      add("energy_springs", energy, e.total.springs);
+      add("energy_joint_friction", energy, e.total.joint_friction);
+    }
     add("energy_error", "1", e.error());
     add("energy_error_worst", "1", e.worst);
     say("energy", e.error());

@@ -260,8 +260,9 @@ struct scenario final {
   using transport = typename transport_policy::type;             ///< threads
   using precision = typename precision_policy::type;             ///< double
   using features = std::conditional_t<                           ///< none
-      law_policy::soft && names<energy_ledger>,
-      detail::list_with<kept_features, detail::split_contact_forces>, kept_features>;
+      !names<energy_ledger> || (!law_policy::soft && !has_joints), kept_features,
+      detail::list_with<kept_features, std::conditional_t<has_joints, detail::joint_flows,
+                                                          detail::split_contact_forces>>>;
   using joints = typename joints_policy::list;  ///< none
 
   template <class Shape>

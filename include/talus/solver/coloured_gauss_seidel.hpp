@@ -74,7 +74,7 @@ struct coloured_gauss_seidel final {
       watch.poll();
     }
     s.stage = detail::impact_stage::none;
-    joints.share_loads();
+    joints.share_loads(lists, s);
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 
     if (correct)

@@ -152,6 +152,20 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
       for (std::size_t i = 0; i < p.row.size(); ++i) p.row.edit(i, f);
     });
   }
+  /// Calls f(contact, key) for all contacts but foreign ones, which edit_keyed() may change.
+  template <class F>
+  void each_keyed(F&& f) const {
+    each_part([&](const part& p, bool) {
+      for (std::size_t i = 0; i < p.keys.size(); ++i) f(p.row[i], p.keys[i]);
+    });
+  }
+  template <class F>
+  void edit_keyed(F&& f) {
+    each_part([&](part& p, bool) {
+      for (std::size_t i = 0; i < p.keys.size(); ++i)
+        p.row.edit(i, [&](Contact& c) { f(c, p.keys[i]); });
+    });
+  }
   /// Limits the restitution of impacts with friction of pairs that would add energy.
   void limit_rebounds(state& s);
   void prepare(const state& s);

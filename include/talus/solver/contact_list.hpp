@@ -168,7 +168,9 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void warm_start(state& s) const;
 
   /// Adds the impulses that are held to the others.
-  void end_impacts() { inner_.row.end_impacts(), border_.row.end_impacts(), boundary_.end_impacts(); }
+  void end_impacts() {
+    inner_.row.end_impacts(), border_.row.end_impacts(), boundary_.end_impacts();
+  }
 
   /// Sweeps over the interior contacts. The border comes first in either direction.
   void sweep_border(state& s, bool forward);
@@ -254,6 +256,18 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   template <class F>
   void edit_interior_contacts(F&& f) {
     for (std::size_t i = 0, n = interior(); i < n; ++i) edit_interior(i, f);
+  }
+  /// Calls f(contact, key) for the interior contacts, which edit_keyed() may change.
+  template <class F>
+  void each_keyed(F&& f) const {
+    for (const part* p : {&inner_, &border_})
+      for (std::size_t i = 0; i < p->row.size(); ++i) f(p->row[i], p->keys[i]);
+  }
+  template <class F>
+  void edit_keyed(F&& f) {
+    for (part* p : {&inner_, &border_})
+      for (std::size_t i = 0; i < p->row.size(); ++i)
+        p->row.edit(i, [&](Contact& c) { f(c, p->keys[i]); });
   }
   [[nodiscard]] bool has_boundary() const { return boundary_.size() > 0; }
   /// Calls f(contact, whether its body a is owned here).

@@ -122,7 +122,7 @@ struct nonlinear_gauss_seidel final {
       watch.poll();
     }
     s.stage = detail::impact_stage::none;
-    joints.share_loads();
+    joints.share_loads(lists, s);
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
     if constexpr (!alone)  // on all ranks or on none
       if (!(settings.tolerance > 0 && done.residual <= settings.tolerance))

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "talus/body/jointed_body.hpp"
+#include "talus/constraint/joint_line.hpp"
 #include "talus/constraint/line_writer.hpp"
 #include "talus/core/each.hpp"
 #include "talus/core/id.hpp"
@@ -35,6 +37,16 @@ struct joint_key {
 /// Stands for the frame of the world among the bodies of joints.
 inline constexpr system_id id_of_world{~std::uint64_t{0} - 1};
 
+template <class Kind>
+inline constexpr bool has_axes = requires {
+  Kind::has_angle;
+}
+|| requires { Kind::has_travel; };
+/// Nothing for kinds without coordinates.
+struct no_drives {};
+template <class Kind>
+using drives_of_kind = std::conditional_t<has_axes<Kind>, axis_drives, no_drives>;
+
 /// A joint as it migrates and is stored.
 template <class Kind>
 struct joint_record {
@@ -43,7 +55,9 @@ struct joint_record {
   typename Kind::anchors anchors;
   impulse_type impulse;           ///< of the rows, in the last step
   joint_coordinates coordinates;  ///< at the start of the last step, or in its middle
-  wrench load;        ///< its impulse on the first body in the last step, about the joint's point
+  wrench load;  ///< its impulse on the first body in the last step, about the joint's point
+  /// By what its coordinates were driven in the last step, if it has any.
+  [[no_unique_address]] drives_of_kind<Kind> drives;
   bool acts = false;  ///< on a body owned here, which is not fixed
   /// A joint of a fixed body that acts on a body of another rank has two records: the owner of the
   /// fixed body repeats the record of the other rank (`follows`), and the other rank stores in

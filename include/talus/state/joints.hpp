@@ -180,7 +180,7 @@ template <class State>
   joint_opening x;
   real angle = 0;
   for (const joint_line& line : lines) {
-    if (line.use == line_use::off || line.use == line_use::drives) continue;
+    if (line.use == line_use::off || drives(line.use)) continue;
     if (line.use == line_use::limits && line.error >= 0) continue;
     real& worst = line.force == vec3(0, 0, 0) ? angle : x.gap;
     worst = larger(worst, std::abs(line.error));
@@ -254,6 +254,7 @@ void store_joint_impulses(world_state<Scenario>& s) {
       r.impulse = c.impulse_in_frame();
       r.load = c.on_a();
       r.load.moment -= c.arm_a.cross(r.load.impulse);
+      if constexpr (has_axes<kind>) r.drives = c.drives_of_axes(s.solver);
     });
     if constexpr (requires { kind::roams; })
       if (!of_kind.records.empty()) s.joints.changed();  // how far it reaches

@@ -23,7 +23,7 @@ template <class Scenario>
       [&](const moved_joint& j) {
         joints.write(j, joints.geometry(j, joints.ends));
         for (joint_line& x : joints.lines(j)) {
-          if (x.use == line_use::drives) x.use = line_use::off;
+          if (drives(x.use)) x.use = line_use::off;
           x.target = -x.error;
         }
       },

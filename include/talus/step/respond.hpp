@@ -139,7 +139,7 @@ void solve_contacts(world_state<Scenario>& s) {
                 !requires { Solver::solves_joints; }) {
     exact_joints<std::remove_reference_t<decltype(lists)>, decltype(s.solver), decltype(ranks)>
         joints(s.solver, ranks);
-    joints.solve(s.solver), joints.share_loads();
+    joints.solve(s.solver), joints.share_loads(lists, s.solver);
   }
   if constexpr (world_state<Scenario>::law::restitution) end_impacts(lists, s.solver);
   if constexpr (coloured && !alone) drop_foreign_bodies(s);

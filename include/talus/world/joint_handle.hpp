@@ -1,5 +1,6 @@
 #pragma once
 // Refers to a joint of a world.
+#include <cstddef>
 #include <stdexcept>
 
 #include "talus/core/error.hpp"
@@ -10,6 +11,20 @@ namespace talus {
 
 template <class Scenario>
 class world;
+
+/// What a motor, a spring (with its damper) or friction did in the last step.
+struct joint_load {
+  /// Mean torque about the axis of the joint, or force along it, on its second body; the opposite
+  /// on its first. Positive if it drives the angle or travel upwards.
+  double load = 0;
+  /// Mean power that it gives to the bodies, load times the mean of the rates before and after the
+  /// step; negative if it takes energy from them.
+  double power = 0;
+};
+/// Those of an angle or a travel.
+struct joint_loads {
+  joint_load motor, spring, friction;
+};
 
 /// The frame of the world as a body of a joint: `world.join(world_frame, door, hinge{...})`.
 struct world_frame_t final {};
@@ -42,6 +57,18 @@ class joint_handle {
   [[nodiscard]] real travel() const requires(Kind::has_travel) {
     if constexpr (requires { Kind::has_angle; }) return record().coordinates[1];
     return record().coordinates[0];
+  }
+  /// The loads of the motor, the spring and the friction of a coordinate in the last step, 0 before
+  /// the first. Of two coordinates (two angles, or an angle and a travel) the first has number 0.
+  /// Throws as impulse().
+  [[nodiscard]] joint_loads loads(std::size_t coordinate = 0) const
+      requires(detail::has_axes<Kind>) {
+    const detail::axis_drive& x = record().drives.at(coordinate);
+    const auto load = [&](real impulse) {
+      const double mean = rate() * impulse;
+      return joint_load{mean, mean * x.rate};
+    };
+    return {load(x.motor), load(x.spring), load(x.friction)};
   }
   /// Changes the motor, from the next step on. All ranks call it alike. Throws invalid_argument for
   /// values without meaning, and runtime_error in an exclusive section.

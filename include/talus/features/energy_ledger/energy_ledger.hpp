@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "talus/constraint/contact_work.hpp"
+#include "talus/constraint/joint_line.hpp"
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/portable_powers.hpp"
@@ -19,6 +20,8 @@ namespace talus {
 struct energy_flows {
   double work = 0;        ///< done by forces and torques of the user, and by fixed bodies with a
                           ///< velocity on the bodies that they carry along
+  double motors = 0;      ///< done by motors of joints
+  double springs = 0;     ///< done by springs and dampers of joints; below 0 while springs are bent
   double friction = 0;    ///< dissipated by tangential impulses
   double impact = 0;      ///< dissipated by normal impulses, and by those of joints
   double damping = 0;     ///< dissipated by damping
@@ -26,9 +29,11 @@ struct energy_flows {
   double scheme = 0;      ///< added by the time stepping: -m g^2 dt^2/2 per step of a free fall,
                           ///< and the error of the rotation scheme
   double sleep = 0;       ///< dissipated when islands were put to sleep
+  double joint_friction = 0;  ///< dissipated by friction of joints
 
   [[nodiscard]] double net() const {
-    return work + correction + scheme - friction - impact - damping - sleep;
+    return work + motors + springs + correction + scheme - friction - impact - damping - sleep -
+           joint_friction;
   }
 };
 
@@ -51,8 +56,13 @@ struct flow_sums {
   signed_sum work, friction, impact, damping, correction, scheme, sleep;
 
   [[nodiscard]] energy_flows value() const {
-    return {work.value(),       friction.value(), impact.value(), damping.value(),
-            correction.value(), scheme.value(),   sleep.value()};
+    return {.work = work.value(),
+            .friction = friction.value(),
+            .impact = impact.value(),
+            .damping = damping.value(),
+            .correction = correction.value(),
+            .scheme = scheme.value(),
+            .sleep = sleep.value()};
   }
   [[nodiscard]] signed_sum net() const {
     signed_sum sum;
@@ -109,6 +119,38 @@ struct energy_record : energy_entries {
     vec3 v, w;
   };
   plain_vector<mean_velocity> mean;  ///< of all bodies known here, in the solver's order
+};
+
+/// Works of motors and springs of joints, and what their friction dissipates.
+struct drive_sums {
+  signed_sum motors, springs, friction;
+
+  void add_to(energy_flows& x) const {
+    x.motors = motors.value(), x.springs = springs.value(), x.joint_friction = friction.value();
+  }
+  [[nodiscard]] signed_sum net() const {
+    signed_sum sum = motors;
+    (sum += springs) -= friction;
+    return sum;
+  }
+  template <class F>
+  void each(F&& f) {
+    f(motors, springs, friction);
+  }
+  drive_sums& operator+=(const drive_sums& x) {
+    motors += x.motors, springs += x.springs, friction += x.friction;
+    each([](auto&... sums) { (exact_sum::cancel(sums.plus, sums.minus), ...); });
+    return *this;
+  }
+};
+/// Further entries for joints.
+struct drive_record {
+  drive_sums running, step, total;
+
+  template <class Visitor>
+  void each_number(Visitor& visit) {
+    for (drive_sums* x : {&step, &total}) x->each([&](auto&... sums) { visit.sums(sums...); });
+  }
 };
 
 /// Further entries for soft contacts: the energy of the springs of those contacts that count on
@@ -183,6 +225,7 @@ void open_energy(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
   r.running = {};
   r.exchanged = {};
+  if constexpr (world_state<Scenario>::has_joints) s.monitors.drives.running = {};
   r.before = energy_of(s);
   if (r.started)
     (r.changes += r.before.all()) -= r.after.all();
@@ -248,29 +291,34 @@ void book_contacts(world_state<Scenario>& s) {
 template <class Scenario>
 void book_joints(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
+  drive_sums& drives_of = s.monitors.drives.running;
   const auto& solver = s.solver;
   s.each_joint_list([&](const auto& list) {
     list.each_acting([&](const auto& c, bool on_a, bool on_b) {
-      const auto driven = c.driven(), holds = c.since(driven);
-      const auto book = [&](std::int32_t body, const wrench& held, const wrench& moved) {
-        const auto k = static_cast<std::size_t>(body);
-        const real work = work_of(held, r.mean[k].v, r.mean[k].w);
-        const real drive = work_of(moved, r.mean[k].v, r.mean[k].w);
-        if (solver.bodies[k].inverse_mass == 0 || k >= solver.first_global)
-          r.running.work -= work + drive;
-        r.running.impact -= work;
-        r.running.work += drive;
+      const auto book = [&](bool of_a) {
+        const auto k = static_cast<std::size_t>(of_a ? c.a : c.b);
+        const bool given = solver.bodies[k].inverse_mass == 0 || k >= solver.first_global;
+        c.each_work(of_a, r.mean[k].v, r.mean[k].w, [&](const joint_line& x, real work) {
+          if (given) r.running.work -= work;
+          // A motor and a spring may work against each other, with works far above their sum.
+          r.exchanged += std::abs(work);
+          switch (x.use) {
+            case line_use::motor:
+              drives_of.motors += work;
+              break;
+            case line_use::spring:
+              drives_of.springs += work;
+              break;
+            case line_use::friction:
+              drives_of.friction -= work;
+              break;
+            default:
+              r.running.impact -= work;
+          }
+        });
       };
-      const auto mean = [&](std::int32_t body) { return r.mean[static_cast<std::size_t>(body)]; };
-      // A motor and a spring may work against each other, with works far above their sum.
-      if (on_a) {
-        book(c.a, c.wrench_on_a(holds), c.wrench_on_a(driven));
-        r.exchanged += c.size_of_work(&joint_line::moment_a, mean(c.a).v, mean(c.a).w);
-      }
-      if (on_b) {
-        book(c.b, c.wrench_on_b(holds), c.wrench_on_b(driven));
-        r.exchanged += c.size_of_work(&joint_line::moment_b, mean(c.b).v, mean(c.b).w);
-      }
+      if (on_a) book(true);
+      if (on_b) book(false);
     });
   });
 }
@@ -402,7 +450,14 @@ void close_energy(world_state<Scenario>& s) {
   r.after = energy_of(s);
   r.step = r.running;
   r.total += r.step;
-  r.note_closure(closure_of(r).value(), scale_of(r));
+  signed_sum left = closure_of(r);
+  if constexpr (world_state<Scenario>::has_joints) {
+    drive_record& d = s.monitors.drives;
+    d.step = d.running;
+    d.total += d.step;
+    left -= d.step.net();
+  }
+  r.note_closure(left.value(), scale_of(r));
 }
 
 }  // namespace detail
@@ -413,6 +468,14 @@ struct energy_ledger::record {
   template <class F>
   void each_record(F&& f) {
     f("energy", energy);
+  }
+};
+struct detail::joint_flows::record {
+  drive_record drives;
+
+  template <class F>
+  void each_record(F&& f) {
+    f("drives", drives);
   }
 };
 struct detail::split_contact_forces::record {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/constraint/joint_line.hpp"
 #include "talus/ghosts/migrating_joints.hpp"
 #include "talus/io/detail/checkpoint_bodies.hpp"
 #include "talus/io/detail/checkpoint_contacts.hpp"
@@ -22,16 +23,18 @@ template <class Kind>
   return std::string("/joints_") + Kind::name;
 }
 /// Ids of both bodies, the number of the joint, its anchors in the frames of the bodies, its
-/// impulses, its coordinates and its load.
+/// impulses, its coordinates and its load; of kinds with coordinates, by what these were driven.
 template <class Kind>
 [[nodiscard]] std::vector<table_column> columns_of_joints() {
-  return {column_of<system_id>("a"),
-          column_of<system_id>("b"),
-          column_of<std::uint64_t>("number"),
-          column_of<typename Kind::anchors>("anchors"),
-          column_of<typename joint_record<Kind>::impulse_type>("impulse"),
-          column_of<joint_coordinates>("coordinates"),
-          column_of<wrench>("load")};
+  std::vector<table_column> all{column_of<system_id>("a"),
+                                column_of<system_id>("b"),
+                                column_of<std::uint64_t>("number"),
+                                column_of<typename Kind::anchors>("anchors"),
+                                column_of<typename joint_record<Kind>::impulse_type>("impulse"),
+                                column_of<joint_coordinates>("coordinates"),
+                                column_of<wrench>("load")};
+  if constexpr (has_axes<Kind>) all.push_back(column_of<axis_drives>("drives"));
+  return all;
 }
 
 /// The joints of bodies owned here: both ranks of two movable ones write it, each near its body.
@@ -50,6 +53,7 @@ template <class Kind, class Records>
     const auto put = [&](const auto& value) { byte_writer(t.memory[k++]).put(value); };
     put(r.key.a), put(r.key.b), put(r.key.number), put(r.anchors), put(r.impulse);
     put(r.coordinates), put(r.load);
+    if constexpr (has_axes<Kind>) put(r.drives);
     bodies.push_back({a, b});
   }
   t.rows = bodies.size();
@@ -96,8 +100,13 @@ void read_joints(const checkpoint_reader& in, world_state<Scenario>& s, const id
           r.impulse = table.get<typename joint_record<kind>::impulse_type>(4, i);
           r.coordinates = table.get<joint_coordinates>(5, i);
           r.load = table.get<wrench>(6, i);
+          bool makes_sense = true;
+          if constexpr (has_axes<kind>) {
+            r.drives = table.get<axis_drives>(7, i);
+            makes_sense = all_finite(r.drives);
+          }
           if (!all_finite(r.anchors) || !all_finite(r.impulse) || !all_finite(r.coordinates) ||
-              !all_finite(r.load) || r.key.number >= s.joints.made)
+              !all_finite(r.load) || !makes_sense || r.key.number >= s.joints.made)
             fail<std::runtime_error>("is damaged: the {} of bodies {} and {} makes no sense",
                                      kind::name, r.key.a, r.key.b);
           of_kind.add(r);

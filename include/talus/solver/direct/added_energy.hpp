@@ -31,7 +31,7 @@ struct added_energy {
     added_energy sum;
     plain_vector<wrench> loads(rows.bodies.size());
     rows.each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
-      if (x.use == line_use::drives) return;
+      if (drives(x.use)) return;
       const real before = rows.joints[j].before[k], now = rows.rate(x, all, rows.joints[j]);
       sum.of_step += real(0.5) * r * (before + now), sum.of_impulses += r * now;
       sum.size += std::abs(r) * (std::abs(before) + std::abs(now));

@@ -59,7 +59,7 @@ struct articulated_rows {
     bodies.clear(), inverse_mass.clear(), inverse_inertia.clear(), first.clear(), ties.clear();
     rows = 0;
     const auto local = [&](std::int32_t i) {
-      if (all.inverse_mass(i) == 0) return std::int32_t{-1};
+      if (i < 0 || all.inverse_mass(i) == 0) return std::int32_t{-1};
       std::int32_t& k = number[at(i)];
       if (k < 0) {
         k = static_cast<std::int32_t>(bodies.size());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "talus/constraint/joint_line.hpp"
 #include "talus/core/math.hpp"
@@ -12,6 +13,7 @@
 #include "talus/solver/direct/articulated_rows.hpp"
 #include "talus/solver/direct/articulated_system.hpp"
 #include "talus/solver/direct/shared_loads.hpp"
+#include "talus/solver/direct/supported_loads.hpp"
 
 namespace talus::detail {
 
@@ -61,10 +63,24 @@ class articulation : private articulated_rows {
   void share_loads() {
     bool any = false;
     if (factorized_)
-      each_row([&](std::size_t j, std::size_t k, const joint_line& x, real&) {
-        any = any || (x.use == line_use::holds && mobility(j, x) > 0 && depends(j, k));
+      each_row([&](std::size_t j, std::size_t k, const joint_line& x, real& r) {
+        any = any || (shares_load(x, r) && mobility(j, x) > 0 && depends(j, k));
       });
-    if (any) shared_loads(*this, system_).find();
+    if (any) (void)shared_loads(*this, system_).find();
+  }
+  /// Whether contacts may make them depend on each other: several motors of given velocity.
+  [[nodiscard]] bool may_need_supports() {
+    int motors = 0;
+    each_row([&](std::size_t, std::size_t, const joint_line& x, real& r) {
+      motors += x.use == line_use::motor && shares_load(x, r);
+    });
+    return motors > 1;
+  }
+  /// The same with the contacts of its bodies with what cannot move, which are sorted.
+  template <class Bodies>
+  void share_loads(const Bodies& all, std::span<joint_support> supports,
+                   plain_vector<std::int32_t>& number) {
+    if (!may_need_supports() || !supported_loads::find(*this, all, supports, number)) share_loads();
   }
 
  private:

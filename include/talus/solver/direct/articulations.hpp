@@ -1,5 +1,6 @@
 #pragma once
 // All joints of a rank, island by island.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,6 +11,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/direct/articulated_rows.hpp"
 #include "talus/solver/direct/articulation.hpp"
+#include "talus/solver/direct/supported_loads.hpp"
 
 namespace talus::detail {
 
@@ -47,6 +49,16 @@ class articulations {
   /// After the last solve() of a step.
   void share_loads() {
     for (articulation& one : all_) one.share_loads();
+  }
+  /// The same with the contacts of jointed bodies with what cannot move, which are sorted.
+  template <class Bodies>
+  void share_loads(const Bodies& all, std::span<joint_support> supports) {
+    plain_vector<std::int32_t> number(all.size(), -1);
+    for (articulation& one : all_) one.share_loads(all, supports, number);
+  }
+  [[nodiscard]] bool may_need_supports() {
+    return std::any_of(all_.begin(), all_.end(),
+                       [](articulation& one) { return one.may_need_supports(); });
   }
   /// The rows have changed since the last solve().
   void renew() {

@@ -36,7 +36,7 @@ class exact_joints {
   static constexpr bool at_once = false;
   exact_joints(State&, Ranks&) {}
   void solve(State&) {}
-  void share_loads() {}
+  void share_loads(Lists&, State&) {}
   void sweep(Lists& lists, State& s, bool forward, bool more, Ranks& ranks) {
     sweep_interior(lists, s, forward, more, ranks);
   }
@@ -65,7 +65,12 @@ class exact_joints<Lists, State, Ranks, Coloured, true> {
   /// One sweep of the position correction over all joints.
   void correct() const { ranks_.correct_joints(); }
   /// After the last of these in a step.
-  void share_loads() { joints_.share_loads(); }
+  void share_loads(Lists& lists, State& s) {
+    if (!ranks_.with_supports(lists, joints_.may_need_supports(), [&](auto& supports) {
+          joints_.share_loads(solver_bodies(s), {supports.data(), supports.size()});
+        }))
+      joints_.share_loads();
+  }
   /// As sweep_interior: the contacts one after the other, and then the joints.
   void sweep(Lists& lists, State& s, bool forward, bool, Ranks& ranks) {
     each_swept(lists, ranks,
