@@ -71,6 +71,7 @@ SHEET = [
     ("Materials", "Units are those of the scene: see [units](policies/contact.md#units).", [
         ("body/material.hpp", "material", "material"),
         ("body/material.hpp", "pair_material", "pair_material"),
+        ("body/material.hpp", "pair_rules", "pair_rules"),
         ("body/material.hpp", "material_table", "material_table"),
     ]),
     ("Options", "What `run` reads from the command line, and the settings of single functions.", [
@@ -129,6 +130,7 @@ SHEET = [
 FIELDS = [
     ("material", "body/material.hpp", "material", "world.material({...})"),
     ("pair_material", "body/material.hpp", "pair_material", "world.material_pair(a, b, {...})"),
+    ("pair_rules", "body/material.hpp", "pair_rules", "world.pair_rules({...})"),
     ("simulation", "world/checkpoints.hpp", "simulation", "world.simulate({...})"),
     ("balance_settings", "features/balancing/balance_state.hpp", "balance_settings", "world.balance({...})"),
     ("sleep_settings", "features/sleeping/sleep_state.hpp", "sleep_settings", "world.sleeping({...})"),

@@ -112,6 +112,7 @@ TALUS_INLINE std::string to_text(const summary& r) {
                                          .joint = r.joint});
   warning += detail::islands_warning(r.islands);
   own = detail::islands_line(r.islands) + own;
+  if (!r.pair_rules.empty()) own = detail::compose("  contacts {}\n", r.pair_rules) + own;
   const std::string asleep =
       r.sleeping ? detail::compose(", {} of them asleep", r.moving.asleep) : std::string();
   if (r.balancing)

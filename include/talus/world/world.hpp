@@ -195,7 +195,7 @@ class world {
   /// Refuses other fields.
   template <detail::sentence Fields = detail::fields::material>
   detail::fields::no_material<Fields> material(...) TALUS_REFUSED;
-  /// Properties of contacts between two materials, instead of the mean of the two.
+  /// Properties of contacts between two materials, instead of what the rules make of the two.
   void material_pair(material_id a, material_id b, const pair_material& p) {
     state_.materials.set_pair(a, b, p);
     if constexpr (detail::world_state<Scenario>::sleeps) state_.sleep.all = true;
@@ -204,6 +204,16 @@ class world {
   template <detail::sentence Fields = detail::fields::pair_material>
   detail::fields::no_pair_material<Fields> material_pair(material_id, material_id,
                                                          ...) TALUS_REFUSED;
+  /// How contacts of two materials without properties of their own follow from the two, instead of
+  /// the mean: `world.pair_rules({.friction = pair_rule::least})`. Alike on all ranks.
+  void pair_rules(const talus::pair_rules& rules) {
+    sections_.require_all_ranks("pair_rules", rank());
+    state_.materials.set_rules(rules);
+    if constexpr (detail::world_state<Scenario>::sleeps) state_.sleep.all = true;
+  }
+  /// Refuses other fields.
+  template <detail::sentence Fields = detail::fields::pair_rules>
+  detail::fields::no_pair_rules<Fields> pair_rules(...) TALUS_REFUSED;
   /// Parameters of an interaction law for contacts between two materials, in either order, instead
   /// of those that the law combines from both: `p` is of the type law::parameters. Alike on all
   /// ranks. Throws invalid_argument for a material of another world, and for parameters that the
