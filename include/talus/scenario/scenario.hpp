@@ -1,11 +1,13 @@
 #pragma once
 // scenario<...>: all decisions before the run, as one type.
 #include <string>
+#include <string_view>
 
 #include "talus/body/bodies.hpp"
 #include "talus/body/features.hpp"
 #include "talus/contact/law.hpp"
 #include "talus/core/precision.hpp"
+#include "talus/core/refused_fields.hpp"
 #include "talus/core/rounding.hpp"
 #include "talus/detect/policy.hpp"
 #include "talus/interaction/film_bridge.hpp"
@@ -303,13 +305,40 @@ std::string describe() {
 
 namespace detail {
 
+/// "this scenario has no bodies of this shape, box: add the shape to its bodies<...>".
+template <class Shape>
+[[nodiscard]] consteval auto missing_shape() {
+  constexpr std::string_view words[] = {"this scenario has no bodies of this shape, ", Shape::name,
+                                        ": add the shape to its bodies<...>"};
+  char text[words[0].size() + words[1].size() + words[2].size() + 1] = {};
+  char* to = text;
+  for (const std::string_view w : words)
+    for (const char c : w) *to++ = c;
+  return sentence(text);
+}
+/// Whether functions that add a body take this shape. Those beside them, with the sentence, take
+/// all others; clang prints no sentence for them, so there the functions refuse the shape in their
+/// body.
+template <class Scenario, class Shape>
+inline constexpr bool takes_shape =
+#ifdef __clang__
+    true;
+#else
+    Scenario::template has_shape<Shape>;
+#endif
+
 // The sentences of refusals, on their own: if they fail within a constant expression, clang adds
 // that the expression is not constant.
+#ifdef __clang__
 template <class Shape, class Scenario>
 void body_of_scenario() {
   static_assert(Scenario::template has_shape<Shape>,
                 "this scenario has no bodies of this shape: add the shape to its bodies<...>");
 }
+#else
+template <class Shape, sentence Says = missing_shape<Shape>()>
+void body_of_scenario() = delete;
+#endif
 template <class Feature, class Scenario>
 void feature_of_scenario() {
   static_assert(Scenario::template has_feature<Feature>,
@@ -337,7 +366,11 @@ void joint_of_scenario() {
 /// that `if constexpr (require_shape<Scenario, Shape>())` suppresses further errors.
 template <class Scenario, class Shape>
 consteval bool require_shape() {
+#ifdef __clang__
   if (false) body_of_scenario<Shape, Scenario>();  // compiled, not called
+#else
+  if constexpr (!Scenario::template has_shape<Shape>) body_of_scenario<Shape>();
+#endif
   return Scenario::template has_shape<Shape>;
 }
 /// The same for an argument that is added as a body, and may be a bare shape.
