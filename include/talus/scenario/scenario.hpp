@@ -316,9 +316,9 @@ template <class Shape>
     for (const char c : w) *to++ = c;
   return sentence(text);
 }
-/// Whether functions that add a body take this shape. Those beside them, with the sentence, take
-/// all others; clang prints no sentence for them, so there the functions refuse the shape in their
-/// body.
+/// Whether functions that add a body take this shape. Deleted ones beside them, with the sentence,
+/// take all others. clang does not print the sentence of a deleted function: there the functions
+/// take all shapes, and refuse in their bodies.
 template <class Scenario, class Shape>
 inline constexpr bool takes_shape =
 #ifdef __clang__
@@ -329,16 +329,11 @@ inline constexpr bool takes_shape =
 
 // The sentences of refusals, on their own: if they fail within a constant expression, clang adds
 // that the expression is not constant.
-#ifdef __clang__
 template <class Shape, class Scenario>
 void body_of_scenario() {
   static_assert(Scenario::template has_shape<Shape>,
                 "this scenario has no bodies of this shape: add the shape to its bodies<...>");
 }
-#else
-template <class Shape, sentence Says = missing_shape<Shape>()>
-void body_of_scenario() = delete;
-#endif
 template <class Feature, class Scenario>
 void feature_of_scenario() {
   static_assert(Scenario::template has_feature<Feature>,
@@ -366,11 +361,7 @@ void joint_of_scenario() {
 /// that `if constexpr (require_shape<Scenario, Shape>())` suppresses further errors.
 template <class Scenario, class Shape>
 consteval bool require_shape() {
-#ifdef __clang__
   if (false) body_of_scenario<Shape, Scenario>();  // compiled, not called
-#else
-  if constexpr (!Scenario::template has_shape<Shape>) body_of_scenario<Shape>();
-#endif
   return Scenario::template has_shape<Shape>;
 }
 /// The same for an argument that is added as a body, and may be a bare shape.
