@@ -262,6 +262,10 @@ TEST_CASE("contacts: friction of a pair, and the contacts one by one") {
     const auto teflon = world.material({.density = 2.2, .friction = 0.05});
     world.material_pair(steel, teflon, {.restitution = 0.1, .friction = 0.04});
     CHECK(world.materials().pair(teflon, steel).friction == 0.04);
+    const auto smooth = world.material({.friction = 0});
+    world.pair_rules({.friction = pair_rule::least});
+    CHECK(world.materials().pair(smooth, steel).friction == 0);
+    CHECK(world.materials().pair(teflon, steel).friction == 0.04);
     world.global([&](auto& scope) { scope.add(plane{}, teflon); });
     world.add(sphere{0.5}, steel, {0, 0, 0.5});
     world.simulate({.steps = 50, .dt = 0.005});

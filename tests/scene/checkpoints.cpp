@@ -37,7 +37,8 @@ namespace {
 /// Differences of the next run from the first.
 struct change {
   real density = 1, gravity = 10;
-  real pair = -1;  ///< friction of the material with itself, if not negative
+  real pair = -1;                    ///< friction of the material with itself, if not negative
+  pair_rule rule = pair_rule::mean;  ///< of friction
   bool by_hand = false, other_names = false;
   int seen_in_second = 0;  ///< steps of the second part that a run takes
   std::string digest{};
@@ -58,6 +59,7 @@ int run_in_two_parts(std::vector<const char*> words, change& c, std::string* sai
         world.gravity({0, 0, -c.gravity});
         const auto stone = world.material({.density = c.density, .friction = 0.3});
         if (c.pair >= 0) world.material_pair(stone, stone, {.friction = c.pair});
+        world.pair_rules({.friction = c.rule});
         world.global([&](auto& scope) { scope.add(plane{}, stone); });
         world.fill(simple_cubic{.spacing = 1} & box_region{{0, 0, 0.6}, {4, 4, 4}},
                    [&](const site& s) {
@@ -103,7 +105,7 @@ TEST_CASE("--restart goes on in the part of the course in which the checkpoint w
   const char* name = file.name.c_str();
   for (const char* at : {"40", "60", "100"}) {  // 40 is the end of the first part
     CAPTURE(at);
-    change whole{.pair = 0.2}, cut = whole, rest = whole;
+    change whole{.pair = 0.2, .rule = pair_rule::table}, cut = whole, rest = whole;
     const auto run_to = [&](const char* steps, change& c, std::vector<const char*> more = {}) {
       std::vector<const char*> all{
           "--quiet", "--steps", steps, "--checkpoint", name, "--checkpoint-every", at};
@@ -150,6 +152,10 @@ TEST_CASE("what does not fit the checkpoint is refused with the difference, or t
             "whose material 0 has the density 1, and this program gives it 2"));
   CHECK(has(said({.pair = 0.7}, 1), "other properties for contacts of the materials 0 and 0"));
   CHECK(said({.pair = 0.3}, 0).empty());  // the mean of the two
+  CHECK(
+      has(said({.rule = pair_rule::least}, 1),
+          "other rules for pairs of materials (world.pair_rules), and this program takes friction "
+          "by the least and restitution by the mean"));
   CHECK(has(said({.other_names = true}, 1), "kept seen, and this program keeps watched"));
   CHECK(has(said({.by_hand = true}, 1), "a step is to be taken before the run goes on"));
   CHECK(has(said({.gravity = 7}, 0), "with other parameters: gravity_z is -7 and was -5"));

@@ -78,7 +78,8 @@ std::string caught(std::FILE* stream, const std::string& file, F&& f) {
 
 /// Four balls in a row fall onto a floor. `pause`: seconds that each step takes at least.
 outcome run_balls(const folder& in, std::vector<std::string> words, bool writes_json = true,
-                  double pause = 0, double recorded = 1) {
+                  double pause = 0, double recorded = 1, real friction_of_floor = -1,
+                  pair_rules rules = {}) {
   const std::string json = in.path + "/balls.json";
   words.insert(words.begin(), "balls");
   if (writes_json) words.insert(words.end(), {"--json", json, "--force"});
@@ -93,7 +94,11 @@ outcome run_balls(const folder& in, std::vector<std::string> words, bool writes_
             world.decompose({.lower = {-4}, .upper = {4}});
             world.gravity({0, 0, -10});
             const auto stone = world.material(options.stone);
-            world.global([&](auto& scope) { scope.add(plane{}, stone); });
+            material of_floor = options.stone;
+            if (friction_of_floor >= 0) of_floor.friction = friction_of_floor;
+            const auto floor = world.material(of_floor);
+            if (rules != pair_rules{}) world.pair_rules(rules);
+            world.global([&](auto& scope) { scope.add(plane{}, floor); });
             for (int k = 0; k < 4; ++k)
               (void)world.add_if_local(body{.shape = sphere{options.radius},
                                             .position = {2.0 * k - 3, 0, options.height},
@@ -242,6 +247,25 @@ TEST_CASE("wall times are read in seconds, minutes, hours and days") {
     CHECK_THROWS_AS((void)detail::seconds_in(wrong), usage_error);
 }
 
+TEST_CASE("a floor that is frictionless in name only is told once, and rules are shown") {
+  const folder in;
+  for (const char* ranks : {"1", "2"}) {
+    const std::vector<std::string> words{"--ranks", ranks, "--steps", "3"};
+    const auto mean = run_balls(in, words, true, 0, 1, 0);
+    const std::string told =
+        "balls: warning: material 1 (of a plane) has no friction and material 0";
+    CAPTURE(mean.err);
+    CHECK(mean.code == 0);
+    CHECK(has(mean.err, told));
+    CHECK(mean.err.find(told) == mean.err.rfind(told));
+    CHECK(!has(mean.out, "of two materials"));
+    const auto least = run_balls(in, words, true, 0, 1, 0, {.friction = pair_rule::least});
+    CHECK(!has(least.err, "has no friction"));
+    CHECK(has(least.out,
+              "  contacts of two materials: friction by the least, restitution by the mean"));
+  }
+}
+
 TEST_CASE("a dry run counts the bodies, estimates the rest, and writes nothing") {
   const folder in;
   for (const char* ranks : {"1", "4"}) {
@@ -256,6 +280,7 @@ TEST_CASE("a dry run counts the bodies, estimates the rest, and writes nothing")
     CHECK(has(o.out, "balls: dry run, nothing is written"));
     CHECK(has(o.out, std::string("bodies   4, of which 4 can move; ") +
                          (*ranks == '1' ? "4" : "1") + " on the rank with most of " + ranks));
+    CHECK(has(o.out, "of two materials: friction by the mean, restitution by the mean; 0 with"));
     CHECK(has(o.out, "for the 1000 steps"));
     CHECK(!has(o.out, "digest"));
     for (const std::string& file : {log, csv, in.path + "/none.json", in.path + "/none.html",

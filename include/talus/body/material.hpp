@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 
 #include "talus/body/pair_table.hpp"
 #include "talus/core/error.hpp"
@@ -18,8 +19,8 @@ enum class material_id : std::uint16_t {};
 /// has the stiffness of the other body alone. For fixed and global bodies, such as walls.
 inline constexpr real rigid = std::numeric_limits<real>::infinity();
 
-// If material{...} is given an unknown field, g++ prints the namespaces of a type, and clang the
-// nearest field, so both print the list of fields. Written by ./dev docs --sheet.
+// If material{...} is given an unknown field, g++ prints the namespaces of a type, which list its
+// fields, and clang the nearest field. Written by ./dev docs --sheet, as those of bodies and joints.
 inline namespace a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction {
 
 /// The material of bodies.
@@ -71,16 +72,30 @@ struct pair_material {
   }
 };
 
+/// How a coefficient of a pair of materials follows from those of the two.
+enum class pair_rule : std::uint8_t {
+  mean,     ///< the arithmetic mean, the rule of the ancestor pe
+  least,    ///< the smaller one: what touches a material without friction slides freely
+  product,  ///< the product: likewise
+  table     ///< that of world.material_pair; a contact of a pair without an entry is an error
+};
+
+/// The rules for pairs of materials that have no properties of their own; what world.pair_rules
+/// takes.
+struct pair_rules {
+  pair_rule restitution = pair_rule::mean;  ///< of Newton's coefficients of restitution
+  pair_rule friction = pair_rule::mean;     ///< of Coulomb's coefficients, static and dynamic
+
+  friend bool operator==(const pair_rules&, const pair_rules&) = default;
+};
+
 namespace detail {
-/// Properties of a pair without its own: arithmetic means.
-[[nodiscard]] inline pair_material mean_of(const material& a, const material& b) {
-  return {0.5 * (a.restitution + b.restitution), 0.5 * (a.friction + b.friction),
-          0.5 * (a.sliding_friction() + b.sliding_friction())};
-}
+/// "mean", "least", "product" or "table".
+[[nodiscard]] const char* name_of(pair_rule rule);
 }  // namespace detail
 
-/// The materials of a world. A pair has the arithmetic mean of its two materials (the rule of the
-/// ancestor pe) unless properties of its own are set.
+/// The materials of a world. A pair has what the rules make of its two materials, the arithmetic
+/// mean unless others are set, or properties of its own.
 class material_table {
  public:
   /// Throws invalid_argument for a density that is not positive, a restitution outside [0, 1], a
@@ -90,21 +105,36 @@ class material_table {
   /// Sets the properties of contacts between `a` and `b`, in either order.
   void set_pair(material_id a, material_id b, const pair_material& p);
 
+  /// Sets how pairs without properties of their own follow from their materials. Throws
+  /// invalid_argument for a value that is no rule.
+  void set_rules(const pair_rules& rules);
+
   /// A material. Throws invalid_argument for one of another world.
   [[nodiscard]] const material& operator[](material_id m) const {
     require_known(m);
     return materials_[index(m)];
   }
-  /// Properties of contacts between `a` and `b`, in either order.
+  /// Properties of contacts between `a` and `b`, in either order. Throws runtime_error if a rule
+  /// takes them from the table, which has no entry for them.
   [[nodiscard]] pair_material pair(material_id a, material_id b) const {
     const contribution &x = means_[index(a)], &y = means_[index(b)];
-    if (x.has_pairs & y.has_pairs)
-      if (const pair_material* own = own_pair(a, b)) return *own;
+    if (x.looked_up & y.looked_up) return looked_up(a, b);
     return {0.5 * (x.restitution + y.restitution), 0.5 * (x.friction + y.friction),
             0.5 * (x.dynamic_friction + y.dynamic_friction)};
   }
   /// Whether any two materials may rebound.
   [[nodiscard]] bool rebounds() const { return rebounds_; }
+  /// What the rules make of two materials, whether or not they have properties of their own.
+  /// Throws as pair().
+  [[nodiscard]] pair_material by_rule(material_id a, material_id b) const;
+  /// The rules in use.
+  [[nodiscard]] const pair_rules& rules() const { return rules_; }
+  /// The properties that were set for a pair, in either order, or nullptr.
+  [[nodiscard]] const pair_material* own_pair(material_id a, material_id b) const {
+    return pairs_.find(number(a), number(b));
+  }
+  /// The rules in words, for summaries.
+  [[nodiscard, gnu::cold]] std::string describe_rules() const;
   /// The pairs that have properties of their own.
   [[nodiscard]] const detail::pair_table<pair_material>& own_pairs() const { return pairs_; }
   /// Number of materials.
@@ -116,13 +146,12 @@ class material_table {
   /// The contribution of a material to the means of its pairs.
   struct contribution {
     real restitution, friction, dynamic_friction;
-    std::uint64_t has_pairs;  ///< 1 if a pair of it has properties of its own, else 0
+    std::uint64_t looked_up;  ///< 1 if a pair of it may have other properties than means, else 0
   };
   static std::size_t index(material_id m) { return static_cast<std::size_t>(m); }
   static std::uint32_t number(material_id m) { return static_cast<std::uint32_t>(m); }
-  [[nodiscard, gnu::noinline]] const pair_material* own_pair(material_id a, material_id b) const {
-    return pairs_.find(number(a), number(b));
-  }
+  /// The properties of a pair that may have others than means.
+  [[nodiscard]] pair_material looked_up(material_id a, material_id b) const;
 
   void require_known(material_id m) const;
   static void check(real restitution, real friction, real dynamic);
@@ -133,6 +162,7 @@ class material_table {
   detail::pair_table<pair_material> pairs_;   ///< those that were set; no value is missing
   std::uint64_t revision_ = 0;
   bool rebounds_ = false;
+  pair_rules rules_;
 };
 
 }  // namespace talus

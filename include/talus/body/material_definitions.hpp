@@ -1,9 +1,17 @@
 #pragma once
 // The definitions of material.hpp, in the compiled part or in each program.
+#include <algorithm>
+#include <stdexcept>
+
 #include "talus/body/material.hpp"
 #include "talus/core/linkage.hpp"
 
 namespace talus {
+
+TALUS_INLINE const char* detail::name_of(pair_rule rule) {
+  constexpr const char* names[] = {"mean", "least", "product", "table"};
+  return names[static_cast<std::size_t>(rule)];
+}
 
 TALUS_INLINE material_id material_table::add(const material& m) {
   detail::require_positive(m.density, "the density of a material");
@@ -12,7 +20,7 @@ TALUS_INLINE material_id material_table::add(const material& m) {
   if (materials_.size() >= std::numeric_limits<std::uint16_t>::max())
     detail::fail<std::invalid_argument>("a world holds at most 65535 materials; reuse them");
   materials_.push_back(m);
-  means_.push_back({m.restitution, m.friction, m.sliding_friction(), 0});
+  means_.push_back({m.restitution, m.friction, m.sliding_friction(), rules_ != pair_rules{}});
   rebounds_ = rebounds_ || m.restitution > 0;
   ++revision_;
   return material_id{static_cast<std::uint16_t>(materials_.size() - 1)};
@@ -29,8 +37,48 @@ TALUS_INLINE void material_table::set_pair(material_id a, material_id b, const p
   require_known(b);
   pairs_.set(number(a), number(b), all);
   rebounds_ = rebounds_ || p.restitution > 0;
-  means_[index(a)].has_pairs = means_[index(b)].has_pairs = 1;
+  means_[index(a)].looked_up = means_[index(b)].looked_up = 1;
   ++revision_;
+}
+
+TALUS_INLINE void material_table::set_rules(const pair_rules& rules) {
+  for (const pair_rule rule : {rules.restitution, rules.friction})
+    if (rule > pair_rule::table)
+      detail::fail<std::invalid_argument>(
+          "the rule of a pair of materials is mean, least, product or table, but is {}",
+          static_cast<int>(rule));
+  if (rules == rules_) return;
+  rules_ = rules;
+  for (contribution& m : means_) m.looked_up = 1;
+  ++revision_;
+}
+
+TALUS_INLINE pair_material material_table::looked_up(material_id a, material_id b) const {
+  if (const pair_material* own = own_pair(a, b)) return *own;
+  return by_rule(a, b);
+}
+
+TALUS_INLINE pair_material material_table::by_rule(material_id a, material_id b) const {
+  const contribution &x = means_[index(a)], &y = means_[index(b)];
+  const auto of = [&](pair_rule rule, real u, real v, const char* what) {
+    if (rule == pair_rule::mean) return 0.5 * (u + v);
+    if (rule == pair_rule::least) return std::min(u, v);
+    if (rule == pair_rule::product) return u * v;
+    detail::fail<std::runtime_error>(
+        "the materials {} and {} may touch, and world.pair_rules takes the {} of a pair from the "
+        "table, which has no entry for them: add one by world.material_pair",
+        index(a), index(b), what);
+  };
+  return {of(rules_.restitution, x.restitution, y.restitution, "restitution"),
+          of(rules_.friction, x.friction, y.friction, "friction"),
+          of(rules_.friction, x.dynamic_friction, y.dynamic_friction, "friction")};
+}
+
+TALUS_INLINE std::string material_table::describe_rules() const {
+  return detail::compose(
+      "of two materials: friction by the {}, restitution by the {}; {} with values of their own",
+      detail::name_of(rules_.friction), detail::name_of(rules_.restitution),
+      pairs_.entries().size());
 }
 
 TALUS_INLINE void material_table::require_known(material_id m) const {

@@ -10,6 +10,7 @@
 #include "talus/io/povray_text_definitions.hpp"
 #include "talus/io/run_signals_definitions.hpp"
 #include "talus/io/view_page_definitions.hpp"
+#include "talus/observe/half_frictionless_definitions.hpp"
 #include "talus/observe/progress_definitions.hpp"
 #include "talus/observe/run_ends_definitions.hpp"
 #include "talus/observe/summary_figures_definitions.hpp"

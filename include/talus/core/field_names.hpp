@@ -21,6 +21,14 @@ struct pair_material_fields {
   static constexpr auto says = pair_material;
   template <sentence S> using refused = no_pair_material<S>;
 };
+inline constexpr sentence pair_rules = "world.pair_rules({...}) takes the fields restitution and friction, in this order";
+template <sentence S> struct no_pair_rules {
+  static_assert(unrefused<S>, "world.pair_rules({...}) takes the fields restitution and friction, in this order");
+};
+struct pair_rules_fields {
+  static constexpr auto says = pair_rules;
+  template <sentence S> using refused = no_pair_rules<S>;
+};
 inline constexpr sentence simulation = "world.simulate({...}) takes the fields steps, dt, stop_when and check_every, in this order";
 template <sentence S> struct no_simulation {
   static_assert(unrefused<S>, "world.simulate({...}) takes the fields steps, dt, stop_when and check_every, in this order");

@@ -156,6 +156,7 @@ template <class Scenario>
   r.may_follow = !Scenario::contact_law::soft && !detail::world_state<Scenario>::midpoint;
   if constexpr (detail::world_state<Scenario>::drives) r.leap = detail::largest_leap_of(w);
   if constexpr (detail::world_state<Scenario>::has_joints) r.joint = detail::worst_open_joint(w);
+  if (w.materials().rules() != pair_rules{}) r.pair_rules = w.materials().describe_rules();
   r.gravity = w.gravity().norm();
   r.moving = measure_motion(w);
   r.overlap = measure_penetration(w);

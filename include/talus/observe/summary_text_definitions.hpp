@@ -172,6 +172,8 @@ TALUS_INLINE std::string to_text(const summary& r) {
                                          .leap = r.leap,
                                          .joint = r.joint});
   warning += detail::islands_warning(r.islands);
+  const std::string rules =
+      r.pair_rules.empty() ? std::string() : detail::compose("  contacts {}\n", r.pair_rules);
   const std::string asleep =
       r.sleeping ? detail::compose(", {} of them asleep", r.moving.asleep) : std::string();
   const std::string ranks =
@@ -182,7 +184,7 @@ TALUS_INLINE std::string to_text(const summary& r) {
                          counted(r.moving.bodies, "body", "bodies"), r.moving.movable, asleep,
                          ranks, counted(r.steps, "step", "steps"), lengths,
                          unit_behind("T", r.units)) +
-         detail::time_text(r) + detail::error_text(r) + detail::islands_line(r.islands) +
+         detail::time_text(r) + detail::error_text(r) + detail::islands_line(r.islands) + rules +
          detail::compose(
              "  motion   kinetic energy {}{}, fastest body {}{}, momentum of all {}{}\n",
              text(r.moving.kinetic_energy, 3), unit_behind("M L^2/T^2", r.units),

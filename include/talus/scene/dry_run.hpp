@@ -37,6 +37,7 @@ struct run_estimate {
   std::uint64_t trial_steps = 0;  ///< measured
   double seconds_per_step = 0;    ///< of wall time
   std::uint64_t first_step = 0, steps = 0;  ///< to be made by this call of simulate()
+  std::string pair_rules;                   ///< in words; empty: of one material
 };
 
 /// Bytes of a contact in the solver, in what is remembered of it, and in the list of pairs. With
@@ -65,6 +66,7 @@ template <class Scenario>
   e.ranks = w.ranks();
   e.first_step = w.steps();
   e.steps = steps;
+  if (w.materials().size() > 1) e.pair_rules = w.materials().describe_rules();
   const real dt = state_of(w).dt;
   double passed = 0;
   for (std::uint64_t made = 0, batch = 1; made < std::min(steps, most); batch *= 2) {

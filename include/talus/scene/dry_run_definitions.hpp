@@ -37,6 +37,7 @@ TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& progr
                  e.movable, e.bodies_max, e.ranks);
   all += compose("  contacts {} after the trial, about {} when the bodies rest on each other\n",
                  e.contacts, static_cast<std::uint64_t>(contacts_at_rest(e)));
+  if (!e.pair_rules.empty()) all += compose("           {}\n", e.pair_rules);
   all += compose(
       "  memory   {} for bodies and contacts, {} on the rank with most, about {} at rest; the "
       "largest "

@@ -21,6 +21,7 @@
 #include "talus/core/output_file.hpp"
 #include "talus/io/run_signals.hpp"
 #include "talus/observe/critical_dt.hpp"
+#include "talus/observe/half_frictionless.hpp"
 #include "talus/observe/initial_overlap.hpp"
 #include "talus/observe/monitors.hpp"
 #include "talus/observe/progress.hpp"
@@ -82,6 +83,15 @@ template <class Scenario>
   if (w.steps() > 0) return;
   const std::string words = initial_overlap(w);
   if (!words.empty()) log.say(compose("{}: warning: {}\n", name, words), quiet);
+}
+
+/// Says which material is frictionless in name only, on standard error. Collective.
+template <class Scenario>
+[[gnu::cold]] void mention_friction(run_log& log, const std::string& name, world<Scenario>& w,
+                                    bool quiet) {
+  if (w.steps() > 0) return;
+  const std::string words = half_frictionless(w);
+  if (w.rank() == 0 && !words.empty()) log.say(compose("{}: warning: {}\n", name, words), quiet);
 }
 
 /// Says that the time step is not stable for soft contacts, on standard error. Collective.
@@ -209,6 +219,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     until.begin(w, log);
     if (silent) return;
     mention_overlap(log, name, w, quiet);
+    mention_friction(log, name, w, quiet);
     if constexpr (Scenario::contact_law::soft) mention_step(log, name, w, quiet);
   });
   std::string note, ended;

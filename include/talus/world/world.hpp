@@ -196,7 +196,7 @@ class world {
   /// Refuses other fields.
   template <detail::sentence Fields = detail::fields::material>
   detail::fields::no_material<Fields> material(...) TALUS_REFUSED;
-  /// Properties of contacts between two materials, instead of the mean of the two.
+  /// Properties of contacts between two materials, instead of what the rules make of the two.
   void material_pair(material_id a, material_id b, const pair_material& p) {
     state_.materials.set_pair(a, b, p);
     if constexpr (detail::world_state<Scenario>::sleeps) state_.sleep.all = true;
@@ -205,6 +205,16 @@ class world {
   template <detail::sentence Fields = detail::fields::pair_material>
   detail::fields::no_pair_material<Fields> material_pair(material_id, material_id,
                                                          ...) TALUS_REFUSED;
+  /// How contacts of two materials without properties of their own follow from the two, instead of
+  /// the mean: `world.pair_rules({.friction = pair_rule::least})`. Alike on all ranks.
+  void pair_rules(const talus::pair_rules& rules) {
+    sections_.require_all_ranks("pair_rules", rank());
+    state_.materials.set_rules(rules);
+    if constexpr (detail::world_state<Scenario>::sleeps) state_.sleep.all = true;
+  }
+  /// Refuses other fields.
+  template <detail::sentence Fields = detail::fields::pair_rules>
+  detail::fields::no_pair_rules<Fields> pair_rules(...) TALUS_REFUSED;
   /// Parameters of an interaction law for contacts between two materials, in either order, instead
   /// of those that the law combines from both: `p` is of the type law::parameters. Alike on all
   /// ranks. Throws invalid_argument for a material of another world, and for parameters that the
@@ -328,7 +338,7 @@ class world {
   /// Throws invalid_argument for values out of range and for a position in a foreign domain, and
   /// logic_error for an infinite body outside of a global section.
   template <class Shape>
-  handle<Shape> add(const body<Shape>& b) {
+  requires(detail::takes_shape<Scenario, Shape>) handle<Shape> add(const body<Shape>& b) {
     if constexpr (detail::require_shape<Scenario, Shape>()) {
       detail::require_sane(b, state_.materials);
       if (sections_.global) return add_global(b);
@@ -350,13 +360,24 @@ class world {
     }
     return {};
   }
+  /// Refuses a shape that the scenario does not name.
+  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  requires(!detail::takes_shape<Scenario, Shape>) handle<Shape> add(const body<Shape>& b)
+  = delete;
   /// Adds a body at rest with this shape, material, position and orientation, as add(body) does.
   template <class Shape>
-  handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
-                    const quat& orientation = {1, 0, 0, 0}) {
+  requires(detail::takes_shape<Scenario, Shape>) handle<Shape> add(
+      const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
+      const quat& orientation = {1, 0, 0, 0}) {
     return add(body<Shape>{
         .shape = shape, .position = position, .material = material, .orientation = orientation});
   }
+  /// Refuses a shape that the scenario does not name.
+  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  requires(!detail::takes_shape<Scenario, Shape>) handle<Shape> add(
+      const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
+      const quat& orientation = {1, 0, 0, 0})
+  = delete;
   /// Refuses the position before the material.
   template <class Shape>
   handle<Shape> add(const Shape&, const vec3&, material_id, const quat& = {1, 0, 0, 0}) {
@@ -376,7 +397,8 @@ class world {
   /// Adds the body on the rank that owns its centre and returns its handle there. All ranks call it
   /// alike, so its id is the same for every number of ranks.
   template <class Shape>
-  std::optional<handle<Shape>> add_if_local(const body<Shape>& b) {
+  requires(detail::takes_shape<Scenario, Shape>) std::optional<handle<Shape>> add_if_local(
+      const body<Shape>& b) {
     static_assert(Shape::finite,
                   "an infinite body, such as a plane, is known on all ranks: add it in "
                   "world.global([&](auto& scope) { scope.add(plane{}, material); })");
@@ -390,6 +412,11 @@ class world {
     }
     return std::nullopt;
   }
+  /// Refuses a shape that the scenario does not name.
+  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  requires(!detail::takes_shape<Scenario, Shape>) std::optional<handle<Shape>> add_if_local(
+      const body<Shape>& b)
+  = delete;
   /// Creates bodies on the sites that this rank owns, and visits no others: f(site) or f(site,
   /// random), with random numbers that depend on seed and site alone, returns a body, an optional
   /// one, or a std::variant of bodies of several shapes. All ranks call it alike, without

@@ -105,6 +105,8 @@ template <class Scenario>
   const auto materials = numbers_of(s.materials), pairs = numbers_of_pairs(s.materials);
   out.push_back(numbers_dataset<double>("/materials/each", materials, 8));
   out.push_back(numbers_dataset<double>("/materials/own_pairs", pairs, 5));
+  if (s.materials.rules() != pair_rules{})
+    out.push_back(numbers_dataset<double>("/materials/rules", numbers_of(s.materials.rules())));
   put_interactions(s, out);
   put_kept(team, keeper.values, out);
   put_monitors(team, s, out);

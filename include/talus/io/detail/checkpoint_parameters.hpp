@@ -79,7 +79,9 @@ template <class Scenario>
 /// The pairs that have properties of their own: both numbers, restitution, friction, dynamic
 /// friction.
 [[nodiscard, gnu::cold]] std::vector<double> numbers_of_pairs(const material_table& all);
-/// Throws runtime_error if the set-up has made other materials.
+/// The rules for pairs, of restitution and friction.
+[[nodiscard, gnu::cold]] std::vector<double> numbers_of(const pair_rules& rules);
+/// Throws runtime_error if the set-up has made other materials, or set other rules.
 [[gnu::cold]] void require_materials(const checkpoint_reader& in, const material_table& mine);
 
 /// Kept values: names, their meanings with numbers of bytes, and the bytes.

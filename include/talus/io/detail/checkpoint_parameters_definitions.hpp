@@ -30,6 +30,10 @@ TALUS_HDF5_INLINE std::vector<double> numbers_of_pairs(const material_table& all
   return numbers;
 }
 
+TALUS_HDF5_INLINE std::vector<double> numbers_of(const pair_rules& rules) {
+  return {static_cast<double>(rules.restitution), static_cast<double>(rules.friction)};
+}
+
 TALUS_HDF5_INLINE void require_materials(const checkpoint_reader& in, const material_table& mine) {
   constexpr std::array names{"density",   "restitution",     "friction",      "dynamic friction",
                              "stiffness", "Young's modulus", "Poisson ratio", "rolling friction"};
@@ -46,6 +50,15 @@ TALUS_HDF5_INLINE void require_materials(const checkpoint_reader& in, const mate
           "is of a run whose material {} has the {} {}, and this program gives it {}: its set-up "
           "must make the same materials",
           k / 8, names[k % 8], theirs[k], own[k]);
+  const pair_rules& rules = mine.rules();
+  const bool by_table = rules.friction == pair_rule::table || rules.restitution == pair_rule::table;
+  const auto theirs_of =
+      in.has("/materials/rules") ? in.reals("/materials/rules", 2, 1) : std::vector<double>{0, 0};
+  if (theirs_of != numbers_of(rules))
+    fail<std::runtime_error>(
+        "is of a run with other rules for pairs of materials (world.pair_rules), and this program "
+        "takes friction by the {} and restitution by the {}: its set-up must set the same",
+        name_of(rules.friction), name_of(rules.restitution));
   // A pair set in only one of the two runs may still be equal.
   const auto same = [](const pair_material& a, const pair_material& b) {
     return a.restitution == b.restitution && a.friction == b.friction &&
@@ -75,13 +88,17 @@ TALUS_HDF5_INLINE void require_materials(const checkpoint_reader& in, const mate
     const auto a = static_cast<std::uint32_t>(pairs[k]),
                b = static_cast<std::uint32_t>(pairs[k + 1]);
     const pair_material p{pairs[k + 2], pairs[k + 3], pairs[k + 4]};
-    if (!same(p, mine.pair(material_id(a), material_id(b)))) refuse(a, b);
+    const pair_material* own = mine.own_pair(material_id(a), material_id(b));
+    if (own != nullptr ? !same(p, *own)
+                       : by_table || !same(p, mine.by_rule(material_id(a), material_id(b))))
+      refuse(a, b);
     of_file.set(a, b, p);
   }
   for (const auto& own : mine.own_pairs().entries()) {
-    const material &a = mine[material_id(own.low)], &b = mine[material_id(own.high)];
-    if (of_file.find(own.low, own.high) == nullptr && !same(own.value, mean_of(a, b)))
-      refuse(own.low, own.high);
+    if (of_file.find(own.low, own.high) != nullptr) continue;
+    const material_id a{static_cast<std::uint16_t>(own.low)},
+        b{static_cast<std::uint16_t>(own.high)};
+    if (by_table || !same(own.value, mine.by_rule(a, b))) refuse(own.low, own.high);
   }
 }
 
