@@ -27,7 +27,8 @@ echo "== its three commands"
 cd shore
 mapfile -t commands < <(sed -n '/^```$/,/^```$/p' README.md | sed '/^```$/d; s/  *#.*//')
 ((${#commands[@]} == 3)) || fail "not three commands: ${commands[*]}"
-(unset CXX CXXFLAGS && bash -ec "${commands[0]}" && bash -ec "${commands[1]}")
+(unset CXX CXXFLAGS && bash -ec "${commands[0]}" && bash -ec "${commands[1]}") 2>&1 | tee ../built
+! grep -E '(warning|note):' ../built || fail "the compiler complains"
 grep -qx "talus_DIR:PATH=$root/build/$preset" build/CMakeCache.txt || fail "another talus was found: $(grep talus_DIR build/CMakeCache.txt)"
 bash -ec "${commands[2]} --steps 300 --json one.json" | tee said
 grep -q '^  error ' said || fail "no summary"

@@ -1,5 +1,5 @@
-// What the summary of a run says about time and units: shares of the wall time by name, and the names
-// of units in the summary, the table and the JSON file.
+// What the summary of a run says about time and units: shares of the wall time by name, and the
+// names of units in the summary, the table and the JSON file.
 #include <doctest/doctest.h>
 #include <unistd.h>
 
