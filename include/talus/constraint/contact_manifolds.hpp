@@ -1,10 +1,12 @@
 #pragma once
-// All manifolds of a list of contacts: eight at a time, or one by one if they have many contacts.
+// All manifolds of a list of contacts: eight at a time, or one by one if they have many contacts;
+// those of a body that many contacts hold to what cannot move together.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 #include "talus/constraint/contact_manifold.hpp"
+#include "talus/constraint/grounded_contacts.hpp"
 #include "talus/constraint/manifold_block.hpp"
 #include "talus/constraint/ordered_planner.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -110,8 +112,8 @@ class manifold_blocks {
 
 /// The manifolds of a list of contacts. Sweeps visit contacts in the order of the list, as if each
 /// were solved alone: of two that share a body the first is in an earlier block, because stacks
-/// converge much faster if the impulses propagate along them. Manifolds with more contacts than fit
-/// a block come last.
+/// converge much faster if the impulses propagate along them. Bodies on many contacts with what
+/// cannot move come first, and manifolds with more contacts than fit a block last.
 template <class Contact, class Planner = ordered_planner>
 class contact_manifolds {
   static constexpr bool paired = Contact::paired;
@@ -121,7 +123,7 @@ class contact_manifolds {
   /// Finds the manifolds and prepares their contacts. `contacts` of one pair are adjacent, and stay
   /// in place until they are prepared again.
   void prepare(plain_vector<Contact>& contacts, const solver_state& s) {
-    large_.clear(), blocks_.clear();
+    large_.clear(), blocks_.clear(), grounded_.clear(), runs_.clear();
     plan_.clear();
     impulses_change();
     const auto moves = [&](std::int32_t i) {
@@ -130,20 +132,30 @@ class contact_manifolds {
     for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
       const Contact& c = contacts[first];
       while (last < contacts.size() && contacts[last].same_manifold(c)) ++last;
-      if (last - first > most_layers) {
-        large_.add(large_.size(), first, last);
-        continue;
-      }
-      const bool b_moves = paired && moves(c.b);
-      const auto slot = moves(c.a) ? plan_.place(c.a, b_moves ? c.b : -1) : plan_.place(c.b, -1);
-      blocks_.add(static_cast<std::size_t>(slot), first, last);
+      const bool b_moves = paired && moves(c.b), a_moves = moves(c.a);
+      runs_.push_back(
+          {static_cast<std::uint32_t>(last), a_moves ? c.a : c.b, a_moves && b_moves ? c.b : -1});
+      if (!a_moves || !b_moves) grounded_.meet(runs_.back().a, first, last);
     }
+    grounded_.choose(contacts);
+    std::size_t first = 0, met = 0;
+    for (const run& r : runs_) {
+      if (r.b >= 0 || !grounded_.holds(met++)) {
+        if (r.last - first > most_layers)
+          large_.add(large_.size(), first, r.last);
+        else
+          blocks_.add(static_cast<std::size_t>(plan_.place(r.a, r.b)), first, r.last);
+      }
+      first = r.last;
+    }
+    grounded_.prepare(contacts, s);
     blocks_.prepare(contacts, spare_, s);
     large_.prepare(contacts, spare_, s);
   }
   /// Prepares the same contacts, after tensors of inertia or rates of the correction have changed.
-  void prepare_again(const solver_state& s) {
+  void prepare_again(plain_vector<Contact>& contacts, const solver_state& s) {
     impulses_change();
+    grounded_.prepare(contacts, s);
     blocks_.prepare_again(s), large_.prepare_again(s);
   }
   /// Applies all impulses of the contacts, which need not be prepared, to the bodies.
@@ -162,23 +174,27 @@ class contact_manifolds {
       give_pair<paired>(s, c.a, c.b, offset, impulse, moment);
     }
   }
-  void sweep_forward(solver_state& s) {
+  void sweep_forward(plain_vector<Contact>& contacts, solver_state& s) {
     impulses_change();
+    grounded_.template sweep<true>(contacts, s);
     blocks_.sweep_forward(s), large_.sweep_forward(s);
   }
-  void sweep_backward(solver_state& s) {
+  void sweep_backward(plain_vector<Contact>& contacts, solver_state& s) {
     const auto silent = [](auto&&...) {};
     backward<false>(s, silent);
+    grounded_.template sweep<false>(contacts, s);
   }
   /// note(index, change) with the change of velocity that each contact's own impulse causes.
   template <class Note>
-  void sweep_watched(const plain_vector<Contact>& contacts, solver_state& s, Note&& note) {
+  void sweep_watched(plain_vector<Contact>& contacts, solver_state& s, Note&& note) {
     const auto note_contact = [&](const Contact* c, real change) {
       if (c != &spare_) note(static_cast<std::size_t>(c - contacts.data()), change);
     };
     backward<true>(s, note_contact);
+    grounded_.sweep_watched(contacts, s, note);
   }
-  void sweep_correction(solver_state& s) {
+  void sweep_correction(plain_vector<Contact>& contacts, solver_state& s) {
+    grounded_.correct(contacts, s);
     if (corrects_)
       blocks_.template correct<false>(s), large_.template correct<false>(s);
     else
@@ -188,12 +204,17 @@ class contact_manifolds {
   /// To be called with each change of the impulses from outside.
   void impulses_change() { corrects_ = false; }
   [[nodiscard]] std::size_t bytes() const {
-    return blocks_.bytes() + large_.bytes() + plan_.bytes();
+    return blocks_.bytes() + large_.bytes() + grounded_.bytes() + plan_.bytes() +
+           runs_.capacity() * sizeof(run);
   }
 
  private:
   using eight = pack<real, 8>;
   static_assert(Planner::lanes == lanes_of<eight>);
+  struct run {
+    std::uint32_t last;  ///< the end of its contacts
+    std::int32_t a, b;   ///< its movable bodies, the second -1 if there is one
+  };
 
   template <bool Watched, class Note>
   void backward(solver_state& s, Note& note) {
@@ -203,6 +224,8 @@ class contact_manifolds {
   }
 
   Planner plan_;
+  plain_vector<run> runs_;  ///< the manifolds in the order of the list
+  grounded_contacts<Contact> grounded_;
   manifold_blocks<Contact, eight> blocks_;
   manifold_blocks<Contact, real> large_;  ///< with more contacts than fit a block, one by one
   bool corrects_ = false;                 ///< the last sweep was one of the position correction
