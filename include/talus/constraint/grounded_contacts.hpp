@@ -79,6 +79,7 @@ class grounded_contacts {
   static constexpr int visits = 8, most_visits = 64;
   static constexpr real part_left = 0.1;    ///< of the changes of the first sweep
   static constexpr real negligible = 1e-9;  ///< part of solver_state::speed
+  static constexpr real apart = 1e-3;       ///< of the lever arm
   static constexpr real one_normal = 1e-6;  ///< 1 - cosine of normals that are nearly one
 
   struct run {
@@ -124,12 +125,20 @@ class grounded_contacts {
       each_before(last, [&](const run& other) {
         if (1 - towards(r).dot(towards(other)) > one_normal) return;
         alike += other.last - other.first;
-        const Contact &c = contacts[r.first], &d = contacts[other.first];
-        several = several || c.a != d.a || c.b != d.b;
+        if constexpr (Contact::paired)
+          several = several || are_apart(contacts[r.first], contacts[other.first]);
       });
       many = many || (several && alike > enough);
     });
     return many;
+  }
+  /// Whether two contacts with one normal are with different bodies: the centres of these are
+  /// elsewhere. (One driven body may have several numbers.)
+  [[nodiscard]] static bool are_apart(const Contact& c, const Contact& d) {
+    if (c.a == d.a && c.b == d.b) return false;
+    const vec3 between = (c.arm_b - c.arm_a) - (d.arm_b - d.arm_a);
+    const vec3 across = between - c.normal.dot(between) * c.normal;
+    return across.norm() > apart * std::min(c.arm_a.norm(), c.arm_b.norm());
   }
   void gather(std::uint32_t last) {
     const auto first = static_cast<std::uint32_t>(members_.size());
