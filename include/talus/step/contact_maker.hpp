@@ -328,6 +328,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       pulled += change_of_global<ShapeB>(s_, j, arm_b).norm() / s_.dt;
       meet_global(c, x, g.normal, v_b, arm_b);
     }
+    if constexpr (!paired && !driven)
+      arm_b = g.point - b_.position[j];  // see grounded_contacts.hpp
     place(c, g, arm_a, arm_b);
     if constexpr (state_type::midpoint) {
       c.bias = bias_of(x, g, u, pulled);
