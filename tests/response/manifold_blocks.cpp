@@ -60,7 +60,7 @@ struct problem {
       c.a = a, c.b = b, c.normal = normal;
       if (level) c.normal[2] = random.between(0, 1) < 0.5 ? 0. : -0.;
       c.arm_a = random.vector(1);
-      if constexpr (contact::paired) c.arm_b = c.arm_a + offset;
+      c.arm_b = c.arm_a + offset;
       c.friction = random.between(0, 1) < 0.2 ? 0 : random.between(0.1, 1);
       c.target_velocity = random.between(0, 1) < 0.5 ? 0 : random.between(-0.5, 0.5);
       c.correction_rate = random.between(-0.1, 0.3);

@@ -22,10 +22,10 @@ class manifold_row : public contact_row<Contact> {
     contact_row<Contact>::edit(i, f);
   }
   void prepare(const state& s) { manifolds_.prepare(this->contacts_, s); }
-  void prepare_again(const state& s) { manifolds_.prepare_again(s); }
+  void prepare_again(const state& s) { manifolds_.prepare_again(this->contacts_, s); }
   void apply(state& s) const { manifolds_.apply_all(this->contacts_, s); }
-  void forward(state& s) { meet_all(s), manifolds_.sweep_forward(s); }
-  void backward(state& s) { meet_all(s), manifolds_.sweep_backward(s); }
+  void forward(state& s) { meet_all(s), manifolds_.sweep_forward(this->contacts_, s); }
+  void backward(state& s) { meet_all(s), manifolds_.sweep_backward(this->contacts_, s); }
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
     meet_all(s);
@@ -33,15 +33,15 @@ class manifold_row : public contact_row<Contact> {
       if (change > speed) note(i, change);
     });
   }
-  void correct(state& s) { manifolds_.sweep_correction(s); }
+  void correct(state& s) { manifolds_.sweep_correction(this->contacts_, s); }
 
   // Sweeps over one group of islands, see island_groups.hpp, in steps without impacts.
 
   void sweep_group(std::size_t group, bool forward, state& s) {
-    manifolds_.sweep_group(group, forward, s);
+    manifolds_.sweep_group(group, forward, this->contacts_, s);
   }
   void correct_group(std::size_t group, bool first, state& s) {
-    manifolds_.correct_group(group, first, s);
+    manifolds_.correct_group(group, first, this->contacts_, s);
   }
   /// Calls f(contact) with one contact of each manifold.
   template <class F>

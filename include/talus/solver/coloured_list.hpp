@@ -1,5 +1,6 @@
 #pragma once
 // The contacts of one kind on this rank, solved colour by colour.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -7,6 +8,7 @@
 
 #include "talus/constraint/approach.hpp"
 #include "talus/constraint/contact_row.hpp"
+#include "talus/constraint/grounded_contacts.hpp"
 #include "talus/constraint/in_sequence.hpp"
 #include "talus/constraint/isotropic_blocks.hpp"
 #include "talus/constraint/joint_in_list.hpp"
@@ -58,19 +60,21 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   }
   void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
            history_place* last, bool = false) {
-    waiting_.add(contact, key, last, {a_moves, b_moves, false, true});
+    waiting_.add(contact, key, last, {a_moves, b_moves, false, true, -1});
   }
   void add_boundary(const Contact& contact, const contact_key& key, bool owns_a,
                     history_place* last) {
-    waiting_.add(contact, key, last, {true, true, true, owns_a});
+    waiting_.add(contact, key, last, {true, true, true, owns_a, -1});
   }
 
-  /// Calls f(unit, shared) for each pair of bodies; the caller sets the unit's list.
+  /// Calls f(unit, shared) for each pair of bodies, and each body with all that holds it where that
+  /// is solved together (see grounded_contacts.hpp); the caller sets the unit's list.
   template <class F>
-  void each_unit(F&& f) const {
+  void each_unit(F&& f) {
+    join_grounded();
     const auto& w = waiting_;
     for (std::size_t i = 0; i < w.contacts.size(); ++i) {
-      if (i > 0 && w.keys[i].same_pair(w.keys[i - 1])) continue;
+      if (!w.begins_unit(i)) continue;
       const ends_of_contact& e = w.ends[i];
       std::int32_t a = e.a_moves ? w.contacts[i].a : -1, b = -1;
       if constexpr (Contact::paired) b = e.b_moves ? w.contacts[i].b : -1;
@@ -188,6 +192,9 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
  private:
   struct ends_of_contact {
     bool a_moves, b_moves, shared, owns_a;
+    std::int32_t grounded = -1;  ///< the body that is solved with all that holds it
+
+    [[nodiscard]] bool moves_one() const { return !shared && a_moves != b_moves; }
   };
   /// Contacts in the order in which they were found.
   struct waiting {
@@ -203,6 +210,16 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
       colour.push_back(0);
     }
     void clear() { contacts.clear(), keys.clear(), places.clear(), ends.clear(), colour.clear(); }
+    [[nodiscard]] bool begins_unit(std::size_t i) const {
+      return i == 0 || (!keys[i].same_pair(keys[i - 1]) &&
+                        (ends[i].grounded < 0 || ends[i].grounded != ends[i - 1].grounded));
+    }
+    /// Contacts in another order: the i-th is the order[i]-th of now.
+    void reorder(const plain_vector<std::uint32_t>& order) {
+      waiting next;
+      for (const std::uint32_t i : order) next.add(contacts[i], keys[i], places[i], ends[i]);
+      *this = std::move(next);
+    }
     [[nodiscard]] std::size_t bytes() const {
       return contacts.capacity() * (sizeof(Contact) + sizeof(contact_key) + sizeof(history_place*) +
                                     sizeof(ends_of_contact) + 4);
@@ -224,6 +241,44 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
     part parts[3];  ///< own, shared, foreign
   };
 
+  /// Moves the contacts that are solved together next to each other, behind all others, in an order
+  /// that depends on ids alone.
+  void join_grounded() {
+    if constexpr (swept_in_manifolds<Contact>) {
+      auto& w = waiting_;
+      grounded_contacts<Contact> grounded;
+      const auto each_run = [&](auto&& f) {
+        for (std::size_t first = 0, last = 0; first < w.contacts.size(); first = last) {
+          while (last < w.contacts.size() && w.keys[last].same_pair(w.keys[first]) &&
+                 w.contacts[last].same_manifold(w.contacts[first]))
+            ++last;
+          if (w.ends[first].moves_one()) f(first, last);
+        }
+      };
+      const auto body_of = [&](std::size_t i) {
+        return w.ends[i].a_moves ? w.contacts[i].a : w.contacts[i].b;
+      };
+      each_run(
+          [&](std::size_t first, std::size_t last) { grounded.meet(body_of(first), first, last); });
+      grounded.choose(w.contacts);
+      if (!grounded.any()) return;
+      std::size_t run = 0;
+      each_run([&](std::size_t first, std::size_t last) {
+        if (grounded.holds(run++))
+          for (std::size_t i = first; i < last; ++i) w.ends[i].grounded = body_of(i);
+      });
+      plain_vector<std::uint32_t> order;
+      for (std::uint32_t i = 0; i < w.contacts.size(); ++i) order.push_back(i);
+      std::stable_sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+        const std::int32_t x = w.ends[i].grounded, y = w.ends[j].grounded;
+        if (x != y) return x < y;
+        const contact_key &k = w.keys[i], &l = w.keys[j];
+        if (x < 0 || k.same_pair(l)) return false;
+        return k.a != l.a ? value_of(k.a) < value_of(l.a) : value_of(k.b) < value_of(l.b);
+      });
+      w.reorder(order);
+    }
+  }
   template <class F>
   void each_part(F&& f) {
     for (std::size_t k = 0; k < used_; ++k)
@@ -255,7 +310,7 @@ void coloured_list<Contact>::arrange(std::uint32_t colours, bool find_units) {
   places_.clear();
   for (std::size_t i = 0; i < w.contacts.size(); ++i) {
     const ends_of_contact& e = w.ends[i];
-    const bool next = i == 0 || !w.keys[i].same_pair(w.keys[i - 1]);
+    const bool next = w.begins_unit(i);
     if (next) colour = w.colour[i];
     part& p = colours_[colour].parts[e.shared];
     if (find_units) {

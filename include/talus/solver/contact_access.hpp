@@ -100,8 +100,9 @@ inline constexpr contact_calls<typename List::state> calls_for{
     },
     [](void* l, contact_part p, std::size_t i) -> island_contact {
       const auto c = list_at<List>(l).contact(p, i);
-      island_contact one{c.a,         c.paired ? c.b : -1, c.axes(), c.lever_a(),
-                         c.lever_b(), c.target_velocity,   c.mu(),   c.impulse()};
+      const vec3 lever_b = c.paired ? vec3(c.lever_b()) : vec3(0, 0, 0);
+      island_contact one{c.a,     c.paired ? c.b : -1, c.axes(), c.lever_a(),
+                         lever_b, c.target_velocity,   c.mu(),   c.impulse()};
       if constexpr (c.biased) {
         const vec3 bias = one.axes * c.bias;
         one.target_velocity += bias[0];

@@ -71,7 +71,7 @@ void colour_contacts(world_state<Scenario>& s) {
   plain_vector<std::size_t>& ends = s.colours.ends;
   ends.clear();
   auto&& lists = solver_lists<true>(s);
-  each_of(lists, [&](const auto& list) {
+  each_of(lists, [&](auto& list) {
     list.each_unit([&](contact_unit unit, bool shared) {
       unit.list = static_cast<std::uint32_t>(ends.size());
       if (shared) unit.line = line_of[static_cast<std::size_t>(unit.b)];

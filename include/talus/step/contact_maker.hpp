@@ -329,6 +329,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       pulled += change_of_global<ShapeB>(s_, j, arm_b).norm() / s_.dt;
       meet_global(c, x, g.normal, v_b, arm_b);
     }
+    if constexpr (!paired && !driven)
+      arm_b = g.point - b_.position[j];  // see grounded_contacts.hpp
     place(c, g, arm_a, arm_b);
     if constexpr (state_type::midpoint) {
       c.bias = bias_of(x, g, u, pulled);
@@ -389,7 +391,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (x.boundary)
       list_.add_boundary(c, key, x.own_a, x.last);
     else
-      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_border(x.i, body_b(x)));
+      list_.add(c, key, x.moves_a, x.moves_b || moves_too(c.b), x.last, at_border(x));
   }
 
   /// The contact of a pair of spheres that has been computed in lane k.
@@ -557,13 +559,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         number_of_global<ShapeB>(s_, x.j, v, w, x.met.number, a_.inverse_mass[x.i]);
   }
 
-  /// Whether the velocity of one of them is sent to other ranks.
-  bool at_border(std::size_t i, std::size_t j) const {
+  /// Whether other ranks get the velocity of one of them that this contact changes.
+  bool at_border(const pair_at_hand& x) const {
     if constexpr (state_type::link_type::alone)
-      return (void)i, (void)j, false;
+      return (void)x, false;
     else
-      return !s_.at_border.empty() &&
-             (s_.at_border[first_a_ + i] || (paired && s_.at_border[first_b_ + j]));
+      return !s_.at_border.empty() && ((x.moves_a && s_.at_border[first_a_ + x.i]) ||
+                                       (x.moves_b && s_.at_border[first_b_ + body_b(x)]));
   }
   static void place(contact_type& c, const contact_geometry& g, const vec3& arm_a,
                     const vec3& arm_b) {
