@@ -261,7 +261,7 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
       each_run(
           [&](std::size_t first, std::size_t last) { grounded.meet(body_of(first), first, last); });
       grounded.choose(w.contacts);
-      if (!grounded.any()) return;
+      if (grounded.size() == 0) return;
       std::size_t run = 0;
       each_run([&](std::size_t first, std::size_t last) {
         if (grounded.holds(run++))
