@@ -146,6 +146,17 @@ FIELDS = [
     ("hexagonal", "parallel/hexagonal.hpp", "hexagonal", "world.decompose({...}) of hexagonal cells"),
 ]
 
+# Structs that are written by name, in inline namespaces that list their fields (core/refused_fields.hpp).
+NAMED = [("body/material.hpp", "material"), ("body/body.hpp", "body"),
+         *[(f"constraint/{name}.hpp", name) for name in
+           ("ball_joint", "fixed_joint", "weld", "hinge", "slider", "cylindrical_joint", "universal_joint", "point_on_plane",
+            "gear", "strut")],
+         ("constraint/rod.hpp", "rod"), ("constraint/rod.hpp", "rope"),
+         *[("constraint/joint_axis.hpp", name) for name in ("joint_limits", "torque_motor", "force_motor", "joint_spring")]]
+
+POLICIES = ["scenario", "bodies", "hard_contact", "soft_contact", "solver", "broad_phase", "integrator", "decomposition",
+            "transport", "precision", "features", "joints"]
+
 # For those who extend the library, not for those who use what it has.
 INSIDE = {"pack", "resolve", "half_extents", "support", "describe", "for_each_in", "extent", "as_grid", "reach_from",
           "mesh", "tree", "state", "frame", "operator=", "add_body", "decomposition_lower", "reach_of_axis"}
@@ -406,13 +417,32 @@ def sentences():
     return "\n".join(lines) + "\n"
 
 
+def misspelt():
+    """Each policy with two neighbouring letters swapped, or one left out, unless talus uses that word."""
+    used = {word for file in include.rglob("*.hpp") if file.name != "misspelt.hpp" for word in re.findall(r"\w+", file.read_text())}
+    lines = ["#pragma once",
+             "// Policies with two letters swapped or one left out: g++ would suggest a function of C, such as",
+             "// islower for slover. Written by ./dev docs --sheet.",
+             '#include "talus/core/not_there.hpp"', "", "namespace talus {", "", "// clang-format off",
+             "#define TALUS_MISSPELT(right, wrong) \\",
+             '  template <class...> struct TALUS_REFUSED_NAME("did you mean " #right "<...>?") wrong;']
+    for right in POLICIES:
+        swapped = [right[:k] + right[k + 1] + right[k] + right[k + 2:] for k in range(len(right) - 1)]
+        shorter = [right[:k] + right[k + 1:] for k in range(len(right))]
+        wrongs = [w for w in dict.fromkeys(swapped + shorter) if w not in used and not w.startswith("_") and "__" not in w]
+        lines += [f"TALUS_MISSPELT({right}, {wrong})" for wrong in wrongs]
+    lines += ["#undef TALUS_MISSPELT", "// clang-format on", "", "}  // namespace talus"]
+    return "\n".join(lines) + "\n"
+
+
 def main():
     page, faults = sheet()
-    outputs = {root / "docs" / "members.md": page, include / "core" / "field_names.hpp": sentences()}
-    material = include / "body" / "material.hpp"
-    outputs[material] = re.sub(r"a_material_has_\w+", "a_material_has_" + "_".join(
-        fields("body/material.hpp", "material")[:-1] + ["and", fields("body/material.hpp", "material")[-1]]),
-        material.read_text())
+    outputs = {root / "docs" / "members.md": page, include / "core" / "field_names.hpp": sentences(),
+               include / "core" / "misspelt.hpp": misspelt()}
+    for header, struct in NAMED:
+        listed, prefix = fields(header, struct), struct + "_have_" if struct == "joint_limits" else f"a_{struct}_has_"
+        outputs[include / header] = re.sub(rf"\b{prefix}\w+", prefix + said(listed).replace(", ", "_").replace(" ", "_"),
+                                           outputs.get(include / header) or (include / header).read_text())
     for file, text in outputs.items():
         if "--check" in sys.argv:
             if not file.is_file() or file.read_text() != text:

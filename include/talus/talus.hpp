@@ -4,6 +4,10 @@
 #error \
     "talus needs Eigen 3.4, fmt and Boost.Hana: in CMake write find_package(talus) and link talus::talus"
 #endif
+// First, so that messages have few lines that say what includes them.
+#include "talus/core/not_there.hpp"
+#include "talus/scenario/scenario.hpp"
+
 #include "talus/constraint/ball_joint.hpp"
 #include "talus/constraint/cylindrical_joint.hpp"
 #include "talus/constraint/fixed_joint.hpp"
@@ -49,7 +53,6 @@
 #include "talus/parallel/slabs.hpp"
 #include "talus/parallel/threads.hpp"
 #include "talus/parallel/usual_domains.hpp"
-#include "talus/scenario/scenario.hpp"
 #include "talus/scene/fluid.hpp"
 #include "talus/scene/force_field.hpp"
 #include "talus/scene/inflow.hpp"

@@ -1,4 +1,6 @@
-// expects: talus has no ellipsoids: docs/not_there.md says what to take instead
+// expects: talus has no ellipsoids: take a convex_polyhedron of points on the surface, or a union_of<sphere>, see
+// docs/not_there.md
+// within: 5 lines
 #include "talus/body/bodies.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/sphere.hpp"

@@ -1,4 +1,6 @@
 // expects: body<
+// expects: velocity
+// within: 5 lines
 #include "talus/body/body.hpp"
 #include "talus/shape/sphere.hpp"
 using namespace talus;

@@ -250,8 +250,7 @@ TEST_CASE("wall times are read in seconds, minutes, hours and days") {
 TEST_CASE("a floor that is frictionless in name only is told once, and rules are shown") {
   const folder in;
   for (const char* ranks : {"1", "2"}) {
-    const std::vector<std::string> words{"--ranks",          ranks, "--steps", "3",
-                                         "--stone-friction", "0.5"};
+    const std::vector<std::string> words{"--ranks", ranks, "--steps", "3"};
     const auto mean = run_balls(in, words, true, 0, 1, 0);
     const std::string told =
         "balls: warning: material 1 (of a plane) has no friction and material 0";

@@ -26,7 +26,7 @@ for pattern in 'talus::box\b' 'box_(pair|axes|manifold)' 'general_contact' \
     failed=1
   fi
 done
-for pattern in 'talus::plane\b' 'orientation' 'turned' 'MPI_' 'boost::mpi' 'talus::threads' \
+for pattern in 'talus::plane\b' '(\b|[^y]_)orientation\b' 'turned' 'MPI_' 'boost::mpi' 'talus::threads' \
   'thread_team' 'std::thread' 'pthread_create' 'talus::domain<' 'grid_cells::owner' 'detail::migrate<' \
   'share_shadow_copies' 'share_velocities' 'connection_checker' 'talus::(capsule|cylinder)\b' \
   'polyhedron' 'union_of' 'convex_' '\bshared_(memory|data)'; do

@@ -155,7 +155,9 @@ TEST_CASE("a mesh that should move is refused, and one that is fixed is no body 
     CHECK_THROWS_WITH(
         w.add(body{.shape = m}),
         "a triangle_mesh has no mass, so nothing can move it, but rank 0 added one to "
-        "the bodies that move: add it in world.global(...), or with .fixed = true");
+        "the bodies that move: add it in world.global(...), or with .fixed = true; to make it "
+        "move, "
+        "build it of convex parts, as a convex_polyhedron or a union_of<convex_polyhedron>");
     const auto h = w.add(body{.shape = m, .fixed = true});
     CHECK_THROWS_WITH(w[h].release(), doctest::Contains("has no mass and stays fixed"));
   });

@@ -15,7 +15,10 @@ struct is_shape : std::bool_constant<concepts::shape<Shape>> {};
 
 template <class Shape>
 struct part_of_bodies {
-  static_assert(is_shape<Shape>::value,
+  static_assert(complete<Shape>,
+                "bodies<...> names a shape whose header is missing: write #include "
+                "<talus/mesh.hpp> for triangle_mesh");
+  static_assert(!complete<Shape> || is_shape<Shape>::value,
                 "bodies<...> takes shapes only, such as sphere, box or plane, and this type is "
                 "not one: remove it, or make it model talus::concepts::shape");
 };

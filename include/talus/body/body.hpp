@@ -8,6 +8,8 @@
 
 namespace talus {
 
+inline namespace a_body_has_shape_position_material_velocity_angular_velocity_orientation_user_id_and_fixed {
+
 /// Description of a rigid body to be created: `body{.shape = sphere{0.5}, .position = {0, 0, 1}}`.
 template <class Shape>
 struct body {
@@ -25,6 +27,9 @@ struct body {
 /// The shape alone determines the type, so that the compiler reports a field that does not exist.
 template <class Shape>
 body(Shape, ...) -> body<Shape>;
+
+}  // namespace
+   // a_body_has_shape_position_material_velocity_angular_velocity_orientation_user_id_and_fixed
 
 /// Refers to a body on any rank; stays valid when the body migrates to another rank.
 template <class Shape>

@@ -5,6 +5,8 @@
 
 namespace talus {
 
+inline namespace a_ball_joint_has_at {
+
 /// Holds a point of one body at a point of another: a spherical joint.
 struct ball_joint final {
   using talus_part_of = roles::joints;
@@ -25,5 +27,7 @@ struct ball_joint final {
   }
   static void write(const anchors&, detail::line_writer& to) { to.hold_point(); }
 };
+
+}  // namespace a_ball_joint_has_at
 
 }  // namespace talus

@@ -5,6 +5,8 @@
 
 namespace talus {
 
+inline namespace a_cylindrical_joint_has_at_axis_turn_limits_turn_motor_turn_spring_turn_friction_travel_limits_travel_motor_travel_spring_and_travel_friction {
+
 /// Its angle and its travel are 0 when the bodies are joined.
 struct cylindrical_joint final {
   using talus_part_of = roles::joints;
@@ -50,5 +52,8 @@ struct cylindrical_joint final {
   static void drive(anchors& x, const torque_motor& m) { x.turn.motor = detail::motor_of(m); }
   static void drive(anchors& x, const force_motor& m) { x.way.motor = detail::motor_of(m); }
 };
+
+}  // namespace
+   // a_cylindrical_joint_has_at_axis_turn_limits_turn_motor_turn_spring_turn_friction_travel_limits_travel_motor_travel_spring_and_travel_friction
 
 }  // namespace talus

@@ -5,6 +5,8 @@
 
 namespace talus {
 
+inline namespace a_fixed_joint_has_at {
+
 /// Holds two bodies in their present relative pose: a weld.
 struct fixed_joint final {
   using talus_part_of = roles::joints;
@@ -28,5 +30,7 @@ struct fixed_joint final {
     for (int k = 0; k < 3; ++k) to.hold(detail::line_of_cosine(to.g, k, (k + 1) % 3));
   }
 };
+
+}  // namespace a_fixed_joint_has_at
 
 }  // namespace talus

@@ -8,6 +8,8 @@
 
 namespace talus {
 
+inline namespace a_gear_has_first_axis_second_axis_and_ratio {
+
 /// Couples the rotations of two bodies about axes that are fixed in the world: the angle of the
 /// second is `ratio` times that of the first. Other joints hold the bodies on their axes, and bear
 /// what the teeth push them apart with. Its torque is that on the first body.
@@ -50,5 +52,7 @@ struct gear final {
     to.hold_ratio(x.first.toRotationMatrix(), x.second.toRotationMatrix(), x.ratio);
   }
 };
+
+}  // namespace a_gear_has_first_axis_second_axis_and_ratio
 
 }  // namespace talus

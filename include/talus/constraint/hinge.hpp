@@ -5,6 +5,8 @@
 
 namespace talus {
 
+inline namespace a_hinge_has_at_axis_limits_motor_spring_and_friction {
+
 /// A revolute joint. Its angle is 0 when the bodies are joined.
 struct hinge final {
   using talus_part_of = roles::joints;
@@ -39,5 +41,7 @@ struct hinge final {
   }
   static void drive(anchors& x, const torque_motor& m) { x.turn.motor = detail::motor_of(m); }
 };
+
+}  // namespace a_hinge_has_at_axis_limits_motor_spring_and_friction
 
 }  // namespace talus

@@ -15,12 +15,18 @@ namespace talus {
 /// No limit of a coordinate.
 inline constexpr real no_limit = std::numeric_limits<real>::max();
 
+inline namespace joint_limits_have_lower_upper_and_restitution {
+
 /// The range of an angle or a travel, relative to the pose in which the bodies are joined.
 struct joint_limits {
   real lower = -no_limit;  ///< rad or length; below `upper`
   real upper = no_limit;   ///< rad or length
   real restitution = 0;    ///< of an impact on a limit, in [0, 1]
 };
+
+}  // namespace joint_limits_have_lower_upper_and_restitution
+
+inline namespace a_torque_motor_has_velocity_largest_torque_position_stiffness_and_damping {
 
 /// Drives an angle. Without stiffness and damping it holds `velocity`, with the torque that this
 /// takes; with them its torque is stiffness (position - angle) + damping (velocity - its rate), of
@@ -32,6 +38,10 @@ struct torque_motor {
   real stiffness = 0;       ///< torque per rad
   real damping = 0;         ///< torque per angular velocity
 };
+
+}  // namespace a_torque_motor_has_velocity_largest_torque_position_stiffness_and_damping
+inline namespace a_force_motor_has_velocity_largest_force_position_stiffness_and_damping {
+
 /// Drives a travel, likewise.
 struct force_motor {
   real velocity = 0;       ///< length per unit of time
@@ -41,12 +51,18 @@ struct force_motor {
   real damping = 0;        ///< force per velocity
 };
 
+}  // namespace a_force_motor_has_velocity_largest_force_position_stiffness_and_damping
+
+inline namespace a_joint_spring_has_stiffness_damping_and_rest {
+
 /// A spring and a damper on a coordinate, of the end of the step, so that any stiffness is stable.
 struct joint_spring {
   real stiffness = 0;  ///< torque per rad, or force per length
   real damping = 0;    ///< torque per angular velocity, or force per velocity
   real rest = 0;       ///< the coordinate at which the spring is relaxed
 };
+
+}  // namespace a_joint_spring_has_stiffness_damping_and_rest
 
 namespace detail {
 

@@ -5,6 +5,8 @@
 
 namespace talus {
 
+inline namespace a_point_on_plane_has_at_and_normal {
+
 /// A point of the second body moves freely in a plane that the first one carries.
 struct point_on_plane final {
   using talus_part_of = roles::joints;
@@ -32,5 +34,7 @@ struct point_on_plane final {
     to.note(to.g.gap.norm());
   }
 };
+
+}  // namespace a_point_on_plane_has_at_and_normal
 
 }  // namespace talus

@@ -19,6 +19,8 @@ namespace detail {
 
 }  // namespace detail
 
+inline namespace a_rod_has_from_and_to {
+
 /// A massless rod with ball joints at both ends. Its length is the distance of the points when the
 /// bodies are joined.
 struct rod final {
@@ -53,6 +55,10 @@ struct rod final {
     to.hold(detail::line_of_distance(to.g, x.length));
   }
 };
+
+}  // namespace a_rod_has_from_and_to
+
+inline namespace a_rope_has_from_to_length_and_restitution {
 
 /// A massless rope: the distance of two points is at most its length.
 struct rope final {
@@ -97,5 +103,7 @@ struct rope final {
     to.reach(x.length, x.restitution);
   }
 };
+
+}  // namespace a_rope_has_from_to_length_and_restitution
 
 }  // namespace talus

@@ -5,6 +5,8 @@
 
 namespace talus {
 
+inline namespace a_slider_has_at_axis_limits_motor_spring_and_friction {
+
 /// A prismatic joint. Its travel is 0 when the bodies are joined.
 struct slider final {
   using talus_part_of = roles::joints;
@@ -41,5 +43,7 @@ struct slider final {
   }
   static void drive(anchors& x, const force_motor& m) { x.way.motor = detail::motor_of(m); }
 };
+
+}  // namespace a_slider_has_at_axis_limits_motor_spring_and_friction
 
 }  // namespace talus

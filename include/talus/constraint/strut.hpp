@@ -7,6 +7,8 @@
 
 namespace talus {
 
+inline namespace a_strut_has_from_to_limits_motor_spring_and_friction {
+
 /// A massless strut with ball joints at both ends, which changes its length. Its travel is by how
 /// much it is longer than when the bodies were joined. Alone it holds nothing: give it a spring, a
 /// motor (a hydraulic cylinder), limits or friction. For a constant length take a rod.
@@ -49,5 +51,7 @@ struct strut final {
   static void write(const anchors& x, detail::line_writer& to) { to.stretch(x.length, x.way); }
   static void drive(anchors& x, const force_motor& m) { x.way.motor = detail::motor_of(m); }
 };
+
+}  // namespace a_strut_has_from_to_limits_motor_spring_and_friction
 
 }  // namespace talus

@@ -8,6 +8,8 @@
 
 namespace talus {
 
+inline namespace a_universal_joint_has_at_first_axis_second_axis_first_limits_first_spring_first_friction_second_limits_second_spring_and_second_friction {
+
 /// Cardan's joint. Its first angle is that of the cross about the axis of the first body, its
 /// second that of the second body about its own axis.
 struct universal_joint final {
@@ -62,5 +64,8 @@ struct universal_joint final {
                   x.second);
   }
 };
+
+}  // namespace
+   // a_universal_joint_has_at_first_axis_second_axis_first_limits_first_spring_first_friction_second_limits_second_spring_and_second_friction
 
 }  // namespace talus

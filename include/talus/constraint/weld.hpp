@@ -10,6 +10,8 @@
 
 namespace talus {
 
+inline namespace a_weld_has_at_largest_force_and_largest_torque {
+
 /// A fixed joint that is removed after the first step in which its mean force or torque is above
 /// the largest one. From the next step on the bodies are free, and may touch each other.
 struct weld final {
@@ -47,5 +49,7 @@ struct weld final {
     return force > x.largest_force || torque > x.largest_torque;
   }
 };
+
+}  // namespace a_weld_has_at_largest_force_and_largest_torque
 
 }  // namespace talus

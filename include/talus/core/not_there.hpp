@@ -1,62 +1,27 @@
 #pragma once
-// Well-known features that talus lacks, under their usual names. A scenario that names one gets a
-// sentence that refers to docs/not_there.md instead of an undeclared name. Remove a name from here
-// when talus gets the feature.
+// Well-known features that talus lacks, under their usual names: the line that names one is refused
+// by a sentence. g++ shows the namespaces of a type whose braces it refuses, so they say it, too.
+// Remove a name from here when talus gets the feature.
+
+#define TALUS_REFUSED_NAME(says) __attribute__((unavailable(says)))
 
 namespace talus {
 
-namespace detail {
-
-template <class>
-inline constexpr bool is_there = false;
-
-}  // namespace detail
-
-struct motors final {
-  template <class T>
-  struct refusal {
-    static_assert(detail::is_there<T>,
-                  "motors belong to joints: name the joint in joints<...> and set its motor, as in "
-                  "hinge{.motor = {...}}; docs/joints.md says how");
-  };
-};
-struct cohesion final {
-  template <class T>
-  struct refusal {
-    static_assert(
-        detail::is_there<T>,
-        "talus has no part 'cohesion': hard_contact<...> takes normal_cohesion, soft_contact<...> "
-        "takes jkr_adhesion, dmt_adhesion, "
-        "linear_cohesion, cohesive_spring or van_der_waals of <talus/adhesion.hpp>, see "
-        "docs/adhesion.md");
-  };
-};
-struct ellipsoid final {
-  template <class T>
-  struct refusal {
-    static_assert(
-        detail::is_there<T>,
-        "talus has no ellipsoids: docs/not_there.md says what to take instead, and which code has");
-  };
-};
-struct superquadric final {
-  template <class T>
-  struct refusal {
-    static_assert(detail::is_there<T>,
-                  "talus has no superquadrics: docs/not_there.md says what to take instead, and "
-                  "which code has");
-  };
-};
-struct height_field final {
-  template <class T>
-  struct refusal {
-    static_assert(detail::is_there<T>,
-                  "talus has no height fields: take a triangle_mesh, see docs/not_there.md");
-  };
-};
+struct motors;
+struct cohesion;
+inline namespace talus_has_no_ellipsoids_take_a_convex_polyhedron_or_a_union_of_spheres {
+struct ellipsoid;
+}
+inline namespace talus_has_no_superquadrics_take_a_convex_polyhedron_or_a_union_of_spheres {
+struct superquadric;
+}
+inline namespace talus_has_no_height_fields_take_a_triangle_mesh {
+struct height_field;
+}
 
 namespace detail {
 
+/// Types that are refused where they are named cause no second error in lists of policies.
 template <class>
 inline constexpr bool is_missing = false;
 template <>
@@ -71,5 +36,30 @@ template <>
 inline constexpr bool is_missing<height_field> = true;
 
 }  // namespace detail
+
+struct TALUS_REFUSED_NAME(
+    "motors belong to joints: name the joint in joints<...> and set its motor, as in hinge{.motor "
+    "= {...}}; docs/joints.md says how") motors final {};
+struct TALUS_REFUSED_NAME(
+    "talus has no part 'cohesion': hard_contact<...> takes normal_cohesion, soft_contact<...> "
+    "takes jkr_adhesion, dmt_adhesion, linear_cohesion, cohesive_spring or van_der_waals of "
+    "<talus/adhesion.hpp>, see docs/adhesion.md") cohesion final {};
+inline namespace talus_has_no_ellipsoids_take_a_convex_polyhedron_or_a_union_of_spheres {
+struct TALUS_REFUSED_NAME(
+    "talus has no ellipsoids: take a convex_polyhedron of points on the surface, or a "
+    "union_of<sphere>, see docs/not_there.md") ellipsoid final {};
+}  // namespace talus_has_no_ellipsoids_take_a_convex_polyhedron_or_a_union_of_spheres
+inline namespace talus_has_no_superquadrics_take_a_convex_polyhedron_or_a_union_of_spheres {
+struct TALUS_REFUSED_NAME(
+    "talus has no superquadrics: take a convex_polyhedron of points on the surface, or a "
+    "union_of<sphere>, see docs/not_there.md") superquadric final {};
+}  // namespace talus_has_no_superquadrics_take_a_convex_polyhedron_or_a_union_of_spheres
+inline namespace talus_has_no_height_fields_take_a_triangle_mesh {
+struct TALUS_REFUSED_NAME("talus has no height fields: take a triangle_mesh, see docs/not_there.md")
+    height_field final {};
+}  // namespace talus_has_no_height_fields_take_a_triangle_mesh
+
+// Where its header is missing, compilers show this line.
+class triangle_mesh;  // write #include <talus/mesh.hpp>
 
 }  // namespace talus

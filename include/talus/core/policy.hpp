@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "talus/core/misspelt.hpp"
 #include "talus/core/not_there.hpp"
 
 namespace talus {
@@ -51,10 +52,10 @@ inline constexpr bool is_part = part_for<Type, Role>;
 /// in "In instantiation of 'struct talus::detail::...<TYPE>'".
 template <class Check>
 inline constexpr bool examined = sizeof(Check) > 0;
-/// Features that talus lacks are refused by their own sentence alone.
+/// What talus lacks is refused where it is named.
 template <template <class...> class Check, class Type>
 requires is_missing<Type>
-inline constexpr bool examined<Check<Type>> = sizeof(typename Type::template refusal<void>) > 0;
+inline constexpr bool examined<Check<Type>> = true;
 
 /// The type in the compiler's description of a function: "... [with Type = X; ...]", clang: "[Type
 /// = X]".

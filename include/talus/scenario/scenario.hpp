@@ -1,11 +1,13 @@
 #pragma once
 // scenario<...>: all decisions before the run, as one type.
 #include <string>
+#include <string_view>
 
 #include "talus/body/bodies.hpp"
 #include "talus/body/features.hpp"
 #include "talus/contact/law.hpp"
 #include "talus/core/precision.hpp"
+#include "talus/core/refused_fields.hpp"
 #include "talus/core/rounding.hpp"
 #include "talus/detect/policy.hpp"
 #include "talus/interaction/film_bridge.hpp"
@@ -302,6 +304,28 @@ std::string describe() {
 }
 
 namespace detail {
+
+/// "this scenario has no bodies of this shape, box: add the shape to its bodies<...>".
+template <class Shape>
+[[nodiscard]] consteval auto missing_shape() {
+  constexpr std::string_view words[] = {"this scenario has no bodies of this shape, ", Shape::name,
+                                        ": add the shape to its bodies<...>"};
+  char text[words[0].size() + words[1].size() + words[2].size() + 1] = {};
+  char* to = text;
+  for (const std::string_view w : words)
+    for (const char c : w) *to++ = c;
+  return sentence(text);
+}
+/// Whether functions that add a body take this shape. Deleted ones beside them, with the sentence,
+/// take all others. clang does not print the sentence of a deleted function: there the functions
+/// take all shapes, and refuse in their bodies.
+template <class Scenario, class Shape>
+inline constexpr bool takes_shape =
+#ifdef __clang__
+    true;
+#else
+    Scenario::template has_shape<Shape>;
+#endif
 
 // The sentences of refusals, on their own: if they fail within a constant expression, clang adds
 // that the expression is not constant.

@@ -49,7 +49,8 @@ void require_movable(const body<Shape>& b, int rank) {
     if (!b.fixed)
       fail<std::logic_error>(
           "a {} has no mass, so nothing can move it, but rank {} added one to the bodies that "
-          "move: add it in world.global(...), or with .fixed = true",
+          "move: add it in world.global(...), or with .fixed = true; to make it move, build it of "
+          "convex parts, as a convex_polyhedron or a union_of<convex_polyhedron>",
           Shape::name, rank);
 }
 
