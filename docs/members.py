@@ -423,8 +423,8 @@ def misspelt():
     """Each policy with two neighbouring letters swapped, or one left out, unless talus uses that word."""
     used = {word for file in include.rglob("*.hpp") if file.name != "misspelt.hpp" for word in re.findall(r"\w+", file.read_text())}
     lines = ["#pragma once",
-             "// Policies with two letters swapped or one left out: g++ would suggest a function of C, such as islower",
-             "// for slover. Written by ./dev docs --sheet.",
+             "// Policies with two letters swapped or one left out: g++ would suggest a function of C, such as",
+             "// islower for slover. Written by ./dev docs --sheet.",
              '#include "talus/core/not_there.hpp"', "", "namespace talus {", "", "// clang-format off",
              "#define TALUS_MISSPELT(right, wrong) \\",
              '  template <class...> struct TALUS_REFUSED_NAME("did you mean " #right "<...>?") wrong;']

@@ -1,3 +1,4 @@
+// expects: body<
 // expects: velocity
 // within: 5 lines
 #include "talus/body/body.hpp"

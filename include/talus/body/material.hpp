@@ -20,7 +20,8 @@ enum class material_id : std::uint16_t {};
 inline constexpr real rigid = std::numeric_limits<real>::infinity();
 
 // If material{...} is given an unknown field, g++ prints the namespaces of a type, which list its
-// fields, and clang the nearest field. Written by ./dev docs --sheet, as those of bodies and joints.
+// fields, and clang the nearest field. Written by ./dev docs --sheet, as those of bodies and
+// joints.
 inline namespace a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction {
 
 /// The material of bodies.

@@ -1,6 +1,6 @@
 #pragma once
-// Policies with two letters swapped or one left out: g++ would suggest a function of C, such as islower
-// for slover. Written by ./dev docs --sheet.
+// Policies with two letters swapped or one left out: g++ would suggest a function of C, such as
+// islower for slover. Written by ./dev docs --sheet.
 #include "talus/core/not_there.hpp"
 
 namespace talus {

@@ -338,7 +338,7 @@ class world {
   /// Throws invalid_argument for values out of range and for a position in a foreign domain, and
   /// logic_error for an infinite body outside of a global section.
   template <class Shape>
-  requires(detail::takes_shape<Scenario, Shape>) handle<Shape> add(const body<Shape>& b) {
+  handle<Shape> add(const body<Shape>& b) requires(detail::takes_shape<Scenario, Shape>) {
     if constexpr (detail::require_shape<Scenario, Shape>()) {
       detail::require_sane(b, state_.materials);
       if (sections_.global) return add_global(b);
@@ -362,22 +362,20 @@ class world {
   }
   /// Refuses a shape that the scenario does not name.
   template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
-  requires(!detail::takes_shape<Scenario, Shape>) handle<Shape> add(const body<Shape>& b)
-  = delete;
+  handle<Shape> add(const body<Shape>& b) requires(!detail::takes_shape<Scenario, Shape>) = delete;
   /// Adds a body at rest with this shape, material, position and orientation, as add(body) does.
   template <class Shape>
-  requires(detail::takes_shape<Scenario, Shape>) handle<Shape> add(
-      const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
-      const quat& orientation = {1, 0, 0, 0}) {
+  handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
+                    const quat& orientation = {1, 0, 0,
+                                               0}) requires(detail::takes_shape<Scenario, Shape>) {
     return add(body<Shape>{
         .shape = shape, .position = position, .material = material, .orientation = orientation});
   }
   /// Refuses a shape that the scenario does not name.
   template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
-  requires(!detail::takes_shape<Scenario, Shape>) handle<Shape> add(
-      const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
-      const quat& orientation = {1, 0, 0, 0})
-  = delete;
+  handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
+                    const quat& orientation = {
+                        1, 0, 0, 0}) requires(!detail::takes_shape<Scenario, Shape>) = delete;
   /// Refuses the position before the material.
   template <class Shape>
   handle<Shape> add(const Shape&, const vec3&, material_id, const quat& = {1, 0, 0, 0}) {
@@ -397,8 +395,8 @@ class world {
   /// Adds the body on the rank that owns its centre and returns its handle there. All ranks call it
   /// alike, so its id is the same for every number of ranks.
   template <class Shape>
-  requires(detail::takes_shape<Scenario, Shape>) std::optional<handle<Shape>> add_if_local(
-      const body<Shape>& b) {
+  std::optional<handle<Shape>> add_if_local(const body<Shape>& b) requires(
+      detail::takes_shape<Scenario, Shape>) {
     static_assert(Shape::finite,
                   "an infinite body, such as a plane, is known on all ranks: add it in "
                   "world.global([&](auto& scope) { scope.add(plane{}, material); })");
@@ -414,9 +412,8 @@ class world {
   }
   /// Refuses a shape that the scenario does not name.
   template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
-  requires(!detail::takes_shape<Scenario, Shape>) std::optional<handle<Shape>> add_if_local(
-      const body<Shape>& b)
-  = delete;
+  std::optional<handle<Shape>> add_if_local(const body<Shape>& b) requires(
+      !detail::takes_shape<Scenario, Shape>) = delete;
   /// Creates bodies on the sites that this rank owns, and visits no others: f(site) or f(site,
   /// random), with random numbers that depend on seed and site alone, returns a body, an optional
   /// one, or a std::variant of bodies of several shapes. All ranks call it alike, without
