@@ -50,19 +50,20 @@ class joint_supports {
     std::sort(all.begin(), all.end());
     if constexpr (!state_type::link_type::alone) share();
   }
-  /// Gives the contacts of this rank their impulses. The bodies keep their velocities.
+  /// Gives the contacts of this rank that share loads their impulses; all others keep their bits.
+  /// The bodies keep their velocities.
   template <class Lists>
   void put(Lists& lists) {
-    plain_vector<vec3> impulses(own_);
+    plain_vector<const joint_support*> changed(own_, nullptr);
     for (const joint_support& x : all)
-      if (x.place != joint_support::elsewhere) impulses[x.place] = x.impulse;
+      if (x.place != joint_support::elsewhere && x.shares) changed[x.place] = &x;
     std::uint32_t next = 0;
     each_contact_list(lists, [&](auto& list) {
       list.edit_keyed([&](auto& c, const contact_key&) {
         const std::int32_t mover = mover_of(c);
         if (mover < 0) return;
-        const vec3& on_mover = impulses[next++];
-        c.load_impulse(mover == c.a ? on_mover : -on_mover);
+        const joint_support* x = changed[next++];
+        if (x != nullptr) c.load_impulse(mover == c.a ? x->impulse : -x->impulse);
       });
     });
   }

@@ -1129,8 +1129,7 @@ function ticks_between(low, high, about) {
 const figures = [
   { title: "Energy", unit: "M L²/T²", names: { kinetic_energy: "kinetic", potential_energy: "potential", total_energy: "sum" } },
   { title: "Energy book", unit: "M L²/T²", names: { energy_work: "work", energy_friction: "friction", energy_impact: "impacts",
-    energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep", energy_motors: "motors",
-    energy_springs: "joint springs", energy_joint_friction: "joint friction" } },
+    energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep" } },
   { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "now", energy_error_worst: "worst so far" } },
   { title: "Overlap", unit: "mean radii", log: true, names: { penetration_mean: "mean", penetration_max: "largest" } },
   { title: "Overlap by the monitor", unit: "mean radii", log: true,

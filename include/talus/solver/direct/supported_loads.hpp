@@ -28,6 +28,7 @@ struct joint_support {
   vec3 arm{0, 0, 0};
   real friction = 0;
   bool slides = false;    ///< faster than by round-off and what sweeps leave
+  bool shares = false;    ///< its impulse may have changed
   vec3 impulse{0, 0, 0};  ///< on the body, in the world
 
   friend bool operator<(const joint_support& x, const joint_support& y) {
@@ -130,7 +131,7 @@ class supported_loads : private articulated_rows {
     for (std::size_t i = 0; i < supports_.size(); ++i) {
       vec3 sum{0, 0, 0};
       for (std::size_t k = 0; k < 3; ++k) sum += impulses_[3 * i + k] * lines_[3 * i + k].force;
-      supports_[i]->impulse = sum;
+      supports_[i]->impulse = sum, supports_[i]->shares = true;
     }
   }
   /// The part of the way from `start` on which its impulse is in its cone.
