@@ -31,8 +31,7 @@ const material glass{.density = 1,
 const liquid_bridge::parameters water{.tension = 0.7, .angle = 0.3, .volume = 1e-3};
 constexpr real overlap = 1e-2;
 [[nodiscard]] jkr_adhesion::parameters sticky() {
-  return jkr_adhesion::combine(glass, glass, two_of_glass(),
-                               {.work_of_adhesion = 5});
+  return jkr_adhesion::combine(glass, glass, two_of_glass(), {.work_of_adhesion = 5});
 }
 const cohesive_spring::parameters clay{
     .loading = 1e4, .unloading = 4e4, .cohesive = 2e4, .plasticity_depth = 0.05, .damping = 0.1};
@@ -95,8 +94,7 @@ TEST_CASE("the laws of the library fulfil the law suite, each alone") {
 
 TEST_CASE("the laws of adhesion fulfil the law suite, each alone") {
   check_law<jkr_adhesion>(sticky(), overlap);
-  check_law<jkr_adhesion>(jkr_adhesion::combine(glass, glass, two_of_glass(), {}),
-                          overlap);
+  check_law<jkr_adhesion>(jkr_adhesion::combine(glass, glass, two_of_glass(), {}), overlap);
   check_law<dmt_adhesion>(dmt_adhesion::parameters{3}, overlap);
   check_law<linear_cohesion>(linear_cohesion::parameters{1e3}, overlap);
   check_law<van_der_waals>(
