@@ -1,5 +1,5 @@
-// A body on many narrow fixed slats keeps its speed and height, with the ten iterations of the
-// default.
+// A body on fixed slats, narrow and wide, keeps its speed and height with the ten iterations of
+// the default.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/shape/convex_polyhedron.hpp>
+#include <talus/shape/cylinder.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 #include <type_traits>
@@ -22,7 +23,7 @@ using namespace talus;
 namespace {
 
 template <class... More>
-using scene_with = scenario<bodies<box, convex_polyhedron>,
+using scene_with = scenario<bodies<box, convex_polyhedron, cylinder>,
                             hard_contact<coulomb_friction, newton_restitution>, More...>;
 
 box cuboid(const box&, const vec3& size) { return box{size}; }
@@ -50,7 +51,7 @@ enum class slats { fixed, global, in_turn };
 template <class Shape, class World>
 void put_slats(World& w, slats kind, real width, real reach) {
   const Shape slat = cuboid(any_of<Shape>(), {width, 2, 0.2});
-  const int count = static_cast<int>(reach / width);
+  const int count = static_cast<int>(reach / width) + 1;
   const auto each_at = [&](auto&& f) {
     for (int k = -count; k < count; ++k) f(k, vec3(width * (k + 0.3), 0.2, -0.1));
   };
@@ -68,20 +69,18 @@ void put_slats(World& w, slats kind, real width, real reach) {
 }
 
 /// The largest change of velocity, over the speed, of height and of spin.
-template <class Scene, class Shape>
-real error_of(slats kind, real width, real dt, real angle, const vec3& v) {
+template <class Scene, class Slat, class Shape>
+real error_of(const Shape& shape, slats kind, real width, real dt, real angle, const vec3& v) {
   serial::link link;
   world<Scene> w(link);
   w.gravity({0, 0, -9.81});
   w.material({.restitution = 0, .friction = 0});
   const int steps = 40;
   const real way = steps * dt * v.norm();
-  put_slats<Shape>(w, kind, width, 0.5 * way + 0.1);
+  put_slats<Slat>(w, kind, width, 0.5 * way + 0.1);
   const vec3 start = vec3(0, 0, 0.03) - 0.5 * steps * dt * v;
-  const auto cube = w.add(body<Shape>{.shape = cuboid(any_of<Shape>(), {0.06, 0.06, 0.06}),
-                                      .position = start,
-                                      .velocity = v,
-                                      .orientation = rotation({0, 0, 1}, angle)});
+  const auto cube = w.add(body<Shape>{
+      .shape = shape, .position = start, .velocity = v, .orientation = rotation({0, 0, 1}, angle)});
   real error = 0;
   for (int k = 0; k < steps; ++k) {
     w.step(dt);
@@ -93,10 +92,12 @@ real error_of(slats kind, real width, real dt, real angle, const vec3& v) {
   return error;
 }
 
-template <class Scene, class Shape>
-void check_slats() {
-  for (const slats kind : {slats::fixed, slats::global, slats::in_turn})
-    for (const real width : {0.025, 0.01})
+/// `shape` is 0.06 high.
+template <class Scene, class Slat, class Shape>
+void check_slats(const Shape& shape, const std::vector<real>& widths = {0.025, 0.01},
+                 const std::vector<slats>& kinds = {slats::fixed, slats::global, slats::in_turn}) {
+  for (const slats kind : kinds)
+    for (const real width : widths)
       for (const real dt : {1.0 / 60, 1.0 / 240, 1.0 / 1000})
         for (const real angle : {real(0), real(0.3), pi / 4})
           for (const vec3& v : {vec3(2, 0, 0), vec3(-1.6, 1.2, 0), vec3(0.05, 0, 0)}) {
@@ -107,7 +108,7 @@ void check_slats() {
             CAPTURE(v[0]);
             // Contacts with global and with fixed bodies are in two lists.
             const real most = kind == slats::in_turn ? 1e-5 : 1e-6;
-            CHECK(error_of<Scene, Shape>(kind, width, dt, angle, v) < most);
+            CHECK(error_of<Scene, Slat>(shape, kind, width, dt, angle, v) < most);
           }
 }
 
@@ -148,11 +149,25 @@ std::string slid(int ranks) {
 TEST_CASE_TEMPLATE("a cube keeps its speed and height on slats much narrower than it", Scene,
                    scene_with<transport<serial>>,
                    scene_with<transport<serial>, solver<reproducible>>) {
-  check_slats<Scene, box>();
+  check_slats<Scene, box>(box{{0.06, 0.06, 0.06}});
+}
+
+TEST_CASE_TEMPLATE("so do a standing cylinder and an octagonal prism on slats and on one floor",
+                   Scene, scene_with<transport<serial>>,
+                   scene_with<transport<serial>, solver<reproducible>>) {
+  const std::vector<real> widths{10, 0.1, 0.025, 0.01};
+  const std::vector<slats> kinds{slats::fixed, slats::global};
+  check_slats<Scene, box>(cylinder{0.04, 0.06}, widths, kinds);
+  std::vector<vec3> corners;
+  for (int k = 0; k < 16; ++k)
+    corners.push_back(
+        {0.04 * std::cos(0.25 * pi * k), 0.04 * std::sin(0.25 * pi * k), k < 8 ? -0.03 : 0.03});
+  check_slats<Scene, box>(convex_polyhedron(corners), widths, kinds);
 }
 
 TEST_CASE("so does a hull on slats that are hulls") {
-  check_slats<scene_with<transport<serial>>, convex_polyhedron>();
+  const auto cube = cuboid(any_of<convex_polyhedron>(), {0.06, 0.06, 0.06});
+  check_slats<scene_with<transport<serial>>, convex_polyhedron>(cube);
 }
 
 TEST_CASE("so do cubes on several ranks, with the same bits by the reproducible solver") {

@@ -71,8 +71,8 @@ struct problem {
   }
 };
 
-/// The contacts of patches one by one. Patches of more than four contacts are swept there and back
-/// if they are on what cannot move, and in watched sweeps.
+/// The contacts of patches one by one. Watched sweeps go there and back over patches of more than
+/// four contacts.
 template <class Contact>
 struct one_by_one {
   const std::vector<std::size_t>& first;
@@ -84,7 +84,7 @@ struct one_by_one {
       const std::size_t patch = forward ? n : first.size() - 1 - n, from = first[patch];
       const std::size_t end = patch + 1 < first.size() ? first[patch + 1] : contacts.size();
       const std::size_t last = end - from - 1;
-      const bool both_ways = last >= 4 && (watched || !Contact::paired);
+      const bool both_ways = last >= 4 && watched;
       const auto visit = [&](std::size_t k, bool notes) {
         const std::size_t i = forward ? from + k : end - 1 - k;
         const auto d = contacts[i].relax(s);

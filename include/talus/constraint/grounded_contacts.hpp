@@ -1,6 +1,6 @@
 #pragma once
-// Bodies that many contacts hold to several things that cannot move, as a body on narrow slats
-// beside each other: all these contacts of a body are solved together.
+// Bodies that many contacts hold to what cannot move, as a standing cylinder or a body on narrow
+// slats beside each other: all these contacts of a body are solved together.
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -13,10 +13,10 @@
 
 namespace talus::detail {
 
-/// Whatever cannot move is one body for a solver. More than four contacts with nearly one normal,
-/// with several bodies, are more than bear a body: single sweeps share the load between them
-/// slowly, and what they leave tilts the body. Each visit to a body here sweeps all its contacts
-/// there and back until they change little.
+/// Whatever cannot move is one body for a solver. More than four contacts with nearly one normal
+/// are more than bear a body: single sweeps share the load between them slowly, and what they leave
+/// tilts the body. Each visit to a body here sweeps all its contacts there and back until they
+/// change little.
 template <class Contact>
 class grounded_contacts {
  public:
@@ -87,7 +87,6 @@ class grounded_contacts {
   static constexpr real part_left = 0.1;           ///< of the changes of the first sweep
   static constexpr real negligible = 1e-9;         ///< part of solver_state::speed
   static constexpr std::uint32_t most_alike = 32;  ///< runs among which those with one normal are
-  static constexpr real apart = 1e-3;              ///< of the lever arm
   static constexpr real one_normal = 1e-6;         ///< 1 - cosine of normals that are nearly one
 
   struct run {
@@ -130,28 +129,14 @@ class grounded_contacts {
     for (std::uint32_t k = last; k != none; k = runs_[k].before) {
       const run& r = runs_[k];
       std::uint32_t alike = 0, looked = 0;
-      bool several = false;
       for (std::uint32_t n = k; n != none && looked < most_alike; n = runs_[n].before, ++looked) {
         const run& other = runs_[n];
         if (1 - towards(r).dot(towards(other)) > one_normal) continue;
         alike += other.last - other.first;
-        // Contacts of several global bodies may be one run.
-        const std::uint32_t end = Contact::paired ? other.first + 1 : other.last;
-        for (std::uint32_t i = other.first; i < end && !several; ++i)
-          several = are_apart(contacts[r.first], contacts[i]);
-        if (several && alike > enough) return true;
+        if (alike > enough) return true;
       }
     }
     return false;
-  }
-  /// Whether two contacts with one normal are with different bodies: the centres of these are
-  /// elsewhere. (One driven body may have several numbers.)
-  [[nodiscard]] static bool are_apart(const Contact& c, const Contact& d) {
-    if constexpr (Contact::paired)
-      if (c.a == d.a && c.b == d.b) return false;
-    const vec3 between = (c.arm_b - c.arm_a) - (d.arm_b - d.arm_a);
-    const vec3 across = between - c.normal.dot(between) * c.normal;
-    return across.norm() > apart * std::min(c.arm_a.norm(), c.arm_b.norm());
   }
   void gather(std::uint32_t last) {
     const auto first = static_cast<std::uint32_t>(members_.size());

@@ -132,10 +132,9 @@ struct manifold_work {
 
   /// Solves all contacts, in the order of the layers or the reverse. note(contact, change of the
   /// impulse's norm times own mobility) for those that change. A single manifold, which has many
-  /// contacts, is swept there and back where that is all that bears a body, as on a floor of many
-  /// flush bodies: this converges much faster than two sweeps of the whole list. So is it in a
-  /// `Watched` sweep, which may be the only one of its step: single sweeps in one direction, warm
-  /// started, amplify small errors, by which bodies at rest creep.
+  /// contacts, is swept there and back in a `Watched` sweep, which may be the only one of its step:
+  /// single sweeps in one direction, warm started, amplify small errors, by which bodies at rest
+  /// creep.
   template <bool Forward, bool Watched, class Note>
   static void sweep(const block& p, layer* layers, solver_state& s, Note&& note) {
     const auto v_of = [&](const bodies& of) {
@@ -155,7 +154,7 @@ struct manifold_work {
     v = p.frame.times(v), w = p.frame.times(w);
     const Pack zero = every_lane<Pack>(0);
     vectors impulse{zero, zero, zero}, moment{zero, zero, zero};
-    constexpr bool both_ways = lanes == 1 && (Watched || !paired);
+    constexpr bool both_ways = lanes == 1 && Watched;
     const std::uint32_t last = p.depth - 1, visits = both_ways ? 2 * last : last;
     for (std::uint32_t n = 0; n <= visits; ++n) {
       const std::uint32_t k = n <= last ? n : visits - n;
