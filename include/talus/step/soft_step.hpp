@@ -56,6 +56,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   static constexpr bool turns = !law::central || !Shape::isotropic;
   static constexpr bool booked = !observed && monitored<Scenario, energy_ledger>;
   static constexpr bool balanced = !observed && monitored<Scenario, momentum_balance>;
+  static constexpr bool residual = !observed && monitored<Scenario, residual_monitor>;
 
  public:
   force_adder(state_type& s, Observer& observer) : base(s), observer_(observer) {}
@@ -126,6 +127,11 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
             observer_(key, f.force, x.own_a || !x.moves_a, x.own_b || !x.moves_b);
           } else {
             if (law::reaches && g.gap >= 0 && is_zero(f)) return;
+            if constexpr (residual) {
+              if (counts) s_.soft.squares_of_forces += f.force.squaredNorm();
+              s_.soft.bodies[first_a_ + x.i].contacts += 1;
+              if constexpr (paired) s_.soft.bodies[first_b_ + body_b(x)].contacts += 1;
+            }
             auto& count = std::get<soft_contacts>(s_.contacts);
             ++(counts ? count.here : count.doubled);
             if constexpr (monitored<Scenario, penetration_monitor>)
@@ -321,6 +327,7 @@ void measure_forces(world_state<Scenario>& s) {
   if constexpr (law::remembers) s.recorded.reset(count.size());
   if constexpr (world_state<Scenario>::drives) forget_forces(s);
   count = {};
+  if constexpr (monitored<Scenario, residual_monitor>) s.soft.squares_of_forces = 0;
   if constexpr (monitored<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   if constexpr (monitored<Scenario, energy_ledger>) {
     s.monitors.springs.measure_anew();

@@ -47,6 +47,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   static constexpr bool remembers = state_type::law::remembers;
   static constexpr bool alone = state_type::link_type::alone;
   static constexpr bool imaged = base::imaged;
+  static constexpr bool residual = monitored<Scenario, residual_monitor>;
 
  public:
   explicit sphere_forces(state_type& s)
@@ -87,6 +88,8 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   void finish() {
     for (std::size_t l = 0; l < lanes; ++l)
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, lane(fastest_, l));
+    if constexpr (residual)
+      for (std::size_t l = 0; l < lanes; ++l) s_.soft.squares_of_forces += lane(squares_, l);
   }
 
  private:
@@ -176,6 +179,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     leave(first, count, moving);
     if constexpr (remembers) write_memory(first, live, old, memory);
     count_contacts(first, live, g.gap);
+    if constexpr (residual) add_square(first, live, dot(f.force, f.force));
 
     row_pack<real> force[lanes], torque_a[lanes], torque_b[lanes];
     vectors turn_a = every_lane_of<number>(0, 0, 0), turn_b = turn_a;
@@ -194,17 +198,19 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
         store(at_row, f_of(load(at_row)));
       };
       change(row(A, A->force), [&](const auto& x) { return x + force[l]; });
-      if constexpr (!law::central || law::exerts_moment)
+      if constexpr (!law::central || law::exerts_moment || residual)
         change(row(A, A->torque), [&](auto x) {
           if constexpr (!law::central) x = x + torque_a[l];
           if constexpr (law::exerts_moment) x = x + moment[l];
+          if constexpr (residual) x = x + row_pack<real>{0, 0, 0, 1};
           return x;
         });
       change(row(B, B->force), [&](const auto& x) { return x - force[l]; });
-      if constexpr (!law::central || law::exerts_moment)
+      if constexpr (!law::central || law::exerts_moment || residual)
         change(row(B, B->torque), [&](auto x) {
           if constexpr (!law::central) x = x - torque_b[l];
           if constexpr (law::exerts_moment) x = x - moment[l];
+          if constexpr (residual) x = x + row_pack<real>{0, 0, 0, 1};
           return x;
         });
     };
@@ -313,6 +319,13 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
           });
     });
   }
+  /// Whether the pair of this number counts on this rank.
+  [[nodiscard, gnu::always_inline]] inline bool counts_here(std::size_t k) const {
+    if constexpr (!alone || imaged)
+      return counts_[k];
+    else
+      return (void)k, true;
+  }
   [[gnu::always_inline]] inline void count_contacts(std::size_t first, unsigned live,
                                                     const number& gap) {
     auto& count = std::get<soft_contacts>(s_.contacts);
@@ -320,13 +333,28 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       count.here += static_cast<std::size_t>(__builtin_popcount(live));
     } else {
       for_lanes(live, [&](std::size_t l) {
-        const bool counts = (alone && !imaged) || counts_[first + l];
+        const bool counts = counts_here(first + l);
         ++(counts ? count.here : count.doubled);
         if constexpr (monitored<Scenario, penetration_monitor>)
           if (counts) s_.monitors.overlaps.add(lane(gap, l));
       });
     }
     (void)first, (void)gap;
+  }
+
+  /// Adds up the squares of the forces of those contacts that count on this rank.
+  [[gnu::always_inline]] inline void add_square(std::size_t first, unsigned live,
+                                                const number& square) {
+    if constexpr (alone && !imaged)
+      if (live == (1u << lanes) - 1) {
+        squares_ += square;
+        return;
+      }
+    for_lanes(live, [&](std::size_t l) {
+      if (counts_here(first + l))
+        put_lane(squares_, l, lane(squares_, l) + lane(square, l));
+    });
+    (void)first;
   }
 
   static constexpr std::size_t most = pairs_of_block + lanes;
@@ -337,6 +365,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   entry fresh_{};
   const bool places_hold_;
   number fastest_{};
+  [[no_unique_address]] if_needed<residual, number> squares_{};
   typename law::template parameters_of<number> parameters_;
   bool one_material_ = false;  ///< so that all contacts have the same parameters
   soft_body* const bodies_;
