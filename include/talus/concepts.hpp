@@ -28,7 +28,9 @@ using contact_kinematics = contact_kinematics_of<double>;
 template <class Number>
 struct interaction_force_of;
 using interaction_force = interaction_force_of<double>;
-struct stored_energy;
+template <class Number>
+struct stored_energy_of;
+using stored_energy = stored_energy_of<double>;
 template <class Number>
 struct bearing_of;
 using bearing = bearing_of<double>;

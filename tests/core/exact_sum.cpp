@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <talus/core/exact_batch.hpp>
 #include <talus/core/exact_sum.hpp>
 #include <vector>
 
@@ -77,4 +78,35 @@ TEST_CASE("terms of both signs leave what is small beside them, however often th
   CHECK(all.value() == 1000 * 0x1p-61);
   signed_sum none = all;
   CHECK((none -= all).value() == 0);
+}
+
+TEST_CASE(
+    "a batch adds what the single terms add, for numbers of any size, and overflows nowhere") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<> digits(-1, 1);
+  std::uniform_int_distribution<> exponent(-1070, 1020), near(-3, 3);
+  const auto check = [&](auto&& next) {
+    talus::detail::signed_sum one_by_one, batched;
+    {
+      talus::detail::exact_batch batch(batched);
+      for (int k = 0; k < 20000; ++k) {
+        const double x = next();
+        one_by_one += x, batch += x;
+      }
+    }
+    CHECK(batched.value() == one_by_one.value());
+    one_by_one -= batched;
+    CHECK(one_by_one.value() == 0);
+  };
+  check([&] { return std::ldexp(digits(random), exponent(random)); });
+  check([&] { return std::ldexp(digits(random), near(random)); });
+  check([&] { return std::abs(std::ldexp(digits(random), near(random))); });
+  check([] { return 2 - 0x1p-52; });
+  check([] { return 0.0; });
+  exact_sum broken;
+  {
+    talus::detail::exact_batch batch(broken);
+    batch += std::nan("");
+  }
+  CHECK(std::isnan(broken.value()));
 }

@@ -69,3 +69,21 @@ TEST_CASE("it tends to 0 as bodies come to rest, and is 0 where nothing touches"
     CHECK(measure_residual(w).contacts == 0);
   });
 }
+
+TEST_CASE("the monitor takes the forces that move the bodies in the step, on any ranks") {
+  for (const int ranks : {1, 2, 4})
+    for (const double loads : {1.0, 2.0, 4.0}) {
+      CAPTURE(ranks);
+      CAPTURE(loads);
+      on(ranks, loads, [&](auto& w) {
+        w.step(1e-3);
+        CHECK(w.convergence().residual == doctest::Approx((loads - 1) / loads).epsilon(1e-9));
+        // As measured at the start of the next step, but for the motion of springs in it.
+        for (int k = 0; k < 20; ++k) {
+          const double before = measure_residual(w).value;
+          w.step(1e-6);
+          CHECK(w.convergence().residual == doctest::Approx(before).epsilon(1e-3));
+        }
+      });
+    }
+}

@@ -19,11 +19,17 @@ enum body_flag : std::uint8_t {
   flag_released = 16   ///< it was fixed; until all ranks that hold copies are notified
 };
 
-/// The effect of springs, dashpots and friction of soft contacts on a body, separately.
-struct split_forces {
-  vec3 spring{0, 0, 0}, spring_torque{0, 0, 0};
-  vec3 dashpot{0, 0, 0}, dashpot_torque{0, 0, 0};
-  vec3 friction{0, 0, 0}, friction_torque{0, 0, 0};
+/// The effect of springs and dashpots of soft contacts on a body, separately; the rest of the force
+/// is friction. Two cache lines.
+struct alignas(64) split_forces {
+  vec3 spring{0, 0, 0};
+  real fourth_of_spring = 0;  ///< padding of the rows to four numbers, as are the others
+  vec3 spring_torque{0, 0, 0};
+  real fourth_of_spring_torque = 0;
+  vec3 dashpot{0, 0, 0};
+  real fourth_of_dashpot = 0;
+  vec3 dashpot_torque{0, 0, 0};
+  real fourth_of_dashpot_torque = 0;
 };
 
 /// How far a body has moved by its velocity while it was slow, in a third of the time after which

@@ -25,7 +25,10 @@ struct digits_of_number {
     const auto exponent = static_cast<int>(word >> 52);
     std::uint64_t mantissa = word & ((std::uint64_t{1} << 52) - 1);
     if (exponent > 0) mantissa |= std::uint64_t{1} << 52;
-    const int at = exponent > 0 ? exponent - 1 : 0;  // of the last bit, above `lowest`
+    *this = digits_of_number(mantissa, exponent > 0 ? exponent - 1 : 0);
+  }
+  /// `mantissa` times 2^(at - 1074).
+  digits_of_number(std::uint64_t mantissa, int at) {
     first = static_cast<std::size_t>(at / bits);
     const int shift = at % bits;
     const std::uint64_t low = mantissa << shift, high = shift == 0 ? 0 : mantissa >> (64 - shift);
@@ -47,10 +50,13 @@ class exact_sum {
       broken_ = 1;
       return *this;
     }
-    if (x == 0) return *this;
-    const digits_of_number of(x);
-    for (std::size_t k = 0; k < of.digits.size(); ++k) digits_[of.first + k] += of.digits[k];
+    if (x != 0) add(digits_of_number(x), false);
     return *this;
+  }
+  /// Adds a number given by its digits; a negative one is not allowed.
+  void add(const digits_of_number& x, bool negative) {
+    if (negative) broken_ = 1;
+    for (std::size_t k = 0; k < x.digits.size(); ++k) digits_[x.first + k] += x.digits[k];
   }
   exact_sum& operator+=(const exact_sum& x) {
     exact_sum other = x;
@@ -122,6 +128,7 @@ struct signed_sum {
     return *this;
   }
   signed_sum& operator-=(double x) { return *this += -x; }
+  void add(const digits_of_number& x, bool negative) { (negative ? minus : plus).add(x, false); }
   signed_sum& operator+=(const signed_sum& x) {
     plus += x.plus, minus += x.minus;
     return *this;

@@ -56,6 +56,14 @@ concept in_packs = requires {
   typename Part::template parameters_of<wide_pack<real>>;
   typename Part::template memory_of<wide_pack<real>>;
 };
+/// Whether that is so for the stored energy, too.
+template <class Law>
+concept stores_in_packs = in_packs<Law> &&
+    requires(const contact_kinematics_of<wide_pack<real>>& c,
+             const typename Law::template parameters_of<wide_pack<real>>& p,
+             const typename Law::template memory_of<wide_pack<real>>& m) {
+  Law::stored(c, p, m);
+};
 
 // The declared properties of a part.
 
@@ -128,15 +136,19 @@ struct pair_force_of {
 };
 using pair_force = pair_force_of<real>;
 /// The entries of a contact for the energy ledger: forces and moments on body a, and energies.
-struct booked_contact {
-  vec3 spring{0, 0, 0}, dashpot{0, 0, 0}, friction{0, 0, 0};
-  vec3 spring_moment{0, 0, 0}, friction_moment{0, 0, 0};
-  real stored = 0;         ///< stored_energy::normal
-  real released = 0;       ///< the part of that released at once by a change of memory
-  real across_before = 0;  ///< stored_energy::kept before the step
-  real across = 0;         ///< the same now
-  real yielded = 0;        ///< loss of both without motion of the bodies
+template <class Number>
+struct booked_contact_of {
+  using vector = vectors_of<Number>;
+
+  vector spring = every_lane_of<Number>(0, 0, 0), dashpot = spring, friction = spring;
+  vector spring_moment = spring, friction_moment = spring;
+  Number stored{};         ///< stored_energy::normal
+  Number released{};       ///< the part of that released at once by a change of memory
+  Number across_before{};  ///< stored_energy::kept before the step
+  Number across{};         ///< the same now
+  Number yielded{};        ///< loss of both without motion of the bodies
 };
+using booked_contact = booked_contact_of<real>;
 struct not_booked {};
 
 /// `Bearer` is the law whose normal force bounds friction, or void.
@@ -202,6 +214,8 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
   /// Whether several contacts can be evaluated at once.
   static constexpr bool in_packs =
       !reaches && (... && detail::in_packs<Laws>)&&(... && detail::in_packs<Resistances>);
+  /// The same of their energies, for the ledger.
+  static constexpr bool stores_in_packs = in_packs && (... && detail::stores_in_packs<Laws>);
   /// The range of the law beyond touch, for these parameters and this effective radius.
   [[nodiscard]] static real range(const parameters& p, real radius) {
     real furthest = 0;
@@ -213,7 +227,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     return (void)reach, (void)p, (void)radius, furthest;
   }
 
-  /// The force of a contact; `memory` is advanced by `dt`. A booked_contact is filled.
+  /// The force of a contact; `memory` is advanced by `dt`. A booked_contact_of is filled.
   template <class Number, class Booked>
   [[nodiscard, gnu::always_inline]] static inline pair_force_of<Number> force(
       const contact_kinematics_of<Number>& c, const parameters_of<Number>& p, real dt,
@@ -235,13 +249,16 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     f.lost = books.yielded - books.released;
     return f;
   }
-  [[nodiscard]] static stored_energy stored(const contact_kinematics& c, const parameters& p,
-                                            const memory& m) {
-    stored_energy sum;
+  template <class Number>
+  [[nodiscard, gnu::always_inline]] static inline stored_energy_of<Number> stored(
+      const contact_kinematics_of<Number>& c, const parameters_of<Number>& p,
+      const memory_of<Number>& m) {
+    stored_energy_of<Number> sum;
     bool bears = false;
-    const auto add_law = [&]<class Law>() {
-      if (!acts<Law>(c, p)) return;
-      const stored_energy e = Law::stored(c, of<Law>(p), of<Law>(m));
+    const auto add_law = [&]<class Law>() __attribute__((always_inline)) {
+      if constexpr (reaches)
+        if (!acts<Law>(c, p)) return;
+      const stored_energy_of<Number> e = Law::stored(c, of<Law>(p), of<Law>(m));
       sum.normal += e.normal, sum.kept += e.kept;
       bears = bears || std::is_same_v<Law, Bearer>;
     };
@@ -300,7 +317,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
 
  private:
   template <class Booked>
-  static constexpr bool is_booked = std::is_same_v<Booked, booked_contact>;
+  static constexpr bool is_booked = !std::is_same_v<Booked, not_booked>;
 
   template <class Part, class Memory, class F>
   static void column_of_part(Memory& m, F&& f) {
@@ -334,7 +351,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
         of<Law>(m) = {};
         return;
       }
-    stored_energy before;
+    stored_energy_of<Number> before;
     if constexpr (is_booked<Booked>) before = Law::stored(c, of<Law>(p), of<Law>(m));
     const auto f = Law::force(c, of<Law>(p), dt, of<Law>(m));
     if constexpr (std::is_same_v<Law, Bearer>) {
@@ -376,19 +393,23 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
   }
 
   /// The rest is lost in dashpots along the normal, and in friction across it.
-  template <class Law, class Force>
-  static void book_law(booked_contact& books, const contact_kinematics& c, const Force& f,
-                       const stored_energy& before, const stored_energy& after) {
+  template <class Law, class Number, class Force>
+  [[gnu::always_inline]] static inline void book_law(booked_contact_of<Number>& books,
+                                                     const contact_kinematics_of<Number>& c,
+                                                     const Force& f,
+                                                     const stored_energy_of<Number>& before,
+                                                     const stored_energy_of<Number>& after) {
+    using vector = vectors_of<Number>;
     books.spring += f.conserved, books.spring_moment += f.conserved_moment;
-    const vec3 rest = f.force - f.conserved;
+    const vector rest = f.force - f.conserved;
     if constexpr (is_central<Law>) {
       books.dashpot += rest;
     } else {
-      const vec3 along = c.normal.dot(rest) * c.normal;
+      const vector along = dot(c.normal, rest) * c.normal;
       books.dashpot += along, books.friction += rest - along;
       books.friction_moment += f.moment - f.conserved_moment;
     }
-    const real released = before.normal - after.normal;
+    const Number released = before.normal - after.normal;
     books.stored += after.normal, books.released += released;
     books.across_before += before.kept, books.across += after.kept;
     books.yielded += released + f.lost;

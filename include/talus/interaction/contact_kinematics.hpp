@@ -44,10 +44,12 @@ struct interaction_force_of {
 using interaction_force = interaction_force_of<real>;
 
 /// Energy that a contact returns when the bodies move back.
-struct stored_energy {
-  real normal = 0;  ///< a function of the gap, for the present memory; 0 at the end of the range
-  real kept = 0;    ///< held in the memory, as by a spring across the normal
+template <class Number>
+struct stored_energy_of {
+  Number normal{};  ///< a function of the gap, for the present memory; 0 at the end of the range
+  Number kept{};    ///< held in the memory, as by a spring across the normal
 };
+using stored_energy = stored_energy_of<real>;
 
 /// Inputs of friction and rolling resistance from the law with the normal force.
 template <class Number>

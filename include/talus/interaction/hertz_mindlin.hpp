@@ -77,8 +77,10 @@ struct hertz_mindlin final {
     constexpr real critical = 2.2360679774997896964;  // sqrt(5), see damping_of_restitution()
     return detail::normal_force(c, bears(c, p), critical, p.damping);
   }
-  [[nodiscard]] static stored_energy stored(const contact_kinematics& c, const parameters& p,
-                                            const memory&) {
+  template <class Number>
+  [[nodiscard, gnu::always_inline]] static inline stored_energy_of<Number> stored(
+      const contact_kinematics_of<Number>& c, const std::type_identity_t<parameters_of<Number>>& p,
+      const memory&) {
     return {.normal = real(0.4) * bears(c, p).stiffness * c.gap * c.gap};
   }
   /// Rayleigh waves bound the step instead: see longest_step_of_body().

@@ -67,8 +67,10 @@ struct linear_spring_dashpot final {
       real, memory&) {
     return detail::normal_force(c, bears(c, p), 2, p.damping);
   }
-  [[nodiscard]] static stored_energy stored(const contact_kinematics& c, const parameters& p,
-                                            const memory&) {
+  template <class Number>
+  [[nodiscard, gnu::always_inline]] static inline stored_energy_of<Number> stored(
+      const contact_kinematics_of<Number>& c, const std::type_identity_t<parameters_of<Number>>& p,
+      const memory&) {
     return {.normal = real(0.5) * p.stiffness * c.gap * c.gap};
   }
   [[nodiscard]] static real longest_step(const parameters& p, real mass, real stiffer = 1) {

@@ -22,7 +22,7 @@ struct alignas(64) soft_body {
   vec3 force{0, 0, 0};
   real curvature = 0;  ///< 1 / radius
   vec3 torque{0, 0, 0};
-  real unused = 0;  ///< padding for the fourth number of a row
+  real contacts = 0;  ///< how many exert a force on it; counted for the residual monitor only
 };
 
 /// Where a body is, as used by the comparison of distances.
@@ -46,6 +46,8 @@ struct soft_state {
   plain_vector<soft_place> places;  ///< likewise
   pair_parameters_of<typename Law::law> pairs;
   real fastest_approach = 0;  ///< along the normal of a contact, in steps of the present dt
+  /// Of the forces of the contacts that count on this rank, in this step; for the residual monitor.
+  double squares_of_forces = 0;
   /// Longest stable step for the bonds when some were made, of all such moments.
   real step_of_bonds = std::numeric_limits<real>::infinity();
 };

@@ -17,11 +17,11 @@ namespace talus::detail {
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 /// Writes the numbers of those of `size` pairs that are within reach to `close`, which has room for
-/// one more, and returns how many they are. The others lose their place in the history. `a` and `b`
-/// are the bodies of the two shapes: structs in which `reach` follows `position`. There are no
-/// branches, because about half of the pairs of a neighbour list are apart, in no order that a
-/// processor could predict.
-template <class BodyA, class BodyB>
+/// one more, and returns how many they are. If `Forget`, the others lose their place in the
+/// history. `a` and `b` are the bodies of the two shapes: structs in which `reach` follows
+/// `position`. There are no branches, because about half of the pairs of a neighbour list are
+/// apart, in no order that a processor could predict.
+template <bool Forget = true, class BodyA, class BodyB>
 [[nodiscard, gnu::always_inline]] inline std::size_t find_close(close_pair* pairs, std::size_t size,
                                                                 const BodyA* a, const BodyB* b,
                                                                 std::uint32_t* close) {
@@ -44,6 +44,7 @@ template <class BodyA, class BodyB>
       close[count] = static_cast<std::uint32_t>(first + l);
       count += away ^ 1;
       // Without a branch: history_place::none has all bits.
+      if constexpr (!Forget) continue;
       history_place& last = pairs[first + l].last;
       last = static_cast<history_place>(static_cast<std::uint32_t>(last) | -away);
     }

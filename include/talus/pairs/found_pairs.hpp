@@ -20,6 +20,12 @@ template <class Shape, class Scenario>
   return s.soft.places.data() + s.template of<Shape>().first;
 }
 
+/// Whether `Take` leaves the places of the pairs in the history as they are.
+template <class Take>
+inline constexpr bool only_reads_places = requires {
+  requires Take::only_reads_places;
+};
+
 /// Calls the maker of each kind of pair, make<A, B, partner>(), for those pairs of the neighbour
 /// list that are within reach in this step.
 template <class Scenario, class Make>
@@ -64,7 +70,9 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
         if constexpr (requires { take.find_close(pairs, size, close.data()); }) {
           count = take.find_close(pairs, size, close.data());
         } else if constexpr (world_state<Scenario>::law::soft && moving) {
-          count = find_close(pairs, size, soft_places<A>(s), soft_places<B>(s), close.data());
+          constexpr bool forget = !only_reads_places<decltype(take)>;
+          count =
+              find_close<forget>(pairs, size, soft_places<A>(s), soft_places<B>(s), close.data());
         } else {
           for (std::size_t k = 0; k < size; ++k) {
             close_pair& pair = pairs[k];
@@ -73,7 +81,8 @@ void each_found_pair(world_state<Scenario>& s, Make&& make) {
                 (a.position[pair.i] - b.position[pair.j]).squaredNorm() > reach * reach;
             close[count] = static_cast<std::uint32_t>(k);
             count += apart ? 0 : 1;
-            pair.last = apart ? history_place::none : pair.last;
+            if constexpr (!only_reads_places<decltype(take)>)
+              pair.last = apart ? history_place::none : pair.last;
           }
         }
         if constexpr (requires { take(pairs, close.data(), count); }) {

@@ -119,10 +119,10 @@ template <class Scenario>
   return true;
 }
 
-/// Measures the present reach of all bodies; returns whether the candidate pairs of the last search
-/// are still complete.
+/// Measures the present reach of all bodies; returns false if something else than movable bodies
+/// has made the candidate pairs of the last search incomplete.
 template <class Scenario>
-[[nodiscard]] bool pairs_still_hold(world_state<Scenario>& s) {
+[[nodiscard]] bool pairs_may_hold(world_state<Scenario>& s) {
   bool hold = s.found.known;
   update_ranges(s);
   s.each_shape([&](const auto& b) { hold = hold && !b.globals_changed; });
@@ -130,9 +130,21 @@ template <class Scenario>
     b.reach.resize(b.movable.size());
     for (std::size_t i = 0; i < b.movable.size(); ++i) b.reach[i] = reach_in_step(s, b.movable, i);
   });
-  if (!hold) return false;
-  if constexpr (world_state<Scenario>::drives)
-    if (!driven_within_skin(s)) return false;
+  if constexpr (world_state<Scenario>::drives) hold = hold && driven_within_skin(s);
+  return hold;
+}
+
+/// Whether the candidate pairs of the last search are complete and have the present indices.
+template <class Scenario>
+[[nodiscard]] bool pairs_hold_unchanged(world_state<Scenario>& s) {
+  return pairs_may_hold(s) && all_within_skin(s);
+}
+
+/// Whether the candidate pairs of the last search are still complete, after an update to the
+/// present indices if bodies have migrated.
+template <class Scenario>
+[[nodiscard]] bool pairs_still_hold(world_state<Scenario>& s) {
+  if (!pairs_may_hold(s)) return false;
   if (all_within_skin(s)) return true;
   if constexpr (world_state<Scenario>::link_type::alone || world_state<Scenario>::periodic)
     return false;  // the user adds and removes bodies, or several have one id

@@ -19,6 +19,7 @@
 #include "talus/pairs/flush_bodies.hpp"
 #include "talus/pairs/flush_surface.hpp"
 #include "talus/pairs/found_pairs.hpp"
+#include "talus/pairs/neighbour_list.hpp"
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/detect.hpp"
@@ -56,8 +57,11 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   static constexpr bool turns = !law::central || !Shape::isotropic;
   static constexpr bool booked = !observed && monitored<Scenario, energy_ledger>;
   static constexpr bool balanced = !observed && monitored<Scenario, momentum_balance>;
+  static constexpr bool residual = !observed && monitored<Scenario, residual_monitor>;
 
  public:
+  static constexpr bool only_reads_places = surveyed;
+
   force_adder(state_type& s, Observer& observer) : base(s), observer_(observer) {}
 
   void operator()(std::size_t i, std::size_t j, real, real) {
@@ -67,7 +71,10 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   /// Adds the forces of a candidate pair that is kept from step to step; `last` is its place in the
   /// history.
   void operator()(std::size_t i, std::size_t j, real, real, history_place& last) {
-    if constexpr (observed)
+    history_place read = last;
+    if constexpr (surveyed)
+      meet(i, j, read);
+    else if constexpr (observed)
       (*this)(i, j, 0, 0);
     else
       meet(i, j, last);
@@ -126,6 +133,11 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
             observer_(key, f.force, x.own_a || !x.moves_a, x.own_b || !x.moves_b);
           } else {
             if (law::reaches && g.gap >= 0 && is_zero(f)) return;
+            if constexpr (residual) {
+              if (counts) s_.soft.squares_of_forces += f.force.squaredNorm();
+              s_.soft.bodies[first_a_ + x.i].contacts += 1;
+              if constexpr (paired) s_.soft.bodies[first_b_ + body_b(x)].contacts += 1;
+            }
             auto& count = std::get<soft_contacts>(s_.contacts);
             ++(counts ? count.here : count.doubled);
             if constexpr (monitored<Scenario, penetration_monitor>)
@@ -302,11 +314,31 @@ void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   });
 }
 
-/// The energies of the springs in the present state.
+/// The energies of the springs in the present state. Searches for pairs only if those of the last
+/// search do not hold.
 template <class Scenario>
 [[nodiscard]] spring_energies survey_springs(world_state<Scenario>& s) {
   spring_energies e;
-  observe_forces(s, e);
+  if (!pairs_hold_unchanged(s)) {
+    observe_forces(s, e);
+    return e;
+  }
+  update_flush_bodies(s);
+  if constexpr (Scenario::integrator::shares_midway) {
+    count_bodies(s);
+    gather_motion(s);
+  } else {  // the forces of this step have done so, and stored energies depend on places alone
+    s.each_finite_shape([&](auto& b) {
+      for (std::size_t i = 0; i < b.movable.size(); ++i)
+        s.soft.places[b.first + i] = {b.movable.position[i], b.reach[i]};
+    });
+  }
+  each_found_pair(s, [&]<class A, class B, partner P>() {
+    if constexpr (forces_in_packs<Scenario, A, B, P>)
+      return sphere_forces<Scenario, spring_energies>(s, e);
+    else
+      return force_adder<Scenario, A, B, P, spring_energies>(s, e);
+  });
   return e;
 }
 
@@ -321,6 +353,7 @@ void measure_forces(world_state<Scenario>& s) {
   if constexpr (law::remembers) s.recorded.reset(count.size());
   if constexpr (world_state<Scenario>::drives) forget_forces(s);
   count = {};
+  if constexpr (monitored<Scenario, residual_monitor>) s.soft.squares_of_forces = 0;
   if constexpr (monitored<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   if constexpr (monitored<Scenario, energy_ledger>) {
     s.monitors.springs.measure_anew();
@@ -333,7 +366,7 @@ void measure_forces(world_state<Scenario>& s) {
   std::nullptr_t nobody = nullptr;
   each_found_pair(s, [&]<class A, class B, partner P>() {
     if constexpr (forces_in_packs<Scenario, A, B, P>)
-      return sphere_forces<Scenario>(s);
+      return sphere_forces<Scenario, std::nullptr_t>(s, nobody);
     else
       return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
   });
@@ -382,6 +415,7 @@ void close_springs_as_measured(step_records<Scenario>& s) {
 template <class Scenario>
 void kick(world_state<Scenario>& s, real h) {
   const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, h);
+  [[maybe_unused]] auto sums = kick_sums_of(s);
   each_movable_store(s, [&](auto& store, std::size_t first) {
     using store_type = std::remove_reference_t<decltype(store)>;
     for (std::size_t i = 0; i < store.locals; ++i) {
@@ -395,6 +429,7 @@ void kick(world_state<Scenario>& s, real h) {
         force = s.soft.bodies[first + i].force;
         torque = s.soft.bodies[first + i].torque;
       }
+      [[maybe_unused]] const vec3 of_contacts = force, turn_of_contacts = torque;
       if constexpr (store_type::forced) {
         force += store.force[i];
         torque += store.torque[i];
@@ -408,7 +443,7 @@ void kick(world_state<Scenario>& s, real h) {
       const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
                  w = store.angular_velocity[i] + (h * inverse_mass) * torque;
       if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-        book_kick(s, store, i, h, kept, v, w);
+        book_kick(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, v, w);
       store.velocity[i] = kept * v;
       store.angular_velocity[i] = kept * w;
     }
@@ -420,6 +455,7 @@ void kick(world_state<Scenario>& s, real h) {
 /// Positions and orientations of the bodies owned here, after free motion for the time `h`.
 template <class Scenario>
 void drift(world_state<Scenario>& s, real h) {
+  [[maybe_unused]] auto scheme = scheme_of_drift(s);
   each_movable_store(s, [&](auto& store, std::size_t) {
     using store_type = std::remove_reference_t<decltype(store)>;
     finite_watch watch;
@@ -434,7 +470,7 @@ void drift(world_state<Scenario>& s, real h) {
       else if constexpr (store_type::oriented)
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], vec3(h * store.angular_velocity[i]));
-      if constexpr (monitored<Scenario, energy_ledger>) book_drift(s, store, i, h, w, q);
+      if constexpr (monitored<Scenario, energy_ledger>) book_drift(s, scheme, store, i, h, w, q);
       (void)w, (void)q;
       watch.look(store.position[i]);
       watch.look(store.angular_velocity[i]);

@@ -7,11 +7,13 @@
 #include <type_traits>
 #include <utility>
 
+#include "talus/core/exact_batch.hpp"
 #include "talus/core/pack.hpp"
 #include "talus/core/pack_fields.hpp"
 #include "talus/core/pack_rows.hpp"
 #include "talus/core/pack_vector.hpp"
 #include "talus/detect/pairs/sphere_sphere.hpp"
+#include "talus/features/energy_ledger/soft_ledger.hpp"
 #include "talus/interaction/composed_law.hpp"
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/interaction/soft_state.hpp"
@@ -25,16 +27,39 @@ namespace talus::detail {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-/// Whether the pairs of these shapes are evaluated several at once. The books of energy and
-/// momentum take contacts one by one.
+/// Whether the pairs of these shapes are evaluated several at once.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 inline constexpr bool forces_in_packs =
     std::is_same_v<ShapeA, sphere>&& std::is_same_v<ShapeB, sphere>&& Partner ==
         partner::moving&& world_state<Scenario>::law::law::in_packs &&
-    !world_state<Scenario>::sleeps && !monitored<Scenario, energy_ledger> &&
-    !monitored<Scenario, momentum_balance>;
+    !world_state<Scenario>::sleeps &&
+    (!monitored<Scenario, energy_ledger> || world_state<Scenario>::law::law::stores_in_packs);
 
+/// The sums over contacts of a survey of energies, or of the ledger if there is one.
+template <class Scenario, class Observer>
+struct books_of_step {
+  explicit books_of_step(const world_state<Scenario>&, const Observer&) {}
+};
 template <class Scenario>
+struct books_of_step<Scenario, spring_energies> {
+  exact_batch<signed_sum> normal, across;
+  books_of_step(const world_state<Scenario>&, spring_energies& e)
+      : normal(e.normal), across(e.across) {}
+};
+template <class Scenario>
+requires monitored<Scenario, energy_ledger>
+struct books_of_step<Scenario, std::nullptr_t> {
+  exact_batch<signed_sum> normal, across_before, across, yielded;
+  books_of_step(world_state<Scenario>& s, std::nullptr_t)
+      : normal(s.monitors.springs.normal),
+        across_before(s.monitors.springs.across_before),
+        across(s.monitors.springs.across),
+        yielded(s.monitors.springs.yielded) {}
+};
+
+/// Adds up the forces, with the springs advanced by a step; or, with spring_energies as observer,
+/// the energies of the springs in the present state.
+template <class Scenario, class Observer>
 class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   using base = shape_pairs<Scenario, sphere, sphere, partner::moving>;
   using base::s_, base::a_, base::first_a_;
@@ -47,10 +72,17 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   static constexpr bool remembers = state_type::law::remembers;
   static constexpr bool alone = state_type::link_type::alone;
   static constexpr bool imaged = base::imaged;
+  static constexpr bool surveyed = std::is_same_v<Observer, spring_energies>;
+  static constexpr bool booked = !surveyed && monitored<Scenario, energy_ledger>;
+  static constexpr bool balanced = !surveyed && monitored<Scenario, momentum_balance>;
+  static constexpr bool residual = !surveyed && monitored<Scenario, residual_monitor>;
 
  public:
-  explicit sphere_forces(state_type& s)
+  static constexpr bool only_reads_places = surveyed;
+
+  sphere_forces(state_type& s, Observer& observer)
       : base(s),
+        books_(s, observer),
         places_hold_(s.history.places_hold()),
         bodies_(s.soft.bodies.data()),
         places_(s.soft.places.data()) {
@@ -87,6 +119,8 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   void finish() {
     for (std::size_t l = 0; l < lanes; ++l)
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, lane(fastest_, l));
+    if constexpr (residual)
+      for (std::size_t l = 0; l < lanes; ++l) s_.soft.squares_of_forces += lane(squares_, l);
   }
 
  private:
@@ -99,7 +133,8 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
         body_pair x;
         x.i = pair.i, x.j = pair.j;
         // A pair that another rank alone computes is looked up by its key when it acts here.
-        const history_place before = std::exchange(pair.last, history_place::unknown);
+        const history_place before = pair.last;
+        if constexpr (!surveyed) pair.last = history_place::unknown;
         if (!this->find(x)) return false;
         if constexpr (!alone)
           if (s_.strangers && !x.own_a && !x.own_b)
@@ -109,7 +144,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
           if (!this->known_to_both(x)) return false;
           counts_[k] = x.own_a;
         }
-        pair.last = before;
+        if constexpr (!surveyed) pair.last = before;
         if constexpr (imaged) {
           images_[2 * k] = {this->position_a(x), a_.shape[x.i].radius};
           images_[2 * k + 1] = {this->position_b(x), a_.shape[x.j].radius};
@@ -135,6 +170,15 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     load(body_a_[k]), load(after(body_a_[k]));
     load(body_b_[k]), load(after(body_b_[k]));
     if constexpr (remembers) s_.history.prefetch(pair_[k]->last);
+    if constexpr (booked)
+      for (const soft_body* const body : {body_a_[k], body_b_[k]}) {
+        const char* const line = reinterpret_cast<const char*>(&split_of(body));
+        load(line), load(line + 64);
+      }
+  }
+  /// Where the parts of the forces on a body are added up.
+  [[nodiscard, gnu::always_inline]] inline split_forces& split_of(const soft_body* body) const {
+    return a_.split[static_cast<std::size_t>(body - (bodies_ + first_a_))];
   }
 
   /// The contacts of the pairs written down from `first` on.
@@ -161,13 +205,24 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     const auto moves = inverted(both(a.inverse_mass == real(0), b.inverse_mass == real(0)));
     const auto touch = both(g.squared <= g.touch * g.touch, g.gap < real(0));
     const unsigned moving = bits_of(moves) & ((1u << count) - 1), live = bits_of(touch) & moving;
-    if (live == 0) return leave(first, count, moving);
+    if (live == 0) {
+      if constexpr (!surveyed) leave(first, count, moving);
+      return;
+    }
 
     read_parameters(first, live);
     typename law::template memory_of<number> memory;
     const entry* old[lanes];  // null for a new contact
     if constexpr (remembers) read_memory(first, live, old, memory);
-    not_booked books;
+    if constexpr (surveyed) {
+      const auto e = law::template stored<number>(t, parameters_, memory);
+      for_lanes(live, [&](std::size_t l) {
+        if (counts_here(first + l))
+          books_.normal += lane(e.normal, l), books_.across += lane(e.kept, l);
+      });
+      return;
+    }
+    std::conditional_t<booked, booked_contact_of<number>, not_booked> books;
     const pair_force_of<number> f =
         law::template force<number>(t, parameters_, s_.dt, memory, books);
 
@@ -176,6 +231,9 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     leave(first, count, moving);
     if constexpr (remembers) write_memory(first, live, old, memory);
     count_contacts(first, live, g.gap);
+    if constexpr (residual) add_square(first, live, dot(f.force, f.force));
+    if constexpr (booked) book(first, live, books, a, b);
+    if constexpr (booked || balanced) book_fixed(live, books, f.force, a, b);
 
     row_pack<real> force[lanes], torque_a[lanes], torque_b[lanes];
     vectors turn_a = every_lane_of<number>(0, 0, 0), turn_b = turn_a;
@@ -194,21 +252,86 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
         store(at_row, f_of(load(at_row)));
       };
       change(row(A, A->force), [&](const auto& x) { return x + force[l]; });
-      if constexpr (!law::central || law::exerts_moment)
+      if constexpr (!law::central || law::exerts_moment || residual)
         change(row(A, A->torque), [&](auto x) {
           if constexpr (!law::central) x = x + torque_a[l];
           if constexpr (law::exerts_moment) x = x + moment[l];
+          if constexpr (residual) x = x + row_pack<real>{0, 0, 0, 1};
           return x;
         });
       change(row(B, B->force), [&](const auto& x) { return x - force[l]; });
-      if constexpr (!law::central || law::exerts_moment)
+      if constexpr (!law::central || law::exerts_moment || residual)
         change(row(B, B->torque), [&](auto x) {
           if constexpr (!law::central) x = x - torque_b[l];
           if constexpr (law::exerts_moment) x = x - moment[l];
+          if constexpr (residual) x = x + row_pack<real>{0, 0, 0, 1};
           return x;
         });
     };
     for_lanes(live, add_to_bodies);
+  }
+
+  using booked_type = std::conditional_t<booked, booked_contact_of<number>, not_booked>;
+  /// The entries of contacts in the energy ledger. A dashpot along the normal does not turn
+  /// spheres.
+  [[gnu::always_inline]] inline void book(std::size_t first, unsigned live, const booked_type& c,
+                                          const body_at_contact<number>& a,
+                                          const body_at_contact<number>& b) {
+    for_lanes(live, [&](std::size_t l) {
+      if (!counts_here(first + l)) return;
+      books_.normal += lane(c.stored, l), books_.across_before += lane(c.across_before, l);
+      books_.across += lane(c.across, l), books_.yielded += lane(c.yielded, l);
+    });
+    constexpr bool turns = frictional_law<Scenario>;
+    row_pack<real> spring[lanes], dashpot[lanes], turn_a[lanes], turn_b[lanes];
+    rows_of_lanes<number>(c.spring, spring);
+    rows_of_lanes<number>(c.dashpot, dashpot);
+    if constexpr (turns) {
+      rows_of_lanes<number>(vectors(crossed(a.arm, c.spring) + c.spring_moment), turn_a);
+      rows_of_lanes<number>(vectors(crossed(b.arm, c.spring) + c.spring_moment), turn_b);
+    }
+    const auto row = [](split_forces & body, const vec3& part) __attribute__((always_inline)) {
+      return row_of(body, part);
+    };
+    for_lanes(
+        live, [&](std::size_t l) __attribute__((always_inline)) {
+          split_forces& A = split_of(body_a_[first + l]);
+          split_forces& B = split_of(body_b_[first + l]);
+          store(row(A, A.spring), load(row(A, A.spring)) + spring[l]);
+          store(row(A, A.dashpot), load(row(A, A.dashpot)) + dashpot[l]);
+          if constexpr (turns)
+            store(row(A, A.spring_torque), load(row(A, A.spring_torque)) + turn_a[l]);
+          store(row(B, B.spring), load(row(B, B.spring)) - spring[l]);
+          store(row(B, B.dashpot), load(row(B, B.dashpot)) - dashpot[l]);
+          if constexpr (turns)
+            store(row(B, B.spring_torque), load(row(B, B.spring_torque)) - turn_b[l]);
+        });
+  }
+  /// Contacts with fixed spheres: their work and momentum.
+  [[gnu::always_inline]] inline void book_fixed(unsigned live, const booked_type& c,
+                                                const vectors& force,
+                                                const body_at_contact<number>& a,
+                                                const body_at_contact<number>& b) {
+    const unsigned fixed_a = bits_of(a.inverse_mass == real(0)),
+                   fixed_b = bits_of(b.inverse_mass == real(0));
+    if (((fixed_a | fixed_b) & live) == 0) [[likely]]
+      return;
+    for_lanes((fixed_a | fixed_b) & live, [&](std::size_t l) {
+      const bool of_b = (fixed_b >> l & 1) != 0;
+      const real sign = of_b ? 1 : -1;
+      const auto& fixed = of_b ? b : a;
+      if constexpr (booked) {
+        const booked_contact one{.spring = lane(c.spring, l),
+                                 .dashpot = lane(c.dashpot, l),
+                                 .friction = lane(c.friction, l),
+                                 .spring_moment = lane(c.spring_moment, l),
+                                 .friction_moment = lane(c.friction_moment, l)};
+        const vec3 w = lane(fixed.w, l);
+        add_power(s_.monitors.springs, sign, one, lane(fixed.v, l) + w.cross(lane(fixed.arm, l)),
+                  w);
+      }
+      if constexpr (balanced) s_.monitors.momentum.ground_force += sign * lane(force, l);
+    });
   }
 
   /// Pairs without contact keep no place; one of two immovable bodies is looked up by its key.
@@ -313,6 +436,13 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
           });
     });
   }
+  /// Whether the pair of this number counts on this rank.
+  [[nodiscard, gnu::always_inline]] inline bool counts_here(std::size_t k) const {
+    if constexpr (!alone || imaged)
+      return counts_[k];
+    else
+      return (void)k, true;
+  }
   [[gnu::always_inline]] inline void count_contacts(std::size_t first, unsigned live,
                                                     const number& gap) {
     auto& count = std::get<soft_contacts>(s_.contacts);
@@ -320,7 +450,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       count.here += static_cast<std::size_t>(__builtin_popcount(live));
     } else {
       for_lanes(live, [&](std::size_t l) {
-        const bool counts = (alone && !imaged) || counts_[first + l];
+        const bool counts = counts_here(first + l);
         ++(counts ? count.here : count.doubled);
         if constexpr (monitored<Scenario, penetration_monitor>)
           if (counts) s_.monitors.overlaps.add(lane(gap, l));
@@ -329,14 +459,30 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     (void)first, (void)gap;
   }
 
+  /// Adds up the squares of the forces of those contacts that count on this rank.
+  [[gnu::always_inline]] inline void add_square(std::size_t first, unsigned live,
+                                                const number& square) {
+    if constexpr (alone && !imaged)
+      if (live == (1u << lanes) - 1) {
+        squares_ += square;
+        return;
+      }
+    for_lanes(live, [&](std::size_t l) {
+      if (counts_here(first + l)) put_lane(squares_, l, lane(squares_, l) + lane(square, l));
+    });
+    (void)first;
+  }
+
   static constexpr std::size_t most = pairs_of_block + lanes;
   struct nothing {};
   template <bool Needed, class T>
   using if_needed = std::conditional_t<Needed, T, nothing>;
 
+  [[no_unique_address]] books_of_step<Scenario, Observer> books_;
   entry fresh_{};
   const bool places_hold_;
   number fastest_{};
+  [[no_unique_address]] if_needed<residual, number> squares_{};
   typename law::template parameters_of<number> parameters_;
   bool one_material_ = false;  ///< so that all contacts have the same parameters
   soft_body* const bodies_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <tuple>
 
 #include "talus/contact/key.hpp"
 #include "talus/core/id_table.hpp"
@@ -28,8 +29,39 @@ struct unbalanced_sums {
   [[nodiscard]] double worst() const { return scale() > 0 ? std::sqrt(largest) / scale() : 0; }
 };
 
-/// Collective: adds up the contact forces on each movable body in contact, and gravity. The user's
-/// forces of the step are already applied, and are excluded.
+/// Of one body: the resultant of the contact forces on it and of its weight.
+inline void add_resultant(unbalanced_sums& u, const vec3& resultant) {
+  const double square = resultant.squaredNorm();
+  u.sums[0] += square;
+  u.sums[1] += 1;
+  if (!(square <= u.largest)) u.largest = square;  // keeps a NaN
+}
+/// Collective: those of all ranks.
+template <class Scenario>
+void add_up_over_ranks(world_state<Scenario>& s, unbalanced_sums& u) {
+  s.link->reduce(reduction::sum, u.sums);
+  s.link->reduce(reduction::max, std::span(&u.largest, 1));
+}
+
+/// Collective: of the forces that measure_forces() has just added up. Each rank computes all
+/// contacts of the bodies that it owns.
+template <class Scenario>
+[[nodiscard]] unbalanced_sums unbalanced_force_of_step(world_state<Scenario>& s) {
+  unbalanced_sums u;
+  u.sums[2] = s.soft.squares_of_forces;
+  u.sums[3] = static_cast<double>(std::get<soft_contacts>(s.contacts).here);
+  s.each_finite_shape([&](const auto& b) {
+    const soft_body* const bodies = s.soft.bodies.data() + b.first;
+    for (std::size_t i = 0; i < b.movable.locals; ++i)
+      if (bodies[i].contacts != 0 && bodies[i].inverse_mass != 0)
+        add_resultant(u, bodies[i].force + (1 / bodies[i].inverse_mass) * s.gravity);
+  });
+  add_up_over_ranks(s, u);
+  return u;
+}
+
+/// Collective: adds up the contact forces of the present state on each movable body in contact, and
+/// gravity. The user's forces of the step are already applied, and are excluded.
 template <class Scenario>
 [[nodiscard]] unbalanced_sums measure_unbalanced_force(world_state<Scenario>& s) {
   unbalanced_sums u;
@@ -55,21 +87,16 @@ template <class Scenario>
     loads[at].force += force;
   };
   observe_forces(s, [&](const contact_key& key, const vec3& force, bool on_a, bool on_b) {
+    if (world_state<Scenario>::law::law::reaches && force == vec3(0, 0, 0)) return;
     if (on_a) add(key.a, force);
     if (on_b) add(key.b, -force);
     const double part = 0.5 * (on_a + on_b);  // each of its two ranks counts a half
     u.sums[2] += part * force.squaredNorm();
     u.sums[3] += part;
   });
-  for (const load& l : loads) {
-    if (!l.touches) continue;
-    const double square = vec3(l.force + l.mass * s.gravity).squaredNorm();
-    u.sums[0] += square;
-    u.sums[1] += 1;
-    if (!(square <= u.largest)) u.largest = square;  // keeps a NaN
-  }
-  s.link->reduce(reduction::sum, u.sums);
-  s.link->reduce(reduction::max, std::span(&u.largest, 1));
+  for (const load& l : loads)
+    if (l.touches) add_resultant(u, l.force + l.mass * s.gravity);
+  add_up_over_ranks(s, u);
   return u;
 }
 

@@ -6,6 +6,7 @@
 
 #include "talus/constraint/contact_work.hpp"
 #include "talus/constraint/joint_line.hpp"
+#include "talus/core/exact_batch.hpp"
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/portable_powers.hpp"
@@ -207,15 +208,18 @@ template <class Store>
 template <class Scenario>
 [[nodiscard]] energy_sums energy_of(const world_state<Scenario>& s) {
   energy_sums sums;
+  exact_batch kinetic_sum(sums.kinetic), scale(sums.scale);
+  exact_batch potential(sums.potential);
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
     const real mass = 1 / store.inverse_mass[i], fall = mass * s.gravity.dot(store.position[i]);
     const real kinetic =
         0.5 * (mass * store.velocity[i].squaredNorm() +
                twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]));
-    sums.kinetic += kinetic;
-    sums.potential -= fall;
-    sums.scale += kinetic + std::abs(fall);
+    kinetic_sum += kinetic;
+    potential -= fall;
+    scale += kinetic + std::abs(fall);
   });
+  kinetic_sum.flush(), potential.flush(), scale.flush();
   return sums;
 }
 

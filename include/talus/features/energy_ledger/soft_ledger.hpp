@@ -4,6 +4,7 @@
 // difference is booked as the scheme's.
 #include <cmath>
 
+#include "talus/core/exact_batch.hpp"
 #include "talus/features/energy_ledger/energy_ledger.hpp"
 #include "talus/features/momentum_balance.hpp"
 #include "talus/interaction/composed_law.hpp"
@@ -20,18 +21,15 @@ struct spring_energies {
   }
 };
 
-/// Adds the effect of a contact's springs, dashpots and friction on a body; `sign` is that of the
-/// body.
+/// Adds the effect of a contact's springs and dashpots on a body; `sign` is that of the body.
 inline void add_split(split_forces& to, real sign, const booked_contact& c, const vec3& arm,
                       bool turns) {
-  const vec3 spring = sign * c.spring, dashpot = sign * c.dashpot, friction = sign * c.friction;
-  to.spring += spring, to.dashpot += dashpot, to.friction += friction;
+  const vec3 spring = sign * c.spring, dashpot = sign * c.dashpot;
+  to.spring += spring, to.dashpot += dashpot;
   to.spring_torque += sign * c.spring_moment;
-  to.friction_torque += sign * c.friction_moment;
   if (!turns) return;
   to.spring_torque += arm.cross(spring);
   to.dashpot_torque += arm.cross(dashpot);
-  to.friction_torque += arm.cross(friction);
 }
 
 /// The power of a moving fixed body on its contact partner; `sign` is that of the other body.
@@ -42,10 +40,33 @@ inline void add_power(spring_record& r, real sign, const booked_contact& c, cons
   r.friction_power += sign * (c.friction.dot(u) + c.friction_moment.dot(w));
 }
 
-/// A change of velocity by forces over the time h: to v and w, before damping.
-template <class Scenario, class Store>
-void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real h, real kept,
-               const vec3& v, const vec3& w) {
+/// The entries of the ledger that each body adds to in a change of velocity.
+struct kick_sums {
+  exact_batch<signed_sum> scheme, impact, friction;
+  exact_batch<exact_sum> exchanged;
+  explicit kick_sums(energy_record& r)
+      : scheme(r.running.scheme),
+        impact(r.running.impact),
+        friction(r.running.friction),
+        exchanged(r.exchanged) {}
+};
+struct no_kick_sums {};
+/// Whether the forces of contacts have parts beside springs and dashpots.
+template <class Scenario>
+inline constexpr bool frictional_law = !world_state<Scenario>::law::law::central;
+template <class Scenario>
+[[nodiscard]] auto kick_sums_of(step_records<Scenario>& s) {
+  if constexpr (monitored<Scenario, energy_ledger>)
+    return kick_sums(s.monitors.energy);
+  else
+    return (void)s, no_kick_sums{};
+}
+
+/// A change of velocity by forces over the time h: to v and w, before damping. `force` and `torque`
+/// are those of the contacts.
+template <class Scenario, class Store, class Sums>
+void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::size_t i, real h,
+               real kept, const vec3& force, const vec3& torque, const vec3& v, const vec3& w) {
   const real mass = 1 / store.inverse_mass[i];
   if constexpr (monitored<Scenario, energy_ledger>) {
     energy_record& r = s.monitors.energy;
@@ -53,11 +74,14 @@ void book_kick(world_state<Scenario>& s, const Store& store, std::size_t i, real
     const split_forces& f = store.split[i];
     const real spring = h * (f.spring.dot(mv) + f.spring_torque.dot(mw)),
                dashpot = h * (f.dashpot.dot(mv) + f.dashpot_torque.dot(mw)),
-               friction = h * (f.friction.dot(mv) + f.friction_torque.dot(mw));
-    r.running.scheme += spring + (h * mass) * s.gravity.dot(mv);
-    r.running.impact -= dashpot;
-    r.running.friction -= friction;
-    r.exchanged += std::abs(spring) + std::abs(dashpot) + std::abs(friction);
+               friction = frictional_law<Scenario>
+                              ? h * (vec3(force - f.spring - f.dashpot).dot(mv) +
+                                     vec3(torque - f.spring_torque - f.dashpot_torque).dot(mw))
+                              : 0;
+    sums.scheme += spring + (h * mass) * s.gravity.dot(mv);
+    sums.impact -= dashpot;
+    sums.friction -= friction;
+    sums.exchanged += std::abs(spring) + std::abs(dashpot) + std::abs(friction);
     if constexpr (Store::forced)
       r.running.work += h * (store.force[i].dot(mv) + store.torque[i].dot(mw));
     if (kept != 1) {
@@ -89,11 +113,18 @@ void book_kick_of_fixed(step_records<Scenario>& s, real h) {
     s.monitors.momentum.ground += vec3(h * s.monitors.momentum.ground_force);
 }
 
+template <class Scenario>
+[[nodiscard]] auto scheme_of_drift(step_records<Scenario>& s) {
+  if constexpr (monitored<Scenario, energy_ledger>)
+    return exact_batch<signed_sum>(s.monitors.energy.running.scheme);
+  else
+    return (void)s, no_kick_sums{};
+}
+
 /// Free motion over the time h: `w` and `q` are angular velocity and orientation before it.
 template <class Scenario, class Store>
-void book_drift(world_state<Scenario>& s, const Store& store, std::size_t i, real h, const vec3& w,
-                const quat& q) {
-  auto& scheme = s.monitors.energy.running.scheme;
+void book_drift(world_state<Scenario>& s, exact_batch<signed_sum>& scheme, const Store& store,
+                std::size_t i, real h, const vec3& w, const quat& q) {
   scheme -= (h / store.inverse_mass[i]) * s.gravity.dot(store.velocity[i]);
   if constexpr (Store::tensor)
     scheme +=

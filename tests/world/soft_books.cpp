@@ -1,0 +1,102 @@
+// Monitors of soft contacts between spheres: they take eight contacts at once as the forces do.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <talus/observe/digest.hpp>
+#include <talus/observe/energy.hpp>
+#include <talus/observe/momentum.hpp>
+#include <talus/parallel/grid.hpp>
+#include <talus/parallel/threads.hpp>
+#include <talus/step/sphere_forces.hpp>
+#include <talus/world/world.hpp>
+
+using namespace talus;
+
+namespace {
+
+template <class... Monitors>
+using soft_scene =
+    scenario<bodies<sphere, plane>, soft_contact<linear_spring_dashpot, coulomb_friction>,
+             decomposition<grid<dynamic>>, transport<threads>, features<Monitors...>>;
+using watched = soft_scene<energy_ledger, momentum_balance, residual_monitor>;
+
+/// Spheres that fall on a bed of fixed spheres, every second row of which rolls.
+template <class Scenario, class Main>
+void on(int ranks, Main&& main) {
+  threads::launch({.ranks = ranks}, [&](threads::link& link) {
+    world<Scenario> w(link, {.cells = {ranks}, .lower = {0}, .upper = {12}});
+    const auto stuff =
+        w.material({.density = 1, .restitution = 0.4, .friction = 0.5, .stiffness = 2e4});
+    w.gravity({0.5, 0, -10});
+    w.global([&](auto& s) { s.add(plane{.normal = {0, 0, 1}, .offset = -2}, stuff); });
+    for (int x = 0; x < 12; ++x)
+      for (int y = 0; y < 4; ++y)
+        for (int z = 0; z < 4; ++z)
+          w.add_if_local(body{.shape = sphere{z == 0 ? 0.5 : 0.42 + 0.01 * ((3 * x + y + z) % 5)},
+                              .position = {x + 0.5 + 0.1 * (z % 2), y + 0.1 * (z % 2), 0.97 * z},
+                              .material = stuff,
+                              .velocity = {z == 0 ? 0 : 0.1 * (x % 3), 0, 0},
+                              .fixed = z == 0});
+    w.for_each_local([](auto b) {
+      if (b.is_fixed() && static_cast<int>(b.position()[1]) % 2 == 1)
+        b.set_angular_velocity({0, 2, 0});
+    });
+    main(w);
+  });
+}
+
+}  // namespace
+
+TEST_CASE("the books of spheres close in every step, on rollers, on any ranks") {
+  CHECK(detail::forces_in_packs<watched, sphere, sphere, detail::partner::moving>);
+  std::string bits;
+  on<soft_scene<>>(1, [&](auto& w) {
+    for (int k = 0; k < 1500; ++k) w.step(5e-4);
+    bits = state_digest(w);
+  });
+  for (const int ranks : {1, 3}) {
+    CAPTURE(ranks);
+    on<watched>(ranks, [&](auto& w) {
+      double changed = 0;
+      for (int k = 0; k < 1500; ++k) {
+        w.step(5e-4);
+        if (k % 100 != 0) continue;
+        CHECK(measure_momentum(w).error() < 1e-13);
+        CHECK(measure_energy(w).error() < 1e-13);
+        changed = std::max(changed, std::abs(measure_energy(w).changes));
+      }
+      CHECK(changed == 0);
+      const energy_balance b = measure_energy(w);
+      CHECK(b.worst < 1e-13);
+      CHECK(std::abs(b.kinetic + b.potential + b.elastic - b.initial - b.changes - b.total.net()) <
+            1e-11 * b.scale);
+      // As booked contact by contact.
+      CHECK(b.total.work == doctest::Approx(-8.69179).epsilon(1e-5));
+      CHECK(b.total.friction == doctest::Approx(31.795).epsilon(1e-5));
+      CHECK(b.total.impact == doctest::Approx(100.249).epsilon(1e-5));
+      CHECK(b.total.scheme == doctest::Approx(-1.98741).epsilon(1e-5));
+      const std::string here = state_digest(w);
+      if (ranks == 1) CHECK(here == bits);
+    });
+  }
+}
+
+TEST_CASE(
+    "a sphere moved between the steps changes the energy of its springs, without a new search") {
+  on<watched>(1, [&](auto& w) {
+    for (int k = 0; k < 400; ++k) w.step(5e-4);
+    const double elastic = measure_energy(w).elastic, changes = measure_energy(w).changes;
+    CHECK(elastic > 0);
+    CHECK(std::abs(changes) < 1e-12);
+    int n = 0;
+    w.for_each_local([&](auto b) {
+      if (!b.is_fixed() && n++ % 5 == 0) b.translate({0, 0, -0.002});
+    });
+    w.step(5e-4);
+    const energy_balance after = measure_energy(w);
+    CHECK(std::abs(after.changes) > 1e-6);
+    CHECK(after.error() < 1e-13);
+  });
+}
