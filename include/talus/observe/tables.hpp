@@ -31,6 +31,7 @@ class data_table {
         values{};
   };
 
+  data_table() = default;
   data_table(std::vector<column> columns, bool here) : columns_(std::move(columns)), here_(here) {}
 
   /// Number of rows.
@@ -53,7 +54,7 @@ class data_table {
   [[nodiscard]] const std::vector<T>& values_of(std::string_view name, const char* kind) const;
 
   std::vector<column> columns_;
-  bool here_;
+  bool here_ = false;
 };
 
 namespace detail {
@@ -115,10 +116,9 @@ template <class Scenario>
 
 }  // namespace detail
 
-/// Collective: all bodies, global ones too, on rank 0, by their ids: `id`, `shape`, `position_x` to
-/// `_z`, `orientation_x` to `_w`, `velocity_x` and `angular_velocity_x` to `_z`, `mass` (0 of what
-/// has none), `material`, `fixed`, `global`. The same on any ranks. Costs one message of 144 bytes
-/// per body to rank 0.
+/// Collective: all bodies, global ones too, on rank 0, by their ids: their state, mass (0 of what
+/// has none), material, and whether they are fixed or global. docs/output.md lists the columns. The
+/// same on any ranks. Costs one message of 144 bytes per body to rank 0.
 template <class Scenario>
 [[nodiscard]] data_table body_table(world<Scenario>& w) {
   w.require_all_ranks("body_table");
@@ -151,10 +151,9 @@ template <class Scenario>
 }
 
 /// Collective: the contacts that carry a force, those of for_each_contact(), on rank 0, by the ids
-/// of their bodies: `id_a`, `id_b`, `shape_a`, `shape_b`, `feature` (identifies the point within
-/// the pair), `point_x`, `normal_x` (unit, from b towards a) to `_z`, `gap` (overlap < 0),
-/// `force_x` to `_z` (on a), `normal_force`. The same rows on any ranks. Costs one pass over the
-/// contacts and one message of 120 bytes per contact to rank 0.
+/// of their bodies: the bodies and their shapes, feature, point, normal, gap and force.
+/// docs/output.md lists the columns. The same rows on any ranks. Costs one pass over the contacts
+/// and one message of 120 bytes per contact to rank 0.
 template <class Scenario>
 [[nodiscard]] data_table contact_table(world<Scenario>& w) {
   w.require_all_ranks("contact_table");
