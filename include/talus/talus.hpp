@@ -27,6 +27,7 @@
 #include "talus/observe/energy.hpp"
 #include "talus/observe/force.hpp"
 #include "talus/observe/joints.hpp"
+#include "talus/observe/loads.hpp"
 #include "talus/observe/memory.hpp"
 #include "talus/observe/momentum.hpp"
 #include "talus/observe/monitors.hpp"

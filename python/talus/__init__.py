@@ -3,7 +3,7 @@
   frames = talus.open("heap.hdf.series")     frames[-1].positions, .velocities, .contacts["force"]
   state = talus.open("heap.h5")              state.bodies["sphere"].positions
   results = talus.open("heap.json")          a dictionary
-  table = talus.open("heap.csv")             table["time"]
+  table = talus.open("heap.csv")             table["time"]; also tables of bodies and contacts
 
 docs/python.md describes it, and how Python drives a compiled scenario.
 """
@@ -41,6 +41,6 @@ def open(path):
         return Series(path)
     if first.lstrip().startswith(b"{"):
         return results(path)
-    if first.startswith(b"step"):
+    if first.startswith((b"step", b"id,", b"id_a,")):
         return Table(path)
-    raise Error(f"{path} is nothing that talus writes: neither an output nor a checkpoint, results or a time series")
+    raise Error(f"{path} is nothing that talus writes: neither an output nor a checkpoint, results or a table")

@@ -1,4 +1,4 @@
-"""Results (--json) and time series (--csv)."""
+"""Results (--json), time series (--csv), and tables of bodies and contacts."""
 import csv
 import json
 
@@ -21,9 +21,14 @@ def results(path):
     return found
 
 
+NAMES = ("shape", "shape_a", "shape_b")  # columns of words
+WHOLE = ("id", "id_a", "id_b", "feature", "material", "fixed", "global")
+FIRST = ("step", "id", "id_a")
+
+
 class Table:
-    """A time series that --csv wrote: table["time"] is a column as a numpy array; the unit in the head of a
-    column is not part of its name. Cells that are empty are NaN."""
+    """A time series that --csv wrote, or a table of bodies or contacts: table["time"] is a column as a numpy array;
+    the unit in the head of a column is not part of its name. Cells that are empty are NaN."""
 
     def __init__(self, path):
         self.path = str(path)
@@ -32,19 +37,26 @@ class Table:
             # Behind the last end of a line is one that the run is still writing, or that a kill has cut.
             rows = list(csv.reader(text[:text.rfind("\n") + 1].splitlines()))
         except (csv.Error, UnicodeDecodeError):
-            raise Error(f"{path} is no time series of talus: it is no CSV") from None
-        if not rows or not rows[0] or rows[0][0].partition(" [")[0] != "step":
-            raise Error(f"{path} is no time series of talus: its first column is not 'step'")
+            raise Error(f"{path} is no table of talus: it is no CSV") from None
+        if not rows or not rows[0] or rows[0][0].partition(" [")[0] not in FIRST:
+            raise Error(f"{path} is no table of talus: its first column is none of {', '.join(FIRST)}")
         head = rows[0]
         for number, row in enumerate(rows[1:], 2):
             if len(row) != len(head):
                 raise Error(f"{path} is damaged: line {number} has {len(row)} cells, and its head {len(head)}")
         self.units = {h.partition(" [")[0]: h.partition(" [")[2].rstrip("]") for h in head}
+        series = head[0].startswith("step")
         self._columns = {}
         for k, name in enumerate(self.units):
+            cells = [row[k] for row in rows[1:]]
             try:
-                self._columns[name] = np.array([float(row[k]) if row[k] else np.nan for row in rows[1:]])
-            except ValueError:
+                if series or name not in NAMES + WHOLE:
+                    self._columns[name] = np.array([float(cell) if cell else np.nan for cell in cells])
+                elif name in WHOLE:
+                    self._columns[name] = np.array([int(cell) for cell in cells], dtype=np.uint64)
+                else:
+                    self._columns[name] = np.array(cells, dtype=str)
+            except (ValueError, OverflowError):
                 raise Error(f"{path} is damaged: its column {name} has a cell that is no number") from None
 
     def __getitem__(self, name):

@@ -2,6 +2,7 @@
 // timeout: 300
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -13,6 +14,7 @@
 #include <talus/observe/bond_breaks.hpp>
 #include <talus/talus.hpp>
 #include <talus/vtk.hpp>
+#include <vector>
 
 #include "../tutorial/ranks.hpp"
 
@@ -208,6 +210,10 @@ TEST_CASE("walls: moved, pressed, and their load") {
     world.hold_force(lid, {.force = 50, .max_speed = 1});
     world.simulate({.steps = 700, .dt = 0.005});
     CHECK(contact_force(world, lid)[2] == doctest::Approx(50).epsilon(0.1));
+    const std::vector<contact_load> loads = contact_forces(world, std::array{floor, lid});
+    const vec3 on_lid = loads[1].force, about_its_position = loads[1].torque;
+    CHECK((on_lid - contact_force(world, lid)).norm() < 1e-9);
+    CHECK((about_its_position - contact_torque(world, lid, world[lid].position())).norm() < 1e-9);
   });
 }
 
@@ -273,6 +279,11 @@ TEST_CASE("contacts: friction of a pair, and the contacts one by one") {
     for_each_contact(
         world, [&](const loaded_contact& c) { largest = std::max(largest, c.normal_force()); });
     CHECK(largest == doctest::Approx(9.81 * measure_motion(world).mass).epsilon(1e-3));
+    const scratch_folder here;
+    body_table(world).write_csv("bodies.csv");
+    contact_table(world).write_csv("contacts.csv");
+    CHECK(std::filesystem::exists("bodies.csv"));
+    CHECK(contact_table(world).numbers("normal_force").at(0) == largest);
   });
 }
 

@@ -43,6 +43,45 @@ class Worlds(unittest.TestCase):
                 self.assertEqual(mine[name], said[name], name)
             self.assertEqual(world.kinetic_energy, said["kinetic_energy"])
 
+    def test_tables_have_columns_of_one_dimension(self):
+        world = mechanism.World(steps=600)
+        empty = world.contact_table()
+        self.assertEqual({len(column) for column in empty.values()}, {0})
+        self.assertEqual((empty["id_a"].dtype, empty["shape_a"].dtype.kind, empty["gap"].dtype),
+                         (np.uint64, "U", np.float64))
+        for steps in (15, 285):  # while the spheres fall, and at rest
+            world.step(steps)
+            bodies, contacts = world.body_table(), world.contact_table()
+            self.assertEqual({(c.ndim, len(c)) for c in bodies.values()}, {(1, 5)})
+            self.assertEqual(sorted(bodies["shape"]), ["box", "plane", "sphere", "sphere", "sphere"])
+            self.assertTrue((bodies["id"][:-1] < bodies["id"][1:]).all())
+            self.assertEqual((bodies["global"] == 1).tolist(), (bodies["shape"] == "plane").tolist())
+            spheres = world.bodies["sphere"]
+            row = {i: k for k, i in enumerate(bodies["id"])}
+            for k, i in enumerate(spheres.ids):
+                there = [bodies[f"position_{axis}"][row[i]] for axis in "xyz"]
+                self.assertEqual(there, spheres.positions[k].tolist())
+            self.assertEqual({len(c) for c in contacts.values()}, {len(world.contacts["gap"])})
+            force, torque = world.contact_forces(list(bodies["id"]) + [2**60])
+            self.assertEqual((force.shape, torque.shape), ((6, 3), (6, 3)))
+            self.assertTrue((force[5] == 0).all())
+            self.assertLess(np.abs(force.sum(axis=0)).max(), 1e-9)
+            for axis, name in enumerate(("force_x", "force_y", "force_z")):
+                total = np.zeros(5)
+                np.add.at(total, [row[i] for i in contacts["id_a"]], contacts[name])
+                np.add.at(total, [row[i] for i in contacts["id_b"]], -contacts[name])
+                self.assertTrue(np.allclose(total, force[:5, axis]))
+        ball = bodies["shape"] == "sphere"
+        self.assertTrue(np.allclose(force[:5][ball][:, 2], 10 * bodies["mass"][ball], rtol=1e-3))
+        (self.work / "letter.csv").write_text("a letter\n")
+        with self.assertRaisesRegex(RuntimeError, "is not a table of bodies or contacts"):
+            world.write_body_table(str(self.work / "letter.csv"))
+        try:
+            import pandas
+        except ImportError:
+            return
+        self.assertEqual(len(pandas.DataFrame(bodies)), 5)
+
     def test_columns_are_views_of_the_bodies(self):
         world = drop.World()
         self.assertEqual((world.steps, world.time), (0, 0.0))

@@ -32,6 +32,9 @@ class Read(unittest.TestCase):
         cls.spheres = {k: getattr(world.bodies["sphere"], k) for k in
                        ("ids", "positions", "velocities", "angular_velocities", "radii")}
         cls.box = {k: getattr(world.bodies["box"], k) for k in ("ids", "positions", "velocities", "orientations")}
+        cls.body_table, cls.contact_table = world.body_table(), world.contact_table()
+        world.write_body_table(f"{name}_bodies.csv")
+        world.write_contact_table(f"{name}_contacts.csv")
         cls.contacts, cls.digest, cls.time = world.contacts, world.digest, world.time
         world.run()
         world.close()
@@ -89,6 +92,21 @@ class Read(unittest.TestCase):
         self.assertIn("time", table)
         with self.assertRaisesRegex(KeyError, "has no column colour; it has step, time"):
             table["colour"]
+
+    def test_tables_of_bodies_and_contacts(self):
+        for end, made, ids in (("_bodies.csv", self.body_table, ("id",)), ("_contacts.csv", self.contact_table, ("id_a", "id_b"))):
+            table = talus.open(self.file(end))
+            self.assertEqual(list(table.keys()), list(made))
+            self.assertGreater(len(table), 0)
+            for name in table:
+                self.assertEqual(table[name].dtype.kind, made[name].dtype.kind, name)
+                self.assertTrue((table[name] == made[name]).all(), name)
+            for name in ids:
+                self.assertEqual(table[name].dtype, np.uint64)
+        text = self.file("_bodies.csv").read_text()
+        (self.work / "wrong_bodies.csv").write_text(text.replace("sphere,", "sphere,x", 1))
+        with self.assertRaisesRegex(talus.Error, "position_x has a cell that is no number"):
+            talus.open(self.work / "wrong_bodies.csv")
 
     def test_the_script_of_the_documentation_runs(self):
         told = subprocess.run([sys.executable, "-B", f"{ROOT}/docs/reading.py", self.file("")], check=True, text=True,

@@ -16,6 +16,7 @@
 #include "talus/observe/summary_figures_definitions.hpp"
 #include "talus/observe/summary_json_definitions.hpp"
 #include "talus/observe/summary_text_definitions.hpp"
+#include "talus/observe/tables_definitions.hpp"
 #include "talus/observe/time_series_definitions.hpp"
 #include "talus/observe/time_shares_definitions.hpp"
 #include "talus/observe/warnings_of_scales_definitions.hpp"

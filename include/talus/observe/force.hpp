@@ -45,7 +45,7 @@ template <class Scenario, class Shape>
 }
 
 /// Force and torque of all contacts on one body, as this rank counts them.
-struct contact_load {
+struct load_about_point {
   system_id body;
   bool global;  ///< its torque is about `about`, that of any other body about its centre
   vec3 about;
@@ -96,7 +96,7 @@ template <class Scenario, class Shape>
   w.require_all_ranks("contact_torque");
   auto& s = detail::state_of(w);
   const auto found = w.find(h);
-  detail::contact_load load{h.id, found && found->is_global(), about};
+  detail::load_about_point load{h.id, found && found->is_global(), about};
   if constexpr (Scenario::contact_law::soft) {
     detail::observe_forces(
         s, [&](const detail::contact_key& key, const vec3& point, const vec3& centre_a,

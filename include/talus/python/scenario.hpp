@@ -14,6 +14,7 @@
 
 #include "talus/python/changes.hpp"
 #include "talus/python/module.hpp"
+#include "talus/python/tables.hpp"
 
 namespace talus {
 
@@ -256,6 +257,7 @@ void scenario(pybind11::module_& module, SetUp set_up) {
         }
   }));
   detail::bind_figures<session>(world_class);
+  detail::bind_tables<session>(world_class);
   detail::bind_bodies<session>(module, world_class);
   detail::bind_course<session>(world_class);
   if constexpr (requires(detail::world_state<Scenario> & s) { s.joints.size(); }) {
