@@ -18,8 +18,8 @@ MOST_PLOTS = 24
 
 
 def chosen(names, rows, wanted):
-    """The results to draw: those wanted, or the usual ones and the program's own, where they vary."""
-    if wanted:
+    """The results to draw: those wanted, or, of None, the usual ones and the program's own, where they vary."""
+    if wanted is not None:
         return [n for n in names if n in wanted]
     own = names[names.index("state_digest") + 1:] if "state_digest" in names else []
     good = []
@@ -83,7 +83,7 @@ def draw_panel(axes, rows, x, y, others):
         axes.legend(fontsize=7, frameon=False)
 
 
-def draw(folder, runs, wanted=()):
+def draw(folder, runs, wanted=None):
     """Writes folder/RESULT.svg; returns their names. The points are the runs, the lines their means. Without
     matplotlib nothing is drawn: returns None."""
     try:

@@ -56,13 +56,14 @@ def arguments_of(words):
     add("--out", metavar="DIR", help="folder of the sweep (sweep_NAME)")
     add("--limit", type=float, default=0, metavar="SECONDS", help="a run that takes longer is ended and fails")
     add("--retry", action="store_true", help="run those again that failed")
-    add("--plot", default="", metavar="A,B", help="results to draw (those that vary)")
+    add("--plot", default="", metavar="A,B", help="draw these results, not the usual ones that vary")
     add("--no-plots", action="store_true", help="write the table only")
     add("--slurm", action="store_true", help="run nothing; write a job array for Slurm, DIR/sweep.sh")
     add("--time", default="01:00:00", help="with --slurm: the time limit of a task, as sbatch takes it")
     add("--collect", metavar="DIR", help="write the table and the plots of what is there")
     add("--task", nargs=2, type=int, metavar=("I", "TASKS"), help=argparse.SUPPRESS)
     asked = parser.parse_args(words)
+    asked.plot = [name for name in map(str.strip, asked.plot.split(",")) if name]
     if asked.collect is None and asked.program is None:
         parser.error("sweep which program? Write ./dev sweep NAME --vary OPTION=VALUES")
     if min(asked.jobs, asked.ranks, asked.repeat, asked.limit) < 0:
@@ -87,7 +88,7 @@ def prepare(asked, options):
     runs = design.make(factors, asked.design, asked.design_seed, asked.repeat, whole)
     program.check_values(runs, options)
     wanted = {"program": str(path), "digest": digest_of(path), "options": options, "ranks": asked.ranks,
-              "limit": asked.limit, "runs": runs}
+              "limit": asked.limit, "plot": asked.plot, "runs": runs}
     found = read(folder / "sweep.json")
     if folder.exists() and not folder.is_dir():
         raise Wrong(f"{folder} is no folder: choose another one with --out DIR")
@@ -156,31 +157,33 @@ def carry_out(todo, progress, jobs, limit):
 
 
 def draw(folder, runs, wanted_plots):
-    names = table.collect(runs)[1]
+    """Draws the plots; returns whether all that are wanted can be drawn."""
+    _, names, rows = table.collect(runs)
+    able = [n for n in wanted_plots if any(table.as_number(row.get(n)) is not None for row in rows)]
     for name in wanted_plots:
-        if name not in names:
-            say(f"--plot {name}: the results have no {name}")
-    drawn = plots.draw(folder / "plots", runs, wanted_plots)
+        if name not in able:
+            say(f"--plot {name}: the results have no " + (f"{name}" if name not in names else f"number as {name}"))
+    drawn = plots.draw(folder / "plots", runs, able if wanted_plots else None)
     if drawn is None:
         say("no plots: this Python has no matplotlib (in Debian python3-matplotlib)")
     else:
         say(f"{len(drawn)} plots are in {folder}/plots")
+    return len(able) == len(wanted_plots)
 
 
 def finish(folder, runs, asked):
-    """The table and the plots; returns the exit code: 0 if all runs are done."""
+    """The table and the plots; returns the exit code: 0 if all runs are done, and all plots asked for drawn."""
     table.write(folder / "table.csv", runs)
     states = [run.state for run in runs]
     failed = [run for run, state in zip(runs, states) if state == "failed"]
-    if "done" in states and not asked.no_plots:
-        draw(folder, runs, [p for p in asked.plot.split(",") if p])
+    drawn = asked.no_plots or "done" not in states or draw(folder, runs, asked.plot)
     say(f"{states.count('done')} of {len(runs)} runs are done, {len(failed)} failed, "
         f"{states.count('missing')} are missing; the table is {folder}/table.csv")
     for run in failed:
         say(f"failed: {run.folder.name}: {run.failure()}")
     if failed:
         say("their folders keep command and log; --retry makes them again")
-    return 0 if states.count("done") == len(runs) else 1
+    return 0 if drawn and states.count("done") == len(runs) else 1
 
 
 def stored(folder):
@@ -212,6 +215,7 @@ def main(words):
         return make_task(asked)
     if asked.collect is not None:
         folder, wanted = stored(asked.collect)
+        asked.plot = asked.plot or wanted.get("plot", [])
         return finish(folder, runs_of(folder, wanted), asked)
     folder, wanted = prepare(asked, options)
     runs = runs_of(folder, wanted)

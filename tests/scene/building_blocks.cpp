@@ -2,9 +2,12 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <mutex>
+#include <sstream>
 #include <string>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/penetration.hpp>
@@ -13,6 +16,7 @@
 #include <talus/scene/fluid.hpp>
 #include <talus/scene/force_field.hpp>
 #include <talus/scene/inflow.hpp>
+#include <talus/scene/lattice.hpp>
 #include <talus/scene/outflow.hpp>
 #include <talus/scene/packing.hpp>
 #include <talus/scene/region.hpp>
@@ -160,6 +164,87 @@ TEST_CASE("packings from spreadsheets are read: a byte order mark, and lines tha
                                  end);
     CHECK(read_packing(commented.name)[0].position == vec3(2, 3, 4));
   }
+}
+
+TEST_CASE("packings that are written are read with the same values, alike from any ranks") {
+  const scratch_file file("");
+  unlink(file.name.c_str());
+  std::string first;
+  for (const int ranks : {1, 4}) {
+    std::map<std::uint64_t, packed_sphere> have;
+    std::mutex together;
+    on(ranks, [&](auto& w) {
+      w.gravity({0, 0, -10});
+      w.global([](auto& s) { s.add(plane{}, {}); });
+      w.fill(simple_cubic{.spacing = 1} & box_region{{-3, -3, 0.6}, {3, 3, 3}},
+             [](const site& place, random_stream& random) {
+               return body{.shape = sphere{random.uniform(0.3, 0.6)},
+                           .position = place.position,
+                           .velocity = random.uniform(vec3(-5, -5, -5), vec3(5, 5, 5))};
+             });
+      w.add_if_local(body{.shape = sphere{0.2}, .position = {0.1, 0, 9}, .fixed = true});
+      for (int n = 0; n < 100; ++n) w.step(0.005);
+      w.for_each_local([&](const auto& b) {
+        if (b.is_fixed()) return;
+        const std::lock_guard<std::mutex> one(together);
+        have[value_of(b.id())] = {b.position(), b.shape().radius, b.velocity()};
+      });
+      write_packing(w, file.name);
+      write_packing(w, file.name);  // replaces it
+    });
+    const packing heap = read_packing(file.name);
+    REQUIRE(heap.size() == have.size());
+    std::size_t i = 0, same = 0;
+    for (const auto& [id, b] : have) {
+      const packed_sphere& s = heap[i++];
+      same += s.position == b.position && s.radius == b.radius && s.velocity == b.velocity;
+    }
+    CHECK(same == have.size());
+    CHECK(same > 70);
+    std::ostringstream text;
+    text << std::ifstream(file.name).rdbuf();
+    if (ranks == 1) first = text.str();
+    CHECK(text.str() == first);
+  }
+}
+
+TEST_CASE("packings that cannot be written are refused alike on all ranks") {
+  const scratch_file file("these are my notes\n");
+  std::atomic<int> refused{0};
+  on(4, [&](auto& w) {
+    w.add_if_local(body{.shape = sphere{0.2}, .position = {1, 1, 1}});
+    const auto refusal = [&](const std::string& name) {
+      try {
+        write_packing(w, name);
+      } catch (const std::runtime_error& e) {
+        return std::string(e.what());
+      }
+      return std::string("none");
+    };
+    refused += refusal(file.name) == "the packing " + file.name +
+                                         " is there already and is not a packing of talus: name "
+                                         "another file, remove this one";
+    refused += refusal("/tmp").starts_with("the packing /tmp is ");
+    refused += refusal("/no such folder/heap.csv").starts_with("the packing /no such folder/");
+  });
+  CHECK(refused == 12);
+  std::string kept;
+  std::getline(std::ifstream(file.name) >> std::ws, kept);
+  CHECK(kept == "these are my notes");
+  threads::launch({.ranks = 2}, [&](threads::link& link) {
+    using mixed = scenario<bodies<sphere, box>, transport<threads>, decomposition<grid<dynamic>>>;
+    world<mixed> w(link, {.lower = {-4}, .upper = {4}});
+    w.material({.density = 2});
+    w.add_if_local(body{.shape = sphere{0.2}, .position = {1, 1, 1}});
+    w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {-2, 1, 1}, .fixed = true});
+    write_packing(w, file.name + "_mixed");
+    w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {2, 1, 1}});
+    CHECK_THROWS_WITH_AS(write_packing(w, file.name + "_mixed"),
+                         doctest::Contains("of the bodies that can move 1 have other shapes"),
+                         std::runtime_error);
+  });
+  CHECK(read_packing(file.name + "_mixed").size() == 1);
+  unlink((file.name + "_mixed").c_str());
 }
 
 TEST_CASE("bodies come in at their rate, without overlap, and go, alike on any ranks") {

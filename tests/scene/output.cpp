@@ -399,11 +399,15 @@ TEST_CASE("a series of a restarted run is the one of a run that was never interr
                     "--checkpoint-every", "20"}) == 0);
   REQUIRE(run_pile({"--steps", "25", "--output", files("b"), "--checkpoint", files("b.h5"),
                     "--checkpoint-every", "20"}) == 0);
-  CHECK(steps_in(index) == std::vector<int>{0, 10, 20, 30});
+  // The last state has a file, too, and the continued series leaves it out.
+  CHECK(steps_in(index) == std::vector<int>{0, 10, 20, 30, 35});
+  CHECK(steps_in(files("b_contacts.hdf.series")) == std::vector<int>{0, 10, 20, 25});
   REQUIRE(std::rename(files("b.h5").c_str(), files("a.h5").c_str()) == 0);  // of step 25
   const std::string before = text_of(files("a_contacts_0000000020.hdf"));
   std::ofstream(files("a_0000000030.hdf")) << "of another future";
-  REQUIRE(run_pile({"--steps", "40", "--output", index, "--restart", files("a.h5")}) == 0);
+  REQUIRE(run_pile({"--steps", "40", "--output", index, "--restart", files("a.h5"), "--log",
+                    files("log")}) == 0);
+  CHECK(text_of(files("log")).find(", restarted at step 25\n") != std::string::npos);
   CHECK(steps_in(index) == whole);
   CHECK(steps_in(contacts) == whole);
   CHECK(text_of(files("a_contacts_0000000020.hdf")) == before);
@@ -431,6 +435,38 @@ TEST_CASE("a series of a restarted run is the one of a run that was never interr
   CHECK(steps_in(files("c_surfaces.hdf.series")).empty());  // and lists no faces of another run
   CHECK(steps_in(files("c.hdf.series")) == std::vector<int>{0, 10});
   CHECK(std::system(("ls " + files.folder + " | grep -q part").c_str()) != 0);
+}
+
+TEST_CASE("the state at the end of a run is in its output, once, wherever it ends") {
+  const scratch files;
+  const auto steps_of = [&](std::vector<std::string> more, int code, int ranks) {
+    more.insert(more.end(), {"--output", files("a")});
+    REQUIRE(run_pile(more, ranks) == code);
+    const auto steps = steps_in(files("a.hdf.series"));
+    CHECK(steps == steps_in(files("a_contacts.hdf.series")));
+    char digits[16];
+    std::snprintf(digits, sizeof digits, "%010d", steps.back());
+    const file_reader last(files(std::string("a_") + digits + ".hdf"));
+    CHECK(last.whole("FieldData/step").at(0) == steps.back());
+    CHECK(bodies_in(last).size() > 35);
+    return steps;
+  };
+  CHECK(steps_of({"--steps", "0"}, 0, 1) == std::vector<int>{0});
+  for (const int ranks : {1, 3}) {
+    CHECK(steps_of({"--steps", "7"}, 0, ranks) == std::vector<int>{0, 7});
+    CHECK(steps_of({"--steps", "20"}, 0, ranks) == std::vector<int>{0, 10, 20});
+  }
+  CHECK(steps_of({"--steps", "13", "--checkpoint", files("a.h5")}, 0, 2) ==
+        std::vector<int>{0, 10, 13});
+  // A restart that makes no step, and one on other ranks.
+  CHECK(steps_of({"--steps", "13", "--restart", files("a.h5")}, 0, 3) ==
+        std::vector<int>{0, 10, 13});
+  CHECK(steps_of({"--steps", "22", "--restart", files("a.h5")}, 0, 3) ==
+        std::vector<int>{0, 10, 20, 22});
+  // The time limit ends it after some step.
+  const auto limited =
+      steps_of({"--steps", "1000000", "--time-limit", "1s"}, detail::exit_code_of_time_limit, 2);
+  CHECK(limited.size() > 1);
 }
 
 TEST_CASE("an output that cannot be written is said before anything is computed") {

@@ -258,6 +258,33 @@ class Sweeps(unittest.TestCase):
         self.sweep("--plot", "contacts", "--vary", "friction=0.2,0.4", "--vary", "iterations=5,10")
         self.assertEqual([p.name for p in (self.work / "out" / "plots").glob("*")], ["contacts.svg"])
 
+    def test_plots_are_those_that_are_named_also_when_collected(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("this Python has no matplotlib")
+        self.plots = []
+
+        def drawn():
+            return {p.name for p in (self.work / "out" / "plots").glob("*")}
+
+        # A result that does not vary is drawn where it is named.
+        vary = ("--vary", "friction=0.2,0.4")
+        self.sweep("--plot", "steps, angle", *vary)
+        self.assertEqual(drawn(), {"steps.svg", "angle.svg"})
+        self.assertIn("<svg", (self.work / "out" / "plots" / "steps.svg").read_text())
+        said = subprocess.run([*SWEEP, "--collect", self.work / "out"], capture_output=True, text=True)
+        self.assertEqual((said.returncode, drawn()), (0, {"steps.svg", "angle.svg"}), said.stderr)
+        subprocess.run([*SWEEP, "--plot", "contacts", "--collect", self.work / "out"], check=True, capture_output=True)
+        self.assertEqual(drawn(), {"contacts.svg"})
+        said = self.sweep("--plot", "scenario,angle,slope,residual", *vary, code=1)
+        self.assertIn("--plot scenario: the results have no number as scenario", said)
+        self.assertIn("--plot residual: the results have no number as residual", said)
+        self.assertIn("--plot slope: the results have no slope", said)
+        self.assertEqual(drawn(), {"angle.svg"})
+        self.sweep(*vary)
+        self.assertEqual(drawn(), {"contacts.svg", "angle.svg", "flowing.svg"})
+
     @unittest.skipUnless(REAL, "no real program is given")
     def test_a_real_program_is_swept(self):
         self.sweep("--vary", "iterations=2,5,10", "--", "--steps", "120", "--ranks", "1", program=REAL)

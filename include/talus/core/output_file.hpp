@@ -29,6 +29,7 @@ namespace talus::detail {
 struct output_kind {
   const char* name;                     ///< as in "is not ...": "a checkpoint of talus"
   bool (*owns)(std::string_view head);  ///< whether a file with these first bytes is of this kind
+  bool forced = true;                   ///< whether the option --force applies to it
 };
 /// Bytes at the beginning of a file by which its kind is recognised.
 inline constexpr std::size_t output_head_bytes = 4096;

@@ -55,8 +55,13 @@ TALUS_INLINE output_target inspect_target(const std::string& path, const output_
                                           bool force) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) return {};  // absent, or opening it will fail
-  if (S_ISREG(found.st_mode)) return inspect_regular(path, kind, force);
-  if (S_ISLNK(found.st_mode)) return {.objection = objection_to_link(path, force)};
+  const auto spoken = [&](output_target target) {
+    std::string& words = target.objection;
+    if (!kind.forced) words.resize(std::min(words.size(), words.find(", or add --force")));
+    return target;
+  };
+  if (S_ISREG(found.st_mode)) return spoken(inspect_regular(path, kind, force));
+  if (S_ISLNK(found.st_mode)) return spoken({.objection = objection_to_link(path, force)});
   if (S_ISDIR(found.st_mode)) return {.objection = "is a folder: name a file in it"};
   return {.objection =
               "is a device, a pipe or a socket, which this output must not replace: name "

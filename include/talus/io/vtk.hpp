@@ -174,9 +174,9 @@ class vtk_series {
 
   /// Whether a series of this name existed. On rank 0 alone.
   [[nodiscard]] bool replaces() const { return replaces_ && !goes_on_; }
-  /// Collective: of a continued series, removes the files of later steps than the present one. Does
-  /// so once; write() does so by itself.
-  [[gnu::cold]] void go_on() {
+  /// Collective: of a continued series, removes the files of later steps than the present one, or
+  /// that of the present one too. Does so once; write() does so by itself.
+  [[gnu::cold]] void go_on(bool keep_present = true) {
     if (!std::exchange(goes_on_, false)) return;
     detail::team_over team(w_.link());
     std::uint64_t has_now = 0;
@@ -184,8 +184,9 @@ class vtk_series {
       if (w_.rank() != 0) return;
       // All files of the present step exist, or they are written again.
       const std::uint64_t end = w_.steps() + 1;
-      has_now = std::all_of(parts_.begin(), parts_.end(),
-                            [&](const part& p) { return p.index.last_before(end) == w_.steps(); });
+      has_now = keep_present && std::all_of(parts_.begin(), parts_.end(), [&](const part& p) {
+                  return p.index.last_before(end) == w_.steps();
+                });
       for (part& p : parts_) p.index.go_on(has_now != 0 ? end : w_.steps());
     });
     team.most(std::span(&has_now, 1));

@@ -31,7 +31,8 @@ namespace detail {
 inline constexpr std::string_view breaks_head =
     "step,time,x,y,z,normal_x,normal_y,normal_z,mode,a,b\n";
 inline constexpr output_kind breaks_output{
-    "a table of broken bonds", [](std::string_view head) { return head.starts_with(breaks_head); }};
+    "a table of broken bonds", [](std::string_view head) { return head.starts_with(breaks_head); },
+    false};
 
 /// The open table, which one run at a time writes. Exceptions begin with the name of the file.
 class breaks_file {

@@ -180,10 +180,13 @@ TALUS_INLINE std::string to_text(const summary& r) {
       r.ranks > 1 ? detail::compose(" on {} ranks, {}", r.ranks, r.transport) : std::string();
   const std::string lengths =
       r.dt_least < r.dt_most ? text(r.dt_least, 6) + " to " + text(r.dt_most, 6) : text(r.dt, 6);
-  return detail::compose("{}: {} ({} movable{}){}, {} of {}{}\n", r.scenario,
+  const std::string restarted = r.restarted_at > 0
+                                    ? detail::compose(", restarted at step {}", r.restarted_at)
+                                    : std::string();
+  return detail::compose("{}: {} ({} movable{}){}, {} of {}{}{}\n", r.scenario,
                          counted(r.moving.bodies, "body", "bodies"), r.moving.movable, asleep,
                          ranks, counted(r.steps, "step", "steps"), lengths,
-                         unit_behind("T", r.units)) +
+                         unit_behind("T", r.units), restarted) +
          detail::time_text(r) + detail::error_text(r) + detail::islands_line(r.islands) + rules +
          detail::compose(
              "  motion   kinetic energy {}{}, fastest body {}{}, momentum of all {}{}\n",

@@ -85,7 +85,8 @@ TALUS_INLINE void options::describe(command_line& cli) {
   cli.add("--checkpoint-every", checkpoint_every, "steps from one version of it to the next", 1);
   cli.add("--restart", restart, "go on from this checkpoint");
   cli.add("--output", output, "write bodies and contacts for ParaView: NAME.hdf.series");
-  cli.add("--output-every", output_every, "steps from one output to the next", 1);
+  cli.add("--output-every", output_every,
+          "steps from one output to the next; the end of the run has one too", 1);
   cli.add(
       "--output-surfaces", output_surfaces,
       "with the faces of boxes, capsules and all that are no spheres: NAME_surfaces.hdf.series");

@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "talus/core/error.hpp"
 #include "talus/core/input_file.hpp"
 #include "talus/core/linkage.hpp"
+#include "talus/core/output_file.hpp"
 #include "talus/scene/packing.hpp"
 
 namespace talus {
@@ -116,6 +119,28 @@ namespace detail {
     detail::fail<std::runtime_error>(
         "the packing {} is empty: its first line names the columns x, y, z and r", file);
   return packing(std::move(spheres));
+}
+
+[[gnu::cold]] TALUS_INLINE std::string detail::write_spheres(const std::string& file,
+                                                             plain_vector<sent_sphere> spheres) {
+  static constexpr std::string_view head = "x,y,z,r,vx,vy,vz\n";
+  static constexpr output_kind kind{
+      "a packing of talus", [](std::string_view found) { return found.starts_with(head); }, false};
+  std::sort(spheres.begin(), spheres.end(),
+            [](const sent_sphere& a, const sent_sphere& b) { return a.id < b.id; });
+  std::string text(head);
+  for (const sent_sphere& one : spheres)
+    for (std::size_t k = 0; k < 7; ++k) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%.17g%c", one.values[k], k < 6 ? ',' : '\n');
+      text += number;
+    }
+  try {
+    write_output(file, text, kind, false);
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+  return {};
 }
 
 }  // namespace talus

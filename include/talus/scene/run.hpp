@@ -149,15 +149,17 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, run_log& log
   }
 }
 
-/// The output that the options ask for. Collective.
+/// The output that the options ask for. Collective. Returns what writes the state with which the
+/// run ends, unless its step has a file already; empty without output.
 template <class Scenario, class Options>
-void attach_output(world<Scenario>& w, const Options& options, run_log& log) {
+[[nodiscard]] std::function<void()> attach_output(world<Scenario>& w, const Options& options,
+                                                  run_log& log) {
   if constexpr (Scenario::template has_feature<vtk_output>) {
     static_assert(complete<vtk_series<Scenario>>,
                   "run needs what writes the output of its scenario, which names "
                   "features<vtk_output>: write #include <talus/vtk.hpp>");
     if constexpr (complete<vtk_series<Scenario>>) {
-      if (options.output.empty()) return;
+      if (options.output.empty()) return {};
       const auto series = std::make_shared<vtk_series<Scenario>>(
           w, options.output, !options.restart.empty(),
           typename vtk_series<Scenario>::content{.surfaces = options.output_surfaces,
@@ -165,13 +167,18 @@ void attach_output(world<Scenario>& w, const Options& options, run_log& log) {
       if (w.rank() == 0 && series->replaces())
         log.say(compose("--output {} replaces a series of an earlier run\n", options.output),
                 options.quiet);
-      const auto write = [&w, series, every = options.output_every] {
-        if (w.steps() % every == 0) series->write();
+      const auto due = [&w, every = options.output_every] { return w.steps() % every == 0; };
+      const auto write = [series, due] {
+        if (due()) series->write();
       };
-      w.before_simulating("files of --output", [series, write] { series->go_on(), write(); });
+      // The state with which the first run ended is none of a run without interruption.
+      w.before_simulating("files of --output",
+                          [series, due, write] { series->go_on(due()), write(); });
       w.after_each_step("files of --output", write);
+      return [series] { series->write(); };
     }
   }
+  return {};
 }
 
 /// One rank of the program: set-up, steps with progress, figures. Returns the exit code. `began`:
@@ -242,7 +249,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     if (options.checkpoint.empty()) throw ended_early{w.steps(), 0, ended_early::cause::time_limit};
   });
   attach_checkpoints(w, options, log, progress, table, out_of_time);
-  attach_output(w, options, log);
+  const std::function<void()> write_last = attach_output(w, options, log);
   const auto view = attach_view(w, options, name);
   if (!replaced.empty()) log.say(replaced, quiet);
   const exit_guard guard(place, name, options, log);
@@ -293,6 +300,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
       log.say(compose("{}: warning: {}\n", name, words), quiet);
 
   if (w.steps() == 0) w.synchronize();
+  if (write_last) write_last();
   if constexpr (!std::is_void_v<decltype(set_up(w, options))>)
     if (!silent) mention_results(log, name, link, own, quiet);
   table.sample(w);
