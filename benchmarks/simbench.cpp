@@ -5,6 +5,8 @@
 
 int main(int argc, char** argv) {
   return bench::guarded([&] {
-    bench::run_simbench<bench::talus_engine<talus::sphere, talus::box, talus::plane>>({argc, argv});
+    using shapes = talus::bodies<talus::sphere, talus::box, talus::plane>;
+    using engine = bench::talus_engine_with<shapes, talus::features<talus::forces>>;
+    bench::run_simbench<engine>({argc, argv});
   });
 }

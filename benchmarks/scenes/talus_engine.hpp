@@ -70,7 +70,7 @@ class talus_engine_with {
 
   static std::string name() { return "talus"; }
   void step() { world_.step(scene_.dt); }
-  /// A force on a crate in the next step.
+  /// A force on a crate in the next step, with features<forces>.
   void push(std::size_t crate, const vec& force) requires boxes {
     world_[crates_[crate]].add_force(vector(force));
   }
