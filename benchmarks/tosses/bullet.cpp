@@ -1,5 +1,5 @@
 // Bullet in double precision: a box on a plane, sequential impulses and its defaults. Restitution
-// acts at all speeds, as in the other engines, not from 0.5 m/s on.
+// acts at all speeds, as in the other engines, not from 0.2 m/s on.
 #include <btBulletDynamicsCommon.h>
 
 #include "runner.hpp"
